@@ -25,7 +25,7 @@ from remodel_sim.cell import Cell
 from remodel_sim.core.errors import AbilityError
 from remodel_sim.core.geometry import Pose
 from remodel_sim.core.goals import InsertGoal
-from remodel_sim.core.workpiece.panel import End, Panel
+from remodel_sim.core.workpiece.panel import Panel, WireEnd
 from remodel_sim.edge.wire_material_file import read_wire_materials
 from remodel_sim.physics.truth import ground_truth
 from remodel_sim.ros.conversions import read_panel
@@ -66,13 +66,13 @@ class Point:
 def measure(panel: Panel, offset_mm: float, angle_deg: float) -> Point:
     """Insert end a of the panel's first wire with an error."""
     wire = panel.wires[0]
-    terminal = wire.goes_to(End.A)
+    terminal = wire.goes_to(WireEnd.A)
     cell = Cell(panel, seed=SEED)
     mouth = panel.panel_from_socket(*terminal).position
     cell.feed(wire.id, panel.channel_in_front_of(mouth).id)
     error = Pose.level(0.0, offset_mm / 1e3, 0.0, np.radians(angle_deg))
     given = cell.plant.world_from_socket(*terminal) @ error
-    goal = InsertGoal(ROBOT, wire.id, End.A, *terminal, given, FORCE_LIMIT_N)
+    goal = InsertGoal(ROBOT, wire.id, WireEnd.A, *terminal, given, FORCE_LIMIT_N)
     found = SEATED
     try:
         cell.run(insert_cable(cell.context, goal))

@@ -13,7 +13,7 @@ from remodel_sim.core.workpiece.wire_mechanics import Piece, chain
 from remodel_sim.edge.cell_file import read_cell
 from remodel_sim.physics.fixtures.panel_scene import add_plate_surface
 from remodel_sim.physics.robot import Robot
-from remodel_sim.physics.wires.cable import Cable
+from remodel_sim.physics.wires.cable import SimulatedWire
 from remodel_sim.physics.world import World
 
 CELLS = 24
@@ -41,7 +41,7 @@ def real_time_factor(rate_hz: float) -> float:
     specimen = wire("W", ("X", "1"), ("Y", "1"), LENGTH_M, diameter=0.004)
     cell = LENGTH_M / CELLS
     model = chain(specimen, [Piece(cell, cell)] * CELLS, world.time_step)
-    cable = Cable(world, model, "BU")
+    cable = SimulatedWire(world, model, "BU")
     wave = WAVE_1_M * np.sin(np.linspace(0.0, 5.0, len(model.spans)))
     cable.lay(np.array([0.3, -0.2, specimen.radius]), np.pi / 2, wave)
     for _ in range(round(REST_S * rate_hz)):

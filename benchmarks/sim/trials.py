@@ -21,7 +21,7 @@ from remodel_sim.cell import Cell
 from remodel_sim.core import goals
 from remodel_sim.core.errors import AbilityError
 from remodel_sim.core.geometry import Pose
-from remodel_sim.core.workpiece.panel import End, Panel, Wire
+from remodel_sim.core.workpiece.panel import Panel, PanelWire, WireEnd
 from remodel_sim.core.workpiece.routes import world_from_clip
 from remodel_sim.core.workpiece.wire_colours import WIRE_RGB
 from remodel_sim.physics.truth import ground_truth, lies_in
@@ -87,7 +87,7 @@ def run(trial: Trial) -> Outcome:
         cell.close()
 
 
-def whole_wire(cell: Cell, wire: Wire) -> Outcome:
+def whole_wire(cell: Cell, wire: PanelWire) -> Outcome:
     """Place a wire as its chart does; good when both ends sit in closed terminals, by the truth."""
     history = task.History()
     wall, cpu = time.perf_counter(), time.process_time()
@@ -97,7 +97,7 @@ def whole_wire(cell: Cell, wire: Wire) -> Outcome:
         history.failures.append(error)
     figures = {"wall [s]": time.perf_counter() - wall, "cpu [s]": time.process_time() - cpu}
     (truth,) = ground_truth(cell.plant, [wire.id])
-    for end, is_at in ((End.A, truth.a), (End.B, truth.b)):
+    for end, is_at in ((WireEnd.A, truth.a), (WireEnd.B, truth.b)):
         if end in history.attempts:
             figures[f"attempts at {end.value}"] = history.attempts[end]
             figures[f"placed {end.value}"] = float(is_at.seated and is_at.fixed)
@@ -105,32 +105,32 @@ def whole_wire(cell: Cell, wire: Wire) -> Outcome:
     return Outcome(truth.placed, found or Code.NONE.name, figures)
 
 
-def pick(cell: Cell, wire: Wire) -> Outcome:
+def pick(cell: Cell, wire: PanelWire) -> Outcome:
     """Pick end a; good when it is off the plate, by the truth."""
     cell.feed(wire.id, task.channel_of(cell, wire))
-    found = _code_of(lambda: task.pick(cell, wire, End.A))
+    found = _code_of(lambda: task.pick(cell, wire, WireEnd.A))
     assert cell.plant.live is not None, "it was fed"
-    height = float(cell.plant.live.cable.tip(End.A)[0][2])
+    height = float(cell.plant.live.cable.tip(WireEnd.A)[0][2])
     return Outcome(height > LIFTED_M, found, {"height [m]": height})
 
 
-def offset(cell: Cell, wire: Wire) -> Outcome:
+def offset(cell: Cell, wire: PanelWire) -> Outcome:
     """Insert 6 mm beside the mouth: the face stops it."""
     side = OFFSET_M if cell.plant.seed % 2 else -OFFSET_M
     cell.feed(wire.id, task.channel_of(cell, wire))
-    socket = task.locate_again(cell, *wire.goes_to(End.A))
+    socket = task.locate_again(cell, *wire.goes_to(WireEnd.A))
     beside = Pose(socket.apply(np.array([0.0, side, 0.0])), socket.quaternion)
-    return _refused(cell, wire, wire.goes_to(End.A), beside, Code.INSERTION_MISALIGNED)
+    return _refused(cell, wire, wire.goes_to(WireEnd.A), beside, Code.INSERTION_MISALIGNED)
 
 
-def connector(cell: Cell, wire: Wire) -> Outcome:
+def connector(cell: Cell, wire: PanelWire) -> Outcome:
     """Mate a connector with its header; good when it is latched there, by the truth."""
     found = _code_of(lambda: _connect(cell, wire))
     (truth,) = ground_truth(cell.plant, [wire.id])
     return Outcome(truth.a.seated and truth.a.fixed and found == Code.NONE.name, found)
 
 
-def connector_offset(cell: Cell, wire: Wire) -> Outcome:
+def connector_offset(cell: Cell, wire: PanelWire) -> Outcome:
     """Mate a connector 6 mm beside its header."""
     found = _code_of(
         lambda: _connect(cell, wire, OFFSET_M if cell.plant.seed % 4 < 2 else -OFFSET_M)
@@ -138,63 +138,63 @@ def connector_offset(cell: Cell, wire: Wire) -> Outcome:
     return Outcome(_is(found, Code.INSERTION_MISALIGNED), found)
 
 
-def connector_blocked(cell: Cell, wire: Wire) -> Outcome:
+def connector_blocked(cell: Cell, wire: PanelWire) -> Outcome:
     """Mate a connector with a header that has a plug in one of its bores."""
-    cell.plant.block_socket(*wire.goes_to(End.A))
+    cell.plant.block_socket(*wire.goes_to(WireEnd.A))
     found = _code_of(lambda: _connect(cell, wire))
     return Outcome(_is(found, Code.INSERTION_JAMMED), found)
 
 
-def _connect(cell: Cell, wire: Wire, aside: float = 0.0) -> None:
+def _connect(cell: Cell, wire: PanelWire, aside: float = 0.0) -> None:
     """Feed a wire, locate the header of its end a, and push the connector there."""
     cell.feed(wire.id, task.channel_of(cell, wire))
-    header = wire.goes_to(End.A)
+    header = wire.goes_to(WireEnd.A)
     socket = task.locate_again(cell, *header)
     beside = Pose(socket.apply(np.array([0.0, aside, 0.0])), socket.quaternion)
     task.place_connector(cell, wire, header, beside)
 
 
-def blocked(cell: Cell, wire: Wire) -> Outcome:
+def blocked(cell: Cell, wire: PanelWire) -> Outcome:
     """Insert into a terminal with a plug in its bore."""
-    terminal = wire.goes_to(End.A)
+    terminal = wire.goes_to(WireEnd.A)
     cell.plant.block_socket(*terminal)
     cell.feed(wire.id, task.channel_of(cell, wire))
     socket = task.locate_again(cell, *terminal)
     return _refused(cell, wire, terminal, socket, Code.INSERTION_JAMMED)
 
 
-def other_component(cell: Cell, wire: Wire) -> Outcome:
+def other_component(cell: Cell, wire: PanelWire) -> Outcome:
     """Insert where end b's component is, under the name of end a's terminal."""
     cell.feed(wire.id, task.channel_of(cell, wire))
-    socket = task.locate_again(cell, *wire.goes_to(End.B))
-    return _refused(cell, wire, wire.goes_to(End.A), socket, Code.INVALID_GOAL)
+    socket = task.locate_again(cell, *wire.goes_to(WireEnd.B))
+    return _refused(cell, wire, wire.goes_to(WireEnd.A), socket, Code.INVALID_GOAL)
 
 
-def neighbour(cell: Cell, wire: Wire) -> Outcome:
+def neighbour(cell: Cell, wire: PanelWire) -> Outcome:
     """Insert where the terminal beside end a's is, under the name of end a's."""
-    component, own = wire.goes_to(End.A)
+    component, own = wire.goes_to(WireEnd.A)
     others = [t.id for t in cell.context.panel.component(component).terminals if t.id != own]
     cell.feed(wire.id, task.channel_of(cell, wire))
     socket = task.locate_again(cell, component, others[cell.plant.seed % len(others)])
     return _refused(cell, wire, (component, own), socket, Code.INVALID_GOAL)
 
 
-def occupied(cell: Cell, wire: Wire) -> Outcome:
+def occupied(cell: Cell, wire: PanelWire) -> Outcome:
     """Insert end b where end a sits."""
-    terminal = wire.goes_to(End.A)
+    terminal = wire.goes_to(WireEnd.A)
     cell.feed(wire.id, task.channel_of(cell, wire))
-    task.connect(cell, wire, End.A, task.History())
+    task.connect(cell, wire, WireEnd.A, task.History())
     socket = task.locate_again(cell, *terminal)
-    found = _code_of(lambda: task.insert(cell, wire, End.B, terminal, socket))
+    found = _code_of(lambda: task.insert(cell, wire, WireEnd.B, terminal, socket))
     return Outcome(_is(found, Code.TERMINAL_OCCUPIED), found)
 
 
-def route(cell: Cell, wire: Wire) -> Outcome:
+def route(cell: Cell, wire: PanelWire) -> Outcome:
     """Lay a wire into the clips of the panel; good when it runs through all, by the truth."""
     panel = cell.context.panel
     cell.feed(wire.id, task.channel_of(cell, wire))
-    task.connect(cell, wire, End.A, task.History())
-    task.pick(cell, wire, End.B)
+    task.connect(cell, wire, WireEnd.A, task.History())
+    task.pick(cell, wire, WireEnd.B)
     wall, cpu = time.perf_counter(), time.process_time()
     found = _code_of(lambda: task.route(cell, wire, _over_clips(panel)))
     figures = {"wall [s]": time.perf_counter() - wall, "cpu [s]": time.process_time() - cpu}
@@ -210,7 +210,7 @@ def _over_clips(panel: Panel) -> tuple[Pose, ...]:
     return tuple(way @ Pose.level(0.0, 0.0, PATH_Z_M) for way in ways)
 
 
-def connections(cell: Cell, wire: Wire) -> Outcome:
+def connections(cell: Cell, wire: PanelWire) -> Outcome:
     """Ask what sits in terminals while a wire is placed; good when no answer contradicts the truth.
 
     The wires get colours of their own, some the same. Asked is of empty terminals, of a fixed end,
@@ -227,7 +227,7 @@ def connections(cell: Cell, wire: Wire) -> Outcome:
     cell.feed(wire.id, task.channel_of(cell, wire))
     answers += _asked(cell, wire)
     with suppress(AbilityError):
-        task.connect(cell, wire, End.A, task.History())
+        task.connect(cell, wire, WireEnd.A, task.History())
     answers += _asked(cell, wire)
     with suppress(AbilityError):
         _leave_before(cell, wire, random)
@@ -242,7 +242,7 @@ def connections(cell: Cell, wire: Wire) -> Outcome:
     return Outcome(not wrong, "; ".join(wrong + refused) or Code.NONE.name, figures)
 
 
-def _asked(cell: Cell, live: Wire) -> Iterator[tuple[str, bool | None, bool]]:
+def _asked(cell: Cell, live: PanelWire) -> Iterator[tuple[str, bool | None, bool]]:
     """Yield what is said of the ends of all wires, and the truth; None: it was not seen.
 
     Each is asked for in its own terminal, those of the live wire in the neighbouring ones too.
@@ -250,10 +250,10 @@ def _asked(cell: Cell, live: Wire) -> Iterator[tuple[str, bool | None, bool]]:
     panel = cell.context.panel
     for wire in panel.wires:
         truth = next(iter(ground_truth(cell.plant, [wire.id])), None)
-        for end in End:
+        for end in WireEnd:
             component, own = wire.goes_to(end)
             beside = [t.id for t in panel.component(component).terminals if wire is live]
-            is_at = truth and (truth.a if end is End.A else truth.b)
+            is_at = truth and (truth.a if end is WireEnd.A else truth.b)
             for terminal in {own: None, **dict.fromkeys(beside)}:
                 place = f"{component}/{terminal}"
                 true = bool(is_at and is_at.at == place and is_at.fixed)
@@ -267,9 +267,9 @@ def _asked(cell: Cell, live: Wire) -> Iterator[tuple[str, bool | None, bool]]:
                 yield words, seen, true
 
 
-def _leave_before(cell: Cell, wire: Wire, random: np.random.Generator) -> None:
+def _leave_before(cell: Cell, wire: PanelWire, random: np.random.Generator) -> None:
     """Push end b at or into its mouth, and let go there."""
-    terminal = wire.goes_to(End.B)
+    terminal = wire.goes_to(WireEnd.B)
     really = cell.plant.world_from_socket(*terminal)
     if random.random() < SHARE_BLOCKED:
         cell.plant.block_socket(*terminal)
@@ -277,19 +277,19 @@ def _leave_before(cell: Cell, wire: Wire, random: np.random.Generator) -> None:
     beside = Pose(really.apply(np.array([0.0, side, 0.0])), really.quaternion)
     with suppress(AbilityError):
         task.carry(cell, wire)
-        task.insert(cell, wire, End.B, terminal, beside)
+        task.insert(cell, wire, WireEnd.B, terminal, beside)
     if cell.context.belief.grip is not None:
         cell.run(release(cell.context, HAND_OPEN_M))
         cell.run(rise(cell.context))
 
 
-def located(disturb: Callable[[Cell, str], None]) -> Callable[[Cell, Wire], Outcome]:
+def located(disturb: Callable[[Cell, str], None]) -> Callable[[Cell, PanelWire], Outcome]:
     """Return the trial that locates a terminal after something has been changed.
 
     Components take turns, not wires: every label is to be read.
     """
 
-    def locate(cell: Cell, _: Wire) -> Outcome:
+    def locate(cell: Cell, _: PanelWire) -> Outcome:
         components = cell.context.panel.components
         turn, which = divmod(cell.plant.seed, len(components))
         component = components[which].id
@@ -320,7 +320,7 @@ def _random(cell: Cell) -> np.random.Generator:
     return np.random.default_rng([cell.plant.seed, 1])
 
 
-TRIALS: dict[str, Callable[[Cell, Wire], Outcome]] = {
+TRIALS: dict[str, Callable[[Cell, PanelWire], Outcome]] = {
     "wire": whole_wire,
     "pick": pick,
     "offset": offset,
@@ -340,10 +340,10 @@ TRIALS: dict[str, Callable[[Cell, Wire], Outcome]] = {
 
 
 def _refused(
-    cell: Cell, wire: Wire, terminal: tuple[str, str], socket: Pose, right: Code
+    cell: Cell, wire: PanelWire, terminal: tuple[str, str], socket: Pose, right: Code
 ) -> Outcome:
     """Insert end a; good when it is refused with the right code."""
-    found = _code_of(lambda: task.insert(cell, wire, End.A, terminal, socket))
+    found = _code_of(lambda: task.insert(cell, wire, WireEnd.A, terminal, socket))
     return Outcome(_is(found, right), found)
 
 

@@ -24,7 +24,7 @@ from remodel_sim.core import goals
 from remodel_sim.core.errors import AbilityError
 from remodel_sim.core.geometry import Pose
 from remodel_sim.core.workpiece.layout import WORLD_FROM_PANEL
-from remodel_sim.core.workpiece.panel import End, Wire
+from remodel_sim.core.workpiece.panel import PanelWire, WireEnd
 
 ROBOT = "robot_1"
 
@@ -56,7 +56,7 @@ class History:
         failures: what went wrong on the way, whether it was mended or not.
     """
 
-    attempts: dict[End, int] = field(default_factory=dict)
+    attempts: dict[WireEnd, int] = field(default_factory=dict)
     failures: list[AbilityError] = field(default_factory=list)
 
 
@@ -69,10 +69,10 @@ def do(cell: Cell, ability: Callable[[RobotContext, G], Steps[T]], goal: G) -> T
     return cell.run(ability(cell.context, goal))
 
 
-def channel_of(cell: Cell, wire: Wire) -> str:
+def channel_of(cell: Cell, wire: PanelWire) -> str:
     """Return the channel in front of end a's terminal, where the wire is laid."""
     panel = cell.context.panel
-    return panel.channel_in_front_of(panel.panel_from_socket(*wire.goes_to(End.A)).position).id
+    return panel.channel_in_front_of(panel.panel_from_socket(*wire.goes_to(WireEnd.A)).position).id
 
 
 def locate(cell: Cell, component: str, terminal: str) -> Pose:
@@ -87,31 +87,33 @@ def locate_again(cell: Cell, component: str, terminal: str) -> Pose:
     return _again(History(), lambda: locate(cell, component, terminal))
 
 
-def route(cell: Cell, wire: Wire, path: tuple[Pose, ...]) -> None:
+def route(cell: Cell, wire: PanelWire, path: tuple[Pose, ...]) -> None:
     """Carry the held end along a path, or lay the wire into the clips on it."""
     do(cell, route_wire, goals.RouteGoal(ROBOT, wire.id, path))
 
 
-def insert(cell: Cell, wire: Wire, end: End, terminal: tuple[str, str], socket: Pose) -> None:
+def insert(
+    cell: Cell, wire: PanelWire, end: WireEnd, terminal: tuple[str, str], socket: Pose
+) -> None:
     """Push an end into a terminal."""
     goal = goals.InsertGoal(ROBOT, wire.id, end, *terminal, socket, FORCE_LIMIT_N)
     do(cell, insert_cable, goal)
 
 
-def place_connector(cell: Cell, wire: Wire, header: tuple[str, str], socket: Pose) -> None:
+def place_connector(cell: Cell, wire: PanelWire, header: tuple[str, str], socket: Pose) -> None:
     """Push the connector at end a into a header."""
-    connector = wire.connector_at(End.A)
+    connector = wire.connector_at(WireEnd.A)
     assert connector is not None, "the wire has one"
     fields = (ROBOT, connector.id, wire.id, *header, socket, MATING_LIMIT_N)
     do(cell, mate_connector, goals.ConnectGoal(*fields))
 
 
-def pick(cell: Cell, wire: Wire, end: End) -> None:
+def pick(cell: Cell, wire: PanelWire, end: WireEnd) -> None:
     """Grasp an end."""
     do(cell, pick_cable, goals.PickGoal(ROBOT, wire.id, end, 0.0))
 
 
-def connect(cell: Cell, wire: Wire, end: End, history: History) -> None:
+def connect(cell: Cell, wire: PanelWire, end: WireEnd, history: History) -> None:
     """Place an end by running the chart Place Connector; raises the last failure if it fails."""
     terminal = wire.goes_to(end)
     run = chart_run.place_connector()
@@ -148,23 +150,23 @@ def connect(cell: Cell, wire: Wire, end: End, history: History) -> None:
         raise last
 
 
-def place(cell: Cell, wire: Wire, history: History) -> None:
+def place(cell: Cell, wire: PanelWire, history: History) -> None:
     """Feed a wire and place it as its chart does; raises what ended it."""
     cell.feed(wire.id, channel_of(cell, wire))
     _again(history, lambda: do(cell, detect_cable, goals.DetectGoal(wire.id)))
-    connect(cell, wire, End.A, history)
+    connect(cell, wire, WireEnd.A, history)
     _again(history, lambda: carry(cell, wire))
-    connect(cell, wire, End.B, history)
+    connect(cell, wire, WireEnd.B, history)
 
 
-def carry(cell: Cell, wire: Wire) -> None:
+def carry(cell: Cell, wire: PanelWire) -> None:
     """Pick end b and route it along its channel to beside its terminal."""
-    pick(cell, wire, End.B)
+    pick(cell, wire, WireEnd.B)
     panel, belief = cell.context.panel, cell.context.belief
     assert belief.feed is not None, "a wire was picked"
     direction = belief.feed.direction
     lane = float(WORLD_FROM_PANEL.position[0]) + panel.channel(channel_of(cell, wire)).x
-    mouth = WORLD_FROM_PANEL @ panel.panel_from_socket(*wire.goes_to(End.B))
+    mouth = WORLD_FROM_PANEL @ panel.panel_from_socket(*wire.goes_to(WireEnd.B))
     beside = float(mouth.position[1]) + BESIDE_M * direction
     target = Pose.level(lane, beside, CARRY_Z_M, direction * math.pi / 2)
     route(cell, wire, (target,))

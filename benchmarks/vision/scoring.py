@@ -10,7 +10,7 @@ from cable_curves import Array, CableCurve, TrueCrossing
 from renderer import paint_labels
 from scenes import SIZE, Scene
 
-from remodel_sim.core.vision.cables import Cable, Detection, End
+from remodel_sim.core.vision.cables import CableEnding, DetectedCable, Detection
 
 # A cable is found when its centreline lies within these of the true one [px], [widths].
 MEAN_LIMIT_PX, FAR_LIMIT_WIDTHS = 1.0, 1.0
@@ -89,7 +89,7 @@ def _distances(points: Array, line: Array) -> Array:
     return np.asarray(np.linalg.norm(points[:, None] - nearest, axis=-1).min(axis=1))
 
 
-def _match(truths: list[Array], found: tuple[Cable, ...]) -> dict[int, int]:
+def _match(truths: list[Array], found: tuple[DetectedCable, ...]) -> dict[int, int]:
     """Pair true and found cables, the nearest first, while most of a true one is covered."""
     options = []
     for (t, truth), (f, cable) in itertools.product(enumerate(truths), enumerate(found)):
@@ -102,18 +102,18 @@ def _match(truths: list[Array], found: tuple[Cable, ...]) -> dict[int, int]:
     return pairs
 
 
-def _ends(truth: CableCurve, found: Cable) -> tuple[list[float], bool]:
+def _ends(truth: CableCurve, found: DetectedCable) -> tuple[list[float], bool]:
     """Return the errors of the loose tips [px], and whether both ends are what they are."""
     limit = np.array(SIZE) - 1
     errors, right = [], True
     for point in (truth.points[0], truth.points[-1]):
         if np.any((point < 0) | (point > limit)):
-            right &= any(tip.end is End.TRUNCATED for tip in found.tips)
+            right &= any(tip.end is CableEnding.TRUNCATED for tip in found.tips)
             continue
         gaps = [float(np.linalg.norm(tip.point - point)) for tip in found.tips]
         near = int(np.argmin(gaps))
         errors.append(gaps[near])
-        right &= gaps[near] < TIP_LIMIT_PX and found.tips[near].end is End.TIP
+        right &= gaps[near] < TIP_LIMIT_PX and found.tips[near].end is CableEnding.TIP
     return errors, right
 
 
@@ -141,11 +141,11 @@ def _dice(scene: Scene, found: Detection, matched: dict[int, int]) -> tuple[floa
     return tuple(indices)
 
 
-def _curve(cable: Cable) -> CableCurve:
+def _curve(cable: DetectedCable) -> CableCurve:
     """Return a found cable in steps of 1 px; one that leaves the picture goes on beyond it."""
     line = [cable.centreline]
     for tip, first in zip(cable.tips, (True, False), strict=True):
-        if tip.end is End.TRUNCATED:
+        if tip.end is CableEnding.TRUNCATED:
             beyond = (tip.point + 2 * cable.width * tip.outward)[None]
             line = [beyond, *line] if first else [*line, beyond]
     points = np.vstack(line)

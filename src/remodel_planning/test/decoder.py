@@ -16,10 +16,10 @@ from remodel_planning.core.problem.problem import (
     Action,
     ActionKind,
     End,
+    PlannedWire,
     Point,
     Problem,
     Stage,
-    Wire,
 )
 
 
@@ -38,7 +38,7 @@ class Step:
     ticks: int
     origin: Point
     goal: Point
-    wire: Wire
+    wire: PlannedWire
     end: End | None = None
     excludes: frozenset[str] = frozenset()
     awaits: tuple[tuple[object, ...], ...] = ()
@@ -63,7 +63,7 @@ class _World:
     facts: dict[tuple[object, ...], int] = field(default_factory=dict)
 
 
-def decode(problem: Problem, wires: Sequence[Wire], modes: dict[str, Mode]) -> list[Action]:
+def decode(problem: Problem, wires: Sequence[PlannedWire], modes: dict[str, Mode]) -> list[Action]:
     """Return the actions that carry out a list of the unfinished wires, by their starts.
 
     Returns fewer actions than the wires need where the arms would wait for each other.
@@ -99,7 +99,7 @@ def _facts_at_start(problem: Problem) -> Iterator[tuple[tuple[object, ...], int]
 
 
 def _steps(
-    world: _World, index: int, wires: Sequence[Wire], modes: dict[str, Mode]
+    world: _World, index: int, wires: Sequence[PlannedWire], modes: dict[str, Mode]
 ) -> Iterator[Step]:
     """Yield what an arm does, each step once the ones before have been begun."""
     for wire in wires:
@@ -114,14 +114,14 @@ def _steps(
             yield from _second_part(world, wire, mode)
 
 
-def _tool(world: _World, index: int, wire: Wire) -> Iterator[Step]:
+def _tool(world: _World, index: int, wire: PlannedWire) -> Iterator[Step]:
     if world.arms[index].tool != wire.tool:
         station = world.problem.arms[index].station_mm
         ticks = world.problem.durations.change_tool
         yield Step(ActionKind.CHANGE_TOOL, ticks, station, station, wire=wire)
 
 
-def _first_part(world: _World, index: int, wire: Wire, mode: Mode) -> Iterator[Step]:
+def _first_part(world: _World, index: int, wire: PlannedWire, mode: Mode) -> Iterator[Step]:
     durations = world.problem.durations
     if wire.stage is Stage.STORED:
         yield from _tool(world, index, wire)
@@ -138,7 +138,7 @@ def _first_part(world: _World, index: int, wire: Wire, mode: Mode) -> Iterator[S
         yield _handover(world, wire, ActionKind.HAND_OVER, receives=False)
 
 
-def _second_part(world: _World, wire: Wire, mode: Mode) -> Iterator[Step]:
+def _second_part(world: _World, wire: PlannedWire, mode: Mode) -> Iterator[Step]:
     durations, second = world.problem.durations, mode.first.other
     if mode.hands_over or wire.stage <= Stage.GIVEN:
         yield _routing(world, wire, mode.first, given=mode.hands_over or wire.stage is Stage.GIVEN)
@@ -149,7 +149,7 @@ def _second_part(world: _World, wire: Wire, mode: Mode) -> Iterator[Step]:
     yield _at_terminal(world, wire, second, ActionKind.FIX, ticks=world.problem.fix_ticks(wire))
 
 
-def _insertion(world: _World, wire: Wire, end: End) -> Iterator[Step]:
+def _insertion(world: _World, wire: PlannedWire, end: End) -> Iterator[Step]:
     component = world.problem.end_terminal(wire, end).component
     located = ("at", component)
     if located not in world.facts:
@@ -169,7 +169,7 @@ def _insertion(world: _World, wire: Wire, end: End) -> Iterator[Step]:
 
 def _at_terminal(
     world: _World,
-    wire: Wire,
+    wire: PlannedWire,
     end: End,
     kind: ActionKind,
     ticks: int,
@@ -195,7 +195,7 @@ def _at_terminal(
 
 
 def _routing(
-    world: _World, wire: Wire, first: End, *, to_handover: bool = False, given: bool = False
+    world: _World, wire: PlannedWire, first: End, *, to_handover: bool = False, given: bool = False
 ) -> Step:
     at_first = world.problem.end_terminal(wire, first).position_mm
     at_second = world.problem.end_terminal(wire, first.other).position_mm
@@ -217,7 +217,7 @@ def _routing(
     )
 
 
-def _handover(world: _World, wire: Wire, kind: ActionKind, *, receives: bool) -> Step:
+def _handover(world: _World, wire: PlannedWire, kind: ActionKind, *, receives: bool) -> Step:
     assert wire.handover is not None
     meeting = wire.handover.position_mm
     # The giver begins for both; the receiver only stands ready.

@@ -10,14 +10,14 @@ import numpy as np
 from remodel_planning.core.problem.problem import (
     Action,
     ActionKind,
-    Arm,
     End,
     Handover,
     Plan,
+    PlannedArm,
+    PlannedWire,
     Point,
     Problem,
     Stage,
-    Wire,
 )
 from remodel_planning.core.search.planned import Planned
 from remodel_planning.core.search.tables import Integers, Tables
@@ -91,7 +91,7 @@ def _begun(plan: Plan, index: int, until: int) -> list[Action]:
     ]
 
 
-def _lengthened(problem: Problem, wire: Wire, component: str, ticks: int) -> Wire:
+def _lengthened(problem: Problem, wire: PlannedWire, component: str, ticks: int) -> PlannedWire:
     there = [problem.end_terminal(wire, end).component == component for end in End]
     route = wire.route_ticks + ticks * sum(there)
     if wire.handover is None:
@@ -105,8 +105,8 @@ def _lengthened(problem: Problem, wire: Wire, component: str, ticks: int) -> Wir
 
 @dataclass
 class _State:
-    arms: dict[str, Arm]
-    wires: dict[str, Wire]
+    arms: dict[str, PlannedArm]
+    wires: dict[str, PlannedWire]
     located: set[str]
     history: list[tuple[str, str]]
 

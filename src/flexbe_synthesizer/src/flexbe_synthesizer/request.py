@@ -76,7 +76,7 @@ class Request:
 
 
 @dataclass(frozen=True)
-class Answer:
+class RequestResult:
     """What a request gives: the states, root first; the files that changed; warnings."""
 
     states: tuple[Instantiation, ...]
@@ -111,7 +111,7 @@ def fulfil(
     report: Report,
     expect_time: ExpectTime = lambda: None,
     memory: ChartMemory | None = None,
-) -> Answer:
+) -> RequestResult:
     """Synthesize the chart that a request names: write its behavior, return its states.
 
     Args:
@@ -146,7 +146,7 @@ def _fulfil(
     report: Report,
     expect_time: ExpectTime,
     memory: ChartMemory | None,
-) -> Answer:
+) -> RequestResult:
     report(f"looking for the chart '{request.goal}'", 0.0)
     path = find_chart(request.goal, settings.chart_folders)
     report("reading the states and behaviors on the ROS package path", 0.1)
@@ -173,7 +173,7 @@ def _fulfil(
     report(f"writing to the package {output.name}", 0.8)
     written = write_behaviors(files)
     warnings = (*inventory.warnings, *map(str, files.problems))
-    return Answer(states, written, warnings)
+    return RequestResult(states, written, warnings)
 
 
 def _expect_outcomes(request: Request, chart: Chart) -> None:

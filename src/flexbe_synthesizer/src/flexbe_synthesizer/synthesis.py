@@ -13,7 +13,7 @@ from pathlib import Path
 from types import MappingProxyType
 
 from flexbe_synthesizer.core.chart.chart_reader import read_chart
-from flexbe_synthesizer.core.chart.problem import ChartError, Code, Problem, errors_in
+from flexbe_synthesizer.core.chart.problem import ChartError, Problem, ProblemKind, errors_in
 from flexbe_synthesizer.core.check.check import CheckedChart, check_chart
 from flexbe_synthesizer.core.compile import Unit, check_units, compile_chart, manifest_of
 from flexbe_synthesizer.core.export.certificate import certify, write_certificate
@@ -114,7 +114,7 @@ def started_at(files: CheckedFiles, library: Library, initial: str) -> CheckedCh
     charts = [replace(first, initial=initial), *(one.resolved.chart for one in checked[1:])]
     units = [Unit(chart, files.packages[chart.file].name) for chart in charts]
     restarted = check_units(units, library)[first.file]
-    problems = tuple(p for p in restarted.problems if p.code is not Code.UNREACHABLE_STATE)
+    problems = tuple(p for p in restarted.problems if p.code is not ProblemKind.UNREACHABLE_STATE)
     return replace(restarted, problems=problems)
 
 

@@ -10,7 +10,7 @@ from pathlib import Path
 
 from scripted_states.script import Script
 
-from flexbe_synthesizer.core.chart.problem import Code
+from flexbe_synthesizer.core.chart.problem import ProblemKind
 from random_charts.chart_xml import CHART, Scope, read_chart
 from random_charts.engine_run import EngineRun, Synthesis
 from random_charts.explore import Fault, TooManyRunsError, explore
@@ -18,7 +18,7 @@ from random_charts.generate import generate
 from random_charts.reference import Reference
 
 MOST_ROUNDS = 150
-_DATA_CODES = {Code.READ_BEFORE_WRITE, Code.OVERWRITTEN_VALUE}
+_DATA_CODES = {ProblemKind.READ_BEFORE_WRITE, ProblemKind.OVERWRITTEN_VALUE}
 
 
 @dataclass
@@ -74,7 +74,7 @@ def _judge(
 ) -> Verdict:
     told = [str(error) for error in synthesis.errors]
     codes = {error.code for error in synthesis.errors}
-    if has_conflict(chart) and Code.CONFLICTING_OUTPUT in codes:
+    if has_conflict(chart) and ProblemKind.CONFLICTING_OUTPUT in codes:
         return Verdict("refused", told)
     if codes - _DATA_CODES:
         return Verdict("valid chart refused", told)

@@ -9,7 +9,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from flexbe_synthesizer.core.chart.model import Chart, Outcome, Param, State, Transition
-from flexbe_synthesizer.core.chart.problem import Code, errors_in
+from flexbe_synthesizer.core.chart.problem import ProblemKind, errors_in
 from flexbe_synthesizer.core.check.check import check_chart
 from flexbe_synthesizer.core.check.visits import most_visits
 from flexbe_synthesizer.core.export.certificate import certify, read_chart_place, write_certificate
@@ -118,7 +118,7 @@ def test_a_loop_that_goes_on_with_attempts_spent_is_warned_of():
     )  # fmt: skip
     chart = Chart("Task", "N0", (Outcome("end"),), nodes)
     (problem,) = check_chart(chart, LIBRARY, {}).problems
-    assert problem.code is Code.UNBOUNDED_LOOP
+    assert problem.code is ProblemKind.UNBOUNDED_LOOP
     assert "N0 -b-> N1 -exhausted-> N0" in problem.message
 
 

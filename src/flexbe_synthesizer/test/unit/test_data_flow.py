@@ -14,7 +14,7 @@ from flexbe_synthesizer.core.chart.model import (
     State,
     Transition,
 )
-from flexbe_synthesizer.core.chart.problem import Code
+from flexbe_synthesizer.core.chart.problem import ProblemKind
 from flexbe_synthesizer.core.check.check import check_chart
 from flexbe_synthesizer.core.library.library import Library
 from flexbe_synthesizer.core.library.signature import Effect, Parameter, Port, StateClass
@@ -89,7 +89,7 @@ def codes(result):
 def test_a_value_that_stays_inside_is_named_by_who_writes_it():
     nodes = [state("LookAt", "Write", "Use"), state("Use", "Read")]
     result = checked(nodes, [("LookAt", "v", "Use", "v")])
-    assert codes(result) == [Code.READ_BEFORE_WRITE] * 0
+    assert codes(result) == [ProblemKind.READ_BEFORE_WRITE] * 0
     assert flat(result.resolved.flow.outputs) == {("LookAt", "v"): "look_at_v"}
     assert flat(result.resolved.flow.inputs) == {("Use", "v"): "look_at_v"}
 
@@ -119,12 +119,12 @@ def test_a_value_that_is_read_and_written_stays_where_it_is_read():
     nodes = [state("A", "Write", "B"), state("B", "Change", "B")]
     result = checked(nodes, [("A", "v", "B", "v")])
     assert flat(result.resolved.flow.outputs) == {("A", "v"): "a_v", ("B", "v"): "a_v"}
-    assert codes(result) == [Code.UNBOUNDED_LOOP]
+    assert codes(result) == [ProblemKind.UNBOUNDED_LOOP]
 
 
 def test_an_input_and_an_output_of_the_chart_with_one_name_are_one_value():
     result = checked([state("A", "Change", "A")], inputs=["v"], outputs=["v"])
-    assert codes(result) == [Code.UNBOUNDED_LOOP]
+    assert codes(result) == [ProblemKind.UNBOUNDED_LOOP]
     assert (
         flat(result.resolved.flow.outputs) == flat(result.resolved.flow.inputs) == {("A", "v"): "v"}
     )
@@ -138,29 +138,29 @@ def test_an_input_can_go_straight_to_an_output_of_its_name():
 def test_a_value_that_is_read_and_written_cannot_have_a_second_home():
     nodes = [state("A", "Write", "B"), state("B", "Change")]
     result = checked(nodes, [("A", "v", "B", "v"), ("B", "v", "Task", "w")], outputs=["w"])
-    assert codes(result) == [Code.CONFLICTING_OUTPUT]
+    assert codes(result) == [ProblemKind.CONFLICTING_OUTPUT]
 
 
 def test_an_output_that_lives_elsewhere_cannot_feed_the_output_of_its_name():
     nodes = [state("A", "Write", "B"), state("B", "Write")]
     result = checked(nodes, [("A", "v", "Task", "w")], outputs=["v", "w"])
-    assert codes(result) == [Code.CONFLICTING_OUTPUT]
+    assert codes(result) == [ProblemKind.CONFLICTING_OUTPUT]
     assert "output 'v' of state 'A' lives in 'w'" in result.problems[0].message
     flows = [("A", "v", "Task", "w"), ("B", "v", "Task", "v")]
     assert codes(checked(nodes, flows, outputs=["v", "w"])) == []
 
     nodes = [state("A", "Change", "B"), state("B", "Write")]
     result = checked(nodes, [("Task", "n", "A", "v")], inputs=["n"], outputs=["v"])
-    assert codes(result) == [Code.CONFLICTING_OUTPUT]
+    assert codes(result) == [ProblemKind.CONFLICTING_OUTPUT]
     result = checked(nodes[:1], [("Task", "n", "A", "v")], inputs=["n"], outputs=["v"])
-    assert Code.CONFLICTING_OUTPUT in codes(result)
-    assert Code.UNFED_OUTPUT not in codes(result)
+    assert ProblemKind.CONFLICTING_OUTPUT in codes(result)
+    assert ProblemKind.UNFED_OUTPUT not in codes(result)
 
 
 def test_states_that_change_each_others_values_in_a_circle_are_bound_all_the_same():
     nodes = [state("A", "Change", "B"), state("B", "Change", "A")]
     result = checked(nodes, [("A", "v", "B", "v"), ("B", "v", "A", "v")])
-    assert Code.READ_BEFORE_WRITE in codes(result)
+    assert ProblemKind.READ_BEFORE_WRITE in codes(result)
     assert len(set(flat(result.resolved.flow.outputs).values())) == 1
 
 
@@ -173,7 +173,7 @@ def test_what_a_state_before_its_last_attempt_has_written_can_be_read_when_it_is
     assert codes(checked(nodes, [("W", "v", "R", "v")])) == []
     nodes[0] = state("A", "Pass", "W", "A", exhausted="R", attempts=2)
     result = checked(nodes, [("W", "v", "R", "v")])
-    assert codes(result) == [Code.READ_BEFORE_WRITE]
+    assert codes(result) == [ProblemKind.READ_BEFORE_WRITE]
     assert "A -b-> A -exhausted-> R" in result.problems[0].message
 
 
@@ -187,7 +187,7 @@ def test_a_state_that_a_timer_ends_has_written_nothing():
         timeout_s=2.0,
     )
     result = checked([late, nodes[1]], [("W", "v", "R", "v")])
-    assert codes(result) == [Code.READ_BEFORE_WRITE]
+    assert codes(result) == [ProblemKind.READ_BEFORE_WRITE]
     assert "W -timed_out-> R" in result.problems[0].message
 
 
@@ -198,7 +198,7 @@ def test_an_event_that_the_extension_and_the_class_both_have_is_one_and_proves_n
     assert codes(checked([State("L", "Late", transitions), reader], flows)) == []
     for limits in ({"timeout_s": 2.0}, {"attempts": 2}):
         result = checked([State("L", "Late", transitions, **limits), reader], flows)
-        assert codes(result) == [Code.READ_BEFORE_WRITE]
+        assert codes(result) == [ProblemKind.READ_BEFORE_WRITE]
 
 
 WRITERS = ("Write", "Half")
@@ -279,7 +279,7 @@ def test_every_read_that_some_path_makes_too_early_is_found(drawn):
     source = sources(drawn)
     early = {n for n, written in walk(drawn) if n in source and source[n] not in written}
     problems = check_chart(drawn, LIBRARY, {}).problems
-    assert early <= reported(problems, Code.READ_BEFORE_WRITE)
+    assert early <= reported(problems, ProblemKind.READ_BEFORE_WRITE)
 
 
 @given(charts().map(uncounted))
@@ -288,7 +288,7 @@ def test_without_counted_states_nothing_else_is_reported(drawn):
     source = sources(drawn)
     early = {n for n, written in walk(drawn) if n in source and source[n] not in written}
     problems = check_chart(drawn, LIBRARY, {}).problems
-    assert early == reported(problems, Code.READ_BEFORE_WRITE)
+    assert early == reported(problems, ProblemKind.READ_BEFORE_WRITE)
 
 
 @given(charts().map(lambda drawn: uncounted(drawn, outputs=["v"])))
@@ -299,8 +299,8 @@ def test_a_read_of_another_states_value_is_found_and_nothing_else(drawn):
     early = {n for n, written in steps if not written}
     foreign = {n for n, written in steps if written and written[-1] != source[n]}
     problems = check_chart(drawn, LIBRARY, {}).problems
-    assert early == reported(problems, Code.READ_BEFORE_WRITE)
-    assert foreign - early == reported(problems, Code.OVERWRITTEN_VALUE)
+    assert early == reported(problems, ProblemKind.READ_BEFORE_WRITE)
+    assert foreign - early == reported(problems, ProblemKind.OVERWRITTEN_VALUE)
 
 
 @given(charts(ends=("end", "other")).map(lambda c: uncounted(c, outputs=["v"])))
@@ -324,7 +324,7 @@ def test_a_long_path_is_told_by_its_beginning_and_its_end():
     nodes = [state(f"A{index}", "Pass", f"A{index + 1}") for index in range(40)]
     nodes += [state("A40", "Read", "W"), state("W", "Write")]
     (problem,) = checked(nodes, [("W", "v", "A40", "v")]).problems
-    assert problem.code is Code.READ_BEFORE_WRITE
+    assert problem.code is ProblemKind.READ_BEFORE_WRITE
     assert "A0 -a-> A1 " in problem.message
     assert " ... 20 more ... -a-> A31 " in problem.message
     assert "-a-> A40." in problem.message

@@ -6,7 +6,7 @@ import pytest
 
 from flexbe_core.engine.errors import BehaviorFailure
 from flexbe_synthesizer.core.chart.chart_reader import parse_chart
-from flexbe_synthesizer.core.chart.problem import Code, errors_in
+from flexbe_synthesizer.core.chart.problem import ProblemKind, errors_in
 from flexbe_synthesizer.core.compile import Unit, check_units, compile_chart, manifest_of
 from flexbe_synthesizer.core.export.layout import lay_out
 from flexbe_synthesizer.core.export.render_python import render_python
@@ -126,7 +126,7 @@ def test_what_is_accepted_never_lacks_data_and_what_is_refused_does(case, kind, 
     outer = OUTER.format(node=nested(inner, kind, bad), read=read)
     checked = charts(inner, outer, kind)
     found = errors_in(p for one in checked.values() for p in one.problems)
-    assert [p.code for p in found] == [] if is_good else [Code.READ_BEFORE_WRITE]
+    assert [p.code for p in found] == [] if is_good else [ProblemKind.READ_BEFORE_WRITE]
     texts = [generated(checked["outer.xml"])]
     if kind in ("path", "name"):
         texts.insert(0, generated(checked["inner.xml"]))
@@ -146,7 +146,7 @@ def test_code_of_somebodys_own_in_a_nested_behavior_makes_nothing_certain(
     file.write_text(file.read_text().replace("# [/MANUAL_CREATE]", "self.change(_state_machine)"))
     library = read_library(find_packages(f"{package_path}:{tmp_path}")[0])[0]
     checked = check_units([Unit(parse_chart(outer, "outer.xml"), "q")], library)["outer.xml"]
-    assert [p.code for p in errors_in(checked.problems)] == [Code.READ_BEFORE_WRITE]
+    assert [p.code for p in errors_in(checked.problems)] == [ProblemKind.READ_BEFORE_WRITE]
 
 
 def test_a_state_class_says_in_its_docstring_what_an_outcome_writes(check):
@@ -155,7 +155,7 @@ def test_a_state_class_says_in_its_docstring_what_an_outcome_writes(check):
   <transition event="failed" target="Report"/></state>"""
     assert errors_in(check(OUTER.format(node=node, read="error_code"))[1]) == ()
     (problem,) = errors_in(check(OUTER.format(node=node, read="value"))[1])
-    assert problem.code is Code.READ_BEFORE_WRITE
+    assert problem.code is ProblemKind.READ_BEFORE_WRITE
     assert "In -failed-> Report. 'In' does not write it when it ends with 'failed'." in str(problem)
 
 
@@ -171,7 +171,7 @@ def test_a_route_by_error_code_needs_a_code_on_each_path(given_up, is_good, char
     inner = INNER.format(given_up=given_up, more="").replace('"bad"', '"failed"')
     checked = charts(inner, ROUTED, "path")
     found = errors_in(checked["outer.xml"].problems)
-    assert [p.code for p in found] == ([] if is_good else [Code.READ_BEFORE_WRITE])
+    assert [p.code for p in found] == ([] if is_good else [ProblemKind.READ_BEFORE_WRITE])
     texts = [generated(checked[path]) for path in ("inner.xml", "outer.xml")]
     assert dies(on_engine, texts) is not is_good
 
@@ -186,5 +186,5 @@ def test_attempts_that_an_earlier_visit_has_spent_write_nothing(charts, on_engin
         outer = OUTER.format(node=nested(inner, "container", bad), read="value")
         checked = charts(inner, outer, "container")["outer.xml"]
         found = [p.code for p in errors_in(checked.problems)]
-        assert found == ([] if is_good else [Code.READ_BEFORE_WRITE])
+        assert found == ([] if is_good else [ProblemKind.READ_BEFORE_WRITE])
         assert dies(on_engine, [generated(checked)]) is not is_good

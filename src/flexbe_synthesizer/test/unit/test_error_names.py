@@ -15,7 +15,7 @@ from flexbe_synthesizer.core.chart.error_routes import (
 )
 from flexbe_synthesizer.core.chart.model import ErrorRoute
 from flexbe_synthesizer.core.chart.names import is_readable_outcome
-from flexbe_synthesizer.core.chart.problem import Code
+from flexbe_synthesizer.core.chart.problem import ProblemKind
 
 LOST = {"code": 4, "name": "LOST"}
 TABLE = {
@@ -128,7 +128,7 @@ def test_codes_in_numbers_are_all_of_them(codes):
 
 def test_an_unknown_name_is_reported_in_its_place_with_the_one_that_was_meant(check):
     (problem,) = check(CHART.format(routes="JAMED: failed"))[1]
-    assert problem.code is Code.UNKNOWN_ERROR_CODE
+    assert problem.code is ProblemKind.UNKNOWN_ERROR_CODE
     assert problem.position[1:] == (4, 46)
     assert problem.message.endswith(
         "has the name 'JAMED'; allowed: 'above_behavior', 'recoverable', 'serious', 'SERVER_LOST', "
@@ -138,7 +138,7 @@ def test_an_unknown_name_is_reported_in_its_place_with_the_one_that_was_meant(ch
 
 def test_a_route_without_a_code_left_is_reported(check):
     (problem,) = check(CHART.format(routes="above_behavior: failed; JAMMED: finished"))[1]
-    assert problem.code is Code.INVALID_VALUE
+    assert problem.code is ProblemKind.INVALID_VALUE
     assert problem.message == (
         "the route of 'JAMMED' is never taken: the routes before it take all its error codes; "
         "put it before them."

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from flexbe_synthesizer.core.chart.problem import Code, Severity
+from flexbe_synthesizer.core.chart.problem import ProblemKind, Severity
 from flexbe_synthesizer.edge.output_package import OutputPackage
 from flexbe_synthesizer.edge.package_path import find_packages, read_library
 from flexbe_synthesizer.synthesis import check_files
@@ -57,10 +57,10 @@ def complaints(section, mark, folder):
 
 
 def test_every_code_has_its_section_and_its_row():
-    assert [slug for slug, _ in SECTIONS] == [code.slug for code in Code]
+    assert [slug for slug, _ in SECTIONS] == [code.slug for code in ProblemKind]
     warning = {Severity.WARNING: " (warning)", Severity.ERROR: ""}
     rows = re.findall(r"^\| \[([\w-]+)\]\(#\1\) \| ([^|]+) \|$", PAGE, re.MULTILINE)
-    assert rows == [(code.slug, code.meaning + warning[code.severity]) for code in Code]
+    assert rows == [(code.slug, code.meaning + warning[code.severity]) for code in ProblemKind]
 
 
 @pytest.mark.parametrize(("slug", "section"), SECTIONS, ids=[slug for slug, _ in SECTIONS])

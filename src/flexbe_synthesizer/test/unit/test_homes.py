@@ -6,7 +6,7 @@ Random charts found each of these accepted, and doing something else than it say
 import pytest
 from random_charts.engine_run import Synthesis
 
-from flexbe_synthesizer.core.chart.problem import Code
+from flexbe_synthesizer.core.chart.problem import ProblemKind
 
 HEAD = '<statemachine xmlns:ext="urn:remodel:statechart:ext:1" name="{}" initial="S"><datamodel>'
 FLOW = '<connection output_state_id="{}" output="{}" input_state_id="{}" input="{}"/>'
@@ -130,8 +130,8 @@ def changed_by_another(giver):
 )
 def test_a_value_that_can_be_taken_for_another(made, said, tmp_path):
     errors = Synthesis({"a.xml": made("v").encode()}, "a.xml", tmp_path).errors
-    (error,) = [e for e in errors if e.code is not Code.UNFED_OUTPUT]
-    assert error.code is Code.OVERWRITTEN_VALUE
+    (error,) = [e for e in errors if e.code is not ProblemKind.UNFED_OUTPUT]
+    assert error.code is ProblemKind.OVERWRITTEN_VALUE
     assert said in error.message
     assert Synthesis({"a.xml": made("w").encode()}, "a.xml", tmp_path).errors == ()
 

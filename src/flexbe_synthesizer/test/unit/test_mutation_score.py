@@ -14,7 +14,7 @@ import pytest
 from synthesizer_support.interpreter import explore
 
 from flexbe_synthesizer.core.chart.chart_reader import parse_chart, read_chart
-from flexbe_synthesizer.core.chart.problem import Code, errors_in
+from flexbe_synthesizer.core.chart.problem import ProblemKind, errors_in
 from flexbe_synthesizer.core.check.check import check_chart
 
 CHARTS = ("plain.xml", "place_connector.xml", "wire_task.xml", "two_arms.xml")
@@ -239,11 +239,11 @@ def test_what_is_told_to_go_wrong_in_a_run_does_go_wrong(golden, knowledge):
     """No false alarm: a run-time error of the checker is a fault that the interpreter finds."""
     library, charts, interfaces = knowledge
     told = {
-        Code.READ_BEFORE_WRITE,
-        Code.OVERWRITTEN_VALUE,
-        Code.NO_WAY_OUT,
-        Code.ENDLESS_CONTAINER,
-        Code.UNBOUND_INPUT,
+        ProblemKind.READ_BEFORE_WRITE,
+        ProblemKind.OVERWRITTEN_VALUE,
+        ProblemKind.NO_WAY_OUT,
+        ProblemKind.ENDLESS_CONTAINER,
+        ProblemKind.UNBOUND_INPUT,
     }
     confirmed = 0
     for mutant in mutants(golden):

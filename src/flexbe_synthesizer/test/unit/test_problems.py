@@ -8,7 +8,7 @@ import dataclasses
 import pytest
 
 from flexbe_synthesizer.core.chart.chart_reader import parse_chart
-from flexbe_synthesizer.core.chart.problem import Code, Severity, errors_in
+from flexbe_synthesizer.core.chart.problem import ProblemKind, Severity, errors_in
 from flexbe_synthesizer.core.compile import Unit, check_units
 from flexbe_synthesizer.core.library.signature import Unreadable
 
@@ -95,94 +95,102 @@ def flow(source, output, target, key):
 
 # Code, part of the message, and the changes to the good chart; ◊ stands before the place.
 CASES = [
-    (Code.NOT_XML, "<datamodel> of line 3 is open", ("</datamodel>", "</◊datamode>")),
-    (Code.DOCTYPE, "delete the <!DOCTYPE", ("<statem", "◊<!DOCTYPE x []><statem")),
-    (Code.DUPLICATE_ATTRIBUTE, "'topic' stands twice", (" ext:att", ' ◊topic="b" ext:att')),
-    (Code.UNBOUND_PREFIX, "xmlns:e=", (" topic", ' ◊e:attempts="2" topic')),
-    (Code.UNKNOWN_ELEMENT, "Did you mean 'state'?", (DATA, "◊<sate/>" + DATA)),
-    (Code.UNKNOWN_ELEMENT, "no namespace", (DATA, '◊<x:s xmlns:x="urn:x"/>' + DATA)),
-    (Code.UNKNOWN_ELEMENT, "outermost element is <statemachine>", (GOOD, "◊<scxml/>")),
-    (Code.MISPLACED_ELEMENT, "in <datamodel> or", (DATA, '◊<outcome name="a"/>' + DATA)),
-    (Code.MISPLACED_ELEMENT, "in <state> or", (DATA, '◊<param name="a" value=""/>' + DATA)),
-    (Code.DUPLICATE_ELEMENT, "of line 3", ("</datamodel>", "</datamodel>◊<datamodel/>")),
-    (Code.DUPLICATE_ELEMENT, "second <outcomes>", (GONE, GONE + "<outcomes/>◊<outcomes/>")),
-    (Code.UNEXPECTED_TEXT, "inside <statemachine>", ("</datamodel>", "</datamodel> \n ◊a")),
-    (Code.UNKNOWN_ATTRIBUTE, "Did you mean 'topic'?", ("topic", "◊topics")),
-    (Code.UNKNOWN_ATTRIBUTE, "write ext:attempts", (" topic", ' ◊attempts="2" topic')),
-    (Code.MISSING_ATTRIBUTE, "no attribute name", (VIEW, '◊<param value="side"/>')),
-    (Code.MISSING_ATTRIBUTE, "type of <behavior> is empty", ('type="Clean Up"', '◊type=""')),
-    (Code.UNKNOWN_EXTENSION, "ext:attempts, ext:time", (" topic", ' ◊ext:retry="1" topic')),
-    (Code.UNKNOWN_EXTENSION, "no element <ext:box>", (DATA, "◊<ext:box/>" + DATA)),
-    (Code.UNKNOWN_EXTENSION, "has: none", (' name="view"', ' ◊ext:default="1" name="view"')),
-    (Code.INVALID_VALUE, "an integer from 1", ('ext:attempts="3"', '◊ext:attempts="0"')),
-    (Code.INVALID_VALUE, "an integer from 1", ('ext:attempts="3"', '◊ext:attempts="two"')),
-    (Code.INVALID_VALUE, "above 0", ('ext:timeout_s="2.5"', '◊ext:timeout_s="-1"')),
-    (Code.INVALID_VALUE, "'off', 'low'", ('"Extract"/>', '"Extract" ◊ext:autonomy="max"/>')),
-    (Code.INVALID_NAME, "starting with a letter", ('name="Task"', '◊name="Task/1"')),
-    (Code.INVALID_NAME, "the first of these a letter", ('name="Task"', '◊name="日本"')),
-    (Code.INVALID_NAME, "the first of these a letter", ('name="Task"', '◊name="Ä1"')),
-    (Code.INVALID_NAME, "at most 200 letters", ('name="Task"', f'◊name="{"T" * 201}"')),
-    (Code.INVALID_NAME, "single '/' between", ('topic="locate"', '◊topic="a b!"')),
-    (Code.INVALID_NAME, "single '/' between", ('topic="locate"', '◊topic="cell//locate"')),
+    (ProblemKind.NOT_XML, "<datamodel> of line 3 is open", ("</datamodel>", "</◊datamode>")),
+    (ProblemKind.DOCTYPE, "delete the <!DOCTYPE", ("<statem", "◊<!DOCTYPE x []><statem")),
+    (ProblemKind.DUPLICATE_ATTRIBUTE, "'topic' stands twice", (" ext:att", ' ◊topic="b" ext:att')),
+    (ProblemKind.UNBOUND_PREFIX, "xmlns:e=", (" topic", ' ◊e:attempts="2" topic')),
+    (ProblemKind.UNKNOWN_ELEMENT, "Did you mean 'state'?", (DATA, "◊<sate/>" + DATA)),
+    (ProblemKind.UNKNOWN_ELEMENT, "no namespace", (DATA, '◊<x:s xmlns:x="urn:x"/>' + DATA)),
+    (ProblemKind.UNKNOWN_ELEMENT, "outermost element is <statemachine>", (GOOD, "◊<scxml/>")),
+    (ProblemKind.MISPLACED_ELEMENT, "in <datamodel> or", (DATA, '◊<outcome name="a"/>' + DATA)),
+    (ProblemKind.MISPLACED_ELEMENT, "in <state> or", (DATA, '◊<param name="a" value=""/>' + DATA)),
+    (ProblemKind.DUPLICATE_ELEMENT, "of line 3", ("</datamodel>", "</datamodel>◊<datamodel/>")),
+    (ProblemKind.DUPLICATE_ELEMENT, "second <outcomes>", (GONE, GONE + "<outcomes/>◊<outcomes/>")),
+    (ProblemKind.UNEXPECTED_TEXT, "inside <statemachine>", ("</datamodel>", "</datamodel> \n ◊a")),
+    (ProblemKind.UNKNOWN_ATTRIBUTE, "Did you mean 'topic'?", ("topic", "◊topics")),
+    (ProblemKind.UNKNOWN_ATTRIBUTE, "write ext:attempts", (" topic", ' ◊attempts="2" topic')),
+    (ProblemKind.MISSING_ATTRIBUTE, "no attribute name", (VIEW, '◊<param value="side"/>')),
+    (ProblemKind.MISSING_ATTRIBUTE, "type of <behavior> is empty", ('type="Clean Up"', '◊type=""')),
+    (ProblemKind.UNKNOWN_EXTENSION, "ext:attempts, ext:time", (" topic", ' ◊ext:retry="1" topic')),
+    (ProblemKind.UNKNOWN_EXTENSION, "no element <ext:box>", (DATA, "◊<ext:box/>" + DATA)),
+    (ProblemKind.UNKNOWN_EXTENSION, "has: none", (' name="view"', ' ◊ext:default="1" name="view"')),
+    (ProblemKind.INVALID_VALUE, "an integer from 1", ('ext:attempts="3"', '◊ext:attempts="0"')),
+    (ProblemKind.INVALID_VALUE, "an integer from 1", ('ext:attempts="3"', '◊ext:attempts="two"')),
+    (ProblemKind.INVALID_VALUE, "above 0", ('ext:timeout_s="2.5"', '◊ext:timeout_s="-1"')),
+    (ProblemKind.INVALID_VALUE, "'off', 'low'", ('"Extract"/>', '"Extract" ◊ext:autonomy="max"/>')),
+    (ProblemKind.INVALID_NAME, "starting with a letter", ('name="Task"', '◊name="Task/1"')),
+    (ProblemKind.INVALID_NAME, "the first of these a letter", ('name="Task"', '◊name="日本"')),
+    (ProblemKind.INVALID_NAME, "the first of these a letter", ('name="Task"', '◊name="Ä1"')),
+    (ProblemKind.INVALID_NAME, "at most 200 letters", ('name="Task"', f'◊name="{"T" * 201}"')),
+    (ProblemKind.INVALID_NAME, "single '/' between", ('topic="locate"', '◊topic="a b!"')),
+    (ProblemKind.INVALID_NAME, "single '/' between", ('topic="locate"', '◊topic="cell//locate"')),
     (
-        Code.INVALID_NAME,
+        ProblemKind.INVALID_NAME,
         "'cell 1/locate' of state 'Locate' cannot name a topic; allowed: a-z,",
         (' topic="locate"', ""),
         (VIEW, VIEW + '<param name="topic" ◊value="cell 1/locate"/>'),
     ),
     (
-        Code.INVALID_NAME,
+        ProblemKind.INVALID_NAME,
         "'5' of state 'Locate' cannot name a topic",
         (' topic="locate"', ""),
         (VIEW, VIEW + '<param name="topic" ◊value="5"/>'),
     ),
     (
-        Code.INVALID_NAME,
+        ProblemKind.INVALID_NAME,
         "'led!' of state 'Locate' cannot name a topic",
         (VIEW, VIEW + '<param name="led_topic" ◊value="led!"/>'),
     ),
-    (Code.INVALID_NAME, "'a,b' of an outcome", (FINISHED, FINISHED + '<outcome ◊name="a,b"/>')),
-    (Code.INVALID_NAME, "Python identifier", (CABLE, CABLE + '<input ◊name="my key"/>')),
     (
-        Code.INVALID_NAME,
+        ProblemKind.INVALID_NAME,
+        "'a,b' of an outcome",
+        (FINISHED, FINISHED + '<outcome ◊name="a,b"/>'),
+    ),
+    (ProblemKind.INVALID_NAME, "Python identifier", (CABLE, CABLE + '<input ◊name="my key"/>')),
+    (
+        ProblemKind.INVALID_NAME,
         "'def' and 'class'",
         ('id="Clean"', '◊id="Clean def x"'),
         ('"Clean"/>', '"Clean def x"/>'),
     ),
-    (Code.RESERVED_NAME, "adds it", (FINISHED, FINISHED + '<outcome ◊name="preempted"/>')),
+    (ProblemKind.RESERVED_NAME, "adds it", (FINISHED, FINISHED + '<outcome ◊name="preempted"/>')),
     (
-        Code.RESERVED_NAME,
+        ProblemKind.RESERVED_NAME,
         "delete this",
         (TO_EXTRACT, f'{TO_EXTRACT}<transition ◊event="preempted" target="gone"/>'),
     ),
     (
-        Code.RESERVED_NAME,
+        ProblemKind.RESERVED_NAME,
         "stands for the chart in connections",
         ('id="Clean"', '◊id="Task"'),
         ('"Clean"/>', '"Task"/>'),
     ),
     (
-        Code.RESERVED_NAME,
+        ProblemKind.RESERVED_NAME,
         "also an outcome of the chart",
         ('id="Clean"', '◊id="gone"'),
         ('"Clean"/>', '"gone"/>'),
     ),
     (
-        Code.RESERVED_NAME,
+        ProblemKind.RESERVED_NAME,
         "a state that the extension adds for 'Locate'",
         ('id="Clean"', '◊id="Locate_attempts"'),
         ('"Clean"/>', '"Locate_attempts"/>'),
     ),
-    (Code.UNKNOWN_TYPE, "ROS message (package/Message)", ('type="int"', '◊type="number"')),
-    (Code.DUPLICATE_ID, "by line 25", (END, FIX.replace('id="Fix"', '◊id="Clean"') + END)),
-    (Code.DUPLICATE_NAME, "second param", (VIEW, VIEW + VIEW.replace("name", "◊name"))),
-    (Code.DUPLICATE_NAME, "attribute of state", (VIEW, '<param ◊name="topic" value="a"/>')),
-    (Code.DUPLICATE_NAME, "second input", (CABLE, CABLE + CABLE.replace("name", "◊name"))),
-    (Code.DUPLICATE_NAME, "in line 4", (FINISHED, FINISHED + FINISHED.replace("name", "◊name"))),
-    (Code.UNKNOWN_CLASS, "mean 'InsertCableState'", ('type="Insert', '◊type="Insrt')),
-    (Code.UNKNOWN_CLASS, "no state class", ('type="Insert', '◊type="other_states/Insert')),
+    (ProblemKind.UNKNOWN_TYPE, "ROS message (package/Message)", ('type="int"', '◊type="number"')),
+    (ProblemKind.DUPLICATE_ID, "by line 25", (END, FIX.replace('id="Fix"', '◊id="Clean"') + END)),
+    (ProblemKind.DUPLICATE_NAME, "second param", (VIEW, VIEW + VIEW.replace("name", "◊name"))),
+    (ProblemKind.DUPLICATE_NAME, "attribute of state", (VIEW, '<param ◊name="topic" value="a"/>')),
+    (ProblemKind.DUPLICATE_NAME, "second input", (CABLE, CABLE + CABLE.replace("name", "◊name"))),
     (
-        Code.AMBIGUOUS_CLASS,
+        ProblemKind.DUPLICATE_NAME,
+        "in line 4",
+        (FINISHED, FINISHED + FINISHED.replace("name", "◊name")),
+    ),
+    (ProblemKind.UNKNOWN_CLASS, "mean 'InsertCableState'", ('type="Insert', '◊type="Insrt')),
+    (ProblemKind.UNKNOWN_CLASS, "no state class", ('type="Insert', '◊type="other_states/Insert')),
+    (
+        ProblemKind.AMBIGUOUS_CLASS,
         "'cell_states/PauseState', 'other_states/PauseState'; write package/Class",
         (END, PAUSE + END),
         (
@@ -191,51 +199,59 @@ CASES = [
         ),
     ),
     (
-        Code.UNREADABLE_CLASS,
+        ProblemKind.UNREADABLE_CLASS,
         "its outcomes are",
         (END, PAUSE.replace("PauseState", "ComputedState") + END),
         (CLEANED, CLEANED.replace("finished", "Pause")),
     ),
-    (Code.UNKNOWN_BEHAVIOR, "Did you mean 'Clean Up'?", ('type="Clean Up"', '◊type="CleanUp"')),
-    (Code.UNKNOWN_PARAMETER, "Did you mean 'view'?", ('name="view"', '◊name="viw"')),
     (
-        Code.UNKNOWN_PARAMETER,
+        ProblemKind.UNKNOWN_BEHAVIOR,
+        "Did you mean 'Clean Up'?",
+        ('type="Clean Up"', '◊type="CleanUp"'),
+    ),
+    (ProblemKind.UNKNOWN_PARAMETER, "Did you mean 'view'?", ('name="view"', '◊name="viw"')),
+    (
+        ProblemKind.UNKNOWN_PARAMETER,
         "has no parameter 'topic'",
         ('type="ExtractCableState"', 'type="ExtractCableState" ◊topic="a"'),
     ),
     (
-        Code.MISSING_PARAMETER,
+        ProblemKind.MISSING_PARAMETER,
         '(float); add <param name="force_limit_n" value="..."/> to state',
         ('<state id="Insert"', '◊<state id="Insert"'),
         (FORCE, ""),
     ),
-    (Code.PARAMETER_TYPE, "is float; found much (string)", ('value="20"', '◊value="much"')),
+    (ProblemKind.PARAMETER_TYPE, "is float; found much (string)", ('value="20"', '◊value="much"')),
     (
-        Code.PARAMETER_TYPE,
+        ProblemKind.PARAMETER_TYPE,
         "dictionary",
         (CLEAN, CLEAN + '<param name="places" ◊value="[{}]"/>'),
     ),
     (
-        Code.PARAMETER_TYPE,
+        ProblemKind.PARAMETER_TYPE,
         "needed a list of names",
         (END, CHOOSE + END),
         (CLEANED, CLEANED.replace("finished", "Choose")),
     ),
     (
-        Code.PARAMETER_SOURCE,
+        ProblemKind.PARAMETER_SOURCE,
         "takes Python source",
         (END, PAUSE.replace("PauseState", "CalculateState") + END),
         (CLEANED, CLEANED.replace("finished", "Pause")),
     ),
-    (Code.UNKNOWN_INITIAL, "Did you mean 'Locate'?", ('initial="L', '◊initial="l')),
-    (Code.UNKNOWN_EVENT, "Did you mean 'inserted'", ('event="inserted"', '◊event="insertd"')),
+    (ProblemKind.UNKNOWN_INITIAL, "Did you mean 'Locate'?", ('initial="L', '◊initial="l')),
     (
-        Code.UNKNOWN_EVENT,
+        ProblemKind.UNKNOWN_EVENT,
+        "Did you mean 'inserted'",
+        ('event="inserted"', '◊event="insertd"'),
+    ),
+    (
+        ProblemKind.UNKNOWN_EVENT,
         "limit the attempts with ext:attempts",
         (TO_EXTRACT, TO_EXTRACT + '<transition ◊event="exhausted" target="gone"/>'),
     ),
     (
-        Code.MISSING_TRANSITION,
+        ProblemKind.MISSING_TRANSITION,
         'add <transition event="cleaned" target="..."/>',
         (CLEAN, "◊" + CLEAN),
         (CLEANED, ""),
@@ -244,24 +260,24 @@ CASES = [
         ('"failed" target="Locate"', '"failed" target="Extract"'),
     ),
     (
-        Code.MISSING_TRANSITION,
+        ProblemKind.MISSING_TRANSITION,
         "which ext:attempts adds, leads nowhere",
         ('<state id="Locate"', '◊<state id="Locate"'),
         ('<transition event="exhausted" target="gone"/>', ""),
     ),
     (
-        Code.DUPLICATE_TRANSITION,
+        ProblemKind.DUPLICATE_TRANSITION,
         "in line 19 already",
         (TO_EXTRACT, TO_EXTRACT + '<transition ◊event="failed" target="gone"/>'),
     ),
-    (Code.UNKNOWN_TARGET, "Did you mean 'Clean'", ('target="Clean"', '◊target="Claen"')),
+    (ProblemKind.UNKNOWN_TARGET, "Did you mean 'Clean'", ('target="Clean"', '◊target="Claen"')),
     (
-        Code.UNREACHABLE_STATE,
+        ProblemKind.UNREACHABLE_STATE,
         "no path from the initial state 'Locate' leads to state 'Fix'",
         (END, f"◊{FIX}{POSE_TO_FIX}{END}"),
     ),
     (
-        Code.NO_WAY_OUT,
+        ProblemKind.NO_WAY_OUT,
         "it leads only to 'Count'",
         (
             END,
@@ -271,31 +287,31 @@ CASES = [
         ('"failed" target="gone"/>\n  </behavior>', '"failed" target="Count"/>\n  </behavior>'),
     ),
     (
-        Code.UNKNOWN_STATE,
+        ProblemKind.UNKNOWN_STATE,
         "Did you mean 'Locate'",
         ("output_state_id=", "◊output_state_id="),
         ('id="Locate" output=', 'id="Lokate" output='),
     ),
-    (Code.UNKNOWN_OUTPUT, "'Locate' has no output", ('output="pose"', '◊output="position"')),
-    (Code.UNKNOWN_INPUT, "Did you mean 'pose'", ('input="pose"', '◊input="poses"')),
+    (ProblemKind.UNKNOWN_OUTPUT, "'Locate' has no output", ('output="pose"', '◊output="position"')),
+    (ProblemKind.UNKNOWN_INPUT, "Did you mean 'pose'", ('input="pose"', '◊input="poses"')),
     (
-        Code.UNKNOWN_INPUT,
+        ProblemKind.UNKNOWN_INPUT,
         "cannot copy input 'cable_id' of the chart to its output 'error_code'",
         (END, flow("Task", "cable_id", "Task", "error_code").replace(" input=", " ◊input=") + END),
     ),
     (
-        Code.UNKNOWN_OUTPUT,
+        ProblemKind.UNKNOWN_OUTPUT,
         "no output 'torque'",
         (TO_CLEAN, '<output ◊name="torque"/>' + TO_CLEAN),
     ),
     (
-        Code.UNKNOWN_INPUT,
+        ProblemKind.UNKNOWN_INPUT,
         "Did you mean 'cable_id'",
         (TO_CLEAN, '<input ◊name="cabel_id"/>' + TO_CLEAN),
     ),
-    (Code.DUPLICATE_CONNECTION, "in line 29 already", (END, f"◊{POSE}{END}")),
+    (ProblemKind.DUPLICATE_CONNECTION, "in line 29 already", (END, f"◊{POSE}{END}")),
     (
-        Code.CONFLICTING_OUTPUT,
+        ProblemKind.CONFLICTING_OUTPUT,
         "feeds the output 'a' of the chart in line 30 already",
         (CODE, CODE + '<output name="a"/><output name="b"/>'),
         (
@@ -304,20 +320,24 @@ CASES = [
         ),
     ),
     (
-        Code.UNBOUND_INPUT,
+        ProblemKind.UNBOUND_INPUT,
         'add <connection output_state_id="Locate" output="pose" input_state_id="Insert" input=',
         ('<state id="Insert"', '◊<state id="Insert"'),
         (POSE, ""),
     ),
-    (Code.UNFED_OUTPUT, "no state has an output", (CODE, CODE + '\n    ◊<output name="torque"/>')),
     (
-        Code.READ_BEFORE_WRITE,
+        ProblemKind.UNFED_OUTPUT,
+        "no state has an output",
+        (CODE, CODE + '\n    ◊<output name="torque"/>'),
+    ),
+    (
+        ProblemKind.READ_BEFORE_WRITE,
         "before 'Insert' has written it: Locate -failed-> Locate -exhausted-> Say",
         ('"exhausted" target="gone"', '"exhausted" target="Say"'),
         (END, f"{SAY}◊{flow('Insert', 'force', 'Say', 'value')}{END}"),
     ),
     (
-        Code.OVERWRITTEN_VALUE,
+        ProblemKind.OVERWRITTEN_VALUE,
         "'Clean' writes the same value, 'rest', on the way: Clean -cleaned-> Say",
         (CODE, CODE + '<output name="rest"/>'),
         (CLEANED, CLEANED.replace("finished", "Say")),
@@ -326,33 +346,37 @@ CASES = [
         (END, f"{SAY}◊{flow('Insert', 'force', 'Say', 'value')}{END}"),
     ),
     (
-        Code.TYPE_CONFLICT,
+        ProblemKind.TYPE_CONFLICT,
         "output 'error_code' of 'Locate' is int, output 'error_code' of the chart is string",
         (CODE, "◊" + CODE.replace("int", "string")),
     ),
     (
-        Code.TYPE_CONFLICT,
+        ProblemKind.TYPE_CONFLICT,
         "input 'component_id' of the chart is int, input 'component_id' of 'Locate' is string",
         (COMPONENT, COMPONENT.replace("string", "int")),
         ('<state id="Locate"', '◊<state id="Locate"'),
     ),
     (
-        Code.TYPE_CONFLICT,
+        ProblemKind.TYPE_CONFLICT,
         "output 'force' of 'Insert' is float, input 'cable_id' of 'Extract' is string",
         (END, f"◊{flow('Insert', 'force', 'Extract', 'cable_id')}{END}"),
     ),
     (
-        Code.TYPE_CONFLICT,
+        ProblemKind.TYPE_CONFLICT,
         "is many (string); its type is int.",
         (CABLE, CABLE + '<input name="spare" type="int" ◊ext:default="many"/>'),
     ),
     (
-        Code.TYPE_CONFLICT,
+        ProblemKind.TYPE_CONFLICT,
         "input 'cable_id' of state class ExtractCableState is string; found list",
         (EXTRACTED, '<input name="cable_id" ◊type="list"/>' + EXTRACTED),
     ),
-    (Code.UNUSED_INPUT, "no state reads input", (CABLE, CABLE + '\n    ◊<input name="spare"/>')),
-    (Code.UNUSED_OUTCOME, "to the outcome 'lost'", (GONE, GONE + '<outcome ◊name="lost"/>')),
+    (
+        ProblemKind.UNUSED_INPUT,
+        "no state reads input",
+        (CABLE, CABLE + '\n    ◊<input name="spare"/>'),
+    ),
+    (ProblemKind.UNUSED_OUTCOME, "to the outcome 'lost'", (GONE, GONE + '<outcome ◊name="lost"/>')),
 ]
 
 
@@ -427,10 +451,10 @@ def places(problems, code):
 
 def test_charts_that_contain_each_other_are_told_the_circle(check_all):
     problems = check_all({"d/a.xml": task("A", "e/b.xml"), "d/e/b.xml": task("B", "../a.xml")})
-    assert places(problems, Code.CHART_CYCLE) == [("d/a.xml", 2, 20), ("d/e/b.xml", 2, 20)]
+    assert places(problems, ProblemKind.CHART_CYCLE) == [("d/a.xml", 2, 20), ("d/e/b.xml", 2, 20)]
     assert "A > B > A" in problems[0].message
     problems = check_all({"a.xml": task("A", "a.xml")})
-    assert places(problems, Code.CHART_CYCLE) == [("a.xml", 2, 20)]
+    assert places(problems, ProblemKind.CHART_CYCLE) == [("a.xml", 2, 20)]
 
 
 def test_a_chart_contained_in_a_behavior_that_is_there_already_is_told_the_circle(
@@ -456,7 +480,7 @@ def test_charts_can_name_each_other_by_display_name(check_all):
 def test_two_charts_that_become_one_file_are_told(check_all):
     wait = GOOD.replace('name="Task"', 'name="task"')
     problems = check_all({"a.xml": GOOD, "b.xml": wait})
-    assert places(problems, Code.DUPLICATE_BEHAVIOR) == [("b.xml", 2, 56)]
+    assert places(problems, ProblemKind.DUPLICATE_BEHAVIOR) == [("b.xml", 2, 56)]
 
 
 def test_two_behaviors_of_one_class_cannot_be_used_side_by_side(check_all, library):
@@ -468,14 +492,14 @@ def test_two_behaviors_of_one_class_cannot_be_used_side_by_side(check_all, libra
         (CLEANED, CLEANED.replace("finished", "Last")),
     )
     problems = check_all({"a.xml": text}, known)
-    assert places(problems, Code.DUPLICATE_BEHAVIOR) == [("a.xml", 30, 21)]
+    assert places(problems, ProblemKind.DUPLICATE_BEHAVIOR) == [("a.xml", 30, 21)]
 
 
 def test_a_behavior_of_two_packages_must_be_told_apart(check_all, library):
     other = dataclasses.replace(library.behaviors[0], package="other", module="other.clean_up_sm")
     known = dataclasses.replace(library, behaviors=(*library.behaviors, other))
     problems = check_all({"a.xml": GOOD}, known)
-    assert places(problems, Code.AMBIGUOUS_BEHAVIOR) == [("a.xml", 25, 24)]
+    assert places(problems, ProblemKind.AMBIGUOUS_BEHAVIOR) == [("a.xml", 25, 24)]
     assert "'cell_behaviors/Clean Up', 'other/Clean Up'" in problems[0].message
 
 
@@ -483,7 +507,7 @@ def test_a_behavior_that_cannot_be_read_is_told_why(library, check_all):
     broken = Unreadable("Clean Up", "cell_behaviors", "its class lacks create", "CleanUpSM")
     known = dataclasses.replace(library, behaviors=(), unreadable_behaviors=(broken,))
     problems = check_all({"a.xml": GOOD}, known)
-    assert places(problems, Code.UNREADABLE_BEHAVIOR) == [("a.xml", 25, 24)]
+    assert places(problems, ProblemKind.UNREADABLE_BEHAVIOR) == [("a.xml", 25, 24)]
     assert "its class lacks create" in problems[0].message
 
 
@@ -492,7 +516,7 @@ def test_an_extension_without_the_state_that_it_needs_says_which(library, check_
         library, states=tuple(s for s in library.states if s.name != "CountAttemptsState")
     )
     problems = check_all({"a.xml": GOOD}, known)
-    assert places(problems, Code.UNKNOWN_CLASS) == [("a.xml", 10, 65)]
+    assert places(problems, ProblemKind.UNKNOWN_CLASS) == [("a.xml", 10, 65)]
     assert "CountAttemptsState of package remodel_states" in problems[0].message
 
 

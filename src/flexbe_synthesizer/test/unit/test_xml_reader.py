@@ -1,6 +1,6 @@
 import pytest
 
-from flexbe_synthesizer.core.chart.problem import ChartError, Code
+from flexbe_synthesizer.core.chart.problem import ChartError, ProblemKind
 from flexbe_synthesizer.core.chart.xml_reader import as_utf8, read_utf8
 from flexbe_synthesizer.core.chart.xml_tree import XmlTree
 
@@ -49,14 +49,14 @@ def test_prefixes_are_resolved_where_they_are_declared():
 def test_an_undeclared_prefix_is_a_problem_that_hides_nothing_else():
     document = read_xml('<a>\n<b p:k="1" l="2"/></a>', "f.xml")
     (problem,) = document.problems
-    assert (problem.code, problem.position[1:]) == (Code.UNBOUND_PREFIX, (2, 4))
+    assert (problem.code, problem.position[1:]) == (ProblemKind.UNBOUND_PREFIX, (2, 4))
     assert [a.name for a in document.root.children[0].attributes] == ["l"]
 
 
 def test_an_attribute_that_stands_twice_is_a_problem_that_hides_nothing_else():
     document = read_xml('<a x="1"\n x="2"><b y="1" y="2" y="3"/></a>', "f.xml")
     places = [(p.code, p.position[1:]) for p in document.problems]
-    twice = Code.DUPLICATE_ATTRIBUTE
+    twice = ProblemKind.DUPLICATE_ATTRIBUTE
     assert places == [(twice, (2, 2)), (twice, (2, 17)), (twice, (2, 23))]
     assert [a.value for a in document.root.attributes] == ["1"]
 
@@ -69,10 +69,10 @@ def test_a_flood_of_doubled_attributes_ends():
 
 def test_what_is_not_well_formed_says_where_and_what_is_open():
     code, place, message = problem_of("<a>\n  <b>\n</a>")
-    assert (code, place) == (Code.NOT_XML, (3, 3))
+    assert (code, place) == (ProblemKind.NOT_XML, (3, 3))
     assert "<b> of line 2 is open" in message
     assert "empty" in problem_of("  \n")[2]
-    assert problem_of("<a/><b/>")[:2] == (Code.NOT_XML, (1, 5))
+    assert problem_of("<a/><b/>")[:2] == (ProblemKind.NOT_XML, (1, 5))
 
 
 @pytest.mark.parametrize(
@@ -85,7 +85,7 @@ def test_what_is_not_well_formed_says_where_and_what_is_open():
     ],
 )
 def test_document_types_are_refused_and_with_them_all_entities(source):
-    assert problem_of(" \n" + source if "&" not in source else source)[0] is Code.DOCTYPE
+    assert problem_of(" \n" + source if "&" not in source else source)[0] is ProblemKind.DOCTYPE
 
 
 def test_the_place_of_a_document_type_is_its_beginning():
@@ -102,16 +102,16 @@ def test_encodings_are_read_or_refused_with_a_reason():
     for encoding in ("utf-16-le", "utf-16-be"):
         root = read_xml("<a\n x='é' y='1'/>".encode(encoding), "f").root
         assert [a.position[1:] for a in root.attributes] == [(2, 2), (2, 8)]
-    assert problem_of(b"<a>\nb\0</a>")[:2] == (Code.NOT_XML, (2, 2))
+    assert problem_of(b"<a>\nb\0</a>")[:2] == (ProblemKind.NOT_XML, (2, 2))
     assert "NUL" in problem_of("<a/>".encode("utf-32"))[2]
     assert "'koi8-r'" in problem_of(text.format("koi8-r").encode("utf-8"))[2]
     code, place, message = problem_of(b"<a>\n\xc3\xa9 \xe9</a>")
-    assert (code, place) == (Code.NOT_XML, (2, 3))
+    assert (code, place) == (ProblemKind.NOT_XML, (2, 3))
     assert "0xe9 is not utf-8" in message
 
 
 def test_half_characters_and_deep_nesting_are_no_trouble():
-    assert problem_of("<a>\ud800</a>")[0] is Code.NOT_XML
+    assert problem_of("<a>\ud800</a>")[0] is ProblemKind.NOT_XML
     deep = read_xml("<a>" * 50_000 + "</a>" * 50_000, "f").root
     assert deep.children[0].name == "a"
 

@@ -7,7 +7,7 @@ from collections.abc import Callable
 from typing import Protocol
 
 from remodel_console.core.access import Actor, Role
-from remodel_console.core.answer import DONE, FAILED, REFUSED, Answer
+from remodel_console.core.answer import DONE, FAILED, REFUSED, CommandResult
 from remodel_console.errors import CommandError
 
 _LOG = logging.getLogger(__name__)
@@ -16,7 +16,7 @@ _LOG = logging.getLogger(__name__)
 class Journal(Protocol):
     """The record of commands."""
 
-    def write(self, actor: Actor, answer: Answer) -> None:
+    def write(self, actor: Actor, answer: CommandResult) -> None:
         """Record a command and its answer."""
 
 
@@ -27,7 +27,7 @@ class Desk:
         """Record commands in a journal."""
         self._journal = journal
 
-    def give(self, actor: Actor, command: str, deed: Callable[[], str | None]) -> Answer:
+    def give(self, actor: Actor, command: str, deed: Callable[[], str | None]) -> CommandResult:
         """Execute a command, record it, and return the answer.
 
         Args:
@@ -39,20 +39,22 @@ class Desk:
         self._journal.write(actor, answer)
         return answer
 
-    def _answer(self, actor: Actor, command: str, deed: Callable[[], str | None]) -> Answer:
+    def _answer(self, actor: Actor, command: str, deed: Callable[[], str | None]) -> CommandResult:
         if actor.role is not Role.OPERATOR:
-            return Answer(REFUSED, command, "read-only access; commands need an operator's token")
+            return CommandResult(
+                REFUSED, command, "read-only access; commands need an operator's token"
+            )
         return answer_of(command, deed, _LOG.error)
 
 
 def answer_of(
     command: str, deed: Callable[[], str | None], log_error: Callable[..., object]
-) -> Answer:
+) -> CommandResult:
     """Execute a command and return the answer; a defect is logged with its trace."""
     try:
-        return Answer(DONE, command, deed() or "")
+        return CommandResult(DONE, command, deed() or "")
     except CommandError as error:
-        return Answer(FAILED, command, str(error))
+        return CommandResult(FAILED, command, str(error))
     except Exception as error:  # noqa: BLE001 - an answer must come, whatever is wrong
         log_error("the command '%s' failed", command, exc_info=True)
-        return Answer(FAILED, command, f"internal error: {error!r}; the log has the trace")
+        return CommandResult(FAILED, command, f"internal error: {error!r}; the log has the trace")

@@ -9,7 +9,7 @@ import pytest
 from flexbe_synthesizer.core.chart.chart_reader import parse_chart
 from flexbe_synthesizer.core.chart.model import Container
 from flexbe_synthesizer.core.export.instantiate import Instantiation
-from remodel_console.core.answer import DONE, Answer, read_answer
+from remodel_console.core.answer import DONE, CommandResult, read_answer
 from remodel_console.core.commands import Verb, help_lines, read_command
 from remodel_console.core.key import is_allowed
 from remodel_console.core.settings import Settings
@@ -201,7 +201,7 @@ def test_keys(given, wanted, allowed):
 
 
 def test_answers_come_back_as_they_were_sent():
-    answer = Answer(DONE, "load a: b", "two\nlines")
+    answer = CommandResult(DONE, "load a: b", "two\nlines")
     assert read_answer(str(answer)) == answer
     with pytest.raises(ValueError, match="no answer"):
         read_answer("hello")

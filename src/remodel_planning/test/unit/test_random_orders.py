@@ -11,9 +11,9 @@ from flexbe_synthesizer.core.chart.chart_writer import write_chart
 from flexbe_synthesizer.core.check.check import check_chart
 from flexbe_synthesizer.edge.package_path import find_packages, read_library
 from remodel_planning.core.decomposition.preparation import prepare
-from remodel_planning.core.orders.work_order import Clip, Route, Task, WorkOrder
+from remodel_planning.core.orders.work_order import Route, RouteClip, Task, WorkOrder
 from remodel_planning.core.plan.checker import check
-from remodel_planning.core.problem.problem import ActionKind, Arm, Terminal
+from remodel_planning.core.problem.problem import ActionKind, PlannedArm, PlannedTerminal
 from remodel_planning.core.task_charts.planned_tasks import planned_tasks
 from remodel_planning.edge.order_planner import plan_problem
 from remodel_planning.edge.use_case_files import find_use_case
@@ -53,11 +53,11 @@ def orders(draw):
         ends = [draw(PLACES), draw(PLACES)]
         names = [f"K{draw(st.integers(0, 2))}:{i}{letter}" for letter in "ab"]
         terminals += [
-            Terminal(name, name.partition(":")[0], place)
+            PlannedTerminal(name, name.partition(":")[0], place)
             for name, place in zip(names, ends, strict=True)
         ]
         middle = draw(PLACES)
-        clips = tuple(Clip(f"C{i}{j}", middle) for j in range(draw(st.integers(0, 2))))
+        clips = tuple(RouteClip(f"C{i}{j}", middle) for j in range(draw(st.integers(0, 2))))
         tasks.append(
             Task(
                 f"T{i}",
@@ -72,7 +72,7 @@ def orders(draw):
         )
     reaches = draw(st.sampled_from([((0, 1000),), ((0, 700), (300, 1000)), ((0, 1000), (0, 1000))]))
     arms = tuple(
-        Arm(f"R{i}", (500, -100), reach, (500, 0), tool="narrow", holding=None)
+        PlannedArm(f"R{i}", (500, -100), reach, (500, 0), tool="narrow", holding=None)
         for i, reach in enumerate(reaches)
     )
     return use_case, WorkOrder(

@@ -17,7 +17,7 @@ from remodel_sim.core.cell.ownership import check_owner
 from remodel_sim.core.errors import AbilityError
 from remodel_sim.core.goals.checks import check_hands_empty, check_not_in_cell
 from remodel_sim.core.robot.traffic import Traffic
-from remodel_sim.core.workpiece.panel import End, Panel
+from remodel_sim.core.workpiece.panel import Panel, WireEnd
 from remodel_sim.edge.cell_file import read_cell
 from remodel_sim.edge.cell_memory import CellMemory
 from remodel_sim.physics.plant import Plant
@@ -170,7 +170,7 @@ class Cell:
         tools = {name: context.commanded for name, context in self.contexts.items()}
         laying = self.plant.feed(wire_id, channel_id, tools)
         straight = np.array([0.0, laying.direction * wire.length])
-        expected = {End.A: laying.tip_a, End.B: laying.tip_a + straight}
+        expected = {WireEnd.A: laying.tip_a, WireEnd.B: laying.tip_a + straight}
         for context in self.contexts.values():
             context.arm_restarted()
             context.belief.start_wire(Feed(wire_id, channel_id, laying.direction), expected)

@@ -6,7 +6,7 @@ from panels import component, wire
 
 from remodel_sim.core.geometry import Pose
 from remodel_sim.core.workpiece.layout import WORLD_FROM_PANEL
-from remodel_sim.core.workpiece.panel import Channel, Clip, Duct, Panel
+from remodel_sim.core.workpiece.panel import Channel, Duct, Panel, PanelClip
 
 LINE_X = -0.040
 FIRST_Y = -0.085
@@ -28,7 +28,7 @@ def formboard(clips=6, ducts=()):
         channels=(Channel(id="A", x=0.0, width=0.150, y_min=-0.35, y_max=0.35),),
         wires=(wire("W1", ("X1", "2"), ("X2", "2"), 0.62),),
         clips=tuple(
-            Clip(
+            PanelClip(
                 id=f"C{i + 1}",
                 pose=place,
                 wire_diameter=0.003,

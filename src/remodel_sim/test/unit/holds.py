@@ -10,14 +10,14 @@ from remodel_sim.core.geometry import Pose
 from remodel_sim.core.robot.arm import ToolPose
 from remodel_sim.core.workpiece.component_shape import component_boxes
 from remodel_sim.core.workpiece.fixtures import PLAY_M, lips_of
-from remodel_sim.core.workpiece.panel import Clip, End
+from remodel_sim.core.workpiece.panel import PanelClip, WireEnd
 from remodel_sim.core.workpiece.wire_mechanics import Piece, chain, discretise
 from remodel_sim.physics.fixtures.clamps import close_clamp
 from remodel_sim.physics.fixtures.clips import add_clip
 from remodel_sim.physics.fixtures.panel_scene import add_plate_surface
 from remodel_sim.physics.robot import HAND_30_N, Robot
 from remodel_sim.physics.static_body import add_static
-from remodel_sim.physics.wires.cable import Cable
+from remodel_sim.physics.wires.cable import SimulatedWire
 from remodel_sim.physics.world import CONTACT_DAMPING, CONTACT_STIFFNESS, World
 
 # A pull grows by this share of what should hold, per second: quasi-static.
@@ -64,7 +64,7 @@ def grip_pull_out(grip_force, friction=0.5, rate_hz=240.0):
     robot = Robot(world, TOOL)
     robot.grip_force = grip_force
     specimen = wire("W", ("X", "1"), ("Y", "1"), 0.30, friction=friction)
-    cable = Cable(world, discretise(specimen, world.time_step), "BU")
+    cable = SimulatedWire(world, discretise(specimen, world.time_step), "BU")
     # Along y through the hand, whose fingers close along x; end b outside.
     length = specimen.length
     tip = np.array([TOOL.x, GRASP_M - length, TOOL.z])
@@ -75,7 +75,7 @@ def grip_pull_out(grip_force, friction=0.5, rate_hz=240.0):
     both_sides = 2 * HAND_30_N.pad_friction * friction
     along = np.array([0.0, 1.0, 0.0])
     expected = both_sides * grip_force
-    held = pull_out(world, cable, End.B, along, expected=expected)
+    held = pull_out(world, cable, WireEnd.B, along, expected=expected)
     world.close()
     return held, expected
 
@@ -95,14 +95,14 @@ def clamp_pull_out(retention, rate_hz=240.0):
     )  # fmt: skip
     socket = world_from_component @ terminal.component_from_socket
     specimen = wire("W", ("X", "1"), ("Y", "1"), 0.30)
-    cable = Cable(world, discretise(specimen, world.time_step), "BU")
+    cable = SimulatedWire(world, discretise(specimen, world.time_step), "BU")
     into = socket.rotation[:, 0]
     seated = socket.position + (terminal.depth - 2e-4) * into
     cable.lay(seated, math.atan2(-into[1], -into[0]), np.zeros(len(cable.model.spans)))
     for _ in range(round(0.5 * rate_hz)):
         world.step()
     assert close_clamp(world, cable, terminal, body, world_from_socket=socket) is not None
-    held = pull_out(world, cable, End.A, -into, expected=retention)
+    held = pull_out(world, cable, WireEnd.A, -into, expected=retention)
     world.close()
     return held
 
@@ -111,7 +111,7 @@ def clip_forces(retention, diameter=0.003, rate_hz=240.0):
     """Push a wire slowly into a clip and pull it out; return the largest forces on the way [N]."""
     world = World(rate_hz)
     world.bullet.setGravity(0, 0, 0)
-    clip = Clip(
+    clip = PanelClip(
         id="C1",
         pose=(0.0, 0.0, 0.0),
         wire_diameter=diameter,
@@ -126,7 +126,7 @@ def clip_forces(retention, diameter=0.003, rate_hz=240.0):
         diameter=diameter, bending_stiffness=1e-2, torsional_stiffness=1e-2, linear_density=0.5,
     )  # fmt: skip
     model = chain(specimen, [Piece(0.02, 0.02)] * 3, world.time_step)
-    cable = Cable(world, model, "BU")
+    cable = SimulatedWire(world, model, "BU")
     above = lips_of(clip).height + diameter
     cable.lay(np.array([-0.03 - diameter / 2, 0.0, above]), 0.0, np.zeros(2))
     inward = _drive(world, cable, above, clip.height)

@@ -3,7 +3,7 @@
 import dataclasses
 import math
 
-from remodel_sim.core.workpiece.panel import Channel, Component, Panel, Terminal, Wire
+from remodel_sim.core.workpiece.panel import Channel, Component, Panel, PanelTerminal, PanelWire
 
 ROW_X = 0.080
 
@@ -20,7 +20,7 @@ def component(name, marker, x, y, side, terminals=2, bore=0.0038):
         pose=(x, y, 0.0),
         size=(0.050, 0.045, 0.045),
         terminals=tuple(
-            Terminal(
+            PanelTerminal(
                 id=str(i + 1),
                 mouth=(side * 0.025, place, 0.022),
                 insertion_yaw=yaw,
@@ -36,7 +36,7 @@ def component(name, marker, x, y, side, terminals=2, bore=0.0038):
 
 def wire(name, a, b, length, **changes):
     """A soft 1.5 mm^2 wire."""
-    soft = Wire(
+    soft = PanelWire(
         name,
         *a,
         *b,

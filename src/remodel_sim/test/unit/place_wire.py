@@ -13,7 +13,7 @@ from remodel_sim.abilities.route_wire import route_wire
 from remodel_sim.core import goals
 from remodel_sim.core.geometry import Pose
 from remodel_sim.core.workpiece.layout import WORLD_FROM_PANEL
-from remodel_sim.core.workpiece.panel import End
+from remodel_sim.core.workpiece.panel import WireEnd
 
 ROBOT = "robot_1"
 # In the channel, beyond end b's terminal.
@@ -73,11 +73,11 @@ def extract(cell, wire, component, terminal, socket):
 
 def carry(cell, wire, channel):
     """Pick end b and route it along the channel to beside its terminal."""
-    do(cell, pick_cable, goals.PickGoal(ROBOT, wire, End.B, 0.0))
+    do(cell, pick_cable, goals.PickGoal(ROBOT, wire, WireEnd.B, 0.0))
     context = cell.context
     tool, direction = context.tool, context.belief.feed.direction
     x = float(WORLD_FROM_PANEL.position[0]) + context.panel.channel(channel).x
-    target = context.panel.wire(wire).goes_to(End.B)
+    target = context.panel.wire(wire).goes_to(WireEnd.B)
     y = float((WORLD_FROM_PANEL @ context.panel.panel_from_socket(*target)).position[1])
     along = direction * math.pi / 2
     path = (
@@ -103,6 +103,6 @@ def place(cell, wire, channel="A"):
     """Feed and place a whole wire."""
     cell.feed(wire, channel)
     do(cell, detect_cable, goals.DetectGoal(wire))
-    connect(cell, wire, End.A)
+    connect(cell, wire, WireEnd.A)
     carry(cell, wire, channel)
-    connect(cell, wire, End.B)
+    connect(cell, wire, WireEnd.B)

@@ -6,9 +6,9 @@ import numpy as np
 from elastica import buckling_load
 from panels import wire
 
-from remodel_sim.core.workpiece.panel import End
+from remodel_sim.core.workpiece.panel import WireEnd
 from remodel_sim.core.workpiece.wire_mechanics import Piece, chain
-from remodel_sim.physics.wires.cable import Cable
+from remodel_sim.physics.wires.cable import SimulatedWire
 from remodel_sim.physics.world import GRAVITY, World
 
 LENGTH = 0.30
@@ -41,13 +41,13 @@ class Rod:
         if cut is not None:
             pieces[cut : cut + 1] = [Piece(cell / 2, cell), Piece(cell / 2, cell, bolted=True)]
         model = chain(specimen, [Piece(CLAMPED, 0.0), *pieces], self.world.time_step)
-        self.cable = Cable(self.world, model, "BU")
+        self.cable = SimulatedWire(self.world, model, "BU")
         start = np.array([-CLAMPED - specimen.radius, 0.0, HEIGHT])
         self.cable.lay(start, 0.0, np.zeros(len(model.spans)))
         self._clamp()
 
     def _clamp(self):
-        bullet, link = self.world.bullet, self.cable.ferrule(End.A)
+        bullet, link = self.world.bullet, self.cable.ferrule(WireEnd.A)
         position, quaternion = self.cable.link_pose(link)
         hold = bullet.createConstraint(
             *link, -1, -1, bullet.JOINT_FIXED, [0, 0, 0], [0, 0, 0], position.tolist(),
@@ -72,8 +72,8 @@ class Rod:
 
     def push(self, force):
         """Apply a force (3,) [N] of constant direction at the tip for the next step."""
-        bullet, link = self.world.bullet, self.cable.ferrule(End.B)
-        apex = self.cable.tip(End.B)[0]
+        bullet, link = self.world.bullet, self.cable.ferrule(WireEnd.B)
+        apex = self.cable.tip(WireEnd.B)[0]
         bullet.applyExternalForce(*link, list(force), apex.tolist(), bullet.WORLD_FRAME)
 
     @property
@@ -84,7 +84,7 @@ class Rod:
     @property
     def tip_angle(self):
         """The angle between the tip's direction and the clamp's [rad]."""
-        out = self.cable.tip(End.B)[1]
+        out = self.cable.tip(WireEnd.B)[1]
         return math.atan2(math.hypot(out[1], out[2]), out[0])
 
     def close(self):

@@ -7,10 +7,10 @@ import rods
 from elastica import buckled_tip_angle, cantilever_drop
 from panels import wire
 
-from remodel_sim.core.workpiece.panel import End
+from remodel_sim.core.workpiece.panel import WireEnd
 from remodel_sim.core.workpiece.wire_mechanics import MAX_LINKS, discretise
 from remodel_sim.physics.fixtures.panel_scene import add_plate_surface
-from remodel_sim.physics.wires.cable import Cable
+from remodel_sim.physics.wires.cable import SimulatedWire
 from remodel_sim.physics.wires.parked_wire import add_solid, draw_parked
 from remodel_sim.physics.world import World
 
@@ -83,13 +83,13 @@ def test_an_overbent_wire_keeps_a_set():
 
 def test_a_twisted_wire_turns_by_torsion_alone():
     rod = rods.Rod(torsional_stiffness=0.8e-3)
-    torque, link = 2e-4, rod.cable.ferrule(End.B)
+    torque, link = 2e-4, rod.cable.ferrule(WireEnd.B)
     bullet = rod.world.bullet
     for _ in range(240 * 4):
         bullet.applyExternalTorque(*link, [torque, 0, 0], bullet.WORLD_FRAME)
         rod.world.step()
     turned = bullet.getDifferenceQuaternion(
-        rod.cable.link_pose(rod.cable.ferrule(End.A))[1].tolist(),
+        rod.cable.link_pose(rod.cable.ferrule(WireEnd.A))[1].tolist(),
         rod.cable.link_pose(link)[1].tolist(),
     )
     rod.close()
@@ -105,7 +105,7 @@ def test_a_long_wire_rests_on_the_plate_in_one_piece():
     add_plate_surface(world)
     long = ordered(1.6)
     model = discretise(long, world.time_step)
-    cable = Cable(world, model, "BU")
+    cable = SimulatedWire(world, model, "BU")
     curvature = np.where(model.spans > 0, 3.0, 0.0)
     cable.lay(np.array([0.0, 0.0, long.radius + 2e-4]), 0.3, curvature)
     for _ in range(240):
@@ -122,7 +122,7 @@ def test_a_wire_rests_on_another():
     add_plate_surface(world)
     stiff = dataclasses.replace(ordered(0.36), bending_stiffness=1e-2, torsional_stiffness=8e-3)
     lower, upper = (
-        Cable(world, discretise(stiff, world.time_step), colour) for colour in ("BU", "RD")
+        SimulatedWire(world, discretise(stiff, world.time_step), colour) for colour in ("BU", "RD")
     )
     straight = np.zeros(len(lower.model.spans))
     lower.lay(np.array([0.0, -0.18, stiff.radius]), math.pi / 2, straight)
@@ -141,7 +141,7 @@ def test_a_wire_rests_on_a_parked_one_that_is_solid():
         world = World(240)
         add_plate_surface(world)
         live = ordered(0.36)
-        cable = Cable(world, discretise(live, world.time_step), "BU")
+        cable = SimulatedWire(world, discretise(live, world.time_step), "BU")
         line = np.linspace(-0.2, 0.2, 20)[:, None] * np.array([0.0, 1.0, 0.0])
         for add in additions:
             add(world, line + np.array([0.0, 0.0, live.radius]), live)

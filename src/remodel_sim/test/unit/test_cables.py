@@ -7,7 +7,7 @@ import cv2
 import numpy as np
 import pytest
 
-from remodel_sim.core.vision.cables import End, detect_cables
+from remodel_sim.core.vision.cables import CableEnding, detect_cables
 from remodel_sim.core.vision.cables.curves.polyline import arc_lengths
 from remodel_sim.core.vision.cables.curves.spline import basis, fit
 from remodel_sim.core.vision.cables.strands.pairing import StrandEnd, best_pairs, join_prices
@@ -52,7 +52,7 @@ def test_a_cable_is_found_with_its_tips_and_width():
     assert errors(cable.centreline, true).mean() < 0.2
     tips = np.array([tip.point for tip in cable.tips])
     assert errors(true[[0, -1]], tips).max() < 0.6
-    assert [tip.end for tip in cable.tips] == [End.TIP, End.TIP]
+    assert [tip.end for tip in cable.tips] == [CableEnding.TIP, CableEnding.TIP]
     assert cable.width == pytest.approx(8, abs=0.4)
     assert found.doubts == ()
 
@@ -115,8 +115,8 @@ def test_a_cable_that_leaves_the_picture_is_truncated_there():
     lay(picture, wave((-30, 200), (400, 300), 20))
     (cable,) = detect_cables(picture).cables
     ends = {tip.end: tip.point for tip in cable.tips}
-    assert ends[End.TRUNCATED][0] < 3
-    assert np.linalg.norm(ends[End.TIP] - [400, 300]) < 1
+    assert ends[CableEnding.TRUNCATED][0] < 3
+    assert np.linalg.norm(ends[CableEnding.TIP] - [400, 300]) < 1
 
 
 def test_a_cable_under_a_card_of_another_colour_is_one():

@@ -11,7 +11,7 @@ from panels import panel
 from remodel_sim.cell import Cell
 from remodel_sim.core.errors import AbilityError
 from remodel_sim.core.geometry import Pose
-from remodel_sim.core.workpiece.panel import Channel, End
+from remodel_sim.core.workpiece.panel import Channel, WireEnd
 from remodel_sim.physics.truth import ground_truth
 from remodel_states.core.codes import Code
 
@@ -33,14 +33,14 @@ def test_six_millimetres_beside_the_opening_is_refused(cell):
     socket = do.locate(cell, "X1", "1")
     beside = Pose(socket.position + np.array([0.0, 0.006, 0.0]), socket.quaternion)
     with pytest.raises(AbilityError) as caught:
-        do.insert(cell, "W1", End.A, "X1", terminal="1", socket=beside)
+        do.insert(cell, "W1", WireEnd.A, "X1", terminal="1", socket=beside)
     assert caught.value.code is Code.INSERTION_MISALIGNED
     assert caught.value.found["depth"] < 0.003
     assert caught.value.found["peak_force"] >= 8.0
     assert "6.0 mm beside the axis of 'X1/1'" in str(caught.value)
     do.extract(cell, "W1", "X1", "1", socket=beside)
     assert cell.context.belief.grip is None
-    do.insert(cell, "W1", End.A, "X1", terminal="1", socket=do.locate(cell, "X1", "1"))
+    do.insert(cell, "W1", WireEnd.A, "X1", terminal="1", socket=do.locate(cell, "X1", "1"))
 
 
 def test_a_blocked_socket_jams_and_yields_when_cleared(cell):
@@ -48,11 +48,11 @@ def test_a_blocked_socket_jams_and_yields_when_cleared(cell):
     cell.plant.block_socket("X1", "1")
     socket = do.locate(cell, "X1", "1")
     with pytest.raises(AbilityError) as caught:
-        do.insert(cell, "W1", End.A, "X1", terminal="1", socket=socket)
+        do.insert(cell, "W1", WireEnd.A, "X1", terminal="1", socket=socket)
     assert caught.value.code is Code.INSERTION_JAMMED
     do.extract(cell, "W1", "X1", "1", socket=socket)
     cell.plant.clear_socket("X1", "1")
-    do.insert(cell, "W1", End.A, "X1", terminal="1", socket=socket)
+    do.insert(cell, "W1", WireEnd.A, "X1", terminal="1", socket=socket)
 
 
 def test_a_weak_clamp_lets_the_end_slip_in_the_pull_test():
@@ -63,7 +63,7 @@ def test_a_weak_clamp_lets_the_end_slip_in_the_pull_test():
     )
     made = Cell(panel(components=(first, *weak.components[1:])), seed=1)
     made.feed("W1", "A")
-    do.insert(made, "W1", End.A, "X1", terminal="1", socket=do.locate(made, "X1", "1"))
+    do.insert(made, "W1", WireEnd.A, "X1", terminal="1", socket=do.locate(made, "X1", "1"))
     with pytest.raises(AbilityError) as caught:
         do.fix(made, "W1", "X1", "1", pull=12.0)
     assert caught.value.code is Code.PULLED_OUT
@@ -81,12 +81,12 @@ def test_a_clamp_that_closes_on_nothing_is_not_seated(cell):
 def test_a_fixed_end_can_be_extracted_and_inserted_again(cell):
     cell.feed("W1", "A")
     socket = do.locate(cell, "X1", "1")
-    do.insert(cell, "W1", End.A, "X1", terminal="1", socket=socket)
+    do.insert(cell, "W1", WireEnd.A, "X1", terminal="1", socket=socket)
     do.fix(cell, "W1", "X1", "1")
     do.extract(cell, "W1", "X1", "1", socket=socket)
     (truth,) = ground_truth(cell.plant, ["W1"])
     assert truth.a.at == ""
-    do.insert(cell, "W1", End.A, "X1", terminal="1", socket=socket)
+    do.insert(cell, "W1", WireEnd.A, "X1", terminal="1", socket=socket)
 
 
 def test_a_stopped_ability_leaves_a_scene_that_the_next_one_can_use(cell):
@@ -95,7 +95,7 @@ def test_a_stopped_ability_leaves_a_scene_that_the_next_one_can_use(cell):
     goal = do.goals.InsertGoal(
         robot_name=do.ROBOT,
         cable_id="W1",
-        end=End.A,
+        end=WireEnd.A,
         component_id="X1",
         terminal_id="1",
         socket=socket,
@@ -110,7 +110,7 @@ def test_a_stopped_ability_leaves_a_scene_that_the_next_one_can_use(cell):
         next(steps)
     steps.close()
     assert cell.context.belief.grip is not None
-    do.insert(cell, "W1", End.A, "X1", terminal="1", socket=socket)
+    do.insert(cell, "W1", WireEnd.A, "X1", terminal="1", socket=socket)
 
 
 def test_feeding_with_a_wire_in_the_hand_is_refused(cell):
@@ -147,7 +147,7 @@ def test_a_piece_that_was_not_touched_is_presented_already():
 
 def test_no_piece_is_fed_beside_another_one_of_the_same_wire(cell):
     cell.feed("W1", "A")
-    do.do(cell, do.pick_cable, do.goals.PickGoal(do.ROBOT, "W1", End.A, 0.0))
+    do.do(cell, do.pick_cable, do.goals.PickGoal(do.ROBOT, "W1", WireEnd.A, 0.0))
     do.lay_down(cell, "W1")
     touched = cell.plant.live
     assert "moved or connected" in left_behind(cell, "W1")

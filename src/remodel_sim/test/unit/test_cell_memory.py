@@ -11,7 +11,7 @@ from remodel_sim.abilities.execution.runner import advance
 from remodel_sim.cell import Cell
 from remodel_sim.core.belief.placed_wires import ParkedWire, PlacedWires
 from remodel_sim.core.errors import AbilityError, MemoryFileError
-from remodel_sim.core.workpiece.panel import End
+from remodel_sim.core.workpiece.panel import WireEnd
 from remodel_sim.edge.cell_memory import CellMemory
 from remodel_sim.physics.truth import ground_truth
 from remodel_sim.ros.job import Job
@@ -42,7 +42,7 @@ def test_a_placed_wire_is_there_after_the_cell_was_killed(memory):
     try:
         assert ground_truth(again.plant, again.context.belief.fed) == before
         assert again.plant.parked["W1"].nodes == pytest.approx(cell.plant.parked["W1"].nodes)
-        assert again.context.belief.occupant(("X1", "1")) == ("W1", End.A)
+        assert again.context.belief.occupant(("X1", "1")) == ("W1", WireEnd.A)
         do.place(again, "W2")
         assert all(truth.placed for truth in ground_truth(again.plant, ["W1", "W2"]))
     finally:
@@ -72,9 +72,9 @@ class DyingHandle:
 def test_a_wire_whose_last_end_is_reported_fixed_is_there_after_a_kill_at_that_moment(memory):
     cell = Cell(panel(), seed=1, memory=memory)
     cell.feed("W1", "A")
-    do.connect(cell, "W1", End.A)
+    do.connect(cell, "W1", WireEnd.A)
     do.carry(cell, "W1", "A")
-    do.insert(cell, "W1", End.B, "X2", terminal="1", socket=do.locate(cell, "X2", "1"))
+    do.insert(cell, "W1", WireEnd.B, "X2", terminal="1", socket=do.locate(cell, "X2", "1"))
     goal = FixCableGoal("17:fix b", do.ROBOT, "W1", "X2", "1", 10.0, 60.0)
     fix = cell_abilities()["FixCable"]
     running = RunningGoal(read_abilities()["FixCable"], DyingHandle(goal), lambda: 0.0)
@@ -90,7 +90,7 @@ def test_a_wire_whose_last_end_is_reported_fixed_is_there_after_a_kill_at_that_m
     try:
         (truth,) = ground_truth(again.plant, again.context.belief.fed)
         assert truth.wire_id == "W1" and truth.placed
-        assert again.context.belief.occupant(("X2", "1")) == ("W1", End.B)
+        assert again.context.belief.occupant(("X2", "1")) == ("W1", WireEnd.B)
     finally:
         again.close()
 
@@ -110,7 +110,7 @@ def test_a_panel_that_is_rebuilt_is_empty(memory):
 
 def test_a_wire_belongs_to_the_product_that_it_was_placed_on(memory):
     first, second = panel(serial="house-1"), panel(serial="house-2")
-    placed = PlacedWires({"W1": ParkedWire(np.zeros((3, 3)), frozenset(End))})
+    placed = PlacedWires({"W1": ParkedWire(np.zeros((3, 3)), frozenset(WireEnd))})
     memory.keep(first, placed)
     assert list(memory.placed(first).parked) == ["W1"]
     assert memory.placed(second).parked == {}, "the next product is an empty panel"

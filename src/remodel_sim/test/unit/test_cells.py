@@ -20,7 +20,7 @@ from remodel_sim.core.errors import AbilityError
 from remodel_sim.core.geometry import Pose
 from remodel_sim.core.goals import PlacePinGoal
 from remodel_sim.core.robot.arm import ToolPose
-from remodel_sim.core.workpiece.panel import End
+from remodel_sim.core.workpiece.panel import WireEnd
 from remodel_sim.edge.cell_file import read_cell
 from remodel_sim.physics.truth import ground_truth
 from remodel_states.core.codes import Code
@@ -70,7 +70,7 @@ def watched(cell, steps, gaps):
 def test_two_arms_work_at_once_and_keep_apart(cell):
     one, two = cell.contexts.values()
     locate = locate_gearbox_component(one, goals.LocateGoal("X2", "1"))
-    pick = pick_cable(two, goals.PickGoal("robot_2", "W1", End.B, 0.0))
+    pick = pick_cable(two, goals.PickGoal("robot_2", "W1", WireEnd.B, 0.0))
     gaps = []
     both = concurrently(occupy([one], locate), occupy([two], pick))
     located, _ = run(cell.plant, one, watched(cell, both, gaps))
@@ -80,7 +80,7 @@ def test_two_arms_work_at_once_and_keep_apart(cell):
 
 
 def test_a_wire_goes_from_one_arm_to_the_other_by_the_plate(cell):
-    do(cell, "robot_1", pick_cable, goals.PickGoal("robot_1", "W1", End.A, 0.0))
+    do(cell, "robot_1", pick_cable, goals.PickGoal("robot_1", "W1", WireEnd.A, 0.0))
     belief, tool = cell.context.belief, cell.context.commanded
     lying = Pose.level(tool.x, tool.y, 0.0035, tool.yaw + belief.grip.flip)
     do(cell, "robot_1", place_cable, goals.PlaceGoal("robot_1", "W1", lying))
@@ -89,7 +89,7 @@ def test_a_wire_goes_from_one_arm_to_the_other_by_the_plate(cell):
     goal = goals.InsertGoal(
         robot_name="robot_2",
         cable_id="W1",
-        end=End.A,
+        end=WireEnd.A,
         component_id="X1",
         terminal_id="1",
         socket=socket,
@@ -127,7 +127,7 @@ def test_two_arms_place_the_pins_of_a_wire_and_place_them_again(cell):
         for context in (one, two):
             goal.check(context.panel, context.belief)
         cell.run(place_pin(one, two, goal), "robot_1", "robot_2")
-        for end, y in ((End.A, -0.237), (End.B, 0.237)):
+        for end, y in ((WireEnd.A, -0.237), (WireEnd.B, 0.237)):
             tip = cell.plant.live.cable.tip(end)[0]
             assert np.linalg.norm(tip[:2] - [0.5, y]) < 0.015
         assert one.commanded == one.home and two.commanded == two.home
@@ -140,7 +140,7 @@ def test_an_idle_empty_hand_makes_way_and_one_that_holds_a_wire_does_not(cell):
     cell.run(move_to(two, there, 0.6), "robot_2")
     assert one.commanded == one.home
     cell.run(move_to(two, two.home, 0.6), "robot_2")
-    do(cell, "robot_1", pick_cable, goals.PickGoal("robot_1", "W1", End.B, 0.0))
+    do(cell, "robot_1", pick_cable, goals.PickGoal("robot_1", "W1", WireEnd.B, 0.0))
     with pytest.raises(AbilityError, match=r"robot_1 stands at .* place what it holds") as caught:
         cell.run(move_to(two, there, 0.6), "robot_2")
     assert caught.value.code is Code.ROBOT_IN_THE_WAY

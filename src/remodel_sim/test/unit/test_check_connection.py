@@ -7,7 +7,7 @@ from remodel_sim.abilities.check_connection import check_connection
 from remodel_sim.core.errors import AbilityError
 from remodel_sim.core.goals import CheckGoal
 from remodel_sim.core.vision.opening_occupancy import Occupancy, OpeningObservation, combine
-from remodel_sim.core.workpiece.panel import End
+from remodel_sim.core.workpiece.panel import WireEnd
 from remodel_sim.physics.truth import ground_truth
 from remodel_states.core.codes import Code
 
@@ -19,39 +19,39 @@ def is_connected(cell, wire, end, terminal=None):
 
 def test_a_fixed_end_is_seen_and_neither_its_neighbour_nor_its_other_end(cell):
     cell.feed("W1", "A")
-    assert not is_connected(cell, "W1", End.A)
-    connect(cell, "W1", End.A)
-    assert is_connected(cell, "W1", End.A)
-    assert not is_connected(cell, "W1", End.B)
-    assert not is_connected(cell, "W1", End.A, ("X1", "2"))
-    assert not is_connected(cell, "W2", End.A, ("X1", "1")), "that wire is blue, W2 is brown"
+    assert not is_connected(cell, "W1", WireEnd.A)
+    connect(cell, "W1", WireEnd.A)
+    assert is_connected(cell, "W1", WireEnd.A)
+    assert not is_connected(cell, "W1", WireEnd.B)
+    assert not is_connected(cell, "W1", WireEnd.A, ("X1", "2"))
+    assert not is_connected(cell, "W2", WireEnd.A, ("X1", "1")), "that wire is blue, W2 is brown"
 
 
 def test_the_answer_does_not_come_from_the_belief_state(cell):
     cell.feed("W1", "A")
-    connect(cell, "W1", End.A)
-    cell.context.belief.loosen(End.A)
-    assert is_connected(cell, "W1", End.A)
-    cell.context.belief.seat(End.B, ("X2", "1"))
-    assert not is_connected(cell, "W1", End.B)
+    connect(cell, "W1", WireEnd.A)
+    cell.context.belief.loosen(WireEnd.A)
+    assert is_connected(cell, "W1", WireEnd.A)
+    cell.context.belief.seat(WireEnd.B, ("X2", "1"))
+    assert not is_connected(cell, "W1", WireEnd.B)
 
 
 def test_a_component_that_was_moved_is_found_where_it_stands(cell):
     cell.feed("W1", "A")
     cell.plant.disturb("component_moved", "X1", [0.008, -0.006, 0.1])
-    assert not is_connected(cell, "W1", End.A)
-    connect(cell, "W1", End.A)
-    assert is_connected(cell, "W1", End.A)
+    assert not is_connected(cell, "W1", WireEnd.A)
+    connect(cell, "W1", WireEnd.A)
+    assert is_connected(cell, "W1", WireEnd.A)
 
 
 def test_an_observation_with_a_wire_in_the_hand_moves_nothing(cell):
     cell.feed("W1", "A")
-    connect(cell, "W1", End.A)
+    connect(cell, "W1", WireEnd.A)
     carry(cell, "W1", "A")
     held = cell.context.commanded
-    for end in End:
+    for end in WireEnd:
         try:
-            assert is_connected(cell, "W1", end) is (end is End.A)
+            assert is_connected(cell, "W1", end) is (end is WireEnd.A)
         except AbilityError as error:
             assert error.code in (Code.CABLE_OCCLUDED, Code.COMPONENT_OCCLUDED)
             assert "place what the hand holds" in str(error)
@@ -62,7 +62,7 @@ def test_an_observation_with_a_wire_in_the_hand_moves_nothing(cell):
 
 def test_unknown_names_are_refused_with_those_that_there_are(cell):
     with pytest.raises(AbilityError, match="X1, X2, X3, X4"):
-        is_connected(cell, "W1", End.A, ("Q9", "1"))
+        is_connected(cell, "W1", WireEnd.A, ("Q9", "1"))
 
 
 def test_one_empty_opening_decides_it_and_one_wire_does_not():

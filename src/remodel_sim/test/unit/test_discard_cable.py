@@ -14,7 +14,7 @@ from remodel_sim.core.errors import AbilityError
 from remodel_sim.core.goals import DiscardGoal
 from remodel_sim.core.robot.arm import ToolPose
 from remodel_sim.core.workpiece.layout import PLATE_MAX_M
-from remodel_sim.core.workpiece.panel import End
+from remodel_sim.core.workpiece.panel import WireEnd
 from remodel_sim.edge.cell_file import read_cell
 from remodel_sim.edge.cell_memory import CellMemory
 from remodel_sim.physics.truth import ground_truth
@@ -62,7 +62,7 @@ def test_the_wire_in_the_hand_is_discarded_with_its_other_end_connected(cell):
         discard(cell, "")
     assert caught.value.code is Code.NOTHING_HELD
     cell.feed("W1", "A")
-    do.connect(cell, "W1", End.A)
+    do.connect(cell, "W1", WireEnd.A)
     do.carry(cell, "W1", "A")
     with pytest.raises(AbilityError) as caught:
         discard(cell, "W2x")
@@ -100,14 +100,14 @@ def test_a_wire_that_has_just_been_placed_is_extracted_and_discarded(cell):
 
 def test_a_wire_whose_end_is_stuck_stays(cell, monkeypatch):
     cell.feed("W1", "A")
-    do.connect(cell, "W1", End.A)
+    do.connect(cell, "W1", WireEnd.A)
     with monkeypatch.context() as patch:
         patch.setattr(cell.plant, "open_clamp", lambda *terminal: None)  # its screw is jammed
         with pytest.raises(AbilityError, match="it was released there") as caught:
             discard(cell, "W1")
     assert caught.value.code is Code.EXTRACTION_STUCK
     assert not cell.context.belief.hands
-    assert cell.context.belief.ends[End.A] is EndState.SEATED
+    assert cell.context.belief.ends[WireEnd.A] is EndState.SEATED
     (truth,) = ground_truth(cell.plant, ["W1"])
     assert truth.a.seated
     with pytest.raises(AbilityError) as caught:
@@ -120,7 +120,7 @@ def test_a_wire_whose_end_is_stuck_stays(cell, monkeypatch):
 def test_a_hand_that_holds_another_wire_discards_none(cell):
     cell.feed("W2", "A")
     cell.feed("W1", "A")
-    do.do(cell, do.pick_cable, do.goals.PickGoal(do.ROBOT, "W1", End.A, 0.0))
+    do.do(cell, do.pick_cable, do.goals.PickGoal(do.ROBOT, "W1", WireEnd.A, 0.0))
     with pytest.raises(AbilityError) as caught:
         discard(cell, "W2")
     assert caught.value.code is Code.OTHER_CABLE_HELD

@@ -6,7 +6,7 @@ import pytest
 
 from remodel_sim.core.cell.faults import check_fault
 from remodel_sim.core.errors import AbilityError, FaultError
-from remodel_sim.core.workpiece.panel import End
+from remodel_sim.core.workpiece.panel import WireEnd
 
 
 @pytest.mark.parametrize(
@@ -41,19 +41,19 @@ def test_a_fault_on_what_is_not_there_is_refused(cell):
 def pull(cell, force):
     """Pull the held end with a force; return how far it slides in the grip [m]."""
     cable, bullet = cell.plant.live.cable, cell.plant.world.bullet
-    start = cable.tip(End.A)[0]
+    start = cable.tip(WireEnd.A)[0]
     for _ in range(60):
-        apex, out = cable.tip(End.A)
+        apex, out = cable.tip(WireEnd.A)
         bullet.applyExternalForce(
-            *cable.ferrule(End.A), (force * out).tolist(), apex.tolist(), bullet.WORLD_FRAME
+            *cable.ferrule(WireEnd.A), (force * out).tolist(), apex.tolist(), bullet.WORLD_FRAME
         )
         cell.plant.step()
-    return float(np.linalg.norm(cable.tip(End.A)[0] - start))
+    return float(np.linalg.norm(cable.tip(WireEnd.A)[0] - start))
 
 
 @pytest.mark.parametrize("kind", ["grip_weakened", "friction_lowered"])
 def test_a_weak_hand_lets_the_wire_slide(cell, kind):
-    goal = do.goals.PickGoal(do.ROBOT, "W1", End.A, 0.0)
+    goal = do.goals.PickGoal(do.ROBOT, "W1", WireEnd.A, 0.0)
     cell.feed("W1", "A")
     do.do(cell, do.pick_cable, goal)
     assert pull(cell, 15.0) < 0.002

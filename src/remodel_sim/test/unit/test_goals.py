@@ -11,7 +11,7 @@ from remodel_sim.core.geometry import Pose
 from remodel_sim.core.goals.requirements import parse_end
 from remodel_sim.core.robot.arm import ToolPose
 from remodel_sim.core.workpiece.layout import WORLD_FROM_PANEL
-from remodel_sim.core.workpiece.panel import End
+from remodel_sim.core.workpiece.panel import WireEnd
 from remodel_states.core.codes import Code
 
 SOCKET = WORLD_FROM_PANEL @ panel().panel_from_socket("X1", "1")
@@ -36,7 +36,7 @@ def insertion(**changes):
     fields = dict(
         robot_name="robot_1",
         cable_id="W1",
-        end=End.A,
+        end=WireEnd.A,
         component_id="X1",
         terminal_id="1",
         socket=SOCKET,
@@ -68,7 +68,11 @@ def pose_with(position=(0.5, 0.0, 0.03), quaternion=(0.0, 0.0, 0.0, 1.0)):
         ),
         (lambda: insertion(robot_name=" "), Code.INVALID_GOAL, "robot_name is empty"),
         (lambda: goals.RouteGoal("robot_1", "W1", ()), Code.INVALID_GOAL, "path is empty"),
-        (lambda: goals.PickGoal("robot_1", "W1", End.A, 0.5), Code.INVALID_GOAL, "grasp_distance"),
+        (
+            lambda: goals.PickGoal("robot_1", "W1", WireEnd.A, 0.5),
+            Code.INVALID_GOAL,
+            "grasp_distance",
+        ),
         (
             lambda: goals.FixGoal(
                 robot_name="robot_1",
@@ -98,7 +102,7 @@ def test_a_goal_that_makes_no_sense_is_never_born(make, code, words):
         (insertion(component_id="Q"), fed_belief(), Code.UNKNOWN_NAME, "X1, X2, X3, X4"),
         (insertion(terminal_id="9"), fed_belief(), Code.UNKNOWN_NAME, "there are: 1, 2"),
         (insertion(terminal_id="2", component_id="X2"), fed_belief(), Code.INVALID_GOAL, "locate"),
-        (insertion(), holding(End.B), Code.OTHER_CABLE_HELD, "end b"),
+        (insertion(), holding(WireEnd.B), Code.OTHER_CABLE_HELD, "end b"),
         (
             goals.FixGoal(
                 robot_name="robot_1",
@@ -113,13 +117,13 @@ def test_a_goal_that_makes_no_sense_is_never_born(make, code, words):
         ),
         (
             goals.RouteGoal("robot_1", "W1", (pose_with((1.5, 0, 0.1)),)),
-            holding(End.A),
+            holding(WireEnd.A),
             Code.UNREACHABLE,
             "no arm posture",
         ),
         (
-            goals.PickGoal("robot_1", "W1", End.B, 0.0),
-            holding(End.A),
+            goals.PickGoal("robot_1", "W1", WireEnd.B, 0.0),
+            holding(WireEnd.A),
             Code.OTHER_CABLE_HELD,
             "end a",
         ),
@@ -133,19 +137,19 @@ def test_a_goal_that_the_cell_cannot_take_is_refused(goal, belief, code, words):
 
 
 def test_an_end_in_another_robots_hand_is_left_there():
-    belief = holding(End.A)
+    belief = holding(WireEnd.A)
     other = belief.beside("robot_2", belief.arm)
     assert other.grip is None
-    for goal in (goals.PickGoal("robot_2", "W1", End.A, 0.0), insertion(robot_name="robot_2")):
+    for goal in (goals.PickGoal("robot_2", "W1", WireEnd.A, 0.0), insertion(robot_name="robot_2")):
         with pytest.raises(AbilityError, match="robot_1 holds end a") as caught:
             goal.check(panel(), other)
         assert caught.value.code is Code.OTHER_CABLE_HELD
-    goals.PickGoal("robot_2", "W1", End.B, 0.0).check(panel(), other)
+    goals.PickGoal("robot_2", "W1", WireEnd.B, 0.0).check(panel(), other)
 
 
 def test_an_occupied_terminal_names_its_occupant():
     belief = fed_belief()
-    belief.occupied["X1", "1"] = ("W7", End.B)
+    belief.occupied["X1", "1"] = ("W7", WireEnd.B)
     with pytest.raises(AbilityError, match="end b of 'W7'") as caught:
         insertion().check(panel(), belief)
     assert caught.value.code is Code.TERMINAL_OCCUPIED
@@ -187,12 +191,12 @@ def test_an_opening_is_compared_with_the_last_observation():
 
 def test_an_end_in_a_terminal_is_extracted_first():
     belief = fed_belief()
-    belief.ends[End.A] = EndState.FIXED
+    belief.ends[WireEnd.A] = EndState.FIXED
     with pytest.raises(AbilityError, match="extract it first"):
         insertion().check(panel(), belief)
 
 
 def test_good_goals_pass():
     insertion().check(panel(), fed_belief())
-    insertion().check(panel(), holding(End.A))
+    insertion().check(panel(), holding(WireEnd.A))
     goals.LocateGoal("X2", "2").check(panel(), BeliefState())

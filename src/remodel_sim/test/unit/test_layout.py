@@ -7,13 +7,13 @@ from panels import component, panel, wire
 
 from remodel_sim.core.errors import PanelError
 from remodel_sim.core.workpiece.layout import find_problems
-from remodel_sim.core.workpiece.panel import Clip, Duct
+from remodel_sim.core.workpiece.panel import Duct, PanelClip
 from remodel_sim.edge.cell_file import read_cell
 from remodel_sim.edge.wire_material_file import read_wire_materials
 from remodel_sim.physics.plant import Plant
 from remodel_sim.ros.conversions import read_panel
 
-CLIP = Clip(
+CLIP = PanelClip(
     id="C1",
     pose=(0.0, 0.1, math.pi / 2),
     wire_diameter=0.003,

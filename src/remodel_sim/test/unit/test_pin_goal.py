@@ -10,7 +10,7 @@ from remodel_sim.core.errors import AbilityError
 from remodel_sim.core.goals.pin_goal import PlacePinGoal, pin_row
 from remodel_sim.core.robot.arm import PANDA_AT_ORIGIN, Arm
 from remodel_sim.core.workpiece.layout import WORLD_FROM_PANEL
-from remodel_sim.core.workpiece.panel import End
+from remodel_sim.core.workpiece.panel import WireEnd
 from remodel_states.core.codes import Code
 
 FACING = Arm(PANDA_AT_ORIGIN.model, (1.0, 0.0, 0.0, math.pi))
@@ -123,7 +123,7 @@ def test_there_must_be_a_live_wire_with_loose_ends():
         GOOD.check(panel(), BeliefState())
     assert caught.value.code is Code.WIRE_NOT_FED
     belief = fed()
-    belief.ends[End.A] = EndState.FIXED
+    belief.ends[WireEnd.A] = EndState.FIXED
     with pytest.raises(AbilityError, match="extract it first"):
         GOOD.check(panel(), belief)
 

@@ -10,7 +10,7 @@ from remodel_sim.core.belief.belief_state import EndState
 from remodel_sim.core.errors import AbilityError
 from remodel_sim.core.geometry import Pose
 from remodel_sim.core.goals import DetectGoal, PickGoal
-from remodel_sim.core.workpiece.panel import End
+from remodel_sim.core.workpiece.panel import WireEnd
 from remodel_sim.physics.truth import ground_truth
 from remodel_states.core.codes import Code
 
@@ -24,17 +24,17 @@ def lay_down(cell, target=BESIDE):
 
 def hold_end_a_in_its_terminal(cell):
     cell.feed("W1", "A")
-    insert(cell, "W1", End.A, "X1", terminal="1", socket=locate(cell, "X1", "1"))
+    insert(cell, "W1", WireEnd.A, "X1", terminal="1", socket=locate(cell, "X1", "1"))
 
 
 def test_an_end_that_is_pushed_in_is_drawn_out_and_can_be_picked_again(cell):
     hold_end_a_in_its_terminal(cell)
     lay_down(cell)
-    assert cell.context.belief.ends[End.A] is EndState.LOOSE
+    assert cell.context.belief.ends[WireEnd.A] is EndState.LOOSE
     (truth,) = ground_truth(cell.plant, ["W1"])
     assert truth.a.at == ""
     do(cell, detect_cable, DetectGoal("W1"))
-    do(cell, pick_cable, PickGoal(ROBOT, "W1", End.A, 0.0))
+    do(cell, pick_cable, PickGoal(ROBOT, "W1", WireEnd.A, 0.0))
 
 
 def test_whatever_the_hand_holds_is_laid_down_when_no_wire_is_named(cell):
@@ -42,7 +42,7 @@ def test_whatever_the_hand_holds_is_laid_down_when_no_wire_is_named(cell):
         lay_down_wire(cell, "")
     assert caught.value.code is Code.NOTHING_HELD, "before the first wire was fed"
     cell.feed("W1", "A")
-    do(cell, pick_cable, PickGoal(ROBOT, "W1", End.A, 0.0))
+    do(cell, pick_cable, PickGoal(ROBOT, "W1", WireEnd.A, 0.0))
     assert lay_down_wire(cell, "").message.startswith("W1 laid down at")
     assert cell.context.belief.grip is None
     with pytest.raises(AbilityError) as caught:

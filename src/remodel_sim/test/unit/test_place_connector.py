@@ -14,7 +14,7 @@ from remodel_sim.core.belief.belief_state import BeliefState, EndState, Feed
 from remodel_sim.core.errors import AbilityError, PanelError
 from remodel_sim.core.geometry import Pose
 from remodel_sim.core.workpiece.layout import WORLD_FROM_PANEL, find_problems
-from remodel_sim.core.workpiece.panel import End
+from remodel_sim.core.workpiece.panel import WireEnd
 from remodel_sim.edge.wire_material_file import read_wire_materials
 from remodel_sim.physics.truth import ground_truth
 from remodel_sim.ros.conversions import read_panel
@@ -65,7 +65,7 @@ def test_a_connector_latches_when_pushed_hard_enough_and_comes_out_when_its_latc
     placed = place(cell, socket)
     assert placed.peak_force >= 30.0
     assert truth_of(cell).seated and truth_of(cell).fixed
-    assert cell.context.belief.ends[End.A] is EndState.FIXED
+    assert cell.context.belief.ends[WireEnd.A] is EndState.FIXED
     assert cell.context.belief.grip is None
     extract(cell, "W1", "U1", "J1", socket=socket)
     assert truth_of(cell).at == "" and not truth_of(cell).fixed
@@ -101,7 +101,7 @@ def test_pins_beside_their_openings_and_an_obstacle_in_one_have_different_codes(
             lambda: goals.InsertGoal(
                 robot_name=ROBOT,
                 cable_id="W1",
-                end=End.A,
+                end=WireEnd.A,
                 component_id="X1",
                 terminal_id="1",
                 socket=FACE,
@@ -121,7 +121,7 @@ def test_pins_beside_their_openings_and_an_obstacle_in_one_have_different_codes(
             Code.INVALID_GOAL,
             "is a header",
         ),
-        (lambda: goals.CheckGoal("W1", End.A, "U1", "J1"), Code.INVALID_GOAL, "is a header"),
+        (lambda: goals.CheckGoal("W1", WireEnd.A, "U1", "J1"), Code.INVALID_GOAL, "is a header"),
     ],
 )
 def test_goals_that_cannot_be_done_are_refused_with_the_reason(goal, code, words):
@@ -150,7 +150,7 @@ def with_header(**changes):
     ("broken", "words"),
     [
         (with_connector(ways=2), "'P1' has 2 ways, 5.08 mm apart, and 'U1/J1' has 3"),
-        (with_connector(end=End.B), "end a has no connector, and 'U1/J1' is a header"),
+        (with_connector(end=WireEnd.B), "end a has no connector, and 'U1/J1' is a header"),
         (with_connector(pin_length=0.0099), "'P1', 0.0099 m long, do not go into 'U1/J1'"),
         (with_connector(pin_diameter=0.0022), "opening of 'U1/J1' minus diameter is 0.2 mm"),
         (with_connector(body_width=0.03), "'P1': body_width is 0.03 m"),

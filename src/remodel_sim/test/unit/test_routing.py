@@ -13,7 +13,7 @@ from remodel_sim.core import goals
 from remodel_sim.core.errors import AbilityError
 from remodel_sim.core.geometry import Pose
 from remodel_sim.core.workpiece.layout import WORLD_FROM_PANEL
-from remodel_sim.core.workpiece.panel import End
+from remodel_sim.core.workpiece.panel import WireEnd
 from remodel_sim.physics.truth import lies_in
 from remodel_states.core.codes import Code
 
@@ -21,8 +21,8 @@ from remodel_states.core.codes import Code
 def with_b_in_hand(board):
     cell = Cell(board, seed=1)
     cell.feed("W1", "A")
-    do.connect(cell, "W1", End.A)
-    do.do(cell, do.pick_cable, goals.PickGoal(do.ROBOT, "W1", End.B, 0.0))
+    do.connect(cell, "W1", WireEnd.A)
+    do.do(cell, do.pick_cable, goals.PickGoal(do.ROBOT, "W1", WireEnd.B, 0.0))
     return cell
 
 

@@ -13,7 +13,7 @@ from remodel_sim.core import goals
 from remodel_sim.core.errors import AbilityError
 from remodel_sim.core.geometry import Pose
 from remodel_sim.core.workpiece.component_shape import Box, label_corners
-from remodel_sim.core.workpiece.panel import End
+from remodel_sim.core.workpiece.panel import WireEnd
 from remodel_sim.physics.static_body import add_static
 from remodel_states.core.codes import Code
 
@@ -95,13 +95,13 @@ def test_each_view_of_a_cable_is_taken_from_elsewhere(cell, places):
 
 def test_ends_hidden_from_above_are_detected_from_another_view(cell):
     cell.feed("W1", "A")
-    for end in End:
+    for end in WireEnd:
         tip = cell.plant.live.cable.tip(end)[0]
         hang_cross(cell, tip, 0.15, 0.10, width=0.04)
     with pytest.raises(AbilityError) as caught:
         detect(cell, 0)
     assert caught.value.code is Code.CABLE_NOT_FOUND
     found = detect(cell, 1)
-    for end, seen in zip(End, found.tips, strict=True):
+    for end, seen in zip(WireEnd, found.tips, strict=True):
         assert np.linalg.norm(seen.tip - cell.plant.live.cable.tip(end)[0]) < 0.003
     assert found.length > 0.05

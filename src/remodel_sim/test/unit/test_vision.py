@@ -18,7 +18,7 @@ from remodel_sim.core.vision.label_pose import LabelView, locate_component
 from remodel_sim.core.vision.labels import find_labels
 from remodel_sim.core.vision.tracing import at_distance, trace
 from remodel_sim.core.vision.wire_ends import find_ends, trace_between
-from remodel_sim.core.workpiece.panel import End
+from remodel_sim.core.workpiece.panel import WireEnd
 from remodel_sim.core.workpiece.wire_colours import WIRE_RGB
 from remodel_sim.physics.wires.parked_wire import draw_parked
 from remodel_states.core.codes import Code
@@ -47,12 +47,12 @@ def test_both_ends_of_a_wire_of_any_colour_are_found(colour):
     made.feed("W1", "A")
     picture = made.plant.take_overhead_picture()
     ends, likelihood = find_ends(picture, made.context.wire, made.context.belief.expected)
-    for end in End:
+    for end in WireEnd:
         true, out = made.plant.live.cable.tip(end)
         seen = ends[end].tip
         assert np.linalg.norm(seen.tip[:2] - true[:2]) < 0.0012
         assert abs(math.cos(seen.out_yaw) * out[0] + math.sin(seen.out_yaw) * out[1]) > 0.99
-    both = ends[End.A], ends[End.B]
+    both = ends[WireEnd.A], ends[WireEnd.B]
     pixels = trace_between(both, picture, likelihood, made.context.wire)
     line = picture.view.on_plane(pixels, 0.0015)[:, :2]
     length = np.linalg.norm(np.diff(line, axis=0), axis=1).sum()
@@ -66,14 +66,14 @@ def test_both_ends_of_a_wire_of_any_colour_are_found(colour):
 
 def test_a_wire_that_is_not_there_is_not_found(cell):
     cell.feed("W1", "A")
-    elsewhere = {End.A: np.array([0.30, -0.30])}
+    elsewhere = {WireEnd.A: np.array([0.30, -0.30])}
     ends, _ = find_ends(cell.plant.take_overhead_picture(), cell.context.wire, elsewhere)
     assert ends == {}
 
 
 def test_two_ends_side_by_side_are_ambiguous(cell):
     cell.feed("W1", "A")
-    between = {End.A: np.mean([p for p in cell.context.belief.expected.values()], axis=0)}
+    between = {WireEnd.A: np.mean([p for p in cell.context.belief.expected.values()], axis=0)}
     picture = cell.plant.take_overhead_picture()
     close = dataclasses.replace(cell.context.wire)
     with pytest.MonkeyPatch.context() as patch:
@@ -81,7 +81,7 @@ def test_two_ends_side_by_side_are_ambiguous(cell):
         with pytest.raises(AbilityError) as caught:
             find_ends(picture, close, between)
     assert caught.value.code is Code.CABLE_AMBIGUOUS
-    assert cell.context.belief.ends[End.A] is EndState.LOOSE
+    assert cell.context.belief.ends[WireEnd.A] is EndState.LOOSE
 
 
 def test_the_tracer_follows_a_bend_and_goes_straight_over_a_crossing():
@@ -104,7 +104,7 @@ def test_a_polyline_goes_on_straight_beyond_its_end():
 def test_an_end_that_a_wire_in_the_air_hides_from_above_is_found_from_aside(cell):
     cell.feed("W1", "A")
     live = cell.context.wire
-    tip, _ = cell.plant.live.cable.tip(End.A)
+    tip, _ = cell.plant.live.cable.tip(WireEnd.A)
     ferrule = np.array([tip[0], tip[1] + live.ferrule_length / 2, live.radius])
     lens = cell.plant.take_overhead_picture().view.world_from_camera.position
     on_the_ray = ferrule + (lens - ferrule) * 0.05 / lens[2]  # some 50 mm above the plate
@@ -115,6 +115,6 @@ def test_an_end_that_a_wire_in_the_air_hides_from_above_is_found_from_aside(cell
         dataclasses.replace(live, diameter=0.012, colour="RD"),
     )
     seen, _ = find_ends(cell.plant.take_overhead_picture(), live, cell.context.belief.expected)
-    assert End.A not in seen, "the wire above hides it"
+    assert WireEnd.A not in seen, "the wire above hides it"
     do(cell, detect_cable, DetectGoal("W1"))
-    assert np.linalg.norm(cell.context.belief.tips[End.A].tip[:2] - tip[:2]) < 0.003
+    assert np.linalg.norm(cell.context.belief.tips[WireEnd.A].tip[:2] - tip[:2]) < 0.003

@@ -39,7 +39,7 @@ from remodel_states.core.state_source import module_name
 from remodel_states.count_attempts_state import CountAttemptsState
 from remodel_states.edge.exported_tables import read_abilities
 from remodel_states.place_pin_state import SLOW, PlacePinState
-from remodel_states.testing import Answer, FakeAbility
+from remodel_states.testing import FakeAbility, FakeAnswer
 
 POSE = [0.1, 0.2, 0.3, 1.5]
 EXAMPLES = {POSE_TYPE: POSE, POSES_TYPE: [POSE, POSE], "string": "P1", "float64": 1.0}
@@ -177,9 +177,9 @@ class AbilityStatesTest(unittest.TestCase):
     def test_each_outcome_writes_what_the_docstring_says(self):
         for ability, (_, _, done) in STATES.items():
             answers = {
-                done: Answer(),
-                "failed": Answer(ErrorCode.NOT_SEATED),
-                "command_error": Answer(refuse=True),
+                done: FakeAnswer(),
+                "failed": FakeAnswer(ErrorCode.NOT_SEATED),
+                "command_error": FakeAnswer(refuse=True),
             }
             outcomes = set(self.state(ability).outcomes)
             self.assertEqual(outcomes, set(documented_writes(STATES[ability][0])))
@@ -187,12 +187,12 @@ class AbilityStatesTest(unittest.TestCase):
             for outcome, answer in answers.items():
                 self.fakes[ability].script(answer)
                 self.check_writes(self.state(ability), outcome)
-        self.fakes["PlacePin"].script(Answer())
+        self.fakes["PlacePin"].script(FakeAnswer())
         self.check_writes(self.state("PlacePin", max_time=-1.0), SLOW)
 
     def test_each_ability_succeeds_with_its_outcome(self):
         for ability, (_, _, done) in STATES.items():
-            self.fakes[ability].script(Answer())
+            self.fakes[ability].script(FakeAnswer())
             self.assertEqual(run(self.state(ability), userdata()), done, ability)
             goal = self.fakes[ability].goals[0]
             self.assertTrue(goal.id, ability)
@@ -200,7 +200,7 @@ class AbilityStatesTest(unittest.TestCase):
 
     def test_each_ability_failure_tells_its_code(self):
         for ability in STATES:
-            self.fakes[ability].script(Answer(ErrorCode.NOT_SEATED))
+            self.fakes[ability].script(FakeAnswer(ErrorCode.NOT_SEATED))
             data = userdata()
             self.assertEqual(run(self.state(ability), data), "failed", ability)
             self.assertEqual(data["error_code"], ErrorCode.NOT_SEATED, ability)
@@ -208,14 +208,14 @@ class AbilityStatesTest(unittest.TestCase):
 
     def test_each_refused_goal_is_a_command_error(self):
         for ability in STATES:
-            self.fakes[ability].script(Answer(refuse=True))
+            self.fakes[ability].script(FakeAnswer(refuse=True))
             data = userdata()
             self.assertEqual(run(self.state(ability), data), "command_error", ability)
             self.assertEqual(data["error_code"], ErrorCode.INVALID_GOAL, ability)
 
     def test_success_leaves_the_last_failure_in_userdata(self):
         fake = self.fakes["InsertCable"]
-        fake.script(Answer(ErrorCode.INSERTION_JAMMED), Answer())
+        fake.script(FakeAnswer(ErrorCode.INSERTION_JAMMED), FakeAnswer())
         data = userdata()
         state = self.state("InsertCable")
         self.assertEqual(run(state, data), "failed")
@@ -224,7 +224,7 @@ class AbilityStatesTest(unittest.TestCase):
         self.assertNotEqual(fake.goals[0].id, fake.goals[1].id)
 
     def test_a_server_that_never_answers_is_given_up_and_cancelled(self):
-        self.fakes["FixCable"].script(Answer(hang=True))
+        self.fakes["FixCable"].script(FakeAnswer(hang=True))
         data = userdata()
         self.assertEqual(run(self.state("FixCable", timeout_s=0.3), data), "failed")
         self.assertEqual(data["error_code"], ErrorCode.SERVER_HUNG)
@@ -232,7 +232,7 @@ class AbilityStatesTest(unittest.TestCase):
 
     def test_a_server_that_ignores_the_cancel_too_keeps_the_bound_of_the_certificate(self):
         topic = "stubborn/fixcable"
-        FakeAbility("FixCable", [Answer(hang=True)], topic)
+        FakeAbility("FixCable", [FakeAnswer(hang=True)], topic)
         state = self.state("FixCable", timeout_s=0.3, topic=topic)
         source = inspect.getsource(import_module(type(state).__module__))
         read = read_state_class(source, "remodel_states", type(state).__module__)
@@ -249,7 +249,7 @@ class AbilityStatesTest(unittest.TestCase):
         self.assertLess(took_s, 0.3 + limit.grace_s + 1.0)
 
     def test_a_result_that_contradicts_itself_is_not_believed(self):
-        self.fakes["FixCable"].script(Answer(ErrorCode.PULLED_OUT, contradict=True))
+        self.fakes["FixCable"].script(FakeAnswer(ErrorCode.PULLED_OUT, contradict=True))
         data = userdata()
         self.assertEqual(run(self.state("FixCable"), data), "failed")
         self.assertEqual(data["error_code"], ErrorCode.CONTRADICTORY_RESULT)
@@ -257,7 +257,7 @@ class AbilityStatesTest(unittest.TestCase):
 
     def test_leaving_a_running_state_cancels_its_goal_once(self):
         fake = self.fakes["RouteWire"]
-        fake.script(Answer(hang=True))
+        fake.script(FakeAnswer(hang=True))
         state = self.state("RouteWire")
         data = userdata()
         started = rospy.Time.now()
@@ -324,14 +324,14 @@ class AbilityStatesTest(unittest.TestCase):
         self.assertEqual(run(state, data), "picked")
 
     def test_a_client_that_knows_no_servers_sends_its_goal(self):
-        self.fakes["FixCable"].script(Answer())
+        self.fakes["FixCable"].script(FakeAnswer())
         with mock.patch.object(ProxyActionClient, "servers", None):
             self.assertEqual(run(self.state("FixCable"), userdata()), "fixed")
 
     def test_a_jump_of_the_clock_ends_no_goal(self):
         for jump_s in (-1000.0, 1000.0):
             fake = self.fakes["FixCable"]
-            fake.script(Answer(hang=True))
+            fake.script(FakeAnswer(hang=True))
             state, data = self.state("FixCable"), userdata()
             self.assertIsNone(run(state, data, 0.3))
             real = rospy.Time.now
@@ -366,7 +366,7 @@ class AbilityStatesTest(unittest.TestCase):
         self.assertEqual(data["error_code"], ErrorCode.SERVER_LOST)
 
     def test_a_slow_pin_is_told_from_a_normal_one(self):
-        self.fakes["PlacePin"].script(Answer(elapsed_s=31.0))
+        self.fakes["PlacePin"].script(FakeAnswer(elapsed_s=31.0))
         data = userdata()
         outcome = run(self.state("PlacePin", max_time=30.0), data)
         self.assertEqual(outcome, "PlacePin takes longer than normal")
@@ -374,14 +374,14 @@ class AbilityStatesTest(unittest.TestCase):
 
     def test_a_view_is_part_of_the_goal(self):
         for ability in ("DetectCable", "LocateGearboxComponent"):
-            self.fakes[ability].script(Answer())
+            self.fakes[ability].script(FakeAnswer())
             run(self.state(ability, view=2), userdata())
             self.assertEqual(self.fakes[ability].goals[0].view, 2)
             run(self.state(ability), userdata())
             self.assertEqual(self.fakes[ability].goals[1].view, 0)
 
     def test_a_record_tells_the_goal_and_what_was_found(self):
-        self.fakes["InsertCable"].script(Answer())
+        self.fakes["InsertCable"].script(FakeAnswer())
         with self.recorder() as recorder:
             recorder.may_answer.set()
             self.assertEqual(
@@ -396,7 +396,7 @@ class AbilityStatesTest(unittest.TestCase):
         self.assertFalse([text for text in record.measurements if text.startswith("success")])
 
     def test_the_outcome_waits_until_the_record_is_kept(self):
-        self.fakes["InsertCable"].script(Answer())
+        self.fakes["InsertCable"].script(FakeAnswer())
         with self.recorder() as recorder:
             state, data = self.state("InsertCable"), userdata()
             self.assertTrue(wait_until(lambda: state.execute(data) or recorder.came))
@@ -407,7 +407,7 @@ class AbilityStatesTest(unittest.TestCase):
             self.assertEqual(recorder.came[0].outcome, "inserted")
 
     def test_a_recorder_that_refuses_is_asked_again(self):
-        self.fakes["InsertCable"].script(Answer(ErrorCode.NOT_SEATED))
+        self.fakes["InsertCable"].script(FakeAnswer(ErrorCode.NOT_SEATED))
         with self.recorder() as recorder:
             recorder.says = KeepRecordResponse(False, "the disk is full")
             recorder.may_answer.set()
@@ -424,7 +424,7 @@ class AbilityStatesTest(unittest.TestCase):
             "rospy.Service('victim/begin_operation', BeginOperation, lambda _: (0, 17, ''));"
             "rospy.Service('victim/keep', KeepRecord, lambda _: (True, '')); rospy.spin()"
         )
-        self.fakes["InsertCable"].script(Answer())
+        self.fakes["InsertCable"].script(FakeAnswer())
         with recorded_by("victim/keep"):
             for _ in range(2):
                 victim = subprocess.Popen([sys.executable, "-c", script])
@@ -435,7 +435,7 @@ class AbilityStatesTest(unittest.TestCase):
                     victim.wait()
 
     def test_a_record_is_waited_for_without_limit_and_with_a_warning(self):
-        self.fakes["FixCable"].script(Answer())
+        self.fakes["FixCable"].script(FakeAnswer())
         with (
             self.recorder() as recorder,
             mock.patch.object(record_keeping, "WARN_EVERY_S", 0.3),
@@ -459,7 +459,7 @@ class AbilityStatesTest(unittest.TestCase):
 
     def test_a_goal_is_sent_only_when_it_is_granted_and_names_the_owner(self):
         fake = self.fakes["InsertCable"]
-        fake.script(Answer())
+        fake.script(FakeAnswer())
         with self.recorder() as recorder:
             recorder.may_answer.set()
             recorder.may_begin.clear()
@@ -476,7 +476,7 @@ class AbilityStatesTest(unittest.TestCase):
 
     def test_a_held_operation_is_asked_for_again_until_the_run_resumes(self):
         fake = self.fakes["InsertCable"]
-        fake.script(Answer())
+        fake.script(FakeAnswer())
         with self.recorder() as recorder:
             recorder.may_answer.set()
             recorder.permits = HELD
@@ -491,8 +491,8 @@ class AbilityStatesTest(unittest.TestCase):
             self.assertEqual(run(state, data), "inserted")
 
     def test_a_record_is_kept_while_another_state_is_held(self):
-        self.fakes["InsertCable"].script(Answer())
-        self.fakes["FixCable"].script(Answer())
+        self.fakes["InsertCable"].script(FakeAnswer())
+        self.fakes["FixCable"].script(FakeAnswer())
         with self.recorder() as recorder:
             insert, fix, data = self.state("InsertCable"), self.state("FixCable"), userdata()
             self.assertTrue(wait_until(lambda: insert.execute(data) or recorder.came))
@@ -505,7 +505,7 @@ class AbilityStatesTest(unittest.TestCase):
 
     def test_a_refused_operation_sends_no_goal_and_no_record(self):
         fake = self.fakes["InsertCable"]
-        fake.script(Answer())
+        fake.script(FakeAnswer())
         with self.recorder() as recorder:
             recorder.may_answer.set()
             recorder.permits = REFUSED
@@ -521,7 +521,7 @@ class AbilityStatesTest(unittest.TestCase):
 
     def test_a_state_that_is_left_while_it_asks_sends_nothing(self):
         fake = self.fakes["InsertCable"]
-        fake.script(Answer())
+        fake.script(FakeAnswer())
         with self.recorder() as recorder:
             recorder.may_answer.set()
             recorder.permits = HELD
@@ -529,14 +529,14 @@ class AbilityStatesTest(unittest.TestCase):
             self.assertTrue(wait_until(lambda: state.execute(data) or recorder.asked))
             state.on_exit(data)
             recorder.permits = GRANTED
-            self.fakes["FixCable"].script(Answer())
+            self.fakes["FixCable"].script(FakeAnswer())
             self.assertEqual(run(self.state("FixCable"), data), "fixed")
             self.assertEqual(fake.goals, [])
             self.assertEqual([record.ability for record in recorder.came], ["FixCable"])
 
     def test_a_grant_that_comes_after_the_state_was_left_is_given_back(self):
         fake = self.fakes["InsertCable"]
-        fake.script(Answer())
+        fake.script(FakeAnswer())
         with self.recorder() as recorder:
             recorder.may_answer.set()
             recorder.may_begin.clear()
@@ -551,7 +551,7 @@ class AbilityStatesTest(unittest.TestCase):
         self.assertEqual((record.outcome, fake.goals), ("", []))
 
     def test_deleting_the_parameter_lets_behaviors_run_unrecorded(self):
-        self.fakes["FixCable"].script(Answer())
+        self.fakes["FixCable"].script(FakeAnswer())
         with self.recorder() as recorder:
             recorder.says = KeepRecordResponse(False, "not now")
             recorder.may_answer.set()
@@ -561,7 +561,7 @@ class AbilityStatesTest(unittest.TestCase):
             self.assertEqual(run(state, data), "fixed")
 
     def test_a_state_that_is_left_while_its_record_is_not_kept_sends_it_once_more(self):
-        self.fakes["RouteWire"].script(Answer())
+        self.fakes["RouteWire"].script(FakeAnswer())
         with self.recorder() as recorder:
             recorder.says = KeepRecordResponse(False, "not now")
             recorder.may_answer.set()
@@ -573,8 +573,8 @@ class AbilityStatesTest(unittest.TestCase):
             self.assertEqual({record.outcome for record in recorder.came}, {"routed"})
 
     def test_no_state_asks_before_the_record_of_one_that_was_left_is_kept(self):
-        self.fakes["RouteWire"].script(Answer(ErrorCode.MOTION_FAULT))
-        self.fakes["PlaceCable"].script(Answer())
+        self.fakes["RouteWire"].script(FakeAnswer(ErrorCode.MOTION_FAULT))
+        self.fakes["PlaceCable"].script(FakeAnswer())
         with self.recorder() as recorder:
             recorder.says = KeepRecordResponse(False, "not now")
             recorder.may_answer.set()

@@ -14,7 +14,7 @@ from rosgraph_msgs.msg import Clock
 from flexbe_core.core import UserData
 from flexbe_core.proxy.action_connection import SILENCE_S
 from remodel_states.fix_cable_state import FixCableState
-from remodel_states.testing import Answer, FakeAbility
+from remodel_states.testing import FakeAbility, FakeAnswer
 
 START_S = 1000.0
 
@@ -39,7 +39,7 @@ class ClockJumpTest(unittest.TestCase):
     @classmethod
     def setUpClass(cls):
         cls.clock = SimulatedClock()
-        cls.fake = FakeAbility("FixCable", [Answer(hang=True)])
+        cls.fake = FakeAbility("FixCable", [FakeAnswer(hang=True)])
 
     def outcome(self, state, data, limit_s):
         """Return how a state ends within [s] of wall time; None if it does not."""
@@ -54,7 +54,7 @@ class ClockJumpTest(unittest.TestCase):
         data = UserData()
         for key in ("cable_id", "component_id", "terminal_id"):
             data[key] = key
-        self.fake.script(Answer(hang=True))
+        self.fake.script(FakeAnswer(hang=True))
         state = FixCableState(timeout_s=20.0)
         self.assertIsNone(self.outcome(state, data, 0.5))
         for jump_s in (-500.0, 10_000.0, -9_500.0):
@@ -62,7 +62,7 @@ class ClockJumpTest(unittest.TestCase):
             # Longer than a server may be silent.
             self.assertIsNone(self.outcome(state, data, SILENCE_S + 1.5), f"after {jump_s} s")
         state.on_exit(data)
-        self.fake.script(Answer(ErrorCode.NOT_SEATED))
+        self.fake.script(FakeAnswer(ErrorCode.NOT_SEATED))
         self.assertEqual(self.outcome(FixCableState(), data, 5.0), "failed")
         self.assertEqual(data["error_code"], ErrorCode.NOT_SEATED)
 

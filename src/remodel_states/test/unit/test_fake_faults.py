@@ -8,7 +8,7 @@ from remodel_msgs.msg import ErrorCode
 from remodel_states.core.ability_error import AbilityError
 from remodel_states.core.goal_owner import owner_of
 from remodel_states.serving.ownership import admitted
-from remodel_states.testing.faults import Cure, Fault, at_goal, when_fed, when_mended
+from remodel_states.testing.faults import Cure, InjectedFault, at_goal, when_fed, when_mended
 from remodel_states.testing.ledger import Deed, Entry, account
 
 CELL = "cell_1"
@@ -19,7 +19,7 @@ def goal(**fields):
 
 
 def jam(**fields):
-    return Fault("insertion_jammed", "InsertCable", ErrorCode.INSERTION_JAMMED, **fields)
+    return InjectedFault("insertion_jammed", "InsertCable", ErrorCode.INSERTION_JAMMED, **fields)
 
 
 def strikes(fault, goals):
@@ -63,7 +63,7 @@ def test_feeding_cures_by_which_wire_is_fed():
 
 
 def test_a_stuck_end_cannot_be_discarded_while_it_is_stuck():
-    stuck = Fault("extraction_stuck", "ExtractCable", 306, cure=Cure.ASK_OPERATOR)
+    stuck = InjectedFault("extraction_stuck", "ExtractCable", 306, cure=Cure.ASK_OPERATOR)
     faults = (stuck,)
     for included, strikes_it in (((), False), (("ExtractCable",), True), (("ExtractCable",), True)):
         faults, striking = at_goal(faults, "DiscardCable", goal(), included)

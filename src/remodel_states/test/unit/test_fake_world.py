@@ -10,7 +10,7 @@ import pytest
 from remodel_msgs.msg import ErrorCode
 
 from remodel_states.core.ability_error import AbilityError
-from remodel_states.testing.faults import Behaves, Cure, Fault
+from remodel_states.testing.faults import Behaves, Cure, InjectedFault
 from remodel_states.testing.ledger import Deed, Entry
 from remodel_states.testing.operations import OPERATIONS, fail, perform
 from remodel_states.testing.robot_lock import RobotLock
@@ -233,8 +233,8 @@ def test_a_failed_insertion_leaves_the_wire_in_the_hand(fed):
 
 def test_the_file_gives_back_what_it_was_given(tmp_path, a_fixed):
     file = WorldFile(tmp_path / "world")
-    jammed = Fault("insertion_jammed", "InsertCable", 301, cure=Cure.NEW_PART)
-    faults = (jammed, Fault("server_hung", "FixCable", behaves=Behaves.HANGS))
+    jammed = InjectedFault("insertion_jammed", "InsertCable", 301, cure=Cure.NEW_PART)
+    faults = (jammed, InjectedFault("server_hung", "FixCable", behaves=Behaves.HANGS))
     entry = Entry(Deed.FEED, CELL, "W1", terminal="A")
     with file.change() as draft:
         draft.world, draft.faults, draft.goals = a_fixed, faults, {"FixCable": 3}

@@ -15,7 +15,7 @@ from flexbe_synthesizer.core.chart.model import Node as ChartNode
 from remodel_states.core.contract_times import GRACE_S
 from remodel_supervision.core.run import Operation
 from remodel_supervision.core.runs.gate import Permit
-from remodel_supervision.supervisors.ports import BehaviorEnd, End
+from remodel_supervision.supervisors.ports import BehaviorEnd, EndKind
 from schedules.node import Node
 from schedules.server import Goal, Result, Server
 from schedules.simulation import Simulation
@@ -96,7 +96,7 @@ class Engine(Node):
         """Start a behavior."""
         if self._run is not None or behavior not in self.behaviors:
             text = f"{behavior} cannot be started"
-            self._send(client.on_end, number, BehaviorEnd(End.FAILED, text))
+            self._send(client.on_end, number, BehaviorEnd(EndKind.FAILED, text))
             return
         self.simulation.note(self.name, "starts {}", behavior)
         self._run = run = _Run(number, self.behaviors[behavior], client)
@@ -122,7 +122,7 @@ class Engine(Node):
         run, self._lost = self._lost, None
         if run is not None:
             text = "the engine's action server lost the behavior"
-            self._send(run.client.on_end, run.number, BehaviorEnd(End.LOST, text))
+            self._send(run.client.on_end, run.number, BehaviorEnd(EndKind.LOST, text))
 
     _lost: _Run | None = None
 
@@ -142,7 +142,7 @@ class Engine(Node):
             self._send(run.client.on_entered, run.number, f"/{node.id}")
             event = yield from self._state(run, node)
             current = targets[event]
-        self._finish(run, BehaviorEnd(End.FINISHED, current))
+        self._finish(run, BehaviorEnd(EndKind.FINISHED, current))
 
     def _state(self, run: _Run, node: ChartNode) -> Generator[Callable[[Callback], None], Any, str]:
         """Run an ability state; return its outcome."""
@@ -292,7 +292,7 @@ class Engine(Node):
         run.ticket += 1
         with contextlib.suppress(PreemptedError, StopIteration):
             run.steps.throw(PreemptedError())
-        self._finish(run, BehaviorEnd(End.PREEMPTED, "preempted"))
+        self._finish(run, BehaviorEnd(EndKind.PREEMPTED, "preempted"))
 
     def _finish(self, run: _Run, end: BehaviorEnd) -> None:
         run.is_over = True

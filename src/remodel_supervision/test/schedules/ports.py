@@ -14,7 +14,7 @@ from remodel_states.core.codes import Code
 from remodel_supervision.core.run import Operation
 from remodel_supervision.core.runs.state import PERSON_FIRST
 from remodel_supervision.errors import RefusedError
-from remodel_supervision.supervisors.ports import BehaviorEnd, Doing, End, UnseenError
+from remodel_supervision.supervisors.ports import BehaviorEnd, Doing, EndKind, UnseenError
 from schedules.cell_services import CellServices
 from schedules.engine import Engine
 from schedules.node import Node
@@ -99,7 +99,7 @@ class SimulatedEngine:
         if self._engine.is_up:
             self._engine.deliver(latency_s, self._engine.on_start, self, self._number, behavior)
         else:
-            lost = BehaviorEnd(End.LOST, "the engine's action server lost the behavior")
+            lost = BehaviorEnd(EndKind.LOST, "the engine's action server lost the behavior")
             self._process.simulation.after(latency_s, self.on_end, self._number, lost)
         self._process.step()
 

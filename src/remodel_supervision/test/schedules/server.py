@@ -12,7 +12,7 @@ from remodel_msgs.msg import ErrorCode
 from remodel_states.core.ability_error import AbilityError
 from remodel_states.core.goal_owner import owner_of
 from remodel_states.serving.ownership import admitted
-from remodel_states.testing.faults import Behaves, Fault, at_goal
+from remodel_states.testing.faults import Behaves, InjectedFault, at_goal
 from remodel_states.testing.operations import operation_of, perform
 from remodel_supervision.core.run import Operation
 from schedules.node import Node
@@ -67,7 +67,7 @@ class _Job:
     goal: Goal
     reply: Reply
     motion: Motion
-    fault: Fault | None
+    fault: InjectedFault | None
     found: dict[str, object] = field(default_factory=dict)
     is_over: bool = False
 
@@ -134,7 +134,7 @@ class Server(Node):
         site.faults, fault = at_goal(site.faults, self.ability, goal, included)
         self._begin(goal, reply, fault)
 
-    def _begin(self, goal: Goal, reply: Reply, fault: Fault | None) -> None:
+    def _begin(self, goal: Goal, reply: Reply, fault: InjectedFault | None) -> None:
         owner = owner_of(goal.id)
         motion = Motion(
             self._station,

@@ -24,7 +24,7 @@ from remodel_supervision.edge.task_leases import TaskLeases
 from remodel_supervision.edge.work_planner import WorkPlanner
 from remodel_supervision.errors import LeavingError
 from remodel_supervision.ros.peers.panel_message import panel_message
-from remodel_supervision.supervisors.ports import BehaviorEnd, End, server_of
+from remodel_supervision.supervisors.ports import BehaviorEnd, EndKind, server_of
 from remodel_supervision.supervisors.run_record import RunRecord
 from remodel_supervision.supervisors.use_case_supervisor import UseCaseSupervisor
 from remodel_supervision.supervisors.work import Peers, Work
@@ -159,21 +159,21 @@ class FakeEngine:
         if behavior.endswith(" Clear") and self.clearings:
             self.clearings.pop(0)()
         if behavior.endswith((" Clear", " Discard")):
-            self.end = self.end or BehaviorEnd(End.FINISHED, "finished")
+            self.end = self.end or BehaviorEnd(EndKind.FINISHED, "finished")
             return
         ending = self.endings.pop(0) if self.endings else "finished"
         if callable(ending):
             ending()
-            self.end = self.end or BehaviorEnd(End.FINISHED, "finished")
+            self.end = self.end or BehaviorEnd(EndKind.FINISHED, "finished")
         elif isinstance(ending, LostError):
             self.trouble = str(ending)
         elif isinstance(ending, BaseException):
             raise ending
         elif isinstance(ending, int):
             self.operate(behavior, ending)
-            self.end = BehaviorEnd(End.FINISHED, "failed")
+            self.end = BehaviorEnd(EndKind.FINISHED, "failed")
         else:
-            self.end = BehaviorEnd(End.FINISHED, ending)
+            self.end = BehaviorEnd(EndKind.FINISHED, ending)
 
     def operate(self, behavior, code, path="/Connect a/InsertCable"):
         """Have an operation granted and recorded; return the permit."""
@@ -188,7 +188,7 @@ class FakeEngine:
 
     def cancel(self, own_only=False):
         self.cancelled += 1
-        self.end = self.end or BehaviorEnd(End.PREEMPTED, "stopped")
+        self.end = self.end or BehaviorEnd(EndKind.PREEMPTED, "stopped")
 
     def path(self):
         return ("/Connect a/InsertCable", "/Find wire")

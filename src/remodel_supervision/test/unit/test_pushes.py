@@ -32,7 +32,7 @@ from remodel_supervision.core.runs.gate import Gate, Permit
 from remodel_supervision.edge.nested_charts import nested_charts
 from remodel_supervision.edge.package_files import behavior_charts
 from remodel_supervision.edge.work_planner import WorkPlanner
-from remodel_supervision.supervisors.ports import BehaviorEnd, End
+from remodel_supervision.supervisors.ports import BehaviorEnd, EndKind
 from remodel_supervision.supervisors.task_supervisor import TaskSupervisor
 
 PACKAGE = Path(__file__).parents[3] / "remodel_planning"
@@ -220,7 +220,7 @@ class WalkedEngine(FakeEngine):
     def start(self, behavior):
         self.end = None
         self.walk()
-        self.end = BehaviorEnd(End.FINISHED, "failed")
+        self.end = BehaviorEnd(EndKind.FINISHED, "failed")
 
 
 class SupervisedWalk(Walk):

@@ -52,7 +52,7 @@ from remodel_supervision.core.runs.state import (
 from remodel_supervision.core.runs.step import (
     Ask,
     Decide,
-    End,
+    EndRun,
     Execute,
     Plan,
     Settle,
@@ -140,7 +140,7 @@ def test_tasks_are_done_one_after_another(run):
     run.begin("W1")
     assert run.end("W1") == Execute("W2", Part.WHOLE)
     run.begin("W2")
-    assert run.end("W2") == End(Ending.COMPLETE, "all tasks are done")
+    assert run.end("W2") == EndRun(Ending.COMPLETE, "all tasks are done")
     assert run.add(RunEnded(Ending.COMPLETE, "")) is None
     assert all(task.first_pass for task in run.state.tasks.values())
 
@@ -235,7 +235,7 @@ def test_without_a_person_a_hand_that_cannot_be_emptied_stops_the_run(run):
         run.begin("W1", Part.CLEAR)
         run.end("W1", "failed", LOST)
     run.decide("W1")
-    assert isinstance(run.next, End)
+    assert isinstance(run.next, EndRun)
     assert "could not be emptied" in run.next.because
 
 
@@ -325,7 +325,7 @@ def test_a_new_piece_is_placed_when_the_old_one_is_discarded(run):
     run.add(Settled("W1", ("a",), 2))
     assert run.next == Execute("W2", Part.WHOLE), "what is connected is left as it is"
     run.begin("W2")
-    assert run.end("W2") == End(Ending.INCOMPLETE, "skipped: W1")
+    assert run.end("W2") == EndRun(Ending.INCOMPLETE, "skipped: W1")
 
 
 def test_a_server_that_was_lost_may_have_left_something_in_the_hand(run):
@@ -406,7 +406,7 @@ def test_an_operator_is_asked_and_answers(run):
         (Answer.RETRY, Settle("W1")),
         (Answer.SKIP, Settle("W1")),
         (Answer.REPLAN, Execute("W1", Part.DISCARD)),
-        (Answer.STOP, End(Ending.STOPPED, "W1: ann answered stop to question 1")),
+        (Answer.STOP, EndRun(Ending.STOPPED, "W1: ann answered stop to question 1")),
     ],
 )
 def test_each_answer_is_obeyed(run, answer, comes):
@@ -434,8 +434,8 @@ def test_an_operator_pauses_skips_tries_again_and_stops(run):
     assert run.next == Execute("W1", Part.CLEAR), "its hand may hold the wire"
     assert run.clear("W1") == Settle("W1")
     run.add(Settled("W1", (), 5))
-    assert run.discard("W1") == End(Ending.INCOMPLETE, "skipped: W1")
-    assert run.add(Commanded(Command.STOP, "", "ann")) == End(Ending.STOPPED, "ann stopped it")
+    assert run.discard("W1") == EndRun(Ending.INCOMPLETE, "skipped: W1")
+    assert run.add(Commanded(Command.STOP, "", "ann")) == EndRun(Ending.STOPPED, "ann stopped it")
 
 
 def skip_half_placed(run):
@@ -471,7 +471,7 @@ def test_a_retried_wire_that_turns_out_to_be_placed_is_left_in_place(run):
     run.begin("W2")
     run.add(Commanded(Command.RETRY, "W1", "ann"))
     run.end("W2")
-    assert run.add(Settled("W1", ("a", "b"), 0)) == End(Ending.COMPLETE, "all tasks are done")
+    assert run.add(Settled("W1", ("a", "b"), 0)) == EndRun(Ending.COMPLETE, "all tasks are done")
 
 
 def test_a_skipped_task_is_not_attempted_again_after_a_restart(run):
@@ -494,7 +494,7 @@ def test_a_skipped_task_that_ended_against_the_evidence_is_not_attempted_again(r
 
 def test_a_behavior_that_somebody_stops_stops_the_run(run):
     run.begin("W1")
-    assert run.end("W1", "preempted") == End(
+    assert run.end("W1", "preempted") == EndRun(
         Ending.STOPPED, "the behavior of task W1 was stopped by another client of the engine"
     )
 
@@ -524,7 +524,7 @@ def test_other_cells_tasks_are_left_to_them_and_taken_over(run):
     run.begin("W2")
     assert run.end("W2") == Wait("other cells have W1")
     assert run.add(TaskReturned("W1", "other")) == Settle("W1")
-    assert run.add(TaskElsewhere("W1", "third", AsLeft.DONE)) == End(
+    assert run.add(TaskElsewhere("W1", "third", AsLeft.DONE)) == EndRun(
         Ending.COMPLETE, "all tasks are done"
     )
 
@@ -616,7 +616,7 @@ def test_without_an_operator_a_stop_that_is_reported_late_ends_the_run(run):
     run.begin("W1")
     run.add(Interrupted("killed"), stop_reported())
     assert run.decide("W1").do is Do.STOP
-    assert isinstance(run.next, End)
+    assert isinstance(run.next, EndRun)
 
 
 @pytest.mark.parametrize("late", [False, True])
@@ -624,7 +624,7 @@ def test_a_run_whose_task_another_cell_has_taken_ends_if_a_person_is_needed_at_t
     run.begin("W1")
     run.add(stop_reported() if late else OperationEnded("W1", operation(MOTION_FAULT)))
     run.add(TaskElsewhere("W1", "other", AsLeft.RUNNING))
-    assert isinstance(run.next, End)
+    assert isinstance(run.next, EndRun)
     assert "a person is needed" in run.next.because
 
 
@@ -649,7 +649,7 @@ def test_a_person_is_asked_first_where_the_table_asks_one_at_once():
 
 
 def test_what_cannot_go_on_ends(run):
-    assert run.add(Blocked("no panel")) == End(Ending.STOPPED, "no panel")
+    assert run.add(Blocked("no panel")) == EndRun(Ending.STOPPED, "no panel")
 
 
 @settings(deadline=None)
@@ -701,7 +701,7 @@ def test_every_run_ends_and_every_event_survives_the_database(seed):
                 run.add(Answered(asked.number, random.choice(asked.choices), "ann"))
             case Wait():
                 run.add(Commanded(Command.RESUME, "", "ann"))
-            case End():
+            case EndRun():
                 run.add(RunEnded(step.ending, step.because))
     assert run.next is None, "it ends"
     kept = [(kind_of(e), json.loads(json.dumps(data_of(e)))) for e in run.events]

@@ -39,7 +39,7 @@ from remodel_supervision.core.runs.replay import replayed
 from remodel_supervision.core.runs.state import Stage, cause_of
 from remodel_supervision.edge.task_leases import TaskLeases
 from remodel_supervision.errors import LeavingError, RefusedError
-from remodel_supervision.supervisors.ports import BehaviorEnd, End, UnseenError
+from remodel_supervision.supervisors.ports import BehaviorEnd, EndKind, UnseenError
 
 JAM, LOST = Code.INSERTION_JAMMED, Code.SERVER_LOST
 SLIPPED, MISSING = Code.SLIPPED_IN_GRIP, Code.COMPONENT_MISSING
@@ -107,7 +107,7 @@ def test_a_hand_is_emptied_again_when_the_server_that_went_away_answers(bench):
     def lose():
         bench.abilities.away = 3
         bench.engine.operate(bench.engine.ran[-1], LOST, "/Lay down")
-        bench.engine.end = BehaviorEnd(End.FINISHED, "failed")
+        bench.engine.end = BehaviorEnd(EndKind.FINISHED, "failed")
 
     def answers_again():
         assert bench.abilities.away < 0, "nothing is sent to a server that is not running"
@@ -205,7 +205,9 @@ def test_a_run_stops_when_what_was_lost_does_not_answer_again(bench):
         bench.engine.trouble = "the engine is gone"
         bench.engine.end = None
 
-    state = bench.run(lambda: (lose(), setattr(bench.engine, "end", BehaviorEnd(End.LOST, "gone"))))
+    state = bench.run(
+        lambda: (lose(), setattr(bench.engine, "end", BehaviorEnd(EndKind.LOST, "gone")))
+    )
     assert state.ended.ending is Ending.STOPPED
     assert state.ended.because == "the engine does not answer"
 
@@ -267,7 +269,7 @@ def test_a_shutdown_leaves_no_event_and_the_next_start_resumes(bench):
         bench.engine.is_idle = False
 
     def cancel(own_only=False):
-        bench.engine.is_idle, bench.engine.end = True, BehaviorEnd(End.PREEMPTED, "stopped")
+        bench.engine.is_idle, bench.engine.end = True, BehaviorEnd(EndKind.PREEMPTED, "stopped")
 
     bench.engine.cancel = cancel
     bench.engine.endings = [begin]
@@ -490,7 +492,7 @@ def test_a_published_stop_whose_record_does_not_say_so_is_asked_about(
         if is_lost:
             bench.engine.trouble = "the engine has gone"
         else:
-            bench.engine.end = BehaviorEnd(End.FINISHED, "failed")
+            bench.engine.end = BehaviorEnd(EndKind.FINISHED, "failed")
 
     def answer():
         question = bench.supervisor.state.question
@@ -508,7 +510,7 @@ def test_a_published_stop_whose_record_does_not_say_so_is_asked_about(
 def test_a_published_stop_whose_record_is_kept_is_asked_about_once(bench):
     def stop():
         granted_and_stopped(bench, bench.engine.ran[-1], MOTION_FAULT)
-        bench.engine.end = BehaviorEnd(End.FINISHED, "failed")
+        bench.engine.end = BehaviorEnd(EndKind.FINISHED, "failed")
 
     assert bench.run(stop).ended.ending is Ending.STOPPED
     assert not bench.events(StopReported)
@@ -520,7 +522,7 @@ def test_a_record_that_arrives_after_its_published_stop_is_not_kept_again(attend
 
     def stop():
         stopped = granted_and_stopped(bench, bench.engine.ran[-1], None)
-        bench.engine.end = BehaviorEnd(End.FINISHED, "failed")
+        bench.engine.end = BehaviorEnd(EndKind.FINISHED, "failed")
         late.append(replace(stopped, state_path="/Connect a/InsertCable"))
 
     def answer():
@@ -619,7 +621,7 @@ def test_a_behavior_that_fails_because_it_is_halted_counts_as_stopped(bench, com
         """End by itself since a goal is refused, before the supervisor stops the behavior."""
         bench.command(command)
         assert bench.engine.operate(bench.engine.ran[-1], JAM) is Permit.REFUSED
-        bench.engine.end = BehaviorEnd(End.FINISHED, "failed")
+        bench.engine.end = BehaviorEnd(EndKind.FINISHED, "failed")
         bench.loop.arrivals += [lambda: None] * 20 + [lambda: bench.command(Command.RESUME)]
 
     state = bench.run(fail)

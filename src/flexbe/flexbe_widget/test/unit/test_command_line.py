@@ -5,7 +5,7 @@ import pytest
 from flexbe_widget.core.command_line import CommandLine, read_command_line
 from flexbe_widget.core.exit_code import MEANINGS, ExitCode, exit_code
 from flexbe_widget.core.near_names import unknown_behavior
-from flexbe_widget.core.run_watch import End, Ending
+from flexbe_widget.core.run_watch import Ending, RunEnd
 
 
 def test_without_words_it_serves_requests():
@@ -74,14 +74,14 @@ def test_help_tells_options_examples_and_exit_codes(capsys):
 @pytest.mark.parametrize(
     ("ending", "code"),
     [
-        (Ending(End.FINISHED, "finished"), ExitCode.FINISHED),
-        (Ending(End.FINISHED, "failed"), ExitCode.FAILED_OUTCOME),
-        (Ending(End.PREEMPTED, "preempted"), ExitCode.PREEMPTED),
-        (Ending(End.FAILED), ExitCode.FAILED),
-        (Ending(End.REFUSED), ExitCode.REFUSED),
-        (Ending(End.LATE), ExitCode.REFUSED),
-        (Ending(End.RESTARTED), ExitCode.ENGINE_LOST),
-        (Ending(End.LOST), ExitCode.ENGINE_LOST),
+        (Ending(RunEnd.FINISHED, "finished"), ExitCode.FINISHED),
+        (Ending(RunEnd.FINISHED, "failed"), ExitCode.FAILED_OUTCOME),
+        (Ending(RunEnd.PREEMPTED, "preempted"), ExitCode.PREEMPTED),
+        (Ending(RunEnd.FAILED), ExitCode.FAILED),
+        (Ending(RunEnd.REFUSED), ExitCode.REFUSED),
+        (Ending(RunEnd.LATE), ExitCode.REFUSED),
+        (Ending(RunEnd.RESTARTED), ExitCode.ENGINE_LOST),
+        (Ending(RunEnd.LOST), ExitCode.ENGINE_LOST),
     ],
 )
 def test_each_end_has_its_exit_code(ending, code):
@@ -89,7 +89,7 @@ def test_each_end_has_its_exit_code(ending, code):
 
 
 def test_every_end_has_an_exit_code():
-    for end in End:
+    for end in RunEnd:
         assert exit_code(Ending(end)) in ExitCode
 
 

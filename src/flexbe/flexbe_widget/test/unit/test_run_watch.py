@@ -6,8 +6,8 @@ from flexbe_core.engine.status_code import StatusCode
 from flexbe_widget.core.run_watch import (
     SILENCE_S,
     START_LIMIT_S,
-    End,
     Ending,
+    RunEnd,
     RunWatch,
     is_busy,
 )
@@ -29,16 +29,20 @@ STARTED = (StatusCode.STARTED, MINE)
 
 ROWS = [
     ("started", [STARTED], None),
-    ("finished", [STARTED, (StatusCode.FINISHED, MINE, "done")], Ending(End.FINISHED, "done")),
+    ("finished", [STARTED, (StatusCode.FINISHED, MINE, "done")], Ending(RunEnd.FINISHED, "done")),
     (
         "preempted",
         [STARTED, (StatusCode.FINISHED, MINE, "preempted")],
-        Ending(End.PREEMPTED, "preempted"),
+        Ending(RunEnd.PREEMPTED, "preempted"),
     ),
-    ("failed", [STARTED, (StatusCode.FAILED, MINE)], Ending(End.FAILED)),
-    ("refused", [(StatusCode.ERROR, MINE)], Ending(End.REFUSED)),
-    ("the engine is restarted before it began", [(StatusCode.READY, 0)], Ending(End.RESTARTED)),
-    ("the engine is restarted in between", [STARTED, (StatusCode.READY, 0)], Ending(End.RESTARTED)),
+    ("failed", [STARTED, (StatusCode.FAILED, MINE)], Ending(RunEnd.FAILED)),
+    ("refused", [(StatusCode.ERROR, MINE)], Ending(RunEnd.REFUSED)),
+    ("the engine is restarted before it began", [(StatusCode.READY, 0)], Ending(RunEnd.RESTARTED)),
+    (
+        "the engine is restarted in between",
+        [STARTED, (StatusCode.READY, 0)],
+        Ending(RunEnd.RESTARTED),
+    ),
     ("a second request for it is refused", [STARTED, (StatusCode.ERROR, MINE)], None),
     (
         "switched to another version, which ends",
@@ -48,7 +52,7 @@ ROWS = [
             (StatusCode.STARTED, OTHER),
             (StatusCode.FINISHED, OTHER, "done"),
         ],
-        Ending(End.FINISHED, "done"),
+        Ending(RunEnd.FINISHED, "done"),
     ),
     (
         "a switch of another behavior",
@@ -73,12 +77,12 @@ def test_statuses_end_a_run(statuses, ending):
 def test_a_silent_engine_ends_a_run():
     watch = RunWatch(MINE)
     assert watch.on_time(1.0, SILENCE_S - 0.1) is None
-    assert watch.on_time(1.0, SILENCE_S + 0.1) == Ending(End.LOST)
+    assert watch.on_time(1.0, SILENCE_S + 0.1) == Ending(RunEnd.LOST)
 
 
 def test_a_run_that_is_never_started_ends():
     watch = RunWatch(MINE)
-    assert watch.on_time(START_LIMIT_S + 1, 0.0) == Ending(End.LATE)
+    assert watch.on_time(START_LIMIT_S + 1, 0.0) == Ending(RunEnd.LATE)
     watch.on_status(StatusCode.STARTED, MINE, ())
     assert watch.on_time(START_LIMIT_S + 1, 0.0) is None
 

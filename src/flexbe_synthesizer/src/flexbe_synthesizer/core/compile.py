@@ -8,7 +8,7 @@ from typing import TypeAlias
 
 from flexbe_synthesizer.core.chart import names
 from flexbe_synthesizer.core.chart.model import Chart
-from flexbe_synthesizer.core.chart.problem import ChartError, Code, Problem, errors_in
+from flexbe_synthesizer.core.chart.problem import ChartError, Problem, ProblemKind, errors_in
 from flexbe_synthesizer.core.check.check import CheckedChart, check_chart
 from flexbe_synthesizer.core.check.nested import NestedBehaviors
 from flexbe_synthesizer.core.library.library import Library
@@ -91,7 +91,7 @@ def _find_cycles(checked: CheckedChart, known: Mapping[str, Iterable[str]]) -> I
         if trail:
             message = f"the chart would contain itself: {' > '.join((chart.name, *trail))}; "
             message += "a behavior cannot be built out of itself."
-            yield Problem(entry.node.position("type"), Code.CHART_CYCLE, message)
+            yield Problem(entry.node.position("type"), ProblemKind.CHART_CYCLE, message)
 
 
 def _trail(start: str, goal: str, known: Mapping[str, Iterable[str]]) -> tuple[str, ...]:
@@ -124,7 +124,7 @@ def _find_doubles(units: Sequence[Unit]) -> Iterator[Problem]:
         if other.file != chart.file:
             message = f"'{chart.name}' becomes the same file as '{other.name}' of {other.file}; "
             message += "rename one of them."
-            yield Problem(chart.position("name"), Code.DUPLICATE_BEHAVIOR, message)
+            yield Problem(chart.position("name"), ProblemKind.DUPLICATE_BEHAVIOR, message)
 
 
 def compile_chart(checked: CheckedChart, package: str) -> Machine:

@@ -11,7 +11,7 @@ from typing import TypeAlias
 
 from flexbe_synthesizer.core.chart.chart_reader import read_chart, read_chart_name
 from flexbe_synthesizer.core.chart.model import Chart, walk_nodes
-from flexbe_synthesizer.core.chart.problem import Code, Problem
+from flexbe_synthesizer.core.chart.problem import Problem, ProblemKind
 from flexbe_synthesizer.core.library.resolve import included_path
 from flexbe_synthesizer.edge.regular_file import read_regular
 from flexbe_synthesizer.errors import ChartFileError, ChartRefusedError
@@ -75,7 +75,9 @@ def read_charts(
                 sources[included] = content(included)
             except ChartFileError as error:
                 message = f"the chart '{node.type}' cannot be used: {error}."
-                problems.append(Problem(node.position("type"), Code.UNKNOWN_BEHAVIOR, message))
+                problems.append(
+                    Problem(node.position("type"), ProblemKind.UNKNOWN_BEHAVIOR, message)
+                )
             else:
                 seen.add(included)
                 waiting.append(included)

@@ -23,10 +23,10 @@ from flexbe_core.ros.steady_action_server import SteadyActionServer
 from flexbe_synthesizer.core.export.instantiate import Instantiation
 from flexbe_synthesizer.edge.chart_memory import ChartMemory
 from flexbe_synthesizer.request import (
-    Answer,
     ErrorCode,
     Request,
     RequestError,
+    RequestResult,
     Settings,
     deadline,
     fulfil,
@@ -110,7 +110,7 @@ class SynthesisServer:
             handle.set_aborted(_failure(code), text)
 
 
-def _succeed(handle: actionlib.ServerGoalHandle, answer: Answer) -> None:
+def _succeed(handle: actionlib.ServerGoalHandle, answer: RequestResult) -> None:
     for warning in answer.warnings:
         rospy.logwarn("%s", warning)
     text = f"{len(answer.states)} states, wrote {', '.join(map(str, answer.written)) or 'nothing'}"

@@ -12,7 +12,7 @@ DONE, FAILED, REFUSED = "done", "failed", "refused"
 
 
 @dataclass(frozen=True)
-class Answer:
+class CommandResult:
     """The result of a command: `state` is DONE, FAILED or REFUSED."""
 
     state: str
@@ -24,7 +24,7 @@ class Answer:
         return f"{self.state}: {self.command}\n{self.words}"
 
 
-def read_answer(text: str) -> Answer:
+def read_answer(text: str) -> CommandResult:
     """Return the answer that a text is.
 
     Raises:
@@ -34,4 +34,4 @@ def read_answer(text: str) -> Answer:
     state, mark, command = head.partition(": ")
     if not mark or state not in (DONE, FAILED, REFUSED):
         raise ValueError(f"no answer to a command: {text!r}")
-    return Answer(state, command, words)
+    return CommandResult(state, command, words)

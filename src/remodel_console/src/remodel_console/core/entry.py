@@ -6,7 +6,7 @@ import json
 from dataclasses import dataclass
 
 from remodel_console.core.access import Actor
-from remodel_console.core.answer import Answer
+from remodel_console.core.answer import CommandResult
 
 
 @dataclass(frozen=True)
@@ -15,7 +15,7 @@ class Entry:
 
     time: str
     actor: Actor
-    answer: Answer
+    answer: CommandResult
 
     def line(self) -> str:
         """Return the line of the record, without its end."""

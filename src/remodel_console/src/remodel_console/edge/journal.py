@@ -7,7 +7,7 @@ from datetime import UTC, datetime
 from pathlib import Path
 
 from remodel_console.core.access import Actor
-from remodel_console.core.answer import Answer
+from remodel_console.core.answer import CommandResult
 from remodel_console.core.entry import Entry
 
 
@@ -25,7 +25,7 @@ class Journal:
         path.parent.mkdir(parents=True, exist_ok=True)
         path.open("a").close()
 
-    def write(self, actor: Actor, answer: Answer) -> None:
+    def write(self, actor: Actor, answer: CommandResult) -> None:
         """Record a command and its answer."""
         now = datetime.now(UTC).isoformat(timespec="milliseconds")
         line = Entry(now, actor, answer).line()

@@ -9,19 +9,19 @@ import rospy
 from flexbe_msgs.msg import UICommand
 from std_msgs.msg import String
 
-from remodel_console.core.answer import Answer, read_answer
+from remodel_console.core.answer import CommandResult, read_answer
 from remodel_console.errors import CommandError
 from remodel_console.ros import topics
 
 
-def ask(command: str, key: str, timeout_s: float) -> Answer:
+def ask(command: str, key: str, timeout_s: float) -> CommandResult:
     """Send a command and return its answer.
 
     Raises:
         CommandError: if no node serves commands, or no answer comes in time.
     """
     answered = threading.Event()
-    found: list[Answer] = []
+    found: list[CommandResult] = []
 
     def take(message: String) -> None:
         answer = read_answer(message.data)

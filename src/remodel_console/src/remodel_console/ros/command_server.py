@@ -11,7 +11,7 @@ from flexbe_msgs.msg import UICommand
 from std_msgs.msg import String
 
 from remodel_console.core.access import Actor, Role
-from remodel_console.core.answer import DONE, REFUSED, Answer
+from remodel_console.core.answer import DONE, REFUSED, CommandResult
 from remodel_console.core.commands import read_command
 from remodel_console.core.key import is_allowed
 from remodel_console.core.settings import Settings
@@ -57,7 +57,7 @@ class CommandServer:
             self._waiting.put_nowait(message)
         except queue.Full:
             words = f"{_MOST_WAITING} commands are waiting already; send this one again later"
-            self._publish(Answer(REFUSED, message.command, words))
+            self._publish(CommandResult(REFUSED, message.command, words))
 
     def _work(self) -> None:
         while not rospy.is_shutdown():
@@ -71,15 +71,15 @@ class CommandServer:
                 self._journal.write(Actor(node, topics.COMMAND, Role.OPERATOR), answer)
             self._publish(answer)
 
-    def _answer(self, message: UICommand) -> Answer:
+    def _answer(self, message: UICommand) -> CommandResult:
         """Execute one command and return the answer."""
         text, settings = message.command, self._settings()
         if not settings.are_commands_allowed:
             words = "commands of topics are switched off on the console's Configuration page"
-            return Answer(REFUSED, text, words)
+            return CommandResult(REFUSED, text, words)
         if not is_allowed(message.key, settings.command_key):
             rospy.logwarn("a command with a wrong key was refused: %s", text)
-            return Answer(REFUSED, text, "the key is wrong; ask who configured this console")
+            return CommandResult(REFUSED, text, "the key is wrong; ask who configured this console")
         return answer_of(text, lambda: self._carry_out(text), rospy.logerr)
 
     def _carry_out(self, text: str) -> str:
@@ -87,7 +87,7 @@ class CommandServer:
         does = self._runtime if command.verb in Runtime.VERBS else self._session
         return does.carry_out(command)
 
-    def _publish(self, answer: Answer) -> None:
+    def _publish(self, answer: CommandResult) -> None:
         """Publish an answer, and the acknowledgement that the FlexBE App would give."""
         if answer.state == DONE:
             rospy.loginfo("%s", answer)

@@ -12,7 +12,7 @@ from starlette.requests import Request
 
 from remodel_console.console import Console
 from remodel_console.core.access import Actor, Role, tidy_name
-from remodel_console.core.answer import DONE, Answer
+from remodel_console.core.answer import DONE, CommandResult
 from remodel_console.core.commands import Command, Verb
 from remodel_console.core.world import Notice, World, notices
 from remodel_console.web.broadcast import Broadcast
@@ -87,7 +87,7 @@ class Page:
     def press(self, key: str, *, ctrl: bool) -> None:
         """Do what a key means on this page."""
 
-    async def give(self, command: str, deed: Callable[[], str | None]) -> Answer:
+    async def give(self, command: str, deed: Callable[[], str | None]) -> CommandResult:
         """Execute a command, show its error if it fails, and return the answer.
 
         Its sender may have closed the dialog, or the page, before the answer comes.

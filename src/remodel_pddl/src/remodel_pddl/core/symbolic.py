@@ -23,10 +23,10 @@ from remodel_planning.core.problem.problem import (
     ActionKind,
     End,
     Plan,
+    PlannedWire,
     Point,
     Problem,
     Stage,
-    Wire,
 )
 from remodel_production.errors import InstanceError
 
@@ -115,7 +115,7 @@ def _symbol(kind: str, number: int, name: str) -> str:
 
 class _Writer:
     def __init__(
-        self, problem: Problem, wires: Sequence[Wire], names: dict[tuple[str, str], str]
+        self, problem: Problem, wires: Sequence[PlannedWire], names: dict[tuple[str, str], str]
     ) -> None:
         self._p = problem
         self._wires = wires
@@ -165,7 +165,7 @@ class _Writer:
 
     def costs(self) -> Iterator[Cost]:
         p = self._p
-        places: list[tuple[str, Point, Wire | None]] = [(START, self._arm.position_mm, None)]
+        places: list[tuple[str, Point, PlannedWire | None]] = [(START, self._arm.position_mm, None)]
         for wire in self._wires:
             for end in End:
                 at = p.end_terminal(wire, end).position_mm
@@ -190,7 +190,7 @@ class _Writer:
         for i, each in enumerate(self.soft):
             yield Cost(("soft-order-weight", f"soft{i}"), each.weight)
 
-    def _picks(self, place: str, point: Point, last: Wire | None) -> Iterator[Cost]:
+    def _picks(self, place: str, point: Point, last: PlannedWire | None) -> Iterator[Cost]:
         """Yield what picking each wire costs from a place, after the wire picked last."""
         p = self._p
         before = last or self._last
@@ -233,7 +233,7 @@ class _Steps:
             if fact[0] == "now":
                 self._phase = fact[1]
         self._tool = symbols.names["tool", problem.arms[0].tool]
-        self._wire: Wire | None = None
+        self._wire: PlannedWire | None = None
         self._first: End | None = None
         self._picked: set[str] = set()
 
@@ -253,7 +253,7 @@ class _Steps:
             elif self._wire is not None:
                 yield from self._hand_work(action, self._wire)
 
-    def _pick(self, wire: Wire) -> Iterator[Ground]:
+    def _pick(self, wire: PlannedWire) -> Iterator[Ground]:
         name = self._s.names["wire", wire.name]
         kind = "pick-heavy" if wire.heavy else "pick-light"
         yield (kind, name, self._tool, self._last, self._place, self._phase)
@@ -294,7 +294,7 @@ class _Steps:
         symbol = self._s.names["component", component]
         yield ("locate", symbol, self._s.names["wire", wire.name], end.letter)
 
-    def _hand_work(self, action: Action, wire: Wire) -> Iterator[Ground]:
+    def _hand_work(self, action: Action, wire: PlannedWire) -> Iterator[Ground]:
         name = self._s.names["wire", wire.name]
         if action.kind is ActionKind.INSERT and action.end is not None:
             yield from self._insertion_begun(action)

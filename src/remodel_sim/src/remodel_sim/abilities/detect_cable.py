@@ -23,7 +23,7 @@ from remodel_sim.core.geometry import Array
 from remodel_sim.core.goals import DetectGoal
 from remodel_sim.core.vision.drawing import ORANGE, Drawing
 from remodel_sim.core.vision.wire_ends import trace_between, trace_from
-from remodel_sim.core.workpiece.panel import End, Wire
+from remodel_sim.core.workpiece.panel import PanelWire, WireEnd
 from remodel_states.core.codes import Code
 
 
@@ -48,28 +48,28 @@ class CableDetected:
     truncated: bool
 
 
-def _trace(above: OverheadObservation, wire: Wire) -> Array:
+def _trace(above: OverheadObservation, wire: PanelWire) -> Array:
     """Return the wire's centreline (n, 2) [px], end a first: all of it, or the longest part."""
     seen = above.picture, above.likelihood, wire
     if len(above.ends) == 2:
-        whole = trace_between((above.ends[End.A], above.ends[End.B]), *seen)
+        whole = trace_between((above.ends[WireEnd.A], above.ends[WireEnd.B]), *seen)
         if whole is not None:
             return whole
     paths = {end: trace_from(observation, *seen) for end, observation in above.ends.items()}
-    first = max(paths, key=lambda end: (len(paths[end]), end is End.A))
-    return paths[first] if first is End.A else paths[first][::-1]
+    first = max(paths, key=lambda end: (len(paths[end]), end is WireEnd.A))
+    return paths[first] if first is WireEnd.A else paths[first][::-1]
 
 
 def _observe_from_aside(
-    context: RobotContext, above: OverheadObservation, ends: list[End], view: int
-) -> Steps[dict[End, GraspObservation]]:
+    context: RobotContext, above: OverheadObservation, ends: list[WireEnd], view: int
+) -> Steps[dict[WireEnd, GraspObservation]]:
     """Search for ends with the wrist camera; return those found.
 
     Raises:
         AbilityError: CABLE_NOT_FOUND when no end is visible, TIP_NOT_FOUND when one of them is
             hidden from everywhere.
     """
-    wire, seen = context.wire, dict[End, GraspObservation]()
+    wire, seen = context.wire, dict[WireEnd, GraspObservation]()
     if not above.ends and not view:
         ends = []
     for end in ends:
@@ -95,13 +95,13 @@ def _observe_from_aside(
 
 
 def _centreline(
-    above: OverheadObservation, aside: dict[End, GraspObservation], wire: Wire
+    above: OverheadObservation, aside: dict[WireEnd, GraspObservation], wire: PanelWire
 ) -> Array:
     """Return the wire's centreline (n, 3) [m], end a first: from above, or from the hand."""
     if above.ends:
         return above.picture.view.on_plane(_trace(above, wire), wire.radius)
-    first = max(aside, key=lambda end: (len(aside[end].line), end is End.A))
-    return aside[first].line if first is End.A else aside[first].line[::-1]
+    first = max(aside, key=lambda end: (len(aside[end].line), end is WireEnd.A))
+    return aside[first].line if first is WireEnd.A else aside[first].line[::-1]
 
 
 def _goal(message: Any) -> DetectGoal:  # noqa: ANN401 - messages have no types

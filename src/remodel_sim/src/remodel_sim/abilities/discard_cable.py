@@ -34,7 +34,7 @@ from remodel_sim.core.errors import AbilityError
 from remodel_sim.core.geometry import Pose
 from remodel_sim.core.goals import DiscardGoal, ExtractGoal, LocateGoal
 from remodel_sim.core.robot.arm import ToolPose
-from remodel_sim.core.workpiece.panel import End
+from remodel_sim.core.workpiece.panel import WireEnd
 from remodel_states.core.codes import Code
 
 # A wire that is drawn out of clips or out of a duct pulls more than a free one; one that pulls more
@@ -125,7 +125,7 @@ def _extract(context: RobotContext, terminal: TerminalKey) -> Steps[None]:
 def _pick_an_end(context: RobotContext, above_bin: ToolPose) -> Steps[None]:
     """Pick a loose end, the one nearer to the bin first: then the wire trails along its channel."""
 
-    def away(end: End) -> float:
+    def away(end: WireEnd) -> float:
         return float(np.linalg.norm(context.belief.expected[end] - above_bin.position[:2]))
 
     failures: list[AbilityError] = []
@@ -140,11 +140,11 @@ def _pick_an_end(context: RobotContext, above_bin: ToolPose) -> Steps[None]:
     raise failures[-1]
 
 
-def _toward(above_bin: ToolPose, context: RobotContext, end: End) -> Pose:
+def _toward(above_bin: ToolPose, context: RobotContext, end: WireEnd) -> Pose:
     """Return the tip's pose over the bin, pointing as it does in its channel."""
     feed = context.belief.feed
     assert feed is not None, "the wire is live"
-    out = feed.direction if end is End.B else -feed.direction
+    out = feed.direction if end is WireEnd.B else -feed.direction
     return Pose.level(above_bin.x, above_bin.y, above_bin.z, out * math.pi / 2)
 
 

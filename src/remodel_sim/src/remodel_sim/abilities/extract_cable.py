@@ -30,7 +30,7 @@ from remodel_sim.core.geometry import Pose
 from remodel_sim.core.goals import ExtractGoal
 from remodel_sim.core.goals.goal_pose import pose_from
 from remodel_sim.core.robot.arm import ToolPose
-from remodel_sim.core.workpiece.panel import End
+from remodel_sim.core.workpiece.panel import WireEnd
 from remodel_sim.physics.robot_description import PAD_BELOW_TOOL_M
 from remodel_states.core.codes import Code
 
@@ -103,7 +103,7 @@ def where_it_lay(context: RobotContext, grip: Grip, back: Grip) -> ToolPose:
     return ToolPose(float(x), float(y), z, yaw - grip.flip)
 
 
-def _end_at(context: RobotContext, goal: ExtractGoal) -> End:
+def _end_at(context: RobotContext, goal: ExtractGoal) -> WireEnd:
     """Return which end is meant.
 
     The one in the hand, the one in that terminal, or the one that belongs there.
@@ -114,11 +114,11 @@ def _end_at(context: RobotContext, goal: ExtractGoal) -> End:
     occupant = belief.occupant((goal.component_id, goal.terminal_id))
     if occupant is not None and occupant[0] == goal.cable_id:
         return occupant[1]
-    belongs = context.wire.goes_to(End.B) == (goal.component_id, goal.terminal_id)
-    return End.B if belongs else End.A
+    belongs = context.wire.goes_to(WireEnd.B) == (goal.component_id, goal.terminal_id)
+    return WireEnd.B if belongs else WireEnd.A
 
 
-def _regrasp(context: RobotContext, end: End, goal: ExtractGoal) -> Steps[bool]:
+def _regrasp(context: RobotContext, end: WireEnd, goal: ExtractGoal) -> Steps[bool]:
     """Grasp the wire at the opening; return whether it is there."""
     context.report("grasping the wire at the opening", 0.1)
     terminal = context.panel.component(goal.component_id).terminal(goal.terminal_id)
@@ -133,7 +133,9 @@ def _regrasp(context: RobotContext, end: End, goal: ExtractGoal) -> Steps[bool]:
     return True
 
 
-def _grasp_at_opening(context: RobotContext, end: End, socket: Pose, inside: float) -> Steps[None]:
+def _grasp_at_opening(
+    context: RobotContext, end: WireEnd, socket: Pose, inside: float
+) -> Steps[None]:
     """Grasp the wire just outside an opening; `inside` [m] of it are in the terminal."""
     then = context.belief.picked_at[end]
     distance = inside + OUTSIDE_M

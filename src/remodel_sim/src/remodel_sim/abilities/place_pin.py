@@ -47,7 +47,7 @@ from remodel_sim.core.robot.arm import ToolPose
 from remodel_sim.core.robot.motion import MAX_TURN_RATE, PEAK_OVER_MEAN
 from remodel_sim.core.vision.drawing import ORANGE, Drawing
 from remodel_sim.core.vision.wire_ends import trace_from
-from remodel_sim.core.workpiece.panel import End
+from remodel_sim.core.workpiece.panel import WireEnd
 from remodel_sim.physics.robot_description import PAD_BELOW_TOOL_M
 from remodel_states.core.codes import Code
 
@@ -81,7 +81,7 @@ class Hand:
     """One arm's part: which end it lays, and where that pin goes, x out of the wire."""
 
     context: RobotContext
-    end: End
+    end: WireEnd
     pin: Pose
 
 
@@ -137,7 +137,9 @@ def _share_out(contexts: tuple[RobotContext, RobotContext], row: dict[str, Pose]
     The wire is not turned round: the end that lies nearer to a pin goes there.
     """
     options = []
-    for first, pins in itertools.product((End.A, End.B), (("pin_1", "pin_2"), ("pin_2", "pin_1"))):
+    for first, pins in itertools.product(
+        (WireEnd.A, WireEnd.B), (("pin_1", "pin_2"), ("pin_2", "pin_1"))
+    ):
         ends = (first, first.other)
         hands = [
             Hand(context, end, row[pin])
@@ -226,7 +228,7 @@ def _judge(
 ) -> float:
     """Return how far the worse pin is from its place [m]; raise when it or the wire is too far."""
     drawing = Drawing(above.picture.rgb, above.picture.view)
-    away: dict[End, float] = {}
+    away: dict[WireEnd, float] = {}
     for hand in hands:
         if hand.end in above.ends:
             tip = above.ends[hand.end].tip.tip

@@ -26,7 +26,7 @@ from remodel_sim.core.errors import AbilityError
 from remodel_sim.core.geometry import Array
 from remodel_sim.core.goals import RouteGoal
 from remodel_sim.core.goals.goal_pose import pose_from
-from remodel_sim.core.workpiece.panel import Clip
+from remodel_sim.core.workpiece.panel import PanelClip
 from remodel_sim.core.workpiece.routes import clips_along, world_from_clip
 from remodel_states.core.codes import Code
 
@@ -96,7 +96,7 @@ def _carry_along(context: RobotContext, goal: RouteGoal) -> Steps[None]:
             raise
 
 
-def _lay_into_all(context: RobotContext, clips: tuple[Clip, ...]) -> Steps[None]:
+def _lay_into_all(context: RobotContext, clips: tuple[PanelClip, ...]) -> Steps[None]:
     """Lay the end down where it was picked, and the wire into its clips, one by one."""
     grip = context.belief.grip
     if grip is None:

@@ -15,7 +15,7 @@ from typing import Any
 import cv2
 
 from remodel_sim.core.errors import PictureFileError
-from remodel_sim.core.vision.cables import Cable, Crossing, Detection, detect_cables
+from remodel_sim.core.vision.cables import Crossing, DetectedCable, Detection, detect_cables
 from remodel_sim.core.vision.cables.sketch import sketch
 from remodel_sim.edge.picture_file import read_picture
 
@@ -60,7 +60,7 @@ def as_dict(found: Detection) -> dict[str, Any]:
     }
 
 
-def _cable(cable: Cable) -> dict[str, Any]:
+def _cable(cable: DetectedCable) -> dict[str, Any]:
     spline = cable.spline
     return {
         "centreline": cable.centreline.round(3).tolist(),

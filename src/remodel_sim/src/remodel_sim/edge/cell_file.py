@@ -23,7 +23,7 @@ from remodel_sim.core.cell.cell_design import (
 from remodel_sim.core.cell.feeding import Feeder
 from remodel_sim.core.errors import CellFileError
 from remodel_sim.core.robot.arm import ARM_MODELS, Arm, ToolPose
-from remodel_sim.core.workpiece.panel import Clip, Duct
+from remodel_sim.core.workpiece.panel import Duct, PanelClip
 from remodel_states.core.schema_problems import schema_problems
 
 
@@ -75,7 +75,7 @@ def _design(parsed: dict[str, Any]) -> CellDesign:
             *(float(fork[key]) for key in ("behind_tip", "length", "height", "post", "clearance")),
         ),
         clips=tuple(
-            Clip(**{**clip, "pose": _flat_pose(clip["pose"])}) for clip in fixtures["clips"]
+            PanelClip(**{**clip, "pose": _flat_pose(clip["pose"])}) for clip in fixtures["clips"]
         ),
         ducts=tuple(
             Duct(**{**duct, "pose": _flat_pose(duct["pose"])}) for duct in fixtures["ducts"]

@@ -15,7 +15,7 @@ import numpy as np
 
 from remodel_sim.core.belief.placed_wires import ParkedWire, PlacedWires
 from remodel_sim.core.errors import MemoryFileError
-from remodel_sim.core.workpiece.panel import End, Panel
+from remodel_sim.core.workpiece.panel import Panel, WireEnd
 
 _TIME = struct.Struct("<d")
 
@@ -123,11 +123,13 @@ class CellMemory:
                 return PlacedWires()
             return PlacedWires(
                 {
-                    name: ParkedWire(np.array(wire["nodes"]), frozenset(map(End, wire["fixed"])))
+                    name: ParkedWire(
+                        np.array(wire["nodes"]), frozenset(map(WireEnd, wire["fixed"]))
+                    )
                     for name, wire in content["parked"].items()
                 },
                 {
-                    (component, terminal): (wire, End(end))
+                    (component, terminal): (wire, WireEnd(end))
                     for component, terminal, wire, end in content["occupied"]
                 },
             )

@@ -11,10 +11,10 @@ from remodel_sim.core.cell.feeding import Feeder, Laying, plan_laying
 from remodel_sim.core.geometry import Array, Pose
 from remodel_sim.core.workpiece.component_shape import Box
 from remodel_sim.core.workpiece.connector_shape import connector_solids
-from remodel_sim.core.workpiece.panel import Channel, Panel, Wire
+from remodel_sim.core.workpiece.panel import Channel, Panel, PanelWire
 from remodel_sim.core.workpiece.wire_mechanics import discretise
 from remodel_sim.physics.static_body import add_static
-from remodel_sim.physics.wires.cable import Cable
+from remodel_sim.physics.wires.cable import SimulatedWire
 from remodel_sim.physics.world import World
 
 FORK_RGB = (0.16, 0.45, 0.30)
@@ -35,11 +35,11 @@ def lay(
     world: World,
     feeder: Feeder,
     panel: Panel,
-    wire: Wire,
+    wire: PanelWire,
     channel: Channel,
     parked: Iterable[Array],
     noise: np.random.Generator,
-) -> tuple[Cable, Laying, int]:
+) -> tuple[SimulatedWire, Laying, int]:
     """Set the fork, lay a wire onto what is parked, nodes (n, 3) [m], and let it come to rest.
 
     Return the wire, where it lies, and the fork's body.
@@ -48,7 +48,7 @@ def lay(
     laying = plan_laying(feeder, panel, wire, channel, joints=len(model.lengths) - 1, noise=noise)
     fork = _make_fork(world, feeder, wire, laying)
     connectors = {c.end: connector_solids(wire, c) for c in wire.connectors}
-    cable = Cable(world, model, wire.colour, connectors)
+    cable = SimulatedWire(world, model, wire.colour, connectors)
     yaw = laying.direction * math.pi / 2
     cable.lay(np.array([*laying.tip_a, 0.0]), yaw, laying.curvature)
     height = _free_height(cable.nodes(), wire, parked)
@@ -60,7 +60,7 @@ def lay(
     return cable, laying, fork
 
 
-def _free_height(line: Array, wire: Wire, parked: Iterable[Array]) -> float:
+def _free_height(line: Array, wire: PanelWire, parked: Iterable[Array]) -> float:
     """Return the height at which a level wire along a line touches nothing, (n, 3) [m]."""
     height = wire.radius
     for nodes in parked:
@@ -78,7 +78,7 @@ def _dense(nodes: Array) -> Array:
     return (nodes[:-1, None] + shares * np.diff(nodes, axis=0)[:, None]).reshape(-1, 3)
 
 
-def _come_to_rest(world: World, cable: Cable) -> None:
+def _come_to_rest(world: World, cable: SimulatedWire) -> None:
     """Step until a wire that fell from a height is at rest."""
     before = cable.nodes()
     for _ in range(math.ceil(WAIT_LIMIT_S / CHECK_S)):
@@ -90,7 +90,7 @@ def _come_to_rest(world: World, cable: Cable) -> None:
         before = now
 
 
-def _make_fork(world: World, feeder: Feeder, wire: Wire, laying: Laying) -> int:
+def _make_fork(world: World, feeder: Feeder, wire: PanelWire, laying: Laying) -> int:
     inner = wire.radius + feeder.fork_clearance
     post, height = feeder.fork_post, feeder.fork_height
     size = (post, feeder.fork_length, height)

@@ -8,11 +8,11 @@ from dataclasses import dataclass, field
 from remodel_sim.core.belief.placed_wires import ParkedWire
 from remodel_sim.core.geometry import Array
 from remodel_sim.core.workpiece.connector_shape import connector_solids
-from remodel_sim.core.workpiece.panel import Connector, End, Wire
+from remodel_sim.core.workpiece.panel import Connector, PanelWire, WireEnd
 from remodel_sim.core.workpiece.wire_mechanics import discretise
 from remodel_sim.physics.fixtures.clamps import Clamp
 from remodel_sim.physics.fixtures.latches import Header, Latch
-from remodel_sim.physics.wires.cable import Cable
+from remodel_sim.physics.wires.cable import SimulatedWire
 from remodel_sim.physics.world import World
 
 
@@ -20,13 +20,13 @@ from remodel_sim.physics.world import World
 class LiveWire:
     """The wire that is being placed."""
 
-    wire: Wire
-    cable: Cable
-    clamps: dict[End, Clamp] = field(default_factory=dict)
+    wire: PanelWire
+    cable: SimulatedWire
+    clamps: dict[WireEnd, Clamp] = field(default_factory=dict)
     latches: tuple[Latch, ...] = ()
 
     @property
-    def fixed(self) -> frozenset[End]:
+    def fixed(self) -> frozenset[WireEnd]:
         """The ends that closed clamps hold."""
         return frozenset(end for end, clamp in self.clamps.items() if clamp.holds)
 
@@ -53,9 +53,9 @@ class LiveWire:
         self.cable.remove()
 
 
-def bent_cable(world: World, wire: Wire, nodes: Array) -> Cable:
+def bent_cable(world: World, wire: PanelWire, nodes: Array) -> SimulatedWire:
     """Make a wire that was straight and has been bent into a shape, nodes (n, 3) [m]."""
     connectors = {c.end: connector_solids(wire, c) for c in wire.connectors}
-    cable = Cable(world, discretise(wire, world.time_step), wire.colour, connectors)
+    cable = SimulatedWire(world, discretise(wire, world.time_step), wire.colour, connectors)
     cable.lay_along(nodes)
     return cable

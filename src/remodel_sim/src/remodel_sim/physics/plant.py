@@ -24,7 +24,7 @@ from remodel_sim.core.geometry import Array, Pose
 from remodel_sim.core.robot.arm import ToolPose
 from remodel_sim.core.workpiece.component_shape import Box
 from remodel_sim.core.workpiece.layout import WORLD_FROM_PANEL, find_problems
-from remodel_sim.core.workpiece.panel import Connector, End, Panel, Wire
+from remodel_sim.core.workpiece.panel import Connector, Panel, PanelWire, WireEnd
 from remodel_sim.core.workpiece.wire_mechanics import discretise
 from remodel_sim.physics import cameras
 from remodel_sim.physics.feeder import lay
@@ -34,7 +34,7 @@ from remodel_sim.physics.fixtures.panel_scene import PanelScene
 from remodel_sim.physics.live_wire import LiveWire, bent_cable
 from remodel_sim.physics.robot import Robot
 from remodel_sim.physics.static_body import add_static
-from remodel_sim.physics.wires.cable import Cable
+from remodel_sim.physics.wires.cable import SimulatedWire
 from remodel_sim.physics.wires.parked_wire import add_solid, draw_parked
 from remodel_sim.physics.world import World
 
@@ -235,7 +235,7 @@ class Plant:
         self._add_parked(live.wire, self.parked[live.wire.id])
         live.remove()
 
-    def _add_parked(self, wire: Wire, parked: ParkedWire) -> None:
+    def _add_parked(self, wire: PanelWire, parked: ParkedWire) -> None:
         draw_parked(self.world, parked.nodes, wire)
         if self._solid_parked:
             add_solid(self.world, parked.nodes, wire)
@@ -257,7 +257,7 @@ class Plant:
         )
         if clamp is None:
             return False
-        tips = {end: self.live.cable.tip(end)[0] for end in End}
+        tips = {end: self.live.cable.tip(end)[0] for end in WireEnd}
         end = min(tips, key=lambda e: float(np.linalg.norm(tips[e] - socket.position)))
         self.live.clamps[end] = clamp
         return True
@@ -305,7 +305,7 @@ class Plant:
             "grip_weakened": lambda: self._disturb(grip=values[0]),
             "camera_bumped": lambda: self._bump_camera(target, values),
             "light_changed": lambda: self._disturb(light=values[0]),
-            "tip_bent": lambda: self._bend_tip(End(target), values[0]),
+            "tip_bent": lambda: self._bend_tip(WireEnd(target), values[0]),
             "cable_in_the_way": lambda: self._drop_cable(target, *values),
         }
         if kind not in causes:
@@ -325,7 +325,7 @@ class Plant:
         pose = Pose.level(*shift, turn)
         self._disturb(shifts={**self._disturbances.shifts, camera: pose})
 
-    def _bend_tip(self, end: End, angle: float) -> None:
+    def _bend_tip(self, end: WireEnd, angle: float) -> None:
         if self.live is None:
             raise FaultError("no wire is live; feed one first")
         self.live.cable.bend_ferrule(end, angle)
@@ -339,7 +339,7 @@ class Plant:
     def _add_stray(self, stray: Stray) -> None:
         """Let a piece of the panel's first wire fall onto what lies there."""
         wire = replace(self.panel.wires[0], length=STRAY_LENGTH_M, colour=STRAY_COLOUR)
-        cable = Cable(self.world, discretise(wire, self.world.time_step), wire.colour)
+        cable = SimulatedWire(self.world, discretise(wire, self.world.time_step), wire.colour)
         middle = WORLD_FROM_PANEL @ Pose.level(stray.x, stray.y, STRAY_DROP_M, stray.yaw)
         tip = middle.apply(np.array([-STRAY_LENGTH_M / 2, 0.0, 0.0]))
         cable.lay(tip, middle.yaw, np.zeros(len(cable.model.spans)))

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from remodel_sim.core.geometry import Array
-from remodel_sim.core.workpiece.panel import Clip, End
+from remodel_sim.core.workpiece.panel import PanelClip, WireEnd
 from remodel_sim.core.workpiece.routes import world_from_clip
 from remodel_sim.physics.plant import Plant
 
@@ -60,13 +60,13 @@ def ground_truth(plant: Plant, wire_ids: list[str]) -> list[WireTruth]:
             nodes, fixed = parked.nodes, parked.fixed
         else:
             continue
-        a = _end_truth(plant, wire_id, End.A, nodes[0], fixed=fixed)
-        b = _end_truth(plant, wire_id, End.B, nodes[-1], fixed=fixed)
+        a = _end_truth(plant, wire_id, WireEnd.A, nodes[0], fixed=fixed)
+        b = _end_truth(plant, wire_id, WireEnd.B, nodes[-1], fixed=fixed)
         truths.append(WireTruth(wire_id, a, b))
     return truths
 
 
-def lies_in(plant: Plant, wire_id: str, clip: Clip) -> bool:
+def lies_in(plant: Plant, wire_id: str, clip: PanelClip) -> bool:
     """Return whether a wire that was fed runs through a clip, below its lips."""
     if plant.live is not None and plant.live.wire.id == wire_id:
         nodes = plant.live.cable.nodes()
@@ -78,7 +78,9 @@ def lies_in(plant: Plant, wire_id: str, clip: Clip) -> bool:
     return bool(x.min() < 0 < x.max()) and max(abs(aside), abs(height - clip.height)) < IN_CLIP_M
 
 
-def _end_truth(plant: Plant, wire_id: str, end: End, tip: Array, fixed: frozenset[End]) -> EndTruth:
+def _end_truth(
+    plant: Plant, wire_id: str, end: WireEnd, tip: Array, fixed: frozenset[WireEnd]
+) -> EndTruth:
     wire = plant.panel.wire(wire_id)
     own, connector = wire.goes_to(end), wire.connector_at(end)
     for component in plant.panel.components:

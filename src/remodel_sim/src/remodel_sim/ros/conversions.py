@@ -27,14 +27,14 @@ from remodel_sim.core.goals.goal_pose import WORLD
 from remodel_sim.core.robot.arm import ToolPose
 from remodel_sim.core.workpiece.panel import (
     Channel,
-    Clip,
     Component,
     Connector,
     Duct,
-    End,
     Panel,
-    Terminal,
-    Wire,
+    PanelClip,
+    PanelTerminal,
+    PanelWire,
+    WireEnd,
 )
 from remodel_sim.core.workpiece.wire_materials import PROPERTIES, WireMaterials
 from remodel_sim.physics.truth import WireTruth
@@ -78,7 +78,7 @@ def panel_from(message: PanelMsg, materials: WireMaterials) -> Panel:
         ),
         wires=tuple(wires),
         clips=tuple(
-            Clip(
+            PanelClip(
                 id=c.id,
                 pose=_pose2d(c.pose),
                 wire_diameter=c.wire_diameter,
@@ -100,27 +100,27 @@ def _pose2d(message: Pose2D) -> tuple[float, float, float]:
     return message.x, message.y, message.theta
 
 
-def _wire_from(message: object, materials: WireMaterials) -> Wire:
-    values = {name: getattr(message, name) for name in Wire.__dataclass_fields__}
+def _wire_from(message: object, materials: WireMaterials) -> PanelWire:
+    values = {name: getattr(message, name) for name in PanelWire.__dataclass_fields__}
     values["connectors"] = tuple(_connector_from(c) for c in message.connectors)
     unsaid = [name for name in PROPERTIES if values[name] == 0]
     if unsaid:
         material = materials.find(message.construction, message.section)
         values.update({name: getattr(material, name) for name in unsaid})
-    return Wire(**values)
+    return PanelWire(**values)
 
 
 def _connector_from(message: object) -> Connector:
     values = {name: getattr(message, name) for name in Connector.__dataclass_fields__}
     if message.end not in ("a", "b"):
         raise PanelError("", (f"connector {message.id!r}: end is {message.end!r}; allowed: a, b",))
-    return Connector(**{**values, "end": End(message.end)})
+    return Connector(**{**values, "end": WireEnd(message.end)})
 
 
 def _component_from(message: object) -> Component:
     size = message.size
     terminals = tuple(
-        Terminal(
+        PanelTerminal(
             id=t.id,
             mouth=(t.mouth.x, t.mouth.y, t.mouth.z),
             insertion_yaw=t.insertion_yaw,

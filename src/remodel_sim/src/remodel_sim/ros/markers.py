@@ -10,7 +10,7 @@ from visualization_msgs.msg import Marker, MarkerArray
 
 from remodel_sim.core.goals.goal_pose import WORLD
 from remodel_sim.core.workpiece.component_shape import HOUSING
-from remodel_sim.core.workpiece.panel import Component, Wire
+from remodel_sim.core.workpiece.panel import Component, PanelWire
 from remodel_sim.core.workpiece.wire_colours import WIRE_RGB, Rgb
 from remodel_sim.physics.plant import Plant
 from remodel_sim.ros.sim_clock import SimClock
@@ -63,7 +63,7 @@ class Markers:
         marker.scale = Vector3(*component.size)
         return marker
 
-    def _line(self, wire: Wire, nodes: np.ndarray) -> Marker:
+    def _line(self, wire: PanelWire, nodes: np.ndarray) -> Marker:
         marker = self._marker("wire", wire.id, Marker.LINE_STRIP, WIRE_RGB[wire.colour])
         marker.scale.x = wire.diameter
         marker.points = [Point(*node) for node in nodes]

@@ -17,7 +17,7 @@ from remodel_sim.abilities.execution.observers import Observers
 from remodel_sim.cell import Cell
 from remodel_sim.core.cell.cell_design import CellDesign
 from remodel_sim.core.errors import CellError
-from remodel_sim.core.workpiece.panel import End
+from remodel_sim.core.workpiece.panel import WireEnd
 from remodel_sim.core.workpiece.wire_materials import WireMaterials
 from remodel_sim.edge.cell_file import read_cell
 from remodel_sim.edge.cell_memory import CellMemory
@@ -80,7 +80,7 @@ def _build(materials: WireMaterials, closing: ExitStack) -> Owner:
     closing.callback(cell.close)
     wire_id = str(rospy.get_param("~feed", ""))
     if wire_id and wire_id not in cell.plant.parked:
-        mouth = panel.panel_from_socket(*panel.wire(wire_id).goes_to(End.A)).position
+        mouth = panel.panel_from_socket(*panel.wire(wire_id).goes_to(WireEnd.A)).position
         cell.feed(wire_id, panel.channel_in_front_of(mouth).id)
     publishers: list[Callable[[], None]] = [
         RobotState(cell.plant, clock, fixed),

@@ -28,7 +28,7 @@ LATE_S = 0.3
 
 
 @dataclass(frozen=True)
-class Fault:
+class Violation:
     """A clause that a server does not keep.
 
     Attributes:
@@ -40,57 +40,63 @@ class Fault:
     found: str
 
 
-Rule = Callable[[Exchange], Iterator[Fault]]
+Rule = Callable[[Exchange], Iterator[Violation]]
 
 
-def answers_once(exchange: Exchange) -> Iterator[Fault]:
+def answers_once(exchange: Exchange) -> Iterator[Violation]:
     """Every goal ends, with one result of a terminal status."""
     if not exchange.results:
         noticed = "though the server listed it" if exchange.listed else "and was never listed"
-        yield Fault("no-answer", f"the goal got no result, {noticed}")
+        yield Violation("no-answer", f"the goal got no result, {noticed}")
     if len(exchange.results) > 1:
-        yield Fault("answers-twice", f"the goal got {len(exchange.results)} results")
+        yield Violation("answers-twice", f"the goal got {len(exchange.results)} results")
     for result in exchange.results[:1]:
         if result.status not in TERMINAL:
             name = STATUS_NAMES.get(result.status, result.status)
-            yield Fault("open-status", f"the result came with status {name}, which is not terminal")
+            yield Violation(
+                "open-status", f"the result came with status {name}, which is not terminal"
+            )
 
 
-def echoes_the_id(exchange: Exchange) -> Iterator[Fault]:
+def echoes_the_id(exchange: Exchange) -> Iterator[Violation]:
     """Result and feedback carry the goal's id."""
     wanted = exchange.goal.id
     for what, messages in (("result", exchange.results), ("feedback", exchange.feedback)):
         wrong = next((m.message.id for m in messages if m.message.id != wanted), None)
         if wrong is not None:
-            yield Fault("wrong-id", f"the {what} of goal {wanted!r} says id {wrong!r}")
+            yield Violation("wrong-id", f"the {what} of goal {wanted!r} says id {wrong!r}")
 
 
-def is_consistent(exchange: Exchange) -> Iterator[Fault]:
+def is_consistent(exchange: Exchange) -> Iterator[Violation]:
     """Status, success, error code and error message of a result agree."""
     result = exchange.result
     if result is None:
         return
     message = result.message
     if message.success and message.error_code != ErrorCode.NONE:
-        yield Fault("success-with-code", f"success, with error code {message.error_code}")
+        yield Violation("success-with-code", f"success, with error code {message.error_code}")
     if not message.success and message.error_code == ErrorCode.NONE:
-        yield Fault("failure-without-code", "no success, and error code 0")
+        yield Violation("failure-without-code", "no success, and error code 0")
     if message.success != (result.status == GoalStatus.SUCCEEDED):
         name = STATUS_NAMES.get(result.status, result.status)
-        yield Fault("status-against-success", f"status {name}, with success {message.success}")
+        yield Violation("status-against-success", f"status {name}, with success {message.success}")
     if not message.success and not result.reason:
-        yield Fault("no-reason", "no success, and neither error_message nor status has a reason")
+        yield Violation(
+            "no-reason", "no success, and neither error_message nor status has a reason"
+        )
     if message.success and message.error_message:
-        yield Fault("reason-of-success", f"success, with error_message {message.error_message!r}")
+        yield Violation(
+            "reason-of-success", f"success, with error_message {message.error_message!r}"
+        )
 
 
 def knows_its_codes(codes: Collection[int]) -> Rule:
     """Return the rule that error codes are those of the table."""
 
-    def rule(exchange: Exchange) -> Iterator[Fault]:
+    def rule(exchange: Exchange) -> Iterator[Violation]:
         result = exchange.result
         if result is not None and result.message.error_code not in codes:
-            yield Fault(
+            yield Violation(
                 "unknown-code",
                 f"error code {result.message.error_code}; codes are those of "
                 "remodel_msgs/config/faults.yaml, and of the packages that export a table",
@@ -99,7 +105,7 @@ def knows_its_codes(codes: Collection[int]) -> Rule:
     return rule
 
 
-def reports_elapsed_time(exchange: Exchange) -> Iterator[Fault]:
+def reports_elapsed_time(exchange: Exchange) -> Iterator[Violation]:
     """The result's elapsed_time is that from acceptance to result."""
     result = exchange.result
     if result is None or exchange.is_refused:
@@ -108,44 +114,44 @@ def reports_elapsed_time(exchange: Exchange) -> Iterator[Fault]:
     took = exchange.took_s
     slack = CLOCK_SLACK_S + CLOCK_SLACK * took
     if not abs(reported - took) <= slack:
-        yield Fault("wrong-time", f"elapsed_time {reported:g} s; the goal took {took:.2f} s")
+        yield Violation("wrong-time", f"elapsed_time {reported:g} s; the goal took {took:.2f} s")
 
 
-def reports_progress(exchange: Exchange) -> Iterator[Fault]:
+def reports_progress(exchange: Exchange) -> Iterator[Violation]:
     """Feedback exists, is in range, never decreases and arrives before the result."""
     messages = [feedback.message for feedback in exchange.feedback]
     shares = [message.completed_percentage for message in messages]
     times = [message.elapsed_time for message in messages]
     wrong = next((share for share in shares if not 0.0 <= share <= 100.0), None)
     if wrong is not None:
-        yield Fault("percentage-range", f"completed_percentage {wrong:g}; it is 0 to 100")
+        yield Violation("percentage-range", f"completed_percentage {wrong:g}; it is 0 to 100")
     fall = next((pair for pair in pairwise(shares) if pair[1] < pair[0]), None)
     if fall is not None:
-        yield Fault(
+        yield Violation(
             "percentage-falls", f"completed_percentage went from {fall[0]:g} to {fall[1]:g}"
         )
     wrong = next((time for time in times if not 0.0 <= time < math.inf), None)
     if wrong is not None:
-        yield Fault("feedback-time", f"elapsed_time {wrong:g} s in feedback")
+        yield Violation("feedback-time", f"elapsed_time {wrong:g} s in feedback")
     fall = next((pair for pair in pairwise(times) if pair[1] < pair[0]), None)
     if fall is not None:
-        yield Fault("feedback-time", f"elapsed_time went from {fall[0]:g} to {fall[1]:g} s")
+        yield Violation("feedback-time", f"elapsed_time went from {fall[0]:g} to {fall[1]:g} s")
     if exchange.result is not None and not exchange.is_refused:
         if not messages and exchange.took_s > SILENT_LIMIT_S:
-            yield Fault("no-feedback", f"no feedback in {exchange.took_s:.1f} s")
+            yield Violation("no-feedback", f"no feedback in {exchange.took_s:.1f} s")
         late = [f for f in exchange.feedback if f.ros_s > exchange.result.ros_s + LATE_S]
         if late:
-            yield Fault("feedback-after-end", f"{len(late)} feedback messages after the result")
+            yield Violation("feedback-after-end", f"{len(late)} feedback messages after the result")
 
 
-def keeps_its_timeout(exchange: Exchange) -> Iterator[Fault]:
+def keeps_its_timeout(exchange: Exchange) -> Iterator[Violation]:
     """A goal ends within its timeout, and says so if that was the reason."""
     result = exchange.result
     limit_s = exchange.goal.timeout
     if result is None or exchange.is_refused:
         return
     if exchange.took_s > limit_s + GRACE_S:
-        yield Fault(
+        yield Violation(
             "timeout-ignored",
             f"timeout {limit_s:g} s; the goal ended after {exchange.took_s:.1f} s",
         )
@@ -155,52 +161,52 @@ def keeps_its_timeout(exchange: Exchange) -> Iterator[Fault]:
         )
 
 
-def ends_when_cancelled(exchange: Exchange) -> Iterator[Fault]:
+def ends_when_cancelled(exchange: Exchange) -> Iterator[Violation]:
     """A cancelled goal ends at once, as cancelled."""
     result, asked = exchange.result, exchange.cancelled_wall_s
     if asked is None or result is None or result.wall_s < asked:
         return
     took = result.wall_s - asked
     if took > CANCEL_LIMIT_S:
-        yield Fault(
+        yield Violation(
             "slow-cancel", f"ended {took:.2f} s after the cancel; {CANCEL_LIMIT_S} s are allowed"
         )
     if result.status not in CANCELLED:
         name = STATUS_NAMES.get(result.status, result.status)
-        yield Fault("cancel-status", f"a cancelled goal ended {name}; it ends PREEMPTED")
+        yield Violation("cancel-status", f"a cancelled goal ended {name}; it ends PREEMPTED")
     yield from _has_code(result, ErrorCode.PREEMPTED, "PREEMPTED", "cancel-code", cause="a cancel")
 
 
 def refuses_invalid_goal(field: str) -> Rule:
     """Return the rule for a goal that is invalid in this field."""
 
-    def rule(exchange: Exchange) -> Iterator[Fault]:
+    def rule(exchange: Exchange) -> Iterator[Violation]:
         result = exchange.result
         if exchange.active_ros_s is not None or (result and not exchange.is_refused):
-            yield Fault(
+            yield Violation(
                 "accepts-invalid-goal", "the goal was accepted; it must be REJECTED, without motion"
             )
         elif result is not None:
             code = result.message.error_code
             if code != ErrorCode.INVALID_GOAL:
-                yield Fault(
+                yield Violation(
                     "invalid-goal-code", f"refused with error code {code}; it is INVALID_GOAL (3)"
                 )
             if field not in result.reason:
-                yield Fault(
+                yield Violation(
                     "invalid-goal-unnamed", f"the reason {result.reason!r} does not name {field}"
                 )
 
     return rule
 
 
-def fails_with_unknown_name(exchange: Exchange) -> Iterator[Fault]:
+def fails_with_unknown_name(exchange: Exchange) -> Iterator[Violation]:
     """A goal with an unknown name fails."""
     if exchange.is_done:
-        yield Fault("accepts-unknown-name", "the goal succeeded")
+        yield Violation("accepts-unknown-name", "the goal succeeded")
 
 
-def _has_code(result: Result, code: int, name: str, rule: str, cause: str) -> Iterator[Fault]:
+def _has_code(result: Result, code: int, name: str, rule: str, cause: str) -> Iterator[Violation]:
     if result.message.error_code != code:
         found = result.message.error_code
-        yield Fault(rule, f"ended by {cause} with error code {found}; it is {name} ({code})")
+        yield Violation(rule, f"ended by {cause} with error code {found}; it is {name} ({code})")

@@ -13,7 +13,7 @@ from remodel_states.conformance import rules
 from remodel_states.conformance.exchange import Exchange
 from remodel_states.conformance.goals import goals_with_unknown_names, invalid_goals
 from remodel_states.conformance.probe import Probe
-from remodel_states.conformance.rules import Fault, Rule
+from remodel_states.conformance.rules import Rule, Violation
 from remodel_states.core.contract_times import GRACE_S
 
 # [s] ROS time in which a server refuses a goal, or is heard to work on it.
@@ -40,7 +40,7 @@ class Trial:
     """
 
     name: str
-    faults: tuple[Fault, ...] = ()
+    faults: tuple[Violation, ...] = ()
     unjudged: str = ""
 
 
@@ -130,7 +130,7 @@ class Trials:
         self._finish(exchange)
         trial = self._judged(name, [exchange])
         if exchange.result and exchange.result.status in rules.CANCELLED:
-            found = Fault("foreign-cancel", "a cancel with another id cancelled the goal")
+            found = Violation("foreign-cancel", "a cancel with another id cancelled the goal")
             return Trial(name, (*trial.faults, found))
         return trial
 
@@ -194,11 +194,11 @@ class Trials:
             text = done.stderr.decode(errors="replace").strip()
             return Trial(name, unjudged=f"the command failed with {done.returncode}: {text}")
         if not self._probe.wait_for_server(RESTART_LIMIT_S):
-            return Trial(name, (Fault("not-back", f"not back after {RESTART_LIMIT_S:g} s"),))
+            return Trial(name, (Violation("not-back", f"not back after {RESTART_LIMIT_S:g} s"),))
         after = self._finish(self._send())
         trial = self._judged(name, [after])
         if running.is_done and running.result.ros_s > after.sent_ros_s:
-            found = Fault("ghost", "the new server ended the goal of the old one with success")
+            found = Violation("ghost", "the new server ended the goal of the old one with success")
             return Trial(name, (*trial.faults, found))
         return trial
 

@@ -18,7 +18,7 @@ Row = Mapping[str, Any]
 
 
 @dataclass(frozen=True)
-class Code:
+class ListedCode:
     """An error code; `package` is the one whose table lists it."""
 
     number: int
@@ -37,7 +37,7 @@ class FaultTables:
         faults: rows by name; `codes` are names, in rows with `after` too.
     """
 
-    codes: Mapping[str, Code]
+    codes: Mapping[str, ListedCode]
     faults: Mapping[str, Row]
 
     @property
@@ -72,10 +72,10 @@ def join_fault_tables(
     return FaultTables({code.name: code for code in listed}, faults), []
 
 
-def _codes(package: str, table: Row) -> Iterable[Code]:
+def _codes(package: str, table: Row) -> Iterable[ListedCode]:
     groups = [table.get("no_fault", []), *(row.get("codes", []) for row in table.get("faults", []))]
     for row in (row for group in groups for row in group):
-        yield Code(row["code"], row["name"], row["meaning"], row["remedy"], package=package)
+        yield ListedCode(row["code"], row["name"], row["meaning"], row["remedy"], package=package)
 
 
 def _names(row: Row, by_name: Mapping[str, Row]) -> list[str]:
@@ -83,7 +83,7 @@ def _names(row: Row, by_name: Mapping[str, Row]) -> list[str]:
     return [code["name"] for code in source["codes"]]
 
 
-def _wrong_numbers(codes: Sequence[Code]) -> Iterable[str]:
+def _wrong_numbers(codes: Sequence[ListedCode]) -> Iterable[str]:
     for code in codes:
         allowed = CONTRACT_CODES if code.package == CONTRACT else OTHER_CODES
         if code.number not in allowed:
@@ -93,8 +93,8 @@ def _wrong_numbers(codes: Sequence[Code]) -> Iterable[str]:
             )
 
 
-def _repeated(codes: Sequence[Code], rows: Sequence[Row]) -> Iterable[str]:
-    seen: dict[object, Code] = {}
+def _repeated(codes: Sequence[ListedCode], rows: Sequence[Row]) -> Iterable[str]:
+    seen: dict[object, ListedCode] = {}
     for code in codes:
         for key in (code.number, code.name):
             other = seen.setdefault(key, code)

@@ -17,6 +17,6 @@ cell_ability.py    one ability's action server
 cell_services.py   feeder, panel, pictures, faults and the truth
 """
 
-from remodel_states.testing.fake_ability import Answer, FakeAbility, serve_all
+from remodel_states.testing.fake_ability import FakeAbility, FakeAnswer, serve_all
 
-__all__ = ["Answer", "FakeAbility", "serve_all"]
+__all__ = ["FakeAbility", "FakeAnswer", "serve_all"]

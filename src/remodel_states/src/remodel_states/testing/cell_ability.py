@@ -18,7 +18,7 @@ from remodel_states.serving.ownership import admitted
 from remodel_states.serving.robot import Robot
 from remodel_states.serving.running_goal import RunningGoal
 from remodel_states.testing.course import Course, CourseOfGoal
-from remodel_states.testing.faults import Behaves, Fault, at_goal
+from remodel_states.testing.faults import Behaves, InjectedFault, at_goal
 from remodel_states.testing.operations import Effect, operation_of, perform
 from remodel_states.testing.panel import result_fields
 from remodel_states.testing.robot_lock import RobotLock
@@ -88,7 +88,7 @@ class CellAbility(AbilityServer):
         """Start to serve, on the ability's usual topic."""
         self._site = site
         self._operation = operation_of(ability.name)
-        self._fault: Fault | None = None
+        self._fault: InjectedFault | None = None
         self._random = Random()
         super().__init__(ability, CellRobot(site))
 

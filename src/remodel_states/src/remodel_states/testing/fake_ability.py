@@ -21,7 +21,7 @@ from remodel_states.serving.running_goal import RunningGoal
 
 
 @dataclass(frozen=True)
-class Answer:
+class FakeAnswer:
     """How a fake ability answers one goal.
 
     Attributes:
@@ -43,21 +43,24 @@ class FakeAbility(AbilityServer):
     """A server that answers one goal after the other at once; the last answer is repeated."""
 
     def __init__(
-        self, ability: str | Ability, answers: Iterable[Answer] = (Answer(),), topic: str = ""
+        self,
+        ability: str | Ability,
+        answers: Iterable[FakeAnswer] = (FakeAnswer(),),
+        topic: str = "",
     ) -> None:
         """Start to serve an ability, on its usual topic unless another is given."""
         self._lock = threading.Lock()
         self.script(*answers)
         super().__init__(ability, topic=topic)
 
-    def script(self, *answers: Answer) -> None:
+    def script(self, *answers: FakeAnswer) -> None:
         """Replace the answers to come and forget the goals that came."""
         with self._lock:
             self._answers = list(answers)
             self.goals: list[Message] = []
             self.cancelled: list[str] = []
 
-    def prepare(self, goal: Message) -> Answer:
+    def prepare(self, goal: Message) -> FakeAnswer:
         """Return the next answer, unless it refuses the goal."""
         with self._lock:
             answer = self._answers.pop(0) if len(self._answers) > 1 else self._answers[0]
@@ -67,7 +70,7 @@ class FakeAbility(AbilityServer):
             raise AbilityError(code, _reason(code))
         return answer
 
-    def start(self, running: RunningGoal, prepared: Answer) -> None:
+    def start(self, running: RunningGoal, prepared: FakeAnswer) -> None:
         """Answer."""
         if not prepared.hang:
             self.finish(running, lambda: self._answer(running, prepared))
@@ -78,7 +81,7 @@ class FakeAbility(AbilityServer):
             self.cancelled.append(running.goal.id)
         self.finish(running, lambda: running.fail(ErrorCode.PREEMPTED, "cancelled", {}))
 
-    def _answer(self, running: RunningGoal, answer: Answer) -> None:
+    def _answer(self, running: RunningGoal, answer: FakeAnswer) -> None:
         code, elapsed = answer.error_code, {"elapsed_time": answer.elapsed_s}
         if code == ErrorCode.NONE:
             running.succeed("done, by a fake", {**self.ability.fake, **elapsed})
@@ -105,7 +108,7 @@ def serve_all(codes: dict[str, list[int]]) -> list[FakeAbility]:
     if unknown:
         raise ValueError(f"no such ability: {', '.join(unknown)}; there are {', '.join(abilities)}")
     fakes = [
-        FakeAbility(row, [Answer(code) for code in codes.get(name, [0])])
+        FakeAbility(row, [FakeAnswer(code) for code in codes.get(name, [0])])
         for name, row in abilities.items()
     ]
     rospy.loginfo("fake abilities serve: %s", ", ".join(abilities))

@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import Any
 
 from remodel_states.edge.exported_tables import read_faults
-from remodel_states.testing.faults import Cure, Fault, fault_from
+from remodel_states.testing.faults import Cure, InjectedFault, fault_from
 
 
 class FaultTable:
@@ -16,7 +16,7 @@ class FaultTable:
         tables = read_faults()
         self._rows, self._codes = tables.faults, tables.numbers
 
-    def fault(self, name: str, cure: str = "", **given: Any) -> Fault:  # noqa: ANN401
+    def fault(self, name: str, cure: str = "", **given: Any) -> InjectedFault:  # noqa: ANN401
         """Return a fault to be caused.
 
         Args:

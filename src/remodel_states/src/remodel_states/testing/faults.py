@@ -19,7 +19,7 @@ from dataclasses import dataclass, replace
 from enum import Enum
 from typing import Any
 
-Faults = tuple["Fault", ...]
+Faults = tuple["InjectedFault", ...]
 
 LOOKING = frozenset({"DetectCable", "LocateGearboxComponent"})
 
@@ -44,7 +44,7 @@ class Cure(Enum):
 
 
 @dataclass(frozen=True)
-class Fault:
+class InjectedFault:
     """One thing that goes wrong.
 
     Attributes:
@@ -94,7 +94,7 @@ class Fault:
             raise ValueError(f"fault {self.name}: retry_with, and no other cure, has a parameter")
 
 
-def fault_from(row: Mapping[str, Any], codes: Mapping[str, int], **given: Any) -> Fault:  # noqa: ANN401
+def fault_from(row: Mapping[str, Any], codes: Mapping[str, int], **given: Any) -> InjectedFault:  # noqa: ANN401
     """Return the fault of a row of faults.yaml, caused as its `cause.interface` describes.
 
     Args:
@@ -107,7 +107,7 @@ def fault_from(row: Mapping[str, Any], codes: Mapping[str, int], **given: Any) -
     if fields.get("cure") is Cure.RETRY_WITH and "parameter" not in fields:
         changes = [c for response in row["responses"] for c in response.get("change", {})]
         fields["parameter"] = changes[0] if changes else ""
-    return Fault(
+    return InjectedFault(
         row["fault"],
         cause["ability"],
         codes[cause["code"]] if "code" in cause else 0,
@@ -117,11 +117,11 @@ def fault_from(row: Mapping[str, Any], codes: Mapping[str, int], **given: Any) -
 
 
 def at_goal(
-    faults: Iterable[Fault],
+    faults: Iterable[InjectedFault],
     ability: str,
     goal: Any,  # noqa: ANN401
     included: tuple[str, ...] = (),
-) -> tuple[Faults, Fault | None]:
+) -> tuple[Faults, InjectedFault | None]:
     """Return the faults after a goal came, and the one that strikes it, if any.
 
     Args:
@@ -141,7 +141,7 @@ def at_goal(
     return tuple(after), striking
 
 
-def when_fed(faults: Iterable[Fault], wire: str) -> Faults:
+def when_fed(faults: Iterable[InjectedFault], wire: str) -> Faults:
     """Return the faults after a new piece of a wire was fed."""
     return tuple(
         replace(fault, is_over=True)
@@ -155,12 +155,12 @@ def when_fed(faults: Iterable[Fault], wire: str) -> Faults:
     )
 
 
-def when_mended(faults: Iterable[Fault]) -> Faults:
+def when_mended(faults: Iterable[InjectedFault]) -> Faults:
     """Return the faults after an operator mended all that had shown."""
     return tuple(replace(fault, is_over=True) if fault.struck else fault for fault in faults)
 
 
-def _cured_by(fault: Fault, ability: str, goal: Any) -> Fault:  # noqa: ANN401
+def _cured_by(fault: InjectedFault, ability: str, goal: Any) -> InjectedFault:  # noqa: ANN401
     is_other_view = ability in LOOKING and getattr(goal, "view", 0) > 0
     looked = fault.cure is Cure.LOOK_AGAIN and is_other_view
     changed = (
@@ -170,12 +170,12 @@ def _cured_by(fault: Fault, ability: str, goal: Any) -> Fault:  # noqa: ANN401
     return replace(fault, is_over=True) if fault.struck and (looked or changed) else fault
 
 
-def _counts(fault: Fault, abilities: tuple[str, ...], goal: Any) -> bool:  # noqa: ANN401
+def _counts(fault: InjectedFault, abilities: tuple[str, ...], goal: Any) -> bool:  # noqa: ANN401
     about = not fault.wire or getattr(goal, "cable_id", "") == fault.wire
     return not fault.is_over and fault.ability in abilities and about
 
 
-def _strike(fault: Fault, victim: str) -> Fault:
+def _strike(fault: InjectedFault, victim: str) -> InjectedFault:
     struck = fault.struck + 1
     passes = fault.cure is Cure.RETRY and struck >= fault.times
     return replace(fault, struck=struck, victim=victim, is_over=passes)

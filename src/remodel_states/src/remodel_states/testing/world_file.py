@@ -16,7 +16,7 @@ from pathlib import Path
 from typing import Any
 
 from remodel_states.edge.write_ahead import write_ahead
-from remodel_states.testing.faults import Behaves, Cure, Fault, Faults
+from remodel_states.testing.faults import Behaves, Cure, Faults, InjectedFault
 from remodel_states.testing.ledger import Deed, Entry
 from remodel_states.testing.world import Hand, Panel, Seat, World
 
@@ -167,11 +167,11 @@ def _world(panel: Panel, world: dict[str, Any]) -> World:
     )
 
 
-def _row(fault: Fault) -> dict[str, Any]:
+def _row(fault: InjectedFault) -> dict[str, Any]:
     behaves = fault.behaves.value if fault.behaves else None
     return {**asdict(fault), "behaves": behaves, "cure": fault.cure.value}
 
 
-def _fault(row: dict[str, Any]) -> Fault:
+def _fault(row: dict[str, Any]) -> InjectedFault:
     behaves = Behaves(row["behaves"]) if row["behaves"] else None
-    return Fault(**{**row, "behaves": behaves, "cure": Cure(row["cure"])})
+    return InjectedFault(**{**row, "behaves": behaves, "cure": Cure(row["cure"])})

@@ -49,7 +49,7 @@ class EventLoop(Protocol):
         """Have something called again and again, each period of wall time [s]."""
 
 
-class End(Enum):
+class EndKind(Enum):
     """How a behavior ended."""
 
     FINISHED = "finished"
@@ -66,7 +66,7 @@ class BehaviorEnd:
         text: the outcome of one that finished; otherwise why.
     """
 
-    end: End
+    end: EndKind
     text: str
 
 

@@ -14,7 +14,7 @@ from remodel_supervision.core.runs.state import FINISHED, PERSON_FIRST, PREEMPTE
 from remodel_supervision.supervisors.ports import (
     Abilities,
     BehaviorEnd,
-    End,
+    EndKind,
     Engine,
     EventLoop,
     server_of,
@@ -328,9 +328,9 @@ class TaskSupervisor:
         self.halted = self._gate.halt
         if end is None or self.halted:
             end = self._halted()
-        if end.end is End.LOST:
+        if end.end is EndKind.LOST:
             raise LostError(end.text)
-        is_stopped = end.end is End.PREEMPTED or (bool(self.halted) and end.text != FINISHED)
+        is_stopped = end.end is EndKind.PREEMPTED or (bool(self.halted) and end.text != FINISHED)
         return PREEMPTED if is_stopped else end.text
 
     def _halted(self) -> BehaviorEnd:

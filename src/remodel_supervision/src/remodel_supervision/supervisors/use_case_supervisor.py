@@ -20,7 +20,7 @@ from remodel_supervision.core.runs.state import RunState, Stage
 from remodel_supervision.core.runs.step import (
     Ask,
     Decide,
-    End,
+    EndRun,
     Execute,
     Plan,
     Settle,
@@ -187,7 +187,7 @@ class UseCaseSupervisor:
     def _do(self, step: Step) -> None:
         self._step = step
         self._describe(description_of(step))
-        if self._gates.is_overdue and not isinstance(step, End):
+        if self._gates.is_overdue and not isinstance(step, EndRun):
             limit = f"the run's time limit of {self.state.timeout_s:g} s has passed"
             self._record.append(Blocked(limit))
             return
@@ -206,7 +206,7 @@ class UseCaseSupervisor:
                 self._judge.ask(step.task)
             case Wait():
                 self._wait()
-            case End():
+            case EndRun():
                 self._record.append_if_next(step, RunEnded(step.ending, step.because))
 
     def _planned(self) -> tuple[str, ...]:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from enum import IntEnum
 
-from flexbe_widget.core.run_watch import End, Ending
+from flexbe_widget.core.run_watch import Ending, RunEnd
 
 # Outcome that, by convention, means that a behavior did not reach its purpose.
 FAILED_OUTCOME = "failed"
@@ -39,13 +39,13 @@ MEANINGS = {
 }
 
 _BY_END = {
-    End.FINISHED: ExitCode.FINISHED,
-    End.PREEMPTED: ExitCode.PREEMPTED,
-    End.FAILED: ExitCode.FAILED,
-    End.REFUSED: ExitCode.REFUSED,
-    End.LATE: ExitCode.REFUSED,
-    End.RESTARTED: ExitCode.ENGINE_LOST,
-    End.LOST: ExitCode.ENGINE_LOST,
+    RunEnd.FINISHED: ExitCode.FINISHED,
+    RunEnd.PREEMPTED: ExitCode.PREEMPTED,
+    RunEnd.FAILED: ExitCode.FAILED,
+    RunEnd.REFUSED: ExitCode.REFUSED,
+    RunEnd.LATE: ExitCode.REFUSED,
+    RunEnd.RESTARTED: ExitCode.ENGINE_LOST,
+    RunEnd.LOST: ExitCode.ENGINE_LOST,
 }
 
 

@@ -35,7 +35,7 @@ ENGINE_LOST_TEXT = "engine lost: "
 SERVER_ENDED_TEXT = "action server ended: "
 
 
-class End(Enum):
+class RunEnd(Enum):
     """How a run ended."""
 
     FINISHED = "finished"
@@ -51,7 +51,7 @@ class End(Enum):
 class Ending:
     """How a run ended, and with what outcome if it has one."""
 
-    end: End
+    end: RunEnd
     outcome: str = ""
 
 
@@ -71,7 +71,7 @@ class RunWatch:
     def on_status(self, code: int, behavior_id: int, args: tuple[str, ...]) -> Ending | None:
         """Return how the run ended, if a status says so."""
         if code == StatusCode.READY:
-            return Ending(End.RESTARTED)
+            return Ending(RunEnd.RESTARTED)
         if self._is_switching and code == StatusCode.STARTED:
             self._behavior_id, self._is_switching = behavior_id, False
         if not self.concerns(behavior_id):
@@ -81,12 +81,12 @@ class RunWatch:
         elif code == StatusCode.SWITCHING:
             self._is_switching = True
         elif code == StatusCode.ERROR and not self.is_running:
-            return Ending(End.REFUSED)
+            return Ending(RunEnd.REFUSED)
         elif self.is_running and code == StatusCode.FAILED:
-            return Ending(End.FAILED)
+            return Ending(RunEnd.FAILED)
         elif self.is_running and code == StatusCode.FINISHED:
             outcome = args[0] if args else ""
-            return Ending(End.PREEMPTED if outcome == PREEMPTED else End.FINISHED, outcome)
+            return Ending(RunEnd.PREEMPTED if outcome == PREEMPTED else RunEnd.FINISHED, outcome)
         return None
 
     def on_time(self, waited_s: float, silent_s: float) -> Ending | None:
@@ -97,9 +97,9 @@ class RunWatch:
             silent_s: [s] since the last message of the engine.
         """
         if silent_s > SILENCE_S:
-            return Ending(End.LOST)
+            return Ending(RunEnd.LOST)
         is_late = not self.is_running and waited_s > START_LIMIT_S
-        return Ending(End.LATE) if is_late else None
+        return Ending(RunEnd.LATE) if is_late else None
 
     def concerns(self, behavior_id: int) -> bool:
         """Return whether a status with this checksum is about this run."""

@@ -47,8 +47,8 @@ from flexbe_widget.core.run_watch import (
     SERVER_ENDED_TEXT,
     SILENCE_S,
     START_LIMIT_S,
-    End,
     Ending,
+    RunEnd,
     RunWatch,
     is_busy,
 )
@@ -73,13 +73,13 @@ class Act(Enum):
 
 
 _ENDS = {
-    End.FINISHED: (Act.SUCCEED, ""),
-    End.PREEMPTED: (Act.CANCEL, "{name!r} was stopped"),
-    End.FAILED: (Act.ABORT, FAILED_TEXT + "{name!r}: {why}"),
-    End.REFUSED: (Act.ABORT, NOT_STARTED_TEXT + "{name!r}: {why}"),
-    End.LATE: (Act.ABORT, NOT_STARTED_TEXT + f"{{name!r}} within {START_LIMIT_S:g} s"),
-    End.RESTARTED: (Act.ABORT, ENGINE_LOST_TEXT + "it was restarted during {name!r}"),
-    End.LOST: (Act.ABORT, ENGINE_LOST_TEXT + f"it has been silent for {SILENCE_S:g} s"),
+    RunEnd.FINISHED: (Act.SUCCEED, ""),
+    RunEnd.PREEMPTED: (Act.CANCEL, "{name!r} was stopped"),
+    RunEnd.FAILED: (Act.ABORT, FAILED_TEXT + "{name!r}: {why}"),
+    RunEnd.REFUSED: (Act.ABORT, NOT_STARTED_TEXT + "{name!r}: {why}"),
+    RunEnd.LATE: (Act.ABORT, NOT_STARTED_TEXT + f"{{name!r}} within {START_LIMIT_S:g} s"),
+    RunEnd.RESTARTED: (Act.ABORT, ENGINE_LOST_TEXT + "it was restarted during {name!r}"),
+    RunEnd.LOST: (Act.ABORT, ENGINE_LOST_TEXT + f"it has been silent for {SILENCE_S:g} s"),
 }
 
 
@@ -199,7 +199,7 @@ class BehaviorActionServer:
             handle.set_canceled(BehaviorExecutionResult(), "cancelled before it was started")
         elif run is not None and handle == run.handle:
             if run.watch is None:
-                self._end(run, Ending(End.PREEMPTED, PREEMPTED))
+                self._end(run, Ending(RunEnd.PREEMPTED, PREEMPTED))
             else:
                 self._stop(run)
 
@@ -252,9 +252,9 @@ class BehaviorActionServer:
         """End the goal, if its run has ended."""
         if ending is None:
             return
-        if ending.end in (End.LATE, End.LOST):
+        if ending.end in (RunEnd.LATE, RunEnd.LOST):
             self._link.preempt()
-        if ending.end is End.LOST:
+        if ending.end is RunEnd.LOST:
             self._given_up = run.watch
         act, text = _ENDS[ending.end]
         why = self._link.why() if "{why}" in text else ""

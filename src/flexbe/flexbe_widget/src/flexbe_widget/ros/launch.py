@@ -9,7 +9,7 @@ import time
 from flexbe_msgs.msg import BehaviorLog, BehaviorSelection
 
 from flexbe_widget.core.exit_code import ExitCode, exit_code
-from flexbe_widget.core.run_watch import START_LIMIT_S, End, Ending, RunWatch, is_busy
+from flexbe_widget.core.run_watch import START_LIMIT_S, Ending, RunEnd, RunWatch, is_busy
 from flexbe_widget.ros.engine_link import EngineLink, Entered, Logged, Status
 
 # [s] Wall time between two checks of the heartbeat.
@@ -49,7 +49,7 @@ class Launch:
             return ExitCode.NO_ENGINE
         watch = RunWatch(request.behavior_checksum)
         ending = self._follow(watch, self._link.start(request))
-        if ending.end in (End.FAILED, End.REFUSED):
+        if ending.end in (RunEnd.FAILED, RunEnd.REFUSED):
             self._link.why()
         self._print_late_log()
         say(self._end_text(ending))
@@ -103,7 +103,7 @@ class Launch:
                 self._print_log(event)
             else:
                 ending = watch.on_time(time.monotonic() - asked, self._link.silent_s())
-        if ending.end is End.LATE:
+        if ending.end is RunEnd.LATE:
             self._link.preempt()
         return ending
 
@@ -127,13 +127,13 @@ class Launch:
 
     def _end_text(self, ending: Ending) -> str:
         text = {
-            End.FINISHED: f"ended with outcome '{ending.outcome}'",
-            End.PREEMPTED: "was stopped",
-            End.FAILED: "failed",
-            End.REFUSED: "was not started",
-            End.LATE: f"has not started after {START_LIMIT_S:g} s, and is cancelled",
-            End.RESTARTED: "is lost: the engine was restarted",
-            End.LOST: "is lost: the engine is silent",
+            RunEnd.FINISHED: f"ended with outcome '{ending.outcome}'",
+            RunEnd.PREEMPTED: "was stopped",
+            RunEnd.FAILED: "failed",
+            RunEnd.REFUSED: "was not started",
+            RunEnd.LATE: f"has not started after {START_LIMIT_S:g} s, and is cancelled",
+            RunEnd.RESTARTED: "is lost: the engine was restarted",
+            RunEnd.LOST: "is lost: the engine is silent",
         }[ending.end]
         return f"'{self._name}' {text}"
 

@@ -54,9 +54,9 @@ from flexbe_synthesizer.core.chart.model import (
 )
 from flexbe_synthesizer.core.chart.problem import (
     ChartError,
-    Code,
     Position,
     Problem,
+    ProblemKind,
     errors_in,
 )
 from flexbe_synthesizer.core.chart.xml_reader import as_utf8, read_root
@@ -136,7 +136,7 @@ class _ChartReader:
         if root.tag == "statemachine":
             return self.chart(root)
         message = f"found {shown(root)}; a chart's outermost element is <statemachine>."
-        self._elements.report(self._tree.place(root), Code.UNKNOWN_ELEMENT, message)
+        self._elements.report(self._tree.place(root), ProblemKind.UNKNOWN_ELEMENT, message)
         return None
 
     def chart(self, root: Element) -> Chart:
@@ -193,16 +193,18 @@ class _ChartReader:
             for other in others:
                 message = f"a second <{other.tag}>; put what is in it into the one of line "
                 message += f"{self._tree.place(first).line}."
-                self._elements.report(self._tree.place(other), Code.DUPLICATE_ELEMENT, message)
+                self._elements.report(
+                    self._tree.place(other), ProblemKind.DUPLICATE_ELEMENT, message
+                )
         if not models:
             message = f"no <datamodel>; {what} needs one, with its outcomes."
-            self._elements.report(self._tree.place(element), Code.MISSING_ELEMENT, message)
+            self._elements.report(self._tree.place(element), ProblemKind.MISSING_ELEMENT, message)
         elif not any(_has_outcome(model) for model in models):
             message = f'no <outcome name="..."/>; {what} ends in at least one.'
-            self._elements.report(self._tree.place(models[0]), Code.MISSING_ELEMENT, message)
+            self._elements.report(self._tree.place(models[0]), ProblemKind.MISSING_ELEMENT, message)
         if not nodes:
             message = f"neither a <state> nor a <behavior>; {what} needs at least one."
-            self._elements.report(self._tree.place(element), Code.MISSING_ELEMENT, message)
+            self._elements.report(self._tree.place(element), ProblemKind.MISSING_ELEMENT, message)
 
     def _outcome(self, element: Element) -> Outcome:
         given, _extensions = self._elements.leaf(element, OUTCOME)
@@ -279,7 +281,7 @@ class _ChartReader:
         all_of = tuple(map(self._when, fields.children("ext:when")))
         if not all_of:
             message = "no <ext:when>; a condition needs at least one state and its event."
-            self._elements.report(self._tree.place(element), Code.MISSING_ELEMENT, message)
+            self._elements.report(self._tree.place(element), ProblemKind.MISSING_ELEMENT, message)
         return Condition(fields.text("outcome"), all_of, source=(self._tree, element))
 
     def _when(self, element: Element) -> When:
@@ -343,7 +345,7 @@ class _ChartReader:
         if self._depth == DEEPEST:
             message = f"more than {DEEPEST} containers inside each other; make an inner one a "
             message += "chart of its own, and name its file in a <behavior>."
-            self._elements.report(self._tree.place(element), Code.NESTED_TOO_DEEPLY, message)
+            self._elements.report(self._tree.place(element), ProblemKind.NESTED_TOO_DEEPLY, message)
 
         source = (_IdForName(self._tree), element)
         self._depth += 1
@@ -371,7 +373,9 @@ class _ChartReader:
             return convert(text)
         except ValueError:
             message = f"{name}='{text}' is not allowed; give {allowed}."
-            self._elements.report(self._tree.place(element, name), Code.INVALID_VALUE, message)
+            self._elements.report(
+                self._tree.place(element, name), ProblemKind.INVALID_VALUE, message
+            )
             return instead
 
 

@@ -12,7 +12,7 @@ from xml.etree.ElementTree import Element
 
 from flexbe_synthesizer.core.chart import names
 from flexbe_synthesizer.core.chart.grammar import EXTENSION, Shape, homes
-from flexbe_synthesizer.core.chart.problem import Code, Position, Problem, ProblemList
+from flexbe_synthesizer.core.chart.problem import Position, Problem, ProblemKind, ProblemList
 from flexbe_synthesizer.core.chart.xml_tree import XmlTree
 
 _SCHEMA_INSTANCE = "http://www.w3.org/2001/XMLSchema-instance"  # an editor's pointer to a schema
@@ -53,7 +53,7 @@ class ElementReader:
         self._tree = tree
         self.problems = ProblemList(expect_time)
 
-    def report(self, position: Position, code: Code, message: str) -> None:
+    def report(self, position: Position, code: ProblemKind, message: str) -> None:
         """Take a problem."""
         self.take(Problem(position, code, message))
 
@@ -105,7 +105,7 @@ class ElementReader:
             message = (
                 f"text inside <{tag_name(element)}>; a chart holds elements and comments only."
             )
-            self.report(place, Code.UNEXPECTED_TEXT, message)
+            self.report(place, ProblemKind.UNEXPECTED_TEXT, message)
         parts: dict[str, list[Element]] = {}
         for child in element:
             tag = child.tag
@@ -132,7 +132,9 @@ class ElementReader:
                 plain[name] = value
                 if value == "" and name not in _MAY_BE_EMPTY:
                     message = f"{name} of <{tag_name(element)}> is empty; give it a value."
-                    self.report(self._tree.place(element, name), Code.MISSING_ATTRIBUTE, message)
+                    self.report(
+                        self._tree.place(element, name), ProblemKind.MISSING_ATTRIBUTE, message
+                    )
             elif namespace == EXTENSION and name in shape.extensions:
                 extensions[name] = value
             elif namespace != _SCHEMA_INSTANCE:
@@ -143,7 +145,7 @@ class ElementReader:
                 message = f"<{tag_name(element)}> has no attribute {name}; it needs " + ", ".join(
                     shape.required
                 )
-                self.report(self._tree.place(element), Code.MISSING_ATTRIBUTE, message + ".")
+                self.report(self._tree.place(element), ProblemKind.MISSING_ATTRIBUTE, message + ".")
         return plain, extensions
 
     def _report_attributes(
@@ -160,12 +162,12 @@ class ElementReader:
             message = (
                 f"<{tag_name(element)}> has {more} more attributes that are unknown; delete them."
             )
-            self.report(self._tree.place(element), Code.UNKNOWN_ATTRIBUTE, message)
+            self.report(self._tree.place(element), ProblemKind.UNKNOWN_ATTRIBUTE, message)
 
     def _report_extension(self, element: Element, found: str, shape: Shape) -> None:
         has = ", ".join(f"ext:{name}" for name in shape.extensions) or "none"
         message = f"ext:{found} is no extension of <{tag_name(element)}>; it has: {has}."
-        self.report(self._tree.place(element, found), Code.UNKNOWN_EXTENSION, message)
+        self.report(self._tree.place(element, found), ProblemKind.UNKNOWN_EXTENSION, message)
 
     def _report_attribute(self, element: Element, found: str, shape: Shape) -> None:
         if found in shape.extensions:
@@ -173,7 +175,7 @@ class ElementReader:
         else:
             hint = names.allowed(found, shape.attributes)
         message = f"<{tag_name(element)}> has no attribute '{found}'; {hint}"
-        self.report(self._tree.place(element, found), Code.UNKNOWN_ATTRIBUTE, message)
+        self.report(self._tree.place(element, found), ProblemKind.UNKNOWN_ATTRIBUTE, message)
 
     def _report_child(self, child: Element, element: Element, shape: Shape) -> None:
         """Report a child element that the shape does not have."""
@@ -184,18 +186,18 @@ class ElementReader:
         if places:
             message = f"<{tag}> does not belong in <{tag_name(element)}>, but in "
             message += " or ".join(f"<{home}>" for home in places) + "."
-            self.report(position, Code.MISPLACED_ELEMENT, message)
+            self.report(position, ProblemKind.MISPLACED_ELEMENT, message)
         elif namespace == EXTENSION:
             hint = names.allowed(tag, (name for name in shape.children if name.startswith("ext:")))
             message = f"the extension has no element <{tag}> in <{tag_name(element)}>; {hint}"
-            self.report(position, Code.UNKNOWN_EXTENSION, message)
+            self.report(position, ProblemKind.UNKNOWN_EXTENSION, message)
         elif namespace:
             message = f"{shown(child)}; the elements of a chart have no namespace: drop the xmlns."
-            self.report(position, Code.UNKNOWN_ELEMENT, message)
+            self.report(position, ProblemKind.UNKNOWN_ELEMENT, message)
         else:
             hint = names.allowed(name, shape.children)
             message = f"<{name}> in <{tag_name(element)}> is unknown; {hint}"
-            self.report(position, Code.UNKNOWN_ELEMENT, message)
+            self.report(position, ProblemKind.UNKNOWN_ELEMENT, message)
 
 
 def shown(element: Element) -> str:

@@ -1,6 +1,7 @@
 """What can be wrong with a chart, and where it is.
 
-`Code` is the one list of all errors and warnings; the README's table is compared with it by a test.
+`ProblemKind` is the one list of all errors and warnings; a test compares the README's table with
+it.
 """
 
 from __future__ import annotations
@@ -26,7 +27,7 @@ class Severity(Enum):
     WARNING = "warning"
 
 
-class Code(Enum):
+class ProblemKind(Enum):
     """Kinds of problems: the name shown, what it means, how grave it is."""
 
     NOT_XML = ("not-xml", "the file is not well-formed XML")
@@ -117,7 +118,7 @@ class Problem:
     """One thing wrong at one place: what was found, what is allowed, how to mend it."""
 
     position: Position
-    code: Code
+    code: ProblemKind
     message: str
 
     def __str__(self) -> str:

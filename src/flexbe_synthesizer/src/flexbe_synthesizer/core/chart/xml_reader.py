@@ -15,7 +15,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass, field
 from xml.parsers import expat
 
-from flexbe_synthesizer.core.chart.problem import ChartError, Code, Position, Problem
+from flexbe_synthesizer.core.chart.problem import ChartError, Position, Problem, ProblemKind
 
 XML_NAMESPACE = "http://www.w3.org/XML/1998/namespace"
 _MOST_DUPLICATES = 100  # each costs a pass over the file; this many are enough to begin with
@@ -158,7 +158,9 @@ def decoded(source: bytes, file: str) -> str:
         column = len(before[before.rfind(b"\n") + 1 :].decode(encoding, "replace")) + 1
         expected = encoding.removesuffix("-sig")
         message = f"byte {source[error.start]:#04x} is not {expected}; save the file as UTF-8."
-        raise ChartError([Problem(Position(file, line, column), Code.NOT_XML, message)]) from error
+        raise ChartError(
+            [Problem(Position(file, line, column), ProblemKind.NOT_XML, message)]
+        ) from error
 
 
 def encoded(text: str, file: str, like: bytes) -> bytes:
@@ -195,7 +197,7 @@ def _encoding(data: bytes, file: str) -> str:
     name = declared[1].decode().lower()
     if name not in _ENCODINGS:
         message = f"the file says that it is in {name!r}, which is not read here; save it as UTF-8."
-        raise ChartError([Problem(Position(file, 1, 1), Code.NOT_XML, message)])
+        raise ChartError([Problem(Position(file, 1, 1), ProblemKind.NOT_XML, message)])
     return name
 
 
@@ -205,7 +207,7 @@ def _without_nul(text: str, file: str) -> bytes:
     if nul:
         line, column = before.count("\n") + 1, len(before) - before.rfind("\n")
         message = "a NUL character, which no XML file holds; save the file as UTF-8."
-        raise ChartError([Problem(Position(file, line, column), Code.NOT_XML, message)])
+        raise ChartError([Problem(Position(file, line, column), ProblemKind.NOT_XML, message)])
     return text.encode("utf-8", "surrogatepass")
 
 
@@ -287,7 +289,7 @@ class _Reading:
                 f"the prefix '{prefix}' is not declared; write "
                 f'xmlns:{prefix}="..." in the root element.'
             )
-            self._problems.append(Problem(position, Code.UNBOUND_PREFIX, message))
+            self._problems.append(Problem(position, ProblemKind.UNBOUND_PREFIX, message))
         return namespace
 
     def _namespace(self, prefix: str) -> str | None:
@@ -317,7 +319,7 @@ class _Reading:
             self._namespaces[declared].pop()
         if namespace is None and prefix:
             message = f"the prefix '{prefix}' of <{done.name}> is not declared."
-            self._problems.append(Problem(done.position, Code.UNBOUND_PREFIX, message))
+            self._problems.append(Problem(done.position, ProblemKind.UNBOUND_PREFIX, message))
         element = XmlElement(
             namespace or "",
             local,
@@ -342,7 +344,9 @@ class _Reading:
         start = self._data.rfind(b"<!DOCTYPE", 0, self._parser.CurrentByteIndex + 1)
         before = self._data[: max(start, 0)].decode()
         line, column = before.count("\n") + 1, len(before) - before.rfind("\n")
-        raise ChartError([Problem(Position(self._file, line, column), Code.DOCTYPE, message)])
+        raise ChartError(
+            [Problem(Position(self._file, line, column), ProblemKind.DOCTYPE, message)]
+        )
 
     def _explain(self, error: expat.ExpatError) -> Exception:
         """Return what to raise for a fault that expat found."""
@@ -355,7 +359,7 @@ class _Reading:
                 message = f"the attribute '{name}' stands twice in this element; delete one."
                 blanked = re.sub(rb"[^\r\n]", b" ", found[0])
                 mended = self._data[:at] + blanked + self._data[found.end() :]
-                problem = Problem(position, Code.DUPLICATE_ATTRIBUTE, message)
+                problem = Problem(position, ProblemKind.DUPLICATE_ATTRIBUTE, message)
                 return _DuplicateAttributeError(problem, mended)
         message = f"not well-formed XML: {expat.ErrorString(error.code)}."
         if not self._data.strip():
@@ -363,4 +367,4 @@ class _Reading:
         elif self._open:
             innermost = self._open[-1]
             message += f" <{innermost.name}> of line {innermost.position.line} is open here."
-        return ChartError([Problem(position, Code.NOT_XML, message)])
+        return ChartError([Problem(position, ProblemKind.NOT_XML, message)])

@@ -18,7 +18,7 @@ from collections.abc import Iterator, Mapping
 
 from flexbe_synthesizer.core.chart import names
 from flexbe_synthesizer.core.chart.model import When
-from flexbe_synthesizer.core.chart.problem import Code, Problem
+from flexbe_synthesizer.core.chart.problem import Problem, ProblemKind
 from flexbe_synthesizer.core.library.resolve import ResolvedChart
 from flexbe_synthesizer.core.library.use import label
 
@@ -41,19 +41,19 @@ def _check_names(resolved: ResolvedChart) -> Iterator[Problem]:
         if condition.outcome and condition.outcome not in outcomes:
             hint = names.allowed(condition.outcome, names.Vocabulary(outcomes))
             message = f"{resolved.title} has no outcome '{condition.outcome}'; {hint}"
-            yield Problem(condition.position("outcome"), Code.UNKNOWN_TARGET, message)
+            yield Problem(condition.position("outcome"), ProblemKind.UNKNOWN_TARGET, message)
         waited: set[str] = set()
         for when in condition.all_of:
             yield from _check_when(when, resolved)
             other = first.setdefault((when.state, when.event), when)
             if when.state in waited:
                 message = f"'{when.state}' cannot end twice; put its events into two conditions."
-                yield Problem(when.position(), Code.DUPLICATE_TRANSITION, message)
+                yield Problem(when.position(), ProblemKind.DUPLICATE_TRANSITION, message)
             elif other is not when:
                 line = other.position().line
                 message = f"'{when.event}' of '{when.state}' stands in a condition in line {line} "
                 message += "already, and the FlexBE App reads each event once; delete one."
-                yield Problem(when.position(), Code.DUPLICATE_TRANSITION, message)
+                yield Problem(when.position(), ProblemKind.DUPLICATE_TRANSITION, message)
             waited.add(when.state)
 
 
@@ -63,12 +63,12 @@ def _check_when(when: When, resolved: ResolvedChart) -> Iterator[Problem]:
     if when.state and entry is None:
         hint = names.allowed(when.state, resolved.ids)
         message = f"'{when.state}' is no state in {resolved.title}; {hint}"
-        yield Problem(when.position("state"), Code.UNKNOWN_STATE, message)
+        yield Problem(when.position("state"), ProblemKind.UNKNOWN_STATE, message)
     events = entry.use.events if entry else None
     if entry and events is not None and when.event and when.event not in events:
         hint = names.allowed(when.event, events)
         message = f"{label(entry.node)} has no outcome '{when.event}'; {hint}"
-        yield Problem(when.position("event"), Code.UNKNOWN_EVENT, message)
+        yield Problem(when.position("event"), ProblemKind.UNKNOWN_EVENT, message)
 
 
 def _check_events(resolved: ResolvedChart) -> Iterator[Problem]:
@@ -83,7 +83,7 @@ def _check_events(resolved: ResolvedChart) -> Iterator[Problem]:
             if event not in waited[name] and event not in meant:
                 message = f"no condition waits for '{event}' of {label(entry.node)}; add "
                 message += f'<ext:when state="{name}" event="{event}"/> to an <ext:condition>.'
-                yield Problem(entry.node.position(), Code.MISSING_TRANSITION, message)
+                yield Problem(entry.node.position(), ProblemKind.MISSING_TRANSITION, message)
 
 
 def _check_end(resolved: ResolvedChart) -> Iterator[Problem]:
@@ -93,7 +93,7 @@ def _check_end(resolved: ResolvedChart) -> Iterator[Problem]:
         choice = ", ".join(f"{state} -{event}" for state, event in stuck.items())
         message = f"when the states end with {choice}, no condition of {resolved.title} holds, and "
         message += "it waits forever; give one of these events a condition of its own."
-        yield Problem(resolved.chart.position("name"), Code.ENDLESS_CONTAINER, message)
+        yield Problem(resolved.chart.position("name"), ProblemKind.ENDLESS_CONTAINER, message)
 
 
 def _endless_choice(resolved: ResolvedChart) -> Mapping[str, str]:

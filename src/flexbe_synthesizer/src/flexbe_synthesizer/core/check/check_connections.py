@@ -7,7 +7,7 @@ from functools import cached_property
 
 from flexbe_synthesizer.core.chart import names
 from flexbe_synthesizer.core.chart.model import Connection, Input, Output
-from flexbe_synthesizer.core.chart.problem import Code, Position, Problem
+from flexbe_synthesizer.core.chart.problem import Position, Problem, ProblemKind
 from flexbe_synthesizer.core.library.data_flow import DataFlow, Wiring
 from flexbe_synthesizer.core.library.resolve import ResolvedChart, ResolvedNode
 from flexbe_synthesizer.core.library.signature import Port, fits
@@ -59,7 +59,7 @@ def _check_ends(connection: Connection, resolved: ResolvedChart) -> Iterator[Pro
             f"FlexBE cannot copy input '{connection.output}' of {resolved.title} to its output "
         )
         message += f"'{connection.input}'; give both one name, or put a state between that copies."
-        yield Problem(connection.position("input"), Code.UNKNOWN_INPUT, message)
+        yield Problem(connection.position("input"), ProblemKind.UNKNOWN_INPUT, message)
         return
     if giver == chart.name:
         known = [port.name for port in chart.inputs]
@@ -85,7 +85,7 @@ def _check_end(
     """Yield a problem if the input or output that a connection names is not known."""
     name = connection.output if attribute == "output" else connection.input
     if name and name not in known:
-        code = Code.UNKNOWN_OUTPUT if attribute == "output" else Code.UNKNOWN_INPUT
+        code = ProblemKind.UNKNOWN_OUTPUT if attribute == "output" else ProblemKind.UNKNOWN_INPUT
         message = f"{lack} '{name}'; {names.allowed(name, known)}"
         yield Problem(connection.position(attribute), code, message)
 
@@ -96,7 +96,7 @@ def _check_state(
     if name and name not in resolved.by_id:
         hint = names.allowed(name, resolved.connectable)
         message = f"'{name}' is neither a state, a behavior nor {resolved.title}; {hint}"
-        yield Problem(connection.position(attribute), Code.UNKNOWN_STATE, message)
+        yield Problem(connection.position(attribute), ProblemKind.UNKNOWN_STATE, message)
 
 
 def _check_duplicates(resolved: ResolvedChart) -> Iterator[Problem]:
@@ -110,7 +110,7 @@ def _check_duplicates(resolved: ResolvedChart) -> Iterator[Problem]:
             if first is not connection:
                 message = f"input '{name}' of '{taker}' is fed in line {first.position().line} "
                 message += "already; a value has one home. Delete one connection."
-                yield Problem(connection.position(), Code.DUPLICATE_CONNECTION, message)
+                yield Problem(connection.position(), ProblemKind.DUPLICATE_CONNECTION, message)
         elif name:
             source = (connection.output_state_id, connection.output)
             first = homes.setdefault(source, connection)
@@ -118,7 +118,7 @@ def _check_duplicates(resolved: ResolvedChart) -> Iterator[Problem]:
                 message = f"output '{source[1]}' of '{source[0]}' feeds the output "
                 message += f"'{first.input}' of {resolved.title} in line {first.position().line} "
                 message += "already, and a value has one home; delete one connection."
-                yield Problem(connection.position(), Code.CONFLICTING_OUTPUT, message)
+                yield Problem(connection.position(), ProblemKind.CONFLICTING_OUTPUT, message)
 
 
 def _check_inputs(resolved: ResolvedChart, flow: DataFlow) -> Iterator[Problem]:
@@ -192,7 +192,7 @@ def _unbound(entry: ResolvedNode, port: Port, givers: _Givers) -> Problem:
         message += f'input_state_id="{entry.node.id}" input="{port.name}"/>, or '
     message += f'add <input name="{port.name}"/> to the <datamodel>'
     message += ", or a <connection> from an output of another state." if source is None else "."
-    return Problem(_place(None, entry, port), Code.UNBOUND_INPUT, message)
+    return Problem(_place(None, entry, port), ProblemKind.UNBOUND_INPUT, message)
 
 
 def _check_flow(
@@ -205,7 +205,7 @@ def _check_flow(
     """Yield a problem if the two ends of a flow have different types."""
     if not fits(given.type or None, wanted.type or None):
         message = f"{source} is {given.type}, {target} is {wanted.type}; connect equal types."
-        yield Problem(position, Code.TYPE_CONFLICT, message)
+        yield Problem(position, ProblemKind.TYPE_CONFLICT, message)
 
 
 def _check_outputs(resolved: ResolvedChart, flow: DataFlow) -> Iterator[Problem]:
@@ -228,7 +228,7 @@ def _check_outputs(resolved: ResolvedChart, flow: DataFlow) -> Iterator[Problem]
             )
             message += 'of that name. Add <connection output_state_id="..." output="..." '
             message += f'input_state_id="{resolved.chart.name}" input="{output.name}"/>.'
-            yield Problem(output.position(), Code.UNFED_OUTPUT, message)
+            yield Problem(output.position(), ProblemKind.UNFED_OUTPUT, message)
         yield from _check_feeds(output, feeding[output.name], resolved, wiring)
     yield from _check_pass_through(resolved)
     yield from _check_fed_by_name(resolved, flow)
@@ -238,7 +238,7 @@ def _check_outputs(resolved: ResolvedChart, flow: DataFlow) -> Iterator[Problem]
             message = f"'{name}' of '{node}' is read and written in one place, "
             message += f"'{home}', and cannot feed output '{connection.input}' too; "
             message += "put a state between that copies it."
-            yield Problem(connection.position(), Code.CONFLICTING_OUTPUT, message)
+            yield Problem(connection.position(), ProblemKind.CONFLICTING_OUTPUT, message)
 
 
 def _check_fed_by_name(resolved: ResolvedChart, flow: DataFlow) -> Iterator[Problem]:
@@ -262,7 +262,7 @@ def _check_fed_by_name(resolved: ResolvedChart, flow: DataFlow) -> Iterator[Prob
             message += f"feed output '{name}' of {resolved.title}, which all outputs of its name "
             message += "feed. Connect those that are to feed it, or rename one of the two."
             position = (connection or entry.node).position()
-            yield Problem(position, Code.CONFLICTING_OUTPUT, message)
+            yield Problem(position, ProblemKind.CONFLICTING_OUTPUT, message)
 
 
 def _check_feeds(

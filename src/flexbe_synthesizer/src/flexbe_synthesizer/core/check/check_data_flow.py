@@ -11,7 +11,7 @@ from itertools import islice
 from typing import NamedTuple
 
 from flexbe_synthesizer.core.chart.model import Connection
-from flexbe_synthesizer.core.chart.problem import Code, Problem
+from flexbe_synthesizer.core.chart.problem import Problem, ProblemKind
 from flexbe_synthesizer.core.library.data_flow import DataFlow
 from flexbe_synthesizer.core.library.definite_assignment import Values
 from flexbe_synthesizer.core.library.graph import Edge, path_text, shortest_path
@@ -75,7 +75,7 @@ def _check_simultaneous(resolved: ResolvedChart, flow: DataFlow) -> Iterator[Pro
             message += f"'{connection.output_state_id}', which runs at the same time and may not "
             message += f"have written it: {node} starts with the container. Move one of them out "
             message += f"of the container '{resolved.chart.name}'."
-            yield Problem(connection.position(), Code.READ_BEFORE_WRITE, message)
+            yield Problem(connection.position(), ProblemKind.READ_BEFORE_WRITE, message)
 
 
 class _Read(NamedTuple):
@@ -108,7 +108,7 @@ def _missing(read: _Read, values: Values, is_path_shown: bool) -> Problem:
         message += f"'{silent.source}' does not {how} it when it ends with '{silent.event}'. "
     message += f"Route that path through {writers}, or feed the input from elsewhere."
     position = (read.connection or read.entry.node).position()
-    return Problem(position, Code.READ_BEFORE_WRITE, message)
+    return Problem(position, ProblemKind.READ_BEFORE_WRITE, message)
 
 
 def _unwritten_path(reader: str, home: str, values: Values) -> tuple[Edge, ...]:
@@ -140,7 +140,7 @@ def _overwritten(
     message = f"{read} is to come from '{connection.output_state_id}', but '{other}' writes the "
     message += f"same value, '{read.home}', on the way: {path_text(path)}. Let them feed different "
     message += "outputs of the chart."
-    return Problem(connection.position(), Code.OVERWRITTEN_VALUE, message)
+    return Problem(connection.position(), ProblemKind.OVERWRITTEN_VALUE, message)
 
 
 def _overwriting_path(read: _Read, other: str, values: Values) -> tuple[Edge, ...]:

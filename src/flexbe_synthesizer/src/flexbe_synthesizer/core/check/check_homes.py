@@ -11,7 +11,7 @@ from collections.abc import Iterator
 
 from flexbe_synthesizer.core.chart.model import State
 from flexbe_synthesizer.core.chart.names import ERROR_CODE
-from flexbe_synthesizer.core.chart.problem import Code, Problem
+from flexbe_synthesizer.core.chart.problem import Problem, ProblemKind
 from flexbe_synthesizer.core.library.data_flow import DataFlow
 from flexbe_synthesizer.core.library.resolve import ResolvedChart
 from flexbe_synthesizer.core.library.use import label
@@ -38,7 +38,7 @@ def _check_reads(resolved: ResolvedChart, flow: DataFlow) -> Iterator[Problem]:
         if other is not None:
             message = f"{read} is to come from '{output}' of '{giver}', whose output '{other}' is "
             message += f"the same value, '{home}'. Let them feed different outputs of the chart."
-            yield Problem(connection.position(), Code.OVERWRITTEN_VALUE, message)
+            yield Problem(connection.position(), ProblemKind.OVERWRITTEN_VALUE, message)
 
 
 def _check_containers(resolved: ResolvedChart, flow: DataFlow) -> Iterator[Problem]:
@@ -55,7 +55,7 @@ def _check_containers(resolved: ResolvedChart, flow: DataFlow) -> Iterator[Probl
                 message += "read. Let the output feed another output of the chart."
                 connection = flow.wiring.into_state.get((name, key))
                 place = (connection or entry.node).position()
-                yield Problem(place, Code.OVERWRITTEN_VALUE, message)
+                yield Problem(place, ProblemKind.OVERWRITTEN_VALUE, message)
 
 
 def _check_routes(resolved: ResolvedChart, flow: DataFlow) -> Iterator[Problem]:
@@ -68,7 +68,9 @@ def _check_routes(resolved: ResolvedChart, flow: DataFlow) -> Iterator[Problem]:
                 message += f"output '{other}' is the same value, "
                 message += f"'{flow.outputs[name][ERROR_CODE]}'. Let them feed different outputs "
                 message += "of the chart."
-                yield Problem(entry.node.position("on_error"), Code.OVERWRITTEN_VALUE, message)
+                yield Problem(
+                    entry.node.position("on_error"), ProblemKind.OVERWRITTEN_VALUE, message
+                )
 
 
 def _check_races(resolved: ResolvedChart, flow: DataFlow) -> Iterator[Problem]:
@@ -88,7 +90,7 @@ def _check_races(resolved: ResolvedChart, flow: DataFlow) -> Iterator[Problem]:
                 message += f"or after. Let '{others[0]}' feed an output of another name."
                 connection = flow.wiring.into_state.get((taker, name))
                 yield Problem(
-                    (connection or entry.node).position(), Code.OVERWRITTEN_VALUE, message
+                    (connection or entry.node).position(), ProblemKind.OVERWRITTEN_VALUE, message
                 )
 
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from flexbe_synthesizer.core.chart.names import EXHAUSTED
-from flexbe_synthesizer.core.chart.problem import Code, Problem
+from flexbe_synthesizer.core.chart.problem import Problem, ProblemKind
 from flexbe_synthesizer.core.library.graph import Graph, path_text, shortest_path
 from flexbe_synthesizer.core.library.resolve import ResolvedChart
 
@@ -40,4 +40,4 @@ def check_loops(resolved: ResolvedChart, graph: Graph) -> Iterator[Problem]:
             )
         else:
             message += "Give one of its states ext:attempts."
-        yield Problem(by_id[name].node.position(), Code.UNBOUNDED_LOOP, message)
+        yield Problem(by_id[name].node.position(), ProblemKind.UNBOUNDED_LOOP, message)

@@ -14,7 +14,7 @@ from flexbe_synthesizer.core.chart.model import (
     Output,
     State,
 )
-from flexbe_synthesizer.core.chart.problem import Code, Problem
+from flexbe_synthesizer.core.chart.problem import Problem, ProblemKind
 from flexbe_synthesizer.core.library.resolve import ResolvedChart
 from flexbe_synthesizer.core.library.signature import TYPES, is_type
 from flexbe_synthesizer.core.library.use import label
@@ -29,7 +29,7 @@ def check_names(resolved: ResolvedChart) -> Iterator[Problem]:
         if names.is_name(chart.name) and not names.is_behavior_name(chart.name):
             message = f"the name '{names.shortened(chart.name)}' of the chart cannot name a "
             message += f"behavior; allowed: {names.BEHAVIOR_RULE}."
-            yield Problem(chart.position("name"), Code.INVALID_NAME, message)
+            yield Problem(chart.position("name"), ProblemKind.INVALID_NAME, message)
     yield from _check_outcomes(resolved)
     for ports in (chart.inputs, chart.outputs):
         yield from _check_ports(resolved.title, ports)
@@ -37,7 +37,7 @@ def check_names(resolved: ResolvedChart) -> Iterator[Problem]:
             if port.name and not names.is_key(port.name):
                 message = f"'{port.name}' cannot name userdata; give a Python identifier that does "
                 message += "not start with '_'."
-                yield Problem(port.position("name"), Code.INVALID_NAME, message)
+                yield Problem(port.position("name"), ProblemKind.INVALID_NAME, message)
     yield from _check_ids(resolved)
 
 
@@ -51,7 +51,7 @@ def check_node_names(node: AnyNode) -> Iterator[Problem]:
 def _check_name(of: str, element: Element, name: str, attribute: str) -> Iterator[Problem]:
     if name and not names.is_name(name):
         message = f"the name '{name}' of {of} cannot be used; allowed: {names.NAME_RULE}."
-        yield Problem(element.position(attribute), Code.INVALID_NAME, message)
+        yield Problem(element.position(attribute), ProblemKind.INVALID_NAME, message)
 
 
 def _check_outcomes(resolved: ResolvedChart) -> Iterator[Problem]:
@@ -60,7 +60,7 @@ def _check_outcomes(resolved: ResolvedChart) -> Iterator[Problem]:
         yield from _check_name("an outcome", outcome, outcome.name, "name")
         if outcome.name == names.PREEMPTED:
             message = "'preempted' is reserved: FlexBE adds it everywhere itself; delete it here."
-            yield Problem(outcome.position("name"), Code.RESERVED_NAME, message)
+            yield Problem(outcome.position("name"), ProblemKind.RESERVED_NAME, message)
     yield from _check_duplicates(resolved.title, outcomes, [o.name for o in outcomes])
 
 
@@ -75,7 +75,7 @@ def _check_duplicates(
             what = type(element).__name__.lower()
             line = elements[other].position("name").line
             message = f"{of} has a second {what} '{name}', the first is in line {line}; delete one."
-            yield Problem(element.position("name"), Code.DUPLICATE_NAME, message)
+            yield Problem(element.position("name"), ProblemKind.DUPLICATE_NAME, message)
 
 
 def _check_ports(of: str, ports: Sequence[Input | Output]) -> Iterator[Problem]:
@@ -84,7 +84,7 @@ def _check_ports(of: str, ports: Sequence[Input | Output]) -> Iterator[Problem]:
         if port.type and not is_type(port.type):
             hint = names.allowed(port.type, TYPES)
             message = f"type '{port.type}' is unknown; a ROS message (package/Message), or {hint}"
-            yield Problem(port.position("type"), Code.UNKNOWN_TYPE, message)
+            yield Problem(port.position("type"), ProblemKind.UNKNOWN_TYPE, message)
 
 
 def _check_ids(resolved: ResolvedChart) -> Iterator[Problem]:
@@ -100,10 +100,10 @@ def _check_ids(resolved: ResolvedChart) -> Iterator[Problem]:
         if node.id and other is not node:
             line = other.position("id").line
             message = f"the id '{node.id}' is taken by line {line}; give each its own."
-            yield Problem(node.position("id"), Code.DUPLICATE_ID, message)
+            yield Problem(node.position("id"), ProblemKind.DUPLICATE_ID, message)
         for taken_by in _meanings(node.id, resolved, outcomes, added) if node.id in special else ():
             message = f"'{node.id}' is also {taken_by}; rename the {node.kind}."
-            yield Problem(node.position("id"), Code.RESERVED_NAME, message)
+            yield Problem(node.position("id"), ProblemKind.RESERVED_NAME, message)
 
 
 def _meanings(
@@ -136,7 +136,7 @@ def check_paths(resolved: ResolvedChart) -> Iterator[Problem]:
             line = other.position("id").line
             message = f"the FlexBE App cannot distinguish the path '{path}' from '{other_path}' "
             message += f"in line {line}: it joins paths with '_'. Rename one of the two."
-            yield Problem(node.position("id"), Code.DUPLICATE_ID, message)
+            yield Problem(node.position("id"), ProblemKind.DUPLICATE_ID, message)
 
 
 def _paths(chart: Chart, above: str) -> Iterator[tuple[str, AnyNode]]:
@@ -154,4 +154,4 @@ def _check_params(node: AnyNode) -> Iterator[Problem]:
     for param in node.params:
         if param.name in given:
             message = f"{param.name} stands as an attribute of {label(node)} too; delete one."
-            yield Problem(param.position("name"), Code.DUPLICATE_NAME, message)
+            yield Problem(param.position("name"), ProblemKind.DUPLICATE_NAME, message)

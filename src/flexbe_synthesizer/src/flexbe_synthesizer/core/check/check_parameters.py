@@ -7,7 +7,7 @@ from collections.abc import Iterator, Sequence
 from flexbe_synthesizer.core.chart import names
 from flexbe_synthesizer.core.chart.literal import Literal, format_literal, type_of
 from flexbe_synthesizer.core.chart.model import Behavior, Input, Node, Output, State
-from flexbe_synthesizer.core.chart.problem import Code, Position, Problem
+from flexbe_synthesizer.core.chart.problem import Position, Problem, ProblemKind
 from flexbe_synthesizer.core.library.resolve import ResolvedChart, ResolvedNode, given_values
 from flexbe_synthesizer.core.library.signature import (
     FromParameter,
@@ -26,7 +26,7 @@ def check_defaults(resolved: ResolvedChart) -> Iterator[Problem]:
         if not fits(type_of(port.default), port.type):
             message = f"the default of input '{port.name}' is {_shown(port.default)}; its type is "
             message += f"{port.type}."
-            yield Problem(port.position("default"), Code.TYPE_CONFLICT, message)
+            yield Problem(port.position("default"), ProblemKind.TYPE_CONFLICT, message)
 
 
 def check_parameters(entry: ResolvedNode) -> Iterator[Problem]:
@@ -36,8 +36,8 @@ def check_parameters(entry: ResolvedNode) -> Iterator[Problem]:
         yield from _check_values(entry, signature)
         yield from _check_required(entry, signature)
         inputs, outputs = signature.inputs, signature.outputs
-        yield from _check_ports(entry, entry.node.inputs, inputs, Code.UNKNOWN_INPUT)
-        yield from _check_ports(entry, entry.node.outputs, outputs, Code.UNKNOWN_OUTPUT)
+        yield from _check_ports(entry, entry.node.inputs, inputs, ProblemKind.UNKNOWN_INPUT)
+        yield from _check_ports(entry, entry.node.outputs, outputs, ProblemKind.UNKNOWN_OUTPUT)
 
 
 def _check_values(entry: ResolvedNode, signature: Signature) -> Iterator[Problem]:
@@ -48,7 +48,7 @@ def _check_values(entry: ResolvedNode, signature: Signature) -> Iterator[Problem
         if name and parameter is None:
             hint = names.allowed(name, known)
             message = f"{signature.title} has no parameter '{name}'; {hint}"
-            yield Problem(_position(entry.node, name), Code.UNKNOWN_PARAMETER, message)
+            yield Problem(_position(entry.node, name), ProblemKind.UNKNOWN_PARAMETER, message)
         elif parameter is not None and parameter.takes_source:
             if name != PARAMETER or value not in tuple(PREDICATES):
                 position = _position(entry.node, name)
@@ -56,13 +56,13 @@ def _check_values(entry: ResolvedNode, signature: Signature) -> Iterator[Problem
         elif parameter is not None and not fits(type_of(value), parameter.type):
             message = f"parameter '{name}' of {signature.title} is {parameter.type}; found "
             message += f"{_shown(value)}."
-            yield Problem(_position(entry.node, name, "value"), Code.PARAMETER_TYPE, message)
+            yield Problem(_position(entry.node, name, "value"), ProblemKind.PARAMETER_TYPE, message)
         elif (
             isinstance(value, str) and names.is_topic_parameter(name) and not names.is_topic(value)
         ):
             message = f"'{names.shortened(value)}' of {label(entry.node)} cannot name a topic; "
             message += f"allowed: {names.TOPIC_RULE}. Rename it, such as 'cell/done'."
-            yield Problem(_position(entry.node, name, "value"), Code.INVALID_NAME, message)
+            yield Problem(_position(entry.node, name, "value"), ProblemKind.INVALID_NAME, message)
     yield from _check_name_lists(entry, signature)
     if isinstance(entry.node, Behavior):
         yield from _check_dictionaries(entry.node)
@@ -82,7 +82,7 @@ def _check_name_lists(entry: ResolvedNode, signature: Signature) -> Iterator[Pro
                 message = f"parameter '{declared.parameter}' of {signature.title} names its "
                 message += f"outcomes or keys; found {_shown(value)}, needed a list of names."
                 position = _position(entry.node, declared.parameter, "value")
-                yield Problem(position, Code.PARAMETER_TYPE, message)
+                yield Problem(position, ProblemKind.PARAMETER_TYPE, message)
 
 
 def _check_dictionaries(node: Behavior) -> Iterator[Problem]:
@@ -91,7 +91,7 @@ def _check_dictionaries(node: Behavior) -> Iterator[Problem]:
         if _holds_dictionary(param.value):
             message = f"parameter '{param.name}' of {label(node)} is a dictionary, which the "
             message += "FlexBE App cannot read inside use_behavior; give its values one by one."
-            yield Problem(param.position("value"), Code.PARAMETER_TYPE, message)
+            yield Problem(param.position("value"), ProblemKind.PARAMETER_TYPE, message)
 
 
 def _holds_dictionary(value: Literal) -> bool:
@@ -114,7 +114,7 @@ def _check_required(entry: ResolvedNode, signature: Signature) -> Iterator[Probl
             kind = f" ({parameter.type})" if parameter.type else ""
             message = f"{signature.title} needs the parameter '{parameter.name}'{kind}; add "
             message += f'<param name="{parameter.name}" value="..."/> to {label(entry.node)}.'
-            yield Problem(entry.node.position(), Code.MISSING_PARAMETER, message)
+            yield Problem(entry.node.position(), ProblemKind.MISSING_PARAMETER, message)
 
 
 def _source_problem(name: str, signature: Signature, position: Position) -> Problem:
@@ -123,15 +123,18 @@ def _source_problem(name: str, signature: Signature, position: Position) -> Prob
         message += f"carries; name one of the predicates {', '.join(PREDICATES)}."
     else:
         message += "carries; use a state class of your own that does this one thing."
-    return Problem(position, Code.PARAMETER_SOURCE, message)
+    return Problem(position, ProblemKind.PARAMETER_SOURCE, message)
 
 
 def _check_ports(
-    entry: ResolvedNode, declared: Sequence[Input | Output], offered: Sequence[Port], code: Code
+    entry: ResolvedNode,
+    declared: Sequence[Input | Output],
+    offered: Sequence[Port],
+    code: ProblemKind,
 ) -> Iterator[Problem]:
     """Yield the problems with the `<input>` or `<output>` elements of a node."""
     known = {port.name: port for port in offered}
-    word = "input" if code is Code.UNKNOWN_INPUT else "output"
+    word = "input" if code is ProblemKind.UNKNOWN_INPUT else "output"
     title = entry.use.signature.title if entry.use.signature else ""
     for port in declared:
         if port.name and port.name not in known:
@@ -140,7 +143,7 @@ def _check_ports(
         elif port.name and port.type and known[port.name].type not in (None, port.type):
             message = f"{word} '{port.name}' of {title} is {known[port.name].type}; "
             message += f"found {port.type}."
-            yield Problem(port.position("type"), Code.TYPE_CONFLICT, message)
+            yield Problem(port.position("type"), ProblemKind.TYPE_CONFLICT, message)
 
 
 def _position(node: Node, parameter: str, attribute: str = "name") -> Position:

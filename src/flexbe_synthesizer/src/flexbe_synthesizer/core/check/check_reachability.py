@@ -6,7 +6,7 @@ from collections.abc import Collection, Iterator
 
 from flexbe_synthesizer.core.chart import names
 from flexbe_synthesizer.core.chart.names import EXHAUSTED
-from flexbe_synthesizer.core.chart.problem import Code, Problem
+from flexbe_synthesizer.core.chart.problem import Problem, ProblemKind
 from flexbe_synthesizer.core.library.graph import Graph, reachable
 from flexbe_synthesizer.core.library.resolve import ResolvedChart
 from flexbe_synthesizer.core.library.use import label
@@ -26,7 +26,7 @@ def check_reachability(resolved: ResolvedChart, graph: Graph) -> Iterator[Proble
         if name not in reached:
             message = f"no path from the initial state '{initial}' leads to "
             message += f"{label(entry.node)}; add a transition to it, or delete it."
-            yield Problem(entry.node.position(), Code.UNREACHABLE_STATE, message)
+            yield Problem(entry.node.position(), ProblemKind.UNREACHABLE_STATE, message)
     spent = _spent(graph, resolved)
     ending_when_spent = _ending(graph, spent)
     if ending_when_spent >= reached:
@@ -40,13 +40,13 @@ def check_reachability(resolved: ResolvedChart, graph: Graph) -> Iterator[Proble
             message = f"from {label(entry.node)} no outcome of {resolved.title} can be reached; it "
             found = _led_to(name, graph, frozenset()) if shown >= 0 else _MORE
             message += f"leads only to {found}. Add a transition to an "
-            yield Problem(entry.node.position(), Code.NO_WAY_OUT, message + "outcome.")
+            yield Problem(entry.node.position(), ProblemKind.NO_WAY_OUT, message + "outcome.")
         elif any(edge.is_exhausted for edge in graph.leaving.get(name, ())):
             message = f"once {label(entry.node)} has had its attempts, no outcome of "
             message += f"{resolved.title} can be reached; '{EXHAUSTED}' leads only to "
             message += f"{_led_to(name, graph, spent) if shown >= 0 else _MORE}. Lead it to an "
             message += "outcome."
-            yield Problem(entry.node.position(), Code.NO_WAY_OUT, message)
+            yield Problem(entry.node.position(), ProblemKind.NO_WAY_OUT, message)
 
 
 def _spent(graph: Graph, resolved: ResolvedChart) -> frozenset[str]:

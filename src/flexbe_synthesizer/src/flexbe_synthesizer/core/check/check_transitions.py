@@ -7,7 +7,7 @@ from collections.abc import Collection, Iterator
 from flexbe_synthesizer.core.chart import names
 from flexbe_synthesizer.core.chart.model import Transition
 from flexbe_synthesizer.core.chart.names import EXHAUSTED, TIMED_OUT
-from flexbe_synthesizer.core.chart.problem import Code, Problem
+from flexbe_synthesizer.core.chart.problem import Problem, ProblemKind
 from flexbe_synthesizer.core.library.resolve import ResolvedChart, ResolvedNode
 from flexbe_synthesizer.core.library.use import label
 
@@ -23,7 +23,7 @@ def check_transitions(resolved: ResolvedChart) -> Iterator[Problem]:
     if chart.initial and chart.initial not in resolved.by_id:
         hint = names.allowed(chart.initial, resolved.ids)
         message = f"the initial state '{chart.initial}' does not exist; {hint}"
-        yield Problem(chart.position("initial"), Code.UNKNOWN_INITIAL, message)
+        yield Problem(chart.position("initial"), ProblemKind.UNKNOWN_INITIAL, message)
     known = set(resolved.targets)
     targets = {t.target for node in chart.nodes for t in node.transitions}
     if not targets <= known:
@@ -41,7 +41,7 @@ def _check_outcomes(resolved: ResolvedChart, targets: Collection[str]) -> Iterat
         if outcome.name and outcome.name not in targets:
             message = f"no transition leads to the outcome '{outcome.name}'; delete it, or add a "
             message += "transition to it."
-            yield Problem(outcome.position("name"), Code.UNUSED_OUTCOME, message)
+            yield Problem(outcome.position("name"), ProblemKind.UNUSED_OUTCOME, message)
 
 
 def check_events(entry: ResolvedNode) -> Iterator[Problem]:
@@ -55,23 +55,23 @@ def check_events(entry: ResolvedNode) -> Iterator[Problem]:
             continue
         if transition.event == names.PREEMPTED:
             message = "'preempted' is reserved: FlexBE leads it to the end itself; delete this."
-            yield Problem(transition.position("event"), Code.RESERVED_NAME, message)
+            yield Problem(transition.position("event"), ProblemKind.RESERVED_NAME, message)
         elif events is not None and transition.event not in events:
             meant.add(names.misspelt(transition.event, events) or "")
             message = f"{label(entry.node)} has no outcome '{transition.event}'; "
             message += _hint(entry, transition.event)
-            yield Problem(transition.position("event"), Code.UNKNOWN_EVENT, message)
+            yield Problem(transition.position("event"), ProblemKind.UNKNOWN_EVENT, message)
         elif other is not transition:
             line = other.position("event").line
             message = f"'{transition.event}' of {label(entry.node)} has a transition in line {line}"
             message += " already; delete one."
-            yield Problem(transition.position("event"), Code.DUPLICATE_TRANSITION, message)
+            yield Problem(transition.position("event"), ProblemKind.DUPLICATE_TRANSITION, message)
     for event in events or ():
         if event not in first and event not in meant:
             cause = f", which ext:{_ADDED_BY[event]} adds," if event in _ADDED_BY else ""
             message = f"outcome '{event}' of {label(entry.node)}{cause} leads nowhere; add "
             message += f'<transition event="{event}" target="..."/>.'
-            yield Problem(entry.node.position(), Code.MISSING_TRANSITION, message)
+            yield Problem(entry.node.position(), ProblemKind.MISSING_TRANSITION, message)
 
 
 def _hint(entry: ResolvedNode, event: str) -> str:
@@ -85,4 +85,4 @@ def _unknown_target(transition: Transition, known: names.Vocabulary) -> Problem:
     target = names.shortened(transition.target)
     message = f"'{target}' is neither a state, a behavior nor an outcome; "
     message += names.allowed(transition.target, known)
-    return Problem(transition.position("target"), Code.UNKNOWN_TARGET, message)
+    return Problem(transition.position("target"), ProblemKind.UNKNOWN_TARGET, message)

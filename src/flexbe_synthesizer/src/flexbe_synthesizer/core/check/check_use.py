@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Container, Iterator
 
-from flexbe_synthesizer.core.chart.problem import Code, Problem
+from flexbe_synthesizer.core.chart.problem import Problem, ProblemKind
 from flexbe_synthesizer.core.library.data_flow import DataFlow
 from flexbe_synthesizer.core.library.resolve import ResolvedChart
 from flexbe_synthesizer.core.library.signature import StateClass
@@ -30,7 +30,7 @@ def _check_abilities(resolved: ResolvedChart) -> Iterator[Problem]:
             message = f"{label(entry.node)} sends a goal and never cancels it: when it is left by "
             message += "preemption, by a timeout or by a container's end, the ability goes on "
             message += f"moving. Cancel the goal in on_exit of {declaration.name}."
-            yield Problem(entry.node.position("type"), Code.UNCANCELLED_ABILITY, message)
+            yield Problem(entry.node.position("type"), ProblemKind.UNCANCELLED_ABILITY, message)
 
 
 def _check_inputs(resolved: ResolvedChart, read: Container[str]) -> Iterator[Problem]:
@@ -38,7 +38,7 @@ def _check_inputs(resolved: ResolvedChart, read: Container[str]) -> Iterator[Pro
     for port in resolved.chart.inputs:
         if port.name and port.name not in read:
             message = f"no state reads input '{port.name}' of {resolved.title}; delete it or "
-            yield Problem(port.position(), Code.UNUSED_INPUT, message + "connect it.")
+            yield Problem(port.position(), ProblemKind.UNUSED_INPUT, message + "connect it.")
 
 
 def _check_outputs(
@@ -51,7 +51,7 @@ def _check_outputs(
             if home is not None and home not in read:
                 message = f"nothing reads output '{output.name}' of {label(entry.node)}, which the "
                 message += "chart declares; delete the <output>, or connect it."
-                yield Problem(output.position(), Code.UNUSED_OUTPUT, message)
+                yield Problem(output.position(), ProblemKind.UNUSED_OUTPUT, message)
 
 
 def _check_shadows(resolved: ResolvedChart, flow: DataFlow) -> Iterator[Problem]:
@@ -72,4 +72,4 @@ def _check_shadows(resolved: ResolvedChart, flow: DataFlow) -> Iterator[Problem]
                 message = f"input '{name}' of {label(entry.node)} reads the input of "
                 message += f"{resolved.title}, though '{others[0]}' has an output of that name too;"
                 message += " say with a <connection> which of them is meant."
-                yield Problem(entry.node.position(), Code.SHADOWED_NAME, message)
+                yield Problem(entry.node.position(), ProblemKind.SHADOWED_NAME, message)

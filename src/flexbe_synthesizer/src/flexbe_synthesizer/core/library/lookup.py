@@ -19,7 +19,7 @@ from flexbe_synthesizer.core.chart.model import (
     State,
 )
 from flexbe_synthesizer.core.chart.names import EXHAUSTED, PREEMPTED, TIMED_OUT
-from flexbe_synthesizer.core.chart.problem import Code, Problem
+from flexbe_synthesizer.core.chart.problem import Problem, ProblemKind
 from flexbe_synthesizer.core.library.graph import looping_nodes
 from flexbe_synthesizer.core.library.library import Library
 from flexbe_synthesizer.core.library.resolve import (
@@ -135,7 +135,9 @@ class _Lookup:
             if path in self._charts:
                 return self._with_behavior(node, self._charts[path])
             message = f"the chart '{node.type}' could not be read."
-            self.problems.append(Problem(node.position("type"), Code.UNKNOWN_BEHAVIOR, message))
+            self.problems.append(
+                Problem(node.position("type"), ProblemKind.UNKNOWN_BEHAVIOR, message)
+            )
             return ResolvedNode(node, Use())
         known = self._library.behaviors
         candidates = self._library.find_behaviors(node.type)
@@ -143,7 +145,9 @@ class _Lookup:
         if not candidates:
             hint = names.allowed(node.type, sorted({b.name for b in known}))
             message = f"no behavior '{node.type}' on the ROS package path; {hint}"
-            self.problems.append(Problem(node.position("type"), Code.UNKNOWN_BEHAVIOR, message))
+            self.problems.append(
+                Problem(node.position("type"), ProblemKind.UNKNOWN_BEHAVIOR, message)
+            )
             meant = names.misspelt(node.type, (b.name for b in known))
             behavior = next((b for b in known if b.name == meant), None)
         return (
@@ -167,7 +171,7 @@ class _Lookup:
             message += f"package {wanted.package}, which is not on the ROS package path; build and "
             message += "source the workspace that has it."
             self.problems.append(
-                Problem(node.position(wanted.extension), Code.UNKNOWN_CLASS, message)
+                Problem(node.position(wanted.extension), ProblemKind.UNKNOWN_CLASS, message)
             )
         return one
 
@@ -200,7 +204,7 @@ def _use_state(node: State, library: Library, problems: list[Problem]) -> Use:
     if not candidates:
         hint = names.allowed(node.type, sorted({s.name for s in library.states}))
         message = f"no state class '{node.type}' on the ROS package path; {hint}"
-        problems.append(Problem(node.position("type"), Code.UNKNOWN_CLASS, message))
+        problems.append(Problem(node.position("type"), ProblemKind.UNKNOWN_CLASS, message))
         # What follows is checked as if a misspelt name were mended.
         meant = names.misspelt(node.type, (s.name for s in library.states))
         state = next((s for s in library.states if s.name == meant), None)
@@ -247,13 +251,13 @@ def _only(
         spelled = (f"{c.package}/{c.name}" for c in candidates)
         many = names.quoted(sorted(spelled))
         mend = "write package/Class" if is_state else "name its chart's path, or rename one"
-        code = Code.AMBIGUOUS_CLASS if is_state else Code.AMBIGUOUS_BEHAVIOR
+        code = ProblemKind.AMBIGUOUS_CLASS if is_state else ProblemKind.AMBIGUOUS_BEHAVIOR
         message = f"'{node.type}' can be any of {many}; {mend}."
         problems.append(Problem(node.position("type"), code, message))
         return None
     found = candidates[0] if candidates else None
     if isinstance(found, Unreadable):
-        code = Code.UNREADABLE_CLASS if is_state else Code.UNREADABLE_BEHAVIOR
+        code = ProblemKind.UNREADABLE_CLASS if is_state else ProblemKind.UNREADABLE_BEHAVIOR
         message = f"'{node.type}' of package {found.package} cannot be used: {found.reason}."
         problems.append(Problem(node.position("type"), code, message))
         return None
@@ -271,4 +275,4 @@ def _check_imports(resolved: ResolvedChart) -> Iterator[Problem]:
                 message = f"behavior '{entry.node.type}' and another behavior in or around this "
                 message += f"chart both have the class {class_name}; rename one of them."
                 position = entry.node.position("type")
-                yield Problem(position, Code.DUPLICATE_BEHAVIOR, message)
+                yield Problem(position, ProblemKind.DUPLICATE_BEHAVIOR, message)

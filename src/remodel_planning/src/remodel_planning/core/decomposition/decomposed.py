@@ -6,7 +6,7 @@ from dataclasses import dataclass, field
 from functools import cached_property
 
 from remodel_planning.core.condition import Features
-from remodel_planning.core.orders.work_order import Access, Clip, Route, Task
+from remodel_planning.core.orders.work_order import Access, Route, RouteClip, Task
 from remodel_planning.core.problem.problem import End
 from remodel_planning.core.use_case.expectation import Expectation
 from remodel_planning.core.use_case.model import Action, Macro
@@ -65,7 +65,7 @@ class Step:
     macro: Macro
     action: Action
     end: End | None
-    clip: Clip | None
+    clip: RouteClip | None
     route: Route
     methods: tuple[tuple[str, str], ...]
     expected: Expectation

@@ -19,7 +19,7 @@ from dataclasses import dataclass, replace
 
 from remodel_planning.core.condition import Features, Value
 from remodel_planning.core.decomposition.decomposed import Decomposition, Limits, Rejected, Step
-from remodel_planning.core.orders.work_order import Access, Clip, Route, Task
+from remodel_planning.core.orders.work_order import Access, Route, RouteClip, Task
 from remodel_planning.core.problem.problem import End
 from remodel_planning.core.use_case.expectation import NOTHING, Expectation, Expectations
 from remodel_planning.core.use_case.model import Action, Macro, Method, Scope, Subtask, UseCase
@@ -35,7 +35,7 @@ class _Pending:
     end: End | None
     route: Route
     methods: tuple[tuple[str, str], ...] = ()
-    clip: Clip | None = None
+    clip: RouteClip | None = None
 
 
 @dataclass(frozen=True)

@@ -19,9 +19,9 @@ from remodel_planning.core.problem.problem import (
     End,
     Handling,
     Handover,
+    PlannedWire,
     Problem,
     Weights,
-    Wire,
 )
 from remodel_planning.core.use_case.expectation import Expectations
 from remodel_planning.core.use_case.model import Characteristic, Macro, UseCase
@@ -165,7 +165,7 @@ def _longest(plans: Sequence[TaskPlan], macro: Macro) -> int:
     return _ticks(max(times))
 
 
-def _wire(plan: TaskPlan, order: WorkOrder, use_case: UseCase, zone: int) -> Wire:
+def _wire(plan: TaskPlan, order: WorkOrder, use_case: UseCase, zone: int) -> PlannedWire:
     alone, task = plan.alone, plan.alone.task
     stated = {c.name: c.default for c in use_case.task_characteristics.values()}
     characteristics = {**stated, **task.characteristics}
@@ -175,7 +175,7 @@ def _wire(plan: TaskPlan, order: WorkOrder, use_case: UseCase, zone: int) -> Wir
         halves = [_ticks(half) for half in plan.handed_over.halves_s]
         of_a, of_b = halves if alone.first is End.A else halves[::-1]
         handover = Handover(task.meeting_mm, (of_a, of_b))
-    return Wire(
+    return PlannedWire(
         name=task.name,
         terminals=task.terminals,
         colour=str(characteristics.get("colour", "")),

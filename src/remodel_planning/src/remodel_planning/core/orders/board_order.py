@@ -10,15 +10,14 @@ from __future__ import annotations
 from remodel_planning.core.condition import Value
 from remodel_planning.core.orders.branch_order import branch_order
 from remodel_planning.core.orders.surroundings import Surroundings, in_mm
-from remodel_planning.core.orders.work_order import Access, Clip, Route, Task, WorkOrder
-from remodel_planning.core.problem.problem import Terminal
+from remodel_planning.core.orders.work_order import Access, Route, RouteClip, Task, WorkOrder
+from remodel_planning.core.problem.problem import PlannedTerminal
 from remodel_planning.core.use_case.designs import DesignKind, DesignTasks
 from remodel_planning.core.use_case.model import UseCase, declared
 from remodel_planning.core.use_case.plain_name import take_name
 from remodel_production.core.board.board import Board
 from remodel_production.core.imports.shared.assembly import unique_name
-from remodel_production.core.production import Component, Role, TerminalRef, Wire
-from remodel_production.core.production import Terminal as DesignTerminal
+from remodel_production.core.production import Component, Role, Terminal, TerminalRef, Wire
 from remodel_production.errors import OrderError
 
 
@@ -78,7 +77,7 @@ class _Wiring:
             arms=self._around.arms,
             components={component.name: self._said(component) for component in components},
             terminals=tuple(
-                Terminal(name, ref.component, in_mm(self._board.openings[ref]))
+                PlannedTerminal(name, ref.component, in_mm(self._board.openings[ref]))
                 for ref, name in self._names.items()
             ),
             tasks=tuple(self._task(wire, slots[wire.name]) for wire in self._wires),
@@ -128,7 +127,9 @@ class _Wiring:
             routes=(
                 Route(
                     path,
-                    tuple(Clip(clip.name, in_mm(self._board.clips[clip.name])) for clip in clips),
+                    tuple(
+                        RouteClip(clip.name, in_mm(self._board.clips[clip.name])) for clip in clips
+                    ),
                     tuple(sorted(set(wire.route))),
                 ),
             ),
@@ -155,7 +156,7 @@ class _Wiring:
         return declared(said, self._use_case.component_characteristics)
 
 
-def _access(component: Component, terminal: DesignTerminal) -> Access:
+def _access(component: Component, terminal: Terminal) -> Access:
     return Access(
         terminal.insertion_force_limit_n,
         terminal.clearance_m,

@@ -14,8 +14,8 @@ from itertools import pairwise
 
 from remodel_planning.core.condition import Value
 from remodel_planning.core.orders.surroundings import Surroundings, in_mm
-from remodel_planning.core.orders.work_order import Clip, Route, Task, WorkOrder
-from remodel_planning.core.problem.problem import End, Point, Terminal, Under
+from remodel_planning.core.orders.work_order import Route, RouteClip, Task, WorkOrder
+from remodel_planning.core.problem.problem import End, PlannedTerminal, Point, Under
 from remodel_planning.core.use_case.designs import Designs
 from remodel_planning.core.use_case.model import UseCase, declared
 from remodel_planning.core.use_case.plain_name import take_name
@@ -91,7 +91,7 @@ class _Mounting:
             ):
                 self._place[node] = in_mm(point)
         self._components: dict[str, dict[str, Value]] = {}
-        self._terminals: list[Terminal] = []
+        self._terminals: list[PlannedTerminal] = []
 
     def order(self) -> WorkOrder:
         branches = self._branches()
@@ -157,14 +157,16 @@ class _Mounting:
             routes=(
                 Route(
                     path,
-                    tuple(Clip(clip.name, in_mm(self._board.clips[clip.name])) for clip in clips),
+                    tuple(
+                        RouteClip(clip.name, in_mm(self._board.clips[clip.name])) for clip in clips
+                    ),
                     tuple(sorted({segment.name for segment, _ in routes})),
                 ),
             ),
             first=End.A,
         )
 
-    def _end(self, branch: _Branch, connector: str, node: str, what: str) -> Terminal:
+    def _end(self, branch: _Branch, connector: str, node: str, what: str) -> PlannedTerminal:
         """Add an end of a branch, with the connector there, or with the fork or the free end."""
         component = self._component.get(connector)
         said: dict[str, Value] = {"kind": _ROOT}
@@ -178,6 +180,6 @@ class _Mounting:
             }
         name = unique_name(name, self._components)
         self._components[name] = declared(said, self._use_case.component_characteristics)
-        terminal = Terminal(f"{name}:{branch.name}", name, position)
+        terminal = PlannedTerminal(f"{name}:{branch.name}", name, position)
         self._terminals.append(terminal)
         return terminal

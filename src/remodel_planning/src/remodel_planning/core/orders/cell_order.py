@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 
 from remodel_planning.core.orders.work_order import Access, Route, Task, WorkOrder
-from remodel_planning.core.problem.problem import Arm, End, Point, Terminal
+from remodel_planning.core.problem.problem import End, PlannedArm, PlannedTerminal, Point
 from remodel_production.core.panel.panel_layout import (
     CutWire,
     PanelLayout,
@@ -49,10 +49,10 @@ def cell_order(layout: PanelLayout) -> WorkOrder:
     return WorkOrder(
         name=layout.name,
         use_case=USE_CASE,
-        arms=(Arm(_ARM, _HOME_MM, _REACH_MM, _HOME_MM, tool=_TOOL, holding=None),),
+        arms=(PlannedArm(_ARM, _HOME_MM, _REACH_MM, _HOME_MM, tool=_TOOL, holding=None),),
         components={placed.component.name: {} for placed in layout.components},
         terminals=tuple(
-            Terminal(str(ref), ref.component, position) for ref, position in openings.items()
+            PlannedTerminal(str(ref), ref.component, position) for ref, position in openings.items()
         ),
         access={
             str(TerminalRef(placed.component.name, terminal.name)): _access(placed, terminal)

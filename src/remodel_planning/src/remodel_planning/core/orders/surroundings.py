@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable
 from itertools import pairwise
 
-from remodel_planning.core.problem.problem import Arm, Point
+from remodel_planning.core.problem.problem import PlannedArm, Point
 from remodel_planning.core.use_case.designs import Designs
 from remodel_production.core.board.formboard import Point as PointM
 
@@ -22,7 +22,7 @@ class Surroundings:
         self._home_y = low - round(1e3 * designs.home_below_m)
         self.arms = self._placed(designs, arms)
 
-    def _placed(self, designs: Designs, count: int) -> tuple[Arm, ...]:
+    def _placed(self, designs: Designs, count: int) -> tuple[PlannedArm, ...]:
         beside, beyond = (
             round(1e3 * length) for length in (designs.station_beside_m, designs.reach_beyond_m)
         )
@@ -35,7 +35,7 @@ class Surroundings:
                 (right, right + beside, (right - reach, right + beyond)),
             ]
         return tuple(
-            Arm(
+            PlannedArm(
                 name,
                 (station, self.slot_y),
                 reach,
@@ -46,13 +46,13 @@ class Surroundings:
             for name, (home, station, reach) in zip(designs.arms, sides, strict=False)
         )
 
-    def able(self, *xs: int) -> tuple[Arm, ...]:
+    def able(self, *xs: int) -> tuple[PlannedArm, ...]:
         """Return the arms that reach all of some x."""
         return tuple(
             arm for arm in self.arms if arm.reach_mm[0] <= min(xs) and max(xs) <= arm.reach_mm[1]
         )
 
-    def nearer(self, *xs: int) -> Arm | None:
+    def nearer(self, *xs: int) -> PlannedArm | None:
         """Return the arm on whose side the middle of some x is; None where there is one arm."""
         if len(self.arms) == 1:
             return None

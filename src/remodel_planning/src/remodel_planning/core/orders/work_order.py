@@ -13,7 +13,14 @@ from itertools import pairwise
 from remodel_planning.core.condition import Features, Value, is_number
 from remodel_planning.core.problem.fields import Fields
 from remodel_planning.core.problem.instance import arm_from, characteristics_of, terminal_from
-from remodel_planning.core.problem.problem import Arm, End, Point, SoftConstraint, Terminal, Under
+from remodel_planning.core.problem.problem import (
+    End,
+    PlannedArm,
+    PlannedTerminal,
+    Point,
+    SoftConstraint,
+    Under,
+)
 from remodel_planning.core.use_case.context import terminal_features
 
 FORMAT = "remodel-order-1"
@@ -23,7 +30,7 @@ _UNIT_TOLERANCE = 1e-3
 
 
 @dataclass(frozen=True)
-class Clip:
+class RouteClip:
     """A clip, or any place that holds what is routed through it."""
 
     name: str
@@ -39,7 +46,7 @@ class Route:
     """
 
     path_mm: tuple[Point, ...]
-    clips: tuple[Clip, ...] = ()
+    clips: tuple[RouteClip, ...] = ()
     segments: tuple[str, ...] = ()
 
     @cached_property
@@ -147,9 +154,9 @@ class WorkOrder:
 
     name: str
     use_case: str
-    arms: tuple[Arm, ...]
+    arms: tuple[PlannedArm, ...]
     components: dict[str, dict[str, Value]]
-    terminals: tuple[Terminal, ...]
+    terminals: tuple[PlannedTerminal, ...]
     tasks: tuple[Task, ...]
     unders: tuple[Under, ...] = ()
     soft_constraints: tuple[SoftConstraint, ...] = ()
@@ -256,6 +263,6 @@ def _route(item: Fields) -> Route:
     clips = item.objects("clips") if item.has("clips") else []
     return Route(
         item.pairs("path"),
-        tuple(Clip(clip.text("id"), clip.pair("at")) for clip in clips),
+        tuple(RouteClip(clip.text("id"), clip.pair("at")) for clip in clips),
         item.texts("segments") if item.has("segments") else (),
     )

@@ -13,14 +13,14 @@ from dataclasses import dataclass, field
 from remodel_planning.core.problem.problem import (
     Action,
     ActionKind,
-    Arm,
     End,
     Plan,
+    PlannedArm,
+    PlannedWire,
     Point,
     Problem,
     Ranking,
     Stage,
-    Wire,
 )
 
 
@@ -168,7 +168,7 @@ class _Simulation:
         Returns:
             When it ends.
         """
-        arm: Arm = self.arm[action.arm]
+        arm: PlannedArm = self.arm[action.arm]
         for point in (at, to or at):
             self._require(arm.reaches(point), f"x = {point[0]} is out of reach of arm {arm.name}")
         return self._spend(action, ticks, at, *taken, to=to)
@@ -186,12 +186,12 @@ class _Simulation:
             self.uses.append(_Use(what, action.start_ticks, end, action.arm, index=self._index))
         return end
 
-    def _wire(self, action: Action) -> tuple[Wire, _WireState]:
+    def _wire(self, action: Action) -> tuple[PlannedWire, _WireState]:
         if action.wire is None or action.wire not in self.wires:
             raise _RefusedError(f"no wire {action.wire}")
         return self.problem.wire[action.wire], self.wires[action.wire]
 
-    def _held(self, action: Action, arm: _ArmState) -> tuple[Wire, _WireState]:
+    def _held(self, action: Action, arm: _ArmState) -> tuple[PlannedWire, _WireState]:
         wire, state = self._wire(action)
         self._require(arm.holding == wire.name, f"arm {action.arm} does not hold wire {wire.name}")
         return wire, state
@@ -325,7 +325,7 @@ _CHECKS: dict[ActionKind, Callable[[_Simulation, Action, _ArmState], None]] = {
 }
 
 
-def _initial(wire: Wire, start: int) -> _WireState:
+def _initial(wire: PlannedWire, start: int) -> _WireState:
     state = _WireState(wire.stage, wire.first, wire.jammed)
     if wire.stage >= Stage.FIRST_IN and wire.first is not None:
         state.inserted_at[wire.first] = start

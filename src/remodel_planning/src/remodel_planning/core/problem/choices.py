@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from remodel_planning.core.condition import Test, Value, is_number
 from remodel_planning.core.problem.fields import Fields
-from remodel_planning.core.problem.problem import End, Problem, Wire
+from remodel_planning.core.problem.problem import End, PlannedWire, Problem
 from remodel_production.errors import InstanceError
 
 _ALL = "all"
@@ -17,7 +17,7 @@ _COMPONENT = "component"
 _PROPERTIES = ("colour", "tool", "heavy", "zone")
 
 
-def choose(problem: Problem, item: Fields, key: str) -> list[Wire]:
+def choose(problem: Problem, item: Fields, key: str) -> list[PlannedWire]:
     """Return the wires that a choice names or describes, at least one.
 
     Raises:
@@ -45,7 +45,7 @@ def features_of(problem: Problem) -> list[str]:
     return list(dict.fromkeys((*_PROPERTIES, *stated)))
 
 
-def feature(wire: Wire, name: str) -> Value | None:
+def feature(wire: PlannedWire, name: str) -> Value | None:
     """Return a wire's value of that name; None if it has none."""
     if name in _PROPERTIES:
         value: Value = getattr(wire, name)
@@ -53,7 +53,7 @@ def feature(wire: Wire, name: str) -> Value | None:
     return dict(wire.characteristics).get(name)
 
 
-def _named(problem: Problem, item: Fields, key: str, name: object) -> Wire:
+def _named(problem: Problem, item: Fields, key: str, name: object) -> PlannedWire:
     if not isinstance(name, str) or name not in problem.wire:
         raise InstanceError(f"{item.place(key)}: no wire {name}; the order has {_some(problem)}")
     return problem.wire[name]
@@ -79,7 +79,7 @@ def _test(choice: Fields, name: str) -> Test:
     return Test.stated(name, asked)
 
 
-def _passes(problem: Problem, wire: Wire, test: Test) -> bool:
+def _passes(problem: Problem, wire: PlannedWire, test: Test) -> bool:
     if test.name == _COMPONENT:
         names = [problem.end_terminal(wire, end).component for end in End]
         return any(test.passes({_COMPONENT: name}) for name in names)

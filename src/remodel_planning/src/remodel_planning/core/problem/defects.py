@@ -14,7 +14,7 @@ from remodel_planning.core.cycle import cycle_in
 from remodel_planning.core.problem.modes import possible_modes
 from remodel_planning.core.problem.opening import opening_of
 from remodel_planning.core.problem.order import wire_order
-from remodel_planning.core.problem.problem import End, Problem, Stage, Wire
+from remodel_planning.core.problem.problem import End, PlannedWire, Problem, Stage
 from remodel_production.errors import InstanceError
 
 _MOST_ARMS = 2
@@ -127,14 +127,14 @@ def find_impossible_states(problem: Problem) -> Iterator[str]:
             yield f"wire {wire.name} is {_stage(wire)}, but has no handover point"
 
 
-def _jam_defects(wire: Wire) -> Iterator[str]:
+def _jam_defects(wire: PlannedWire) -> Iterator[str]:
     if wire.stage not in (Stage.HELD, Stage.ROUTED):
         yield f"wire {wire.name} is {_stage(wire)}: no end can be jammed then"
     elif wire.stage is Stage.ROUTED and wire.jammed is wire.first:
         yield f"wire {wire.name}: its first end is in, and cannot be jammed"
 
 
-def _stage(wire: Wire) -> str:
+def _stage(wire: PlannedWire) -> str:
     return wire.stage.name.lower().replace("_", " ")
 
 

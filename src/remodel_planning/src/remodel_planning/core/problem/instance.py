@@ -7,7 +7,6 @@ from typing import Any
 
 from remodel_planning.core.problem.fields import GREATEST, GREATEST_TIME, Fields
 from remodel_planning.core.problem.problem import (
-    Arm,
     Characteristic,
     Detour,
     Durations,
@@ -15,14 +14,15 @@ from remodel_planning.core.problem.problem import (
     Handling,
     Handover,
     Pin,
+    PlannedArm,
+    PlannedTerminal,
+    PlannedWire,
     Problem,
     Ranking,
     SoftConstraint,
     Stage,
-    Terminal,
     Under,
     Weights,
-    Wire,
 )
 
 Json = dict[str, Any]
@@ -109,9 +109,9 @@ def _wire_states(states: Fields) -> dict[str, Fields]:
     return {name: states.inner(name) for name in states.keys()}  # noqa: SIM118 - not a dict
 
 
-def arm_from(item: Fields, state: Fields) -> Arm:
+def arm_from(item: Fields, state: Fields) -> PlannedArm:
     """Return the arm of an entry, and of the one with its state."""
-    return Arm(
+    return PlannedArm(
         item.text("id"),
         item.pair("station"),
         item.pair("reach"),
@@ -121,13 +121,13 @@ def arm_from(item: Fields, state: Fields) -> Arm:
     )
 
 
-def terminal_from(item: Fields) -> Terminal:
+def terminal_from(item: Fields) -> PlannedTerminal:
     """Return the terminal of an entry."""
     position = (item.number("x", least=-GREATEST), item.number("y", least=-GREATEST))
-    return Terminal(item.text("id"), item.text("comp"), position)
+    return PlannedTerminal(item.text("id"), item.text("comp"), position)
 
 
-def _wire(item: Fields, states: dict[str, Fields]) -> Wire:
+def _wire(item: Fields, states: dict[str, Fields]) -> PlannedWire:
     name = item.text("id")
     stage, first, jammed = Stage.STORED, None, None
     if name in states:
@@ -135,7 +135,7 @@ def _wire(item: Fields, states: dict[str, Fields]) -> Wire:
         stage = _STAGES[state.choice("stage", tuple(_STAGES))]
         first = _end(state, "first") if state.has("first") else None
         jammed = _end(state, "jam") if state.has("jam") else None
-    return Wire(
+    return PlannedWire(
         name,
         (item.text("a"), item.text("b")),
         item.text("colour"),
@@ -241,7 +241,7 @@ def problem_data(problem: Problem) -> Json:
     }
 
 
-def _wire_data(wire: Wire) -> Json:
+def _wire_data(wire: PlannedWire) -> Json:
     row: Json = {
         "id": wire.name,
         "a": wire.terminals[End.A],

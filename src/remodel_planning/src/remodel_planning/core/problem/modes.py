@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import dataclass
 
-from remodel_planning.core.problem.problem import Arm, End, Problem, Stage, Wire
+from remodel_planning.core.problem.problem import End, PlannedArm, PlannedWire, Problem, Stage
 
 
 @dataclass(frozen=True)
@@ -45,7 +45,7 @@ def possible_modes(problem: Problem) -> dict[str, tuple[Mode, ...]]:
     }
 
 
-def _modes(problem: Problem, wire: Wire, barred: set[End]) -> Iterator[Mode]:
+def _modes(problem: Problem, wire: PlannedWire, barred: set[End]) -> Iterator[Mode]:
     ends = [wire.first] if wire.first is not None else [end for end in End if end not in barred]
     for index, arm in enumerate(problem.arms):
         if not _starts(arm, wire):
@@ -69,7 +69,7 @@ def _modes(problem: Problem, wire: Wire, barred: set[End]) -> Iterator[Mode]:
                     yield Mode(index, first, True)
 
 
-def _starts(arm: Arm, wire: Wire) -> bool:
+def _starts(arm: PlannedArm, wire: PlannedWire) -> bool:
     """Return whether an arm can pick the wire, or holds it already."""
     if wire.stage is Stage.STORED:
         return arm.reaches(wire.slot_mm)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from remodel_planning.core.problem.problem import End, Problem, Stage, Wire
+from remodel_planning.core.problem.problem import End, PlannedWire, Problem, Stage
 
 
 def wire_order(problem: Problem) -> Iterator[tuple[str, str]]:
@@ -26,7 +26,7 @@ def wire_order(problem: Problem) -> Iterator[tuple[str, str]]:
             yield pin.before, pin.after
 
 
-def is_inserted(wire: Wire, end: End) -> bool:
+def is_inserted(wire: PlannedWire, end: End) -> bool:
     """Return whether an end is in its terminal when planning begins."""
     if wire.stage >= Stage.SECOND_IN:
         return True

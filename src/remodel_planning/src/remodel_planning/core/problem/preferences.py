@@ -33,7 +33,14 @@ from dataclasses import dataclass, field, replace
 
 from remodel_planning.core.problem.choices import choose, feature, features_of
 from remodel_planning.core.problem.fields import Fields
-from remodel_planning.core.problem.problem import Arm, Problem, Ranking, SoftConstraint, Under, Wire
+from remodel_planning.core.problem.problem import (
+    PlannedArm,
+    PlannedWire,
+    Problem,
+    Ranking,
+    SoftConstraint,
+    Under,
+)
 from remodel_production.errors import InstanceError
 
 FORMAT = "remodel-preferences-1"
@@ -187,7 +194,7 @@ def _limit_reach(problem: Problem, item: Fields, zones: Fields) -> Problem:
     return replace(problem, arms=tuple(arms))
 
 
-def _outside(problem: Problem, arm: Arm, zone: tuple[int, int]) -> tuple[int, int]:
+def _outside(problem: Problem, arm: PlannedArm, zone: tuple[int, int]) -> tuple[int, int]:
     """Return what a zone leaves of an arm's reach: the side of it that has more terminals."""
     least, greatest = arm.reach_mm
     left, right = (least, min(greatest, zone[0] - 1)), (max(least, zone[1] + 1), greatest)
@@ -217,7 +224,7 @@ def _avoid(preferred: Preferred, segment: str, name: str) -> Preferred:
     )
 
 
-def _detoured(wire: Wire, segment: str) -> Wire | None:
+def _detoured(wire: PlannedWire, segment: str) -> PlannedWire | None:
     """Return the wire on the first of its routes that avoids a segment; None if there is none."""
     free = tuple(detour for detour in wire.detours if segment not in detour.segments)
     if segment not in wire.segments:
@@ -234,7 +241,7 @@ def _detoured(wire: Wire, segment: str) -> Wire | None:
     )
 
 
-def _groups(problem: Problem, item: Fields, key: str) -> list[list[Wire]]:
+def _groups(problem: Problem, item: Fields, key: str) -> list[list[PlannedWire]]:
     """Return the chosen wires, those of equal values together, in the order asked for."""
     name = item.choice("in_order_of", tuple(features_of(problem)))
     greatest_first = item.choice("from", ("least", "greatest")) == "greatest"
@@ -250,7 +257,7 @@ def _groups(problem: Problem, item: Fields, key: str) -> list[list[Wire]]:
     ]
 
 
-def _between(earlier: list[Wire], later: list[Wire]) -> Iterator[tuple[str, str]]:
+def _between(earlier: list[PlannedWire], later: list[PlannedWire]) -> Iterator[tuple[str, str]]:
     for first in earlier:
         for second in later:
             if first is not second:

@@ -49,7 +49,7 @@ class Stage(IntEnum):
 
 
 @dataclass(frozen=True)
-class Arm:
+class PlannedArm:
     """An arm, and what it is doing when planning begins.
 
     Attributes:
@@ -70,7 +70,7 @@ class Arm:
 
 
 @dataclass(frozen=True)
-class Terminal:
+class PlannedTerminal:
     """A clamp of a component that takes one wire end."""
 
     name: str
@@ -109,7 +109,7 @@ class Detour:
 
 
 @dataclass(frozen=True)
-class Wire:
+class PlannedWire:
     """A wire to be placed, and how far it is when planning begins.
 
     Attributes:
@@ -266,10 +266,10 @@ class Problem:
     durations: Durations
     weights: Weights
     tools: tuple[str, ...]
-    arms: tuple[Arm, ...]
+    arms: tuple[PlannedArm, ...]
     components: tuple[str, ...]
-    terminals: tuple[Terminal, ...]
-    wires: tuple[Wire, ...]
+    terminals: tuple[PlannedTerminal, ...]
+    wires: tuple[PlannedWire, ...]
     unders: tuple[Under, ...] = ()
     pins: tuple[Pin, ...] = ()
     soft_constraints: tuple[SoftConstraint, ...] = ()
@@ -279,28 +279,28 @@ class Problem:
     history: tuple[tuple[str, str], ...] = ()
 
     @cached_property
-    def terminal(self) -> dict[str, Terminal]:
+    def terminal(self) -> dict[str, PlannedTerminal]:
         """Terminals by name."""
         return {terminal.name: terminal for terminal in self.terminals}
 
     @cached_property
-    def wire(self) -> dict[str, Wire]:
+    def wire(self) -> dict[str, PlannedWire]:
         """Wires by name."""
         return {wire.name: wire for wire in self.wires}
 
-    def end_terminal(self, wire: Wire, end: End) -> Terminal:
+    def end_terminal(self, wire: PlannedWire, end: End) -> PlannedTerminal:
         """Return the terminal of a wire's end."""
         return self.terminal[wire.terminals[end]]
 
-    def pick_ticks(self, wire: Wire) -> int:
+    def pick_ticks(self, wire: PlannedWire) -> int:
         """Return how long picking a wire takes."""
         return wire.handling.pick_ticks if wire.handling else self.durations.pick
 
-    def insert_ticks(self, wire: Wire, end: End) -> int:
+    def insert_ticks(self, wire: PlannedWire, end: End) -> int:
         """Return how long inserting a wire's end takes."""
         return wire.handling.insert_ticks[end] if wire.handling else wire.insert_ticks
 
-    def fix_ticks(self, wire: Wire) -> int:
+    def fix_ticks(self, wire: PlannedWire) -> int:
         """Return how long fixing a wire takes."""
         return wire.handling.fix_ticks if wire.handling else self.durations.fix
 

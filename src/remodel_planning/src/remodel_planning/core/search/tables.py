@@ -11,7 +11,7 @@ import numpy.typing as npt
 from remodel_planning.core.problem.modes import Mode
 from remodel_planning.core.problem.opening import Opening, opening_of
 from remodel_planning.core.problem.order import is_inserted, wire_order
-from remodel_planning.core.problem.problem import End, Problem, Stage, Wire
+from remodel_planning.core.problem.problem import End, PlannedWire, Problem, Stage
 
 Integers = npt.NDArray[np.int32]
 
@@ -87,7 +87,9 @@ def _array(rows: Iterable[object], width: int = 1) -> Integers:
     return array.reshape(-1, width) if width > 1 else array
 
 
-def _wire_arrays(problem: Problem, wires: list[Wire], opening: Opening) -> dict[str, Integers]:
+def _wire_arrays(
+    problem: Problem, wires: list[PlannedWire], opening: Opening
+) -> dict[str, Integers]:
     component = {name: i for i, name in enumerate(problem.components)}
     tool = {name: i for i, name in enumerate(problem.tools)}
     colour = _numbering(wire.colour for wire in problem.wires)

@@ -20,7 +20,7 @@ from remodel_sim.core.geometry import Array, Pose
 from remodel_sim.core.robot.arm import ToolPose
 from remodel_sim.core.robot.arm_volume import volume_of
 from remodel_sim.core.robot.traffic import Traffic
-from remodel_sim.core.workpiece.panel import End, Panel, Wire
+from remodel_sim.core.workpiece.panel import Panel, PanelWire, WireEnd
 from remodel_sim.physics.plant import Plant
 from remodel_sim.physics.robot import TOUCH_GAP, Robot
 from remodel_states.core.codes import Code
@@ -156,7 +156,7 @@ class RobotContext:
         return self._plant.panel
 
     @property
-    def wire(self) -> Wire:
+    def wire(self) -> PanelWire:
         """The live wire as ordered."""
         if self.belief.feed is None:
             raise ValueError("no wire has been fed")
@@ -278,12 +278,12 @@ class RobotContext:
         tools = {name: context.commanded for name, context in self.robots.items()}
         parked = self._plant.revive(wire_id, tools)
         wire, overlap = self.panel.wire(wire_id), self._plant.design.feeder.overlap
-        places = {end: resting_place(self.panel, wire, end, overlap) for end in End}
+        places = {end: resting_place(self.panel, wire, end, overlap) for end in WireEnd}
         channel = self.panel.channel_in_front_of(
-            self.panel.panel_from_socket(*wire.goes_to(End.A)).position
+            self.panel.panel_from_socket(*wire.goes_to(WireEnd.A)).position
         )
-        feed = Feed(wire_id, channel.id, places[End.A][1])
-        expected = {End.A: parked.nodes[0, :2], End.B: parked.nodes[-1, :2]}
+        feed = Feed(wire_id, channel.id, places[WireEnd.A][1])
+        expected = {WireEnd.A: parked.nodes[0, :2], WireEnd.B: parked.nodes[-1, :2]}
         lay_at = {end: Grip.of_tip(end, place) for end, (place, _) in places.items()}
         for context in self.robots.values():
             context.arm_restarted()

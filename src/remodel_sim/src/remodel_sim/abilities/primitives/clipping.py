@@ -35,7 +35,7 @@ from remodel_sim.core.vision.colour import wire_likelihood
 from remodel_sim.core.vision.drawing import ORANGE, Drawing
 from remodel_sim.core.vision.laid_wire import wire_around
 from remodel_sim.core.workpiece.fixtures import SLOPE_ABOVE_LIPS_M, lip_top
-from remodel_sim.core.workpiece.panel import Clip
+from remodel_sim.core.workpiece.panel import PanelClip
 from remodel_sim.core.workpiece.routes import world_from_clip
 from remodel_sim.physics.robot_description import PAD_BELOW_TOOL_M, PAD_HEIGHT_M, PAD_LENGTH_M
 from remodel_states.core.codes import Code
@@ -71,7 +71,7 @@ CLOSE_S = 0.6
 REST_M = 1e-5
 
 
-def lay_into(context: RobotContext, clip: Clip, held_at: Array) -> Steps[None]:
+def lay_into(context: RobotContext, clip: PanelClip, held_at: Array) -> Steps[None]:
     """Bring the wire into a clip; what goes wrong is tried again, ATTEMPTS times in all.
 
     A wire that does not come along when it is lifted is held: by this clip, into which it may have
@@ -105,7 +105,9 @@ def lay_into(context: RobotContext, clip: Clip, held_at: Array) -> Steps[None]:
     )
 
 
-def _bring_into(context: RobotContext, clip: Clip, held_at: Array, slack: float) -> Steps[None]:
+def _bring_into(
+    context: RobotContext, clip: PanelClip, held_at: Array, slack: float
+) -> Steps[None]:
     beside = _beside(clip)
     grasp = yield from _find(context, clip, held_at, slack)
     free = context.force
@@ -124,12 +126,12 @@ def _bring_into(context: RobotContext, clip: Clip, held_at: Array, slack: float)
     yield from _release(context)
 
 
-def _beside(clip: Clip) -> Pose:
+def _beside(clip: PanelClip) -> Pose:
     """Return where the hand grips the wire for a clip, x along the wire, world frame."""
     return world_from_clip(clip) @ Pose.level(clip.length / 2 + BEHIND_CLIP_M, 0.0, 0.0)
 
 
-def _clear_height(clip: Clip) -> float:
+def _clear_height(clip: PanelClip) -> float:
     """Return the tool's height at which the pads and what they hold clear a clip [m]."""
     return lip_top(clip) + SLOPE_ABOVE_LIPS_M + PAD_BELOW_TOOL_M + CLEAR_M
 
@@ -156,7 +158,7 @@ def _tool(context: RobotContext, place: Pose, z: float) -> ToolPose:
     )
 
 
-def _find(context: RobotContext, clip: Clip, held_at: Array, slack: float) -> Steps[Pose]:
+def _find(context: RobotContext, clip: PanelClip, held_at: Array, slack: float) -> Steps[Pose]:
     """Find the wire from the hand, as far from where it is held as it will be at the clip."""
     beside = _beside(clip)
     away = (beside.position - held_at)[:2]
@@ -237,7 +239,7 @@ def _release(context: RobotContext) -> Steps[None]:
         yield
 
 
-def press_from_above(context: RobotContext, clip: Clip) -> Steps[bool]:
+def press_from_above(context: RobotContext, clip: PanelClip) -> Steps[bool]:
     """Press the wire between the lips with closed fingers; return whether they come down there."""
     above = _tool(context, world_from_clip(clip), _clear_height(clip) + ABOVE_WIRE_M)
     yield from rise(context)

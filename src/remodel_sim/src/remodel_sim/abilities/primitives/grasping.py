@@ -23,7 +23,7 @@ from remodel_sim.core.errors import AbilityError
 from remodel_sim.core.geometry import Pose
 from remodel_sim.core.robot.arm import Arm, ToolPose
 from remodel_sim.core.workpiece.layout import GRASP_DISTANCE_M, WORLD_FROM_PANEL
-from remodel_sim.core.workpiece.panel import End, Wire, unit_x
+from remodel_sim.core.workpiece.panel import PanelWire, WireEnd, unit_x
 from remodel_sim.physics.robot_description import PAD_BELOW_TOOL_M, PAD_LENGTH_M
 from remodel_states.core.codes import Code
 
@@ -46,7 +46,7 @@ FINGER_ROOM_M = HAND_OPEN_M + 0.012
 
 
 def pick_end(
-    context: RobotContext, end: End, distance: float, socket: Pose, shares: tuple[float, float]
+    context: RobotContext, end: WireEnd, distance: float, socket: Pose, shares: tuple[float, float]
 ) -> Steps[None]:
     """Find a loose end, grasp it and lift it a little.
 
@@ -80,7 +80,7 @@ def pick_end(
     check_grip(context)
 
 
-def grasp_distance(wire: Wire, end: End) -> float:
+def grasp_distance(wire: PanelWire, end: WireEnd) -> float:
     """Return where an end is grasped, from its tip [m]: a connector at its body's rear."""
     connector = wire.connector_at(end)
     return GRASP_DISTANCE_M if connector is None else connector.length - PAD_LENGTH_M / 2
@@ -172,7 +172,7 @@ def release(context: RobotContext, opening: float) -> Steps[None]:
     yield from move_to(context, context.commanded.at(z=clear), CLEAR_SPEED)
 
 
-def release_fixed(context: RobotContext, end: End, terminal: TerminalKey) -> Steps[None]:
+def release_fixed(context: RobotContext, end: WireEnd, terminal: TerminalKey) -> Steps[None]:
     """Note that a terminal holds the end in the hand, release it, and lift the hand off."""
     belief = context.belief
     if belief.feed is not None and belief.occupant(terminal) != (belief.feed.wire_id, end):

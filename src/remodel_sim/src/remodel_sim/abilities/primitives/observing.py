@@ -28,7 +28,7 @@ from remodel_sim.core.vision.drawing import BLUE, ORANGE, Drawing
 from remodel_sim.core.vision.tracing import at_distance
 from remodel_sim.core.vision.wire_ends import EndObservation, find_ends, trace_from
 from remodel_sim.core.workpiece.layout import GRASP_DISTANCE_M
-from remodel_sim.core.workpiece.panel import End
+from remodel_sim.core.workpiece.panel import WireEnd
 from remodel_states.core.codes import Code
 
 # The arm rings down before a picture is taken [s].
@@ -47,12 +47,12 @@ class OverheadObservation:
         likelihood: of the wire's colour, (height, width), 0 to 1.
     """
 
-    ends: dict[End, EndObservation]
+    ends: dict[WireEnd, EndObservation]
     picture: Picture
     likelihood: npt.NDArray[np.float32]
 
 
-def loose_ends(context: RobotContext) -> list[End]:
+def loose_ends(context: RobotContext) -> list[WireEnd]:
     """Return the ends of the live wire that are neither in a terminal nor in a hand."""
     belief = context.belief
     held = {grip.end for grip in belief.hands.values()}
@@ -91,7 +91,7 @@ class GraspObservation:
     line: Array
 
 
-def observe_end(context: RobotContext, end: End, distance: float) -> Steps[GraspObservation]:
+def observe_end(context: RobotContext, end: WireEnd, distance: float) -> Steps[GraspObservation]:
     """Find where to grasp a loose end: from above if it is not known, then from close by.
 
     Args:
@@ -114,7 +114,7 @@ def observe_end(context: RobotContext, end: End, distance: float) -> Steps[Grasp
     return (yield from _observe_closely(context, end, distance))
 
 
-def _find_from_above(context: RobotContext, end: End) -> Steps[None]:
+def _find_from_above(context: RobotContext, end: WireEnd) -> Steps[None]:
     above = yield from observe_from_above(context)
     wire_id = context.wire.id
     drawing = Drawing(above.picture.rgb, above.picture.view)
@@ -131,7 +131,7 @@ def _find_from_above(context: RobotContext, end: End) -> Steps[None]:
 
 
 def observe_from_aside(
-    context: RobotContext, end: End, view: int = 0
+    context: RobotContext, end: WireEnd, view: int = 0
 ) -> Steps[GraspObservation | None]:
     """Search with the wrist camera for a loose end that other wires hide from above, and note it.
 
@@ -149,7 +149,9 @@ def observe_from_aside(
     return None
 
 
-def _observe_closely(context: RobotContext, end: End, distance: float) -> Steps[GraspObservation]:
+def _observe_closely(
+    context: RobotContext, end: WireEnd, distance: float
+) -> Steps[GraspObservation]:
     """Observe an end from straight above it, or from aside where another wire hides it."""
     coarse = context.belief.tips[end]
     out = np.array([math.cos(coarse.out_yaw), math.sin(coarse.out_yaw)])
@@ -166,7 +168,7 @@ def _observe_closely(context: RobotContext, end: End, distance: float) -> Steps[
 
 
 def _search(
-    context: RobotContext, tool: ToolPose, end: End, expected: Array, distance: float
+    context: RobotContext, tool: ToolPose, end: WireEnd, expected: Array, distance: float
 ) -> Steps[GraspObservation | None]:
     """Observe from a tool pose of the empty hand; return where to grasp an end if it is visible."""
     wire = context.wire

@@ -15,7 +15,7 @@ from remodel_sim.core.geometry import Array, Pose
 from remodel_sim.core.robot.arm import ToolPose
 from remodel_sim.core.robot.push_monitor import PushMonitor
 from remodel_sim.core.workpiece.layout import STANDOFF_M
-from remodel_sim.core.workpiece.panel import Terminal, unit_x
+from remodel_sim.core.workpiece.panel import PanelTerminal, unit_x
 from remodel_states.core.codes import Code
 
 # The tip goes to the opening faster than into it [m/s]: what stops it there must not hurt it.
@@ -145,7 +145,7 @@ def axial(force: Array, into: Array) -> float:
     return float(force @ into)
 
 
-def judge_alignment(push: Push, mouth: Pose, terminal: Terminal, where: str) -> None:
+def judge_alignment(push: Push, mouth: Pose, terminal: PanelTerminal, where: str) -> None:
     """Raise INSERTION_MISALIGNED when the tip is beside the opening, as last observed."""
     aside = float(np.linalg.norm(mouth.inverse().apply(push.tip)[1:]))
     reach = terminal.bore / 2 + terminal.chamfer

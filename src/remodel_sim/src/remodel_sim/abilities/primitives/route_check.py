@@ -17,7 +17,7 @@ from remodel_sim.core.vision.colour import wire_likelihood
 from remodel_sim.core.vision.drawing import BLUE, ORANGE, Drawing
 from remodel_sim.core.vision.laid_wire import Passing, wire_past
 from remodel_sim.core.workpiece.fixtures import SLOPE_LENGTH_M
-from remodel_sim.core.workpiece.panel import Clip, Duct, Wire
+from remodel_sim.core.workpiece.panel import Duct, PanelClip, PanelWire
 from remodel_sim.core.workpiece.routes import places_in, world_from_clip
 from remodel_states.core.codes import Code
 
@@ -44,7 +44,7 @@ class RouteObservation:
 
     picture: Picture
     likelihood: npt.NDArray[np.float32]
-    wire: Wire
+    wire: PanelWire
 
     def at(self, place: Pose, aside: float) -> Passing | None:
         """Return how the wire passes a place up to so far aside [m]."""
@@ -61,7 +61,7 @@ def observe_route(context: RobotContext) -> Steps[RouteObservation]:
     return RouteObservation(picture, likelihood, context.wire)
 
 
-def clip_fault(clip: Clip, seen: RouteObservation) -> str:
+def clip_fault(clip: PanelClip, seen: RouteObservation) -> str:
     """Return what is wrong with the wire at a clip; empty: nothing."""
     passings = [seen.at(place, SEARCH_ASIDE_M) for place in _beside(clip)]
     found = [passing for passing in passings if passing is not None]
@@ -77,12 +77,12 @@ def clip_fault(clip: Clip, seen: RouteObservation) -> str:
     )
 
 
-def _beside(clip: Clip) -> tuple[Pose, ...]:
+def _beside(clip: PanelClip) -> tuple[Pose, ...]:
     out = clip.length / 2 + SLOPE_LENGTH_M + BESIDE_CLIP_M
     return tuple(world_from_clip(clip) @ Pose.level(x, 0.0, clip.height) for x in (-out, out))
 
 
-def judge_clips(context: RobotContext, clips: Sequence[Clip], seen: RouteObservation) -> None:
+def judge_clips(context: RobotContext, clips: Sequence[PanelClip], seen: RouteObservation) -> None:
     """Show the clips, and raise OUT_OF_DUCT when the wire does not lie in all of them."""
     faults = [fault for clip in clips if (fault := clip_fault(clip, seen))]
     _show(context, seen, [place for clip in clips for place in _beside(clip)], faults)

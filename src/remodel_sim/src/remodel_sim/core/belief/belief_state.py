@@ -12,7 +12,7 @@ from remodel_sim.core.belief.placed_wires import PlacedWires
 from remodel_sim.core.geometry import Array, Pose
 from remodel_sim.core.robot.arm import PANDA_AT_ORIGIN, Arm, ToolPose
 from remodel_sim.core.workpiece.layout import GRASP_DISTANCE_M
-from remodel_sim.core.workpiece.panel import End
+from remodel_sim.core.workpiece.panel import WireEnd
 
 
 class EndState(Enum):
@@ -63,14 +63,14 @@ class Grip:
         tool: the tool pose of the grasp.
     """
 
-    end: End
+    end: WireEnd
     distance: float
     height: float
     flip: float
     tool: ToolPose
 
     @staticmethod
-    def of_tip(end: End, tip: Pose) -> Grip:
+    def of_tip(end: WireEnd, tip: Pose) -> Grip:
         """Return the grip that lays a tip down at a pose, x out of the wire, world frame."""
         x, y, z = (float(v) for v in tip.apply(np.array([-GRASP_DISTANCE_M, 0.0, 0.0])))
         return Grip(
@@ -110,11 +110,11 @@ class BeliefState:
     feed: Feed | None = None
     hands: dict[str, Grip] = field(default_factory=dict)
     engaged: Pose | None = None
-    ends: dict[End, EndState] = field(default_factory=dict)
-    tips: dict[End, TipObservation] = field(default_factory=dict)
-    expected: dict[End, Array] = field(default_factory=dict)
-    picked_at: dict[End, Grip] = field(default_factory=dict)
-    occupied: dict[TerminalKey, tuple[str, End]] = field(default_factory=dict)
+    ends: dict[WireEnd, EndState] = field(default_factory=dict)
+    tips: dict[WireEnd, TipObservation] = field(default_factory=dict)
+    expected: dict[WireEnd, Array] = field(default_factory=dict)
+    picked_at: dict[WireEnd, Grip] = field(default_factory=dict)
+    occupied: dict[TerminalKey, tuple[str, WireEnd]] = field(default_factory=dict)
     fed: list[str] = field(default_factory=list)
     in_clips: list[Array] = field(default_factory=list)
     seen: dict[str, Pose] = field(default_factory=dict)
@@ -145,20 +145,24 @@ class BeliefState:
         lies_there = feed is not None and (feed.wire_id, feed.channel_id) == (wire_id, channel_id)
         return lies_there and not self.is_touched
 
-    def start_wire(self, feed: Feed, expected: dict[End, Array]) -> None:
+    def start_wire(self, feed: Feed, expected: dict[WireEnd, Array]) -> None:
         """Note that a wire lies in its channel, both ends loose."""
         self.feed = feed
         self.expected.clear()
         self.expected.update(expected)
         self.picked_at.clear()
-        self.ends.update({End.A: EndState.LOOSE, End.B: EndState.LOOSE})
+        self.ends.update({WireEnd.A: EndState.LOOSE, WireEnd.B: EndState.LOOSE})
         self.tips.clear()
         self.in_clips.clear()
         if feed.wire_id not in self.fed:
             self.fed.append(feed.wire_id)
 
     def resume_wire(
-        self, feed: Feed, expected: dict[End, Array], fixed: frozenset[End], lay_at: dict[End, Grip]
+        self,
+        feed: Feed,
+        expected: dict[WireEnd, Array],
+        fixed: frozenset[WireEnd],
+        lay_at: dict[WireEnd, Grip],
     ) -> None:
         """Note that a wire of earlier is live again; `lay_at` has where its ends can be laid."""
         self.start_wire(feed, expected)
@@ -183,16 +187,16 @@ class BeliefState:
         self.occupied.update(placed.occupied)
         self.fed.extend(placed.parked)
 
-    def occupant(self, terminal: TerminalKey) -> tuple[str, End] | None:
+    def occupant(self, terminal: TerminalKey) -> tuple[str, WireEnd] | None:
         """Return the wire and end that a terminal holds."""
         return self.occupied.get(terminal)
 
-    def seat(self, end: End, terminal: TerminalKey) -> None:
+    def seat(self, end: WireEnd, terminal: TerminalKey) -> None:
         """Note that an end of the live wire sits in a terminal."""
         self.ends[end] = EndState.SEATED
         self.occupied[terminal] = (self._live(), end)
 
-    def loosen(self, end: End) -> None:
+    def loosen(self, end: WireEnd) -> None:
         """Note that an end of the live wire is out of its terminal."""
         self.ends[end] = EndState.LOOSE
         mine = (self._live(), end)

@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 
 from remodel_sim.core.belief.openings import TerminalKey
 from remodel_sim.core.geometry import Array
-from remodel_sim.core.workpiece.panel import End
+from remodel_sim.core.workpiece.panel import WireEnd
 
 
 @dataclass(frozen=True, eq=False)
@@ -20,7 +20,7 @@ class ParkedWire:
     """
 
     nodes: Array
-    fixed: frozenset[End]
+    fixed: frozenset[WireEnd]
 
 
 @dataclass(frozen=True, eq=False)
@@ -33,4 +33,4 @@ class PlacedWires:
     """
 
     parked: Mapping[str, ParkedWire] = field(default_factory=dict)
-    occupied: Mapping[TerminalKey, tuple[str, End]] = field(default_factory=dict)
+    occupied: Mapping[TerminalKey, tuple[str, WireEnd]] = field(default_factory=dict)

@@ -16,7 +16,7 @@ from remodel_sim.core.camera import Lens, View
 from remodel_sim.core.cell.feeding import Feeder
 from remodel_sim.core.errors import AbilityError
 from remodel_sim.core.robot.arm import Arm, ToolPose
-from remodel_sim.core.workpiece.panel import Clip, Duct
+from remodel_sim.core.workpiece.panel import Duct, PanelClip
 
 # Two bases need this much room between them [m].
 BASES_APART_M = 0.50
@@ -96,7 +96,7 @@ class CellDesign:
     scene: View
     table: Table
     feeder: Feeder
-    clips: tuple[Clip, ...]
+    clips: tuple[PanelClip, ...]
     ducts: tuple[Duct, ...]
 
     @property

@@ -14,7 +14,7 @@ import numpy as np
 
 from remodel_sim.core.geometry import Array, Pose
 from remodel_sim.core.workpiece.layout import FEED_LIMIT_Y_M, WORLD_FROM_PANEL, feed_direction
-from remodel_sim.core.workpiece.panel import Channel, End, Panel, Wire
+from remodel_sim.core.workpiece.panel import Channel, Panel, PanelWire, WireEnd
 
 # Around an end that is laid down again, the fork comes up so far behind the grasp.
 FORK_BEHIND_GRASP_M = 0.045
@@ -62,15 +62,15 @@ class Laying:
     fork: Array
 
 
-def resting_place(panel: Panel, wire: Wire, end: End, overlap: float) -> tuple[Pose, int]:
+def resting_place(panel: Panel, wire: PanelWire, end: WireEnd, overlap: float) -> tuple[Pose, int]:
     """Return where a wire's end can be laid down beside its terminal, and the wire's direction.
 
     The pose is the tip's, x out of the wire, in the middle of the channel in front of the terminal
     and `overlap` [m] beyond it; world frame. The direction is +1 when a to b runs towards +y.
     """
-    openings = {e: panel.panel_from_socket(*wire.goes_to(e)).position for e in End}
-    direction = feed_direction(float(openings[End.A][1]), float(openings[End.B][1]))
-    out = direction if end is End.B else -direction
+    openings = {e: panel.panel_from_socket(*wire.goes_to(e)).position for e in WireEnd}
+    direction = feed_direction(float(openings[WireEnd.A][1]), float(openings[WireEnd.B][1]))
+    out = direction if end is WireEnd.B else -direction
     channel = panel.channel_in_front_of(openings[end])
     tip = Pose.level(channel.x, float(openings[end][1]) + out * overlap, 0.0, out * math.pi / 2)
     return WORLD_FROM_PANEL @ tip, direction
@@ -79,7 +79,7 @@ def resting_place(panel: Panel, wire: Wire, end: End, overlap: float) -> tuple[P
 def plan_laying(
     feeder: Feeder,
     panel: Panel,
-    wire: Wire,
+    wire: PanelWire,
     channel: Channel,
     joints: int,
     noise: np.random.Generator,
@@ -106,7 +106,7 @@ def plan_laying(
     return Laying(tip_a, direction, curvature, fork)
 
 
-def _random_bow(joints: int, wire: Wire, noise: np.random.Generator) -> Array:
+def _random_bow(joints: int, wire: PanelWire, noise: np.random.Generator) -> Array:
     s = np.linspace(0.0, 1.0, joints)
     waves = noise.uniform(0.5, 1.5) * s + noise.uniform(0.0, 1.0)
     curvature = wire.rest_curvature * (noise.standard_normal() + np.sin(2 * np.pi * waves))

@@ -28,7 +28,7 @@ from remodel_sim.core.goals.requirements import (
     require_pose,
     require_robot,
 )
-from remodel_sim.core.workpiece.panel import End, Panel
+from remodel_sim.core.workpiece.panel import Panel, WireEnd
 from remodel_sim.core.workpiece.routes import clips_along
 from remodel_states.core.codes import Code
 
@@ -69,7 +69,7 @@ class CheckGoal:
     """See whether an end of a wire sits in a terminal; any wire of the panel, fed or not."""
 
     cable_id: str
-    end: End
+    end: WireEnd
     component_id: str
     terminal_id: str
 
@@ -97,7 +97,7 @@ class PickGoal:
 
     robot_name: str
     cable_id: str
-    end: End
+    end: WireEnd
     grasp_distance: float
 
     def __post_init__(self) -> None:
@@ -191,7 +191,7 @@ class InsertGoal:
 
     robot_name: str
     cable_id: str
-    end: End
+    end: WireEnd
     component_id: str
     terminal_id: str
     socket: Pose
@@ -293,7 +293,9 @@ class ExtractGoal:
         check_socket(self.component_id, self.terminal_id, self.socket, panel, belief=belief)
 
 
-def check_free(goal: InsertGoal | ConnectGoal, end: End, panel: Panel, belief: BeliefState) -> None:
+def check_free(
+    goal: InsertGoal | ConnectGoal, end: WireEnd, panel: Panel, belief: BeliefState
+) -> None:
     """Raise unless a loose end, in the hand or to be picked, may now go into an opening."""
     key = (goal.component_id, goal.terminal_id)
     check_socket(*key, goal.socket, panel, belief)

@@ -12,7 +12,7 @@ from remodel_sim.core.errors import AbilityError
 from remodel_sim.core.geometry import Pose, wrap_angle
 from remodel_sim.core.robot.arm import Arm, ToolPose
 from remodel_sim.core.workpiece.layout import GRASP_DISTANCE_M, STANDOFF_M, WORLD_FROM_PANEL
-from remodel_sim.core.workpiece.panel import End, Panel, unit_x
+from remodel_sim.core.workpiece.panel import Panel, WireEnd, unit_x
 from remodel_states.core.codes import Code
 
 # A socket further than this from the panel's own place is no pose of that terminal [m].
@@ -37,7 +37,7 @@ def check_live(cable_id: str, panel: Panel, belief: BeliefState) -> None:
         )
 
 
-def check_held(belief: BeliefState, end: End | None = None) -> None:
+def check_held(belief: BeliefState, end: WireEnd | None = None) -> None:
     """Raise unless the hand holds the live wire, at that end if one is named."""
     if belief.grip is None:
         raise AbilityError(Code.NOTHING_HELD, "the gripper is empty; pick the wire first")
@@ -48,7 +48,7 @@ def check_held(belief: BeliefState, end: End | None = None) -> None:
         )
 
 
-def check_hand(belief: BeliefState, end: End) -> None:
+def check_hand(belief: BeliefState, end: WireEnd) -> None:
     """Raise unless the hand is empty or holds that end, and no other robot holds it."""
     for robot, grip in belief.hands.items():
         if robot != belief.robot and grip.end is end:

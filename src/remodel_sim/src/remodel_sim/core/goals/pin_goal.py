@@ -20,7 +20,7 @@ from remodel_sim.core.goals.checks import check_reach
 from remodel_sim.core.goals.requirements import require, require_number
 from remodel_sim.core.robot.arm import ToolPose
 from remodel_sim.core.workpiece.layout import GRASP_DISTANCE_M, WORLD_FROM_PANEL
-from remodel_sim.core.workpiece.panel import Panel, Wire
+from remodel_sim.core.workpiece.panel import Panel, PanelWire
 from remodel_states.core.codes import Code
 
 # How much shorter than the wire the way between its pins may be [m]: the wire is drawn straight, so
@@ -77,7 +77,7 @@ class PlacePinGoal:
                 x, y, z = (float(v) for v in pose.position - pose.rotation[:, 0] * GRASP_DISTANCE_M)
                 check_reach(belief.arm, ToolPose(x, y, z, pose.yaw))
 
-    def _check_length(self, wire: Wire) -> None:
+    def _check_length(self, wire: PanelWire) -> None:
         least, most = (round(wire.length - slack, 4) for slack in reversed(SLACK_M))
         require(
             least <= self.connector_space <= most,
@@ -102,7 +102,7 @@ class PlacePinGoal:
             )
 
 
-def pin_row(goal: PlacePinGoal, wire: Wire) -> dict[str, Pose]:
+def pin_row(goal: PlacePinGoal, wire: PanelWire) -> dict[str, Pose]:
     """Return the poses by name, in the world: pin_1, path_1 to path_n, pin_2.
 
     The pins' x axes point out of the wire, those of the path from the first pin to the second.

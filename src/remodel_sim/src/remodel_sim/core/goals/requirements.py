@@ -8,7 +8,7 @@ import numpy as np
 
 from remodel_sim.core.errors import AbilityError
 from remodel_sim.core.geometry import Pose
-from remodel_sim.core.workpiece.panel import End, unit_x
+from remodel_sim.core.workpiece.panel import WireEnd, unit_x
 from remodel_states.core.codes import Code
 
 # A tool pose may tilt so much and still counts as level [rad].
@@ -46,7 +46,7 @@ def require_robot(name: str) -> None:
     require(bool(name.strip()), "robot_name is empty; it must name the robot that does it")
 
 
-def parse_end(text: str) -> End:
+def parse_end(text: str) -> WireEnd:
     """Return the end named "a" or "b"."""
     require(text in ("a", "b"), f"cable_end is {text!r}; allowed: 'a', 'b'")
-    return End(text)
+    return WireEnd(text)

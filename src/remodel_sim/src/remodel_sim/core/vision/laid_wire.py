@@ -10,7 +10,7 @@ import numpy.typing as npt
 
 from remodel_sim.core.camera import Picture
 from remodel_sim.core.geometry import Array, Pose
-from remodel_sim.core.workpiece.panel import Wire
+from remodel_sim.core.workpiece.panel import PanelWire
 
 # Samples are so far apart across the wire [m], and as many, so far apart, are taken along it.
 ACROSS_M = 0.00025
@@ -37,7 +37,11 @@ class Passing:
 
 
 def wire_past(
-    place: Pose, reach: float, picture: Picture, likelihood: npt.NDArray[np.float32], wire: Wire
+    place: Pose,
+    reach: float,
+    picture: Picture,
+    likelihood: npt.NDArray[np.float32],
+    wire: PanelWire,
 ) -> Passing | None:
     """Return how a wire passes a place, or None where none is seen.
 
@@ -68,7 +72,7 @@ def wire_around(
     towards: float,
     picture: Picture,
     likelihood: npt.NDArray[np.float32],
-    wire: Wire,
+    wire: PanelWire,
 ) -> float | None:
     """Return in which direction a wire crosses a circle on the plate, or None where none is seen.
 

@@ -26,7 +26,7 @@ from remodel_sim.core.camera import Picture
 from remodel_sim.core.geometry import Array, Pose
 from remodel_sim.core.vision.colour import WIRE_SHADES, ferrule_mask
 from remodel_sim.core.workpiece.component_shape import LABEL_CELLS, label_corners
-from remodel_sim.core.workpiece.panel import Component, Wire
+from remodel_sim.core.workpiece.panel import Component, PanelWire
 from remodel_sim.core.workpiece.wire_colours import GREEN_AND_YELLOW, WIRE_RGB
 
 # The strip: distances from the face along the axis, and places across it [m].
@@ -164,7 +164,7 @@ def _brightness(picture: Picture, points: Array) -> float:
 
 
 def observe_opening(
-    picture: Picture, world_from_socket: Pose, wire: Wire, light: float
+    picture: Picture, world_from_socket: Pose, wire: PanelWire, light: float
 ) -> OpeningObservation:
     """Return what a picture shows before an opening.
 
@@ -223,7 +223,7 @@ def _empty(strip: Strip, axis: Mask, world_from_socket: Pose) -> OpeningObservat
     return OpeningObservation(Occupancy.EMPTY if low else Occupancy.UNCLEAR, low)
 
 
-def _ferrule_length(strip: Strip, wire: Wire) -> float:
+def _ferrule_length(strip: Strip, wire: PanelWire) -> float:
     """Return how far from the face a ferrule shows on the axis [m]; 0 when none does."""
     levels = np.clip(np.rint(strip.rgb), 0, 255).astype(np.uint8)
     near = np.abs(strip.across) <= SHOWN_DIAMETERS * wire.diameter
@@ -241,7 +241,7 @@ def _on_axis(strip: Strip, differs: Array, rows: Mask) -> bool:
     return bool(abs(offset) < ASIDE_M and abs(slope) < LEAVING)
 
 
-def _whose(pixels: Array, wire: Wire, light: float) -> Occupancy:
+def _whose(pixels: Array, wire: PanelWire, light: float) -> Occupancy:
     """Return whether pixels (n, 3) of what goes into the opening have the colour of a wire."""
     if light < DARK or len(pixels) < LEAST_SAMPLES:
         return Occupancy.UNCLEAR
@@ -263,7 +263,7 @@ def _away(pixels: Array, colour: str, light: float) -> float:
 
 
 def _at_height(
-    occupancy: Occupancy, strip: Strip, object_mask: Mask, world_from_socket: Pose, wire: Wire
+    occupancy: Occupancy, strip: Strip, object_mask: Mask, world_from_socket: Pose, wire: PanelWire
 ) -> OpeningObservation:
     """Return what is seen, verified when it is as high as the opening, UNCLEAR when it is not."""
     if strip.height is None or occupancy is Occupancy.UNCLEAR:

@@ -17,7 +17,7 @@ from remodel_sim.core.vision.cables.curves.polyline import arc_lengths
 from remodel_sim.core.vision.colour import wire_likelihood
 from remodel_sim.core.vision.ferrules import Ferrule, find_ferrules
 from remodel_sim.core.vision.tracing import trace
-from remodel_sim.core.workpiece.panel import End, Wire
+from remodel_sim.core.workpiece.panel import PanelWire, WireEnd
 from remodel_states.core.codes import Code
 
 # An end is searched for within this distance of where the cell left it [m].
@@ -56,8 +56,8 @@ class EndObservation:
 
 
 def find_ends(
-    picture: Picture, wire: Wire, expected: dict[End, Array]
-) -> tuple[dict[End, EndObservation], npt.NDArray[np.float32]]:
+    picture: Picture, wire: PanelWire, expected: dict[WireEnd, Array]
+) -> tuple[dict[WireEnd, EndObservation], npt.NDArray[np.float32]]:
     """Return the expected ends that are seen, and the likelihood picture of the wire's colour.
 
     Args:
@@ -77,7 +77,7 @@ def find_ends(
         for f in find_ferrules(picture.rgb, likelihood, shortest)
         if f.wire_likelihood >= MIN_COLOUR
     ]
-    found: dict[End, EndObservation] = {}
+    found: dict[WireEnd, EndObservation] = {}
     for end, place in expected.items():
         near = sorted(
             (s for s in observations if _apart(s, place) <= SEARCH_M),
@@ -99,7 +99,7 @@ def find_ends(
             )
         connector = wire.connector_at(end)
         found[end] = near[0] if connector is None else near[0].ahead(connector.pin_length)
-    if len(found) == 2 and found[End.A].ferrule is found[End.B].ferrule:
+    if len(found) == 2 and found[WireEnd.A].ferrule is found[WireEnd.B].ferrule:
         worse = max(found, key=lambda e: _apart(found[e], expected[e]))
         del found[worse]
     return found, likelihood
@@ -109,7 +109,7 @@ def _apart(observation: EndObservation, place: Array) -> float:
     return float(np.linalg.norm(observation.tip.tip[:2] - place))
 
 
-def _in_world(ferrule: Ferrule, picture: Picture, wire: Wire) -> TipObservation:
+def _in_world(ferrule: Ferrule, picture: Picture, wire: PanelWire) -> TipObservation:
     """Return the tip half a ferrule ahead of the blob's centre.
 
     Its outline blurs, its centre does not.
@@ -137,7 +137,7 @@ def trace_from(
     observation: EndObservation,
     picture: Picture,
     likelihood: npt.NDArray[np.float32],
-    wire: Wire,
+    wire: PanelWire,
 ) -> Array:
     """Return the wire's centreline (n, 2) [px] from the tip on.
 
@@ -157,7 +157,7 @@ def trace_between(
     observations: tuple[EndObservation, EndObservation],
     picture: Picture,
     likelihood: npt.NDArray[np.float32],
-    wire: Wire,
+    wire: PanelWire,
 ) -> Array | None:
     """Return the wire's centreline (n, 2) [px] from one tip to the other.
 

@@ -22,7 +22,7 @@ import numpy as np
 import numpy.typing as npt
 
 from remodel_sim.core.geometry import Array
-from remodel_sim.core.workpiece.panel import Component, Terminal
+from remodel_sim.core.workpiece.panel import Component, PanelTerminal
 
 PLATE_THICKNESS_M = 0.0015
 LABEL_THICKNESS_M = 0.0004
@@ -63,7 +63,7 @@ def component_boxes(component: Component) -> tuple[Box, ...]:
     return tuple([*_housing(component), *_label(component), *_screws(component)])
 
 
-def opens_forward(terminal: Terminal) -> bool:
+def opens_forward(terminal: PanelTerminal) -> bool:
     """Return whether the opening is on the component's +x side and leads towards -x."""
     return math.cos(terminal.insertion_yaw) < 0
 
@@ -83,7 +83,7 @@ def _housing(component: Component) -> Iterator[Box]:
     yield Box(((cut[-1] - cut[1]) / 2, 0, height / 2), (core, width, height), HOUSING)
 
 
-def _openings(component: Component) -> Iterator[Terminal]:
+def _openings(component: Component) -> Iterator[PanelTerminal]:
     """Yield every opening, those of a header one by one."""
     for terminal in component.terminals:
         x, y, z = terminal.mouth
@@ -91,7 +91,7 @@ def _openings(component: Component) -> Iterator[Terminal]:
             yield replace(terminal, mouth=(x, y + offset, z), ways=1)
 
 
-def _side(side: int, terminals: list[Terminal], cut: float, size: Vector) -> Iterator[Box]:
+def _side(side: int, terminals: list[PanelTerminal], cut: float, size: Vector) -> Iterator[Box]:
     """Fill the outermost `cut` metres of one side around its pockets."""
     depth, width, height = size
     halves = [t.bore / 2 + t.chamfer for t in terminals]
@@ -126,7 +126,7 @@ def _side(side: int, terminals: list[Terminal], cut: float, size: Vector) -> Ite
     yield from block((0, cut), (left, width / 2), (low, high))
 
 
-def _funnel(terminal: Terminal, side: int) -> Iterator[Box]:
+def _funnel(terminal: PanelTerminal, side: int) -> Iterator[Box]:
     """Four plates at 45 degrees from the face down to the opening's width."""
     chamfer = terminal.chamfer
     if chamfer <= 0:

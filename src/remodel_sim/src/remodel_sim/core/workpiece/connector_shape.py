@@ -9,7 +9,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from remodel_sim.core.workpiece.component_shape import METAL, Vector
-from remodel_sim.core.workpiece.panel import Connector, End, Wire
+from remodel_sim.core.workpiece.panel import Connector, PanelWire, WireEnd
 from remodel_sim.core.workpiece.wire_colours import FERRULE_RGB, WIRE_RGB, Rgb
 
 # The mark is as long as a ferrule, begins at the body's face, and stands so far out of the body.
@@ -38,10 +38,10 @@ class Solid:
     solid: bool = True
 
 
-def connector_solids(wire: Wire, connector: Connector) -> tuple[Solid, ...]:
+def connector_solids(wire: PanelWire, connector: Connector) -> tuple[Solid, ...]:
     """Return the parts of a connector."""
     # Towards the tip.
-    out = -1 if connector.end is End.A else 1
+    out = -1 if connector.end is WireEnd.A else 1
     tip = out * (connector.length + wire.radius) / 2
     face = tip - out * connector.pin_length
 

@@ -20,7 +20,7 @@ import math
 from dataclasses import dataclass
 
 from remodel_sim.core.workpiece.component_shape import Box
-from remodel_sim.core.workpiece.panel import Clip, Duct
+from remodel_sim.core.workpiece.panel import Duct, PanelClip
 
 # Shares of the wire's diameter.
 GAP_SHARE = 0.6
@@ -59,13 +59,13 @@ class Lips:
     force: float
 
 
-def lip_top(clip: Clip) -> float:
+def lip_top(clip: PanelClip) -> float:
     """Return the height of a clip's top above the plate [m]."""
     lips = lips_of(clip)
     return lips.height + lips.radius
 
 
-def lips_of(clip: Clip) -> Lips:
+def lips_of(clip: PanelClip) -> Lips:
     """Return the lips that release a wire at the clip's retention force."""
     radius = LIP_RADIUS_SHARE * clip.wire_diameter
     aside = GAP_SHARE * clip.wire_diameter / 2 + radius
@@ -80,7 +80,7 @@ def lips_of(clip: Clip) -> Lips:
     )
 
 
-def clip_boxes(clip: Clip) -> tuple[Box, ...]:
+def clip_boxes(clip: PanelClip) -> tuple[Box, ...]:
     """Return the fixed parts of a clip, in its frame."""
     inner = clip.wire_diameter / 2 + PLAY_M
     floor = clip.height - clip.wire_diameter / 2
@@ -99,7 +99,7 @@ def clip_boxes(clip: Clip) -> tuple[Box, ...]:
     return base, *walls, *slopes
 
 
-def _slope(clip: Clip, inner: float, side: int, end: int) -> Box:
+def _slope(clip: PanelClip, inner: float, side: int, end: int) -> Box:
     """Return a plate that rises outward from beside the wire, at 45 degrees or flatter."""
     to_lips = lip_top(clip) - clip.height
     steepness = math.atan2(to_lips, max(to_lips, SLOPE_ROOM_M - inner))

@@ -12,15 +12,15 @@ from remodel_sim.core.geometry import Pose, wrap_angle
 from remodel_sim.core.robot.arm import PANDA_AT_ORIGIN, Arm, ToolPose
 from remodel_sim.core.workpiece.panel import (
     Channel,
-    Clip,
     Component,
     Connector,
     Duct,
-    End,
     Named,
     Panel,
-    Terminal,
-    Wire,
+    PanelClip,
+    PanelTerminal,
+    PanelWire,
+    WireEnd,
     unit_x,
 )
 from remodel_sim.core.workpiece.wire_colours import WIRE_RGB
@@ -157,7 +157,7 @@ def _channel(channel: Channel) -> Iterator[str]:
         yield f"{name}: y_max {channel.y_max} must be above y_min {channel.y_min}"
 
 
-def _clip(clip: Clip, panel: Panel) -> Iterator[str]:
+def _clip(clip: PanelClip, panel: Panel) -> Iterator[str]:
     name = f"clip {clip.id!r}"
     yield from _within(f"{name}: wire_diameter", clip.wire_diameter, DIAMETER_M)
     low = clip.wire_diameter / 2 + CLIP_FLOOR_M
@@ -219,16 +219,16 @@ def _component(component: Component, panel: Panel, arms: Sequence[Arm]) -> Itera
         yield f"{name}: openings of {deepest:.3f} m in all do not fit into its {depth:.3f} m"
 
 
-def _opening_half(terminal: Terminal) -> float:
+def _opening_half(terminal: PanelTerminal) -> float:
     return terminal.bore / 2 + terminal.chamfer
 
 
-def _half_row(terminal: Terminal) -> float:
+def _half_row(terminal: PanelTerminal) -> float:
     """Return how far a terminal's openings reach from their middle [m]."""
     return terminal.offsets[-1] + _opening_half(terminal)
 
 
-def _header(terminal: Terminal, name: str) -> Iterator[str]:
+def _header(terminal: PanelTerminal, name: str) -> Iterator[str]:
     yield from _within(f"{name}: ways", terminal.ways, WAYS, "")
     yield from _within(f"{name}: retention_force", terminal.retention_force, LATCH_N, "N")
     gap = terminal.pitch - 2 * _opening_half(terminal)
@@ -240,7 +240,7 @@ def _header(terminal: Terminal, name: str) -> Iterator[str]:
 
 
 def _terminal(
-    terminal: Terminal, component: Component, panel: Panel, arms: Sequence[Arm]
+    terminal: PanelTerminal, component: Component, panel: Panel, arms: Sequence[Arm]
 ) -> Iterator[str]:
     name = f"terminal '{component.id}/{terminal.id}'"
     x, y, z = terminal.mouth
@@ -307,7 +307,7 @@ def _overlaps(panel: Panel) -> Iterator[str]:
                 yield f"components {first!r} and {second!r} overlap"
 
 
-def _wire(wire: Wire, panel: Panel) -> Iterator[str]:
+def _wire(wire: PanelWire, panel: Panel) -> Iterator[str]:
     name = f"wire {wire.id!r}"
     if wire.colour not in WIRE_RGB:
         yield f"{name}: colour {wire.colour!r} is no IEC 60757 code; allowed: {' '.join(WIRE_RGB)}"
@@ -324,7 +324,7 @@ def _wire(wire: Wire, panel: Panel) -> Iterator[str]:
     yield from _within(f"{name}: hardening", wire.hardening, HARDENING, "")
     yield from _connectors(wire)
     sockets = {}
-    for end in End:
+    for end in WireEnd:
         component_id, terminal_id = wire.goes_to(end)
         component = next((c for c in panel.components if c.id == component_id), None)
         terminal = (
@@ -356,14 +356,14 @@ def _wire(wire: Wire, panel: Panel) -> Iterator[str]:
         yield from _wire_length(name, wire, sockets, panel)
 
 
-def _clearance(name: str, terminal: Terminal, diameter: float, where: str) -> Iterator[str]:
+def _clearance(name: str, terminal: PanelTerminal, diameter: float, where: str) -> Iterator[str]:
     limits = (OPENING_CLEARANCE_M[0] * 1e3, OPENING_CLEARANCE_M[1] * 1e3)
     what = f"{name}: opening of {where} minus diameter"
     yield from _within(what, (terminal.bore - diameter) * 1e3, limits, "mm")
 
 
 def _mates(
-    name: str, end: End, connector: Connector | None, terminal: Terminal, where: str
+    name: str, end: WireEnd, connector: Connector | None, terminal: PanelTerminal, where: str
 ) -> Iterator[str]:
     """Check that a connector goes into a header, and nothing else does."""
     if connector is None:
@@ -384,8 +384,8 @@ def _mates(
         )
 
 
-def _connectors(wire: Wire) -> Iterator[str]:
-    for end in End:
+def _connectors(wire: PanelWire) -> Iterator[str]:
+    for end in WireEnd:
         count = sum(connector.end is end for connector in wire.connectors)
         if count > 1:
             yield f"wire {wire.id!r}: {count} connectors are at end {end.value}"
@@ -423,8 +423,10 @@ def length_limits(
     return low, high
 
 
-def _wire_length(name: str, wire: Wire, sockets: dict[End, Pose], panel: Panel) -> Iterator[str]:
-    a, b = sockets[End.A].position, sockets[End.B].position
+def _wire_length(
+    name: str, wire: PanelWire, sockets: dict[WireEnd, Pose], panel: Panel
+) -> Iterator[str]:
+    a, b = sockets[WireEnd.A].position, sockets[WireEnd.B].position
     crossing = panel.channel_in_front_of(a) != panel.channel_in_front_of(b)
     direction = feed_direction(float(a[1]), float(b[1]))
     low, high = length_limits((a[0], a[1]), (b[0], b[1]), crossing=crossing, direction=direction)
@@ -442,7 +444,7 @@ def feed_direction(y_a: float, y_b: float) -> int:
 
 
 def _sharing(panel: Panel) -> Iterator[str]:
-    users = Counter(wire.goes_to(end) for wire in panel.wires for end in End)
+    users = Counter(wire.goes_to(end) for wire in panel.wires for end in WireEnd)
     for (component_id, terminal_id), count in users.items():
         if count > 1:
             yield f"{count} wire ends go to '{component_id}/{terminal_id}'; a terminal takes one"

@@ -26,20 +26,20 @@ Item = TypeVar("Item", bound=Named)
 PITCH_TOLERANCE_M = 1e-5
 
 
-class End(Enum):
+class WireEnd(Enum):
     """One of the two ends of a wire."""
 
     A = "a"
     B = "b"
 
     @property
-    def other(self) -> End:
+    def other(self) -> WireEnd:
         """The end that this one is not."""
-        return End.B if self is End.A else End.A
+        return WireEnd.B if self is WireEnd.A else WireEnd.A
 
 
 @dataclass(frozen=True)
-class Terminal:
+class PanelTerminal:
     """A clamp: a square, chamfered opening; a header: a row of them; component frame.
 
     `mouth` is the middle of the opening or row, `bore` the width of an opening [m].
@@ -81,7 +81,7 @@ class Component:
     marker_size: float
     pose: tuple[float, float, float]
     size: tuple[float, float, float]
-    terminals: tuple[Terminal, ...]
+    terminals: tuple[PanelTerminal, ...]
 
     @property
     def panel_from_component(self) -> Pose:
@@ -89,7 +89,7 @@ class Component:
         x, y, yaw = self.pose
         return Pose.level(x, y, 0.0, yaw)
 
-    def terminal(self, terminal_id: str) -> Terminal:
+    def terminal(self, terminal_id: str) -> PanelTerminal:
         """Return the terminal of that name, or say which there are."""
         return _named(self.terminals, terminal_id, f"terminal of component {self.id!r}")
 
@@ -106,7 +106,7 @@ class Channel:
 
 
 @dataclass(frozen=True)
-class Clip:
+class PanelClip:
     """A clip that the wire runs through along its x; `pose` is (x, y, yaw) in the panel frame."""
 
     id: str
@@ -145,7 +145,7 @@ class Connector:
     """A connector at a wire's end, as thick as the wire: a row of pins before a body."""
 
     id: str
-    end: End
+    end: WireEnd
     ways: int
     pitch: float
     pin_diameter: float
@@ -164,7 +164,7 @@ class Connector:
         """Where its pins are across the wire, from the middle [m]."""
         return row(self.ways, self.pitch)
 
-    def fits(self, terminal: Terminal) -> bool:
+    def fits(self, terminal: PanelTerminal) -> bool:
         """Return whether a terminal is a header with an opening for each pin."""
         return self.ways == terminal.ways and abs(self.pitch - terminal.pitch) < PITCH_TOLERANCE_M
 
@@ -175,7 +175,7 @@ def row(count: int, pitch: float) -> tuple[float, ...]:
 
 
 @dataclass(frozen=True)
-class Wire:
+class PanelWire:
     """A wire with a ferrule or a connector on each end; all properties known."""
 
     id: str
@@ -202,13 +202,13 @@ class Wire:
         """Half the diameter over the insulation [m]."""
         return self.diameter / 2
 
-    def goes_to(self, end: End) -> tuple[str, str]:
+    def goes_to(self, end: WireEnd) -> tuple[str, str]:
         """Return the component and the terminal that the end belongs in."""
-        if end is End.A:
+        if end is WireEnd.A:
             return self.a_component, self.a_terminal
         return self.b_component, self.b_terminal
 
-    def connector_at(self, end: End) -> Connector | None:
+    def connector_at(self, end: WireEnd) -> Connector | None:
         """Return the connector at an end; None where a ferrule is."""
         return next((c for c in self.connectors if c.end is end), None)
 
@@ -216,7 +216,7 @@ class Wire:
         """Return the connector of that name, or say which there are."""
         return _named(self.connectors, connector_id, f"connector of wire {self.id!r}")
 
-    def rigid_length(self, end: End) -> float:
+    def rigid_length(self, end: WireEnd) -> float:
         """Return the length of the ferrule or the connector at an end [m]."""
         connector = self.connector_at(end)
         return self.ferrule_length if connector is None else connector.length
@@ -230,8 +230,8 @@ class Panel:
     size: tuple[float, float, float]
     components: tuple[Component, ...]
     channels: tuple[Channel, ...]
-    wires: tuple[Wire, ...]
-    clips: tuple[Clip, ...] = ()
+    wires: tuple[PanelWire, ...]
+    clips: tuple[PanelClip, ...] = ()
     ducts: tuple[Duct, ...] = ()
     serial: str = ""
 
@@ -243,7 +243,7 @@ class Panel:
         """Return the channel of that name, or say which there are."""
         return _named(self.channels, channel_id, "channel")
 
-    def wire(self, wire_id: str) -> Wire:
+    def wire(self, wire_id: str) -> PanelWire:
         """Return the wire of that name, or say which there are."""
         return _named(self.wires, wire_id, "wire")
 

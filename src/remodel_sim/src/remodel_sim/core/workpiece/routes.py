@@ -11,7 +11,7 @@ import numpy as np
 
 from remodel_sim.core.geometry import Pose, wrap_angle
 from remodel_sim.core.workpiece.layout import WORLD_FROM_PANEL
-from remodel_sim.core.workpiece.panel import Clip, Duct, Panel
+from remodel_sim.core.workpiece.panel import Duct, Panel, PanelClip
 
 # A clip whose middle is so near to a wire's line, and that points so nearly along it, is its clip.
 CLIP_ASIDE_M = 0.010
@@ -20,12 +20,12 @@ CLIP_TURN_RAD = math.radians(15.0)
 DUCT_STEP_M = 0.02
 
 
-def world_from_clip(clip: Clip) -> Pose:
+def world_from_clip(clip: PanelClip) -> Pose:
     """Return a clip's frame in the world."""
     return WORLD_FROM_PANEL @ clip.panel_from_clip
 
 
-def clips_along(path: tuple[Pose, ...], panel: Panel) -> tuple[Clip, ...]:
+def clips_along(path: tuple[Pose, ...], panel: Panel) -> tuple[PanelClip, ...]:
     """Return the clips that straight lines from pose to pose of a path pass, in their order.
 
     A clip may point either way along the wire; those returned point along the path.
@@ -35,7 +35,7 @@ def clips_along(path: tuple[Pose, ...], panel: Panel) -> tuple[Clip, ...]:
     return tuple(clip for _, _, clip in sorted(found, key=lambda passing: passing[:2]))
 
 
-def _first_passing(clip: Clip, lines: Sequence[_Line]) -> tuple[int, float, Clip] | None:
+def _first_passing(clip: PanelClip, lines: Sequence[_Line]) -> tuple[int, float, PanelClip] | None:
     """Return the first line that passes a clip, how far along it, and the clip along the line."""
     place = world_from_clip(clip)
     for i, line in enumerate(lines):
@@ -50,7 +50,7 @@ def _first_passing(clip: Clip, lines: Sequence[_Line]) -> tuple[int, float, Clip
     return None
 
 
-def _turned(clip: Clip) -> Clip:
+def _turned(clip: PanelClip) -> PanelClip:
     x, y, yaw = clip.pose
     return replace(clip, pose=(x, y, yaw + math.pi))
 

@@ -24,7 +24,7 @@ from itertools import pairwise
 import numpy as np
 
 from remodel_sim.core.geometry import Array, multiply_quaternions, turn_between
-from remodel_sim.core.workpiece.panel import End, Wire
+from remodel_sim.core.workpiece.panel import PanelWire, WireEnd
 
 # PyBullet reports at most 31 spherical joints of one body.
 MAX_LINKS = 32
@@ -132,16 +132,16 @@ class CableModel:
         return plastic + flow[:, None] * driving
 
 
-def discretise(wire: Wire, time_step: float) -> CableModel:
+def discretise(wire: PanelWire, time_step: float) -> CableModel:
     """Cut a wire into links for a time step [s]."""
-    rigid = [wire.rigid_length(end) for end in (End.A, End.B)]
+    rigid = [wire.rigid_length(end) for end in (WireEnd.A, WireEnd.B)]
     cells = _cells(wire.length - sum(rigid))
     # A ferrule's cap is the rest of it; so far beyond its link's end a connector's pins reach.
     first, last = (Piece(length - wire.radius, 0.0) for length in rigid)
     model = chain(wire, [first, *cells, last], time_step)
     for connector in wire.connectors:
         body = connector.body_length * connector.body_width * wire.diameter
-        model.masses[0 if connector.end is End.A else -1] = CONNECTOR_DENSITY * body
+        model.masses[0 if connector.end is WireEnd.A else -1] = CONNECTOR_DENSITY * body
     return model
 
 
@@ -160,7 +160,7 @@ def _cells(flexible: float) -> list[Piece]:
     return pieces
 
 
-def chain(wire: Wire, pieces: Sequence[Piece], time_step: float) -> CableModel:
+def chain(wire: PanelWire, pieces: Sequence[Piece], time_step: float) -> CableModel:
     """Make links of a wire's pieces, in order, for a time step [s]; its tips have round caps."""
     lengths = np.array([piece.length for piece in pieces])
     capped = lengths.copy()

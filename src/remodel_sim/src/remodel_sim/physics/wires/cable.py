@@ -11,7 +11,7 @@ import numpy as np
 
 from remodel_sim.core.geometry import Array, multiply_quaternions, rotation_matrix
 from remodel_sim.core.workpiece.connector_shape import Solid
-from remodel_sim.core.workpiece.panel import End
+from remodel_sim.core.workpiece.panel import WireEnd
 from remodel_sim.core.workpiece.wire_colours import FERRULE_RGB, GREEN_AND_YELLOW, WIRE_RGB, Rgb
 from remodel_sim.core.workpiece.wire_mechanics import CableModel, link_frames
 from remodel_sim.physics.wires.cable_body import IDENTITY, CableBody
@@ -24,7 +24,7 @@ BOLT_FORCE_N = 1e4
 Link = tuple[int, int]
 
 
-class Cable:
+class SimulatedWire:
     """A wire of links from end a to end b."""
 
     def __init__(
@@ -32,7 +32,7 @@ class Cable:
         world: World,
         model: CableModel,
         colour: str,
-        connectors: Mapping[End, Sequence[Solid]] = MappingProxyType({}),
+        connectors: Mapping[WireEnd, Sequence[Solid]] = MappingProxyType({}),
     ) -> None:
         """Make the wire, straight along x, its tip a at the origin; see `lay`.
 
@@ -41,7 +41,7 @@ class Cable:
         self._world = world
         self.model = model
         colours = link_colours(colour, len(model.lengths))
-        at = {End.A: 0, End.B: len(model.lengths) - 1}
+        at = {WireEnd.A: 0, WireEnd.B: len(model.lengths) - 1}
         self._parts = [
             CableBody(
                 world,
@@ -123,24 +123,24 @@ class Cable:
         nodes[-1] += axes[-1] * self.model.radius
         return nodes
 
-    def ferrule(self, end: End) -> Link:
+    def ferrule(self, end: WireEnd) -> Link:
         """Return the link that is an end's ferrule or connector."""
-        if end is End.A:
+        if end is WireEnd.A:
             return self._parts[0].body, -1
         last = self._parts[-1]
         return last.body, len(last.model.spans) - 1
 
-    def bend_ferrule(self, end: End, angle: float) -> None:
+    def bend_ferrule(self, end: WireEnd, angle: float) -> None:
         """Give the joint behind an end's ferrule another angle at rest, by so much [rad]."""
-        if end is End.A:
+        if end is WireEnd.A:
             self._parts[0].bend_rest(0, angle)
         else:
             self._parts[-1].bend_rest(-1, angle)
 
-    def tip(self, end: End) -> tuple[Array, Array]:
+    def tip(self, end: WireEnd) -> tuple[Array, Array]:
         """Return an end's apex (3,) [m] and the unit vector out of it (3,), world frame."""
         nodes = self.nodes()
-        apex, inner = (nodes[0], nodes[1]) if end is End.A else (nodes[-1], nodes[-2])
+        apex, inner = (nodes[0], nodes[1]) if end is WireEnd.A else (nodes[-1], nodes[-2])
         out = (apex - inner) / np.linalg.norm(apex - inner)
         return apex, out
 

@@ -13,7 +13,7 @@ import numpy as np
 
 from remodel_sim.core.geometry import Array, Pose
 from remodel_sim.core.workpiece.connector_shape import connector_solids
-from remodel_sim.core.workpiece.panel import Connector, End, Wire
+from remodel_sim.core.workpiece.panel import Connector, PanelWire, WireEnd
 from remodel_sim.core.workpiece.wire_colours import FERRULE_RGB, WIRE_RGB
 from remodel_sim.physics.static_body import add_described
 from remodel_sim.physics.wires.cable_body import connector_shapes
@@ -29,16 +29,16 @@ STIFFNESS_N_M = 220.0
 DAMPING_NS_M = 1.0
 
 
-def draw_parked(world: World, nodes: Array, wire: Wire) -> None:
+def draw_parked(world: World, nodes: Array, wire: PanelWire) -> None:
     """Draw a wire as smooth tubes that touch nothing; nodes (n, 3) [m] go from tip to tip."""
     line = _smooth(nodes)
     from_a = np.r_[0.0, np.cumsum(np.linalg.norm(np.diff(line, axis=0), axis=1))]
-    to_tip = {End.A: from_a, End.B: from_a[-1] - from_a}
-    inner = np.all([to_tip[end] > wire.rigid_length(end) for end in End], axis=0)
+    to_tip = {WireEnd.A: from_a, WireEnd.B: from_a[-1] - from_a}
+    inner = np.all([to_tip[end] > wire.rigid_length(end) for end in WireEnd], axis=0)
     parts = [(line[inner], WIRE_RGB[wire.colour])]
     parts += [
         (line[to_tip[end] <= wire.ferrule_length + STEP_M], FERRULE_RGB)
-        for end in End
+        for end in WireEnd
         if wire.connector_at(end) is None
     ]
     bullet = world.bullet
@@ -56,10 +56,10 @@ def draw_parked(world: World, nodes: Array, wire: Wire) -> None:
         _draw_connector(world, nodes, wire, connector)
 
 
-def _draw_connector(world: World, nodes: Array, wire: Wire, connector: Connector) -> None:
-    tip, inner = (nodes[0], nodes[1]) if connector.end is End.A else (nodes[-1], nodes[-2])
+def _draw_connector(world: World, nodes: Array, wire: PanelWire, connector: Connector) -> None:
+    tip, inner = (nodes[0], nodes[1]) if connector.end is WireEnd.A else (nodes[-1], nodes[-2])
     out = (tip - inner) / np.linalg.norm(tip - inner)
-    along = -out if connector.end is End.A else out
+    along = -out if connector.end is WireEnd.A else out
     bullet = world.bullet
     _, shape = connector_shapes(bullet, connector_solids(wire, connector), 0.0)
     middle = tip - out * (connector.length + wire.radius) / 2
@@ -67,7 +67,7 @@ def _draw_connector(world: World, nodes: Array, wire: Wire, connector: Connector
     bullet.createMultiBody(0, -1, shape, middle.tolist(), turned)
 
 
-def add_solid(world: World, nodes: Array, wire: Wire) -> None:
+def add_solid(world: World, nodes: Array, wire: PanelWire) -> None:
     """Make a drawn wire solid to live wires: a capsule for each of its links."""
     body = _add_capsules(world, nodes, wire.radius)
     world.bullet.changeDynamics(

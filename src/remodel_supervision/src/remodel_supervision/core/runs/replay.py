@@ -40,7 +40,7 @@ from remodel_supervision.core.runs.state import PREEMPTED, SERVER_GONE, RunState
 from remodel_supervision.core.runs.step import (
     Ask,
     Decide,
-    End,
+    EndRun,
     Execute,
     Plan,
     Settle,
@@ -160,6 +160,6 @@ def _fits(event: Event, step: Step | None) -> bool:
             return event.task == step.task
         case Asked(), Ask():
             return event.task == step.task
-        case RunEnded(), End():
+        case RunEnded(), EndRun():
             return event.ending is step.ending
     return False

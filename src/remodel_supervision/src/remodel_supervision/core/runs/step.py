@@ -52,7 +52,7 @@ class Wait:
 
 
 @dataclass(frozen=True)
-class End:
+class EndRun:
     """End the run."""
 
     ending: Ending
@@ -74,7 +74,7 @@ def description_of(step: Step) -> str:
             return f"{step.task}: asking the operator"
         case Wait():
             return f"waiting: {step.why}"
-        case End():
+        case EndRun():
             return f"ending: {step.because}"
 
 
@@ -86,7 +86,7 @@ _PARTS = {
     Part.DISCARD: "discarding the wire",
 }
 
-Step = Plan | Execute | Settle | Decide | Ask | Wait | End
+Step = Plan | Execute | Settle | Decide | Ask | Wait | EndRun
 
 
 def next_step(state: RunState) -> Step | None:
@@ -98,7 +98,7 @@ def next_step(state: RunState) -> Step | None:
     if state.ended is not None:
         return None
     if state.stop:
-        return End(Ending.STOPPED, state.stop)
+        return EndRun(Ending.STOPPED, state.stop)
     if state.current:
         return _about(state, state.current)
     if state.paused:
@@ -112,8 +112,8 @@ def next_step(state: RunState) -> Step | None:
         return Wait(f"other cells have {', '.join(elsewhere)}")
     aside = state.in_stage(Stage.SET_ASIDE)
     if aside:
-        return End(Ending.INCOMPLETE, f"skipped: {', '.join(aside)}")
-    return End(Ending.COMPLETE, "all tasks are done")
+        return EndRun(Ending.INCOMPLETE, f"skipped: {', '.join(aside)}")
+    return EndRun(Ending.COMPLETE, "all tasks are done")
 
 
 def _why_paused(state: RunState) -> str:

@@ -13,7 +13,7 @@ from remodel_production.errors import LostError
 from remodel_supervision.ros.action_server import ActionServer, Goal
 from remodel_supervision.ros.event_loop import RosEventLoop
 from remodel_supervision.ros.peers.peer import Peer
-from remodel_supervision.supervisors.ports import BehaviorEnd, End
+from remodel_supervision.supervisors.ports import BehaviorEnd, EndKind
 
 ACTION = "flexbe/execute_behavior"
 
@@ -57,14 +57,16 @@ class EngineLink:
         if goal is None or not goal.wait(0.0):
             return None
         if goal.succeeded:
-            return BehaviorEnd(End.FINISHED, goal.result.outcome)
+            return BehaviorEnd(EndKind.FINISHED, goal.result.outcome)
         text = goal.ending
         if goal.status in (GoalStatus.PREEMPTED, GoalStatus.RECALLED):
-            return BehaviorEnd(End.PREEMPTED, text)
+            return BehaviorEnd(EndKind.PREEMPTED, text)
         if goal.lost:
-            return BehaviorEnd(End.LOST, "the engine's action server lost the behavior")
+            return BehaviorEnd(EndKind.LOST, "the engine's action server lost the behavior")
         is_lost = goal.status == GoalStatus.ABORTED and goal.text.startswith(_LOST)
-        return BehaviorEnd(End.LOST if is_lost else End.FAILED, goal.text if is_lost else text)
+        return BehaviorEnd(
+            EndKind.LOST if is_lost else EndKind.FAILED, goal.text if is_lost else text
+        )
 
     @property
     def trouble(self) -> str:

@@ -16,7 +16,7 @@ from flexbe_testing.core.conformance.identity import checksum
 from flexbe_testing.core.conformance.matching import Fields, agrees, shown
 from flexbe_testing.core.conformance.scenario import NotJudgedError, ViolationError
 from flexbe_testing.ros.conformance.tape import EVENT
-from flexbe_testing.ros.conformance.wire import Wire
+from flexbe_testing.ros.conformance.wire import EngineWire
 
 PACKAGE = "flexbe_conformance_behaviors"
 UNSUPERVISED = 255
@@ -36,7 +36,7 @@ class Bench:
         id: checksum of the source of the behavior that was started last.
     """
 
-    def __init__(self, wire: Wire, package: Path, limit_s: float, quiet_s: float) -> None:
+    def __init__(self, wire: EngineWire, package: Path, limit_s: float, quiet_s: float) -> None:
         """Test an engine that knows the behaviors of a package.
 
         Args:

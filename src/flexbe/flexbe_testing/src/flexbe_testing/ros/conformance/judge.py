@@ -17,7 +17,7 @@ from flexbe_testing.core.conformance.scenario import (
 )
 from flexbe_testing.ros.conformance.bench import PACKAGE, Bench, StuckError
 from flexbe_testing.ros.conformance.catalogue import FIRST
-from flexbe_testing.ros.conformance.wire import NoEngineError, Wire
+from flexbe_testing.ros.conformance.wire import EngineWire, NoEngineError
 
 
 def behavior_package() -> Path:
@@ -42,7 +42,7 @@ class Judge:
         Raises:
             NoEngineError: if there is no engine, or if it runs a behavior.
         """
-        self.bench = Bench(Wire(limit_s), behavior_package(), limit_s, quiet_s)
+        self.bench = Bench(EngineWire(limit_s), behavior_package(), limit_s, quiet_s)
         self._stuck = ""
         if self.bench.wire.tape.is_running:
             raise NoEngineError("the engine runs a behavior; stop it first")

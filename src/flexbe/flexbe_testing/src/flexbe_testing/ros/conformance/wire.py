@@ -24,7 +24,7 @@ class NoEngineError(Exception):
     """There is no engine in this namespace that can be judged."""
 
 
-class Wire:
+class EngineWire:
     """All topics of an engine, in the namespace of this node."""
 
     def __init__(self, limit_s: float) -> None:

@@ -2,6 +2,20 @@
 
 from remodel_sim.core.vision.cables.curves.spline import Spline
 from remodel_sim.core.vision.cables.detect import detect_cables
-from remodel_sim.core.vision.cables.model import Cable, Crossing, Detection, End, Tip
+from remodel_sim.core.vision.cables.model import (
+    CableEnding,
+    Crossing,
+    DetectedCable,
+    Detection,
+    Tip,
+)
 
-__all__ = ["Cable", "Crossing", "Detection", "End", "Spline", "Tip", "detect_cables"]
+__all__ = [
+    "CableEnding",
+    "Crossing",
+    "DetectedCable",
+    "Detection",
+    "Spline",
+    "Tip",
+    "detect_cables",
+]

@@ -14,7 +14,7 @@ import numpy as np
 
 from remodel_sim.core.geometry import Array
 from remodel_sim.core.vision.cables.curves.robust_statistics import limited
-from remodel_sim.core.vision.cables.model import Cable, Crossing
+from remodel_sim.core.vision.cables.model import Crossing, DetectedCable
 from remodel_sim.core.vision.pixels import Pixels
 
 # Every so many points of a centreline are intersected.
@@ -35,7 +35,7 @@ NOISE = 27.0
 SURE = 0.25
 
 
-def find_crossings(rgb: Pixels, cables: list[Cable]) -> tuple[Crossing, ...]:
+def find_crossings(rgb: Pixels, cables: list[DetectedCable]) -> tuple[Crossing, ...]:
     """Return the crossings of cables with each other and themselves."""
     found = []
     coarse = [cable.centreline[::STRIDE] for cable in cables]
@@ -81,7 +81,7 @@ def _sides(p: Array, q: Array) -> Array:
 
 
 def _crossing(
-    rgb: Pixels, cables: list[Cable], first: tuple[int, float], second: tuple[int, float]
+    rgb: Pixels, cables: list[DetectedCable], first: tuple[int, float], second: tuple[int, float]
 ) -> Crossing:
     """Return the crossing of two strands, each the number of a cable and an index on it."""
     widths = np.array([cables[number].width for number, _ in (first, second)])

@@ -19,7 +19,7 @@ from remodel_sim.core.vision.cables.curves.spline import fit
 from remodel_sim.core.vision.cables.edges.confidence import Evidence, ramp, weigh
 from remodel_sim.core.vision.cables.edges.refining import Refined, refine
 from remodel_sim.core.vision.cables.ends import AXIS_FROM, find_end
-from remodel_sim.core.vision.cables.model import Cable, Detection, End, Tip
+from remodel_sim.core.vision.cables.model import CableEnding, DetectedCable, Detection, Tip
 from remodel_sim.core.vision.cables.strands.foreground import Foreground, find_foreground
 from remodel_sim.core.vision.cables.strands.joining import rough_cables
 from remodel_sim.core.vision.cables.warnings import (
@@ -136,7 +136,7 @@ def _without_scraps(candidates: list[_Candidate]) -> list[_Candidate]:
     ]
 
 
-def _not_over(foreign_objects: Pixels, cable: Cable, scale: int) -> tuple[Tip, Tip]:
+def _not_over(foreign_objects: Pixels, cable: DetectedCable, scale: int) -> tuple[Tip, Tip]:
     """Return a cable's tips; one at the edge of a foreign object is hidden."""
     tips = []
     for tip in cable.tips:
@@ -144,12 +144,12 @@ def _not_over(foreign_objects: Pixels, cable: Cable, scale: int) -> tuple[Tip, T
         column, row = np.clip(
             np.rint(beyond).astype(int), 0, np.array(foreign_objects.shape[::-1]) - 1
         )
-        hidden = tip.end is End.TIP and foreign_objects[row, column]
-        tips.append(replace(tip, end=End.HIDDEN) if hidden else tip)
+        hidden = tip.end is CableEnding.TIP and foreign_objects[row, column]
+        tips.append(replace(tip, end=CableEnding.HIDDEN) if hidden else tip)
     return tips[0], tips[1]
 
 
-def _cable(rgb: Pixels, refined: Refined, confidence: float) -> Cable:
+def _cable(rgb: Pixels, refined: Refined, confidence: float) -> DetectedCable:
     """Find the ends and fit the spline."""
     width = refined.width
     first = find_end(rgb, refined.points, width)
@@ -162,7 +162,7 @@ def _cable(rgb: Pixels, refined: Refined, confidence: float) -> Cable:
     spline = fit(points, weight, max(KNOTS_WIDTHS * width, KNOTS_PX))
     line = spline.at(np.linspace(0, 1, max(8, int(arc[-1] / 2))))
     red, green, blue = median_colour(refined.sections.middle).tolist()
-    return Cable(
+    return DetectedCable(
         centreline=line,
         spline=spline,
         tips=(first, last),

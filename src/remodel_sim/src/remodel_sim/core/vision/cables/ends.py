@@ -9,7 +9,7 @@ import numpy as np
 
 from remodel_sim.core.geometry import Array
 from remodel_sim.core.vision.cables.curves.polyline import arc_lengths, parabola
-from remodel_sim.core.vision.cables.model import End, Tip
+from remodel_sim.core.vision.cables.model import CableEnding, Tip
 from remodel_sim.core.vision.pixels import Pixels
 
 # The axis at an end is fitted to this part of the centreline, counted from the end: nearer to it
@@ -54,7 +54,7 @@ def find_end(rgb: Pixels, line: Array, width: float) -> Tip:
     limit = np.array([rgb.shape[1], rgb.shape[0]]) - 1.0
     rim = BORDER_WIDTHS * width
     if np.any(start < rim) or np.any(start > limit - rim):
-        return Tip(_to_border(start, outward, limit), outward, End.TRUNCATED)
+        return Tip(_to_border(start, outward, limit), outward, CableEnding.TRUNCATED)
     return _find_tip(rgb, start + SKELETON_SHORT * width * outward, outward, width)
 
 
@@ -89,7 +89,7 @@ def _find_tip(rgb: Pixels, expected: Array, outward: Array, width: float) -> Tip
     curve = before - 2 * here + after
     shift = min(max(0.5 * (before - after) / curve, -1.0), 1.0) if curve < 0 else 0.0
     place = along[best + 1] + shift * (along[1] - along[0])
-    return Tip(expected + place * outward, outward, End.TIP)
+    return Tip(expected + place * outward, outward, CableEnding.TIP)
 
 
 def goes_on(rgb: Pixels, tip: Tip, width: float) -> float:

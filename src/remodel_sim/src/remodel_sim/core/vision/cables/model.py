@@ -9,7 +9,7 @@ from remodel_sim.core.geometry import Array
 from remodel_sim.core.vision.cables.curves.spline import Spline
 
 
-class End(Enum):
+class CableEnding(Enum):
     """How a cable ends in a picture."""
 
     TIP = "tip"
@@ -29,11 +29,11 @@ class Tip:
 
     point: Array
     outward: Array
-    end: End
+    end: CableEnding
 
 
 @dataclass(frozen=True, eq=False)
-class Cable:
+class DetectedCable:
     """A cable in a picture.
 
     Attributes:
@@ -83,6 +83,6 @@ class Detection:
         crossings: where they cross.
     """
 
-    cables: tuple[Cable, ...]
+    cables: tuple[DetectedCable, ...]
     crossings: tuple[Crossing, ...]
     doubts: tuple[str, ...]

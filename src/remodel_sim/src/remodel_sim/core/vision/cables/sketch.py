@@ -6,11 +6,15 @@ import cv2
 import numpy as np
 
 from remodel_sim.core.geometry import Array
-from remodel_sim.core.vision.cables.model import Detection, End
+from remodel_sim.core.vision.cables.model import CableEnding, Detection
 from remodel_sim.core.vision.pixels import Pixels
 
 COLOURS = ((40, 200, 60), (230, 60, 220), (20, 190, 230), (250, 160, 20), (120, 110, 250))
-ENDS = {End.TIP: (255, 40, 40), End.TRUNCATED: (40, 90, 255), End.HIDDEN: (255, 200, 0)}
+ENDS = {
+    CableEnding.TIP: (255, 40, 40),
+    CableEnding.TRUNCATED: (40, 90, 255),
+    CableEnding.HIDDEN: (255, 200, 0),
+}
 PAPER, INK = (255, 255, 255), (20, 20, 20)
 SHIFT = 4  # sub-pixel bits of OpenCV's drawing functions
 

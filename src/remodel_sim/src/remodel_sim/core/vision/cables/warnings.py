@@ -10,7 +10,7 @@ import cv2
 import numpy as np
 
 from remodel_sim.core.vision.cables.ends import goes_on
-from remodel_sim.core.vision.cables.model import Cable, End
+from remodel_sim.core.vision.cables.model import CableEnding, DetectedCable
 from remodel_sim.core.vision.cables.strands.foreground import Foreground
 from remodel_sim.core.vision.pixels import Pixels
 
@@ -55,7 +55,7 @@ def exposure_warnings(rgb: Pixels) -> Iterator[str]:
         yield "the picture is dark; take it with more light or a longer exposure"
 
 
-def cable_warnings(rgb: Pixels, cables: list[Cable]) -> Iterator[str]:
+def cable_warnings(rgb: Pixels, cables: list[DetectedCable]) -> Iterator[str]:
     """Yield what is odd about cables in a picture (height, width, 3)."""
     if not cables:
         yield NOTHING
@@ -66,12 +66,12 @@ def cable_warnings(rgb: Pixels, cables: list[Cable]) -> Iterator[str]:
             yield f"cable {i} is straight from border to border: it may be an edge or a seam"
         for tip in cable.tips:
             column, row = tip.point
-            if tip.end is End.HIDDEN:
+            if tip.end is CableEnding.HIDDEN:
                 yield (
                     f"cable {i} may go on beyond ({column:.0f}, {row:.0f}), where a foreign object "
                     "lies"
                 )
-            elif tip.end is End.TIP and goes_on(rgb, tip, cable.width) > GOES_ON:
+            elif tip.end is CableEnding.TIP and goes_on(rgb, tip, cable.width) > GOES_ON:
                 yield f"cable {i} may go on beyond ({column:.0f}, {row:.0f}), fainter"
             for j, other in enumerate(cables):
                 gap = np.hypot(*(other.centreline - tip.point).T).min()
@@ -89,15 +89,17 @@ def cable_warnings(rgb: Pixels, cables: list[Cable]) -> Iterator[str]:
                     yield f"cables {i} and {j} may be one: their ends face each other"
 
 
-def _is_ruled(cable: Cable) -> bool:
+def _is_ruled(cable: DetectedCable) -> bool:
     """Return whether a cable enters and leaves the picture and is straight in between."""
     chord = cable.tips[1].point - cable.tips[0].point
     away = (cable.centreline - cable.tips[0].point) @ np.array([-chord[1], chord[0]])
     straight = np.abs(away).max() < STRAIGHT_WIDTHS * cable.width * math.hypot(*chord.tolist())
-    return bool(straight and all(tip.end is End.TRUNCATED for tip in cable.tips))
+    return bool(straight and all(tip.end is CableEnding.TRUNCATED for tip in cable.tips))
 
 
-def remainder_warnings(foreground: Foreground, cables: list[Cable], scale: int) -> Iterator[str]:
+def remainder_warnings(
+    foreground: Foreground, cables: list[DetectedCable], scale: int
+) -> Iterator[str]:
     """Yield what is odd about cables in a mask made `scale` times smaller than the picture."""
     left = (foreground.distance > CLEAR).astype(np.uint8) & foreground.mask
     if foreground.foreign_objects.any():
