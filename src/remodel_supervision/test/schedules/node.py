@@ -40,7 +40,7 @@ class Node:
         return self.simulation.now_s if self.stalled_s is None else self.stalled_s
 
     def reported_s(self, due_s: float) -> float:
-        """Return when [s] it published a report that was due then, or the last before it was stalled."""
+        """Return when [s] it published a report due then, or its last before it was stalled."""
         begun_s, ended_s = self._silence_s
         return begun_s if begun_s < due_s < ended_s else due_s
 
