@@ -186,12 +186,12 @@ class Engine(Node):
         life = self.life
 
         def send() -> None:
-            if life == self.life:
+            if self.is_up and life == self.life:
                 self._up.keep_record(*record, on_answer)
 
         def on_answer(is_kept: bool | None) -> None:
-            if life != self.life:
-                return
+            if not self.is_up or life != self.life:
+                return  # the record died with the engine
             if is_kept:
                 self._unkept.remove(record)
             else:

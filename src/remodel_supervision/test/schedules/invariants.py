@@ -77,6 +77,7 @@ class Invariants:
     closed: dict[str, str] = field(default_factory=dict)
     stopped: dict[str, Stop] = field(default_factory=dict)
     _engine_died_s: dict[str, float] = field(default_factory=dict)
+    _closed_cells: dict[str, str] = field(default_factory=dict)
     _fixed: set[str] = field(default_factory=set)
     _discards: set[str] = field(default_factory=set)
     _serial: str = ""
@@ -100,8 +101,11 @@ class Invariants:
         if self.closed.get(station.name) == Command.STOP.value:
             del self.closed[station.name]
 
-    def on_take_up(self, run: int, state: RunState) -> None:
+    def on_take_up(self, station: Station, run: int, state: RunState) -> None:
         """Learn what is known of a run; its last event may have been kept unheard."""
+        is_new = run not in self.states  # its beginning was kept unheard
+        if is_new and self.closed.get(station.name) != Command.PROTECTIVE_STOP.value:
+            self.closed.pop(station.name, None)
         self.states[run] = state
 
     def read_open_runs(self) -> None:
@@ -150,13 +154,19 @@ class Invariants:
     # --- the gate
 
     def on_resume(self, station: Station) -> None:
-        """Note that things may move again: somebody is about to ask for it."""
-        self.closed.pop(station.name, None)
+        """Note that things may move again: somebody is about to ask for it.
+
+        A run that was paused at one station may be resumed at another of the same cell.
+        """
+        for name, cell in self._closed_cells.items():
+            if cell == station.cell:
+                self.closed.pop(name, None)
 
     def on_reply(self, station: Station, event: Commanded, sent_s: float) -> None:
         """Check that nothing moves when a command was answered with success."""
         if event.command in _CLOSING:
             self.closed[station.name] = event.command.value
+            self._closed_cells[station.name] = station.cell
             moving = [each for each in self.site.moving if each.station == station.name]
             if moving:
                 self.simulation.violated(

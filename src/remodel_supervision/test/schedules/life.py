@@ -186,7 +186,7 @@ class Life:
     def on_resume(self, run: int, state: RunState) -> None:
         """Learn what is known of the run."""
         self._note("resumes run {}", run)
-        self._station.invariants.on_take_up(run, state)
+        self._station.invariants.on_take_up(self._station, run, state)
 
     def on_begin(self, supervisor: UseCaseSupervisor) -> None:
         """Do nothing: states always ask."""
