@@ -277,8 +277,8 @@ class AbilityStatesTest(unittest.TestCase):
     def test_a_server_that_stood_still_finds_its_goal_cancelled(self):
         script = (
             "import rospy; rospy.init_node('stalled'); from std_msgs.msg import String;"
-            "from remodel_states.testing import Answer, FakeAbility;"
-            "fake = FakeAbility('PickCable', [Answer(hang=True)], 'stalled/pickcable');"
+            "from remodel_states.testing import FakeAbility, FakeAnswer;"
+            "fake = FakeAbility('PickCable', [FakeAnswer(hang=True)], 'stalled/pickcable');"
             "told = rospy.Publisher('stalled/cancelled', String, latch=True, queue_size=1)\n"
             "while not rospy.is_shutdown():\n"
             "    rospy.rostime.wallsleep(0.05)\n"
@@ -344,8 +344,8 @@ class AbilityStatesTest(unittest.TestCase):
     def test_a_server_that_dies_is_noticed_long_before_the_timeout(self):
         script = (
             "import rospy; rospy.init_node('victim');"
-            "from remodel_states.testing import Answer, FakeAbility;"
-            "FakeAbility('PickCable', [Answer(hang=True)], 'victim/pickcable'); rospy.spin()"
+            "from remodel_states.testing import FakeAbility, FakeAnswer;"
+            "FakeAbility('PickCable', [FakeAnswer(hang=True)], 'victim/pickcable'); rospy.spin()"
         )
         victim = subprocess.Popen([sys.executable, "-c", script])
         try:
