@@ -39,7 +39,6 @@ HAND_30_N = Gripper(grip_force=30.0, pad_friction=1.0)
 PAD_SPINNING_FRICTION = 0.004
 # The arm's own: parked wires let it pass.
 COLLISION_GROUP = 4
-MAX_OPENING = 0.04  # [m] per finger
 # First-order low pass of the wrist force [s]: a wrist sensor's bandwidth of 20 Hz.
 FORCE_TIME_CONSTANT = 0.008
 
@@ -69,7 +68,7 @@ class Robot:
         base = arm.world_from_base
         with tempfile.TemporaryDirectory() as folder:
             path = Path(folder) / "arm.urdf"
-            path.write_text(robot_description(arm.model))
+            path.write_text(robot_description(arm))
             self.body = self._bullet.loadURDF(
                 str(path), base.position.tolist(), base.quaternion.tolist(), useFixedBase=True
             )
@@ -84,7 +83,8 @@ class Robot:
         self.joint_names = [infos[i][1].decode() for i in ARM_JOINTS + self._fingers]
         self.grip_force = gripper.grip_force
         self._force = np.zeros(3)
-        self._opening = self._target = MAX_OPENING
+        self._least, self._most = arm.fingers.shut_m / 2, arm.fingers.opening / 2
+        self._opening = self._target = self._most
         self._touch_gap = TOUCH_GAP
         self._grips = False
         self._correction = 0.0
@@ -92,7 +92,7 @@ class Robot:
         for joint, angle in zip(ARM_JOINTS, joints, strict=True):
             self._bullet.resetJointState(self.body, joint, angle)
         for finger in self._fingers:
-            self._bullet.resetJointState(self.body, finger, MAX_OPENING)
+            self._bullet.resetJointState(self.body, finger, self._opening)
             self._bullet.changeDynamics(
                 self.body,
                 finger,
@@ -130,11 +130,11 @@ class Robot:
             self._bullet.changeDynamics(self.body, finger, lateralFriction=pads)
 
     def drive_fingers(self, opening: float, touch_gap: float = TOUCH_GAP) -> None:
-        """Send each finger to a distance from the middle [m].
+        """Send each finger to a distance from the middle [m], as far as it goes.
 
         Closing, they stop on what they grip, slow where the pads are within `touch_gap` [m].
         """
-        self._target = opening
+        self._target = min(self._most, max(self._least, opening))
         self._touch_gap = touch_gap
 
     def _move_fingers(self) -> None:

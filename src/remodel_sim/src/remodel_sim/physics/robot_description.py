@@ -12,14 +12,13 @@ from pathlib import Path
 
 import pybullet_data
 
-from remodel_sim.core.robot.arm import FRANKA_PANDA, KUKA_IIWA, TOOL_M, ArmModel
+from remodel_sim.core.robot.arm import FRANKA_PANDA, KUKA_IIWA, Arm
+from remodel_sim.core.robot.fingers import Fingers
+from remodel_sim.core.workpiece.component_shape import Box
 
 FINGER_ROOT_M = 0.0584  # hand frame to finger frame, as in the original
-PAD_BELOW_TOOL_M = 0.003  # the pads reach this far below the tool centre: half the thickest wire
-PAD_HEIGHT_M = 0.014
-PAD_LENGTH_M = 0.018  # along the wire
-PAD_THICKNESS_M = 0.004
-STEM_THICKNESS_M = 0.008
+STEEL = (0.82, 0.83, 0.85)
+RUBBER = (0.15, 0.15, 0.16)
 # Camera housing on the side of the hand; the lens looks straight down. Hand frame.
 CAMERA_MOUNT = (0.0, 0.118, 0.045)
 
@@ -33,15 +32,17 @@ IIWA_FLANGE_M = 0.045
 IIWA_HAND_TURN = math.pi - KUKA_IIWA.yaw_zero
 
 
-def robot_description(model: ArmModel) -> str:
-    """Return the URDF of an arm with its hand as text, with absolute mesh paths."""
+def robot_description(arm: Arm) -> str:
+    """Return the URDF of an arm with its hand and fingers as text, with absolute mesh paths."""
     data = Path(pybullet_data.getDataPath())
     root = _read(data / "franka_panda/panda.urdf", "package://meshes")
-    if model == KUKA_IIWA:
+    if arm.model == KUKA_IIWA:
         root = _with_hand_of(_read(data / "kuka_iiwa/model.urdf", "meshes"), root)
     links = {link.get("name"): link for link in root.iter("link")}
     for name, side in zip(FINGERS, (1, -1), strict=True):
-        _replace_finger(links[name], side)
+        _replace_finger(links[name], arm.fingers, side)
+    for limit in root.findall("joint[@type='prismatic']/limit"):
+        limit.set("upper", f"{arm.fingers.opening / 2:g}")
     _add_camera(links[HAND])
     return ElementTree.tostring(root, encoding="unicode")
 
@@ -68,20 +69,38 @@ def _with_hand_of(iiwa: ElementTree.Element, panda: ElementTree.Element) -> Elem
     return iiwa
 
 
-def _replace_finger(link: ElementTree.Element, side: int) -> None:
+def _replace_finger(link: ElementTree.Element, fingers: Fingers, side: int) -> None:
     for child in list(link):
         if child.tag in ("visual", "collision", "contact"):
             link.remove(child)
-    tip = TOOL_M - FINGER_ROOT_M + PAD_BELOW_TOOL_M
-    pad_y = side * PAD_THICKNESS_M / 2
-    stem_length = tip - PAD_HEIGHT_M / 2
-    stem_y = side * (PAD_THICKNESS_M + STEM_THICKNESS_M / 2 - 0.001)
-    pad = (PAD_LENGTH_M, PAD_THICKNESS_M, PAD_HEIGHT_M)
-    stem = (0.012, STEM_THICKNESS_M, stem_length)
-    _add_box(link, "visual", (0, stem_y, stem_length / 2), stem, rgb=(0.82, 0.83, 0.85))
-    _add_box(link, "visual", (0, pad_y, tip - PAD_HEIGHT_M / 2), pad, rgb=(0.15, 0.15, 0.16))
-    _add_box(link, "collision", (0, stem_y, stem_length / 2), stem)
-    _add_box(link, "collision", (0, pad_y, tip - PAD_HEIGHT_M / 2), pad)
+    for box in _finger_boxes(fingers):
+        x, y, z = box.centre
+        _add_box(link, "visual", (x, side * y, z), box.size, rgb=box.rgb)
+    for box in _finger_boxes(fingers):
+        x, y, z = box.centre
+        _add_box(link, "collision", (x, side * y, z), box.size)
+
+
+def _finger_boxes(fingers: Fingers) -> list[Box]:
+    """Return a finger's boxes: z down from its root, y outward from the face that grips."""
+    tip, stem = fingers.tip_m - FINGER_ROOT_M, fingers.stem
+    pad = tip - fingers.pad_height
+    stem_length = tip - fingers.pad_height / 2
+    stem_size = (stem.width, stem.thickness, stem_length)
+    boxes = [
+        Box((0.0, stem.behind + stem.thickness / 2, stem_length / 2), stem_size, STEEL),
+        _part_of_tip(fingers, 0.0, fingers.thickness, pad, tip),
+    ]
+    if fingers.notch is not None:
+        tool, half = tip - fingers.below, fingers.notch.height / 2
+        for top, bottom in ((pad, tool - half), (tool + half, tip)):
+            boxes.append(_part_of_tip(fingers, -fingers.notch.depth, 0.0, top, bottom))
+    return boxes
+
+
+def _part_of_tip(fingers: Fingers, inner: float, outer: float, top: float, bottom: float) -> Box:
+    centre = (0.0, (inner + outer) / 2, (top + bottom) / 2)
+    return Box(centre, (fingers.width, outer - inner, bottom - top), RUBBER)
 
 
 def _add_camera(hand: ElementTree.Element) -> None:

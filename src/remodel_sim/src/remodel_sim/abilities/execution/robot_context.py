@@ -19,6 +19,7 @@ from remodel_sim.core.errors import AbilityError
 from remodel_sim.core.geometry import Array, Pose
 from remodel_sim.core.robot.arm import ToolPose
 from remodel_sim.core.robot.arm_volume import volume_of
+from remodel_sim.core.robot.fingers import Fingers
 from remodel_sim.core.robot.traffic import Traffic
 from remodel_sim.core.workpiece.panel import Panel, PanelWire, WireEnd
 from remodel_sim.physics.plant import Plant
@@ -105,6 +106,11 @@ class RobotContext:
     def _robot(self) -> Robot:
         """The arm and its sensors; the plant rebuilds them for every wire."""
         return self._plant.robots[self.name]
+
+    @property
+    def fingers(self) -> Fingers:
+        """What its hand grips with."""
+        return self.arm.fingers
 
     @property
     def peers(self) -> list[RobotContext]:

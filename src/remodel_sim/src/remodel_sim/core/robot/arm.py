@@ -15,11 +15,8 @@ import numpy as np
 
 from remodel_sim.core.errors import AbilityError
 from remodel_sim.core.geometry import Array, Pose, wrap_angle
+from remodel_sim.core.robot.fingers import PANDA_FINGERS, Fingers
 from remodel_states.core.codes import Code
-
-# Hand and own fingers: from the flange to the middle of the wire in the grip
-# (physics/robot_description.py builds them so).
-TOOL_M = 0.129
 
 
 @dataclass(frozen=True)
@@ -142,18 +139,20 @@ ARM_MODELS = {model.name: model for model in (FRANKA_PANDA, KUKA_IIWA)}
 
 @dataclass(frozen=True)
 class Arm:
-    """An arm in its place.
+    """An arm in its place, with fingers on its hand.
 
     Attributes:
         model: its type.
         base: (x, y, z) [m] and yaw [rad] of its base in the world; the base is level.
         lower, higher: limits of joints 1 to 7 in this place [rad]; empty: the model's.
+        fingers: on the Panda's hand, which every arm carries.
     """
 
     model: ArmModel
     base: tuple[float, float, float, float] = (0.0, 0.0, 0.0, 0.0)
     lower: tuple[float, ...] = ()
     higher: tuple[float, ...] = ()
+    fingers: Fingers = PANDA_FINGERS
 
     @cached_property
     def limits(self) -> tuple[Array, Array]:
@@ -183,7 +182,7 @@ class Arm:
         x, y = self._in_base(tool.x, tool.y)
         azimuth = math.atan2(y, x)
         out = math.hypot(x, y) - model.wrist_offset
-        up = tool.z - self.base[2] + TOOL_M + model.flange - model.shoulder_height
+        up = tool.z - self.base[2] + self.fingers.tool_m + model.flange - model.shoulder_height
         distance = math.hypot(out, up)
         cosine = (distance**2 - upper_m**2 - fore_m**2) / (2 * upper_m * fore_m)
         if not -1.0 <= cosine <= 1.0:
@@ -240,7 +239,7 @@ class Arm:
         return ToolPose(
             x + out * math.cos(heading),
             y + out * math.sin(heading),
-            z + up - model.flange - TOOL_M,
+            z + up - model.flange - self.fingers.tool_m,
             heading + model.yaw_zero - q7,
         )
 
