@@ -4,7 +4,7 @@ import math
 
 import numpy as np
 import pytest
-from holds import TOOL, grip_pull_out, wire_in_hand
+from holds import TOOL, wire_in_hand
 
 from remodel_sim.core.robot.arm import PANDA_AT_ORIGIN
 from remodel_sim.core.workpiece.panel import WireEnd
@@ -19,13 +19,26 @@ SLIM = CABINET.arm
 CAGING_M = 0.0010
 # What the pads yield to a grip of 30 N, both sides together: the contacts' stiffness.
 YIELDS_M = 2 * 30.0 / CONTACT_STIFFNESS
-PULL_N = [0.0, 1.0, 0.0]
+# Two thirds of what the friction of a grip of 30 N holds, and far less.
+HELD_N = 20.0
+SLIDES_N = 1.0
 
 
 def height_in_hand(cable):
     """Return the height of a wire's middle between the fingers above the tool centre [m]."""
     nodes = cable.nodes()
     return float(np.interp(TOOL.y, nodes[:, 1], nodes[:, 2])) - TOOL.z
+
+
+def pull(world, cable, force, steps):
+    """Pull at tip b along the wire [N]; return where the tip was before, (3,) [m]."""
+    before = cable.tip(WireEnd.B)[0]
+    for _ in range(steps):
+        link, tip = cable.ferrule(WireEnd.B), cable.tip(WireEnd.B)[0]
+        bullet = world.bullet
+        bullet.applyExternalForce(*link, [0.0, force, 0.0], tip.tolist(), bullet.WORLD_FRAME)
+        world.step()
+    return before
 
 
 def tip_boxes(world, robot):
@@ -73,12 +86,9 @@ def test_notched_pads_grip_wires_of_all_thicknesses(diameter):
     assert robot.finger_gap == pytest.approx(diameter - YIELDS_M, abs=3e-4)
     assert robot.finger_load > 20.0
     assert abs(height_in_hand(cable)) < 0.001
+    before = pull(world, cable, HELD_N, steps=120)
+    assert cable.tip(WireEnd.B)[0][1] - before[1] < 0.0005, "the wire slips"
     world.close()
-
-
-def test_the_slim_fingers_grip_as_hard_as_coulomb_says():
-    held, expected = grip_pull_out(30.0, arm=SLIM)
-    assert held == pytest.approx(expected, rel=0.15)
 
 
 def test_a_notch_that_does_not_grip_keeps_a_wire_from_dropping_out_and_lets_it_slide():
@@ -92,11 +102,7 @@ def test_a_notch_that_does_not_grip_keeps_a_wire_from_dropping_out_and_lets_it_s
     for _ in range(240):
         world.step()
     assert abs(height_in_hand(cable)) < SLIM.fingers.notch.height / 2, "the wire left the notch"
-    before = cable.tip(WireEnd.B)[0]
-    for _ in range(120):
-        link, tip = cable.ferrule(WireEnd.B), cable.tip(WireEnd.B)[0]
-        world.bullet.applyExternalForce(*link, PULL_N, tip.tolist(), world.bullet.WORLD_FRAME)
-        world.step()
+    before = pull(world, cable, SLIDES_N, steps=120)
     assert cable.tip(WireEnd.B)[0][1] - before[1] > 0.01, "the wire does not slide"
     world.close()
 

@@ -24,6 +24,7 @@ from remodel_sim.core.cell.feeding import Feeder
 from remodel_sim.core.errors import CellFileError
 from remodel_sim.core.robot.arm import ARM_MODELS, Arm, ToolPose
 from remodel_sim.core.robot.fingers import PANDA_FINGERS, Fingers, Notch, Stem
+from remodel_sim.core.robot.linear_axis import LinearAxis
 from remodel_sim.core.workpiece.panel import Duct, PanelClip
 from remodel_states.core.schema_problems import schema_problems
 
@@ -98,6 +99,7 @@ def _robot(parsed: dict[str, Any]) -> RobotDesign:
             lower,
             upper,
             fingers=_fingers(parsed["gripper"]),
+            axis=_axis(parsed),
         ),
         home=ToolPose(*_placed(parsed["home"])),
         gripper=Gripper(
@@ -107,6 +109,12 @@ def _robot(parsed: dict[str, Any]) -> RobotDesign:
         prefix=parsed["prefix"],
         scrap_bin=ToolPose(*_placed(parsed["scrap_bin"])) if "scrap_bin" in parsed else None,
     )
+
+
+def _axis(robot: dict[str, Any]) -> LinearAxis | None:
+    if "axis" not in robot:
+        return None
+    return LinearAxis(*(float(robot["axis"][key]) for key in ("lower", "upper", "speed")))
 
 
 def _fingers(gripper: dict[str, Any]) -> Fingers:

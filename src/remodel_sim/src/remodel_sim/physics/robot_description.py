@@ -1,7 +1,7 @@
 """Descriptions of the arms.
 
 Pybullet_data's Franka Panda or KUKA iiwa, either with the Panda's hand, and on it the cell's own
-fingers and a wrist camera.
+fingers and a wrist camera; below it a linear axis, if the arm has one.
 """
 
 from __future__ import annotations
@@ -14,6 +14,7 @@ import pybullet_data
 
 from remodel_sim.core.robot.arm import FRANKA_PANDA, KUKA_IIWA, Arm
 from remodel_sim.core.robot.fingers import Fingers
+from remodel_sim.core.robot.linear_axis import LinearAxis
 from remodel_sim.core.workpiece.component_shape import Box
 
 FINGER_ROOT_M = 0.0584  # hand frame to finger frame, as in the original
@@ -25,6 +26,13 @@ CAMERA_MOUNT = (0.0, 0.118, 0.045)
 
 HAND = "panda_hand"
 FINGERS = ("panda_leftfinger", "panda_rightfinger")
+# A linear axis is a rail, and on it a prismatic joint that carries the base.
+RAIL = "axis_rail"
+AXIS_JOINT = "axis"
+AXIS_FORCE_N = 2000.0
+RAIL_WIDTH_M = 0.20
+RAIL_HEIGHT_M = 0.03
+RAIL_MASS_KG = 50.0
 BASE_LINKS = {FRANKA_PANDA.name: "panda_link0", KUKA_IIWA.name: "lbr_iiwa_link_0"}
 # The iiwa's flange is this far beyond the frame of its last link [m], which is turned by half a
 # turn; the hand is turned back to the yaw that the arm's model has for joint 7 at zero [rad].
@@ -44,6 +52,8 @@ def robot_description(arm: Arm) -> str:
     for limit in root.findall("joint[@type='prismatic']/limit"):
         limit.set("upper", f"{arm.fingers.opening / 2:g}")
     _add_camera(links[HAND])
+    if arm.axis is not None:
+        _put_on_axis(root, BASE_LINKS[arm.model.name], arm.axis)
     return ElementTree.tostring(root, encoding="unicode")
 
 
@@ -67,6 +77,26 @@ def _with_hand_of(iiwa: ElementTree.Element, panda: ElementTree.Element) -> Elem
             origin.set("rpy", f"0 0 {IIWA_HAND_TURN:.8f}")
         iiwa.append(joint)
     return iiwa
+
+
+def _put_on_axis(root: ElementTree.Element, base: str, axis: LinearAxis) -> None:
+    """Add a rail below the arm, for the eye only, and the joint that moves its base along y."""
+    rail = ElementTree.SubElement(root, "link", name=RAIL)
+    inertial = ElementTree.SubElement(rail, "inertial")
+    ElementTree.SubElement(inertial, "mass", value=f"{RAIL_MASS_KG:g}")
+    ElementTree.SubElement(
+        inertial, "inertia", ixx="1", ixy="0", ixz="0", iyy="1", iyz="0", izz="1"
+    )
+    length = axis.upper - axis.lower + RAIL_WIDTH_M
+    middle = (0.0, (axis.lower + axis.upper) / 2, -RAIL_HEIGHT_M / 2)
+    _add_box(rail, "visual", middle, (RAIL_WIDTH_M, length, RAIL_HEIGHT_M), rgb=STEEL)
+    joint = ElementTree.SubElement(root, "joint", name=AXIS_JOINT, type="prismatic")
+    ElementTree.SubElement(joint, "parent", link=RAIL)
+    ElementTree.SubElement(joint, "child", link=base)
+    ElementTree.SubElement(joint, "axis", xyz="0 1 0")
+    limits = {"lower": axis.lower, "upper": axis.upper, "velocity": axis.speed}
+    limits["effort"] = AXIS_FORCE_N
+    ElementTree.SubElement(joint, "limit", {name: f"{v:g}" for name, v in limits.items()})
 
 
 def _replace_finger(link: ElementTree.Element, fingers: Fingers, side: int) -> None:

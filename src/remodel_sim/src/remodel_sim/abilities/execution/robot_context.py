@@ -128,7 +128,7 @@ class RobotContext:
         self.stand()
 
     def claim(self, postures: Array) -> RobotContext | None:
-        """Claim the space of a path, (n, 7) [rad]; return the robot in the way, if there is one."""
+        """Claim the space of a path, (n, joints); return the robot in the way, if there is one."""
         if len(self.robots) == 1:
             return None
         other = self._traffic.claim(self.name, volume_of(self.arm, postures))
@@ -194,7 +194,7 @@ class RobotContext:
         self.commanded = tool
 
     def drive_joints(self, joints: Array) -> None:
-        """Command the arm's joints, (7,) [rad]; joints 3 and 5 stay at zero."""
+        """Command the arm's joints; joints 3 and 5 stay at zero."""
         self._robot.drive(joints)
         self.commanded = self.arm.tool_of(joints)
 

@@ -112,7 +112,13 @@ class CellDesign:
 
 def find_design_problems(design: CellDesign) -> tuple[str, ...]:
     """Return every problem of a cell, one sentence each: place, found, allowed."""
-    return (*_names(design), *_fingers(design), *_homes(design), *_bases(design))
+    return (
+        *_names(design),
+        *_axes(design),
+        *_fingers(design),
+        *_homes(design),
+        *_bases(design),
+    )
 
 
 def _names(design: CellDesign) -> Iterator[str]:
@@ -125,6 +131,16 @@ def _names(design: CellDesign) -> Iterator[str]:
         for name, count in Counter(names).items():
             if count > 1:
                 yield f"robots: {count} have {what} {name!r}; each needs its own"
+
+
+def _axes(design: CellDesign) -> Iterator[str]:
+    for i, robot in enumerate(design.robots):
+        axis = robot.arm.axis
+        if axis is not None and not axis.lower < axis.upper:
+            yield (
+                f"robots[{i}].axis: found lower {axis.lower}, upper {axis.upper}; allowed: lower "
+                "less than upper"
+            )
 
 
 def _fingers(design: CellDesign) -> Iterator[str]:
@@ -149,7 +165,7 @@ def _fingers(design: CellDesign) -> Iterator[str]:
 
 def _homes(design: CellDesign) -> Iterator[str]:
     for i, robot in enumerate(design.robots):
-        lower, higher = robot.arm.limits
+        lower, higher = (limits[-7:] for limits in robot.arm.limits)
         wide = zip(robot.arm.model.lower, robot.arm.model.higher, strict=True)
         for j, (least, most) in enumerate(wide):
             if not least <= lower[j] <= higher[j] <= most:

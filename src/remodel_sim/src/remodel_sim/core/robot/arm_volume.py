@@ -50,14 +50,15 @@ class Volume:
 
 
 def volume_of(arm: Arm, postures: Array) -> Volume:
-    """Return the space that an arm occupies in downward postures, (m, 7) [rad], all of them."""
-    q1, q2, _, q4, _, _, q7 = np.atleast_2d(postures).T
+    """Return the space that an arm occupies in downward postures, (m, joints), all of them."""
+    postures = np.atleast_2d(postures)
+    q1, q2, _, q4, _, _, q7 = postures[:, -7:].T
     model = arm.model
     heading, lean, fore = arm.base[3] + q1, q2, q2 - q4
+    x, y, z = arm.first_joint_at(postures)
 
     def at(out: Array | float, up: Array | float, side: Array | float = 0.0) -> Array:
         """Map places in the arm's plane, and to the side of it, to the world, (m, 3) [m]."""
-        x, y, z, _ = arm.base
         c, s = np.cos(heading), np.sin(heading)
         return np.stack([x + c * out - s * side, y + s * out + c * side, z + up + 0 * c], axis=1)
 
