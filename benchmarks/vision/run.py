@@ -75,8 +75,8 @@ def accuracy(group: str, scores: list[Score], least_count: float) -> list[Row]:
         Row(f"{group}: crossings found", 100 * len(upper) / max(1, crossings), "%"),
         Row(f"{group}: upper strand right", _percent(upper), "%"),
         Row(f"{group}: all right", _percent(s.right for s in scores), "%"),
-        Row(f"{group}: doubted though right", _percent(s.right and s.doubted for s in scores), "%"),
-        Row(f"{group}: wrong without a doubt", _percent(map(_silent, scores)), "%", at_most=1.0),
+        Row(f"{group}: right, with warnings", _percent(s.right and s.warned for s in scores), "%"),
+        Row(f"{group}: wrong without a warning", _percent(map(_silent, scores)), "%", at_most=1.0),
     ]
 
 
@@ -92,7 +92,7 @@ def honesty(group: str, scores: list[Score]) -> Row:
 
 
 def _silent(scored: Score) -> bool:
-    return not scored.right and not scored.doubted
+    return not scored.right and not scored.warned
 
 
 def _mean(values: list[float]) -> float:
