@@ -60,12 +60,12 @@ class Supervised:
         self.owner = owner_of(self.database)
         self.do_run()
         self.follower = RunFollower(self.log, HOUSE)
-        self.tell(1)
+        self.publish(1)
 
     def subscribe(self, topic, kind, callback):
         self.hear = callback
 
-    def tell(self, run):
+    def publish(self, run):
         self.hear(UseCaseState(run=run, order="house"))
 
     def do_run(self):
@@ -84,14 +84,14 @@ def supervised(monkeypatch, tmp_path):
 
 
 def test_what_is_said_of_an_earlier_run_is_not_followed(supervised, monkeypatch):
-    begins = threading.Timer(0.05, lambda: supervised.tell(supervised.do_run()))
+    begins = threading.Timer(0.05, lambda: supervised.publish(supervised.do_run()))
     monkeypatch.setattr(FakeServer, "on_goal", staticmethod(begins.start))
     state = supervised.follower.run(again=False)
     assert supervised.follower.number == 2
     assert state.ended.because == "run 2"
 
 
-def test_a_refusal_is_told(supervised, monkeypatch):
+def test_a_refusal_is_reported(supervised, monkeypatch):
     monkeypatch.setattr(FakeServer, "refuses", True)
     with pytest.raises(CellError, match="run 1 is under way"):
         supervised.follower.run(again=False)
@@ -105,7 +105,7 @@ def test_each_event_is_read_once(supervised, monkeypatch):
         reads.append((first, len(found := tuple(events(run, first)))))
         return found
 
-    begins = threading.Timer(0.05, lambda: supervised.tell(supervised.do_run()))
+    begins = threading.Timer(0.05, lambda: supervised.publish(supervised.do_run()))
     monkeypatch.setattr(FakeServer, "on_goal", staticmethod(begins.start))
     monkeypatch.setattr(supervised.log, "events", read)
     supervised.follower.run(again=False)
