@@ -170,7 +170,10 @@ def test_every_imported_order_is_worked_with_by_every_command(name, tmp_path, da
     assert len(written) == len(json.loads((folder / "problem.json").read_text())["wires"])
 
 
-def test_the_use_case_of_an_order_is_chosen_and_refused_by_name(tmp_path, database, capsys):
+def test_the_use_case_of_an_order_is_chosen_and_refused_by_name(
+    tmp_path, database, capsys, monkeypatch
+):
+    monkeypatch.setenv("REMODEL_USE_CASES", str(tmp_path))
     stored = ["--order", "mine", "--database", database]
     import_design.main([str(DESIGNS / "loom.kbl"), *stored])
     assert tasks.main([*stored, "--use-case", "cabinet"]) == 0
@@ -178,7 +181,9 @@ def test_the_use_case_of_an_order_is_chosen_and_refused_by_name(tmp_path, databa
     assert tasks.main([*stored, "--use-case", "medical_hoses"]) == 1
     assert "tasks: order mine: use case medical_hoses takes no" in capsys.readouterr().err
     assert tasks.main([*stored, "--use-case", "hosen"]) == 1
-    assert "no use case hosen; there are automotive_formboard, " in capsys.readouterr().err
+    error = capsys.readouterr().err
+    assert "no use case hosen; there are automotive_formboard, " in error
+    assert f"(searched: {tmp_path}, /" in error
     assert tasks.main([str(DESIGNS / "loom.kbl"), "--use-case", "cabinet"]) == 1
     assert "--use-case is for --order NAME" in capsys.readouterr().err
 

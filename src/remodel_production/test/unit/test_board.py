@@ -147,7 +147,7 @@ def test_an_order_whose_wires_all_lead_away_has_no_layout():
     assert laid_out(away, CATALOGUE) is away
 
 
-def test_points_off_the_ducts_and_ducts_apart_are_told():
+def test_points_off_the_ducts_and_ducts_apart_are_reported():
     spots = (("A", 0, 0), ("B", 1, 0), ("C", 0, 2), ("D", 1, 2))
     nodes = tuple(Node(name, (float(x), float(y), 0.0)) for name, x, y in spots)
     graph = DuctGraph(nodes, (Segment("S", "A", "B", 1.0), Segment("T", "C", "D", 1.0)))

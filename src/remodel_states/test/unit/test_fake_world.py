@@ -158,7 +158,7 @@ def test_extracting_a_fixed_end_is_a_deed(a_fixed):
     assert do(effect.world, "ExtractCable").entries == ()
 
 
-def test_looking_tells_whether_an_end_is_held(fed, a_fixed):
+def test_an_observation_shows_whether_an_end_is_held(fed, a_fixed):
     assert do(a_fixed, "CheckConnection").found == {"connected": True}
     assert do(a_fixed, "CheckConnection", terminal_id="2").found == {"connected": False}
     assert do(do(fed, "InsertCable").world, "CheckConnection").found == {"connected": False}

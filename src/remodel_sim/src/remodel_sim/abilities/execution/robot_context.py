@@ -19,6 +19,7 @@ from remodel_sim.core.errors import AbilityError
 from remodel_sim.core.geometry import Array, Pose
 from remodel_sim.core.robot.arm import ToolPose
 from remodel_sim.core.robot.arm_volume import volume_of
+from remodel_sim.core.robot.fingers import Fingers
 from remodel_sim.core.robot.traffic import Traffic
 from remodel_sim.core.workpiece.panel import Panel, PanelWire, WireEnd
 from remodel_sim.physics.plant import Plant
@@ -107,6 +108,11 @@ class RobotContext:
         return self._plant.robots[self.name]
 
     @property
+    def fingers(self) -> Fingers:
+        """What its hand grips with."""
+        return self.arm.fingers
+
+    @property
     def peers(self) -> list[RobotContext]:
         """The cell's other robots."""
         return [context for name, context in self.robots.items() if name != self.name]
@@ -122,7 +128,7 @@ class RobotContext:
         self.stand()
 
     def claim(self, postures: Array) -> RobotContext | None:
-        """Claim the space of a path, (n, 7) [rad]; return the robot in the way, if there is one."""
+        """Claim the space of a path, (n, joints); return the robot in the way, if there is one."""
         if len(self.robots) == 1:
             return None
         other = self._traffic.claim(self.name, volume_of(self.arm, postures))
@@ -188,7 +194,7 @@ class RobotContext:
         self.commanded = tool
 
     def drive_joints(self, joints: Array) -> None:
-        """Command the arm's joints, (7,) [rad]; joints 3 and 5 stay at zero."""
+        """Command the arm's joints; joints 3 and 5 stay at zero."""
         self._robot.drive(joints)
         self.commanded = self.arm.tool_of(joints)
 

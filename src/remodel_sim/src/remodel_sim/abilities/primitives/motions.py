@@ -10,13 +10,12 @@ from remodel_sim.abilities.execution.robot_context import RobotContext, Steps
 from remodel_sim.core.errors import AbilityError
 from remodel_sim.core.geometry import Array, Pose, wrap_angle
 from remodel_sim.core.robot.arm import Arm, ToolPose
-from remodel_sim.core.robot.motion import PEAK_OVER_MEAN, Line
+from remodel_sim.core.robot.motion import JOINT_SPEED, PEAK_OVER_MEAN, Line
 from remodel_states.core.codes import Code
 
 FREE_SPEED = 0.60  # [m/s], hand empty and high
 CARRY_SPEED = 0.30  # with a wire in the hand
 APPROACH_SPEED = 0.25  # near things
-JOINT_SPEED = 2.0  # [rad/s]; the Panda's joints 1 to 4 allow 2.17
 # High enough for the fingers to clear components, 45 mm high, with a wire in the grip.
 TRAVEL_Z = 0.10
 # Low enough that a carried wire stays between the rows.
@@ -39,9 +38,10 @@ def move_to(context: RobotContext, target: ToolPose, speed: float) -> Steps[None
 
     Raises UNREACHABLE before it starts, MOTION_FAULT when it does not arrive.
     """
+    arm = context.arm
     line = Line(_canonical(context, context.commanded), _canonical(context, target), speed)
-    postures = line.postures(context.arm)
-    yield from clear_path(context, postures)
+    line = line.paced(arm)
+    yield from clear_path(context, line.postures(arm))
     for tick in range(1, math.ceil(line.duration / context.tick_s) + 1):
         context.follow(line.at(tick * context.tick_s))
         yield
@@ -75,7 +75,14 @@ def check_tracking(context: RobotContext) -> None:
 
 
 def swing_to(context: RobotContext, target: ToolPose) -> Steps[None]:
-    """Move the empty hand, high up, through joint space; raises UNREACHABLE before it starts."""
+    """Move the empty hand, high up, through joint space; raises UNREACHABLE before it starts.
+
+    An arm on an axis goes straight: a posture that its axis's rule does not give has no tool pose
+    to resume from when it is stopped.
+    """
+    if context.arm.axis is not None:
+        yield from move_to(context, target, FREE_SPEED)
+        return
     start, end = context.arm.joints_for(context.commanded), context.arm.joints_for(target)
     farthest = float(np.abs(end - start).max())
     parts = math.ceil(farthest / CHECK_STEP_RAD) + 1
@@ -117,7 +124,7 @@ def clear_hand(context: RobotContext) -> Steps[None]:
 
 
 def clear_path(context: RobotContext, postures: Array) -> Steps[None]:
-    """Wait until no other robot is in the way of a path, (n, 7) [rad], and claim its space.
+    """Wait until no other robot is in the way of a path, (n, joints), and claim its space.
 
     A robot that does nothing and holds nothing is sent home.
 
