@@ -10,10 +10,12 @@ from remodel_msgs.msg import Panel
 from remodel_planning.core.orders.board_order import board_order
 from remodel_planning.core.orders.cell_order import USE_CASE, cell_order
 from remodel_planning.core.orders.work_order import WorkOrder
+from remodel_planning.core.use_case.designs import DesignTasks
 from remodel_planning.core.use_case.fault import FaultTable
 from remodel_planning.core.use_case.model import UseCase
 from remodel_planning.edge.use_case_files import find_use_case
 from remodel_production.core.board.board import board_of
+from remodel_production.core.board.panel import panel_of
 from remodel_production.core.panel.panel_layout import PanelRules, lay_out
 from remodel_production.core.production import Order
 from remodel_production.edge.catalogue_file import read_catalogue
@@ -24,7 +26,7 @@ from remodel_supervision.edge.escalation_hook import EscalationHook
 from remodel_supervision.edge.recorded_lessons import ability_calls
 from remodel_supervision.edge.task_leases import TaskLeases
 from remodel_supervision.edge.work_planner import WorkPlanner
-from remodel_supervision.ros.peers.board_message import MAGAZINE, board_message
+from remodel_supervision.ros.peers.board_message import board_message, branches_message
 from remodel_supervision.ros.peers.panel_message import panel_message
 from remodel_supervision.supervisors.work import Work
 
@@ -97,15 +99,20 @@ class WorkMaker:
 def _in_cell(
     stored: Order, use_case: UseCase, tasks: int
 ) -> tuple[WorkOrder, Panel, dict[str, str]]:
-    """Return an order's first tasks (0: all), the panel to build, and where parts are presented."""
+    """Return an order's first tasks (0: all), the panel to build, and the channels of wires.
+
+    A magazine presents the wires that have no channel.
+    """
+    catalogue = read_catalogue(catalogue_file())
     if use_case.name == USE_CASE:
         rules = PanelRules()
-        first = stored.first(tasks or len(stored.wires))
-        layout = lay_out(first, read_catalogue(catalogue_file()), rules)
+        layout = lay_out(stored.first(tasks or len(stored.wires)), catalogue, rules)
         channels = {cut.wire.name: cut.channel for cut in layout.wires}
         return cell_order(layout), panel_message(layout, rules), channels
-    board = board_of(stored)
+    board = board_of(stored, catalogue)
     order = board_order(board, use_case, arms=1)
-    panel = board_message(order)
-    order = replace(order, tasks=order.tasks[: tasks or None])
-    return order, panel, {task.name: MAGAZINE for task in order.tasks}
+    is_harness = use_case.designs and use_case.designs.tasks is DesignTasks.BRANCHES
+    panel = (
+        branches_message(order) if is_harness else board_message(panel_of(board, catalogue), order)
+    )
+    return replace(order, tasks=order.tasks[: tasks or None]), panel, {}
