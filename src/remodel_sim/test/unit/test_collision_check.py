@@ -2,12 +2,15 @@
 
 import math
 from dataclasses import replace
+from itertools import product
+from pathlib import Path
 
 import numpy as np
 import pytest
 from panels import panel
 
 from remodel_sim.abilities.primitives.motions import FREE_SPEED, LIFTS_Z, move_to
+from remodel_sim.abilities.primitives.pushing import tool_before
 from remodel_sim.cell import Cell
 from remodel_sim.core.belief.belief_state import Feed, Grip
 from remodel_sim.core.errors import AbilityError
@@ -15,7 +18,7 @@ from remodel_sim.core.geometry import Pose
 from remodel_sim.core.robot.arm import ToolPose
 from remodel_sim.core.robot.motion import Line
 from remodel_sim.core.workpiece.component_shape import Box
-from remodel_sim.core.workpiece.layout import WORLD_FROM_PANEL
+from remodel_sim.core.workpiece.layout import STANDOFF_M, WORLD_FROM_PANEL
 from remodel_sim.core.workpiece.obstacles import (
     Obstacles,
     Solid,
@@ -25,7 +28,9 @@ from remodel_sim.core.workpiece.obstacles import (
 )
 from remodel_sim.core.workpiece.panel import Duct, Rail, WireEnd
 from remodel_sim.edge.cell_file import read_cell
+from remodel_sim.edge.wire_material_file import read_wire_materials
 from remodel_sim.physics.collision_check import CollisionCheck, HeldTip
+from remodel_sim.ros.conversions import read_panel
 from remodel_states.core.codes import Code
 
 DESIGN = read_cell("cabinet")
@@ -33,6 +38,9 @@ DESIGN = read_cell("cabinet")
 # A block of 20 x 20 x 50 mm, in the middle of the plate.
 BLOCK = Obstacles((Solid("the block", Box((0.5, 0.0, 0.025), (0.02, 0.02, 0.05), (1, 1, 1))),))
 OPEN_M = 0.024
+# Behind the tip: fingers and wire fit between a device and the duct before it.
+GRASP_M = 0.025
+CONFIG = Path(__file__).parents[2] / "config"
 X2 = component_name("X2")
 
 
@@ -126,6 +134,26 @@ def test_a_panels_obstacles_stand_where_they_were_located_else_as_drawn():
     assert obstacles.nearest(np.array([x + 0.08, y + 0.12, 0.05])) == X2
     assert obstacles.nearest(np.array([x - 0.02, y - 0.01, 0.05])) == "duct 'D'"
     assert X2 not in {solid.name for solid in obstacles.without([X2]).solids}
+
+
+def test_every_terminal_of_the_household_panel_is_approached_without_touching_anything(check):
+    household = read_panel(CONFIG / "household.yaml", read_wire_materials())
+    obstacles = panel_obstacles(household, {})
+    ends = [(wire, wire.goes_to(end)) for wire in household.wires for end in WireEnd]
+    for (wire, terminal), flip in product(ends, (0.0, math.pi)):
+        socket = WORLD_FROM_PANEL @ household.panel_from_socket(*terminal)
+        grip = Grip(WireEnd.A, distance=GRASP_M, height=0.0, flip=flip, tool=ROBOT.home)
+        before = tool_before(socket, grip, -STANDOFF_M)
+        held = HeldTip(wire.id, wire.radius, GRASP_M, height=0.0, flip=flip)
+        line = Line(before.at(z=0.15), before, 0.1)
+        found = check.first_touch(
+            line.between,
+            line.distance,
+            obstacles=obstacles,
+            finger_gap=wire.diameter,
+            held=held,
+        )
+        assert found is None, (wire.id, terminal, str(found))
 
 
 def beside_x2(side):

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from panels import panel
 
-from remodel_sim.abilities.primitives.motions import FREE_SPEED, move_to, park
+from remodel_sim.abilities.primitives.motions import FREE_SPEED, choose_flip, move_to, park
 from remodel_sim.cell import Cell
 from remodel_sim.core.cell.scrap_bin import bin_of
 from remodel_sim.core.robot.arm import ToolPose
@@ -120,3 +120,15 @@ def test_the_simulated_arm_follows_with_its_axis_and_goes_home():
     cell.run(park(context))
     np.testing.assert_allclose(robot.tool.position, ROBOT.home.position, atol=1e-3)
     cell.close()
+
+
+def test_the_cabinet_turns_a_wire_from_anywhere_in_the_magazine_into_any_terminal_of_the_plate():
+    places = product((0.12, 0.16, 0.22), (-0.40, 0.0, 0.40), (math.pi / 2, -math.pi / 2, 0.0))
+    for x, y, tip_yaw in places:
+        for to_x, to_y, socket_yaw in product((0.25, 0.75), (-0.37, 0.37), (0.0, math.pi)):
+            flip = choose_flip(ARM, (x, y), tip_yaw, (to_x, to_y), socket_yaw)
+            start = ARM.canonical_yaw(x, y, tip_yaw - flip)
+            end = ARM.canonical_yaw(to_x, to_y, socket_yaw - flip)
+            line = Line(ToolPose(x, y, 0.12, start), ToolPose(to_x, to_y, 0.12, end), FREE_SPEED)
+            arrived = ARM.tool_of(line.postures(ARM)[-1])
+            np.testing.assert_allclose(arrived.position, line.end.position, atol=1e-9)
