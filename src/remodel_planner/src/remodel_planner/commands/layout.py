@@ -44,7 +44,7 @@ def main(arguments: list[str] | None = None) -> int:
         catalogue = read_catalogue(catalogue_file())
         board = board_of(order, catalogue)
         if options.output:
-            write_text(options.output, draw_board(board))
+            write_text(options.output, draw_board(board, catalogue))
         if options.panel:
             use_case = default_use_case(kind_of(board))
             message = board_message(
