@@ -24,7 +24,7 @@ import signal
 import sys
 import time
 import uuid
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import asdict
 from pathlib import Path
 from typing import Any
@@ -166,14 +166,14 @@ class Tables:
         self.inspection_s = self.durations_s["LocateGearboxComponent"]
 
 
-def printed(command: Any, words: list[str]) -> str:  # noqa: ANN401
+def printed(command: Callable[[list[str]], int], words: list[str]) -> str:
     """Return what a command prints."""
     with contextlib.redirect_stdout(io.StringIO()) as text:
         command(words)
     return text.getvalue()
 
 
-def _yaml(file: Path) -> Any:  # noqa: ANN401
+def _yaml(file: Path) -> Any:  # noqa: ANN401 - any document
     return yaml.safe_load(file.read_text(encoding="utf-8"))
 
 

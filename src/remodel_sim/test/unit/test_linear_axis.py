@@ -1,7 +1,7 @@
 """An arm on a linear axis: where the axis carries it, how it moves, what the cabinet reaches."""
 
 import math
-from itertools import product
+from itertools import combinations, product
 
 import numpy as np
 import pytest
@@ -11,10 +11,12 @@ from remodel_sim.abilities.primitives.motions import FREE_SPEED, move_to, park
 from remodel_sim.cell import Cell
 from remodel_sim.core.cell.scrap_bin import bin_of
 from remodel_sim.core.robot.arm import ToolPose
+from remodel_sim.core.robot.arm_volume import gap_between, volume_of
 from remodel_sim.core.robot.motion import JOINT_SPEED, Line
 from remodel_sim.edge.cell_file import read_cell
 
-(ROBOT,) = read_cell("cabinet").robots
+CELL, PAIR = read_cell("cabinet"), read_cell("two_arms_cabinet")
+(ROBOT,) = CELL.robots
 ARM = ROBOT.arm
 ALONG_X, ALONG_Y = (0.0, 180.0), (90.0, -90.0)
 TICK_S = 1 / 120
@@ -26,16 +28,17 @@ def postures(line):
     return np.array([ARM.joints_for(line.at(tick * TICK_S)) for tick in ticks])
 
 
-def reached(x, y, z, yaws_deg):
-    """Return those of some directions of the hand that the arm reaches at a place [deg]."""
-    return [yaw for yaw in yaws_deg if ARM.reaches(ToolPose(x, y, z, math.radians(yaw)))]
+def reached(x, y, z, yaws_deg, arm=ARM):
+    """Return those of some directions of the hand that an arm reaches at a place [deg]."""
+    return [yaw for yaw in yaws_deg if arm.reaches(ToolPose(x, y, z, math.radians(yaw)))]
 
 
-def test_the_cabinet_reaches_its_plate_with_the_hand_along_and_across_the_rails():
+@pytest.mark.parametrize("arm", [ARM, *PAIR.arms])
+def test_the_cabinets_arms_reach_its_plate_with_the_hand_along_and_across_the_rails(arm):
     grid = product(np.linspace(0.25, 0.75, 11), np.linspace(-0.37, 0.37, 11), (0.01, 0.08, 0.15))
     for x, y, z in grid:
         for yaws in (ALONG_X, ALONG_Y):
-            assert reached(x, y, z, yaws) == list(yaws), (x, y, z)
+            assert reached(x, y, z, yaws, arm) == list(yaws), (x, y, z)
 
 
 def test_the_cabinet_reaches_the_magazines_strip_for_wires_along_either_direction():
@@ -43,6 +46,15 @@ def test_the_cabinet_reaches_the_magazines_strip_for_wires_along_either_directio
     for x, y, z in grid:
         assert reached(x, y, z, ALONG_X) == list(ALONG_X), (x, y, z)
         assert reached(x, y, z, ALONG_Y), (x, y, z)
+
+
+@pytest.mark.parametrize("cell", [CELL, PAIR])
+def test_arms_at_home_are_apart_and_outside_of_the_overhead_picture(cell):
+    volumes = [volume_of(robot.arm, robot.arm.joints_for(robot.home)) for robot in cell.robots]
+    for volume in volumes:
+        for point in (*volume.starts, *volume.ends):
+            assert not cell.overhead.sees(point[None], margin_px=0.0), point
+    assert all(gap_between(*pair) > 0.5 for pair in combinations(volumes, 2))
 
 
 def test_the_cabinet_reaches_its_scrap_bin_beside_the_plate():

@@ -4,13 +4,13 @@ from __future__ import annotations
 
 import argparse
 import re
-import sys
 from collections import Counter
 from contextlib import closing
 from pathlib import Path
 
 from remodel_planner.commands.options.database_option import add_database_option
 from remodel_planner.commands.options.design_orders import add_design_options, design_order
+from remodel_planner.commands.options.entry import refuses
 from remodel_planning.core.decomposition.preparation import prepare
 from remodel_planning.edge.yaml_file import read_yaml
 from remodel_production.core.board.cabinet import laid_out
@@ -23,9 +23,10 @@ from remodel_production.edge.catalogue_file import read_catalogue
 from remodel_production.edge.database.production_database import ProductionDatabase
 from remodel_production.edge.design_files import read_design, read_mappings
 from remodel_production.edge.package_files import catalogue_file
-from remodel_production.errors import DesignError, PlannerError, blamed
+from remodel_production.errors import DesignError, blamed
 
 
+@refuses("import", 1)
 def main(arguments: list[str] | None = None) -> int:
     """Import, report what was read, assumed and left out, and return the exit code."""
     parser = argparse.ArgumentParser(
@@ -54,16 +55,12 @@ def main(arguments: list[str] | None = None) -> int:
     add_database_option(parser)
     options = parser.parse_args(arguments)
     name = options.order or re.sub(r"\W+", "_", options.file.stem)
-    try:
-        catalogue = read_catalogue(catalogue_file())
-        imported = _read(options, name, catalogue)
-        order = laid_out(imported.order, catalogue)
-        preferences = _preferences(options, order)
-        with closing(ProductionDatabase(options.database)) as database:
-            database.add_order(order, preferences, read_abilities())
-    except PlannerError as error:
-        print(f"import: {error}", file=sys.stderr)
-        return 1
+    catalogue = read_catalogue(catalogue_file())
+    imported = _read(options, name, catalogue)
+    order = laid_out(imported.order, catalogue)
+    preferences = _preferences(options, order)
+    with closing(ProductionDatabase(options.database)) as database:
+        database.add_order(order, preferences, read_abilities())
     _report(imported, verbose=options.verbose)
     return 0
 

@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 import argparse
-import sys
 from contextlib import closing
 from pathlib import Path
 
 from remodel_planner.commands.options.database_option import add_database_option
+from remodel_planner.commands.options.entry import refuses
 from remodel_planning.core.orders.board_order import board_order, kind_of
 from remodel_planning.edge.use_case_files import default_use_case
 from remodel_production.core.board.board import board_of
@@ -17,10 +17,10 @@ from remodel_production.edge.catalogue_file import read_catalogue
 from remodel_production.edge.database.production_database import ProductionDatabase
 from remodel_production.edge.package_files import catalogue_file
 from remodel_production.edge.text_file import write_text
-from remodel_production.errors import PlannerError
 from remodel_supervision.ros.peers.board_message import board_message, panel_text
 
 
+@refuses("layout", 1)
 def main(arguments: list[str] | None = None) -> int:
     """Write the drawing, and return the exit code."""
     parser = argparse.ArgumentParser(
@@ -38,22 +38,16 @@ def main(arguments: list[str] | None = None) -> int:
     options = parser.parse_args(arguments)
     if not (options.output or options.panel):
         parser.error("give --output FILE, --panel FILE, or both")
-    try:
-        with closing(ProductionDatabase(options.database)) as database:
-            order = database.order(options.order)
-        catalogue = read_catalogue(catalogue_file())
-        board = board_of(order, catalogue)
-        if options.output:
-            write_text(options.output, draw_board(board, catalogue))
-        if options.panel:
-            use_case = default_use_case(kind_of(board))
-            message = board_message(
-                panel_of(board, catalogue), board_order(board, use_case, arms=1)
-            )
-            write_text(options.panel, panel_text(message))
-    except PlannerError as error:
-        print(f"layout: {error}", file=sys.stderr)
-        return 1
+    with closing(ProductionDatabase(options.database)) as database:
+        order = database.order(options.order)
+    catalogue = read_catalogue(catalogue_file())
+    board = board_of(order, catalogue)
+    if options.output:
+        write_text(options.output, draw_board(board, catalogue))
+    if options.panel:
+        use_case = default_use_case(kind_of(board))
+        message = board_message(panel_of(board, catalogue), board_order(board, use_case, arms=1))
+        write_text(options.panel, panel_text(message))
     wires = [wire for wire in board.order.wires if wire.name in board.routes]
     total = sum(map(board.length_of, wires))
     print(f"{order.name}: {len(board.devices)} components and {len(wires)} wires, {total:.1f} m")

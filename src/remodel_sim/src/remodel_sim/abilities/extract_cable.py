@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 
@@ -28,7 +27,7 @@ from remodel_sim.core.belief.belief_state import EndState, Grip
 from remodel_sim.core.errors import AbilityError
 from remodel_sim.core.geometry import Pose
 from remodel_sim.core.goals import ExtractGoal
-from remodel_sim.core.goals.goal_pose import pose_from
+from remodel_sim.core.goals.goal_pose import Message, pose_from
 from remodel_sim.core.robot.arm import ToolPose
 from remodel_sim.core.workpiece.panel import WireEnd
 from remodel_states.core.codes import Code
@@ -53,7 +52,7 @@ class CableExtracted:
     peak_force: float
 
 
-def _goal(message: Any) -> ExtractGoal:  # noqa: ANN401 - messages have no types
+def _goal(message: Message) -> ExtractGoal:
     return ExtractGoal(
         robot_name=message.robot_name,
         cable_id=message.cable_id,

@@ -9,7 +9,6 @@ from __future__ import annotations
 import itertools
 import math
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 
@@ -42,6 +41,7 @@ from remodel_sim.abilities.primitives.pushing import BLIND_S, axial, tool_before
 from remodel_sim.core.belief.belief_state import Grip
 from remodel_sim.core.errors import AbilityError
 from remodel_sim.core.geometry import Array, Pose, wrap_angle
+from remodel_sim.core.goals.goal_pose import Message
 from remodel_sim.core.goals.pin_goal import PlacePinGoal, pin_row
 from remodel_sim.core.robot.arm import ToolPose
 from remodel_sim.core.robot.motion import MAX_TURN_RATE, PEAK_OVER_MEAN
@@ -84,7 +84,7 @@ class Hand:
     pin: Pose
 
 
-def _goal(message: Any) -> PlacePinGoal:  # noqa: ANN401 - messages have no types
+def _goal(message: Message) -> PlacePinGoal:
     return PlacePinGoal(
         robot_1=message.robot_1_name,
         robot_2=message.robot_2_name,

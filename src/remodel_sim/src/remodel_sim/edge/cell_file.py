@@ -108,6 +108,7 @@ def _robot(parsed: dict[str, Any]) -> RobotDesign:
         camera=WristCamera(camera["name"], _lens(camera)),
         prefix=parsed["prefix"],
         scrap_bin=ToolPose(*_placed(parsed["scrap_bin"])) if "scrap_bin" in parsed else None,
+        clearance=float(parsed["clearance"]) if "clearance" in parsed else None,
     )
 
 

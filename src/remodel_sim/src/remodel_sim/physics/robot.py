@@ -111,6 +111,9 @@ class Robot:
             )
         for link in range(-1, self._bullet.getNumJoints(self.body)):
             self._bullet.setCollisionFilterGroupMask(self.body, link, COLLISION_GROUP, -1)
+        if self._base is not None:
+            # It slides along its rail, on the plane that wires lie on.
+            self._bullet.setCollisionFilterGroupMask(self.body, self._base, 0, 0)
         self._bullet.enableJointForceTorqueSensor(self.body, self._wrist, 1)
         self.drive(joints)
         self._drive_fingers()

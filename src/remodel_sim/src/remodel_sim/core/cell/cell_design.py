@@ -55,6 +55,7 @@ class RobotDesign:
         camera: on its hand.
         prefix: put before the names of its frames and joints.
         scrap_bin: where the hand drops wires into its scrap bin; None: beside the plate.
+        clearance: that motions keep to what stands on the plate [m]; None: they are not checked.
     """
 
     name: str
@@ -64,6 +65,7 @@ class RobotDesign:
     camera: WristCamera
     prefix: str
     scrap_bin: ToolPose | None = None
+    clearance: float | None = None
 
 
 @dataclass(frozen=True)

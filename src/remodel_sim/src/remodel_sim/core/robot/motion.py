@@ -56,9 +56,10 @@ class Line:
         """Return the tool pose after `elapsed` seconds."""
         duration = self.duration
         t = 1.0 if duration <= 0 else min(1.0, max(0.0, elapsed / duration))
-        return self._between(_progress(t))
+        return self.between(_progress(t))
 
-    def _between(self, share: float) -> ToolPose:
+    def between(self, share: float) -> ToolPose:
+        """Return the tool pose at a share of the path."""
         a, b = self.start, self.end
         return ToolPose(
             a.x + share * (b.x - a.x),
@@ -74,7 +75,7 @@ class Line:
         """
         turn = abs(self.end.yaw - self.start.yaw)
         parts = max(1, math.ceil(max(self.distance / CHECK_STEP_M, turn / CHECK_STEP_RAD)))
-        return np.array([arm.joints_for(self._between(i / parts)) for i in range(parts + 1)])
+        return np.array([arm.joints_for(self.between(i / parts)) for i in range(parts + 1)])
 
     def paced(self, arm: Arm) -> Line:
         """Return the line, slowed so that no joint of an arm on an axis is too fast.
@@ -84,7 +85,7 @@ class Line:
         if arm.axis is None:
             return self
         shares = [_progress(t) for t in np.linspace(0.0, 1.0, RATE_SAMPLES)]
-        joints = np.array([arm.joints_for(self._between(share)) for share in shares])
+        joints = np.array([arm.joints_for(self.between(share)) for share in shares])
         rates = np.abs(np.diff(joints, axis=0)).max(axis=0) * (RATE_SAMPLES - 1)
         fastest = np.array([arm.axis.speed, *[JOINT_SPEED] * 7])
         return replace(self, least_s=float((rates / fastest).max()))
