@@ -215,8 +215,8 @@ def test_a_connector_without_a_node_lies_below_the_harness():
 @pytest.mark.parametrize("order_of", [loom, lambda: project("industrial")])
 def test_a_drawing_shows_every_device_and_every_wire(order_of):
     board = board_of(order_of(), CATALOGUE)
-    text = draw_board(board)
-    assert text == draw_board(board_of(order_of(), CATALOGUE))
+    text = draw_board(board, CATALOGUE)
+    assert text == draw_board(board_of(order_of(), CATALOGUE), CATALOGUE)
     svg = etree.fromstring(text.encode())
     space = {"s": "http://www.w3.org/2000/svg"}
     labels = Counter(node.text for node in svg.findall("s:text", space))
@@ -229,3 +229,26 @@ def test_a_drawing_shows_every_device_and_every_wire(order_of):
         x, y = map(float, pair.split(","))
         assert 0 <= x <= width
         assert 0 <= y <= height
+
+
+def test_a_cabinet_is_drawn_to_scale():
+    board = board_of(project("tableau_domestique"), CATALOGUE)
+    svg = etree.fromstring(draw_board(board, CATALOGUE).encode())
+    space = {"s": "http://www.w3.org/2000/svg"}
+    sizes = {
+        rect.findtext("s:title", namespaces=space): float(rect.get("width"))
+        for rect in svg.iterfind("s:rect", space)
+    }
+    device = next(d for d in board.devices if d.component.name == "Q1")
+    scale = sizes[f"Q1 {device.component.kind}"] / device.size[0]
+    thick, thin = (CATALOGUE.wires[section].diameter_m + 0.0008 for section in (10.0, 2.5))
+    assert sizes["Q1:T1.1"] == pytest.approx(thick * scale, abs=0.1)
+    assert sizes["Q1:B1.1"] == pytest.approx(thin * scale, abs=0.1)
+    lines = svg.findall("s:line", space)
+    fingers = [line.get("stroke-dasharray") for line in lines if line.get("stroke-dasharray")]
+    assert len(fingers) == len(board.lines)
+    assert sum(map(float, fingers[0].split())) == pytest.approx(
+        RULES.duct.slot_pitch * scale, abs=0.1
+    )
+    rails = [float(line.get("stroke-width")) for line in lines if line.get("stroke") == "#c9c9c0"]
+    assert rails == pytest.approx([RULES.rail.width * scale] * 2, abs=0.1)

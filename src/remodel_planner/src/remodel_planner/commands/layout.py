@@ -43,7 +43,7 @@ def main(arguments: list[str] | None = None) -> int:
     catalogue = read_catalogue(catalogue_file())
     board = board_of(order, catalogue)
     if options.output:
-        write_text(options.output, draw_board(board))
+        write_text(options.output, draw_board(board, catalogue))
     if options.panel:
         use_case = default_use_case(kind_of(board))
         message = board_message(panel_of(board, catalogue), board_order(board, use_case, arms=1))

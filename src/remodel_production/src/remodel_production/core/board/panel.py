@@ -13,7 +13,6 @@ reaches to the far wall of the other, whose near wall is open there.
 from __future__ import annotations
 
 import math
-from collections import defaultdict
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import groupby, takewhile
@@ -247,14 +246,12 @@ class _Maker:
         )
 
     def _rails(self) -> Iterator[PanelRail]:
-        """Yield a rail below each row of devices, as long as the row."""
-        rows: dict[float, list[PlacedDevice]] = defaultdict(list)
-        for device in self._board.devices:
-            rows[device.centre[1]].append(device)
+        """Yield a rail below each row of devices, all as long as the longest row."""
+        rows = {device.centre[1] for device in self._board.devices}
         size = self._catalogue.cabinet.rail
+        left = min(d.centre[0] - d.size[0] / 2 for d in self._board.devices)
+        right = max(d.centre[0] + d.size[0] / 2 for d in self._board.devices)
         for index, y in enumerate(sorted(rows, reverse=True), start=1):
-            left = min(d.centre[0] - d.size[0] / 2 for d in rows[y])
-            right = max(d.centre[0] + d.size[0] / 2 for d in rows[y])
             pose = (*self._at(((left + right) / 2, y)), _ALONG_ROW)
             yield PanelRail(f"R{index}", pose, round(right - left, 6), size.width, size.height)
 
