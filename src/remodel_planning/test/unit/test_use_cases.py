@@ -57,7 +57,7 @@ def test_what_is_unknown_is_looked_at_and_what_moved_is_looked_at_again():
     assert names[:2] == ["find_ends", "grasp"]
     assert names[names.index("push_on") - 1] == "locate_port"
     after = names[names.index("push_on") + 1 :]
-    assert after[:3] == ["find_ends", "regrasp", "lead"]
+    assert after[:4] == ["clamp", "find_ends", "regrasp", "lead"]
 
 
 def test_a_clip_has_its_own_part_of_the_route():

@@ -19,6 +19,7 @@ from remodel_production.core.production import Order
 from remodel_production.edge.catalogue_file import read_catalogue
 from remodel_production.edge.database.production_database import ProductionDatabase
 from remodel_production.edge.package_files import catalogue_file
+from remodel_production.errors import OrderError
 from remodel_supervision.core.learning.experience import Experience
 from remodel_supervision.edge.escalation_hook import EscalationHook
 from remodel_supervision.edge.recorded_lessons import ability_calls
@@ -106,6 +107,14 @@ def _in_cell(
         return cell_order(layout), panel_message(layout, rules), channels
     board = board_of(stored)
     order = board_order(board, use_case, arms=1)
+    # Leases are kept for wires.
+    others = {task.name for task in order.tasks} - {wire.name for wire in stored.wires}
+    if others:
+        raise OrderError(
+            f"order {stored.name} cannot be run by use case {use_case.name}: its tasks, such as "
+            f"{min(others)}, are no wires of the design; run it by a use case of wires "
+            "(designs: {tasks: wires}), or plan it with `planner plan`"
+        )
     panel = board_message(order)
     order = replace(order, tasks=order.tasks[: tasks or None])
     return order, panel, {task.name: MAGAZINE for task in order.tasks}
