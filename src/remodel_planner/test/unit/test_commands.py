@@ -178,8 +178,8 @@ def test_the_use_case_of_an_order_is_chosen_and_refused_by_name(
     import_design.main([str(DESIGNS / "loom.kbl"), *stored])
     assert tasks.main([*stored, "--use-case", "cabinet"]) == 0
     assert "Insert a" in capsys.readouterr().out
-    assert tasks.main([*stored, "--use-case", "medical_hoses"]) == 1
-    assert "tasks: order mine: use case medical_hoses takes no" in capsys.readouterr().err
+    assert tasks.main([*stored, "--use-case", "switchgear"]) == 1
+    assert "tasks: order mine: use case switchgear takes no" in capsys.readouterr().err
     assert tasks.main([*stored, "--use-case", "hosen"]) == 1
     error = capsys.readouterr().err
     assert "no use case hosen; there are automotive_formboard, " in error

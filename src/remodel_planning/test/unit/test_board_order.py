@@ -180,9 +180,9 @@ def test_what_cannot_be_an_order_is_refused():
         OrderError, match="no wire with both ends on the plate: all 1 leave the cabinet"
     ):
         work(away)
-    hoses = find_use_case("medical_hoses")
-    with pytest.raises(OrderError, match="medical_hoses takes no imported designs"):
-        work(project("industrial"), hoses)
+    switchgear = find_use_case("switchgear")
+    with pytest.raises(OrderError, match="switchgear takes no imported designs"):
+        work(project("industrial"), switchgear)
     thick = order(("Q1:B1", "Q2:T1"), section_mm2=400.0)
     with pytest.raises(InstanceError, match=r"task W1: section_mm2 is 400\.0, and must be"):
         problem(thick)

@@ -6,6 +6,7 @@ from pathlib import Path
 import pytest
 from panels import component, panel, wire
 
+from remodel_sim.cell import Cell
 from remodel_sim.core.errors import PanelError
 from remodel_sim.core.workpiece.layout import find_problems
 from remodel_sim.core.workpiece.panel import Duct, PanelClip
@@ -174,6 +175,20 @@ def test_all_problems_are_reported_at_once_and_nothing_is_built():
     assert plant.panel == panel()
     assert plant.world.bullet.getNumBodies() == bodies
     plant.close()
+
+
+def test_goals_that_the_robots_cannot_do_are_refused_with_the_panel_and_nothing_is_built():
+    cell = Cell(panel())
+    broken = changed(panel(), size=(2.0, 0.7, 0.003))
+    with pytest.raises(PanelError) as caught:
+        cell.load(broken, robots=("robot_1", "robot_2"), forces_n={"InsertCable": 40.0})
+    robot, force, size = caught.value.problems
+    assert robot == "the order's goals name robot 'robot_2'; the cell has robot_1"
+    assert "InsertCable push with up to 40 N; this cell's grip holds at most 25 N" in force
+    assert "the plate's size in x" in size
+    assert cell.plant.panel == panel()
+    cell.load(panel(), robots=("robot_1",), forces_n={"InsertCable": 25.0, "Push": 99.0})
+    cell.close()
 
 
 def test_a_wire_between_neighbours_may_be_short_but_not_too_short():

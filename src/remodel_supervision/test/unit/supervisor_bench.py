@@ -77,6 +77,7 @@ class FakeCell:
 
     def __init__(self):
         self.fed, self.loaded, self.trouble, self.truth = [], [], None, True
+        self.refusal = self.demands = None
         self.at = "rosrpc://cell:1"
 
     def wait(self, limit_s):
@@ -85,8 +86,11 @@ class FakeCell:
     def address(self):
         return self.at
 
-    def load(self, panel, serial, owner, *, keep):
+    def load(self, panel, serial, owner, *, demands, keep):
         assert owner > 0
+        if self.refusal:
+            raise self.refusal
+        self.demands = demands
         self.loaded.append((serial, keep))
 
     def feed(self, wire, channel, owner):

@@ -97,11 +97,8 @@ class Plant:
 
         Raises PanelError and changes nothing when it breaks the rules.
         """
-        design = self.design
-        complete = replace(
-            panel, clips=(*panel.clips, *design.clips), ducts=(*panel.ducts, *design.ducts)
-        )
-        problems = find_problems(complete, design.arms)
+        design, complete = self.design, self._complete(panel)
+        problems = self.find_problems(panel)
         if problems:
             raise PanelError(panel.name, problems)
         self.loaded, self.panel = panel, complete
@@ -112,6 +109,17 @@ class Plant:
         self._blocked: set[tuple[str, str]] = set()
         self._disturbances = Disturbances()
         self._build({robot.name: robot.home for robot in design.robots})
+
+    def find_problems(self, panel: Panel) -> tuple[str, ...]:
+        """Return why a panel cannot be built, one sentence each; none: it can."""
+        return find_problems(self._complete(panel), self.design.arms)
+
+    def _complete(self, panel: Panel) -> Panel:
+        """Return a panel with the cell's own fixtures."""
+        design = self.design
+        return replace(
+            panel, clips=(*panel.clips, *design.clips), ducts=(*panel.ducts, *design.ducts)
+        )
 
     def restore(self, parked: Mapping[str, ParkedWire]) -> None:
         """Put wires back where they were parked, onto the panel as it was loaded."""

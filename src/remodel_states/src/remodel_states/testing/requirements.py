@@ -7,6 +7,7 @@ raises AbilityError unless a cell can take a goal as the world is.
 from __future__ import annotations
 
 import math
+from collections.abc import Collection, Mapping
 from typing import Any, TypeAlias
 
 from remodel_msgs.msg import ErrorCode
@@ -23,6 +24,28 @@ ROBOTS = ("robot_1", "robot_2")
 # charts can be run too; [m] from the tip to a grasp, as in the simulated cell.
 MAX_FORCE_N = 60.0
 GRASP_RANGE_M = (0.030, 0.080)
+
+
+def check_demands(robots: Collection[str], forces_n: Mapping[str, float]) -> None:
+    """Check that goals of an order can be done, before anything moves.
+
+    Args:
+        robots: that they name.
+        forces_n: their greatest force limit [N], by the ability.
+    """
+    problems = [
+        f"the order's goals name robot {robot!r}; the cell has {', '.join(ROBOTS)}"
+        for robot in robots
+        if robot not in ROBOTS
+    ]
+    force_n = forces_n.get("InsertCable", 0.0)
+    if force_n > MAX_FORCE_N:
+        problems.append(
+            f"the use case has InsertCable push with up to {force_n:g} N; this cell's grip holds "
+            f"at most {MAX_FORCE_N:g} N"
+        )
+    if problems:
+        raise AbilityError(ErrorCode.INVALID_GOAL, "; ".join(problems))
 
 
 def check_locate(world: World, _: str, goal: Goal) -> None:

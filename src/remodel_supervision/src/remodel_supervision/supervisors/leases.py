@@ -77,6 +77,12 @@ class LeaseKeeper:
         self._record.append(TaskElsewhere(name, claim.cell, _AS_LEFT[claim.holding]))
         return False
 
+    def give_back(self, name: str) -> None:
+        """Give back a task that was claimed just now, unless it was begun before."""
+        state = self._record.state
+        if name != state.current and not state.tasks[name].attempts:
+            self._record.insist(lambda: self._leases.give_back(name))
+
     def check_others(self) -> None:
         """Record which tasks other cells have ended, or have left to this one."""
         for name in self._record.state.in_stage(Stage.ELSEWHERE):

@@ -29,7 +29,7 @@ from remodel_supervision.core.runs.step import (
     description_of,
     next_step,
 )
-from remodel_supervision.errors import CellError, HaltedError
+from remodel_supervision.errors import CellError, HaltedError, RefusedError
 from remodel_supervision.supervisors.commands import Reply
 from remodel_supervision.supervisors.failure_judge import FailureJudge
 from remodel_supervision.supervisors.gate_keeper import GateKeeper
@@ -227,7 +227,11 @@ class UseCaseSupervisor:
         with self._leases.held(step.task):
             self._gates.update()
             self._peers.maker.make(chart)
-            self._panel.load()
+            try:
+                self._panel.load()
+            except RefusedError:
+                self._leases.give_back(step.task)
+                raise
             # A command may come at any time, after which something else is to be done.
             if self._next_step() != step:
                 return

@@ -23,6 +23,7 @@ from remodel_production.edge.catalogue_file import read_catalogue
 from remodel_production.edge.database.production_database import ProductionDatabase
 from remodel_production.edge.package_files import catalogue_file
 from remodel_production.errors import PlannerError
+from remodel_supervision.core.runs.abridged import abridged
 from remodel_supervision.core.runs.attempts import Attempt
 from remodel_supervision.core.runs.events import Ending, Part
 from remodel_supervision.core.runs.state import RunState, Stage
@@ -99,12 +100,15 @@ def main(arguments: list[str] | None = None) -> int:
     report = _report(order, follower.attempts, state, pictures=pictures, wall_s=wall_s)
     page = write_report(report, options.output)
     _print_summary(report, page)
-    print(
-        "explanation: rosrun remodel_planner planner explain "
-        f"{follower.number} --database {options.database}"
+    explanation = (
+        f"rosrun remodel_planner planner explain {follower.number} --database {options.database}"
     )
+    print(f"explanation: {explanation}")
     if report.stopped:
-        print(f"run_order: {report.stopped}", file=sys.stderr)
+        short = abridged(report.stopped)
+        print(f"run_order: {short}", file=sys.stderr)
+        if short != report.stopped:
+            print(f"all problems: {explanation}", file=sys.stderr)
         return 3
     return 0 if report.complete else 1
 

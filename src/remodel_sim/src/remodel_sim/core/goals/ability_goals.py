@@ -38,6 +38,9 @@ MAX_FORCE_N = 25.0
 MAX_MATING_FORCE_N = 40.0
 GRASP_RANGE_M = (0.030, 0.080)
 
+# The greatest force limit that goals of an ability may have [N].
+FORCE_LIMITS_N = {"InsertCable": MAX_FORCE_N, "PlaceConnector": MAX_MATING_FORCE_N}
+
 
 class Goal(Protocol):
     """What every goal can be asked."""

@@ -94,36 +94,6 @@ def _set_fields(value: object) -> object:
     return value
 
 
-def branches_message(order: WorkOrder) -> PanelMsg:
-    """Return the message for an order whose tasks are the branches of a harness, not wires.
-
-    It has no geometry: a cell that builds panels refuses it.
-    """
-    short = _short_names(order)
-    component_of = {terminal.name: terminal.component for terminal in order.terminals}
-    terminals: dict[str, list[Terminal]] = {name: [] for name in order.components}
-    for name, component in component_of.items():
-        terminals[component].append(Terminal(id=short[name]))
-    wires = []
-    for task in order.tasks:
-        a, b = task.terminals
-        wires.append(
-            Wire(
-                id=task.name,
-                a_component=component_of[a],
-                a_terminal=short[a],
-                b_component=component_of[b],
-                b_terminal=short[b],
-                length=task.routes[0].length_m,
-            )
-        )
-    return PanelMsg(
-        name=order.name,
-        components=[Component(id=name, terminals=found) for name, found in terminals.items()],
-        wires=wires,
-    )
-
-
 def _short_names(order: WorkOrder) -> dict[str, str]:
     """Return the names of terminals without those of their components."""
     return {t.name: t.name.removeprefix(f"{t.component}:") for t in order.terminals}

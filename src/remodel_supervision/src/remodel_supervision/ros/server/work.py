@@ -10,7 +10,6 @@ from remodel_msgs.msg import Panel
 from remodel_planning.core.orders.board_order import board_order
 from remodel_planning.core.orders.cell_order import USE_CASE, cell_order
 from remodel_planning.core.orders.work_order import WorkOrder
-from remodel_planning.core.use_case.designs import DesignTasks
 from remodel_planning.core.use_case.fault import FaultTable
 from remodel_planning.core.use_case.model import UseCase
 from remodel_planning.edge.use_case_files import find_use_case
@@ -21,12 +20,13 @@ from remodel_production.core.production import Order
 from remodel_production.edge.catalogue_file import read_catalogue
 from remodel_production.edge.database.production_database import ProductionDatabase
 from remodel_production.edge.package_files import catalogue_file
+from remodel_production.errors import OrderError
 from remodel_supervision.core.learning.experience import Experience
 from remodel_supervision.edge.escalation_hook import EscalationHook
 from remodel_supervision.edge.recorded_lessons import ability_calls
 from remodel_supervision.edge.task_leases import TaskLeases
 from remodel_supervision.edge.work_planner import WorkPlanner
-from remodel_supervision.ros.peers.board_message import board_message, branches_message
+from remodel_supervision.ros.peers.board_message import board_message
 from remodel_supervision.ros.peers.panel_message import panel_message
 from remodel_supervision.supervisors.work import Work
 
@@ -111,8 +111,13 @@ def _in_cell(
         return cell_order(layout), panel_message(layout, rules), channels
     board = board_of(stored, catalogue)
     order = board_order(board, use_case, arms=1)
-    is_harness = use_case.designs and use_case.designs.tasks is DesignTasks.BRANCHES
-    panel = (
-        branches_message(order) if is_harness else board_message(panel_of(board, catalogue), order)
-    )
+    # Leases are kept for wires.
+    others = {task.name for task in order.tasks} - {wire.name for wire in stored.wires}
+    if others:
+        raise OrderError(
+            f"order {stored.name} cannot be run by use case {use_case.name}: its tasks, such as "
+            f"{min(others)}, are no wires of the design; run it by a use case of wires "
+            "(designs: {tasks: wires}), or plan it with `planner plan`"
+        )
+    panel = board_message(panel_of(board, catalogue), order)
     return replace(order, tasks=order.tasks[: tasks or None]), panel, {}
