@@ -86,7 +86,7 @@ class SimulatedWork:
         self._station = station
         self._database = database
 
-    def work(self, name: str, tasks: int, owner: int) -> Work:
+    def work(self, name: str, use_case: str, tasks: int, owner: int) -> Work:
         """Return the work of the first tasks of the order."""
         station, setting = self._station, self._station.setting
         if station.simulation.now_s < station.unmade_until_s:

@@ -14,6 +14,7 @@ from remodel_planner.commands.options.entry import refuses
 from remodel_planning.core.decomposition.preparation import prepare
 from remodel_planning.edge.yaml_file import read_yaml
 from remodel_production.core.board.cabinet import laid_out
+from remodel_production.core.catalogue import Catalogue
 from remodel_production.core.imports.formats import DesignFormat, format_of, import_design
 from remodel_production.core.imports.shared.account import Imported
 from remodel_production.core.production import Order
@@ -54,8 +55,9 @@ def main(arguments: list[str] | None = None) -> int:
     add_database_option(parser)
     options = parser.parse_args(arguments)
     name = options.order or re.sub(r"\W+", "_", options.file.stem)
-    imported = _read(options, name)
-    order = laid_out(imported.order)
+    catalogue = read_catalogue(catalogue_file())
+    imported = _read(options, name, catalogue)
+    order = laid_out(imported.order, catalogue)
     preferences = _preferences(options, order)
     with closing(ProductionDatabase(options.database)) as database:
         database.add_order(order, preferences, read_abilities())
@@ -63,7 +65,7 @@ def main(arguments: list[str] | None = None) -> int:
     return 0
 
 
-def _read(options: argparse.Namespace, name: str) -> Imported:
+def _read(options: argparse.Namespace, name: str, catalogue: Catalogue) -> Imported:
     file: Path = options.file
     mappings = read_mappings(options.mapping)
     data = read_design(file)
@@ -71,7 +73,6 @@ def _read(options: argparse.Namespace, name: str) -> Imported:
         form = options.format or (
             DesignFormat.WIRE_LIST if options.mapping else format_of(data, mappings)
         )
-        catalogue = read_catalogue(catalogue_file())
         return import_design(data, form, name, file.name, catalogue=catalogue, mappings=mappings)
     except DesignError as error:
         raise DesignError(f"{file}: {error}") from error

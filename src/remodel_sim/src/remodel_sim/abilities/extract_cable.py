@@ -30,7 +30,6 @@ from remodel_sim.core.goals import ExtractGoal
 from remodel_sim.core.goals.goal_pose import Message, pose_from
 from remodel_sim.core.robot.arm import ToolPose
 from remodel_sim.core.workpiece.panel import WireEnd
-from remodel_sim.physics.robot_description import PAD_BELOW_TOOL_M
 from remodel_states.core.codes import Code
 
 # An end that does not come at this force is stuck: the grip holds not much more.
@@ -98,7 +97,7 @@ def where_it_lay(context: RobotContext, grip: Grip, back: Grip) -> ToolPose:
     """Return the tool pose that lays the tip down where it lay when it was picked."""
     yaw = back.tool.yaw + back.flip
     x, y = tip_of(back.tool, back) - grip.distance * np.array([math.cos(yaw), math.sin(yaw)])
-    z = max(context.wire.radius - grip.height, PAD_BELOW_TOOL_M + FLOOR_CLEARANCE_M)
+    z = max(context.wire.radius - grip.height, context.fingers.below + FLOOR_CLEARANCE_M)
     return ToolPose(float(x), float(y), z, yaw - grip.flip)
 
 

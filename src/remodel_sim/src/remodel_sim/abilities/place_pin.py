@@ -48,7 +48,6 @@ from remodel_sim.core.robot.motion import MAX_TURN_RATE, PEAK_OVER_MEAN
 from remodel_sim.core.vision.drawing import ORANGE, Drawing
 from remodel_sim.core.vision.wire_ends import trace_from
 from remodel_sim.core.workpiece.panel import WireEnd
-from remodel_sim.physics.robot_description import PAD_BELOW_TOOL_M
 from remodel_states.core.codes import Code
 
 # A pin may lie so far from its place, and the wire so far from a pose of the path [m]: nothing
@@ -178,7 +177,7 @@ def _above(hand: Hand) -> ToolPose:
 
 def _lying(hand: Hand) -> ToolPose:
     tool = tool_before(hand.pin, _grip(hand), 0.0)
-    return tool.at(z=max(tool.z, PAD_BELOW_TOOL_M + FLOOR_CLEARANCE_M))
+    return tool.at(z=max(tool.z, hand.context.fingers.below + FLOOR_CLEARANCE_M))
 
 
 def _move_both(hands: list[Hand], targets: list[ToolPose], speed: float) -> Steps[None]:

@@ -136,6 +136,7 @@ def _names(panel: Panel) -> Iterator[str]:
         ("wires", panel.wires),
         ("clips", panel.clips),
         ("ducts", panel.ducts),
+        ("rails", panel.rails),
         ("connectors", [c for wire in panel.wires for c in wire.connectors]),
     ]
     groups += [(f"terminals of {c.id!r}", c.terminals) for c in panel.components]

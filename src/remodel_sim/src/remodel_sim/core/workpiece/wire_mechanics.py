@@ -26,6 +26,7 @@ import numpy as np
 from remodel_sim.core.geometry import Array, multiply_quaternions, turn_between
 from remodel_sim.core.workpiece.panel import PanelWire, WireEnd
 
+GRAVITY = 9.81
 # PyBullet reports at most 31 spherical joints of one body.
 MAX_LINKS = 32
 MIN_CELLS = 8

@@ -94,7 +94,9 @@ class RunServer:
         try:
             self._runs.require_free()
             _require_sound(goal)
-            supervisor = self._runs.begin(goal.order, goal.tasks, goal.timeout, again=goal.again)
+            supervisor = self._runs.begin(
+                goal.order, goal.tasks, goal.timeout, use_case=goal.use_case, again=goal.again
+            )
         except PlannerError as error:
             is_busy = self._commands.active is not None or bool(self._commands.closed)
             code = ErrorCode.BUSY if is_busy else ErrorCode.INVALID_GOAL
