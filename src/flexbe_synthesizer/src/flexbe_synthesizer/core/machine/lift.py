@@ -188,7 +188,7 @@ class _Folding:
                     flows.append(Connection(chart.name, home, node, key))
             else:
                 flows += [Connection(*source, node, key) for source in sources[:1]]
-                who = ", ".join(n for n, _ in sources) or "nobody"
+                who = ", ".join(n for n, _ in sources) or "no state"
                 self._refuse(f"{path}/{node}", f"'{key}' reads '{home}', which {who} writes")
         for output in sorted(outputs - known):
             named = [(node, key, home) for node, key, home in writes if key == output]
