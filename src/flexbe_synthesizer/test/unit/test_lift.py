@@ -87,7 +87,7 @@ INSERT = "InsertCableState(force_limit_n=20)"
             "a parameter of",
         ),
         ("        return _s", "        print()\n        return _s", "a custom statement"),
-        ("'pose': 'locate_pose', 'force'", "'pose': 'nowhere', 'force'", "which nobody writes"),
+        ("'pose': 'locate_pose', 'force'", "'pose': 'nowhere', 'force'", "which no state writes"),
         ("class PlaceConnectorSM(Behavior)", "class PlaceConnectorSM(M)", "no class (Behavior)"),
         ("self.name = 'Place Connector'", "pass", "no self.name"),
         ("        return _state_machine", "        return None", "does not return a container"),

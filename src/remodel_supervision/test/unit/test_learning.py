@@ -25,11 +25,19 @@ from remodel_supervision.core.learning.learned_responses import (
     tried_responses,
 )
 from remodel_supervision.core.learning.parameter_choice import GuardRail, ParameterChoice
-from remodel_supervision.core.learning.success_model import SuccessModel, fold
+from remodel_supervision.core.learning.success_model import SuccessModel
 
 THIN = ("InsertCable", "clamp", "0.5")
 THICK = ("InsertCable", "clamp", "2.5")
 VALUES = (10.0, 20.0, 30.0)
+
+
+def trained(trials):
+    """Return the model that has learned from these trials."""
+    model = SuccessModel()
+    for context, success in trials:
+        model.learn(context, success)
+    return model
 
 
 def trials(context, successes, failures):
@@ -44,12 +52,12 @@ def test_nothing_learned_is_what_the_use_case_states():
 
 
 def test_many_trials_win_over_what_was_stated():
-    model = fold(trials(THIN, 20, 80))
+    model = trained(trials(THIN, 20, 80))
     assert model.belief(THIN, 0.99).mean == pytest.approx(0.2, abs=0.1)
 
 
 def test_a_new_context_starts_from_its_relatives():
-    model = fold(trials(THIN, 5, 45))
+    model = trained(trials(THIN, 5, 45))
     assert model.belief(THICK, 0.95).mean < 0.4
     assert model.belief(("PickCable",), 0.95).mean == pytest.approx(0.95)
 
@@ -57,7 +65,7 @@ def test_a_new_context_starts_from_its_relatives():
 def test_uncertainty_shrinks_with_trials():
     widths = []
     for count in (0, 10, 100):
-        low, high = fold(trials(THIN, count, count)).belief(THIN, 0.5).interval()
+        low, high = trained(trials(THIN, count, count)).belief(THIN, 0.5).interval()
         widths.append(high - low)
     assert widths == sorted(widths, reverse=True)
 
@@ -76,7 +84,7 @@ def test_the_interval_holds_what_it_says():
 
 
 def test_an_ability_that_changes_is_followed():
-    model = fold(trials(THIN, 1000, 0) + trials(THIN, 0, 300))
+    model = trained(trials(THIN, 1000, 0) + trials(THIN, 0, 300))
     assert model.belief(THIN, 0.9).mean < 0.3
 
 

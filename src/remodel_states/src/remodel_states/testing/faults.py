@@ -21,8 +21,6 @@ from typing import Any
 
 from remodel_states.testing.requirements import Goal
 
-Faults = tuple["InjectedFault", ...]
-
 LOOKING = frozenset({"DetectCable", "LocateGearboxComponent"})
 
 
@@ -94,6 +92,9 @@ class InjectedFault:
             )
         if (self.cure is Cure.RETRY_WITH) != bool(self.parameter):
             raise ValueError(f"fault {self.name}: retry_with, and no other cure, has a parameter")
+
+
+Faults = tuple[InjectedFault, ...]
 
 
 def fault_from(

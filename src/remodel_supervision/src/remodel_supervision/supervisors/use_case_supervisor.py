@@ -44,7 +44,7 @@ from remodel_supervision.supervisors.task_inspector import TaskInspector
 from remodel_supervision.supervisors.task_supervisor import TaskSupervisor
 from remodel_supervision.supervisors.work import Peers, Work
 
-# [s] wall time between two checks of what nobody reports: other cells' tasks, the run's time.
+# [s] wall time between two checks of what no node reports: other cells' tasks, the run's time.
 _CHECK_S = 0.2
 
 # [s] wall time between two questions to the database whether other cells are done with a task.

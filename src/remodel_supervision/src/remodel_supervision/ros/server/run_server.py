@@ -84,7 +84,7 @@ class RunServer:
     def _serve(self) -> None:
         try:
             self._runs.serve()
-        except Exception as error:  # noqa: BLE001 - a run that nobody supervises must not look alive
+        except Exception as error:  # noqa: BLE001 - an unsupervised run must not look alive
             # roslaunch respawns this node, which resumes the run.
             rospy.logfatal("%s", traceback.format_exc())
             rospy.signal_shutdown(str(error))

@@ -94,7 +94,7 @@ class CellRuns:
         self._peers = peers
         self._commands = commands
         self._observer = observer
-        # Whether the cell may have a run that has not ended and that nobody supervises.
+        # Whether the cell may have a run that has not ended and that no process supervises.
         self._unsure = True
         self._next: UseCaseSupervisor | None = None
         commands.closed = STARTING
