@@ -22,6 +22,7 @@ from remodel_production.edge.database.production_database import ProductionDatab
 from remodel_production.errors import OrderError
 
 DESIGNS = Path(__file__).parents[3] / "remodel_production/test/unit/designs"
+HOUSEHOLD_PANEL = Path(__file__).parents[3] / "remodel_sim/config/household.yaml"
 DESIGN = Path("/usr/share/qelectrotech/examples/tableau_domestique.qet")
 
 
@@ -107,6 +108,18 @@ def test_the_board_of_an_order_is_drawn(tmp_path, database, capsys):
     assert drawing.read_text().startswith("<svg")
     assert layout.main(["hosue", *arguments[1:]]) == 1
     assert "layout: the database has no order hosue; it has: house" in capsys.readouterr().err
+
+
+def test_the_panel_of_an_order_is_written_for_the_cell(tmp_path, database, capsys):
+    import_design.main([str(DESIGN), "--order", "household", "--database", database])
+    panel = tmp_path / "household.yaml"
+    assert layout.main(["household", "--panel", str(panel), "--database", database]) == 0
+    assert f"panel: {panel}" in capsys.readouterr().out
+    # If it differs because the board does: write the file again by this command.
+    assert panel.read_text() == HOUSEHOLD_PANEL.read_text()
+    with pytest.raises(SystemExit):
+        layout.main(["household", "--database", database])
+    assert "give --output FILE, --panel FILE, or both" in capsys.readouterr().err
 
 
 def test_an_order_is_planned_checked_explained_and_drawn(tmp_path, database, capsys):

@@ -61,12 +61,12 @@ class Supervised:
         self.owner = owner_of(self.database)
         self.do_run()
         self.follower = RunFollower(self.log, HOUSE)
-        self.tell(1)
+        self.publish(1)
 
     def subscribe(self, topic, kind, callback):
         self.hear = callback
 
-    def tell(self, run):
+    def publish(self, run):
         self.hear(UseCaseState(run=run, order="house"))
 
     def do_run(self):
@@ -85,7 +85,7 @@ def supervised(monkeypatch, tmp_path):
 
 
 def test_what_is_said_of_an_earlier_run_is_not_followed(supervised, monkeypatch):
-    begins = threading.Timer(0.05, lambda: supervised.tell(supervised.do_run()))
+    begins = threading.Timer(0.05, lambda: supervised.publish(supervised.do_run()))
     monkeypatch.setattr(FakeServer, "on_goal", staticmethod(begins.start))
     state = supervised.follower.run(2, use_case="cabinet")
     assert (FakeServer.sent.order, FakeServer.sent.tasks) == ("house", 2)
@@ -94,7 +94,7 @@ def test_what_is_said_of_an_earlier_run_is_not_followed(supervised, monkeypatch)
     assert state.ended.because == "run 2"
 
 
-def test_a_refusal_is_told(supervised, monkeypatch):
+def test_a_refusal_is_reported(supervised, monkeypatch):
     monkeypatch.setattr(FakeServer, "refuses", True)
     with pytest.raises(CellError, match="run 1 is under way"):
         supervised.follower.run(2)
@@ -108,7 +108,7 @@ def test_each_event_is_read_once(supervised, monkeypatch):
         reads.append((first, len(found := tuple(events(run, first)))))
         return found
 
-    begins = threading.Timer(0.05, lambda: supervised.tell(supervised.do_run()))
+    begins = threading.Timer(0.05, lambda: supervised.publish(supervised.do_run()))
     monkeypatch.setattr(FakeServer, "on_goal", staticmethod(begins.start))
     monkeypatch.setattr(supervised.log, "events", read)
     supervised.follower.run(2)

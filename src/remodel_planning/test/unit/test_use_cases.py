@@ -85,8 +85,8 @@ def test_a_force_limit_chooses_the_gentler_method():
     free = decomposed(HOSES)["H1"]
     limited = decomposed(HOSES, Limits({"H1": (20.0, "gently")}))["H1"]
     assert (free.force_n, limited.force_n) == (35.0, 12.0)
-    told = "\n".join(outline(limited))
-    assert "push_on pushes with 35 N, over 20 N (`gently`)" in told
+    printed = "\n".join(outline(limited))
+    assert "push_on pushes with 35 N, over 20 N (`gently`)" in printed
 
 
 def test_a_forbidden_segment_chooses_another_route():

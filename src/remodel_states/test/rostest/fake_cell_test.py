@@ -116,7 +116,7 @@ class FakeCellTest(unittest.TestCase):
     def feed(self, wire):
         self.assertTrue(call("cell/feed_wire", FeedWire, wire_id=wire, channel_id="A").success)
 
-    def test_wires_are_placed_and_the_truth_is_told(self):
+    def test_wires_are_placed_and_the_truth_is_returned(self):
         for wire in ("W1", "W2"):
             self.feed(wire)
             for end in "ab":
@@ -245,7 +245,7 @@ class FakeCellTest(unittest.TestCase):
         for wrong in ({"kind": "nonesuch"}, {"kind": "slipped", "target": "prayer"}):
             self.assertFalse(call("cell/inject_fault", InjectFault, **wrong).success)
 
-    def test_a_server_misbehaves_as_it_is_told(self):
+    def test_a_server_misbehaves_as_requested(self):
         client = self.clients["FixCable"]
         self.feed("W1")
         self.ask("InsertCable")

@@ -37,7 +37,7 @@ LAYOUT = lay_out(HOUSE, CATALOGUE, PanelRules())
 
 
 class FakeLoop:
-    """Time passes only while somebody waits; `arrivals` are processed then, one a turn."""
+    """Time passes only while a thread waits; `arrivals` are processed then, one a turn."""
 
     def __init__(self):
         self.wall, self.timers, self.arrivals, self.leaving = 100.0, [], [], False
@@ -144,7 +144,7 @@ class FakeAbilities:
 
 
 class FakeEngine:
-    """Ends behaviors as it is told, in turn: an outcome, an error code, an exception, or a call."""
+    """Ends behaviors as given, in turn: an outcome, an error code, an exception, or a call."""
 
     state_path, is_idle = "", True
 
@@ -199,7 +199,7 @@ class FakeEngine:
 
 
 class FakeInspection:
-    """Sees the ends that it is told are connected."""
+    """Sees the ends that are given as connected."""
 
     def __init__(self):
         self.connected, self.trouble = set(), None

@@ -143,7 +143,7 @@ def frozen_breaks(trial):
 
 
 def frozen_recovers(trial):
-    """Only the value that is hardly tried any more becomes better: nothing tells it but trying."""
+    """Only the value that is hardly tried any more becomes better: only trying shows it."""
     return {10.0: 0.55 if trial < 400 else 0.98, 20.0: 0.9, 30.0: 0.7}
 
 
@@ -222,7 +222,7 @@ def test_senseless_bounds_are_refused(wrong):
         Bounds(*wrong)
 
 
-def test_more_settings_than_can_be_told_apart_are_refused():
+def test_more_settings_than_can_be_distinguished_are_refused():
     many = {name: Bounds(8.0, 4.0, 16.0) for name in ("force_limit", "speed", "tilt")}
     with pytest.raises(ValueError, match="125 settings"):
         LearnedParameters().choose("InsertCable", {}, many, 1)
@@ -248,7 +248,7 @@ def test_the_same_calls_and_seed_choose_the_same():
         assert chosen[0] == chosen[1]
 
 
-def test_calls_that_tell_nothing_of_a_parameter_are_left_out():
+def test_calls_without_information_on_a_parameter_are_left_out():
     learned = LearnedParameters([forced(12.0, 4), Call("InsertCable", {}, 301, 5.0)])
     assert {b.mean for b in learned.beliefs("InsertCable", {}, FORCE).values()} == {0.5}
     learned.learn(forced(11.0))
@@ -296,7 +296,7 @@ def test_durations_and_successes_are_learned_without_exploring_too():
     assert learned.success != stated.success
 
 
-def test_a_terminal_tells_what_its_success_may_depend_on():
+def test_a_terminal_has_the_features_that_success_may_depend_on():
     assert terminal_features("clamp", (0.0, -1.0, -0.0)) == {
         "terminal_type": "clamp",
         "approach": "0 -1 0",
@@ -347,7 +347,7 @@ def test_what_says_nothing_of_the_ability_is_left_out():
     assert learned.calls == 0
 
 
-def test_what_follows_a_decision_tells_whether_it_helped():
+def test_what_follows_a_decision_shows_whether_it_helped():
     decisions = [("jammed", Do.RETRY), ("jammed", Do.NEW_PART), ("slipped", Do.RETRY)]
     responses = tried_responses(decisions, finished=True)
     assert [response.helped for response in responses] == [False, True, True]

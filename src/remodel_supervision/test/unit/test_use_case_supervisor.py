@@ -166,7 +166,7 @@ def test_what_is_connected_is_not_connected_again(bench):
     assert 'id="Pick b"' in chart
 
 
-def test_a_learning_supervisor_tells_what_it_chose_and_learns_from_it(house_url):
+def test_a_learning_supervisor_reports_what_it_chose_and_learns_from_it(house_url):
     bench = Bench(house_url, explore=True)
     state = bench.run(*[SLIPPED] * 2)
     assert state.ended.ending is Ending.COMPLETE

@@ -8,6 +8,7 @@ from dataclasses import dataclass, field
 from remodel_sim.core.belief.placed_wires import ParkedWire
 from remodel_sim.core.geometry import Array
 from remodel_sim.core.workpiece.connector_shape import connector_solids
+from remodel_sim.core.workpiece.hanging_loop import HeldEnd, hanging_loop
 from remodel_sim.core.workpiece.panel import Connector, PanelWire, WireEnd
 from remodel_sim.core.workpiece.wire_mechanics import discretise
 from remodel_sim.physics.fixtures.clamps import Clamp
@@ -55,7 +56,21 @@ class LiveWire:
 
 def bent_cable(world: World, wire: PanelWire, nodes: Array) -> SimulatedWire:
     """Make a wire that was straight and has been bent into a shape, nodes (n, 3) [m]."""
-    connectors = {c.end: connector_solids(wire, c) for c in wire.connectors}
-    cable = SimulatedWire(world, discretise(wire, world.time_step), wire.colour, connectors)
+    cable = _cable(world, wire)
     cable.lay_along(nodes)
     return cable
+
+
+def hanging_cable(world: World, wire: PanelWire, a: HeldEnd, b: HeldEnd) -> SimulatedWire:
+    """Make a wire that hangs at rest between its ends, world frame, which the caller has to hold.
+
+    Raises ValueError when the wire is too short to reach from one end to the other.
+    """
+    cable = _cable(world, wire)
+    cable.lay_along(hanging_loop(cable.model, a, b))
+    return cable
+
+
+def _cable(world: World, wire: PanelWire) -> SimulatedWire:
+    connectors = {c.end: connector_solids(wire, c) for c in wire.connectors}
+    return SimulatedWire(world, discretise(wire, world.time_step), wire.colour, connectors)

@@ -7,7 +7,8 @@ from collections.abc import Callable
 import pybullet
 from pybullet_utils.bullet_client import BulletClient
 
-GRAVITY = 9.81
+from remodel_sim.core.workpiece.wire_mechanics import GRAVITY
+
 # A wire's link of half a gram between two fingers makes the contact solver converge a thousand
 # times too slowly. Wires get this many times their mass, and gravity is as many times weaker:
 # weights, and with them all statics and friction, stay true; only a free wire moves more slowly.

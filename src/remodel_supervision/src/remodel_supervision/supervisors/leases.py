@@ -68,7 +68,7 @@ class LeaseKeeper:
         if claim.holding is Holding.MINE:
             return True
         if claim.holding is Holding.MINE_UNVERIFIED:
-            is_known = task.stage is Stage.DOUBTFUL or (
+            is_known = task.stage is Stage.UNVERIFIED or (
                 task.attempts > 0 and claim.cell == state.cell
             )
             if not is_known:

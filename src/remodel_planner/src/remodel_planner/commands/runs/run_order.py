@@ -142,12 +142,13 @@ def _report(
 
 def _lengths(order: Order, state: RunState) -> dict[str, float]:
     """Return the length of each wire [m], as it was cut."""
+    catalogue = read_catalogue(catalogue_file())
     if state.use_case != USE_CASE:
-        board = board_of(order)
+        board = board_of(order, catalogue)
         return {
             wire.name: board.length_of(wire) for wire in order.wires if wire.name in board.routes
         }
-    layout = lay_out(order.first(len(state.tasks)), read_catalogue(catalogue_file()), PanelRules())
+    layout = lay_out(order.first(len(state.tasks)), catalogue, PanelRules())
     return {cut.wire.name: cut.length for cut in layout.wires}
 
 

@@ -14,6 +14,7 @@ from remodel_planning.core.use_case.fault import FaultTable
 from remodel_planning.core.use_case.model import UseCase
 from remodel_planning.edge.use_case_files import find_use_case
 from remodel_production.core.board.board import board_of
+from remodel_production.core.board.panel import panel_of
 from remodel_production.core.panel.panel_layout import PanelRules, lay_out
 from remodel_production.core.production import Order
 from remodel_production.edge.catalogue_file import read_catalogue
@@ -25,7 +26,7 @@ from remodel_supervision.edge.escalation_hook import EscalationHook
 from remodel_supervision.edge.recorded_lessons import ability_calls
 from remodel_supervision.edge.task_leases import TaskLeases
 from remodel_supervision.edge.work_planner import WorkPlanner
-from remodel_supervision.ros.peers.board_message import MAGAZINE, board_message
+from remodel_supervision.ros.peers.board_message import board_message
 from remodel_supervision.ros.peers.panel_message import panel_message
 from remodel_supervision.supervisors.work import Work
 
@@ -98,14 +99,17 @@ class WorkMaker:
 def _in_cell(
     stored: Order, use_case: UseCase, tasks: int
 ) -> tuple[WorkOrder, Panel, dict[str, str]]:
-    """Return an order's first tasks (0: all), the panel to build, and where parts are presented."""
+    """Return an order's first tasks (0: all), the panel to build, and the channels of wires.
+
+    A magazine presents the wires that have no channel.
+    """
+    catalogue = read_catalogue(catalogue_file())
     if use_case.name == USE_CASE:
         rules = PanelRules()
-        first = stored.first(tasks or len(stored.wires))
-        layout = lay_out(first, read_catalogue(catalogue_file()), rules)
+        layout = lay_out(stored.first(tasks or len(stored.wires)), catalogue, rules)
         channels = {cut.wire.name: cut.channel for cut in layout.wires}
         return cell_order(layout), panel_message(layout, rules), channels
-    board = board_of(stored)
+    board = board_of(stored, catalogue)
     order = board_order(board, use_case, arms=1)
     # Leases are kept for wires.
     others = {task.name for task in order.tasks} - {wire.name for wire in stored.wires}
@@ -115,6 +119,5 @@ def _in_cell(
             f"{min(others)}, are no wires of the design; run it by a use case of wires "
             "(designs: {tasks: wires}), or plan it with `planner plan`"
         )
-    panel = board_message(order)
-    order = replace(order, tasks=order.tasks[: tasks or None])
-    return order, panel, {task.name: MAGAZINE for task in order.tasks}
+    panel = board_message(panel_of(board, catalogue), order)
+    return replace(order, tasks=order.tasks[: tasks or None]), panel, {}
