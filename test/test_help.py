@@ -17,7 +17,7 @@ NODES = [
 
 @pytest.mark.parametrize("node", NODES)
 def test_help_starts_nothing(node, monkeypatch):
-    monkeypatch.setenv("ROS_MASTER_URI", "http://localhost:1/")  # nobody is there
+    monkeypatch.setenv("ROS_MASTER_URI", "http://localhost:1/")  # no master is there
     asked = subprocess.run(
         [sys.executable, SRC / node, "--help"], capture_output=True, text=True, timeout=60
     )

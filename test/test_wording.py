@@ -1,6 +1,6 @@
 """Words that user-facing text does not use, and what to write instead (docs/glossary.md).
 
-Checked are the docs, and the docstrings, messages and page texts of every package.
+Checked are the docs, and the docstrings, messages and page texts of every package and benchmark.
 """
 
 import io
@@ -132,7 +132,7 @@ def sources():
         for path in sorted(ROOT.glob(pattern)):
             if path != ROOT / "docs/reference/faults.md":  # written from faults.yaml
                 yield path, markdown_prose
-    for path in sorted(ROOT.glob("src/**/src/**/*.py")):
+    for path in sorted([*ROOT.glob("src/**/src/**/*.py"), *ROOT.glob("benchmarks/**/*.py")]):
         if "test" not in path.relative_to(ROOT).parts:
             yield path, python_prose
     for pattern in (

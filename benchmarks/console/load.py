@@ -30,7 +30,7 @@ from remodel_console.testing.browser_test import free_port
 VISIT_S = 0.02
 LIMIT_S = 0.25  # what a page may lag behind at most
 SLOWER = 0.05  # by which the engine may be slower with the console
-WARM_S = 10.0  # before the memory of the node is looked at
+WARM_S = 10.0  # before the memory of the node is measured
 WAIT_S = 30.0
 AHEAD_MS = 500.0  # by which a page may learn of a state before this process does, which may be busy
 
@@ -67,7 +67,7 @@ class Load(ConsoleTest):
         self.start_console()
         super().setUp()
         with_console = self.rate_and_lag(duration_s)
-        tell(
+        report(
             f"engine: {alone:.2f} transitions/s without the console, {with_console:.2f} with it "
             f"and a page: {with_console / alone - 1:+.1%} (limit {-SLOWER:.0%})"
         )
@@ -109,7 +109,7 @@ class Load(ConsoleTest):
             memory.append(resident_mib(node))
         took_s = time.monotonic() - begin_s
         rate = (self.count - count) / took_s
-        tell(
+        report(
             f"one page, {rate:.0f} transitions/s for {took_s:.0f} s: "
             f"{lag_words([self.page], self)}",
             f"memory of the node: {memory[0]:.1f} MiB, after {took_s:.0f} s {memory[-1]:.1f} MiB, "
@@ -130,7 +130,7 @@ class Load(ConsoleTest):
             self.page.wait_for_timeout(1000)
         share = (cpu_s(node) - begin_cpu_s) / (time.monotonic() - begin_s)
         alive = sum(bool(page.evaluate("() => window.lit && window.lit.length")) for page in pages)
-        tell(
+        report(
             f"{page_count} pages for {duration_s:.0f} s: {alive} live, {lag_words(pages, self)}",
             f"node with {page_count} pages: {share:.0%} of a core; the pages are all painted here",
         )
@@ -150,14 +150,14 @@ def lag_words(pages: list[Page], load: Load) -> str:
     )
 
 
-def tell(*lines: str) -> None:
+def report(*lines: str) -> None:
     """Print lines at once."""
     sys.stdout.write("".join(f"{line}\n" for line in lines))
     sys.stdout.flush()
 
 
 def wait_until(is_so: Callable[[], bool]) -> None:
-    """Wait for a condition, not for ever."""
+    """Wait for a condition, with a limit."""
     end_s = time.monotonic() + WAIT_S
     while not is_so():
         if time.monotonic() > end_s:

@@ -51,7 +51,7 @@ def process(*command: str) -> Iterator[subprocess.Popen[bytes]]:
 
 
 def free_port() -> int:
-    """Return a port that nobody uses."""
+    """Return a free port."""
     with socket.socket() as probe:
         probe.bind(("", 0))
         return probe.getsockname()[1]

@@ -28,7 +28,7 @@ class Row:
     floor: float | None = None
 
 
-def tell(row: Row, file: Path) -> None:
+def report(row: Row, file: Path) -> None:
     """Print a line of the table and add a line to the file."""
     target = "" if row.target is None else f"{row.target:>9.3g}"
     verdict = "" if row.target is None else "met" if row.value <= row.target else "MISSED"
@@ -40,7 +40,7 @@ def tell(row: Row, file: Path) -> None:
         lines.write(json.dumps(asdict(row)) + "\n")
 
 
-def tell_all(rows: Iterable[Row], file: Path) -> None:
-    """Tell rows as they come."""
+def report_all(rows: Iterable[Row], file: Path) -> None:
+    """Report rows as they come."""
     for row in rows:
-        tell(row, file)
+        report(row, file)

@@ -16,7 +16,7 @@ from pathlib import Path
 import endurance
 import latencies
 import transitions
-from row import Row, tell_all
+from row import Row, report_all
 
 HERE = Path(__file__).parent
 
@@ -36,12 +36,12 @@ def main() -> None:
     options.file.parent.mkdir(parents=True, exist_ok=True)
     options.file.write_text("")
     print(f"{'':<58}{'figure':>10} {'':<7}{'at most':>9} {'':<7}{'of floor':>9}")
-    tell_all(transitions.rows(), options.file)
+    report_all(transitions.rows(), options.file)
     if options.py_trees:
-        tell_all(py_trees_rows(options.py_trees), options.file)
+        report_all(py_trees_rows(options.py_trees), options.file)
     with latencies.workplace():
-        tell_all(latencies.rows(), options.file)
-        tell_all(endurance.rows(), options.file)
+        report_all(latencies.rows(), options.file)
+        report_all(endurance.rows(), options.file)
 
 
 if __name__ == "__main__":

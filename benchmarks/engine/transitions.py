@@ -157,7 +157,7 @@ def first_passes() -> Iterator[Row]:
             root = machine(states)
             gc.collect()
             seconds.append(least(lambda root=root: run(root), 1))
-        text = f"one transition, first pass over {states} states"
+        text = f"one transition, first run through {states} states"
         yield Row(text, min(seconds) / (states + 1) * 1e6, "us", 2 * TRANSITION_TARGET_US)
 
 

@@ -96,7 +96,7 @@ class Domain:
         return [*steps, ("fix", wire, 1 - first)]
 
     def declare(self) -> None:
-        """Tell GTPyhop about the domain."""
+        """Declare the domain to GTPyhop."""
 
         def change_tool(state: gtpyhop.State, tool: str) -> gtpyhop.State:
             state.tool, state.position = tool, self.station

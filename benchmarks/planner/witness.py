@@ -39,12 +39,12 @@ def main() -> int:
     for seed in options.seeds:
         with tempfile.TemporaryDirectory() as folder:
             cost = _export(Path(folder), seed)
-            told = json.loads(_peer(options.python, folder))
-        same = told["valid"] and cost == told["plan"] == told["optimal"]
+            answer = json.loads(_peer(options.python, folder))
+        same = answer["valid"] and cost == answer["plan"] == answer["optimal"]
         equal &= same
         print(
-            f"sw1-{_WIRES}-{seed}: ours {cost}, judged {told['plan']}, optimal {told['optimal']}: "
-            f"{'equal' if same else 'NOT EQUAL'}"
+            f"sw1-{_WIRES}-{seed}: ours {cost}, judged {answer['plan']}, "
+            f"optimal {answer['optimal']}: {'equal' if same else 'NOT EQUAL'}"
         )
     return 0 if equal else 1
 

@@ -23,25 +23,25 @@ from dataclasses import asdict
 from pathlib import Path
 
 import numpy as np
-from row import Row, head, tell
+from row import Row, head, report
 from trials import TRIALS, Outcome, Trial, run
 
 from remodel_sim.edge.wire_material_file import read_wire_materials
 from remodel_sim.ros.conversions import read_panel
 
 CONFIG = Path(__file__).parents[2] / "src" / "remodel_sim" / "config"
-# Share of good outcomes in percent, by trial: what is told of it, and its target.
+# Share of good outcomes in percent, by trial: its description and target.
 SHARES = {
     "wire": ("whole wires placed", None),
     "pick": ("pick", 98.0),
-    "offset": ("6 mm beside the mouth: INSERTION_MISALIGNED", 98.0),
+    "offset": ("6 mm beside the opening: INSERTION_MISALIGNED", 98.0),
     "blocked": ("blocked socket: INSERTION_JAMMED", 98.0),
     "other_component": ("wrong socket, of another component: INVALID_GOAL", 98.0),
     "neighbour": ("wrong socket, the one beside it: INVALID_GOAL", 98.0),
     "occupied": ("wrong socket, occupied: TERMINAL_OCCUPIED", 98.0),
     "connector": ("connector latched, first attempt", 95.0),
     "connector_offset": ("connector 6 mm aside: INSERTION_MISALIGNED", 98.0),
-    "connector_blocked": ("connector, one bore blocked: INSERTION_JAMMED", 98.0),
+    "connector_blocked": ("connector, one opening blocked: INSERTION_JAMMED", 98.0),
     "route": ("six clips, the whole wire in them after release", 95.0),
     "connections": ("trials of CheckConnection without a wrong answer", None),
     "locate": ("located", None),
@@ -162,7 +162,7 @@ def main() -> int:
     trials = [Trial(name, seed, panels[name]) for name in options.trials for seed in options.seeds]
     outcomes = run_all(trials, options.jobs, options.file)
     print(head())
-    return 0 if tell(rows(outcomes), options.file) else 1
+    return 0 if report(rows(outcomes), options.file) else 1
 
 
 if __name__ == "__main__":

@@ -2,10 +2,10 @@
 # ruff: noqa: T201 - a benchmark prints
 """Map what InsertCable does by error of its goal: insertion_map.py [FILE] makes insertion-map.png.
 
-The mouth is given off to the side and turned about the vertical, as a bad look would; nothing is
-corrected. Each point is one insertion of end a in a cell of its own; the truth tells whether it is
-seated, also where it was refused (a point with a dot). A line of JSON for each goes to
-out/bench/insertion-map.jsonl.
+The goal's opening lies off to the side and is turned about the vertical, as after a bad
+observation; nothing is corrected. Each point is one insertion of end a in a cell of its own; the
+truth shows whether it is seated, also where it was refused (a point with a dot). A line of JSON for
+each goes to out/bench/insertion-map.jsonl.
 """
 
 from __future__ import annotations
@@ -51,7 +51,7 @@ class Point:
     """One insertion.
 
     Attributes:
-        offset_mm: of the mouth that was given, along its y.
+        offset_mm: of the opening in the goal, along its y.
         angle_deg: by which it was turned.
         found: the error code, "seated", or "silently wrong".
         at_bottom: whether the end is seated by the truth.
@@ -68,8 +68,8 @@ def measure(panel: Panel, offset_mm: float, angle_deg: float) -> Point:
     wire = panel.wires[0]
     terminal = wire.goes_to(WireEnd.A)
     cell = Cell(panel, seed=SEED)
-    mouth = panel.panel_from_socket(*terminal).position
-    cell.feed(wire.id, panel.channel_in_front_of(mouth).id)
+    opening = panel.panel_from_socket(*terminal).position
+    cell.feed(wire.id, panel.channel_in_front_of(opening).id)
     error = Pose.level(0.0, offset_mm / 1e3, 0.0, np.radians(angle_deg))
     given = cell.plant.world_from_socket(*terminal) @ error
     goal = InsertGoal(ROBOT, wire.id, WireEnd.A, *terminal, given, FORCE_LIMIT_N)
@@ -88,7 +88,7 @@ def measure(panel: Panel, offset_mm: float, angle_deg: float) -> Point:
 def draw(points: list[Point]) -> np.ndarray:
     """Return the map."""
     plot = axes(
-        "InsertCable by error of its goal, 3.0 mm wire, 3.8 mm bore, 1.5 mm chamfer",
+        "InsertCable by error of its goal, 3.0 mm wire, 3.8 mm opening, 1.5 mm chamfer",
         ("beside the axis [mm]", "turned [deg]"),
         OFFSETS_MM,
         ANGLES_DEG,

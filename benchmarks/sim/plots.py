@@ -67,7 +67,7 @@ def axes(
     *,
     legend: bool = True,
 ) -> Axes:
-    """Return an empty plot; x and y are the ticks, the legend tells theory from simulation."""
+    """Return an empty plot; x and y are the ticks, the legend separates theory from simulation."""
     plot = Axes(np.full((HEIGHT, WIDTH, 3), 255, np.uint8), (x[0], x[-1]), (y[0], y[-1]))
     for tick in x:
         cv2.line(plot.picture, plot.pixel(tick, y[0]), plot.pixel(tick, y[-1]), GREY, 1)

@@ -1,4 +1,4 @@
-"""What holds a wire, pulled until it lets go: the grip against Coulomb, fixtures against orders."""
+"""What holds a wire, pulled until it slips: the grip against Coulomb, fixtures against orders."""
 
 from __future__ import annotations
 

@@ -47,7 +47,7 @@ def head() -> str:
     return f"{'':<66}{'figure':>10} {'':<8}{'target':>9}"
 
 
-def tell(rows: Iterable[Row], file: Path) -> bool:
+def report(rows: Iterable[Row], file: Path) -> bool:
     """Print rows as they come, add them to the file; return whether every target is met."""
     good = True
     with file.open("a", encoding="utf-8") as lines:

@@ -26,7 +26,7 @@ import retention  # noqa: E402
 import speed  # noqa: E402
 import statics  # noqa: E402
 from fingerprint import fingerprint_elsewhere  # noqa: E402
-from row import Row, head, tell  # noqa: E402
+from row import Row, head, report  # noqa: E402
 
 
 def determinism_rows() -> Iterator[Row]:
@@ -73,7 +73,7 @@ def main() -> int:
         determinism_rows(),
         speed_rows(options.mujoco),
     )
-    return 0 if all([tell(rows, options.file) for rows in parts]) else 1
+    return 0 if all([report(rows, options.file) for rows in parts]) else 1
 
 
 if __name__ == "__main__":

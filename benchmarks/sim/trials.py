@@ -1,4 +1,4 @@
-"""Trials of the abilities: each builds a cell from a seed, tries one thing, and tells how it went.
+"""Trials of the abilities: each builds a cell from a seed, tries one thing, and returns the score.
 
 Cameras and arm decide in the cell; here the truth is asked afterwards, for the score.
 """
@@ -29,7 +29,7 @@ from remodel_states.core.codes import Code
 
 # An end that was picked is off the plate by so much [m].
 LIFTED_M = 0.010
-# How far beside the mouth a socket pose lies that is wrong and not corrected [m].
+# How far beside the opening a socket pose lies that is wrong and not corrected [m].
 OFFSET_M = 0.006
 # Changes under which components are located. Blur and poses that are not level are no faults yet.
 SHIFT_M = 0.010
@@ -38,8 +38,8 @@ LIGHT = (0.4, 1.6)
 # A path over clips begins and ends so far from them, and runs so high [m].
 BEYOND_CLIP_M = 0.020
 PATH_Z_M = 0.050
-# An end that is left before its mouth or in it was pushed so far beside its axis [m], and into a
-# blocked bore in this share of the trials.
+# An end that is left before its opening or in it was pushed so far beside its axis [m], and into a
+# blocked opening in this share of the trials.
 LEFT_ASIDE_M = (0.0, 0.003, -0.006)
 SHARE_BLOCKED = 0.5
 
@@ -115,7 +115,7 @@ def pick(cell: Cell, wire: PanelWire) -> Outcome:
 
 
 def offset(cell: Cell, wire: PanelWire) -> Outcome:
-    """Insert 6 mm beside the mouth: the face stops it."""
+    """Insert 6 mm beside the opening: the housing stops it."""
     side = OFFSET_M if cell.plant.seed % 2 else -OFFSET_M
     cell.feed(wire.id, task.channel_of(cell, wire))
     socket = task.locate_again(cell, *wire.goes_to(WireEnd.A))
@@ -139,7 +139,7 @@ def connector_offset(cell: Cell, wire: PanelWire) -> Outcome:
 
 
 def connector_blocked(cell: Cell, wire: PanelWire) -> Outcome:
-    """Mate a connector with a header that has a plug in one of its bores."""
+    """Mate a connector with a header that has a plug in one of its openings."""
     cell.plant.block_socket(*wire.goes_to(WireEnd.A))
     found = _code_of(lambda: _connect(cell, wire))
     return Outcome(_is(found, Code.INSERTION_JAMMED), found)
@@ -155,7 +155,7 @@ def _connect(cell: Cell, wire: PanelWire, aside: float = 0.0) -> None:
 
 
 def blocked(cell: Cell, wire: PanelWire) -> Outcome:
-    """Insert into a terminal with a plug in its bore."""
+    """Insert into a terminal with a plug in its opening."""
     terminal = wire.goes_to(WireEnd.A)
     cell.plant.block_socket(*terminal)
     cell.feed(wire.id, task.channel_of(cell, wire))
@@ -214,8 +214,8 @@ def connections(cell: Cell, wire: PanelWire) -> Outcome:
     """Ask what sits in terminals while a wire is placed; good when no answer contradicts the truth.
 
     The wires get colours of their own, some the same. Asked is of empty terminals, of a fixed end,
-    of its neighbours, of wires of other colours, and of an end that is left before its mouth or in
-    it.
+    of its neighbours, of wires of other colours, and of an end that is left before or in its
+    opening.
     """
     random = _random(cell)
     names = sorted(WIRE_RGB)
@@ -268,7 +268,7 @@ def _asked(cell: Cell, live: PanelWire) -> Iterator[tuple[str, bool | None, bool
 
 
 def _leave_before(cell: Cell, wire: PanelWire, random: np.random.Generator) -> None:
-    """Push end b at or into its mouth, and let go there."""
+    """Push end b at or into its opening, and release it there."""
     terminal = wire.goes_to(WireEnd.B)
     really = cell.plant.world_from_socket(*terminal)
     if random.random() < SHARE_BLOCKED:

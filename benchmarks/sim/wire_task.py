@@ -76,14 +76,14 @@ def channel_of(cell: Cell, wire: PanelWire) -> str:
 
 
 def locate(cell: Cell, component: str, terminal: str) -> Pose:
-    """Return the mouth of a terminal as the cameras see it, in the world."""
+    """Return the opening of a terminal as the cameras see it, in the world."""
     found = do(cell, locate_gearbox_component, goals.LocateGoal(component, terminal))
     assert found.socket_pose is not None, "a terminal was asked for"
     return found.socket_pose
 
 
 def locate_again(cell: Cell, component: str, terminal: str) -> Pose:
-    """Return the mouth of a terminal as `locate`, which is tried up to three times as in charts."""
+    """Return the opening of a terminal as `locate`, with up to three attempts as in charts."""
     return _again(History(), lambda: locate(cell, component, terminal))
 
 
@@ -166,8 +166,8 @@ def carry(cell: Cell, wire: PanelWire) -> None:
     assert belief.feed is not None, "a wire was picked"
     direction = belief.feed.direction
     lane = float(WORLD_FROM_PANEL.position[0]) + panel.channel(channel_of(cell, wire)).x
-    mouth = WORLD_FROM_PANEL @ panel.panel_from_socket(*wire.goes_to(WireEnd.B))
-    beside = float(mouth.position[1]) + BESIDE_M * direction
+    opening = WORLD_FROM_PANEL @ panel.panel_from_socket(*wire.goes_to(WireEnd.B))
+    beside = float(opening.position[1]) + BESIDE_M * direction
     target = Pose.level(lane, beside, CARRY_Z_M, direction * math.pi / 2)
     route(cell, wire, (target,))
 

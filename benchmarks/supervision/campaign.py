@@ -24,7 +24,7 @@ import signal
 import sys
 import time
 import uuid
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import asdict
 from pathlib import Path
 from typing import Any
@@ -35,7 +35,7 @@ import yaml
 from remodel_msgs.msg import RunUseCaseAction, RunUseCaseGoal
 from sites import FakeSite, SimulatedSite, Site
 from stack import ORDER, Stack, stack
-from table import told
+from table import print_table
 from tqdm import tqdm
 from trial import WIRES, Trial, drawn
 from verdict import (
@@ -152,7 +152,7 @@ class Tables:
         codes: names of error codes -> numbers.
         use_case: the document of the use case.
         durations_s: [s] ability -> what the use case says that it takes.
-        look_s: [s] of a look what is done: as long as one at a component.
+        inspection_s: [s] of an inspection: as long as locating a component.
     """
 
     def __init__(self) -> None:
@@ -163,17 +163,17 @@ class Tables:
         stated = self.use_case["abilities"]
         self.durations_s = {name: float(row["duration_s"]) for name, row in stated.items()}
         self.durations_s["ExtractCable"] = float(self.use_case["cell"]["extract_s"])
-        self.look_s = self.durations_s["LocateGearboxComponent"]
+        self.inspection_s = self.durations_s["LocateGearboxComponent"]
 
 
-def printed(command: Any, words: list[str]) -> str:  # noqa: ANN401
+def printed(command: Callable[[list[str]], int], words: list[str]) -> str:
     """Return what a command prints."""
     with contextlib.redirect_stdout(io.StringIO()) as text:
         command(words)
     return text.getvalue()
 
 
-def _yaml(file: Path) -> Any:  # noqa: ANN401
+def _yaml(file: Path) -> Any:  # noqa: ANN401 - any document
     return yaml.safe_load(file.read_text(encoding="utf-8"))
 
 
@@ -204,7 +204,7 @@ def main() -> int:
     output = options.output.resolve()
     shutil.rmtree(output, ignore_errors=True)
     seeds = range(options.seed, options.seed + options.runs)
-    fake = FakeSite(tables.durations_s, tables.look_s)
+    fake = FakeSite(tables.durations_s, tables.inspection_s)
     site: Site = SimulatedSite() if options.physical else fake
     os.environ[VARIABLE] = str(output / "use_cases")
     supervisor = "--explore" if options.explore else ""
@@ -220,7 +220,7 @@ def main() -> int:
             trials += [drawn(tables.faults[kind], seed) for seed in seeds for kind in kinds]
         results = run_all(Campaign(site, nodes, tables), trials, options.policies, output)
         rospy.signal_shutdown("the campaign is over")
-    return 0 if told(results) else 1
+    return 0 if print_table(results) else 1
 
 
 def run_all(

@@ -1,4 +1,4 @@
-"""ROS time that is faster than the wall's: nobody waits long for a server that hangs."""
+"""ROS time that is faster than the wall's: no one waits long for a server that hangs."""
 
 from __future__ import annotations
 

@@ -8,8 +8,8 @@ from trial import Trial
 
 from remodel_production.core.panel.panel_layout import CutWire
 
-# Kind of remodel_msgs/InjectFault -> whether it can be put right without a person. A blocked bore
-# stays blocked. The shares and shifts are such as a cell meets: a mount that gives way by
+# Kind of remodel_msgs/InjectFault -> whether it can be put right without a person. A blocked
+# opening stays blocked. The shares and shifts are such as a cell meets: a mount that gives way by
 # millimetres, pads that are worn or oily, a lamp that is out.
 KINDS = {
     "component_moved": True,

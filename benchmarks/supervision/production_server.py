@@ -35,7 +35,7 @@ class SqliteFile:
     """A file; another program's writer can lock it."""
 
     def __init__(self, folder: Path) -> None:
-        """Name the file; whoever opens it first makes it."""
+        """Name the file; the first process that opens it creates it."""
         self._file = folder / "production.sqlite"
         self.url = f"sqlite:///{self._file}"
 

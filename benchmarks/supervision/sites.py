@@ -25,8 +25,8 @@ HERE = Path(__file__).parent
 # How much faster than the wall's the time of the fake cell passes.
 _SPEED = 10.0
 
-# [s] wall time between two looks whether a run has begun its first task.
-_LOOK_S = 0.1
+# [s] wall time between two checks whether a run has begun its first task.
+_CHECK_S = 0.1
 
 
 class Site(Protocol):
@@ -52,13 +52,13 @@ class Site(Protocol):
         """See to it that the fault of a trial strikes in the run that begins next."""
 
     def has_struck(self, trial: Trial) -> bool:
-        """Tell whether it has."""
+        """Return whether it has."""
 
     def placed(self, wires: Collection[str]) -> set[str]:
         """Return which wires are where they belong."""
 
     def hand_is_empty(self) -> bool:
-        """Tell whether nothing is left in the hand, as far as the cell can tell."""
+        """Return whether nothing is left in the hand, as far as the cell reports it."""
 
     def cell_s(self, events: Sequence[Event]) -> float:
         """Return how long a run takes in a cell [s], without what stands above it."""
@@ -71,10 +71,10 @@ class FakeSite:
     nodes = ("fake_cell", "picker", "use_case_supervisor", "behavior_action_server")
     limit_s = 120.0
 
-    def __init__(self, durations_s: Mapping[str, float], look_s: float) -> None:
-        """Take what operations, by ability, and a look what is done take in a true cell [s]."""
+    def __init__(self, durations_s: Mapping[str, float], inspection_s: float) -> None:
+        """Take how long operations, by ability, and an inspection take in a true cell [s]."""
         self._durations_s = durations_s
-        self._look_s = look_s
+        self._inspection_s = inspection_s
 
     def arguments(self, output: Path) -> dict[str, object]:
         """Return the file of the world."""
@@ -86,11 +86,11 @@ class FakeSite:
         self._world = WorldFile(nodes.output / "world.sqlite")
 
     def arm(self, trial: Trial) -> None:
-        """Tell the cell; it reads its faults when the panel is loaded."""
+        """Set the cell's faults, which it reads when the panel is loaded."""
         rospy.set_param("fake_cell/faults", list(trial.faults))
 
     def has_struck(self, trial: Trial) -> bool:
-        """Tell whether a goal was struck."""
+        """Return whether a goal was struck."""
         return any(f.struck for f in self._world.read().faults if f.name == trial.kind)
 
     def placed(self, wires: Collection[str]) -> set[str]:
@@ -99,12 +99,12 @@ class FakeSite:
         return {name for name in wires if world.is_placed(name)}
 
     def hand_is_empty(self) -> bool:
-        """Tell whether nothing is held."""
+        """Return whether nothing is held."""
         return not any(hand.held for hand in self._world.read().world.hands.values())
 
     def cell_s(self, events: Sequence[Event]) -> float:
         """Return what the operations would take in a true cell."""
-        return cell_s(events, self._durations_s, self._look_s)
+        return cell_s(events, self._durations_s, self._inspection_s)
 
 
 class SimulatedSite:
@@ -119,7 +119,7 @@ class SimulatedSite:
         return {}
 
     def connect(self, _: Stack, log: RunLog) -> None:
-        """Take the log: it tells when a run has begun."""
+        """Take the log, which shows when a run has begun."""
         self._log = log
         self._cell = Cell()
         self._struck = threading.Event()
@@ -135,7 +135,7 @@ class SimulatedSite:
             threading.Thread(target=self._strike, args=arguments, daemon=True).start()
 
     def has_struck(self, _: Trial) -> bool:
-        """Tell whether the cell has caused it."""
+        """Return whether the cell has caused it."""
         return self._struck.is_set()
 
     def placed(self, wires: Collection[str]) -> set[str]:
@@ -143,7 +143,7 @@ class SimulatedSite:
         return {name for name in wires if self._cell.placed(name)}
 
     def hand_is_empty(self) -> bool:
-        """Return true: the cell does not tell what it holds."""
+        """Return true: the cell does not report what it holds."""
         return True
 
     def cell_s(self, events: Sequence[Event]) -> float:
@@ -152,7 +152,7 @@ class SimulatedSite:
 
     def _strike(self, trial: Trial, struck: threading.Event, armed: threading.Event) -> None:
         fault = trial.faults[0]
-        look = threading.Event()
+        never = threading.Event()
         while armed.is_set() and not rospy.is_shutdown():
             run = self._log.unfinished("cell")
             begun = run is not None and any(
@@ -166,4 +166,4 @@ class SimulatedSite:
                 elif armed.is_set():
                     struck.set()
                 return
-            look.wait(_LOOK_S)
+            never.wait(_CHECK_S)

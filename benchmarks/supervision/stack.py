@@ -17,7 +17,7 @@ import rosgraph
 
 ORDER = "house"
 DESIGN = "/usr/share/qelectrotech/examples/tableau_domestique.qet"
-_LOOK_S = 0.02
+_CHECK_S = 0.02
 _START_LIMIT_S = 90.0
 
 # [s] wall time that a node gets to answer, and that roslaunch and roscore get to end.
@@ -30,7 +30,7 @@ class TroubleError(Exception):
 
 
 def free_port() -> int:
-    """Return a port that nobody listens on."""
+    """Return a free port."""
     with socket.socket() as listener:
         listener.bind(("127.0.0.1", 0))
         return int(listener.getsockname()[1])
@@ -42,7 +42,7 @@ def wait_until(holds: Callable[[], bool], limit_s: float, what: str) -> None:
     while not holds():
         if time.monotonic() > end:
             raise TroubleError(f"{what}: not within {limit_s:.0f} s")
-        time.sleep(_LOOK_S)
+        time.sleep(_CHECK_S)
 
 
 @contextlib.contextmanager
@@ -215,7 +215,7 @@ def _pid(uri: str) -> int:
 
 
 class _ImpatientTransport(Transport):
-    """Does not wait for ever for what was stopped."""
+    """Does not wait forever for what was stopped."""
 
     def make_connection(self, host: str) -> HTTPConnection:  # type: ignore[override]
         connection = super().make_connection(host)  # type: ignore[arg-type]

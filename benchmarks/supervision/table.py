@@ -20,7 +20,7 @@ _HEAD = (
 )
 
 
-def told(results: Mapping[str, Results]) -> bool:
+def print_table(results: Mapping[str, Results]) -> bool:
     """Print a table of each policy; return whether the first one meets the targets."""
     for policy, done in results.items():
         plain = [verdict for trial, verdict in done if not trial.kind]

@@ -18,7 +18,7 @@ GOALS_OF_A_WIRE = {
 }
 WIRES = 2
 
-# Responses that the fake cell knows as cures, beside an operator's, which nobody gives here.
+# Responses that the fake cell knows as cures, beside an operator's, who is absent here.
 _CURES = ("retry", "retry_with", "look_again", "new_part", "replan")
 _OPERATOR = "ask_operator"
 _OPERATOR_SHARE = 0.1
@@ -35,7 +35,7 @@ class Trial:
         kind: name of the fault; empty: nothing goes wrong.
         seed: of what was drawn.
         first_level: who is to handle it first.
-        codes: names of the error codes that tell of it.
+        codes: names of the error codes that report it.
         cure: response that cures it; empty: none does.
         faults: parameters of the fake cell.
     """
@@ -57,7 +57,7 @@ def drawn(row: Mapping[str, Any], seed: int) -> Trial:
     """Return a trial of a fault.
 
     A cure is drawn from the responses that the table lists for the fault; one fault in ten, of
-    those for which an operator is asked in the end, is cured by nobody else. A fault that action
+    those for which an operator is asked in the end, has no other cure. A fault that action
     or behavior handle first may also pass by itself.
 
     Args:
@@ -84,7 +84,7 @@ def drawn(row: Mapping[str, Any], seed: int) -> Trial:
     if cure == "retry_with":
         fault["at_least"] = random.uniform(9.0, 16.0)  # what 8 N and two changes reach
     faults = [fault]
-    if cause["ability"] == "ExtractCable":  # which nobody asks for unless something fails before
+    if cause["ability"] == "ExtractCable":  # which is requested only after a failure
         nth = random.randint(1, WIRES * GOALS_OF_A_WIRE["InsertCable"])
         faults = [{"name": "insertion_misaligned", "nth": nth}, {**fault, "nth": 1}]
     return Trial(kind, seed, row["first_level"], tuple(row["codes"]), cure, tuple(faults))

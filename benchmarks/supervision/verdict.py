@@ -44,7 +44,7 @@ class Verdict:
         first: who handled the failure first; empty if nothing failed.
         cell_s: [s] that its operations take in the cell.
         wall_s: [s] wall time.
-        explained: whether `explain` tells the cause, and the end.
+        explained: whether `explain` names the cause, and the end.
         replayed: whether `replay` finds no difference.
     """
 
@@ -67,7 +67,7 @@ class Verdict:
 
     @property
     def ended_well(self) -> bool:
-        """Whether it ended by itself, safely, and what happened can be told."""
+        """Whether it ended by itself, safely, and can be explained."""
         safe = not self.hung and self.true and self.hand_empty
         return safe and self.explained and self.replayed
 
@@ -78,19 +78,19 @@ def is_complete(events: Sequence[Event]) -> bool:
     return isinstance(last, RunEnded) and last.ending is Ending.COMPLETE
 
 
-def is_explained(events: Sequence[Event], story: str) -> bool:
-    """Return whether a run's story tells of each failed operation, and how the run ended."""
+def is_explained(events: Sequence[Event], explanation: str) -> bool:
+    """Return whether a run's explanation has each failed operation, and how the run ended."""
     failed = [
         event.operation
         for event in events
         if isinstance(event, OperationEnded) and event.operation.error_code
     ]
-    told = all(f"error {operation.error_code}: {operation.text}" in story for operation in failed)
-    return told and "\nended " in story
+    failures = (f"error {operation.error_code}: {operation.text}" for operation in failed)
+    return all(line in explanation for line in failures) and "\nended " in explanation
 
 
 def decided_first(events: Sequence[Event], fault: str) -> str:
-    """Return who decided first about a fault of a name; empty if nobody did."""
+    """Return who decided first about a fault of a name; empty if no level did."""
     return next(
         (_level(event) for event in events if isinstance(event, Decided) and event.fault == fault),
         "",
@@ -117,20 +117,20 @@ def handled_first(events: Sequence[Event], codes: Collection[int]) -> str:
     return ""
 
 
-def cell_s(events: Sequence[Event], durations_s: Mapping[str, float], look_s: float) -> float:
+def cell_s(events: Sequence[Event], durations_s: Mapping[str, float], inspection_s: float) -> float:
     """Return how long the operations of a run take in the cell [s].
 
     Args:
         events: of the run.
         durations_s: [s] ability -> what it takes there.
-        look_s: [s] of a look what is done.
+        inspection_s: [s] of an inspection.
     """
     total_s = 0.0
     for event in events:
         if isinstance(event, OperationEnded):
             total_s += _took_s(event.operation, durations_s)
         elif isinstance(event, Settled):
-            total_s += look_s
+            total_s += inspection_s
     return total_s
 
 

@@ -100,7 +100,7 @@ def random_cables(
     widths: tuple[float, float],
     leaving: float,
 ) -> tuple[tuple[CableCurve, ...], tuple[TrueCrossing, ...]]:
-    """Return cables that a person could tell apart, and their crossings.
+    """Return cables that a person could distinguish, and their crossings.
 
     Args:
         random: the source of chance.

@@ -31,7 +31,7 @@ SHIFT_M, TURN_RAD = 0.010, math.radians(8.0)
 LIFT_M, TILT_RAD = 0.004, math.radians(5.0)
 LABEL_M = (0.018, 0.030)
 LABELS = 250
-# The wrist camera's height when it looks at a label [m].
+# The wrist camera's height when it observes a label [m].
 LENS_Z = 0.204
 # Wires over labels: so many, so high above the plate [m].
 WIRES, WIRE_Z_M = 3, (0.050, 0.075)
@@ -57,7 +57,7 @@ class Condition:
 
 
 class LabelScene:
-    """A plate with components; cameras look at it.
+    """A plate with components; under the cameras.
 
     Attributes:
         components: with labels drawn by lot.

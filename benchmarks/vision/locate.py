@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """Measure how well components are located by their labels, against the targets.
 
-Each component of a scene is looked at from above and then from the hand, as LocateGearboxComponent
+Each component of a scene is observed from above and then from the hand, as LocateGearboxComponent
 does, but without an arm. Adds to out/bench/vision.jsonl.
 
 Usage: locate.py [--scenes N] [--seed FIRST] [--processes N]
@@ -19,7 +19,7 @@ from pathlib import Path
 import cv2
 import numpy as np
 from label_scenes import Condition, LabelScene
-from row import Row, tell
+from row import Row, report
 
 from remodel_sim.abilities.locate_gearbox_component import VIEWS
 from remodel_sim.abilities.primitives.viewpoints import LABEL_ASIDE_M
@@ -55,36 +55,36 @@ class Answer:
 
     Attributes:
         above: whether it was seen from above.
-        looks: from the hand.
-        position: error of the first terminal's mouth [mm]; infinite when it was refused.
+        observations: from the hand.
+        position: error of the first terminal's opening [mm]; infinite when it was refused.
         angle: error [deg]; likewise.
     """
 
     above: bool
-    looks: int
+    observations: int
     position: float = math.inf
     angle: float = math.inf
 
 
 def locate(scene: LabelScene, component: Component) -> Answer:
-    """Look for a component, and compare the answer with the truth."""
+    """Locate a component, and compare the answer with the truth."""
     nominal = WORLD_FROM_PANEL @ component.panel_from_component
     corners = _label(scene, component, picture := scene.take_overhead_picture(), nominal)
     above = None if corners is None else locate_component(component, [LabelView(picture, corners)])
     coarse = above.world_from_component if above is not None and above.clear else nominal
-    looks: list[LabelView] = []
+    views: list[LabelView] = []
     found: Pose | None = None
     for count, aside in enumerate(ASIDE_M, start=1):
         picture = scene.take_wrist_picture(coarse.position[:2] + aside)
         if (corners := _label(scene, component, picture, coarse)) is None:
             continue
-        looks.append(LabelView(picture, corners))
-        observation = locate_component(component, looks)
+        views.append(LabelView(picture, corners))
+        observation = locate_component(component, views)
         if observation.clear:
             found = observation.world_from_component
         else:
-            looks.pop()
-        if len(looks) == VIEWS and found is not None:
+            views.pop()
+        if len(views) == VIEWS and found is not None:
             return Answer(coarse is not nominal, count, *_errors(scene, component, found))
     return Answer(coarse is not nominal, len(ASIDE_M))
 
@@ -95,10 +95,10 @@ def _label(scene: LabelScene, component: Component, picture: Picture, near: Pose
 
 
 def _errors(scene: LabelScene, component: Component, found: Pose) -> tuple[float, float]:
-    """Return the errors of a terminal's mouth [mm] and of the direction [deg]."""
+    """Return the errors of a terminal's opening [mm] and of the direction [deg]."""
     true = scene.poses[component.id]
-    mouth = np.array(component.terminals[0].mouth)
-    away = float(np.linalg.norm(found.apply(mouth) - true.apply(mouth)))
+    opening = np.array(component.terminals[0].mouth)
+    away = float(np.linalg.norm(found.apply(opening) - true.apply(opening)))
     cosine = (np.trace(found.rotation.T @ true.rotation) - 1) / 2
     return 1e3 * away, math.degrees(math.acos(float(np.clip(cosine, -1, 1))))
 
@@ -122,7 +122,11 @@ def rows(name: str, answers: list[Answer]) -> Iterator[Row]:
     group = f"locate, {name}"
     yield Row(f"{group}: located", 100 * len(positions) / len(answers), "%")
     yield Row(f"{group}: seen from above", 100 * sum(a.above for a in answers) / len(answers), "%")
-    yield Row(f"{group}: looks from the hand", float(np.mean([a.looks for a in answers])), "")
+    yield Row(
+        f"{group}: observations from the hand",
+        float(np.mean([a.observations for a in answers])),
+        "",
+    )
     yield Row(f"{group}: position, median", float(np.median(positions)), "mm", at_most=0.5)
     yield Row(f"{group}: position, p90", float(np.quantile(positions, 0.9)), "mm", at_most=1.0)
     yield Row(f"{group}: angle, median", float(np.median(angles)), "deg", at_most=0.5)
@@ -142,7 +146,7 @@ def main() -> None:
         for name, condition in CONDITIONS.items():
             scenes = pool.map(run, [(condition, seed) for seed in seeds], chunksize=1)
             for row in rows(name, [answer for scene in scenes for answer in scene]):
-                tell(row)
+                report(row)
 
 
 if __name__ == "__main__":

@@ -25,7 +25,7 @@ PICTURES: dict[str, tuple[tuple[Kind, int, dict[str, float]], ...]] = {
         (Kind(5, True), 84, {}),
         (Kind(4, True), 28, {}),
     ),
-    "doubted": (
+    "unreliable": (
         (Kind(4, True), 63, {}),
         (Kind(3, False, clutter=4), 17, {}),
         (Kind(3, False), 57, {}),
@@ -38,14 +38,14 @@ PICTURES: dict[str, tuple[tuple[Kind, int, dict[str, float]], ...]] = {
 
 
 def main(folder: Path) -> None:
-    """Write a picture for each name, and tell the doubts."""
+    """Write a picture for each name, and print the warnings."""
     folder.mkdir(parents=True, exist_ok=True)
     for name, scenes in PICTURES.items():
         row = []
         for kind, seed, light in scenes:
             rgb = make_scene(kind, seed, **light).rendered.rgb
             found = detect_cables(rgb)
-            print(name, seed, f"{len(found.cables)} of {kind.cables}", *found.doubts, sep="; ")
+            print(name, seed, f"{len(found.cables)} of {kind.cables}", *found.warnings, sep="; ")
             row.append(cv2.resize(sketch(rgb, found), None, fx=SHRINK, fy=SHRINK, interpolation=3))
         strip = cv2.cvtColor(np.hstack(row), cv2.COLOR_RGB2BGR)
         cv2.imwrite(str(folder / f"cables-{name}.jpg"), strip, [cv2.IMWRITE_JPEG_QUALITY, 82])

@@ -31,12 +31,12 @@ class Row:
 
 
 def start() -> None:
-    """Begin the file anew."""
+    """Remove the file of an earlier run."""
     OUT.parent.mkdir(parents=True, exist_ok=True)
     OUT.unlink(missing_ok=True)
 
 
-def tell(row: Row) -> None:
+def report(row: Row) -> None:
     """Print a line of the table and add a line to the file."""
     target = f">= {row.at_least:g}" if row.at_least is not None else ""
     target = f"<= {row.at_most:g}" if row.at_most is not None else target

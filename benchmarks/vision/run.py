@@ -18,7 +18,7 @@ from dataclasses import dataclass
 
 import cv2
 import numpy as np
-from row import Row, start, tell
+from row import Row, report, start
 from scenes import Kind, make_scene
 from scoring import Score, score
 
@@ -53,7 +53,7 @@ class Task:
 
 
 def run(task: Task) -> Score:
-    """Render a scene, look at it, and score the answer."""
+    """Render a scene, detect its cables, and score the answer."""
     cv2.setNumThreads(1)
     scene = make_scene(task.kind, task.seed, **dict(task.light))
     return score(scene, detect_cables(scene.rendered.rgb))
@@ -75,8 +75,8 @@ def accuracy(group: str, scores: list[Score], least_count: float) -> list[Row]:
         Row(f"{group}: crossings found", 100 * len(upper) / max(1, crossings), "%"),
         Row(f"{group}: upper strand right", _percent(upper), "%"),
         Row(f"{group}: all right", _percent(s.right for s in scores), "%"),
-        Row(f"{group}: doubted though right", _percent(s.right and s.doubted for s in scores), "%"),
-        Row(f"{group}: wrong without a doubt", _percent(map(_silent, scores)), "%", at_most=1.0),
+        Row(f"{group}: right, with warnings", _percent(s.right and s.warned for s in scores), "%"),
+        Row(f"{group}: wrong without a warning", _percent(map(_silent, scores)), "%", at_most=1.0),
     ]
 
 
@@ -92,7 +92,7 @@ def honesty(group: str, scores: list[Score]) -> Row:
 
 
 def _silent(scored: Score) -> bool:
-    return not scored.right and not scored.doubted
+    return not scored.right and not scored.warned
 
 
 def _mean(values: list[float]) -> float:
@@ -135,12 +135,12 @@ def main() -> None:
     start()
     first, few = options.seed, max(5, options.scenes // 5)
     for row in times(first, 30):
-        tell(row)
+        report(row)
     with multiprocessing.get_context("spawn").Pool(options.processes) as pool:
         for same, group, least in ((False, "colours", 99.0), (True, "one colour", 97.0)):
             tasks = [Task(Kind(COUNTS[i % 5], same), first + i) for i in range(options.scenes)]
             for row in accuracy(group, pool.map(run, tasks, chunksize=4), least):
-                tell(row)
+                report(row)
         everything: list[Score] = []
         kinds = [Kind(count, same) for count, same in itertools.product(COUNTS, (False, True))]
         for name, light in SWEEP.items():
@@ -148,15 +148,15 @@ def main() -> None:
             tasks = [Task(kinds[i % 10], first + i, condition) for i in range(few)]
             scores = pool.map(run, tasks, chunksize=4)
             everything += scores
-            tell(honesty(name, scores))
+            report(honesty(name, scores))
         for pieces in CLUTTER:
             tasks = [
                 Task(Kind(COUNTS[i % 5], i % 2 == 1, clutter=pieces), first + i) for i in range(few)
             ]
             scores = pool.map(run, tasks, chunksize=4)
             everything += scores
-            tell(honesty(f"{pieces} things on the table", scores))
-        tell(honesty("all conditions", everything))
+            report(honesty(f"{pieces} foreign objects", scores))
+        report(honesty("all conditions", everything))
 
 
 if __name__ == "__main__":

@@ -1,4 +1,4 @@
-"""Random scenes by seed: what the benchmark looks at."""
+"""Random scenes by seed, for the benchmark."""
 
 from __future__ import annotations
 

@@ -31,7 +31,7 @@ class Score:
         dice: of each true cable's visible pixels; 0 where it was not found.
         upper_right: for each true crossing that was found, whether the upper strand is right.
         crossings_missed: true crossings without an answer.
-        doubted: the answer itself says that it may be wrong.
+        warned: the answer has warnings.
     """
 
     count_right: bool
@@ -41,7 +41,7 @@ class Score:
     dice: tuple[float, ...]
     upper_right: tuple[bool, ...]
     crossings_missed: int
-    doubted: bool
+    warned: bool
 
 
 def score(scene: Scene, found: Detection) -> Score:
@@ -72,7 +72,7 @@ def score(scene: Scene, found: Detection) -> Score:
         _dice(scene, found, matched),
         upper,
         missed,
-        bool(found.doubts),
+        bool(found.warnings),
     )
 
 

@@ -96,9 +96,9 @@ def check_files(
     check = partial(memory.check if memory else check_chart, expect_time=expect_time)
     checked = check_units(units, library, report, check)
     problems = list(files.problems)
-    told = {(problem.position, problem.code) for problem in problems}
+    known = {(problem.position, problem.code) for problem in problems}
     for one in checked.values():
-        problems += (p for p in one.problems if (p.position, p.code) not in told)
+        problems += (p for p in one.problems if (p.position, p.code) not in known)
     order = {path: index for index, path in enumerate(checked)}
     problems.sort(key=lambda p: (order.get(p.position.file, -1), *p.position[1:]))
     return CheckedFiles(checked, packages, tuple(dict.fromkeys(problems)))

@@ -58,7 +58,7 @@ class Synthesis:
         self._machine = checked.charts[path].resolved.chart.name if path in checked.charts else ""
         self._created = None
         if not self.errors:
-            with mock.patch("os.fsync"):  # nobody pulls the plug of a test
+            with mock.patch("os.fsync"):  # a test survives no power failure
                 self.written = write_behaviors(checked)
 
     def text(self) -> str:

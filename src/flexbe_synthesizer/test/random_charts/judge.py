@@ -72,14 +72,14 @@ def judge(files: Mapping[str, bytes], path: str, runs: int) -> Verdict:
 def _judge(
     synthesis: Synthesis, chart: Scope, faults: tuple[Fault, ...] | None, runs: int
 ) -> Verdict:
-    told = [str(error) for error in synthesis.errors]
+    errors = [str(error) for error in synthesis.errors]
     codes = {error.code for error in synthesis.errors}
     if has_conflict(chart) and ProblemKind.CONFLICTING_OUTPUT in codes:
-        return Verdict("refused", told)
+        return Verdict("refused", errors)
     if codes - _DATA_CODES:
-        return Verdict("valid chart refused", told)
+        return Verdict("valid chart refused", errors)
     if synthesis.errors:
-        return Verdict("refused" if faults or faults is None else "refused without need", told)
+        return Verdict("refused" if faults or faults is None else "refused without need", errors)
     if faults:
         return Verdict("accepted with a hole in its data", [*map(str, faults)])
     for number in range(runs):

@@ -56,13 +56,15 @@ class SynthesisServerTest(unittest.TestCase):
     def feedback_of(self, handle):
         """Return what has arrived of the feedback on a request."""
         goal_id = handle.comm_state_machine.action_goal.goal_id.id
-        return [told.feedback for told in self.feedback if told.status.goal_id.id == goal_id]
+        return [
+            message.feedback for message in self.feedback if message.status.goal_id.id == goal_id
+        ]
 
     def ask(self, *arguments):
         """Send a request; return its handle and its feedback once all of both has arrived."""
         handle, done = self.send(*arguments)
         self.assertTrue(done.wait(LIMIT.to_sec()))
-        self.wait_for(lambda: any(told.progress == 1.0 for told in self.feedback_of(handle)))
+        self.wait_for(lambda: any(message.progress == 1.0 for message in self.feedback_of(handle)))
         return handle, self.feedback_of(handle)
 
     def refuse(self, code, *arguments):
@@ -101,7 +103,7 @@ class SynthesisServerTest(unittest.TestCase):
         text = self.refuse(ErrorCode.OUTCOMES_DIFFER, "plain.xml", "", ["finished"])
         self.assertIn("'PlacePin finished normally'", text)
 
-    def test_a_file_in_the_way_is_told_and_the_server_lives_on(self):
+    def test_a_file_in_the_way_is_reported_and_the_server_lives_on(self):
         output = Path(rospy.get_param("synthesis_server/output"))
         blocked = output / "src" / output.name / "plain_chart_sm.py"
         blocked.parent.mkdir(parents=True, exist_ok=True)

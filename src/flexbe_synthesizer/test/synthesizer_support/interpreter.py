@@ -1,6 +1,6 @@
 """Run a chart by the meaning of its language: the reference that everything else is held to.
 
-`explore` follows every run of a chart, with every event of every state, and tells what goes wrong;
+`explore` follows every run of a chart, with every event of every state, and reports faults;
 `chart_run` follows one. Nothing is shared with the checker or the expansion but the chart and what
 its states offer, so that a mistake in one of them shows. This is written to be obviously right,
 not fast: it takes charts of a few dozen states.
@@ -195,8 +195,8 @@ class _Explorer:
                     visits[count_path] = max(count, visits.get(count_path, 0))
                 yield End(fulfilled, values.outputs(memory), frozenset(visits.items()))
             elif len(ended) == len(nodes):
-                told = ", ".join(f"{node_id} {event}" for node_id, event in sorted(events.items()))
-                self.faults.append(Fault(path, f"waits for ever after {told}"))
+                each = ", ".join(f"{node_id} {event}" for node_id, event in sorted(events.items()))
+                self.faults.append(Fault(path, f"waits forever after {each}"))
             else:
                 for node_id in nodes.keys() - ended.keys():
                     waiting.extend(done | {(node_id, end)} for end in ends[node_id])
@@ -204,7 +204,7 @@ class _Explorer:
     def _find_endless(
         self, after: Mapping[Place, Iterable[Place]], outcomes: set[str], path: str
     ) -> None:
-        """Tell of places from which no outcome can be reached."""
+        """Report places from which no outcome can be reached."""
         before: dict[Place, list[Place]] = {}
         for place, nexts in after.items():
             for following in nexts:
@@ -222,7 +222,7 @@ class _Explorer:
 
 
 def is_concurrent(chart: Chart) -> bool:
-    """Tell whether a chart is the content of a concurrency container."""
+    """Return whether a chart is the content of a concurrency container."""
     return not chart.initial
 
 

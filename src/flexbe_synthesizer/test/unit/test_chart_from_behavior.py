@@ -16,7 +16,7 @@ def test_a_behavior_is_written_as_a_chart_to_the_screen_or_a_file(
     assert chart.read_text() == text
 
 
-def test_what_cannot_be_read_is_told_with_its_place(golden, package_path, tmp_path, capsys):
+def test_what_cannot_be_read_is_reported_with_its_place(golden, package_path, tmp_path, capsys):
     own = tmp_path / "own_sm.py"
     text = (golden / "behaviors" / "place_connector_sm.py").read_text()
     own.write_text(text.replace("        return _s", "        print()\n        return _s"))

@@ -15,7 +15,7 @@ READS = """<statemachine name="Outer" initial="In">
     <transition event="bad" target="end"/>
   </behavior>
   <state id="Report" type="ReportState">
-    <param name="text" value="x"/><transition event="told" target="end"/>
+    <param name="text" value="x"/><transition event="reported" target="end"/>
   </state>
   <connection output_state_id="In" output="value" input_state_id="Report" input="value"/>
 </statemachine>"""

@@ -16,7 +16,9 @@ from flexbe_synthesizer.core.chart.xml_tree import XmlTree
 def test_a_chart_that_is_written_is_read_as_the_same_chart(chart):
     text = write_chart(chart)
     again = parse_chart(text)
-    assert repr(dataclasses.replace(again, file="")) == repr(chart)  # tells 1 from True and 1.0
+    assert repr(dataclasses.replace(again, file="")) == repr(
+        chart
+    )  # distinguishes 1 from True and 1.0
     assert write_chart(again) == text
 
 

@@ -112,7 +112,7 @@ def test_errors_of_a_chart_that_is_named_count_too(run, charts):
     assert err.endswith("1 error; nothing was written\n")
 
 
-def test_a_named_chart_that_is_missing_or_broken_is_told_where_it_is_named(run, charts):
+def test_a_named_chart_that_is_missing_or_broken_is_reported_where_it_is_named(run, charts):
     inner = charts / "place_connector.xml"
     inner.unlink()
     code, _, err = run(charts / "wire_task.xml")

@@ -320,7 +320,7 @@ def test_what_each_outcome_writes_is_what_some_and_what_all_paths_to_it_write(dr
         )
 
 
-def test_a_long_path_is_told_by_its_beginning_and_its_end():
+def test_a_long_path_is_shortened_to_its_beginning_and_its_end():
     nodes = [state(f"A{index}", "Pass", f"A{index + 1}") for index in range(40)]
     nodes += [state("A40", "Read", "W"), state("W", "Write")]
     (problem,) = checked(nodes, [("W", "v", "A40", "v")]).problems

@@ -38,7 +38,7 @@ OUTER = (
     f'<statemachine {EXT} name="Outer" initial="In">'
     """<datamodel><outcome name="end"/></datamodel>{node}
 <state id="Report" type="ReportState">
-  <param name="text" value="x"/><transition event="told" target="end"/>
+  <param name="text" value="x"/><transition event="reported" target="end"/>
 </state>
 <connection output_state_id="In" output="{read}" input_state_id="Report" input="value"/>
 </statemachine>"""
@@ -103,7 +103,7 @@ def generated(checked):
 
 
 def dies(on_engine, texts):
-    """Tell whether some run of up to three choices lacks data."""
+    """Return whether some run of up to three choices lacks data."""
     for picks in itertools.product(range(3), repeat=3):
         left = list(picks)
 
@@ -136,9 +136,7 @@ def test_what_is_accepted_never_lacks_data_and_what_is_refused_does(case, kind, 
     assert dies(on_engine, texts) is not is_good
 
 
-def test_code_of_somebodys_own_in_a_nested_behavior_makes_nothing_certain(
-    charts, tmp_path, package_path
-):
+def test_custom_code_in_a_nested_behavior_makes_nothing_certain(charts, tmp_path, package_path):
     inner = INNER.format(given_up="bad", more="")
     outer = OUTER.format(node=nested(inner, "source", "end"), read="value")
     assert errors_in(charts(inner, outer, "source")["outer.xml"].problems) == ()

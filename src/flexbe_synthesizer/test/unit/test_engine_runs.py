@@ -22,7 +22,7 @@ SEEDS = 40
 
 
 def choice(seed, path, events):
-    """Return the event that a state always ends with, whoever runs it."""
+    """Return the event that a state always ends with, whichever engine runs it."""
     return random.Random(f"{seed} {path}").choice(events)
 
 

@@ -110,7 +110,7 @@ def test_what_names_no_code_is_no_route(text):
 
 
 @given(st.from_regex(r"[A-Za-z][A-Za-z0-9_]{0,9}|[1-9][0-9]{0,3}", fullmatch=True))
-def test_the_event_of_a_route_tells_its_codes_and_the_app_can_read_it(codes):
+def test_the_event_of_a_route_names_its_codes_and_the_app_can_read_it(codes):
     (route,) = parse_routes(f"{codes}: there")
     event = route_event(route)
     assert codes_of_event(event) == codes

@@ -186,7 +186,7 @@ MANY_MISTAKES = {
 
 
 @pytest.mark.parametrize("parts", MANY_MISTAKES.values(), ids=MANY_MISTAKES.keys())
-def test_thousands_of_mistakes_are_told_in_time(holds, parts):
+def test_thousands_of_mistakes_are_reported_in_time(holds, parts):
     assert len(holds(f"{HEAD}{''.join(parts)}</statemachine>")) >= COUNT / 2 - 1
 
 

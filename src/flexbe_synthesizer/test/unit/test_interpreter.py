@@ -1,4 +1,4 @@
-"""What the reference interpreter tells of charts that go wrong, and how a run is followed."""
+"""What the reference interpreter reports of charts that go wrong, and how a run is followed."""
 
 import pytest
 from synthesizer_support.chart_run import run
@@ -53,12 +53,12 @@ def flow(source, target):
             state("S", "Write", ("a", "S"), ("exhausted", "S"), more=' ext:attempts="2"'),
             "leads to no outcome",
         ),
-        (BOTH.format(""), "waits for ever after L b, R b"),
+        (BOTH.format(""), "waits forever after L b, R b"),
         (
             BOTH.format(
                 '<ext:condition outcome="o"><ext:when state="L" event="b"/></ext:condition>'
             ),
-            "waits for ever after L a, R b",
+            "waits forever after L a, R b",
         ),
     ],
 )

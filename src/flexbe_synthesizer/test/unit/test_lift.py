@@ -87,7 +87,7 @@ INSERT = "InsertCableState(force_limit_n=20)"
             "a parameter of",
         ),
         ("        return _s", "        print()\n        return _s", "a custom statement"),
-        ("'pose': 'locate_pose', 'force'", "'pose': 'nowhere', 'force'", "which nobody writes"),
+        ("'pose': 'locate_pose', 'force'", "'pose': 'nowhere', 'force'", "which no state writes"),
         ("class PlaceConnectorSM(Behavior)", "class PlaceConnectorSM(M)", "no class (Behavior)"),
         ("self.name = 'Place Connector'", "pass", "no self.name"),
         ("        return _state_machine", "        return None", "does not return a container"),
@@ -108,7 +108,9 @@ INSERT = "InsertCableState(force_limit_n=20)"
         ("_sm_fix_0,", "_state_machine,", "a container that it lies in itself"),
     ],
 )
-def test_what_a_chart_cannot_say_is_told_with_its_place(old, new, reason, golden, read_back):
+def test_what_a_chart_cannot_express_is_reported_with_its_place(
+    old, new, reason, golden, read_back
+):
     text = text_of(golden, "place_connector")
     assert old in text
     with pytest.raises(InexpressibleError) as caught:

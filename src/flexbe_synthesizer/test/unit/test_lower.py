@@ -88,7 +88,7 @@ def test_an_input_of_a_behavior_that_has_a_default_may_stay_unfed(machine):
     assert "thoroughness" not in dict(clean.remapping)
 
 
-def test_what_an_engine_reports_is_told_in_the_words_of_the_chart(golden):
+def test_what_an_engine_reports_is_translated_to_the_words_of_the_chart(golden):
     chart = parse_chart((golden / "charts" / "place_connector.xml").read_bytes())
     taken = [
         ("/Locate_attempts", "counted"),

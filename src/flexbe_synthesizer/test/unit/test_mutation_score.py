@@ -31,7 +31,7 @@ class Mutant:
     what: str
     text: str
     lines: frozenset[int]  # where an error has to do with the mutation
-    key: str  # the input or output that was changed: whoever needs it may be far away
+    key: str  # the input or output that was changed: the state that needs it may be far away
 
 
 def elements(lines):
@@ -235,10 +235,10 @@ def test_every_mutant_is_refused_in_its_place_or_harmless(golden, knowledge):
     assert len({what for what, _, _ in verdicts}) >= 40
 
 
-def test_what_is_told_to_go_wrong_in_a_run_does_go_wrong(golden, knowledge):
+def test_what_is_reported_to_go_wrong_in_a_run_does_go_wrong(golden, knowledge):
     """No false alarm: a run-time error of the checker is a fault that the interpreter finds."""
     library, charts, interfaces = knowledge
-    told = {
+    run_time_errors = {
         ProblemKind.READ_BEFORE_WRITE,
         ProblemKind.OVERWRITTEN_VALUE,
         ProblemKind.NO_WAY_OUT,
@@ -250,7 +250,7 @@ def test_what_is_told_to_go_wrong_in_a_run_does_go_wrong(golden, knowledge):
         chart, problems = read_chart(mutant.text, mutant.name)
         if chart is not None and not errors_in(problems):
             errors = errors_in(check_chart(chart, library, charts).problems)
-            if errors and {error.code for error in errors} <= told:
+            if errors and {error.code for error in errors} <= run_time_errors:
                 assert explore(chart, interfaces), errors[0]
                 confirmed += 1
     assert confirmed > 20

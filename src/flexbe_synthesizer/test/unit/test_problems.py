@@ -68,7 +68,7 @@ FIX = """<state id="Fix" type="FixCableState">
 POSE_TO_FIX = POSE.replace("Insert", "Fix")
 SAY = """<state id="Say" type="ReportState">
     <param name="text" value="x"/>
-    <transition event="told" target="finished"/>
+    <transition event="reported" target="finished"/>
   </state>
 """
 CHOOSE = """<state id="Choose" type="ChooseState">
@@ -414,7 +414,7 @@ def test_a_mistake_is_reported_alone_and_in_its_place(check, code, part, changes
     assert part in problems[0].message
 
 
-def test_a_chart_that_lacks_its_parts_is_told_which(check):
+def test_the_missing_parts_of_a_chart_are_reported(check):
     assert lines_of(check('<statemachine name="A" initial="B"/>')[1]).splitlines()[:2] == [
         "chart.xml:1:1: [missing-element] no <datamodel>; a chart needs one, with its outcomes.",
         "chart.xml:1:1: [missing-element] neither a <state> nor a <behavior>; a chart needs at "
@@ -449,7 +449,7 @@ def places(problems, code):
     return [p.position for p in problems if p.code is code]
 
 
-def test_charts_that_contain_each_other_are_told_the_circle(check_all):
+def test_of_charts_that_contain_each_other_the_circle_is_reported(check_all):
     problems = check_all({"d/a.xml": task("A", "e/b.xml"), "d/e/b.xml": task("B", "../a.xml")})
     assert places(problems, ProblemKind.CHART_CYCLE) == [("d/a.xml", 2, 20), ("d/e/b.xml", 2, 20)]
     assert "A > B > A" in problems[0].message
@@ -457,9 +457,7 @@ def test_charts_that_contain_each_other_are_told_the_circle(check_all):
     assert places(problems, ProblemKind.CHART_CYCLE) == [("a.xml", 2, 20)]
 
 
-def test_a_chart_contained_in_a_behavior_that_is_there_already_is_told_the_circle(
-    check_all, library
-):
+def test_of_a_chart_contained_in_an_existing_behavior_the_circle_is_reported(check_all, library):
     clean_up = dataclasses.replace(library.behaviors[0], contains=("A",), outcomes=("done",))
     known = dataclasses.replace(library, behaviors=(clean_up,))
     problems = check_all({"a.xml": task("A", "Clean Up")}, known)
@@ -477,7 +475,7 @@ def test_charts_can_name_each_other_by_display_name(check_all):
     assert check_all({"a.xml": outer, "b.xml": inner}) == []
 
 
-def test_two_charts_that_become_one_file_are_told(check_all):
+def test_two_charts_that_become_one_file_are_reported(check_all):
     wait = GOOD.replace('name="Task"', 'name="task"')
     problems = check_all({"a.xml": GOOD, "b.xml": wait})
     assert places(problems, ProblemKind.DUPLICATE_BEHAVIOR) == [("b.xml", 2, 56)]
@@ -495,7 +493,7 @@ def test_two_behaviors_of_one_class_cannot_be_used_side_by_side(check_all, libra
     assert places(problems, ProblemKind.DUPLICATE_BEHAVIOR) == [("a.xml", 30, 21)]
 
 
-def test_a_behavior_of_two_packages_must_be_told_apart(check_all, library):
+def test_a_behavior_of_two_packages_needs_its_package(check_all, library):
     other = dataclasses.replace(library.behaviors[0], package="other", module="other.clean_up_sm")
     known = dataclasses.replace(library, behaviors=(*library.behaviors, other))
     problems = check_all({"a.xml": GOOD}, known)
@@ -503,7 +501,7 @@ def test_a_behavior_of_two_packages_must_be_told_apart(check_all, library):
     assert "'cell_behaviors/Clean Up', 'other/Clean Up'" in problems[0].message
 
 
-def test_a_behavior_that_cannot_be_read_is_told_why(library, check_all):
+def test_a_behavior_that_cannot_be_read_is_reported_with_the_reason(library, check_all):
     broken = Unreadable("Clean Up", "cell_behaviors", "its class lacks create", "CleanUpSM")
     known = dataclasses.replace(library, behaviors=(), unreadable_behaviors=(broken,))
     problems = check_all({"a.xml": GOOD}, known)

@@ -77,15 +77,15 @@ def test_the_reference_knows_the_states_that_it_runs():
     for name, kind in KINDS.items():
         (found,) = library().find_states(name)
         assert found.name in vars(import_module(found.module))
-        for told, declared in (
+        for stated, declared in (
             (kind.outcomes or None, found.outcomes),
             (kind.inputs, found.inputs),
             (kind.outputs, found.outputs),
         ):
             if isinstance(declared, FromParameter):
-                assert told is None, name
+                assert stated is None, name
             else:
-                assert told == tuple(getattr(port, "name", port) for port in declared), name
+                assert stated == tuple(getattr(port, "name", port) for port in declared), name
         effects = {effect.outcome: effect.certain for effect in found.effects}
         for outcome in kind.outcomes:
             if kind.outputs:
@@ -130,7 +130,7 @@ def test_a_behavior_that_does_something_else_is_found(changed, to, respect, tmp_
 
 
 def test_a_hole_is_found_and_shrunk():
-    """A chart that is accepted though its reference reads what nobody has written."""
+    """A chart that is accepted though its reference reads what no state has written."""
     source = generate(7)
     hole = CHART.replace('event="made" target="Use"', 'event="made" target="ok"')
     hole = hole.replace('event="exhausted" target="ok"', 'event="exhausted" target="Use"')

@@ -1,4 +1,4 @@
-"""The README tells the truth about the server's codes, and its charts are charts."""
+"""The README is right about the server's codes, and its charts are charts."""
 
 import re
 from pathlib import Path

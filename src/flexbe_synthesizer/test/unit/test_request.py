@@ -78,9 +78,9 @@ def test_a_chart_of_the_same_name_in_another_folder_is_refused(ask, settings, tm
     other.write_text(text.replace('ext:attempts="3"', 'ext:attempts="4"'))
     folders = (home, other.parent)
     ask("place_connector.xml", chart_folders=folders)
-    code, told = refusal(ask, "mine.xml", chart_folders=folders)
+    code, text = refusal(ask, "mine.xml", chart_folders=folders)
     assert code is ErrorCode.OUTPUT_FAILED
-    assert f"{other} and {home / 'place_connector.xml'} both have the name" in told
+    assert f"{other} and {home / 'place_connector.xml'} both have the name" in text
     assert ask("place_connector.xml", chart_folders=folders).written == ()
 
 
@@ -120,7 +120,7 @@ def test_another_initial_state_changes_the_states_and_not_the_behavior(ask, sett
     assert answer.written == ()
 
 
-def test_an_initial_state_that_reads_what_nobody_wrote_is_refused(ask, settings):
+def test_an_initial_state_that_reads_what_no_state_wrote_is_refused(ask, settings):
     code, text = refusal(ask, "place_connector.xml", "Fix")
     assert code is ErrorCode.CHART_INVALID
     assert "started at 'Fix'" in text
@@ -148,14 +148,14 @@ def test_a_chart_with_errors_is_refused_with_all_of_them(ask, settings):
     assert not settings.output.exists()
 
 
-def test_what_is_not_there_and_what_is_outside_are_told_apart(ask, tmp_path):
+def test_missing_files_and_files_outside_are_distinguished(ask, tmp_path):
     assert refusal(ask, "none.xml")[0] is ErrorCode.CHART_NOT_FOUND
     assert refusal(ask, "")[0] is ErrorCode.CHART_NOT_FOUND
     assert refusal(ask, "../none.xml")[0] is ErrorCode.CHART_REFUSED
     assert refusal(ask, "/etc/passwd")[0] is ErrorCode.CHART_REFUSED
 
 
-def test_a_package_that_cannot_be_written_to_is_told(ask, tmp_path):
+def test_a_package_that_cannot_be_written_to_is_reported(ask, tmp_path):
     (tmp_path / "file").write_text("")
     code, text = refusal(ask, "plain.xml", output=tmp_path / "file" / "package")
     assert code is ErrorCode.OUTPUT_FAILED
@@ -173,7 +173,7 @@ def test_without_the_state_that_writes_counts_attempts_cannot_be_listed(
     assert ask("plain.xml", ros_package_path=str(packages)).states
 
 
-def test_whoever_is_told_of_a_step_can_end_the_request(ask, settings):
+def test_the_observer_of_a_step_can_end_the_request(ask, settings):
     def stop(status, _progress):
         if "writing" in status:
             raise RequestError(ErrorCode.CANCELLED, "enough")

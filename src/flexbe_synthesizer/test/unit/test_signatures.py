@@ -154,7 +154,7 @@ def test_lists_can_come_from_a_constructor_argument():
         ),
     ],
 )
-def test_a_state_class_that_text_does_not_tell_is_kept_with_the_reason(body, reason):
+def test_a_state_class_that_cannot_be_read_from_text_is_kept_with_the_reason(body, reason):
     found = state(f"class S(EventState):\n    {body}\n")
     assert isinstance(found, Unreadable)
     assert reason in found.reason
@@ -215,7 +215,7 @@ def test_a_behavior_is_read_as_the_app_writes_it():
         ("sm = (", "never closed"),
     ],
 )
-def test_a_behavior_that_text_does_not_tell_is_kept_with_the_reason(create, reason):
+def test_a_behavior_that_cannot_be_read_from_text_is_kept_with_the_reason(create, reason):
     found = behavior(create)
     assert isinstance(found, Unreadable)
     assert reason in found.reason

@@ -113,7 +113,7 @@ class UiCommandTest(unittest.TestCase):
         answers = Heard("flexbe/uianswer", String)
         message = f"{{command: 'help', key: '{KEY}'}}"
         topic = ("flexbe/uicommand", "flexbe_msgs/UICommand", message)
-        self.give("help")  # so that the console is there before a message that nobody repeats
+        self.give("help")  # so that the console is there before a message that is not repeated
         publishing = subprocess.Popen(
             ["rostopic", "pub", *topic], env=self.environment, start_new_session=True
         )

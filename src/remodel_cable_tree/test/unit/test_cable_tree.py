@@ -119,7 +119,7 @@ def test_tree_without_ends_has_the_empty_order():
     assert (found.feasibility, found.order) == (Feasibility.FOUND, ())
 
 
-def test_search_stops_when_told():
+def test_search_stops_on_request():
     tree = random_tree(60, 2)
     found = sequence(tree, 3600.0, 1, stopped=lambda: True)
     assert not list(violations(tree, found.order))
@@ -133,7 +133,7 @@ def test_costs_are_counted_as_the_paper_says():
     assert cost.total == 6**3 + 6**2 + 4 * 6 + 1
 
 
-def test_breaks_are_told():
+def test_violations_are_reported():
     tree = CableTree(4, 2, ((1, 2),), ((1, 2, 4, 3),), soft=(), direct=(1,))
     assert len(list(violations(tree, (2, 3, 4, 1)))) == 2
     assert len(list(violations(tree, (1, 2, 3, 4)))) == 1

@@ -107,7 +107,7 @@ class ConsoleTest(BehaviorTestCase):
         self.assertIn(("operator", "confirm 'done' of /Report", "done"), given)
         self.assertTrue(any("greeting=good morning" in command for _, command, _ in given))
 
-    def test_attaching_to_what_somebody_else_has_started(self):
+    def test_attaching_to_what_another_client_has_started(self):
         self.load(self.page, "Errand")
         self.start_elsewhere("Patrol")
         expect(self.page.locator(".attach")).to_contain_text("'Patrol' runs unattended.")

@@ -370,7 +370,7 @@ class FakeCameras:
         self._service = rospy.Service("cell/take_picture", srv.TakePicture, self._take)
 
     def is_followed(self):
-        """Tell whether somebody looks."""
+        """Return whether a page subscribes."""
         return all(publisher.get_num_connections() for publisher in self._looks.values())
 
     def look(self):

@@ -85,7 +85,7 @@ def test_a_container_can_be_entered_and_filled_further(give, session):
         give("edit /Other")
 
 
-def test_what_is_wrong_is_told_with_its_lines_and_nothing_is_saved(give, session, package):
+def test_errors_are_reported_with_their_lines_and_nothing_is_saved(give, session, package):
     before = {path: path.read_bytes() for path in package.rglob("*") if path.is_file()}
     give("load my_first_behavior")
     give(SYNTHESIZE.replace("SynthesizedBehavior", "finished"))
@@ -174,7 +174,7 @@ def test_commands_are_spelled_as_in_the_app(text, verb, given):
 @pytest.mark.parametrize(
     "text", ["", " help", "Help", "load", "synthesize A i: x", "help me", "\n"]
 )
-def test_what_is_no_command_is_told_how_it_is_written(text):
+def test_an_unknown_command_is_refused_with_its_usage(text):
     with pytest.raises(CommandError, match="is no command; "):
         read_command(text)
 
@@ -212,12 +212,12 @@ def test_changes_are_taken_back_one_by_one(session, give):
         session.change(lambda chart: chart)
     give("load my_first_behavior")
     loaded = session.chart
-    told = []
-    session.on_change = lambda: told.append(1)
+    changes = []
+    session.on_change = lambda: changes.append(1)
     session.change(lambda chart: replace(chart, description="One."))
     session.change(lambda chart: chart)
     session.synthesize((), "Box", "start", "place_connector.xml")
-    assert len(told) == 3
+    assert len(changes) == 3
     assert "undid" in session.undo()
     assert session.chart.description == "One."
     session.undo()

@@ -43,7 +43,7 @@ def test_entries_without_a_time_happened_with_those_beside_them():
     assert Record((entry(1, 0.0, Kind.RUN),)).length_s == 0
 
 
-def test_a_moment_tells_task_state_and_feedback():
+def test_a_moment_has_task_state_and_feedback():
     moment = RECORD.moment(3)
     assert (moment.task, moment.state_path, moment.passed) == ("W1", "/Locate", ("/Locate",))
     assert moment.feedback == RECORD.entries[3]
@@ -57,14 +57,14 @@ def test_another_state_has_no_feedback_yet():
     assert moment.feedback is None
 
 
-def test_why_is_told_with_the_latest_first():
+def test_reasons_are_listed_with_the_latest_first():
     moment = RECORD.moment(7)
     assert [e.position for e in moment.reasons] == [8, 7]
     assert moment.picture == 7
     assert moment.feedback == RECORD.entries[5]
 
 
-def test_a_failure_tells_where_it_was():
+def test_a_failure_names_its_place():
     left = entry(1, 1.0, Kind.STATE, task="W1", state_path="")
     failed = entry(2, 1.0, Kind.FAILURE, task="W1", state_path="/Insert")
     decided = entry(3, 1.0, Kind.DECISION, task="W1", text="retry")

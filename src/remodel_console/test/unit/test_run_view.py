@@ -46,14 +46,14 @@ def test_a_run_from_ready_to_its_end():
     assert (view.phase, view.active, view.ending) == (Phase.IDLE, "", "ended with 'finished'")
 
 
-def test_a_state_that_is_told_before_the_start_of_its_run_counts():
+def test_a_state_that_arrives_before_the_start_of_its_run_counts():
     assert after(READY, Entered("/A"), STARTED).active == "/A"
     assert (
         after(READY, STARTED, Entered("/A"), Entered(""), EngineStatus(1, 7), STARTED).active == ""
     )
 
 
-def test_what_the_engine_tells_counts_more_than_the_mirror():
+def test_what_the_engine_publishes_counts_more_than_the_mirror():
     view = supervised(Left("/Box/In", "done"), Entered("/Box/In"))
     assert view.active == "/Box/Out"
     assert view.visited == {"/A", "/Box/In", "/Box/Out"}

@@ -47,7 +47,7 @@ def test_a_server_s_states_say_what_the_chart_says(chart, tmp_path, library):
         assert ours.attempts == theirs.attempts
 
 
-def test_what_cannot_be_used_is_told(tmp_path, library):
+def test_what_cannot_be_used_is_reported(tmp_path, library):
     states = served(CHARTS[0], tmp_path)
     with pytest.raises(CommandError, match="no container '/'"):
         chart_from_states(states[1:], "X", library)

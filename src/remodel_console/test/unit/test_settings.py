@@ -36,12 +36,12 @@ def test_what_is_written_is_read(settings):
         ('{"system": "a\\nb"}', "no text of one line"),
     ],
 )
-def test_a_wrong_file_is_told(text, words):
+def test_a_wrong_file_is_reported(text, words):
     with pytest.raises(ValueError, match=words.replace("(", r"\(")):
         read_settings(text)
 
 
-def test_what_changes_is_told_but_a_key_is_not():
+def test_changes_are_logged_but_a_key_is_not():
     words = difference(Settings(), FULL)
     assert "synthesis_topic = 'flexbe/synthesize'" in words
     assert "command_key changed" in words
@@ -59,12 +59,12 @@ def home(tmp_path, monkeypatch):
 
 def test_settings_outlive_a_restart_and_only_their_owner_reads_them(home, tmp_path):
     path = tmp_path / "deep" / "settings.json"
-    told = []
+    changes = []
     kept = SettingsFile(path, "")
-    kept.on_change = lambda: told.append(kept.now)
+    kept.on_change = lambda: changes.append(kept.now)
     wanted = Settings(command_key="secret", chart_folders=(str(home),))
     kept.change(lambda _: wanted)
-    assert SettingsFile(path, "").now == wanted == told[0]
+    assert SettingsFile(path, "").now == wanted == changes[0]
     assert stat.S_IMODE(path.stat().st_mode) == 0o600
 
 

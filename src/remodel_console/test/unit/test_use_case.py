@@ -133,9 +133,9 @@ def test_of_a_large_order_what_needs_a_person_and_what_comes_next_is_shown():
 
 
 def test_the_four_levels_are_always_there():
-    told = Level("task", "W5", "runs", 1.0)
-    rows = dict(level_rows(UseCase(Phase.RUNNING, levels=(told,))))
-    assert rows == {"Order": None, "Task": told, "Behavior": None, "Ability": None}
+    level = Level("task", "W5", "runs", 1.0)
+    rows = dict(level_rows(UseCase(Phase.RUNNING, levels=(level,))))
+    assert rows == {"Order": None, "Task": level, "Behavior": None, "Ability": None}
 
 
 @pytest.mark.parametrize(
@@ -191,7 +191,7 @@ def test_fake_abilities_are_no_cell():
     assert not list(supervisor_notice(World()))
 
 
-def test_what_a_supervisor_told_is_gone_with_it():
+def test_what_a_supervisor_published_is_gone_with_it():
     live = Live()
     live.set_master(True)
     live.take_use_case(RUN)
@@ -219,7 +219,7 @@ def test_a_picture_becomes_a_jpeg_no_larger_than_it_is_shown():
         ((b"", 0, 0, 0, "rgb8"), "no picture"),
     ],
 )
-def test_what_is_no_picture_is_told(size, words):
+def test_what_is_no_picture_is_reported(size, words):
     with pytest.raises(PictureError, match=words):
         as_jpeg(*size)
 

@@ -91,9 +91,9 @@ class OperatorTest(BrowserTest):
         page = self.page
         page.get_by_role("link", name="Replay this run").click()
         expect(page.locator(".clock")).to_contain_text("entry 1 of")
-        for told in ("The cell planned: W1", "Insertion jammed", "The cell asks you"):
+        for text in ("The cell planned: W1", "Insertion jammed", "The cell asks you"):
             page.keyboard.press("n")
-            expect(page.locator(".entry-words")).to_contain_text(told)
+            expect(page.locator(".entry-words")).to_contain_text(text)
         expect(page.locator(".where")).to_contain_text("InsertCable")
         expect(page.get_by_role("img", name="Last camera picture")).to_be_visible()
         expect(page.get_by_role("img", name="peak force [N]")).to_be_visible()

@@ -32,7 +32,7 @@ SUPERVISOR = "use_case_supervisor"
 # [s] wall time for what must happen; beyond it something hangs.
 LIMIT_S = 120.0
 
-# [s] wall time between two checks of what nobody reports.
+# [s] wall time between two checks of what no node reports.
 _CHECK_S = 0.01
 
 _FREE = (UseCaseState.IDLE, UseCaseState.ENDED)

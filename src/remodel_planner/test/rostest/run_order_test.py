@@ -55,9 +55,9 @@ class RunOrderTest(unittest.TestCase):
             self.assertTrue(self.inserting_the_next.wait(LIMIT_S))
             killed = rospy.ServiceProxy("cell/inject_fault", InjectFault)("server_killed", "", [])
             self.assertTrue(killed.success, killed.message)
-            told, _ = run.communicate(timeout=LIMIT_S)
-        self.assertEqual(run.returncode, 0, told)
-        self.assertIn("2 of 2 wires placed", told)
+            printed, _ = run.communicate(timeout=LIMIT_S)
+        self.assertEqual(run.returncode, 0, printed)
+        self.assertIn("2 of 2 wires placed", printed)
         wires = rospy.ServiceProxy("cell/ground_truth", GetGroundTruth)().wires
         self.assertEqual([wire.placed for wire in wires], [True, True], "the first one stayed")
         self.check_report()

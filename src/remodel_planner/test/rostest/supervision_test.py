@@ -143,8 +143,8 @@ class SupervisionTest(unittest.TestCase):
         self.wait(lambda: handle.get_result() is not None, "the goal ends")
         self.assertFalse(handle.get_result().success)
         self.assertIn("ann stopped it", self.last().message)
-        told = planner("explain", str(self.last().run))
-        self.assertIn("ann answered skip to question 1", told.stdout)
+        printed = planner("explain", str(self.last().run))
+        self.assertIn("ann answered skip to question 1", printed.stdout)
 
     def test_nothing_moves_after_a_motion_fault_that_a_killed_supervisor_did_not_keep(self):
         self.kill_during_a_motion_fault("use_case_supervisor")

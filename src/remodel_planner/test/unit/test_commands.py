@@ -22,6 +22,7 @@ from remodel_production.edge.database.production_database import ProductionDatab
 from remodel_production.errors import OrderError
 
 DESIGNS = Path(__file__).parents[3] / "remodel_production/test/unit/designs"
+HOUSEHOLD_PANEL = Path(__file__).parents[3] / "remodel_sim/config/household.yaml"
 DESIGN = Path("/usr/share/qelectrotech/examples/tableau_domestique.qet")
 
 
@@ -109,6 +110,18 @@ def test_the_board_of_an_order_is_drawn(tmp_path, database, capsys):
     assert "layout: the database has no order hosue; it has: house" in capsys.readouterr().err
 
 
+def test_the_panel_of_an_order_is_written_for_the_cell(tmp_path, database, capsys):
+    import_design.main([str(DESIGN), "--order", "household", "--database", database])
+    panel = tmp_path / "household.yaml"
+    assert layout.main(["household", "--panel", str(panel), "--database", database]) == 0
+    assert f"panel: {panel}" in capsys.readouterr().out
+    # If it differs because the board does: write the file again by this command.
+    assert panel.read_text() == HOUSEHOLD_PANEL.read_text()
+    with pytest.raises(SystemExit):
+        layout.main(["household", "--database", database])
+    assert "give --output FILE, --panel FILE, or both" in capsys.readouterr().err
+
+
 def test_an_order_is_planned_checked_explained_and_drawn(tmp_path, database, capsys):
     preferences = tmp_path / "preferences.yaml"
     preference = "{name: first, pick: W3, before: W1, weight: 5}"
@@ -157,15 +170,20 @@ def test_every_imported_order_is_worked_with_by_every_command(name, tmp_path, da
     assert len(written) == len(json.loads((folder / "problem.json").read_text())["wires"])
 
 
-def test_the_use_case_of_an_order_is_chosen_and_refused_by_name(tmp_path, database, capsys):
+def test_the_use_case_of_an_order_is_chosen_and_refused_by_name(
+    tmp_path, database, capsys, monkeypatch
+):
+    monkeypatch.setenv("REMODEL_USE_CASES", str(tmp_path))
     stored = ["--order", "mine", "--database", database]
     import_design.main([str(DESIGNS / "loom.kbl"), *stored])
     assert tasks.main([*stored, "--use-case", "cabinet"]) == 0
     assert "Insert a" in capsys.readouterr().out
-    assert tasks.main([*stored, "--use-case", "medical_hoses"]) == 1
-    assert "tasks: order mine: use case medical_hoses takes no" in capsys.readouterr().err
+    assert tasks.main([*stored, "--use-case", "switchgear"]) == 1
+    assert "tasks: order mine: use case switchgear takes no" in capsys.readouterr().err
     assert tasks.main([*stored, "--use-case", "hosen"]) == 1
-    assert "no use case hosen; there are automotive_formboard, " in capsys.readouterr().err
+    error = capsys.readouterr().err
+    assert "no use case hosen; there are automotive_formboard, " in error
+    assert f"(searched: {tmp_path}, /" in error
     assert tasks.main([str(DESIGNS / "loom.kbl"), "--use-case", "cabinet"]) == 1
     assert "--use-case is for --order NAME" in capsys.readouterr().err
 

@@ -7,7 +7,7 @@ from taught import TAUGHT
 from remodel_planner.commands.runs import expectations
 
 
-def test_the_command_tells_what_was_learned(monkeypatch, capsys):
+def test_the_command_prints_what_was_learned(monkeypatch, capsys):
     class Database:
         def __init__(self, url):
             self.url = url
@@ -18,8 +18,8 @@ def test_the_command_tells_what_was_learned(monkeypatch, capsys):
     monkeypatch.setattr(expectations, "ProductionDatabase", Database)
     monkeypatch.setattr(expectations, "ability_calls", lambda _: tuple(TAUGHT))
     assert expectations.main(["switchgear", "--database", "sqlite://"]) == 0
-    told = capsys.readouterr().out
-    assert re.search(r"InsertCable +2.5 +160 +6.3 s +97.0% ", told)
-    assert re.search(r"InsertCable force_limit 8 +60 +frozen +[0-9]\.[0-9]%", told)
-    assert re.search(r"InsertCable force_limit 12 +60 +9[0-9]\.[0-9]%", told)
-    assert "force_limit 10" not in told
+    printed = capsys.readouterr().out
+    assert re.search(r"InsertCable +2.5 +160 +6.3 s +97.0% ", printed)
+    assert re.search(r"InsertCable force_limit 8 +60 +frozen +[0-9]\.[0-9]%", printed)
+    assert re.search(r"InsertCable force_limit 12 +60 +9[0-9]\.[0-9]%", printed)
+    assert "force_limit 10" not in printed

@@ -102,8 +102,8 @@ def test_the_command_writes_all_files(tmp_path, capsys):
     capsys.readouterr()
     options = ["--format", "pddl", "--output", str(tmp_path)]
     assert export_command.main([str(instance), str(plan), *options]) == 0
-    told = capsys.readouterr().out.split()
-    assert told == [str(tmp_path / name) for name in ("domain.pddl", "problem.pddl", "plan.txt")]
+    printed = capsys.readouterr().out.split()
+    assert printed == [str(tmp_path / name) for name in ("domain.pddl", "problem.pddl", "plan.txt")]
     cost = (tmp_path / "plan.txt").read_text().splitlines()[-1]
     assert cost.startswith("; cost = ")
     document = json.loads(plan.read_text())

@@ -65,7 +65,7 @@ def test_same_seed_writes_the_same_file(instance, capsys):
     assert texts[0] == texts[1]
 
 
-def test_check_tells_what_a_broken_plan_breaks(instance, capsys):
+def test_check_prints_what_a_broken_plan_violates(instance, capsys):
     _, output = plan(instance, "--time-limit", "0")
     document = json.loads(output.read_text())
     document["actions"] = [a for a in document["actions"] if a["a"] != "locate"]
@@ -151,14 +151,14 @@ def test_sequence_prints_one_object(capsys):
     assert [found["order"][position - 1] for position in found["pos"]] == list(range(1, 10))
 
 
-def test_sequence_tells_people_too(capsys):
+def test_sequence_prints_text_too(capsys):
     assert sequence_command.main([str(DATA / "harness.dzn"), "--time-limit=0.05"]) == 0
     text = capsys.readouterr().out
     assert "status: found" in text
     assert "order: " in text
 
 
-def test_sequence_tells_that_there_is_no_order(capsys):
+def test_sequence_reports_that_there_is_no_order(capsys):
     assert sequence_command.main([str(DATA / "harness_without_order.dzn"), "--json"]) == 0
     assert json.loads(capsys.readouterr().out)["status"] == "unsatisfiable"
 
@@ -228,7 +228,7 @@ def test_plans_that_are_not_valid_are_not_worked_on(instance, capsys, command):
 CABINET = Path(__file__).parents[3] / "remodel_planning" / "examples" / "cabinet.yaml"
 
 
-def test_tasks_of_an_order_are_told(instance, capsys):
+def test_tasks_of_an_order_are_printed(instance, capsys):
     assert tasks_command.main([str(CABINET)]) == 0
     printed = capsys.readouterr().out
     assert "W1: Q1:1 to Q2:1, " in printed

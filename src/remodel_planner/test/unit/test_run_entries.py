@@ -24,7 +24,7 @@ def test_positions_have_no_gaps_and_entries_are_only_added():
         assert part == whole[: len(part)]
 
 
-def test_a_behavior_is_told_in_the_order_of_time_with_what_was_measured():
+def test_a_behavior_is_published_in_the_order_of_time_with_what_was_measured():
     operation = Operation(
         "/Connect a/InsertCable",
         "InsertCable",

@@ -40,6 +40,7 @@ class FakeServer:
         pass
 
     def send(self, goal):
+        type(self).sent = goal
         self.on_goal()
         return FakeGoal(self.refuses)
 
@@ -60,12 +61,12 @@ class Supervised:
         self.owner = owner_of(self.database)
         self.do_run()
         self.follower = RunFollower(self.log, HOUSE)
-        self.tell(1)
+        self.publish(1)
 
     def subscribe(self, topic, kind, callback):
         self.hear = callback
 
-    def tell(self, run):
+    def publish(self, run):
         self.hear(UseCaseState(run=run, order="house"))
 
     def do_run(self):
@@ -84,17 +85,19 @@ def supervised(monkeypatch, tmp_path):
 
 
 def test_what_is_said_of_an_earlier_run_is_not_followed(supervised, monkeypatch):
-    begins = threading.Timer(0.05, lambda: supervised.tell(supervised.do_run()))
+    begins = threading.Timer(0.05, lambda: supervised.publish(supervised.do_run()))
     monkeypatch.setattr(FakeServer, "on_goal", staticmethod(begins.start))
-    state = supervised.follower.run(again=False)
+    state = supervised.follower.run(2, use_case="cabinet")
+    assert (FakeServer.sent.order, FakeServer.sent.tasks) == ("house", 2)
+    assert FakeServer.sent.use_case == "cabinet"
     assert supervised.follower.number == 2
     assert state.ended.because == "run 2"
 
 
-def test_a_refusal_is_told(supervised, monkeypatch):
+def test_a_refusal_is_reported(supervised, monkeypatch):
     monkeypatch.setattr(FakeServer, "refuses", True)
     with pytest.raises(CellError, match="run 1 is under way"):
-        supervised.follower.run(again=False)
+        supervised.follower.run(2)
 
 
 def test_each_event_is_read_once(supervised, monkeypatch):
@@ -105,10 +108,10 @@ def test_each_event_is_read_once(supervised, monkeypatch):
         reads.append((first, len(found := tuple(events(run, first)))))
         return found
 
-    begins = threading.Timer(0.05, lambda: supervised.tell(supervised.do_run()))
+    begins = threading.Timer(0.05, lambda: supervised.publish(supervised.do_run()))
     monkeypatch.setattr(FakeServer, "on_goal", staticmethod(begins.start))
     monkeypatch.setattr(supervised.log, "events", read)
-    supervised.follower.run(again=False)
+    supervised.follower.run(2)
     assert [first + count for first, count in reads] == [first for first, _ in reads[1:]] + [2]
 
 
@@ -120,7 +123,8 @@ def test_what_a_run_waits_for_is_reported_once(supervised):
         supervised.hear(UseCaseState(run=1, order="house", **fields))
         return follower._news()[1]
 
-    assert lines(phase="running") == []
+    begun = "order house, use case switchgear, product house-0001: 2 tasks"
+    assert lines(phase="running") == [begun]
     stopped = lines(phase="protective_stop", stopped_by="light curtain 2")
     assert stopped[0].startswith("protective stop by light curtain 2; release it, then rosservice")
     assert lines(phase="protective_stop", stopped_by="light curtain 2") == []

@@ -38,6 +38,7 @@ from remodel_production.errors import InstanceError, OrderError
 CONFIG = Path(__file__).parents[3] / "remodel_production" / "config"
 DESIGNS = Path(__file__).parents[3] / "remodel_production/test/unit/designs"
 MAPPINGS = tuple(mapping_from(f.read_text()) for f in sorted((CONFIG / "wire_lists").iterdir()))
+CATALOGUE = read_catalogue(CONFIG / "catalogue.yaml")
 QET = Path("/usr/share/qelectrotech/examples")
 NAMES = ("industrial", "tableau_domestique", "Projet_vierge")
 CABINET, FORMBOARD, BRANCHES = map(
@@ -47,10 +48,9 @@ CABINET, FORMBOARD, BRANCHES = map(
 
 def imported(file):
     data = file.read_bytes()
-    catalogue = read_catalogue(CONFIG / "catalogue.yaml")
     form = format_of(data, MAPPINGS)
     return import_design(
-        data, form, file.stem, file.name, catalogue=catalogue, mappings=MAPPINGS
+        data, form, file.stem, file.name, catalogue=CATALOGUE, mappings=MAPPINGS
     ).order
 
 
@@ -79,7 +79,7 @@ def order(*pairs, section_mm2=2.5, outside=()):
 
 
 def work(stored, use_case=CABINET, arms=2):
-    return board_order(board_of(stored), use_case, arms)
+    return board_order(board_of(stored, CATALOGUE), use_case, arms)
 
 
 def problem(stored, use_case=CABINET, arms=2):
@@ -180,9 +180,9 @@ def test_what_cannot_be_an_order_is_refused():
         OrderError, match="no wire with both ends on the plate: all 1 leave the cabinet"
     ):
         work(away)
-    hoses = find_use_case("medical_hoses")
-    with pytest.raises(OrderError, match="medical_hoses takes no imported designs"):
-        work(project("industrial"), hoses)
+    switchgear = find_use_case("switchgear")
+    with pytest.raises(OrderError, match="switchgear takes no imported designs"):
+        work(project("industrial"), switchgear)
     thick = order(("Q1:B1", "Q2:T1"), section_mm2=400.0)
     with pytest.raises(InstanceError, match=r"task W1: section_mm2 is 400\.0, and must be"):
         problem(thick)
@@ -191,8 +191,8 @@ def test_what_cannot_be_an_order_is_refused():
 def test_the_default_use_case_follows_from_the_design_and_the_users_own_come_first(
     tmp_path, monkeypatch
 ):
-    assert kind_of(board_of(loom())) is DesignKind.HARNESS
-    assert kind_of(board_of(project("industrial"))) is DesignKind.CABINET
+    assert kind_of(board_of(loom(), CATALOGUE)) is DesignKind.HARNESS
+    assert kind_of(board_of(project("industrial"), CATALOGUE)) is DesignKind.CABINET
     assert default_use_case(DesignKind.HARNESS).name == "automotive_formboard"
     assert default_use_case(DesignKind.CABINET).name == "cabinet"
     own = yaml.safe_load(
@@ -229,7 +229,7 @@ def library():
     ids=lambda value: value.name,
 )
 def test_the_synthesizer_accepts_the_charts_of_every_format(file, use_case, arms, library):
-    board = board_of(imported(file))
+    board = board_of(imported(file), CATALOGUE)
     prepared = prepare(board_order(board, use_case, arms), use_case)
     plan = plan_problem(prepared.preferred.problem, 0.02).plan
     tasks = list(planned_tasks(prepared, plan))

@@ -58,19 +58,19 @@ def test_no_action_can_start_earlier_than_it_does(planned):
         (ActionKind.INSERT, {"wire": "w999"}, "no wire w999"),
     ],
 )
-def test_unknown_names_are_told(planned, kind, change, message):
+def test_unknown_names_are_reported(planned, kind, change, message):
     i = first(planned, kind)
     actions = list(planned.plan.actions)
     actions[i] = replace(actions[i], **change)
     assert f"action {i}: {message}" in verdict(planned, actions).violations
 
 
-def test_a_plan_for_another_problem_is_told(planned):
+def test_a_plan_for_another_problem_is_reported(planned):
     other = Plan("other", planned.plan.actions)
     assert check(planned.tables.problem, other).violations[0].startswith("the plan is for other")
 
 
-def test_extracting_what_is_not_jammed_is_told(planned):
+def test_extracting_what_is_not_jammed_is_reported(planned):
     i = first(planned, ActionKind.INSERT)
     insert = planned.plan.actions[i]
     extract = Action(ActionKind.EXTRACT, insert.arm, insert.start_ticks, insert.wire, end=End.A)
@@ -78,7 +78,7 @@ def test_extracting_what_is_not_jammed_is_told(planned):
     assert any("is not jammed" in text for text in verdict(planned, actions).violations)
 
 
-def test_two_arms_in_one_duct_are_told():
+def test_two_arms_in_one_duct_are_reported():
     """Without the exclusion of ducts, the second arm would start its routing earlier."""
     problem = problem_from(random_panel(60, 1, 2))
     shared = tuple(replace(wire, segments=("one",)) for wire in problem.wires)

@@ -74,7 +74,7 @@ def test_a_list_loses_no_line_and_keeps_every_name(rows):
     assert imported.account.connections == len(rows)
     names = {" ".join(component.split()) for row in rows for component, _ in row[:2]}
     assert {component.name for component in imported.order.components} <= names
-    prepare(board_order(board_of(imported.order), CABINET, 2), CABINET)
+    prepare(board_order(board_of(imported.order, CATALOGUE), CABINET, 2), CABINET)
 
 
 @fixed
@@ -156,7 +156,7 @@ def test_a_damaged_file_is_read_whole_or_refused_and_never_breaks_the_program(se
         assert str(error)
         return
     require_whole(imported)
-    board_of(imported.order)
+    board_of(imported.order, CATALOGUE)
 
 
 @settings(fixed, max_examples=100)
@@ -171,7 +171,7 @@ def test_any_bytes_are_refused_by_every_format(form, data):
 
 @pytest.mark.parametrize("seed", SEEDS, ids=len)
 def test_every_design_comes_back_equal_from_the_database(seed, url):
-    order = board_of(read(seed, format_of(seed, MAPPINGS)).order).order
+    order = board_of(read(seed, format_of(seed, MAPPINGS)).order, CATALOGUE).order
     database = ProductionDatabase(url)
     database.add_order(order)
     assert database.order("x") == order

@@ -168,7 +168,7 @@ def test_planning_stops_at_the_target(kernel):
     assert not planner.improved(Limits(3600.0, target=first.cost), first).complete
 
 
-def test_planning_stops_when_told(kernel):
+def test_planning_stops_on_request(kernel):
     planner = AnytimePlanner(kernel, tables_of(panel(20, 4, 2)))
     result = planner.improved(Limits(3600.0, stopped=lambda: True))
     assert not result.complete

@@ -9,10 +9,14 @@ import yaml
 from remodel_planning.core.decomposition.decomposed import Limits
 from remodel_planning.core.decomposition.decomposition import Decomposer
 from remodel_planning.core.decomposition.outline import outline
+from remodel_planning.core.decomposition.preparation import prepare
 from remodel_planning.core.decomposition.wiring_problem import decompose_order
 from remodel_planning.core.orders.work_order import order_from
+from remodel_planning.core.task_charts.demands import Demands, demands_of
+from remodel_planning.core.task_charts.planned_tasks import planned_tasks
 from remodel_planning.core.use_case.expectation import Expectation
 from remodel_planning.core.use_case.model import Macro
+from remodel_planning.edge.order_planner import plan_problem
 from remodel_planning.edge.use_case_files import VARIABLE, find_use_case, read_use_case
 from remodel_planning.errors import UseCaseError
 from remodel_production.errors import InstanceError
@@ -57,7 +61,17 @@ def test_what_is_unknown_is_looked_at_and_what_moved_is_looked_at_again():
     assert names[:2] == ["find_ends", "grasp"]
     assert names[names.index("push_on") - 1] == "locate_port"
     after = names[names.index("push_on") + 1 :]
-    assert after[:3] == ["find_ends", "regrasp", "lead"]
+    assert after[:4] == ["clamp", "find_ends", "regrasp", "lead"]
+
+
+def test_the_charts_of_an_order_tell_what_it_demands_of_the_cell():
+    found = order(HOSES)
+    prepared = prepare(found, find_use_case(found.use_case))
+    plan = plan_problem(prepared.preferred.problem, 0.0).plan
+    demands = demands_of(task.chart for task in planned_tasks(prepared, plan))
+    assert demands.robots == ("robot_1", "robot_2")
+    assert demands.forces_n == (("InsertCable", 35.0),)
+    assert demands_of(()) == Demands()
 
 
 def test_a_clip_has_its_own_part_of_the_route():
@@ -71,8 +85,8 @@ def test_a_force_limit_chooses_the_gentler_method():
     free = decomposed(HOSES)["H1"]
     limited = decomposed(HOSES, Limits({"H1": (20.0, "gently")}))["H1"]
     assert (free.force_n, limited.force_n) == (35.0, 12.0)
-    told = "\n".join(outline(limited))
-    assert "push_on pushes with 35 N, over 20 N (`gently`)" in told
+    printed = "\n".join(outline(limited))
+    assert "push_on pushes with 35 N, over 20 N (`gently`)" in printed
 
 
 def test_a_forbidden_segment_chooses_another_route():

@@ -9,7 +9,7 @@ import pytest
 from lxml import etree
 
 from remodel_production.core.board.board import board_of, route_length
-from remodel_production.core.board.cabinet import CabinetRules, laid_out
+from remodel_production.core.board.cabinet import laid_out
 from remodel_production.core.board.drawing import draw_board
 from remodel_production.core.board.duct_graph import DuctGraph
 from remodel_production.core.board.formboard import flattened, limbs
@@ -31,7 +31,7 @@ from remodel_production.edge.catalogue_file import read_catalogue
 
 CATALOGUE = read_catalogue(Path(__file__).parents[2] / "config" / "catalogue.yaml")
 EXAMPLES = Path("/usr/share/qelectrotech/examples")
-RULES = CabinetRules()
+RULES = CATALOGUE.cabinet
 NAMES = (
     "industrial",
     "tableau_domestique",
@@ -67,21 +67,22 @@ def order(*pairs, field=()):
 
 @pytest.mark.parametrize("name", NAMES)
 def test_no_two_devices_overlap_and_none_lies_in_a_duct(name):
-    board = board_of(project(name))
+    board = board_of(project(name), CATALOGUE)
     for first, second in pairwise(sorted(board.devices, key=lambda d: (d.centre[1], d.centre[0]))):
         if first.centre[1] == second.centre[1]:
             apart = second.centre[0] - first.centre[0]
-            assert apart >= (first.size[0] + second.size[0]) / 2 - RULES.gap
+            assert apart >= (first.size[0] + second.size[0]) / 2 - RULES.device_gap
     for start, end in board.lines.values():
         if start[1] == end[1]:
             assert all(
-                abs(d.centre[1] - start[1]) >= (d.size[1] + RULES.duct) / 2 for d in board.devices
+                abs(d.centre[1] - start[1]) >= (d.size[1] + RULES.duct.width) / 2
+                for d in board.devices
             )
 
 
 @pytest.mark.parametrize("name", NAMES)
 def test_every_wire_runs_through_ducts_that_hang_together(name):
-    board = board_of(project(name))
+    board = board_of(project(name), CATALOGUE)
     segments = {segment.name: segment for segment in board.order.segments}
     for wire in board.order.wires:
         if wire.name not in board.routes:
@@ -97,13 +98,13 @@ def test_every_wire_runs_through_ducts_that_hang_together(name):
 
 
 def test_a_layout_is_the_same_each_time_and_stays_when_it_is_there():
-    first = laid_out(project("industrial"))
-    assert first == laid_out(project("industrial"))
-    assert laid_out(first) is first
+    first = laid_out(project("industrial"), CATALOGUE)
+    assert first == laid_out(project("industrial"), CATALOGUE)
+    assert laid_out(first, CATALOGUE) is first
 
 
 def test_rows_are_about_as_long_as_each_other():
-    board = board_of(project("industrial"))
+    board = board_of(project("industrial"), CATALOGUE)
     rows = Counter()
     for device in board.devices:
         rows[device.centre[1]] += device.size[0]
@@ -113,12 +114,12 @@ def test_rows_are_about_as_long_as_each_other():
 
 def test_a_wire_takes_the_shortest_way():
     # One row: bottom to top leads around the nearer side.
-    laid = laid_out(order(("Q1:B1", "Q2:T1"), ("Q2:T2", "Q9:T1"), ("Q9:T2", "Q8:T1")))
+    laid = laid_out(order(("Q1:B1", "Q2:T1"), ("Q2:T2", "Q9:T1"), ("Q9:T2", "Q8:T1")), CATALOGUE)
     assert laid.wires[0].route[1] == "L0"
     same_duct = laid.wires[1]
     x = {c.name: c.pose.position[0] for c in laid.components}
     assert same_duct.length_m == pytest.approx(
-        abs(x["Q9"] - x["Q2"]) + 2 * (RULES.row_pitch - RULES.height) / 2 + 2 * RULES.tail, abs=0.01
+        abs(x["Q9"] - x["Q2"]) + 2 * (RULES.row_pitch - 0.090) / 2 + 2 * RULES.tail, abs=0.01
     )
 
 
@@ -128,25 +129,25 @@ def test_places_of_the_design_are_kept_and_make_rows():
     posed = tuple(
         Component(c.name, "", c.terminals, pose=Pose(places[c.name])) for c in given.components
     )
-    laid = laid_out(Order("test", "", "", posed, wires=given.wires))
+    laid = laid_out(Order("test", "", "", posed, wires=given.wires), CATALOGUE)
     assert {c.name: c.pose.position for c in laid.components} == places
     heights = sorted({node.position[1] for node in laid.nodes})
     assert heights == pytest.approx([0.2, 0.555, 0.91], abs=0.01)
-    assert [wire.route for wire in laid.wires] == [("D1.0",), ("D1.0", "D1.1", "D1.2")]
+    assert [wire.route for wire in laid.wires] == [("D1.0",), ("D1.0", "D1.1")]
 
 
 def test_wires_that_lead_away_have_no_route_and_what_is_outside_no_place():
-    laid = laid_out(order(("Q1:B1", "Q2:T1"), ("Q2:B1", "M1:T1"), field=("M1",)))
+    laid = laid_out(order(("Q1:B1", "Q2:T1"), ("Q2:B1", "M1:T1"), field=("M1",)), CATALOGUE)
     assert [bool(wire.route) for wire in laid.wires] == [True, False]
     assert [c.pose is None for c in laid.components] == [False, False, True]
 
 
 def test_an_order_whose_wires_all_lead_away_has_no_layout():
     away = order(("Q1:B1", "M1:T1"), field=("M1",))
-    assert laid_out(away) is away
+    assert laid_out(away, CATALOGUE) is away
 
 
-def test_points_off_the_ducts_and_ducts_apart_are_told():
+def test_points_off_the_ducts_and_ducts_apart_are_reported():
     spots = (("A", 0, 0), ("B", 1, 0), ("C", 0, 2), ("D", 1, 2))
     nodes = tuple(Node(name, (float(x), float(y), 0.0)) for name, x, y in spots)
     graph = DuctGraph(nodes, (Segment("S", "A", "B", 1.0), Segment("T", "C", "D", 1.0)))
@@ -191,7 +192,7 @@ def test_every_segment_of_a_tree_is_in_one_limb_and_the_trunk_is_the_longest_way
 
 
 def test_a_harness_lies_on_a_formboard_with_its_clips():
-    board = board_of(loom())
+    board = board_of(loom(), CATALOGUE)
     assert not board.is_cabinet
     assert set(board.clips) == {"CL1", "CL2", "CL3"}
     assert set(board.routes) == {"11", "SL1.31"}
@@ -206,16 +207,16 @@ def test_a_connector_without_a_node_lies_below_the_harness():
         Component(c.name, c.kind, c.terminals) if c.name == "X3" else c for c in harness.components
     )
     board = board_of(Order("loom", "", "", loose, wires=harness.wires, nodes=harness.nodes,
-                           segments=harness.segments, clips=harness.clips))  # fmt: skip
+                           segments=harness.segments, clips=harness.clips), CATALOGUE)  # fmt: skip
     centres = {device.component.name: device.centre for device in board.devices}
     assert centres["X3"][1] < min(centres["X1"][1], centres["X2"][1])
 
 
 @pytest.mark.parametrize("order_of", [loom, lambda: project("industrial")])
 def test_a_drawing_shows_every_device_and_every_wire(order_of):
-    board = board_of(order_of())
-    text = draw_board(board)
-    assert text == draw_board(board_of(order_of()))
+    board = board_of(order_of(), CATALOGUE)
+    text = draw_board(board, CATALOGUE)
+    assert text == draw_board(board_of(order_of(), CATALOGUE), CATALOGUE)
     svg = etree.fromstring(text.encode())
     space = {"s": "http://www.w3.org/2000/svg"}
     labels = Counter(node.text for node in svg.findall("s:text", space))
@@ -228,3 +229,26 @@ def test_a_drawing_shows_every_device_and_every_wire(order_of):
         x, y = map(float, pair.split(","))
         assert 0 <= x <= width
         assert 0 <= y <= height
+
+
+def test_a_cabinet_is_drawn_to_scale():
+    board = board_of(project("tableau_domestique"), CATALOGUE)
+    svg = etree.fromstring(draw_board(board, CATALOGUE).encode())
+    space = {"s": "http://www.w3.org/2000/svg"}
+    sizes = {
+        rect.findtext("s:title", namespaces=space): float(rect.get("width"))
+        for rect in svg.iterfind("s:rect", space)
+    }
+    device = next(d for d in board.devices if d.component.name == "Q1")
+    scale = sizes[f"Q1 {device.component.kind}"] / device.size[0]
+    thick, thin = (CATALOGUE.wires[section].diameter_m + 0.0008 for section in (10.0, 2.5))
+    assert sizes["Q1:T1.1"] == pytest.approx(thick * scale, abs=0.1)
+    assert sizes["Q1:B1.1"] == pytest.approx(thin * scale, abs=0.1)
+    lines = svg.findall("s:line", space)
+    fingers = [line.get("stroke-dasharray") for line in lines if line.get("stroke-dasharray")]
+    assert len(fingers) == len(board.lines)
+    assert sum(map(float, fingers[0].split())) == pytest.approx(
+        RULES.duct.slot_pitch * scale, abs=0.1
+    )
+    rails = [float(line.get("stroke-width")) for line in lines if line.get("stroke") == "#c9c9c0"]
+    assert rails == pytest.approx([RULES.rail.width * scale] * 2, abs=0.1)

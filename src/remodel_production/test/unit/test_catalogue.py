@@ -44,9 +44,15 @@ def test_without_a_pattern_an_element_is_mounted_on_the_plate():
         ),
         (
             data(wires={1.5: {"diameter": 0.003}}),
-            "wires.1.5: found diameter; missing: density, stiffness, ferrule",
+            "wires.1.5: found diameter; missing: density, stiffness, ferrule, pitch, chamfer, "
+            "retention",
         ),
         (data(wires={"thick": {}}), "wires: found 'thick'; allowed: a value of type number"),
+        (data(devices=[]), "devices: no row with part '*' and kind '*' for role device"),
+        (
+            data(cabinet={**data()["cabinet"], "rail": {"width": 0}}),
+            "cabinet.rail: found width; missing: height",
+        ),
         (data(terminals=[]), "terminals: no rule with part '*' for role device"),
         (
             data(terminals=[{"role": "device", "part": "*", "force_limit": 0, "clearance": 0}]),

@@ -143,7 +143,7 @@ def test_shared_points_get_clamps_whose_names_nothing_else_has():
     assert assembly.components[1].terminal("2").side is Side.BOTTOM
 
 
-def test_doubled_names_of_wires_are_told_apart_without_taking_others_names():
+def test_repeated_names_of_wires_become_distinct_without_taking_others_names():
     connections = [connection(f"A:{n}", f"B:{n}", name) for n, name in enumerate("xxy")]
     connections += [connection("A:8", "B:8", "x#2"), connection("A:9", "B:9")]
     assembly = assemble([Device("A"), Device("B")], connections)

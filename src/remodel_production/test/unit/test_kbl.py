@@ -44,7 +44,7 @@ def test_what_an_assembly_part_is_made_of_is_not_read_twice():
     assert [component.name for component in imported.order.components] == ["X1", "X2", "X3"]
 
 
-def test_connectors_without_wires_stay_and_wires_without_connections_are_told():
+def test_connectors_without_wires_stay_and_wires_without_connections_are_reported():
     bare = '<Connector_occurrence id="x4"><Id>X4</Id><Part>housing2</Part></Connector_occurrence>'
     imported = read(('<Connector_occurrence id="x1">', f'{bare}<Connector_occurrence id="x1">'),
                     ("<Wire>w2</Wire>", ""))  # fmt: skip
@@ -103,7 +103,7 @@ def test_namespaces_and_cases_do_not_matter():
     assert changed.order == read().order
 
 
-def test_a_route_that_ends_elsewhere_is_taken_and_told():
+def test_a_route_that_ends_elsewhere_is_taken_and_reported():
     imported = read(("<Segments>seg2 seg1</Segments>", "<Segments>seg2</Segments>"))
     assert imported.order.wires[0].route == ("S2",)
     assert (
@@ -180,7 +180,7 @@ SEGMENTS = [
         ),
     ],
 )
-def test_segments_that_are_no_way_are_told(segments, said):
+def test_segments_that_form_no_route_are_reported(segments, said):
     assert said in ordered_route(segments, (), ())
 
 

@@ -108,7 +108,7 @@ def test_terminals_numbered_on_the_folio_are_understood():
     assert order.wires[0].section_mm2 == 2.5
 
 
-def test_elements_without_uuids_are_told_apart_on_one_line():
+def test_elements_without_uuids_are_distinguished_on_one_line():
     elements = [element(BREAKER, "q1", "Q1"), element(BREAKER, "q2", "Q2", first_id=4)]
     elements = [re.sub(' uuid="[^"]*"', "", text) for text in elements]
     order, _ = read((elements, ['<conductor terminal1="3" terminal2="4"/>']))
@@ -145,7 +145,7 @@ def test_terminals_of_a_definition_that_lie_outwards_are_those_of_the_instance()
     assert ends(order) == [("Q1:B2", "Q2:T1")]
 
 
-def test_a_format_that_is_newer_is_read_and_told():
+def test_a_newer_format_is_read_and_reported():
     text = project((TWO, [wire("q1", "b1", "q2", "t1")])).replace(b'"0.90"', b'"0.100.0"')
     imported = import_qet(text, "test", "test.qet", CATALOGUE)
     assert imported.account.assumptions[0] == "line 1: format 0.100.0; read as 0.90"

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Collection, Iterator, Mapping
+from types import MappingProxyType
 from typing import TypeVar
 
 import numpy as np
@@ -14,8 +15,9 @@ from remodel_sim.core.belief.belief_state import BeliefState, EndState, Feed
 from remodel_sim.core.belief.placed_wires import PlacedWires
 from remodel_sim.core.cell.cell_design import CellDesign
 from remodel_sim.core.cell.ownership import check_owner
-from remodel_sim.core.errors import AbilityError
+from remodel_sim.core.errors import AbilityError, PanelError
 from remodel_sim.core.goals.checks import check_hands_empty, check_not_in_cell
+from remodel_sim.core.goals.demands import find_demand_problems
 from remodel_sim.core.robot.traffic import Traffic
 from remodel_sim.core.workpiece.panel import Panel, WireEnd
 from remodel_sim.edge.cell_file import read_cell
@@ -104,14 +106,30 @@ class Cell:
                 self._memory.keep_owner(owner)
             self._newest_owner = owner
 
-    def load(self, panel: Panel, *, keep: bool = False) -> None:
+    def load(
+        self,
+        panel: Panel,
+        *,
+        robots: Collection[str] = (),
+        forces_n: Mapping[str, float] = MappingProxyType({}),
+        keep: bool = False,
+    ) -> None:
         """Build a panel.
 
-        `keep` leaves the cell as it is if it has this very panel, of this serial number, already;
-        a cell that was restarted puts back what it remembers of it.
+        Args:
+            panel: to build.
+            robots: that goals of its order name.
+            forces_n: the greatest force limit [N] of these goals, by the ability.
+            keep: leave the cell as it is if it has this very panel, of this serial number, already;
+                a cell that was restarted puts back what it remembers of it.
 
-        Raises PanelError and changes nothing when it breaks the rules.
+        Raises:
+            PanelError: if the panel breaks the rules, or the robots cannot do such goals; nothing
+                changes.
         """
+        demanded = tuple(find_demand_problems(robots, forces_n, self.contexts))
+        if demanded:
+            raise PanelError(panel.name, (*demanded, *self.plant.find_problems(panel)))
         if keep and panel == self.plant.loaded:
             return
         placed = self._memory.placed(panel) if keep and self._memory else PlacedWires()

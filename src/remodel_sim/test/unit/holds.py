@@ -7,7 +7,7 @@ import numpy as np
 from panels import component, wire
 
 from remodel_sim.core.geometry import Pose
-from remodel_sim.core.robot.arm import ToolPose
+from remodel_sim.core.robot.arm import PANDA_AT_ORIGIN, ToolPose
 from remodel_sim.core.workpiece.component_shape import component_boxes
 from remodel_sim.core.workpiece.fixtures import PLAY_M, lips_of
 from remodel_sim.core.workpiece.panel import PanelClip, WireEnd
@@ -54,21 +54,28 @@ def pull_out(world, cable, end, along, expected):
     raise AssertionError(f"{force:.1f} N did not pull the end out")
 
 
-def grip_pull_out(grip_force, friction=0.5, rate_hz=240.0):
+def wire_in_hand(world, arm=PANDA_AT_ORIGIN, **changes):
+    """Return a robot and a straight wire between its open fingers, 45 mm behind tip b.
+
+    The wire runs along y; the fingers close along x.
+    """
+    robot = Robot(world, TOOL, arm)
+    specimen = wire("W", ("X", "1"), ("Y", "1"), 0.30, **changes)
+    cable = SimulatedWire(world, discretise(specimen, world.time_step), "BU")
+    tip = np.array([TOOL.x, GRASP_M - specimen.length, TOOL.z])
+    cable.lay(tip, math.pi / 2, np.zeros(len(cable.model.spans)))
+    return robot, cable
+
+
+def grip_pull_out(grip_force, friction=0.5, rate_hz=240.0, arm=PANDA_AT_ORIGIN):
     """Grip a floating wire, pull it along itself.
 
     Return the force that it took, and Coulomb's [N].
     """
     world = World(rate_hz)
     world.bullet.setGravity(0, 0, 0)
-    robot = Robot(world, TOOL)
+    robot, cable = wire_in_hand(world, arm, friction=friction)
     robot.grip_force = grip_force
-    specimen = wire("W", ("X", "1"), ("Y", "1"), 0.30, friction=friction)
-    cable = SimulatedWire(world, discretise(specimen, world.time_step), "BU")
-    # Along y through the hand, whose fingers close along x; end b outside.
-    length = specimen.length
-    tip = np.array([TOOL.x, GRASP_M - length, TOOL.z])
-    cable.lay(tip, math.pi / 2, np.zeros(len(cable.model.spans)))
     robot.drive_fingers(0.0)
     for _ in range(round(1.5 * rate_hz)):
         world.step()

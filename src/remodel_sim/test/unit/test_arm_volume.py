@@ -6,10 +6,12 @@ import pytest
 from remodel_sim.core.geometry import Pose
 from remodel_sim.core.robot.arm import KUKA_IIWA, PANDA_AT_ORIGIN, Arm, ToolPose
 from remodel_sim.core.robot.arm_volume import Volume, gap_between, gaps_between, volume_of
+from remodel_sim.edge.cell_file import read_cell
 from remodel_sim.physics.robot import Robot
 from remodel_sim.physics.world import World
 
 FACING = Arm(PANDA_AT_ORIGIN.model, (1.0, 0.0, 0.0, math.pi))
+ON_AXIS = read_cell("cabinet").robots[0].arm
 IIWA = Arm(KUKA_IIWA, (-0.10, 0.0, 0.0, 0.0))
 
 
@@ -43,7 +45,7 @@ def surface(world, body):
             yield Pose(*(np.array(part) for part in place)).apply(points)
 
 
-@pytest.mark.parametrize("arm", [PANDA_AT_ORIGIN, FACING, IIWA])
+@pytest.mark.parametrize("arm", [PANDA_AT_ORIGIN, FACING, IIWA, ON_AXIS])
 def test_the_capsules_hold_the_whole_arm(arm):
     random = np.random.default_rng(3)
     world = World(240)

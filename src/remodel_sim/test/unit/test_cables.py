@@ -54,7 +54,7 @@ def test_a_cable_is_found_with_its_tips_and_width():
     assert errors(true[[0, -1]], tips).max() < 0.6
     assert [tip.end for tip in cable.tips] == [CableEnding.TIP, CableEnding.TIP]
     assert cable.width == pytest.approx(8, abs=0.4)
-    assert found.doubts == ()
+    assert found.warnings == ()
 
 
 def test_two_cables_of_one_colour_that_cross_stay_two():
@@ -130,21 +130,21 @@ def test_a_cable_under_a_card_of_another_colour_is_one():
 def test_an_empty_table_has_no_cables_and_says_so():
     found = detect_cables(table())
     assert found.cables == ()
-    assert found.doubts
+    assert found.warnings
 
 
 def test_stripes_of_a_table_cause_a_warning():
     stripes = np.tile(np.arange(640) // 6 % 2 * 200, (480, 1)).astype(np.uint8)
     found = detect_cables(np.dstack([stripes] * 3))
-    assert "straight from border to border" in found.doubts[0]
+    assert "straight from border to border" in found.warnings[0]
 
 
 def test_a_table_full_of_objects_is_too_cluttered():
     picture = table()
     for x, y in itertools.product(range(8, 640, 24), range(8, 480, 24)):
         cv2.line(picture, (x, y), (x + 10, y + 10), RED, 3)
-    (doubt,) = detect_cables(picture).doubts
-    assert "too cluttered" in doubt
+    (warning,) = detect_cables(picture).warnings
+    assert "too cluttered" in warning
 
 
 def test_a_spline_keeps_to_points_on_a_circle():

@@ -10,6 +10,8 @@ from remodel_sim.core.errors import CellFileError
 from remodel_sim.edge.cell_file import read_cell
 
 CELLS = Path(__file__).parents[2] / "config/cells"
+AXIS = {"along": "y", "lower": -0.4, "upper": 0.4, "speed": 1.0}
+FINGERS = yaml.safe_load((CELLS / "cabinet.yaml").read_text())["robots"][0]["gripper"]["fingers"]
 
 
 def parsed():
@@ -87,6 +89,34 @@ def test_a_cell_of_ones_own_is_read_from_its_path(tmp_path):
                 limits={"lower_deg": [-170] * 7, "upper_deg": [170] * 7}
             ),
             r"robots\[0\].limits: joint 1 has -2.9671 to 2.9671 rad; allowed within -2.8973",
+        ),
+        (
+            lambda c: c["robots"][0].update(axis={**AXIS, "along": "z"}),
+            r"robots\[0\].axis.along: found 'z'; allowed: y",
+        ),
+        (
+            lambda c: c["robots"][0].update(axis={**AXIS, "lower": 0.5}),
+            r"robots\[0\].axis: found lower 0.5, upper 0.4; allowed: lower less than upper",
+        ),
+        (
+            lambda c: c["robots"][0]["gripper"].update(fingers={**FINGERS, "opening": 0.2}),
+            r"robots\[0\].gripper.fingers.opening: found 0.2; allowed: 0.08 or less",
+        ),
+        (
+            lambda c: c["robots"][0]["gripper"].update(
+                fingers={**FINGERS, "notch": {"depth": 0.001, "height": 0.012}}
+            ),
+            r"robots\[0\].gripper.fingers.notch.height: found 0.012; allowed: less than twice",
+        ),
+        (
+            lambda c: c["robots"][0]["gripper"].update(fingers={**FINGERS, "pad_height": 0.008}),
+            r"robots\[0\].gripper.fingers.pad_height: found 0.008; allowed: 0.0085 or more",
+        ),
+        (
+            lambda c: c["robots"][0]["gripper"].update(
+                fingers={**FINGERS, "length": 0.05, "pad_height": 0.06}
+            ),
+            r"robots\[0\].gripper.fingers.pad_height: found 0.06; allowed: up to the length",
         ),
         (
             lambda c: c["robots"].append(c["robots"][0]),

@@ -39,7 +39,10 @@ def test_a_result_with_warnings_ends_with_one(tmp_path, capsys):
     empty = tmp_path / "empty.png"
     cv2.imwrite(str(empty), np.full((240, 320, 3), 160, np.uint8))
     assert main([str(empty)]) == 1
-    assert "nothing in the picture looks like a cable" in capsys.readouterr().out
+    assert "warning: nothing in the picture looks like a cable" in capsys.readouterr().out
+    assert main([str(empty), "--json"]) == 1
+    (warning,) = json.loads(capsys.readouterr().out)["warnings"]
+    assert "nothing in the picture looks like a cable" in warning
 
 
 @pytest.mark.parametrize("name", ["absent.png", "text.png", "empty.png", "tiny.png", "."])

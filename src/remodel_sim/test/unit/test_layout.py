@@ -1,10 +1,12 @@
 import dataclasses
 import math
+import re
 from pathlib import Path
 
 import pytest
 from panels import component, panel, wire
 
+from remodel_sim.cell import Cell
 from remodel_sim.core.errors import PanelError
 from remodel_sim.core.workpiece.layout import find_problems
 from remodel_sim.core.workpiece.panel import Duct, PanelClip
@@ -95,6 +97,74 @@ def test_each_broken_rule_is_named(broken, words):
     assert any(words in problem for problem in find_problems(broken)), find_problems(broken)
 
 
+def household():
+    return read_panel(
+        CONFIG / "household.yaml", read_wire_materials(CONFIG / "wire_materials.yaml")
+    )
+
+
+def board_problems(broken, arms=None, *, has_magazine=True):
+    return find_problems(broken, arms or read_cell("cabinet").arms, has_magazine=has_magazine)
+
+
+def with_ducts(**changes):
+    good = household()
+    return changed(good, ducts=tuple(changed(duct, **changes) for duct in good.ducts))
+
+
+def with_first_wire(**changes):
+    good = household()
+    return changed(good, wires=(changed(good.wires[0], **changes), *good.wires[1:]))
+
+
+def test_the_household_board_fits_the_cell_for_cabinets():
+    assert board_problems(household()) == ()
+    (only,) = board_problems(household(), has_magazine=False)
+    assert "no channel" in only
+
+
+@pytest.mark.parametrize(
+    ("broken", "words"),
+    [
+        (with_ducts(slot_width=0.0055), "0.9 mm too narrow: slots of 6.4 mm"),
+        (with_ducts(width=0.060), "35 mm from its openings to duct 'D0', 3.0 mm too little"),
+        (with_ducts(height=0.080), "duct 'D0': height is 0.08 m, 0.015 m too much"),
+        (with_ducts(slot_width=0.0125), "duct 'D0': slot_width is 0.0125 m"),
+        (with_first_wire(length=0.6), "0.11 m too short"),
+        (with_first_wire(length=3.5), "length is 3.5 m, 0.5 m too much; allowed: 0.3 to 3 m"),
+        (with_first_wire(ducts=("D9",)), "passes duct 'D9'; the panel has: D0, D1, D2, L, R"),
+        (
+            changed(household(), rails=(changed(household().rails[0], height=0.020),)),
+            "rail 'R1': height is 0.02 m",
+        ),
+    ],
+)
+def test_what_a_board_has_too_much_of_is_said_with_what_would_change_it(broken, words):
+    problems = board_problems(broken)
+    assert any(words in problem for problem in problems), problems
+
+
+def test_terminals_that_no_arm_reaches_are_one_problem_with_the_farthest():
+    arm = read_cell("cabinet").arms[0]
+    (far,) = board_problems(household(), [changed(arm, base=(-0.60, 0.0, 0.0, 0.0), axis=None)])
+    assert "no arm reaches 116 of 116 terminals: 'HDA245S/B2', " in far
+    assert re.search(r"is out of reach by 0\.5\d m towards \+x: a base nearer to it", far), far
+    aside = changed(arm, base=(-0.04, 0.90, 0.0, 0.0), axis=None)
+    (far,) = board_problems(household(), [aside])
+    assert re.search(r"is out of reach by 0\.\d\d m towards -y: a longer axis", far), far
+
+
+def test_thick_fingers_need_a_wider_pitch():
+    (narrow, low) = sorted(
+        problem
+        for problem in board_problems(household(), read_cell().arms)
+        if "height is" not in problem or "'D0'" in problem
+    )
+    assert "for a finger of 11.0 mm between their wires" in narrow
+    assert "a pitch of 16 mm, or thinner fingers" in narrow
+    assert low.endswith("a lower duct, longer fingers")
+
+
 def test_all_problems_are_reported_at_once_and_nothing_is_built():
     plant = Plant(read_cell(), panel(), seed=0, rate_hz=240)
     bodies = plant.world.bullet.getNumBodies()
@@ -105,6 +175,20 @@ def test_all_problems_are_reported_at_once_and_nothing_is_built():
     assert plant.panel == panel()
     assert plant.world.bullet.getNumBodies() == bodies
     plant.close()
+
+
+def test_goals_that_the_robots_cannot_do_are_refused_with_the_panel_and_nothing_is_built():
+    cell = Cell(panel())
+    broken = changed(panel(), size=(2.0, 0.7, 0.003))
+    with pytest.raises(PanelError) as caught:
+        cell.load(broken, robots=("robot_1", "robot_2"), forces_n={"InsertCable": 40.0})
+    robot, force, size = caught.value.problems
+    assert robot == "the order's goals name robot 'robot_2'; the cell has robot_1"
+    assert "InsertCable push with up to 40 N; this cell's grip holds at most 25 N" in force
+    assert "the plate's size in x" in size
+    assert cell.plant.panel == panel()
+    cell.load(panel(), robots=("robot_1",), forces_n={"InsertCable": 25.0, "Push": 99.0})
+    cell.close()
 
 
 def test_a_wire_between_neighbours_may_be_short_but_not_too_short():

@@ -19,7 +19,7 @@ def along(arm, start, end):
     return volume_of(arm, Line(start, end, 0.1).postures(arm))
 
 
-def test_room_that_nobody_has_is_given():
+def test_free_room_is_given():
     traffic = Traffic()
     traffic.stand("robot_2", volume_of(FACING, FACING.joints_for(HOME)))
     assert traffic.claim("robot_1", standing(PANDA_AT_ORIGIN, 0.5, -0.2)) is None

@@ -126,7 +126,7 @@ class AbilityServer:
             self._robot.end()
             raise
 
-    def start(self, running: RunningGoal, prepared: Any) -> None:  # noqa: ANN401
+    def start(self, running: RunningGoal, prepared: Any) -> None:  # noqa: ANN401 - likewise
         """Begin to do a goal that was accepted, and return."""
         threading.Thread(target=self._perform, args=(running,), daemon=True).start()
 

@@ -198,7 +198,7 @@ class AbilityStatesTest(unittest.TestCase):
             self.assertTrue(goal.id, ability)
             self.assertGreater(goal.timeout, 0, ability)
 
-    def test_each_ability_failure_tells_its_code(self):
+    def test_each_ability_failure_returns_its_code(self):
         for ability in STATES:
             self.fakes[ability].script(FakeAnswer(ErrorCode.NOT_SEATED))
             data = userdata()
@@ -279,10 +279,10 @@ class AbilityStatesTest(unittest.TestCase):
             "import rospy; rospy.init_node('stalled'); from std_msgs.msg import String;"
             "from remodel_states.testing import FakeAbility, FakeAnswer;"
             "fake = FakeAbility('PickCable', [FakeAnswer(hang=True)], 'stalled/pickcable');"
-            "told = rospy.Publisher('stalled/cancelled', String, latch=True, queue_size=1)\n"
+            "publisher = rospy.Publisher('stalled/cancelled', String, latch=True, queue_size=1)\n"
             "while not rospy.is_shutdown():\n"
             "    rospy.rostime.wallsleep(0.05)\n"
-            "    if fake.cancelled: told.publish(fake.cancelled[0])"
+            "    if fake.cancelled: publisher.publish(fake.cancelled[0])"
         )
         cancelled = []
         rospy.Subscriber("stalled/cancelled", String, lambda message: cancelled.append(message))
@@ -365,7 +365,7 @@ class AbilityStatesTest(unittest.TestCase):
         self.assertEqual(run(state, data, 5.0), "command_error")
         self.assertEqual(data["error_code"], ErrorCode.SERVER_LOST)
 
-    def test_a_slow_pin_is_told_from_a_normal_one(self):
+    def test_a_slow_pin_is_distinguished_from_a_normal_one(self):
         self.fakes["PlacePin"].script(FakeAnswer(elapsed_s=31.0))
         data = userdata()
         outcome = run(self.state("PlacePin", max_time=30.0), data)
@@ -380,7 +380,7 @@ class AbilityStatesTest(unittest.TestCase):
             run(self.state(ability), userdata())
             self.assertEqual(self.fakes[ability].goals[1].view, 0)
 
-    def test_a_record_tells_the_goal_and_what_was_found(self):
+    def test_a_record_has_the_goal_and_what_was_found(self):
         self.fakes["InsertCable"].script(FakeAnswer())
         with self.recorder() as recorder:
             recorder.may_answer.set()

@@ -314,7 +314,7 @@ class ConformanceTest(unittest.TestCase):
         line = ["rosrun", "remodel_states", "conformance", *words]
         return subprocess.run(line, capture_output=True, text=True, timeout=120.0)
 
-    def test_the_command_tells_and_exits_by_it(self):
+    def test_the_command_prints_and_exits_by_it(self):
         server = Server("conformance/bad", "success with a code")
         goal = "{cable_id: W1, timeout: 3, target_pose: {pose: {orientation: {w: 1}}}}"
         done = self.run_kit("conformance/bad", "PlaceCable", "--goal", goal)
@@ -327,7 +327,7 @@ class ConformanceTest(unittest.TestCase):
         self.assertEqual(done.returncode, 0, done.stdout)
         self.assertGreater(len(json.loads(done.stdout)["trials"]), 10)
 
-    def test_a_server_that_is_started_anew_is_tried_again(self):
+    def test_a_restarted_server_is_tried_again(self):
         words = ("remodel_abilities/placepin", "PlacePin", "--restart")
         done = self.run_kit(*words, "rosnode kill /fakes")
         self.assertEqual(done.returncode, 0, done.stdout + done.stderr)
@@ -335,8 +335,8 @@ class ConformanceTest(unittest.TestCase):
         done = self.run_kit(*words, "false")
         self.assertIn("not judged  restart of the server: the command failed with 1", done.stdout)
 
-    def test_what_cannot_be_tried_is_told(self):
-        for words, told in (
+    def test_what_cannot_be_tried_is_reported(self):
+        for words, message in (
             (("conformance/none", "PlaceCable"), "start the server"),
             (
                 ("conformance/none", "Nonesuch"),
@@ -347,7 +347,7 @@ class ConformanceTest(unittest.TestCase):
         ):
             done = self.run_kit(*words)
             self.assertEqual(done.returncode, 2, (words, done.stdout))
-            self.assertIn(told, done.stderr)
+            self.assertIn(message, done.stderr)
 
 
 if __name__ == "__main__":

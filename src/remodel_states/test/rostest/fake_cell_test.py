@@ -116,7 +116,7 @@ class FakeCellTest(unittest.TestCase):
     def feed(self, wire):
         self.assertTrue(call("cell/feed_wire", FeedWire, wire_id=wire, channel_id="A").success)
 
-    def test_wires_are_placed_and_the_truth_is_told(self):
+    def test_wires_are_placed_and_the_truth_is_returned(self):
         for wire in ("W1", "W2"):
             self.feed(wire)
             for end in "ab":
@@ -194,6 +194,15 @@ class FakeCellTest(unittest.TestCase):
             call("cell/load_panel", LoadPanel, panel=wrong).error_code, ErrorCode.INVALID_GOAL
         )
 
+    def test_goals_that_the_robot_cannot_do_are_refused_with_the_panel(self):
+        self.assertTrue(call("cell/load_panel", LoadPanel, panel=PANEL).success)
+        demands = {"robots": ["robot_9"], "abilities": ["InsertCable"], "force_limits": [61.0]}
+        refused = call("cell/load_panel", LoadPanel, panel=Panel(name="other"), **demands)
+        self.assertEqual(refused.error_code, ErrorCode.INVALID_GOAL)
+        self.assertIn("robot 'robot_9'; the cell has robot_1, robot_2", refused.message)
+        self.assertIn("up to 61 N; this cell's grip holds at most 60 N", refused.message)
+        self.feed("W1")  # the panel of before is there
+
     def test_an_older_supervisor_is_refused_even_by_another_process(self):
         self.assertTrue(call("cell/load_panel", LoadPanel, panel=PANEL, owner=1).success)
         self.feed("W1")
@@ -236,7 +245,7 @@ class FakeCellTest(unittest.TestCase):
         for wrong in ({"kind": "nonesuch"}, {"kind": "slipped", "target": "prayer"}):
             self.assertFalse(call("cell/inject_fault", InjectFault, **wrong).success)
 
-    def test_a_server_misbehaves_as_it_is_told(self):
+    def test_a_server_misbehaves_as_requested(self):
         client = self.clients["FixCable"]
         self.feed("W1")
         self.ask("InsertCable")

@@ -119,7 +119,7 @@ def entries(text):
 
 
 @pytest.mark.parametrize(
-    ("deeds", "told"),
+    ("deeds", "expected"),
     [
         ("feed:W1 fix:W1/a fix:W1/b", ((), (), (), ())),
         ("feed:W1 fix:W1/a", ((), (), (), ("W1/b",))),
@@ -136,6 +136,6 @@ def entries(text):
         ("feed:W1 fix:W1/a load:p feed:W1 fix:W1/a fix:W1/b", ((), (), (), ())),
     ],
 )
-def test_the_account_tells_what_was_done_twice_or_left_out(deeds, told):
+def test_the_account_lists_what_was_done_twice_or_left_out(deeds, expected):
     found = account(entries(deeds), ["W1"])
-    assert (found.fixed_again, found.fed_again, found.scrapped, found.omitted) == told
+    assert (found.fixed_again, found.fed_again, found.scrapped, found.omitted) == expected

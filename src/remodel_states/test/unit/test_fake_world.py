@@ -67,6 +67,15 @@ def a_fixed(fed):
     return do(do(fed, "InsertCable").world, "FixCable").world
 
 
+def test_a_wire_is_fed_in_a_channel_or_on_a_panel_without_channels_in_the_magazine():
+    with pytest.raises(AbilityError, match="no channel ''"):
+        World(PANEL).feed(CELL, "W1", "")
+    without = World(replace(PANEL, channels=()))
+    assert without.feed(CELL, "W1", "").fed == ("W1",)
+    with pytest.raises(AbilityError, match="no channel 'A'"):
+        without.feed(CELL, "W1", "A")
+
+
 def test_a_wire_is_placed_end_by_end(a_fixed):
     assert not a_fixed.is_placed("W1")
     held = do(a_fixed, "PickCable", cable_end="b").world
@@ -149,7 +158,7 @@ def test_extracting_a_fixed_end_is_a_deed(a_fixed):
     assert do(effect.world, "ExtractCable").entries == ()
 
 
-def test_looking_tells_whether_an_end_is_held(fed, a_fixed):
+def test_an_observation_shows_whether_an_end_is_held(fed, a_fixed):
     assert do(a_fixed, "CheckConnection").found == {"connected": True}
     assert do(a_fixed, "CheckConnection", terminal_id="2").found == {"connected": False}
     assert do(do(fed, "InsertCable").world, "CheckConnection").found == {"connected": False}

@@ -31,10 +31,10 @@ class Supervision(Protocol):
     """What the states of behaviors ask a supervisor, whichever runs."""
 
     def begin_operation(self, behavior: str, path: str, ability: str, answer: Callback) -> None:
-        """Answer with (Permit, owner), or None if nobody answered."""
+        """Answer with (Permit, owner), or None without an answer."""
 
     def keep_record(self, behavior: str, operation: Operation, answer: Callback) -> None:
-        """Answer whether it is kept, or None if nobody answered."""
+        """Answer whether it is kept, or None without an answer."""
 
     def on_engine_death(self) -> None:
         """Hear that records that were not kept are lost."""

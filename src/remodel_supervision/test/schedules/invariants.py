@@ -53,7 +53,7 @@ class Stop:
 
     @property
     def is_lost(self) -> bool:
-        """Whether nobody who lives knows of it."""
+        """Whether no living process knows of it."""
         is_heard = self.heard_by is not None and not self.heard_by.is_dead
         return not (self.is_kept or self.has_record or is_heard)
 
@@ -65,7 +65,7 @@ class Invariants:
     Attributes:
         states: run -> what is known of it after its last event.
         ended: runs that a supervisor has taken to their end.
-        closed: station -> why its gate is closed, as somebody was answered.
+        closed: station -> why its gate is closed, as a client was answered.
         stopped: station -> what a person is to answer before anything moves.
     """
 
@@ -97,13 +97,13 @@ class Invariants:
         self.states[run] = state_after([event])
 
     def on_goal(self, station: Station) -> None:
-        """Note that somebody asks for another run: what was stopped may go on in it."""
+        """Note that a client requests another run: what was stopped may continue in it."""
         if self.closed.get(station.name) == Command.STOP.value:
             del self.closed[station.name]
 
     def on_take_up(self, station: Station, run: int, state: RunState) -> None:
-        """Learn what is known of a run; its last event may have been kept unheard."""
-        is_new = run not in self.states  # its beginning was kept unheard
+        """Learn the state of a run; its last event may have gone unnoticed."""
+        is_new = run not in self.states  # its beginning went unnoticed
         if is_new and self.closed.get(station.name) != Command.PROTECTIVE_STOP.value:
             self.closed.pop(station.name, None)
         self.states[run] = state
@@ -121,8 +121,8 @@ class Invariants:
         """Check an event that was kept."""
         if self.simulation.tracing:
             self.simulation.note(process.name, "run {}: {}", run, _short(event))
-        told = Commanded | Answered | StopReported
-        if process.noticed_leaving and not isinstance(event, told):
+        allowed = Commanded | Answered | StopReported
+        if process.noticed_leaving and not isinstance(event, allowed):
             self.simulation.violated(f"a shutdown left the event {event}")
         if isinstance(event, Answered | Escalated | RunEnded):
             self.stopped.pop(station.name, None)
@@ -134,7 +134,7 @@ class Invariants:
         elif isinstance(event, TaskBegun) and event.part is Part.WHOLE:
             self._discards.discard(event.task)
         if after.stop.endswith("by another client of the engine"):
-            self.simulation.violated(f"run {run}: {after.stop}, though nobody did")
+            self.simulation.violated(f"run {run}: {after.stop}, though no client did")
         before = self.states.get(run)
         self.states[run] = after
         for name, task in after.tasks.items():
@@ -154,7 +154,7 @@ class Invariants:
     # --- the gate
 
     def on_resume(self, station: Station) -> None:
-        """Note that things may move again: somebody is about to ask for it.
+        """Note that motion is allowed again: an operator is about to resume.
 
         A run that was paused at one station may be resumed at another of the same cell.
         """
@@ -184,7 +184,7 @@ class Invariants:
             self.simulation.violated(f"{motion.what} begins although {why} was answered")
         stop = self.stopped.get(motion.station)
         if stop and not stop.is_lost:
-            self.simulation.violated(f"{motion.what} begins although {stop.text}: nobody answered")
+            self.simulation.violated(f"{motion.what} begins although {stop.text} is unanswered")
         if not motion.owner:
             self.simulation.violated(f"{motion.what} begins without an owner")
 

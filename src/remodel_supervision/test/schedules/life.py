@@ -44,7 +44,7 @@ class Setting:
 
     Attributes:
         count: of the order's tasks that are to be done.
-        attended: whether somebody answers questions.
+        attended: whether an operator answers questions.
         question_timeout_s: [s] after which they escalate; 0: never.
         reconnect_s: [s] that what is lost gets to answer again.
     """
@@ -86,7 +86,7 @@ class SimulatedWork:
         self._station = station
         self._database = database
 
-    def work(self, name: str, tasks: int, owner: int) -> Work:
+    def work(self, name: str, use_case: str, tasks: int, owner: int) -> Work:
         """Return the work of the first tasks of the order."""
         station, setting = self._station, self._station.setting
         if station.simulation.now_s < station.unmade_until_s:
@@ -167,7 +167,7 @@ class Life:
         return ""
 
     def command(self, event: Commanded, reply: Reply) -> None:
-        """Do what somebody asks for."""
+        """Carry out a client's request."""
         self.commands.command(event, reply)
 
     def answer(self, event: Answered, reply: Reply) -> None:
@@ -192,7 +192,7 @@ class Life:
         """Do nothing: states always ask."""
 
     def on_change(self) -> None:
-        """Do nothing: nobody reads what is published."""
+        """Do nothing: no test reads what is published."""
 
     def on_end(self, supervisor: UseCaseSupervisor) -> None:
         """Check the run."""

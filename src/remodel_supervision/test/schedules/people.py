@@ -12,14 +12,14 @@ from schedules.site import Site
 from schedules.station import Station
 
 # [s] between two looks at the console.
-_LOOK_S = 0.9
+_CHECK_S = 0.9
 
 
 class People:
     """Everybody who has a say.
 
     Attributes:
-        is_done: whether the order is done, and nobody does anything more.
+        is_done: whether the order is done, and no person acts any more.
     """
 
     def __init__(
@@ -57,7 +57,7 @@ class People:
         self._is_waiting_for_goal: set[str] = set()
         for station in stations:
             simulation.after(simulation.random.uniform(0.1, 5.0), self.send_goal, station)
-        simulation.after(_LOOK_S, self._look)
+        simulation.after(_CHECK_S, self._check)
 
     @property
     def is_calm(self) -> bool:
@@ -102,7 +102,7 @@ class People:
 
     # --- what they do by themselves
 
-    def _look(self) -> None:
+    def _check(self) -> None:
         for station in self._stations:
             supervisor = station.supervisor
             if supervisor is None:
@@ -110,11 +110,11 @@ class People:
             else:
                 self._help(station, supervisor.state, supervisor.run)
         if all(s.supervisor is None for s in self._stations):
-            self._look_after_runs()
+            self._check_runs()
         elif self._again_s is None:
-            self._look_for_idle()
+            self._check_for_idle()
         if not self.is_done:
-            self._simulation.after(_LOOK_S, self._look)
+            self._simulation.after(_CHECK_S, self._check)
 
     def _release(self, station: Station) -> None:
         """Release a protective stop that holds a cell without a run, or have one go on."""
@@ -155,7 +155,7 @@ class People:
             self._site.mend()
         return choice
 
-    def _look_for_idle(self) -> None:
+    def _check_for_idle(self) -> None:
         """Have a station help that has no run while another one has."""
         if self.is_calm:
             return
@@ -164,8 +164,8 @@ class People:
             if is_open and self._simulation.chance(0.1):
                 self.send_goal(station)
 
-    def _look_after_runs(self) -> None:
-        """Nobody works on the order: ask for the rest of it, until all of it is done."""
+    def _check_runs(self) -> None:
+        """No run of the order is under way: request the rest of it, until all of it is done."""
         states = self._invariants.states
         known = [state.ended is not None for state in states.values()]
         if not (known and all(known)) or self.is_calm:

@@ -10,6 +10,7 @@ from pathlib import Path
 from flexbe_synthesizer.core.chart.model import Chart, Outcome, Param, State, Transition
 from remodel_planning.core.orders.cell_order import USE_CASE, cell_order
 from remodel_planning.core.problem.problem import End
+from remodel_planning.core.task_charts.demands import Demands
 from remodel_planning.core.task_charts.planned_tasks import PlannedTask
 from remodel_planning.core.use_case.fault import Do, FaultTable
 from remodel_planning.core.use_case.policy import Limits, Policy
@@ -110,6 +111,7 @@ class SimulatedPlanner:
     """Plans the first tasks of the order."""
 
     experience = _NoExperience()
+    demands = Demands()
 
     def __init__(self, count: int, question_timeout_s: float) -> None:
         """Plan some tasks, from the first."""

@@ -9,6 +9,7 @@ from typing import Any
 from remodel_msgs.msg import ErrorCode
 
 from flexbe_synthesizer.core.chart.model import Chart
+from remodel_planning.core.task_charts.demands import Demands
 from remodel_production.errors import LostError
 from remodel_states.core.codes import Code
 from remodel_supervision.core.run import Operation
@@ -198,7 +199,7 @@ class SimulatedCell:
             raise LostError("the cell does not answer")
         return f"cell:{self._services.life}"
 
-    def load(self, panel: object, serial: str, owner: int, *, keep: bool) -> None:
+    def load(self, panel: object, serial: str, owner: int, *, demands: Demands, keep: bool) -> None:
         """Build a panel."""
         self._ask(self._services.on_load, serial, owner, keep)
 

@@ -186,7 +186,7 @@ class Schedules:
         done: set[str],
     ) -> None:
         task = latest.tasks[name]
-        # What a run of another cell has done stays done, whatever this one was told to leave.
+        # What a run of another cell has done stays done, whatever this one has skipped.
         stage = Stage.DONE if name in done else task.stage
         if _KEPT.get(kept) is not stage:
             simulation.violated(f"{name} is {task.stage.value} by the log, {kept} by its table")

@@ -25,8 +25,8 @@ _REPORT_S = 0.2
 # [s] that an operation takes.
 _TAKES_S = (0.3, 2.5)
 
-# Goals of one owner for a server that is down from which on nobody waits for it: the goal under way
-# when it was lost or the first after a restart of the engine, and one that tries it again.
+# Goals of one owner for a server that is down, after which no client waits for it any more: the one
+# under way when it was lost or the first after a restart of the engine, and one that tries again.
 _MISSES = 3
 
 
@@ -211,7 +211,7 @@ class Server(Node):
         self._publish(job, result)
 
     def _publish(self, job: _Job, result: Result) -> None:
-        """Let whoever listens hear of a result, as subscribers of its topic do."""
+        """Publish a result to the subscribers of its topic."""
         now_s = self.simulation.now_s
         took_s = now_s - job.motion.begun_s
         text, goal_id = result.text, job.goal.id

@@ -14,7 +14,7 @@ _USUAL_S = (0.001, 0.006)
 
 
 class ViolationError(BaseException):
-    """What must always hold does not. No Exception: nobody in between may handle it."""
+    """What must always hold does not. Not an Exception: no code in between may handle it."""
 
 
 class Simulation:

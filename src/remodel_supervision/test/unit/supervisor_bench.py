@@ -37,7 +37,7 @@ LAYOUT = lay_out(HOUSE, CATALOGUE, PanelRules())
 
 
 class FakeLoop:
-    """Time passes only while somebody waits; `arrivals` are processed then, one a turn."""
+    """Time passes only while a thread waits; `arrivals` are processed then, one a turn."""
 
     def __init__(self):
         self.wall, self.timers, self.arrivals, self.leaving = 100.0, [], [], False
@@ -77,6 +77,7 @@ class FakeCell:
 
     def __init__(self):
         self.fed, self.loaded, self.trouble, self.truth = [], [], None, True
+        self.refusal = self.demands = None
         self.at = "rosrpc://cell:1"
 
     def wait(self, limit_s):
@@ -85,8 +86,11 @@ class FakeCell:
     def address(self):
         return self.at
 
-    def load(self, panel, serial, owner, *, keep):
+    def load(self, panel, serial, owner, *, demands, keep):
         assert owner > 0
+        if self.refusal:
+            raise self.refusal
+        self.demands = demands
         self.loaded.append((serial, keep))
 
     def feed(self, wire, channel, owner):
@@ -140,7 +144,7 @@ class FakeAbilities:
 
 
 class FakeEngine:
-    """Ends behaviors as it is told, in turn: an outcome, an error code, an exception, or a call."""
+    """Ends behaviors as given, in turn: an outcome, an error code, an exception, or a call."""
 
     state_path, is_idle = "", True
 
@@ -195,7 +199,7 @@ class FakeEngine:
 
 
 class FakeInspection:
-    """Sees the ends that it is told are connected."""
+    """Sees the ends that are given as connected."""
 
     def __init__(self):
         self.connected, self.trouble = set(), None

@@ -17,7 +17,7 @@ class FakeHandle:
     """A goal whose end a test decides."""
 
     def __init__(self, on_transition, on_feedback):
-        self.on_transition, self.tell = on_transition, on_feedback
+        self.on_transition, self.send_feedback = on_transition, on_feedback
         self.state, self.status, self.cancelled = actionlib.CommState.ACTIVE, None, False
 
     def end(self, status):
@@ -47,7 +47,7 @@ class FakeClient:
         self.there, self.handle, self.sent = True, None, threading.Event()
 
     def wait_for_server(self, timeout):
-        assert not timeout.is_zero(), "to actionlib zero means for ever"
+        assert not timeout.is_zero(), "to actionlib zero means forever"
         return self.there
 
     def send_goal(self, goal, on_transition, on_feedback):
@@ -86,7 +86,7 @@ def test_a_goal_that_ends_is_returned_with_its_feedback(client):
     heard = []
 
     def finish(fake):
-        fake.handle.tell(fake.handle, "half way")
+        fake.handle.send_feedback(fake.handle, "half way")
         fake.handle.end(GoalStatus.SUCCEEDED)
 
     while_waiting(fake, finish)
@@ -119,14 +119,14 @@ def test_a_goal_that_the_server_has_forgotten_is_lost(client):
         server.ended(RunUseCaseGoal(), 10.0)
 
 
-def test_a_server_that_never_comes_is_told_with_what_to_start(client):
+def test_a_server_that_never_comes_is_reported_with_what_to_start(client):
     server, fake = client
     fake.there = False
     with pytest.raises(LostError, match="run_use_case is not there after 0 s: start the super"):
         server.wait(0.05)
 
 
-def test_nobody_is_there_before_there_is_a_time(client, monkeypatch):
+def test_no_server_is_there_before_there_is_a_time(client, monkeypatch):
     server, _ = client
     monkeypatch.setattr(action_server.rospy, "get_rostime", lambda: rospy.Time(0))
     assert not server.is_there

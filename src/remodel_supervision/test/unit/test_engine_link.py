@@ -9,7 +9,7 @@ from remodel_supervision.ros.peers.engine_link import EngineLink
 
 
 class SentGoal:
-    """A goal that ends when it is told to."""
+    """A goal that ends on request."""
 
     def __init__(self):
         self.has_ended, self.cancelled = False, 0

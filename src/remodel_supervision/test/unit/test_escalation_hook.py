@@ -72,7 +72,7 @@ def test_a_program_that_hangs_is_killed_with_what_it_started(tmp_path, reports):
     text = 'sleep 600 & echo "[$$, $!]" >"$1"; wait'
     hook = EscalationHook.from_option(program(tmp_path, text), reports.append, limit_s=2.0)
     hook.notify(ASKED)
-    assert reports == [], "whoever notifies does not wait"
+    assert reports == [], "the caller does not wait"
     hook.close()
     (report,) = reports
     assert report.endswith("did not end within 2 s and was killed")
@@ -81,7 +81,7 @@ def test_a_program_that_hangs_is_killed_with_what_it_started(tmp_path, reports):
 
 
 def is_running(process, limit_s=20.0):
-    """Tell whether a process still runs after a while that its killing may take."""
+    """Return whether a process still runs after a while that its killing may take."""
     end = time.monotonic() + limit_s
     while time.monotonic() < end:
         try:
@@ -148,11 +148,11 @@ def test_a_web_server_that_refuses_is_reported_without_the_path_that_may_be_secr
     assert reports == ["http://127.0.0.1: answered 503 Service Unavailable"]
 
 
-def test_a_web_server_that_hangs_or_is_gone_holds_up_nobody(server, reports):
+def test_a_web_server_that_hangs_or_is_gone_delays_nothing(server, reports):
     server.hangs = True
     hook = EscalationHook.from_option(server.url, reports.append, limit_s=2.0)
     hook.notify(ASKED)
-    assert reports == [], "whoever notifies does not wait"
+    assert reports == [], "the caller does not wait"
     hook.close()
     gone = EscalationHook.from_option("http://127.0.0.1:1/hook", reports.append)
     gone.notify(ASKED)

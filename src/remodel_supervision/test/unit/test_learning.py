@@ -25,11 +25,19 @@ from remodel_supervision.core.learning.learned_responses import (
     tried_responses,
 )
 from remodel_supervision.core.learning.parameter_choice import GuardRail, ParameterChoice
-from remodel_supervision.core.learning.success_model import SuccessModel, fold
+from remodel_supervision.core.learning.success_model import SuccessModel
 
 THIN = ("InsertCable", "clamp", "0.5")
 THICK = ("InsertCable", "clamp", "2.5")
 VALUES = (10.0, 20.0, 30.0)
+
+
+def trained(trials):
+    """Return the model that has learned from these trials."""
+    model = SuccessModel()
+    for context, success in trials:
+        model.learn(context, success)
+    return model
 
 
 def trials(context, successes, failures):
@@ -44,12 +52,12 @@ def test_nothing_learned_is_what_the_use_case_states():
 
 
 def test_many_trials_win_over_what_was_stated():
-    model = fold(trials(THIN, 20, 80))
+    model = trained(trials(THIN, 20, 80))
     assert model.belief(THIN, 0.99).mean == pytest.approx(0.2, abs=0.1)
 
 
 def test_a_new_context_starts_from_its_relatives():
-    model = fold(trials(THIN, 5, 45))
+    model = trained(trials(THIN, 5, 45))
     assert model.belief(THICK, 0.95).mean < 0.4
     assert model.belief(("PickCable",), 0.95).mean == pytest.approx(0.95)
 
@@ -57,7 +65,7 @@ def test_a_new_context_starts_from_its_relatives():
 def test_uncertainty_shrinks_with_trials():
     widths = []
     for count in (0, 10, 100):
-        low, high = fold(trials(THIN, count, count)).belief(THIN, 0.5).interval()
+        low, high = trained(trials(THIN, count, count)).belief(THIN, 0.5).interval()
         widths.append(high - low)
     assert widths == sorted(widths, reverse=True)
 
@@ -76,7 +84,7 @@ def test_the_interval_holds_what_it_says():
 
 
 def test_an_ability_that_changes_is_followed():
-    model = fold(trials(THIN, 1000, 0) + trials(THIN, 0, 300))
+    model = trained(trials(THIN, 1000, 0) + trials(THIN, 0, 300))
     assert model.belief(THIN, 0.9).mean < 0.3
 
 
@@ -143,7 +151,7 @@ def frozen_breaks(trial):
 
 
 def frozen_recovers(trial):
-    """Only the value that is hardly tried any more becomes better: nothing tells it but trying."""
+    """Only the value that is hardly tried any more becomes better: only trying shows it."""
     return {10.0: 0.55 if trial < 400 else 0.98, 20.0: 0.9, 30.0: 0.7}
 
 
@@ -222,7 +230,7 @@ def test_senseless_bounds_are_refused(wrong):
         Bounds(*wrong)
 
 
-def test_more_settings_than_can_be_told_apart_are_refused():
+def test_more_settings_than_can_be_distinguished_are_refused():
     many = {name: Bounds(8.0, 4.0, 16.0) for name in ("force_limit", "speed", "tilt")}
     with pytest.raises(ValueError, match="125 settings"):
         LearnedParameters().choose("InsertCable", {}, many, 1)
@@ -248,7 +256,7 @@ def test_the_same_calls_and_seed_choose_the_same():
         assert chosen[0] == chosen[1]
 
 
-def test_calls_that_tell_nothing_of_a_parameter_are_left_out():
+def test_calls_without_information_on_a_parameter_are_left_out():
     learned = LearnedParameters([forced(12.0, 4), Call("InsertCable", {}, 301, 5.0)])
     assert {b.mean for b in learned.beliefs("InsertCable", {}, FORCE).values()} == {0.5}
     learned.learn(forced(11.0))
@@ -296,7 +304,7 @@ def test_durations_and_successes_are_learned_without_exploring_too():
     assert learned.success != stated.success
 
 
-def test_a_terminal_tells_what_its_success_may_depend_on():
+def test_a_terminal_has_the_features_that_success_may_depend_on():
     assert terminal_features("clamp", (0.0, -1.0, -0.0)) == {
         "terminal_type": "clamp",
         "approach": "0 -1 0",
@@ -347,7 +355,7 @@ def test_what_says_nothing_of_the_ability_is_left_out():
     assert learned.calls == 0
 
 
-def test_what_follows_a_decision_tells_whether_it_helped():
+def test_what_follows_a_decision_shows_whether_it_helped():
     decisions = [("jammed", Do.RETRY), ("jammed", Do.NEW_PART), ("slipped", Do.RETRY)]
     responses = tried_responses(decisions, finished=True)
     assert [response.helped for response in responses] == [False, True, True]

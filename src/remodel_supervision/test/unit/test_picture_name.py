@@ -6,7 +6,7 @@ from remodel_supervision.core.runs.picture_name import picture_name, seen_by
 
 
 @pytest.mark.parametrize("label", ["W1-1-whole", "=A1_K1-2-rest"])
-def test_a_name_tells_camera_and_time(label):
+def test_a_name_states_camera_and_time(label):
     assert seen_by(picture_name(label, 12.3456, "wrist")) == ("wrist", 12.346)
 
 

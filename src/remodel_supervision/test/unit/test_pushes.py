@@ -78,7 +78,7 @@ class Walk:
         while target not in outcomes:
             node = nodes[target]
             visits[target] = visits.get(target, 0) + 1
-            assert visits[target] < 20, "it is tried for ever"
+            assert visits[target] < 20, "it is tried forever"
             if node.attempts is not None and visits[target] > node.attempts:
                 target = {t.event: t.target for t in node.transitions}["exhausted"]
             else:

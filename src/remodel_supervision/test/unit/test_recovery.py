@@ -1,4 +1,4 @@
-"""Failures are told apart, answered in order, and never for ever."""
+"""Failures are distinguished, answered in order, and never forever."""
 
 import json
 import os
@@ -39,7 +39,7 @@ def answers(name, policy=PLAIN, possible=ATTENDED, spent=LITTLE, **parameters):
 
 
 @pytest.mark.parametrize("name", FAULTS.names)
-def test_each_code_tells_of_its_fault(name):
+def test_each_code_has_its_fault(name):
     fault = FAULTS[name]
     for code in fault.codes:
         assert FAULTS.diagnose([code] * fault.after) is fault
@@ -85,7 +85,7 @@ def test_responses_come_in_order():
     assert answers("grasp_missed") == [*[Do.LOOK_AGAIN] * 2, Do.NEW_PART, Do.SET_ASIDE]
 
 
-def test_each_look_again_of_a_task_has_a_viewpoint_of_its_own():
+def test_each_repeated_observation_of_a_task_has_a_viewpoint_of_its_own():
     earlier = []
     for view, name in enumerate(("grasp_missed", "grasp_missed", "slipped"), 1):
         decision = decide(failure(name), earlier, LITTLE, PLAIN)
@@ -109,7 +109,7 @@ def test_each_fault_is_counted_by_itself():
     assert second.because == "answer 1 of 2 to grasp_missed"
 
 
-def test_without_an_operator_nobody_is_asked():
+def test_without_an_operator_no_question_is_asked():
     assert answers("server_lost", possible=UNATTENDED) == [
         *[Do.LOOK_AGAIN] * 2,
         Do.NEW_PART,

@@ -112,7 +112,7 @@ def after(loop, delay_s, call):
 
 
 def lose_server(bench, command, replies):
-    """Have the server of an operation stall for ever, and give a command."""
+    """Have the server of an operation stall forever, and give a command."""
     assert bench.engine.operate(bench.engine.ran[-1], LOST) is Permit.GRANTED
     bench.abilities.stalled = ("InsertCable",)
     replies.append(bench.command(command))

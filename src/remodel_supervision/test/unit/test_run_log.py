@@ -25,6 +25,7 @@ from remodel_supervision.core.runs.events import (
     Ending,
     Interrupted,
     OperationEnded,
+    PanelLoaded,
     Part,
     Planned,
     RunBegun,
@@ -301,6 +302,20 @@ def in_file(file):
     database.add_order(HOUSE)
     yield database
     database.close()
+
+
+def test_a_product_stays_on_the_panel_of_its_use_case(log, owner, keep):
+    other = replace(BEGUN, use_case="cabinet")
+    keep(RunEnded(Ending.STOPPED, "refused"))
+    run, begun = log.begin(other, owner)
+    assert begun == product(other, 1, keep_panel=True), "nothing was built for the other use case"
+    state = log.append(run, PanelLoaded("house-0001"), state_after([begun]), owner)
+    log.append(run, RunEnded(Ending.STOPPED, "ann stopped it"), state, owner)
+    with pytest.raises(OrderError, match="begun by use case cabinet, asked for switchgear") as told:
+        log.begin(BEGUN, owner)
+    assert "--again" in str(told.value)
+    assert log.begin(other, owner)[1].serial == "house-0001"
+    assert log.begin(BEGUN, owner, again=True)[1] == product(BEGUN, 2)
 
 
 def test_a_file_that_was_deleted_is_reported_and_not_made_again(in_file, file):

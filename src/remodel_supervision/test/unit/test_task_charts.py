@@ -351,7 +351,7 @@ def test_no_chart_pushes_harder_than_the_terminal_bears():
     assert forces["Insert b"] > 9
 
 
-def test_an_action_that_cannot_be_told_a_force_is_not_used_where_it_is_too_strong():
+def test_an_action_without_a_force_parameter_is_not_used_where_it_is_too_strong():
     use_case = find_use_case("automotive_formboard")
     order = order_from(limited(9))
     deaf = {

@@ -37,7 +37,7 @@ from remodel_supervision.core.runs.events import (
 from remodel_supervision.core.runs.gate import Permit
 from remodel_supervision.core.runs.replay import replayed
 from remodel_supervision.core.runs.state import Stage, cause_of
-from remodel_supervision.edge.task_leases import TaskLeases
+from remodel_supervision.edge.task_leases import Holding, TaskLeases
 from remodel_supervision.errors import LeavingError, RefusedError
 from remodel_supervision.supervisors.ports import BehaviorEnd, EndKind, UnseenError
 
@@ -64,6 +64,24 @@ def test_an_order_is_done_task_by_task(bench):
     assert [name.removeprefix("Place Wire ") for name in bench.maker.asked] == bench.ran
     attempts = attempts_of(bench.events(object))
     assert [attempt.path for attempt in attempts] == [bench.engine.path()] * 2
+
+
+def test_an_order_that_the_cell_refuses_ends_before_anything_moves(bench):
+    problems = "\n".join(f"  - problem {number}" for number in range(57))
+    bench.cell.refusal = RefusedError(Code.INVALID_GOAL, f"cannot load panel house:\n{problems}")
+    state = bench.run()
+    assert state.ended.ending is Ending.STOPPED
+    assert problems in state.ended.because
+    assert "Nothing has moved. Correct the design or use case switchgear" in state.ended.because
+    assert (bench.ran, bench.cell.fed, bench.events(TaskBegun)) == ([], [], [])
+    first = bench.events(Planned)[0].tasks[0]
+    assert bench.leases.claim(first).holding is Holding.MINE, "it counts as one never begun"
+
+
+def test_a_cell_learns_what_the_order_demands_before_anything_moves(bench):
+    bench.run()
+    assert bench.cell.demands == bench.work.planner.demands
+    assert bench.cell.demands.forces_n == ()  # Place Connector states its own
 
 
 def test_each_event_is_kept_before_what_follows_begins(bench):
@@ -148,7 +166,7 @@ def test_what_is_connected_is_not_connected_again(bench):
     assert 'id="Pick b"' in chart
 
 
-def test_a_learning_supervisor_tells_what_it_chose_and_learns_from_it(house_url):
+def test_a_learning_supervisor_reports_what_it_chose_and_learns_from_it(house_url):
     bench = Bench(house_url, explore=True)
     state = bench.run(*[SLIPPED] * 2)
     assert state.ended.ending is Ending.COMPLETE

@@ -22,6 +22,8 @@ from remodel_planning.edge.search_kernel import Kernel, KernelSearch
 from remodel_planning.edge.use_case_files import find_use_case
 from remodel_production.core.board.board import board_of
 from remodel_production.core.production import Component, Order, Side, Terminal, TerminalRef, Wire
+from remodel_production.edge.catalogue_file import read_catalogue
+from remodel_production.edge.package_files import catalogue_file
 from remodel_supervision.core.learning.experience import Experience
 from remodel_supervision.core.learning.learned_expectations import Call
 from remodel_supervision.core.runs.events import Decided, Part
@@ -29,12 +31,13 @@ from remodel_supervision.edge import work_planner
 from remodel_supervision.edge.work_planner import WorkPlanner
 
 CABINET = find_use_case("cabinet")
+CATALOGUE = read_catalogue(catalogue_file())
 WIRES = 40
 
 
 def cabinet_order(arms):
     """Return an order of wires between random terminals of eight devices."""
-    chance = random.Random(3)
+    chance = random.Random(1)
     ends = [(f"Q{i // 10}", f"{'TB'[i % 2]}{i}") for i in range(2 * WIRES)]
     terminals = {name: [] for name, _ in ends}
     for name, terminal in ends:
@@ -52,7 +55,8 @@ def cabinet_order(arms):
         for i in range(WIRES)
     )
     components = tuple(Component(name, "", tuple(there)) for name, there in terminals.items())
-    return board_order(board_of(Order("test", "", "", components, wires)), CABINET, arms)
+    stored = Order("test", "", "", components, wires)
+    return board_order(board_of(stored, CATALOGUE), CABINET, arms)
 
 
 def planner_of(order, search_s=0.02, documents=()):

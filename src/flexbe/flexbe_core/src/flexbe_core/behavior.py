@@ -42,7 +42,7 @@ class Behavior:
         """Build and return the root container; parameters have their final values."""
         raise NotImplementedError(f"behavior {self.name!r} does not define create()")
 
-    def add_parameter(self, name: str, default: Any) -> None:  # noqa: ANN401
+    def add_parameter(self, name: str, default: object) -> None:
         """Declare a parameter; its value is an attribute."""
         setattr(self, name, default)
 
@@ -116,7 +116,7 @@ class Behavior:
                     *(self.name, key, ", ".join(sorted(known)) or "none"),
                 )
 
-    def set_parameter(self, name: str, value: Any) -> bool:  # noqa: ANN401
+    def set_parameter(self, name: str, value: object) -> bool:
         """Set a parameter here and in contained behaviors.
 
         Args:
@@ -243,7 +243,7 @@ class Behavior:
         return key in vars(self) and not key.startswith("_") and key not in _NO_PARAMETERS
 
 
-def _converted(value: Any, present: Any, name: str) -> Any:  # noqa: ANN401
+def _converted(value: Any, present: object, name: str) -> object:  # noqa: ANN401 - of a request
     """Return the value in the type of the present value, if that is a number, boolean or dict."""
     kind = type(present)
     if isinstance(value, kind) or kind not in (bool, int, float, dict):
@@ -261,5 +261,5 @@ def _converted(value: Any, present: Any, name: str) -> Any:  # noqa: ANN401
     raise ValueError(_misfit(name, value, kind))
 
 
-def _misfit(name: str, value: Any, kind: type) -> str:  # noqa: ANN401
+def _misfit(name: str, value: object, kind: type) -> str:
     return f"parameter {name!r} takes a value of type {kind.__name__}, found {value!r}"

@@ -127,7 +127,7 @@ class StateLogger:
         return logging.getLogger(name)
 
     @staticmethod
-    def log(name: str, state: State, **keys: Any) -> None:  # noqa: ANN401
+    def log(name: str, state: State, **keys: object) -> None:
         """Write a line about a state; `loglevel` chooses the level (INFO)."""
         if StateLogger.enabled:
             level = logging.getLevelName(str(keys.pop("loglevel", "INFO")))
@@ -152,7 +152,7 @@ class StateLogger:
             execute = cls.execute  # type: ignore[attr-defined]
 
             @functools.wraps(execute)
-            def logged(self: State, *args: Any, **kwargs: Any) -> str | None:  # noqa: ANN401
+            def logged(self: State, *args: object, **kwargs: object) -> str | None:
                 outcome: str | None = execute(self, *args, **kwargs)
                 if outcome is not None:
                     StateLogger.log(name, self, outcome=outcome)
@@ -193,7 +193,7 @@ def log_all_events(state: State) -> None:
 
 def _logged(state: State, call: Callable[..., Any], name: str, event: str) -> Callable[..., None]:
     @functools.wraps(call)
-    def logged(*args: Any) -> None:  # noqa: ANN401
+    def logged(*args: object) -> None:
         begin = time.monotonic()
         call(*args)
         duration = round(time.monotonic() - begin, 6)
@@ -206,7 +206,7 @@ def _with_userdata(
     state: State, call: Callable[..., Any], name: str, keys: tuple[str, ...] | None
 ) -> Callable[..., None]:
     @functools.wraps(call)
-    def logged(userdata: Any) -> None:  # noqa: ANN401
+    def logged(userdata: Any) -> None:  # noqa: ANN401 - UserData, or what a test passes
         call(userdata)
         if StateLogger.enabled and StateLogger.get(name).isEnabledFor(logging.DEBUG):
             declared = keys or (*state.input_keys, *state.output_keys)
@@ -216,7 +216,7 @@ def _with_userdata(
     return logged
 
 
-def _serialized(value: Any) -> Any:  # noqa: ANN401
+def _serialized(value: object) -> object:
     try:
         return StateLogger._serialize(value)
     except Exception:  # noqa: BLE001 - whatever users put into userdata
@@ -230,7 +230,7 @@ def _decorator(wrap: Callable[[State], None]) -> Callable[[StateClass], StateCla
         construct = cls.__init__  # type: ignore[misc]
 
         @functools.wraps(construct)
-        def constructing(self: State, *args: Any, **kwargs: Any) -> None:  # noqa: ANN401
+        def constructing(self: State, *args: object, **kwargs: object) -> None:
             construct(self, *args, **kwargs)
             wrap(self)
 

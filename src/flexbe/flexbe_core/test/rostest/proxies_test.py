@@ -81,7 +81,7 @@ class ProxiesTest(unittest.TestCase):
         subscriber.remove_last_msg("p/persistent")
         self.assertTrue(subscriber.has_msg("p/persistent"))
 
-    def test_unknown_topics_are_told_apart(self):
+    def test_unknown_topics_are_distinguished(self):
         subscriber = ProxySubscriberCached()
         self.assertFalse(subscriber.has_msg("p/unknown"))
         self.assertFalse(subscriber.is_available("p/unknown"))
@@ -114,7 +114,7 @@ class ProxiesTest(unittest.TestCase):
         subscriber.unsubscribe_topic("p/ended")
         self.assertFalse(subscriber.is_available("p/ended"))
 
-    def test_waiting_for_nobody_is_bounded(self):
+    def test_waiting_for_an_absent_subscriber_is_bounded(self):
         publisher = ProxyPublisher({"p/nobody": Empty})
         begin = time.monotonic()
         self.assertFalse(publisher.wait_for_any("p/nobody", timeout=0.7))
@@ -232,7 +232,7 @@ class ProxiesTest(unittest.TestCase):
         self.assertTrue(wait_until(lambda: client.is_available("a/hung"), 1.0), "it is back")
         self.assertFalse(client.has_result("a/hung"))
 
-    def test_a_goal_is_lost_when_its_server_was_started_anew(self):
+    def test_a_goal_is_lost_when_its_server_was_restarted(self):
         server, client = self.sent_goal("a/again", "again")
         server.kill()
         server.wait()

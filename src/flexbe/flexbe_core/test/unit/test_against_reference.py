@@ -134,7 +134,7 @@ class World:
         if not self.holds:
             raise FailedError
 
-    def tell(self, spec, event, fails=(False,)):
+    def record(self, spec, event, fails=(False,)):
         """Note an event of a state, and return whether it fails."""
         self.trace.append((spec.label, event))
         count = self.counts[spec.label, event] = self.counts.get((spec.label, event), -1) + 1
@@ -176,12 +176,12 @@ def run_state(spec, path, world, is_first):
                 continue
             if not entered:
                 entered = True
-                if world.tell(spec, "enter", spec.enter_fails):
+                if world.record(spec, "enter", spec.enter_fails):
                     yield
                     continue
             outcome, stored = stored if stored is not None else forced, None
             if outcome is None:
-                world.tell(spec, "execute")
+                world.record(spec, "execute")
                 step = world.counts[spec.label, "execute"]
                 outcome = spec.script[min(step, len(spec.script) - 1)]
             if outcome in (BOOM, UNDECLARED):
@@ -198,10 +198,10 @@ def run_state(spec, path, world, is_first):
                 blocked = outcome != forced and needed >= world.level
             if supervised and repeat and (outcome is None or blocked):
                 entered = repeat = False
-                world.tell(spec, "exit", spec.exit_fails)
+                world.record(spec, "exit", spec.exit_fails)
             elif outcome is not None and not blocked:
                 entered = False
-                if not world.tell(spec, "exit", spec.exit_fails):
+                if not world.record(spec, "exit", spec.exit_fails):
                     return outcome
             yield
     finally:
@@ -365,7 +365,7 @@ def check_run(seed):
         assert engine.run(1000.0) == "preempted", seed
         reference.close()
     root.destroy()
-    # In which order siblings are exited at the end is nobody's business.
+    # In which order siblings are exited at the end is not specified.
     assert sorted(entry for entry in log if entry[1] in EVENTS) == sorted(world.trace), seed
     assert engine.priority is None or world.paused, seed
     for state in definitions_below(root):

@@ -100,7 +100,7 @@ def test_it_needs_no_parent(bench):
     assert bench.run(bench.engine(both(bench, ScriptedState(), ScriptedState()))) == "finished"
 
 
-def test_all_children_ended_without_a_condition_is_an_error_that_tells_the_outcomes(bench):
+def test_all_children_ended_without_a_condition_is_an_error_that_names_the_outcomes(bench):
     container = both(bench, ScriptedState(), ScriptedState(), [("finished", [("a", "other")])])
     root = bench.machine()
     with root:

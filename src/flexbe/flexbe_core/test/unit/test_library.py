@@ -21,9 +21,9 @@ def workspace(tmp_path, monkeypatch):
 
 @pytest.fixture
 def warnings(monkeypatch):
-    told = []
-    monkeypatch.setattr(BehaviorLibrary, "_warn", lambda self, text: told.append(text))
-    return told
+    warned = []
+    monkeypatch.setattr(BehaviorLibrary, "_warn", lambda self, text: warned.append(text))
+    return warned
 
 
 def write(path, text):
@@ -133,14 +133,14 @@ def test_of_two_behaviors_with_one_name_the_first_is_used(workspace, warnings):
     assert "there are two behaviors named 'Same'" in warnings[0]
 
 
-def test_warnings_are_told_once(workspace, monkeypatch):
-    told = []
-    monkeypatch.setattr("rospy.logwarn", lambda form, *args: told.append(form % args))
+def test_warnings_are_logged_once(workspace, monkeypatch):
+    warned = []
+    monkeypatch.setattr("rospy.logwarn", lambda form, *args: warned.append(form % args))
     add_package(workspace, "cell", {"Good": "good_sm"})
     write(workspace / "cell" / "manifest" / "broken.xml", "<beh")
     library = BehaviorLibrary()
     library.find_behavior("Nothing")
-    assert len(told) == 1
+    assert len(warned) == 1
 
 
 def test_a_package_inside_a_folder_that_is_no_part_of_the_workspace_is_ignored(workspace):

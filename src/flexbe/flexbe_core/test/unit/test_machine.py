@@ -95,7 +95,7 @@ def test_a_container_can_be_visited_again(bench):
     assert [event for _, event in inner_state.log].count("enter") == 2
 
 
-def test_entries_are_told_with_paths_from_the_root(bench):
+def test_entries_are_reported_with_paths_from_the_root(bench):
     outer = bench.machine()
     with outer:
         bench.add("box", bench.sequence(bench.machine(), ScriptedState()), {"finished": "finished"})
@@ -104,7 +104,7 @@ def test_entries_are_told_with_paths_from_the_root(bench):
     assert engine.take_events() == [Entered("/box/s0")]
 
 
-def test_of_a_long_series_of_entries_only_the_last_is_told(bench):
+def test_of_a_long_series_of_entries_only_the_last_is_reported(bench):
     engine = bench.engine(bench.sequence(bench.machine(), *[ScriptedState() for _ in range(50)]))
     engine.run(0.0, never)
     assert engine.take_events() == [Entered("/s49")]

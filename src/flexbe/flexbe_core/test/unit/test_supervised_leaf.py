@@ -51,7 +51,7 @@ def step(bench, engine, *commands):
     return events if outcome is None else [*events, outcome]
 
 
-def test_a_transition_is_told_to_mirrors(bench):
+def test_a_transition_is_published_to_mirrors(bench):
     _, engine = started(bench)
     assert step(bench, engine) == [Left("/a", "done", 0)]
 
@@ -134,7 +134,7 @@ def test_a_request_is_withdrawn_when_the_state_is_locked(bench):
     assert step(bench, engine) == [Requested("/a", NO_OUTCOME)]
 
 
-def test_a_paused_state_is_not_executed_and_told_once(bench):
+def test_a_paused_state_is_not_executed_and_notified_once(bench):
     root, engine = started(bench, script=[None])
     assert step(bench, engine, Pause()) == [Answered("pause")]
     step(bench, engine)
@@ -160,7 +160,7 @@ def test_a_repeat_leaves_and_enters_again(bench):
     assert events == ["enter", "execute", "execute", "exit", "enter", "execute"]
 
 
-def test_sync_tells_where_the_run_is(bench):
+def test_sync_publishes_where_the_run_is(bench):
     _, engine = started(bench, script=[None])
     assert step(bench, engine, Sync()) == [Synced("/a"), Answered("sync")]
 

@@ -49,7 +49,7 @@ def test_reading_an_undeclared_key_names_what_is_declared():
         UserData(root(y=1), ["x"], []).y  # noqa: B018
 
 
-def test_reading_a_key_that_nobody_wrote_names_its_source():
+def test_reading_a_key_that_was_never_written_names_its_source():
     with pytest.raises(UserDataError, match=r"no data for key 'x' \(it is remapped to 'z'\)"):
         UserData(root(), ["x"], [], {"x": "z"}).x  # noqa: B018
 

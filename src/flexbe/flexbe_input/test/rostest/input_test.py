@@ -83,7 +83,7 @@ class InputTest(unittest.TestCase):
         outcome, data, _ = self.ask(BehaviorInputResult.RESULT_ABORTED)
         self.assertEqual((outcome, data), ("it aborted", None))
 
-    def test_without_an_interface_nobody_waits_for_ever(self):
+    def test_without_an_interface_no_request_waits_forever(self):
         self.assertEqual(self.machine.spin(), "it aborted")
 
     def test_a_question_that_is_stopped_is_cancelled_at_the_operator(self):

@@ -45,7 +45,7 @@ def test_a_behavior_whose_structure_came_before_is_followed_at_once():
     assert status(mirror, StatusCode.FINISHED) == [Show("")]
 
 
-def test_a_structure_that_comes_after_the_start_tells_not_where_the_behavior_is():
+def test_a_structure_that_comes_after_the_start_leaves_the_active_state_unknown():
     mirror = Mirror()
     assert status(mirror, StatusCode.STARTED) == []
     assert mirror.on_outcome(0) == [], "only the structure says of which state"
@@ -68,7 +68,7 @@ def test_a_structure_that_does_not_come_is_asked_for_and_then_where_the_behavior
     assert mirror.on_outcome(0) == [Show("/A")]
 
 
-def test_each_run_needs_its_structure_anew_since_asking_makes_the_engine_tell_outcomes():
+def test_each_run_requests_its_structure_so_that_the_engine_publishes_outcomes():
     mirror = following()
     status(mirror, StatusCode.FINISHED)
     assert status(mirror, StatusCode.STARTED, now=10.0) == []

@@ -305,12 +305,12 @@ class OnboardTest(unittest.TestCase):
         self.engine.send("command/transition", OutcomeRequest(0, "Faulty"))
         self.assert_ends(BEStatus.FINISHED, ["finished"])
 
-    def test_a_state_that_does_not_return_is_told_and_may_return_after_all(self):
+    def test_a_state_that_does_not_return_is_reported_and_may_return_after_all(self):
         self.engine.start("Faulty Test", how="hang", hang_s=2.6)
         self.assert_logged("/Faulty has not returned for ")
         self.assert_ends(BEStatus.FINISHED, ["finished"])
 
-    def test_an_engine_that_hangs_starts_anew_if_that_is_its_policy(self):
+    def test_an_engine_that_hangs_restarts_if_that_is_its_policy(self):
         engine = Engine("open/")
         engine.start("Faulty Test", how="hang")
         self.assertEqual(engine.ended().code, BEStatus.FAILED)

@@ -3,7 +3,7 @@
 from flexbe_onboard.core.hang import REPORT_AGAIN_S, Execution, HangAlarm
 
 
-def test_a_hang_is_told_once_and_again_later():
+def test_a_hang_is_reported_once_and_again_later():
     alarm = HangAlarm(2.0)
     execution = Execution("/a", 10.0)
     assert alarm.check(execution, 11.9) is None

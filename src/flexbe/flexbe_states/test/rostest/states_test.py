@@ -96,7 +96,7 @@ class StatesTest(unittest.TestCase):
         run = Run(WaitState(1000))
         self.assertEqual(run.stop(), "preempted")
 
-    def test_a_wait_begins_anew_when_the_clock_does(self):
+    def test_a_wait_restarts_with_the_clock(self):
         run = Run(WaitState(5.0))
         now = 1.0
         self.set_time(now)
@@ -104,7 +104,7 @@ class StatesTest(unittest.TestCase):
             now += 0.1
             self.set_time(now)
         ended = run.ended_at()
-        self.assertGreaterEqual(ended, 6.0)  # five seconds after it was seen to begin anew
+        self.assertGreaterEqual(ended, 6.0)  # five seconds after it was seen to restart
         self.assertLess(ended, 60.0)
 
     def test_a_wait_of_nothing_is_over_at_once(self):
@@ -157,7 +157,7 @@ class StatesTest(unittest.TestCase):
         publisher.publish("early again")
         self.assertEqual(Run(state).end(), "received")
 
-    def test_a_topic_that_nobody_knows_is_unavailable(self):
+    def test_an_unknown_topic_is_unavailable(self):
         run = Run(SubscriberState("test/nobody"), message="of an earlier visit")
         self.assertEqual(run.end(), "unavailable")
         self.assertIsNone(own_session(run.machine).userdata()[""]["message"])

@@ -51,13 +51,13 @@ def declared(definition):
 
 
 @pytest.mark.parametrize("path", SOURCES, ids=lambda path: path.stem)
-def test_a_docstring_tells_what_the_state_declares(path):
+def test_a_docstring_documents_what_the_state_declares(path):
     definition = state_class(path)
-    told, code = documented(definition), declared(definition)
-    assert told["parameters"] == code["parameters"]
+    documents, code = documented(definition), declared(definition)
+    assert documents["parameters"] == code["parameters"]
     for kind in ("input_keys", "output_keys", "outcomes"):
         if code[kind] != ["by the caller"]:
-            assert told[kind] == code[kind], kind
+            assert documents[kind] == code[kind], kind
 
 
 @pytest.mark.parametrize("path", SOURCES, ids=lambda path: path.stem)
@@ -71,5 +71,5 @@ def test_file_and_class_have_the_same_name(path):
     assert words == path.stem
 
 
-def test_there_are_states_to_look_at():
+def test_there_are_states_to_check():
     assert SOURCES

@@ -36,22 +36,22 @@ class TestingTest(unittest.TestCase):
         return done.returncode, done.stdout
 
     def test_a_behavior_runs_with_its_parameters(self):
-        code, told = self.run_case(
+        code, printed = self.run_case(
             "{path: engine_test_behaviors.input_sm, class: InputSM, outcome: finished,\n"
             " params: {wait_time: 0.1}, input: {part: {pins: [1]}}, output: {part: {pins: [1]}}}"
         )
-        self.assertEqual(code, 0, told)
+        self.assertEqual(code, 0, printed)
 
-    def test_a_failure_is_told_and_has_an_exit_code(self):
-        code, told = self.run_case(
+    def test_a_failure_is_reported_and_has_an_exit_code(self):
+        code, printed = self.run_case(
             "{path: flexbe_states.wait_state, class: WaitState, params: {wait_time: 0},\n"
             " outcome: failed}"
         )
         self.assertEqual(code, 1)
-        self.assertIn("outcome is 'done'; expected was 'failed'", told)
+        self.assertIn("outcome is 'done'; expected was 'failed'", printed)
 
     def test_nodes_may_run_beside_a_case(self):
-        code, told = self.run_case(
+        code, printed = self.run_case(
             "path: flexbe_states.subscriber_state\n"
             "class: SubscriberState\n"
             f"launch: '{PUBLISHER}'\n"
@@ -59,13 +59,13 @@ class TestingTest(unittest.TestCase):
             "params: {topic: /testing/text}\n"
             "outcome: received\n"
         )
-        self.assertEqual(code, 0, told)
+        self.assertEqual(code, 0, printed)
 
     def test_values_come_out_of_a_bag(self):
         bag = Path(self.folder.name) / "some.bag"
         with rosbag.Bag(str(bag), "w") as file:
             file.write("/said", String("recorded"), rospy.Time(1))
-        code, told = self.run_case(
+        code, printed = self.run_case(
             f"data: {bag}\n"
             "path: flexbe_states.calculation_state\n"
             "class: CalculationState\n"
@@ -73,7 +73,7 @@ class TestingTest(unittest.TestCase):
             "input: {input_value: /said}\n"
             "output: {output_value: recorded}\n"
         )
-        self.assertEqual(code, 0, told)
+        self.assertEqual(code, 0, printed)
 
 
 if __name__ == "__main__":

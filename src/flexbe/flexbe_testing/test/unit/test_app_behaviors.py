@@ -272,7 +272,7 @@ def test_what_the_app_loses_or_refuses_is_reported(old, new, complaint, known):
     assert any(part in found for part in complaint.split("|")), found
 
 
-def test_a_class_name_of_two_packages_is_told_apart_by_the_package():
+def test_a_class_name_of_two_packages_is_distinguished_by_the_package():
     here, there = state("A", ["x"], package="a"), state("A", ["y"], package="b")
     both = Known([here, there])
     assert both.state("b__A", []) is there

@@ -53,12 +53,12 @@ def test_a_topic_is_a_message_if_the_case_has_a_bag_and_text_otherwise():
     assert value_of(written, messages.get) == ["/topic", "/topic", 1, None, ("/topic",)]
 
 
-def test_a_function_that_is_no_python_is_told():
+def test_a_function_that_is_not_python_is_reported():
     with pytest.raises(CaseError, match="'lambda x' is not a Python function"):
         value_of("lambda x", None)
 
 
-def test_everything_that_differs_is_told():
+def test_everything_that_differs_is_reported():
     good = compare("done", "done", {"x": 1}, {"x": 1, "y": 2})
     assert good == (Check("outcome"), Check("output_x"))
     assert compare(None, "anything", {}, {}) == ()

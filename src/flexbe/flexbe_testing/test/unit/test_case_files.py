@@ -35,7 +35,7 @@ def test_absolute_paths_need_no_package(package):
     assert [str(file) for file in case_files([path], "")] == [path]
 
 
-def test_what_cannot_be_found_or_read_is_told(package):
+def test_what_cannot_be_found_or_read_is_reported(package):
     with pytest.raises(CaseError, match="there is no test case 'other'"):
         case_files(["other"], "my_states")
     with pytest.raises(CaseError, match="there is no ROS package 'nothing'"):

@@ -53,5 +53,5 @@ def test_a_state_is_only_imported_if_that_is_all_that_is_asked():
         (case("wait_state", "WaitState", params={"wait_time": "!/t"}), "needs a bag"),
     ],
 )
-def test_what_cannot_be_run_is_told(wrong, text):
+def test_what_cannot_be_run_is_reported(wrong, text):
     assert text in run_case(wrong).check("pass").complaint

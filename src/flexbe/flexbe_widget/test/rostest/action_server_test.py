@@ -68,7 +68,7 @@ class ActionServerTest(unittest.TestCase):
         )
         return handle.get_goal_status_text()
 
-    def test_a_behavior_succeeds_with_its_outcome_and_tells_its_states(self):
+    def test_a_behavior_succeeds_with_its_outcome_and_reports_its_states(self):
         handle = self.send("Quick Test")
         self.assert_ends(handle, GoalStatus.SUCCEEDED, "finished")
         self.assertEqual(self.feedback[:2], ["/Say", "/Wait"])

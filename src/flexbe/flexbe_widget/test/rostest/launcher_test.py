@@ -128,7 +128,7 @@ class LauncherTest(unittest.TestCase):
         self.assertEqual(code, ExitCode.NO_ENGINE, printed)
         self.assertIn(f"no ROS master at {nowhere}", printed)
 
-    def test_an_engine_that_is_killed_leaves_nobody_waiting(self):
+    def test_an_engine_that_is_killed_leaves_no_client_waiting(self):
         launcher = self.begin("-b", "Quick Test", "wait_time:=60")
         uri = rosgraph.Master(rospy.get_name()).lookupNode("/behavior")
         os.kill(ServerProxy(uri).getPid(rospy.get_name())[2], signal.SIGKILL)

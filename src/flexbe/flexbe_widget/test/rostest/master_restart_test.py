@@ -44,10 +44,10 @@ class MasterRestartTest(unittest.TestCase):
     def start_master(self):
         roscore = self.start("roscore", "-p", str(self.port))
         master = rosgraph.Master("/test", master_uri=self.uri)
-        self.assertTrue(wait_until(lambda: answers(master.getParam, "/run_id")), self.told())
+        self.assertTrue(wait_until(lambda: answers(master.getParam, "/run_id")), self.log())
         return roscore
 
-    def told(self):
+    def log(self):
         return self.output.read_text()
 
     def nodes(self):
@@ -59,19 +59,19 @@ class MasterRestartTest(unittest.TestCase):
     def test_both_report_it_and_are_respawned_into_the_new_master(self):
         roscore = self.start_master()
         self.start("roslaunch", "flexbe_widget", "flexbe_action_server.launch")
-        self.assertTrue(wait_until(self.nodes), self.told())
+        self.assertTrue(wait_until(self.nodes), self.log())
         former = self.nodes()
         self.stop(roscore)
         self.start_master()
         # A node of the former master may have called the new one, which then knows its address.
         self.assertTrue(
-            wait_until(lambda: not set(former) & set(self.nodes() or former)), self.told()
+            wait_until(lambda: not set(former) & set(self.nodes() or former)), self.log()
         )
-        told = self.told()
+        log = self.log()
         sentence = f"the ROS master at {self.uri} was restarted: nodes that joined the former one"
-        self.assertEqual(told.count(sentence), len(NODES), told)
+        self.assertEqual(log.count(sentence), len(NODES), log)
         for name in NODES:
-            self.assertTrue(re.search(rf"\[{name[1:]}-\d+\].*exit code 69", told), told)
+            self.assertTrue(re.search(rf"\[{name[1:]}-\d+\].*exit code 69", log), log)
 
 
 def answers(call, argument):

@@ -60,7 +60,7 @@ def test_senseless_words_are_explained(words, text, capsys):
     assert text in capsys.readouterr().err
 
 
-def test_help_tells_options_examples_and_exit_codes(capsys):
+def test_help_lists_options_examples_and_exit_codes(capsys):
     with pytest.raises(SystemExit) as ended:
         read_command_line(["--help"])
     assert ended.value.code == 0
@@ -98,7 +98,7 @@ def test_near_names_are_offered_whatever_the_case():
     assert text == "unknown behavior 'example behaviour'; near it: 'Example Behavior'"
 
 
-def test_without_a_near_name_all_are_told():
+def test_without_a_near_name_all_are_listed():
     text = unknown_behavior("zzz", ["A B", "C"])
     assert text == "unknown behavior 'zzz'; there are: 'A B', 'C'"
 

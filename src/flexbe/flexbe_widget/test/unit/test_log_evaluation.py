@@ -56,7 +56,7 @@ def test_the_table_is_aligned(record):
     )
 
 
-def test_what_is_no_record_is_told_with_its_line(tmp_path):
+def test_what_is_no_record_is_reported_with_its_line(tmp_path):
     file = tmp_path / "other.yaml"
     file.write_text("- {a: 1}\nhello\n- {b: 2}\n")
     with pytest.raises(LogError, match=r"other\.yaml:2: not a line of a run log: hello"):

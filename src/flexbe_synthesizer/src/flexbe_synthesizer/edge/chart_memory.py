@@ -17,7 +17,7 @@ from flexbe_synthesizer.core.library.resolve import included_path
 from flexbe_synthesizer.core.library.signature import BehaviorClass
 
 _MOST_BYTES = 2**22  # of all texts that are remembered; what is made of them takes 20 times as much
-_MOST_WORLDS = 8  # libraries and charts beside a chart, as that change while somebody works
+_MOST_WORLDS = 8  # libraries and charts beside a chart, as that change while a user edits
 
 
 @dataclass(frozen=True)

@@ -130,8 +130,8 @@ class WireTaskSM(Behavior):
             # x:230 y:140
             OperatableStateMachine.add('Say',
                                         ReportState(text='given up', colors=['red', 'white'], options={'loud': True, 'to': None}),
-                                        transitions={'told': 'Clean'},
-                                        autonomy={'told': Autonomy.Off},
+                                        transitions={'reported': 'Clean'},
+                                        autonomy={'reported': Autonomy.Off},
                                         remapping={'value': 'wire'})
 
 

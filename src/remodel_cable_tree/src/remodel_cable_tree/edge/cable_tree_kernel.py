@@ -45,7 +45,7 @@ class KernelCableTree:
         Raises:
             KernelError: if the kernel is not there.
         """
-        self._library: Any = load_library("libremodel_cable_tree_kernel.so")
+        self._library = load_library("libremodel_cable_tree_kernel.so")
         declare(
             self._library,
             ("remodel_cable_tree_new", c_void_p, [POINTER(CableTreeTables)]),

@@ -24,7 +24,7 @@ _WORDS = {
     Verb.UNLOCK: "unlock",
     Verb.SWITCH: "switch",
 }
-_SWITCHED = "prepared"  # the last phase that the engine tells of a switch that works
+_SWITCHED = "prepared"  # the last phase that the engine publishes of a switch that works
 _LAST_PHASES = ([_SWITCHED], ["failed"], ["not_switchable"])
 
 

@@ -32,7 +32,7 @@ async def on_own_thread(deed: Callable[[], T]) -> T:
         result, error = None, None
         try:
             result = deed()
-        except Exception as raised:  # noqa: BLE001 - whoever waits gets it
+        except Exception as raised:  # noqa: BLE001 - the waiting thread gets it
             error = raised
         with contextlib.suppress(RuntimeError):  # the console has ended meanwhile
             loop.call_soon_threadsafe(settle, result, error)

@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 import argparse
-import sys
 from pathlib import Path
 
 from remodel_planner.commands.options.database_option import add_database_option
+from remodel_planner.commands.options.entry import refuses
 from remodel_production.edge.database.database_backup import back_up
-from remodel_production.errors import PlannerError
 
 
+@refuses("backup", 1)
 def main(arguments: list[str] | None = None) -> int:
     """Write the backup, and return the exit code."""
     parser = argparse.ArgumentParser(
@@ -23,10 +23,6 @@ def main(arguments: list[str] | None = None) -> int:
     parser.add_argument("--replace", action="store_true", help="write over a file that is there")
     add_database_option(parser)
     options = parser.parse_args(arguments)
-    try:
-        back_up(options.database, options.file, replace=options.replace)
-    except PlannerError as error:
-        print(f"backup: {error}", file=sys.stderr)
-        return 1
+    back_up(options.database, options.file, replace=options.replace)
     print(f"{options.file}: {options.file.stat().st_size / 1e6:.1f} MB")
     return 0

@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 import argparse
-import sys
 from pathlib import Path
 
+from remodel_planner.commands.options.entry import refuses
 from remodel_planner.commands.options.problem_files import (
     add_problem_options,
     read_order,
@@ -14,9 +14,9 @@ from remodel_planner.commands.options.problem_files import (
 from remodel_planning.core.plan.checker import check
 from remodel_planning.core.task_charts.planned_tasks import planned_tasks
 from remodel_planning.edge.chart_folder import keep_chart
-from remodel_production.errors import PlannerError
 
 
+@refuses("charts", 3)
 def main(arguments: list[str] | None = None) -> int:
     """Write the charts, print one line a task, and return the exit code."""
     parser = argparse.ArgumentParser(
@@ -30,18 +30,14 @@ def main(arguments: list[str] | None = None) -> int:
     parser.add_argument("plan", type=Path, help="plan of that order")
     parser.add_argument("--output", type=Path, required=True, help="folder of the charts")
     options = parser.parse_args(arguments)
-    try:
-        prepared = read_order(options)
-        plan = read_plan(options.plan)
-        verdict = check(prepared.preferred.problem, plan)
-        if not verdict.valid:
-            print("\n".join(("the plan is not valid:", *verdict.violations)))
-            return 1
-        charts = [(task.name, task.chart) for task in planned_tasks(prepared, plan)]
-        for name, chart in charts:
-            file, written = keep_chart(chart, options.output)
-            print(f"{name}: {file} {'written' if written else 'unchanged'}")
-    except PlannerError as error:
-        print(f"charts: {error}", file=sys.stderr)
-        return 3
+    prepared = read_order(options)
+    plan = read_plan(options.plan)
+    verdict = check(prepared.preferred.problem, plan)
+    if not verdict.valid:
+        print("\n".join(("the plan is not valid:", *verdict.violations)))
+        return 1
+    charts = [(task.name, task.chart) for task in planned_tasks(prepared, plan)]
+    for name, chart in charts:
+        file, written = keep_chart(chart, options.output)
+        print(f"{name}: {file} {'written' if written else 'unchanged'}")
     return 0

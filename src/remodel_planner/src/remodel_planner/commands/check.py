@@ -4,18 +4,18 @@ from __future__ import annotations
 
 import argparse
 import json
-import sys
 from pathlib import Path
 
+from remodel_planner.commands.options.entry import refuses
 from remodel_planner.commands.options.problem_files import (
     add_problem_options,
     read_plan,
     read_problem,
 )
 from remodel_planning.core.plan.checker import Verdict, check
-from remodel_production.errors import PlannerError
 
 
+@refuses("check", 3)
 def main(arguments: list[str] | None = None) -> int:
     """Check the plan, print the verdict as JSON, and return the exit code."""
     parser = argparse.ArgumentParser(
@@ -26,12 +26,8 @@ def main(arguments: list[str] | None = None) -> int:
     add_problem_options(parser)
     parser.add_argument("plan", type=Path, help="plan with a start for every action")
     options = parser.parse_args(arguments)
-    try:
-        problem = read_problem(options).problem
-        plan = read_plan(options.plan)
-    except PlannerError as error:
-        print(f"check: {error}", file=sys.stderr)
-        return 3
+    problem = read_problem(options).problem
+    plan = read_plan(options.plan)
     verdict = check(problem, plan)
     print(json.dumps(_document(verdict)))
     return 0 if verdict.valid else 1

@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 import argparse
-import sys
 from pathlib import Path
 
+from remodel_planner.commands.options.entry import refuses
 from remodel_planner.commands.options.problem_files import (
     add_problem_options,
     read_plan,
@@ -14,9 +14,9 @@ from remodel_planner.commands.options.problem_files import (
 from remodel_planning.core.plan.checker import check
 from remodel_planning.core.plan.drawing import draw_plan
 from remodel_production.edge.text_file import write_text
-from remodel_production.errors import PlannerError
 
 
+@refuses("draw", 3)
 def main(arguments: list[str] | None = None) -> int:
     """Write the drawing, and return the exit code."""
     parser = argparse.ArgumentParser(
@@ -29,15 +29,11 @@ def main(arguments: list[str] | None = None) -> int:
     parser.add_argument("plan", type=Path, help="plan of that problem")
     parser.add_argument("--output", type=Path, required=True, help="file of the drawing (SVG)")
     options = parser.parse_args(arguments)
-    try:
-        problem = read_problem(options).problem
-        plan = read_plan(options.plan)
-        verdict = check(problem, plan)
-        if not verdict.valid:
-            print("\n".join(("the plan is not valid:", *verdict.violations)))
-            return 1
-        write_text(options.output, draw_plan(problem, plan, verdict))
-    except PlannerError as error:
-        print(f"draw: {error}", file=sys.stderr)
-        return 3
+    problem = read_problem(options).problem
+    plan = read_plan(options.plan)
+    verdict = check(problem, plan)
+    if not verdict.valid:
+        print("\n".join(("the plan is not valid:", *verdict.violations)))
+        return 1
+    write_text(options.output, draw_plan(problem, plan, verdict))
     return 0

@@ -8,6 +8,7 @@ from pathlib import Path
 
 import numpy as np
 
+from remodel_planner.commands.options.entry import refuses
 from remodel_planner.commands.options.problem_files import (
     add_problem_options,
     read_plan,
@@ -20,9 +21,9 @@ from remodel_planning.core.problem.problem import Plan, Problem
 from remodel_planning.core.search.tables import tables_of
 from remodel_planning.edge.anytime_planner import AnytimePlanner
 from remodel_planning.edge.search_kernel import Kernel
-from remodel_production.errors import PlannerError
 
 
+@refuses("explain", 3)
 def main(arguments: list[str] | None = None) -> int:
     """Print the explanation of a plan, or of a run, and return the exit code."""
     words = sys.argv[1:] if arguments is None else arguments
@@ -43,18 +44,14 @@ def main(arguments: list[str] | None = None) -> int:
     add_problem_options(parser)
     parser.add_argument("plan", type=Path, help="plan of that problem")
     options = parser.parse_args(words)
-    try:
-        preferred = read_problem(options).preferred
-        plan = read_plan(options.plan)
-        verdict = check(preferred.problem, plan)
-        if not verdict.valid:
-            print("\n".join(("the plan is not valid:", *verdict.violations)))
-            return 1
-        alternatives = _Alternatives(preferred.problem, plan)
-        lines = list(explain(preferred, plan, verdict, alternatives))
-    except PlannerError as error:
-        print(f"explain: {error}", file=sys.stderr)
-        return 3
+    preferred = read_problem(options).preferred
+    plan = read_plan(options.plan)
+    verdict = check(preferred.problem, plan)
+    if not verdict.valid:
+        print("\n".join(("the plan is not valid:", *verdict.violations)))
+        return 1
+    alternatives = _Alternatives(preferred.problem, plan)
+    lines = list(explain(preferred, plan, verdict, alternatives))
     print("\n".join(lines))
     return 0
 

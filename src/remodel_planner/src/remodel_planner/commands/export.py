@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import argparse
 import json
-import sys
 from pathlib import Path
 
 from remodel_pddl.core import hddl, pddl
 from remodel_pddl.core.symbolic import steps_of, symbols_of
+from remodel_planner.commands.options.entry import refuses
 from remodel_planner.commands.options.problem_files import (
     add_problem_options,
     read_plan,
@@ -19,12 +19,12 @@ from remodel_planning.core.problem.instance import problem_data
 from remodel_planning.core.problem.plan_form import plan_data
 from remodel_planning.core.problem.problem import Plan, Problem
 from remodel_production.edge.text_file import write_text
-from remodel_production.errors import PlannerError
 
 _SYMBOLIC = {"pddl": pddl, "hddl": hddl}
 _NUMERIC = "planbench"
 
 
+@refuses("export", 3)
 def main(arguments: list[str] | None = None) -> int:
     """Write the files, name them, and return the exit code."""
     parser = argparse.ArgumentParser(
@@ -44,24 +44,20 @@ def main(arguments: list[str] | None = None) -> int:
     if options.order is not None and options.plan is None:
         # Beside --order the one file is the plan; argparse takes it for the first one wanted.
         options.instance, options.plan = None, options.instance
-    try:
-        problem = read_problem(options).problem
-        plan = read_plan(options.plan) if options.plan is not None else None
-        verdict = check(problem, plan) if plan is not None else None
-        if verdict is not None and not verdict.valid:
-            print("\n".join(("the plan is not valid:", *verdict.violations)))
-            return 1
-        texts = (
-            _documents(problem, plan)
-            if options.format == _NUMERIC
-            else _symbolic(problem, plan, options.format, verdict.cost if verdict else 0)
-        )
-        for name, text in texts.items():
-            write_text(options.output / name, text)
-            print(options.output / name)
-    except PlannerError as error:
-        print(f"export: {error}", file=sys.stderr)
-        return 3
+    problem = read_problem(options).problem
+    plan = read_plan(options.plan) if options.plan is not None else None
+    verdict = check(problem, plan) if plan is not None else None
+    if verdict is not None and not verdict.valid:
+        print("\n".join(("the plan is not valid:", *verdict.violations)))
+        return 1
+    texts = (
+        _documents(problem, plan)
+        if options.format == _NUMERIC
+        else _symbolic(problem, plan, options.format, verdict.cost if verdict else 0)
+    )
+    for name, text in texts.items():
+        write_text(options.output / name, text)
+        print(options.output / name)
     return 0
 
 

@@ -4,16 +4,17 @@ from __future__ import annotations
 
 import argparse
 import re
-import sys
 from collections import Counter
 from contextlib import closing
 from pathlib import Path
 
 from remodel_planner.commands.options.database_option import add_database_option
 from remodel_planner.commands.options.design_orders import add_design_options, design_order
+from remodel_planner.commands.options.entry import refuses
 from remodel_planning.core.decomposition.preparation import prepare
 from remodel_planning.edge.yaml_file import read_yaml
 from remodel_production.core.board.cabinet import laid_out
+from remodel_production.core.catalogue import Catalogue
 from remodel_production.core.imports.formats import DesignFormat, format_of, import_design
 from remodel_production.core.imports.shared.account import Imported
 from remodel_production.core.production import Order
@@ -22,9 +23,10 @@ from remodel_production.edge.catalogue_file import read_catalogue
 from remodel_production.edge.database.production_database import ProductionDatabase
 from remodel_production.edge.design_files import read_design, read_mappings
 from remodel_production.edge.package_files import catalogue_file
-from remodel_production.errors import DesignError, PlannerError, blamed
+from remodel_production.errors import DesignError, blamed
 
 
+@refuses("import", 1)
 def main(arguments: list[str] | None = None) -> int:
     """Import, report what was read, assumed and left out, and return the exit code."""
     parser = argparse.ArgumentParser(
@@ -53,20 +55,17 @@ def main(arguments: list[str] | None = None) -> int:
     add_database_option(parser)
     options = parser.parse_args(arguments)
     name = options.order or re.sub(r"\W+", "_", options.file.stem)
-    try:
-        imported = _read(options, name)
-        order = laid_out(imported.order)
-        preferences = _preferences(options, order)
-        with closing(ProductionDatabase(options.database)) as database:
-            database.add_order(order, preferences, read_abilities())
-    except PlannerError as error:
-        print(f"import: {error}", file=sys.stderr)
-        return 1
+    catalogue = read_catalogue(catalogue_file())
+    imported = _read(options, name, catalogue)
+    order = laid_out(imported.order, catalogue)
+    preferences = _preferences(options, order)
+    with closing(ProductionDatabase(options.database)) as database:
+        database.add_order(order, preferences, read_abilities())
     _report(imported, verbose=options.verbose)
     return 0
 
 
-def _read(options: argparse.Namespace, name: str) -> Imported:
+def _read(options: argparse.Namespace, name: str, catalogue: Catalogue) -> Imported:
     file: Path = options.file
     mappings = read_mappings(options.mapping)
     data = read_design(file)
@@ -74,7 +73,6 @@ def _read(options: argparse.Namespace, name: str) -> Imported:
         form = options.format or (
             DesignFormat.WIRE_LIST if options.mapping else format_of(data, mappings)
         )
-        catalogue = read_catalogue(catalogue_file())
         return import_design(data, form, name, file.name, catalogue=catalogue, mappings=mappings)
     except DesignError as error:
         raise DesignError(f"{file}: {error}") from error

@@ -1,41 +1,58 @@
-"""`planner layout ORDER`: draw where an order's components and wires are."""
+"""`planner layout ORDER`: draw where an order's components and wires are, or write its panel."""
 
 from __future__ import annotations
 
 import argparse
-import sys
 from contextlib import closing
 from pathlib import Path
 
 from remodel_planner.commands.options.database_option import add_database_option
+from remodel_planner.commands.options.entry import refuses
+from remodel_planning.core.orders.board_order import board_order, kind_of
+from remodel_planning.edge.use_case_files import default_use_case
 from remodel_production.core.board.board import board_of
 from remodel_production.core.board.drawing import draw_board
+from remodel_production.core.board.panel import panel_of
+from remodel_production.edge.catalogue_file import read_catalogue
 from remodel_production.edge.database.production_database import ProductionDatabase
+from remodel_production.edge.package_files import catalogue_file
 from remodel_production.edge.text_file import write_text
-from remodel_production.errors import PlannerError
+from remodel_supervision.ros.peers.board_message import board_message, panel_text
 
 
+@refuses("layout", 1)
 def main(arguments: list[str] | None = None) -> int:
     """Write the drawing, and return the exit code."""
     parser = argparse.ArgumentParser(
         prog="planner layout",
-        description="Draw the board of an order: components, ducts or bundles, clips and wires.",
-        epilog="Exit code: 0 drawn, 1 no such order or a file cannot be written, 2 wrong usage.",
+        description="Draw the board of an order: components, ducts or bundles, clips and wires; or "
+        "write it as the panel that a cell builds.",
+        epilog="Exit code: 0 written, 1 no such order or a file cannot be written, 2 wrong usage.",
     )
     parser.add_argument("order", help="name of the order in the production database")
-    parser.add_argument("--output", type=Path, required=True, help="file of the drawing (SVG)")
+    parser.add_argument("--output", type=Path, help="file of the drawing (SVG)")
+    parser.add_argument(
+        "--panel", type=Path, help="file of the panel (YAML), for `cell.launch panel:=FILE`"
+    )
     add_database_option(parser)
     options = parser.parse_args(arguments)
-    try:
-        with closing(ProductionDatabase(options.database)) as database:
-            order = database.order(options.order)
-        board = board_of(order)
-        write_text(options.output, draw_board(board))
-    except PlannerError as error:
-        print(f"layout: {error}", file=sys.stderr)
-        return 1
+    if not (options.output or options.panel):
+        parser.error("give --output FILE, --panel FILE, or both")
+    with closing(ProductionDatabase(options.database)) as database:
+        order = database.order(options.order)
+    catalogue = read_catalogue(catalogue_file())
+    board = board_of(order, catalogue)
+    if options.output:
+        write_text(options.output, draw_board(board, catalogue))
+    if options.panel:
+        use_case = default_use_case(kind_of(board))
+        message = board_message(panel_of(board, catalogue), board_order(board, use_case, arms=1))
+        write_text(options.panel, panel_text(message))
     wires = [wire for wire in board.order.wires if wire.name in board.routes]
     total = sum(map(board.length_of, wires))
     print(f"{order.name}: {len(board.devices)} components and {len(wires)} wires, {total:.1f} m")
-    print(f"drawing: {options.output}")
+    if options.output:
+        print(f"drawing: {options.output}")
+    if options.panel:
+        print(f"panel: {options.panel}")
     return 0

@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 import argparse
-import sys
 import time
 from pathlib import Path
 
+from remodel_planner.commands.options.entry import refuses
 from remodel_planner.commands.options.limits import seconds, seed
 from remodel_planner.commands.options.problem_files import add_problem_options, read_problem
 from remodel_planner.commands.options.stop_signals import stop_on_signals
@@ -17,9 +17,9 @@ from remodel_planning.edge.anytime_planner import AnytimePlanner, Limits, Result
 from remodel_planning.edge.json_file import write_json
 from remodel_planning.edge.order_planner import require_valid
 from remodel_planning.edge.search_kernel import Kernel
-from remodel_production.errors import PlannerError
 
 
+@refuses("plan", 1)
 def main(arguments: list[str] | None = None) -> int:
     """Plan, check the plan, write it, and return the exit code."""
     parser = argparse.ArgumentParser(
@@ -38,11 +38,7 @@ def main(arguments: list[str] | None = None) -> int:
     parser.add_argument("--seed", type=seed, default=1, help="decides among equals (default 1)")
     parser.add_argument("--target", type=int, metavar="COST", help="stop at this cost")
     options = parser.parse_args(arguments)
-    try:
-        _plan(options)
-    except PlannerError as error:
-        print(f"plan: {error}", file=sys.stderr)
-        return 1
+    _plan(options)
     return 0
 
 

@@ -9,6 +9,7 @@ from contextlib import closing
 from pathlib import Path
 
 from remodel_planner.commands.options.database_option import add_database_option
+from remodel_planner.commands.options.entry import refuses
 from remodel_planner.core.reports.product_record import (
     ProductEntry,
     as_csv,
@@ -17,10 +18,10 @@ from remodel_planner.core.reports.product_record import (
 )
 from remodel_production.edge.database.production_database import ProductionDatabase
 from remodel_production.edge.text_file import write_text
-from remodel_production.errors import PlannerError
 from remodel_supervision.edge.run_log import RunLog
 
 
+@refuses("product", 1)
 def main(arguments: list[str] | None = None) -> int:
     """Write the record of a product, and return the exit code."""
     parser = argparse.ArgumentParser(
@@ -35,17 +36,13 @@ def main(arguments: list[str] | None = None) -> int:
     parser.add_argument("--output", type=Path, metavar="FILE", help="default: standard output")
     add_database_option(parser)
     options = parser.parse_args(arguments)
-    try:
-        with closing(ProductionDatabase(options.database)) as database:
-            entries = tuple(_entries(database, options.serial))
-        text = as_csv(entries) if options.format == "csv" else as_json(options.serial, entries)
-        if options.output is None:
-            sys.stdout.write(text)
-        else:
-            write_text(options.output, text)
-    except PlannerError as error:
-        print(f"product: {error}", file=sys.stderr)
-        return 1
+    with closing(ProductionDatabase(options.database)) as database:
+        entries = tuple(_entries(database, options.serial))
+    text = as_csv(entries) if options.format == "csv" else as_json(options.serial, entries)
+    if options.output is None:
+        sys.stdout.write(text)
+    else:
+        write_text(options.output, text)
     return 0
 
 

@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 import argparse
-import sys
 
+from remodel_planner.commands.options.entry import refuses
 from remodel_planner.commands.options.problem_files import add_problem_options, read_order
 from remodel_planning.core.decomposition.outline import outline
-from remodel_production.errors import PlannerError
 
 
+@refuses("tasks", 1)
 def main(arguments: list[str] | None = None) -> int:
     """Print the decompositions, and return the exit code."""
     parser = argparse.ArgumentParser(
@@ -21,11 +21,7 @@ def main(arguments: list[str] | None = None) -> int:
     )
     add_problem_options(parser)
     options = parser.parse_args(arguments)
-    try:
-        prepared = read_order(options)
-    except PlannerError as error:
-        print(f"tasks: {error}", file=sys.stderr)
-        return 1
+    prepared = read_order(options)
     for plan in prepared.plans:
         print("\n".join(outline(plan.alone)))
     return 0

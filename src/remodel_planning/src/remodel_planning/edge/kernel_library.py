@@ -8,7 +8,7 @@ from typing import Any
 from remodel_planning.errors import KernelError
 
 
-def load_library(name: str) -> Any:  # noqa: ANN401 - a ctypes library
+def load_library(name: str) -> ctypes.CDLL:
     """Load a library from where the workspace's setup file says libraries are.
 
     Args:
@@ -25,7 +25,7 @@ def load_library(name: str) -> Any:  # noqa: ANN401 - a ctypes library
         ) from error
 
 
-def declare(library: Any, *functions: tuple[str, Any, list[Any]]) -> None:  # noqa: ANN401
+def declare(library: ctypes.CDLL, *functions: tuple[str, Any, list[Any]]) -> None:
     """Set result and argument types of functions, each given as name, result and arguments."""
     for name, result, arguments in functions:
         function = getattr(library, name)

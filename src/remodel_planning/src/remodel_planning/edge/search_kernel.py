@@ -8,7 +8,6 @@ from __future__ import annotations
 import ctypes
 from ctypes import POINTER, c_double, c_int32, c_int64, c_uint64, c_void_p
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 import numpy.typing as npt
@@ -84,7 +83,7 @@ class Kernel:
         Raises:
             KernelError: if it is not there.
         """
-        self._library: Any = load_library("libremodel_planning_kernel.so")
+        self._library = load_library("libremodel_planning_kernel.so")
         declare(
             self._library,
             ("remodel_problem_new", c_void_p, [POINTER(WiringTables)]),
@@ -108,7 +107,7 @@ class Kernel:
 class KernelProblem:
     """A problem that the kernel has taken."""
 
-    def __init__(self, library: Any, tables: Tables) -> None:  # noqa: ANN401 - a ctypes library
+    def __init__(self, library: ctypes.CDLL, tables: Tables) -> None:
         """Take the loaded library and the problem's tables."""
         self.tables = tables
         self._library = library
@@ -175,7 +174,7 @@ class KernelSearch:
 
     def __init__(
         self,
-        library: Any,  # noqa: ANN401 - a ctypes library
+        library: ctypes.CDLL,
         handle: int,
         problem: KernelProblem,
         seed: int,

@@ -30,8 +30,10 @@ def find_use_case(name: str) -> UseCase:
         if file.stem == name:
             return read_use_case(file)
     names = ", ".join(sorted({file.stem for file in files})) or "none"
+    searched = ", ".join(str(folder) for folder in _folders())
     raise UseCaseError(
-        f"no use case {name}; there are {names}: name one of them, or add its folder to {VARIABLE}"
+        f"no use case {name}; there are {names} (searched: {searched}): name one of them, or add "
+        f"the folder of {name}.yaml to {VARIABLE}, also where the supervisor is started"
     )
 
 
@@ -61,8 +63,12 @@ def _config() -> Path:
 
 
 def _files() -> list[Path]:
-    folders = [Path(part) for part in os.environ.get(VARIABLE, "").split(os.pathsep) if part]
-    return [f for folder in [*folders, use_case_folder()] for f in sorted(folder.glob("*.yaml"))]
+    return [file for folder in _folders() for file in sorted(folder.glob("*.yaml"))]
+
+
+def _folders() -> list[Path]:
+    own = [Path(part) for part in os.environ.get(VARIABLE, "").split(os.pathsep) if part]
+    return [*own, use_case_folder()]
 
 
 def read_use_case(file: Path) -> UseCase:

@@ -41,12 +41,18 @@ class WireType:
         density_kg_m: [kg/m] per length.
         stiffness_n_m2: [N m^2] EI.
         ferrule_m: [m] length of the rigid end.
+        pitch_m: [m] from clamp to clamp for it.
+        chamfer_m: [m] by which a clamp's opening is wider at its front, on each side.
+        retention_n: [N] that a closed clamp withstands.
     """
 
     diameter_m: float
     density_kg_m: float
     stiffness_n_m2: float
     ferrule_m: float
+    pitch_m: float
+    chamfer_m: float
+    retention_n: float
 
 
 @dataclass(frozen=True)
@@ -67,8 +73,109 @@ class TerminalRule:
 
 
 @dataclass(frozen=True)
+class DeviceClass:
+    """Sizes of devices of one class [m].
+
+    Attributes:
+        role: of the components.
+        part: pattern of their part numbers.
+        kind: pattern of their kinds.
+        depth_m: across the rail.
+        height_m: above the plate.
+        opening_m: height of the openings above the plate.
+        screw_m: how far behind its opening the screw of a clamp is; None: it closes by itself.
+    """
+
+    role: Role
+    part: str
+    kind: str
+    depth_m: float
+    height_m: float
+    opening_m: float
+    screw_m: float | None
+
+
+@dataclass(frozen=True)
+class RailSize:
+    """A mounting rail [m]: its width, and its height above the plate."""
+
+    width: float
+    height: float
+
+
+@dataclass(frozen=True)
+class DuctSize:
+    """A slotted duct [m]: its slots are open at the top and begin at their bottom."""
+
+    width: float
+    height: float
+    slot_pitch: float
+    slot_width: float
+    slot_bottom: float
+
+
+@dataclass(frozen=True)
+class CabinetRules:
+    """What surrounds the devices of a cabinet [m].
+
+    Attributes:
+        duct_piece: longest one, between two nodes.
+        device_margin: beside the outer terminals of a device.
+        narrowest: device.
+        tail: of a wire, at each end, for its bend and its ferrule.
+        aspect: of the plate: its width by its height.
+    """
+
+    rail: RailSize
+    duct: DuctSize
+    duct_piece: float
+    row_pitch: float
+    device_gap: float
+    device_margin: float
+    narrowest: float
+    tail: float
+    aspect: float
+    plate_margin: float
+    plate_thickness: float
+
+
+@dataclass(frozen=True)
+class ForkSize:
+    """A fork, or two rows of posts, through which a bundle runs [m]."""
+
+    width: float
+    height: float
+    length: float
+
+
+@dataclass(frozen=True)
+class ClipSize:
+    """A clip for one wire: height of the wire's axis [m], length [m], retention force [N]."""
+
+    height: float
+    length: float
+    retention: float
+
+
+@dataclass(frozen=True)
+class FormboardRules:
+    """What surrounds the connectors of a harness on its formboard [m]."""
+
+    cavity_pitch: float
+    fork: ForkSize
+    clip: ClipSize
+    plate_margin: float
+    plate_thickness: float
+
+
+@dataclass(frozen=True)
 class Catalogue:
-    """Rules and tables for what a design file leaves unsaid."""
+    """Rules and tables for what a design file leaves unsaid.
+
+    Attributes:
+        clamp_play_m: by which an opening is wider than its wire.
+        clamp_beyond_ferrule_m: by which it is deeper than the ferrule.
+    """
 
     placement: tuple[tuple[str, Place], ...]
     colour_names: Mapping[str, str]
@@ -77,7 +184,12 @@ class Catalogue:
     default_colour: str
     default_section: float
     wires: Mapping[float, WireType]
+    clamp_play_m: float
+    clamp_beyond_ferrule_m: float
     terminals: tuple[TerminalRule, ...]
+    devices: tuple[DeviceClass, ...]
+    cabinet: CabinetRules
+    formboard: FormboardRules
 
     def place(self, path: str, link_type: str) -> Place:
         """Return where an element belongs, by its path in the collection and its link type."""
@@ -95,6 +207,21 @@ class Catalogue:
             for rule in self.terminals
             if rule.role is role and fnmatchcase(part_number, rule.part)
         )
+
+    def device_class(self, role: Role, part_number: str, kind: str) -> DeviceClass:
+        """Return the first class that fits a component; the last one of each role fits all."""
+        return next(
+            row
+            for row in self.devices
+            if row.role is role
+            and fnmatchcase(part_number, row.part)
+            and fnmatchcase(kind, row.kind)
+        )
+
+    def clamp_pitch(self, section_mm2: float) -> float:
+        """Return the pitch [m] of clamps for a section, or for the next thicker one it knows."""
+        known = [section for section in self.wires if section >= section_mm2]
+        return self.wires[min(known, default=max(self.wires))].pitch_m
 
     def wire_type(self, section_mm2: float) -> WireType:
         """Return the properties of a wire of that section.
@@ -123,10 +250,27 @@ def catalogue_from(data: Mapping[str, Any]) -> Catalogue:
         )
         for row in data["terminals"]
     )
+    devices = tuple(
+        DeviceClass(
+            Role(row["role"]),
+            row["part"],
+            row["kind"],
+            float(row["depth"]),
+            height_m=float(row["height"]),
+            opening_m=float(row["opening"]),
+            screw_m=float(row["screw"]) if "screw" in row else None,
+        )
+        for row in data["devices"]
+    )
     for role in Role:
         if not any(rule.role is role and rule.part == "*" for rule in terminals):
             raise CatalogueError(
                 f"terminals: no rule with part '*' for role {role.value}: add one at the end"
+            )
+        if not any(row.role is role and row.part == row.kind == "*" for row in devices):
+            raise CatalogueError(
+                f"devices: no row with part '*' and kind '*' for role {role.value}: add one at the "
+                "end"
             )
     return Catalogue(
         placement=tuple((rule["pattern"], Place(rule["place"])) for rule in data["placement"]),
@@ -141,8 +285,26 @@ def catalogue_from(data: Mapping[str, Any]) -> Catalogue:
                 float(row["density"]),
                 float(row["stiffness"]),
                 float(row["ferrule"]),
+                pitch_m=float(row["pitch"]),
+                chamfer_m=float(row["chamfer"]),
+                retention_n=float(row["retention"]),
             )
             for section, row in data["wires"].items()
         },
+        clamp_play_m=float(data["clamps"]["play"]),
+        clamp_beyond_ferrule_m=float(data["clamps"]["beyond_ferrule"]),
         terminals=terminals,
+        devices=devices,
+        cabinet=_cabinet(data["cabinet"]),
+        formboard=_formboard(data["formboard"]),
     )
+
+
+def _cabinet(data: Mapping[str, Any]) -> CabinetRules:
+    sizes = {"rail": RailSize(**data["rail"]), "duct": DuctSize(**data["duct"])}
+    return CabinetRules(**{**data, **sizes})
+
+
+def _formboard(data: Mapping[str, Any]) -> FormboardRules:
+    sizes = {"fork": ForkSize(**data["fork"]), "clip": ClipSize(**data["clip"])}
+    return FormboardRules(**{**data, **sizes})

@@ -8,7 +8,6 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 
@@ -22,6 +21,7 @@ from remodel_sim.core.camera import Picture
 from remodel_sim.core.errors import AbilityError
 from remodel_sim.core.geometry import Pose
 from remodel_sim.core.goals import CheckGoal
+from remodel_sim.core.goals.goal_pose import Message
 from remodel_sim.core.goals.requirements import parse_end
 from remodel_sim.core.robot.arm import ToolPose
 from remodel_sim.core.vision.drawing import ORANGE, Drawing
@@ -72,7 +72,7 @@ class Shot:
     component: ComponentObservation | None
 
 
-def _goal(message: Any) -> CheckGoal:  # noqa: ANN401 - messages have no types
+def _goal(message: Message) -> CheckGoal:
     return CheckGoal(
         message.cable_id, parse_end(message.cable_end), message.component_id, message.terminal_id
     )

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 
@@ -21,6 +20,7 @@ from remodel_sim.core.belief.belief_state import TipObservation
 from remodel_sim.core.errors import AbilityError
 from remodel_sim.core.geometry import Array
 from remodel_sim.core.goals import DetectGoal
+from remodel_sim.core.goals.goal_pose import Message
 from remodel_sim.core.vision.drawing import ORANGE, Drawing
 from remodel_sim.core.vision.wire_ends import trace_between, trace_from
 from remodel_sim.core.workpiece.panel import PanelWire, WireEnd
@@ -104,7 +104,7 @@ def _centreline(
     return aside[first].line if first is WireEnd.A else aside[first].line[::-1]
 
 
-def _goal(message: Any) -> DetectGoal:  # noqa: ANN401 - messages have no types
+def _goal(message: Message) -> DetectGoal:
     return DetectGoal(message.cable_id, message.view)
 
 

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 
@@ -33,6 +32,7 @@ from remodel_sim.core.belief.openings import TerminalKey, nearest_terminal, open
 from remodel_sim.core.errors import AbilityError
 from remodel_sim.core.geometry import Pose
 from remodel_sim.core.goals import DiscardGoal, ExtractGoal, LocateGoal
+from remodel_sim.core.goals.goal_pose import Message
 from remodel_sim.core.robot.arm import ToolPose
 from remodel_sim.core.workpiece.panel import WireEnd
 from remodel_states.core.codes import Code
@@ -55,7 +55,7 @@ class CableDiscarded:
     message: str
 
 
-def _goal(message: Any) -> DiscardGoal:  # noqa: ANN401 - messages have no types
+def _goal(message: Message) -> DiscardGoal:
     return DiscardGoal(message.robot_name, message.cable_id)
 
 

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 
@@ -28,10 +27,9 @@ from remodel_sim.core.belief.belief_state import EndState, Grip
 from remodel_sim.core.errors import AbilityError
 from remodel_sim.core.geometry import Pose
 from remodel_sim.core.goals import ExtractGoal
-from remodel_sim.core.goals.goal_pose import pose_from
+from remodel_sim.core.goals.goal_pose import Message, pose_from
 from remodel_sim.core.robot.arm import ToolPose
 from remodel_sim.core.workpiece.panel import WireEnd
-from remodel_sim.physics.robot_description import PAD_BELOW_TOOL_M
 from remodel_states.core.codes import Code
 
 # An end that does not come at this force is stuck: the grip holds not much more.
@@ -54,7 +52,7 @@ class CableExtracted:
     peak_force: float
 
 
-def _goal(message: Any) -> ExtractGoal:  # noqa: ANN401 - messages have no types
+def _goal(message: Message) -> ExtractGoal:
     return ExtractGoal(
         robot_name=message.robot_name,
         cable_id=message.cable_id,
@@ -99,7 +97,7 @@ def where_it_lay(context: RobotContext, grip: Grip, back: Grip) -> ToolPose:
     """Return the tool pose that lays the tip down where it lay when it was picked."""
     yaw = back.tool.yaw + back.flip
     x, y = tip_of(back.tool, back) - grip.distance * np.array([math.cos(yaw), math.sin(yaw)])
-    z = max(context.wire.radius - grip.height, PAD_BELOW_TOOL_M + FLOOR_CLEARANCE_M)
+    z = max(context.wire.radius - grip.height, context.fingers.below + FLOOR_CLEARANCE_M)
     return ToolPose(float(x), float(y), z, yaw - grip.flip)
 
 

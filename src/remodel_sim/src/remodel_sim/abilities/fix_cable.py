@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any
 
 from remodel_sim.abilities.ability import ability
 from remodel_sim.abilities.execution.robot_context import RobotContext, Steps
@@ -12,6 +11,7 @@ from remodel_sim.abilities.primitives.motions import wait
 from remodel_sim.abilities.primitives.pull_test import pull_test
 from remodel_sim.core.errors import AbilityError
 from remodel_sim.core.goals import FixGoal
+from remodel_sim.core.goals.goal_pose import Message
 from remodel_states.core.codes import Code
 
 
@@ -28,7 +28,7 @@ class CableFixed:
     slip: float
 
 
-def _goal(message: Any) -> FixGoal:  # noqa: ANN401 - messages have no types
+def _goal(message: Message) -> FixGoal:
     return FixGoal(
         robot_name=message.robot_name,
         cable_id=message.cable_id,

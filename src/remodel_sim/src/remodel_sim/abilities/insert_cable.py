@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any
 
 from remodel_sim.abilities.ability import ability
 from remodel_sim.abilities.execution.robot_context import RobotContext, Steps
@@ -17,7 +16,7 @@ from remodel_sim.abilities.primitives.pushing import (
 )
 from remodel_sim.core.belief.openings import opening_of
 from remodel_sim.core.goals import InsertGoal
-from remodel_sim.core.goals.goal_pose import pose_from
+from remodel_sim.core.goals.goal_pose import Message, pose_from
 from remodel_sim.core.goals.requirements import parse_end
 
 
@@ -36,7 +35,7 @@ class CableInserted:
     peak_force: float
 
 
-def _goal(message: Any) -> InsertGoal:  # noqa: ANN401 - messages have no types
+def _goal(message: Message) -> InsertGoal:
     return InsertGoal(
         robot_name=message.robot_name,
         cable_id=message.cable_id,

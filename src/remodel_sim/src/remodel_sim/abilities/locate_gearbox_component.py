@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 
@@ -17,6 +16,7 @@ from remodel_sim.core.camera import Picture
 from remodel_sim.core.errors import AbilityError
 from remodel_sim.core.geometry import Pose
 from remodel_sim.core.goals import LocateGoal
+from remodel_sim.core.goals.goal_pose import Message
 from remodel_sim.core.vision.drawing import ORANGE, Drawing
 from remodel_sim.core.vision.label_pose import ComponentObservation, LabelView, locate_component
 from remodel_sim.core.vision.labels import find_labels, search_label
@@ -49,7 +49,7 @@ class ComponentLocated:
     residual: float
 
 
-def _goal(message: Any) -> LocateGoal:  # noqa: ANN401 - messages have no types
+def _goal(message: Message) -> LocateGoal:
     return LocateGoal(message.component_id, message.terminal_id, message.view)
 
 

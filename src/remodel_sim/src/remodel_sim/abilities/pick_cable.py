@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any
 
 from remodel_sim.abilities.ability import ability
 from remodel_sim.abilities.execution.robot_context import RobotContext, Steps
 from remodel_sim.abilities.primitives.grasping import pick_end
 from remodel_sim.core.goals import PickGoal
+from remodel_sim.core.goals.goal_pose import Message
 from remodel_sim.core.goals.requirements import parse_end
 from remodel_sim.core.robot.arm import ToolPose
 from remodel_sim.core.workpiece.layout import WORLD_FROM_PANEL
@@ -29,7 +29,7 @@ class CablePicked:
     grip_width: float
 
 
-def _goal(message: Any) -> PickGoal:  # noqa: ANN401 - messages have no types
+def _goal(message: Message) -> PickGoal:
     return PickGoal(
         message.robot_name, message.cable_id, parse_end(message.cable_end), message.grasp_distance
     )

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any
 
 from remodel_sim.abilities.ability import ability
 from remodel_sim.abilities.execution.robot_context import RobotContext, Steps
@@ -18,7 +17,7 @@ from remodel_sim.core.belief.belief_state import EndState
 from remodel_sim.core.belief.openings import nearest_terminal
 from remodel_sim.core.errors import AbilityError
 from remodel_sim.core.goals import PlaceGoal
-from remodel_sim.core.goals.goal_pose import pose_from
+from remodel_sim.core.goals.goal_pose import Message, pose_from
 from remodel_states.core.codes import Code
 
 # An end that is only pushed in comes out more easily; at a closed clamp the grip would slip.
@@ -36,7 +35,7 @@ class CablePlaced:
     message: str
 
 
-def _goal(message: Any) -> PlaceGoal:  # noqa: ANN401 - messages have no types
+def _goal(message: Message) -> PlaceGoal:
     return PlaceGoal(
         message.robot_name, message.cable_id, pose_from("target_pose", message.target_pose)
     )

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any
 
 from remodel_sim.abilities.ability import ability
 from remodel_sim.abilities.execution.robot_context import RobotContext, Steps
@@ -22,7 +21,7 @@ from remodel_sim.core.belief.openings import opening_of
 from remodel_sim.core.errors import AbilityError
 from remodel_sim.core.geometry import Pose
 from remodel_sim.core.goals import ConnectGoal
-from remodel_sim.core.goals.goal_pose import pose_from
+from remodel_sim.core.goals.goal_pose import Message, pose_from
 from remodel_states.core.codes import Code
 
 # Resistance so far before the pins are in whole is not the body's on the header's face: a connector
@@ -47,7 +46,7 @@ class ConnectorPlaced:
     peak_force: float
 
 
-def _goal(message: Any) -> ConnectGoal:  # noqa: ANN401 - messages have no types
+def _goal(message: Message) -> ConnectGoal:
     return ConnectGoal(
         robot_name=message.robot_name,
         connector_id=message.connector_id,

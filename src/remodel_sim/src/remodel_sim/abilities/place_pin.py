@@ -9,7 +9,6 @@ from __future__ import annotations
 import itertools
 import math
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 
@@ -42,13 +41,13 @@ from remodel_sim.abilities.primitives.pushing import BLIND_S, axial, tool_before
 from remodel_sim.core.belief.belief_state import Grip
 from remodel_sim.core.errors import AbilityError
 from remodel_sim.core.geometry import Array, Pose, wrap_angle
+from remodel_sim.core.goals.goal_pose import Message
 from remodel_sim.core.goals.pin_goal import PlacePinGoal, pin_row
 from remodel_sim.core.robot.arm import ToolPose
 from remodel_sim.core.robot.motion import MAX_TURN_RATE, PEAK_OVER_MEAN
 from remodel_sim.core.vision.drawing import ORANGE, Drawing
 from remodel_sim.core.vision.wire_ends import trace_from
 from remodel_sim.core.workpiece.panel import WireEnd
-from remodel_sim.physics.robot_description import PAD_BELOW_TOOL_M
 from remodel_states.core.codes import Code
 
 # A pin may lie so far from its place, and the wire so far from a pose of the path [m]: nothing
@@ -85,7 +84,7 @@ class Hand:
     pin: Pose
 
 
-def _goal(message: Any) -> PlacePinGoal:  # noqa: ANN401 - messages have no types
+def _goal(message: Message) -> PlacePinGoal:
     return PlacePinGoal(
         robot_1=message.robot_1_name,
         robot_2=message.robot_2_name,
@@ -178,7 +177,7 @@ def _above(hand: Hand) -> ToolPose:
 
 def _lying(hand: Hand) -> ToolPose:
     tool = tool_before(hand.pin, _grip(hand), 0.0)
-    return tool.at(z=max(tool.z, PAD_BELOW_TOOL_M + FLOOR_CLEARANCE_M))
+    return tool.at(z=max(tool.z, hand.context.fingers.below + FLOOR_CLEARANCE_M))
 
 
 def _move_both(hands: list[Hand], targets: list[ToolPose], speed: float) -> Steps[None]:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 
@@ -25,7 +24,7 @@ from remodel_sim.core.belief.openings import opening_of
 from remodel_sim.core.errors import AbilityError
 from remodel_sim.core.geometry import Array
 from remodel_sim.core.goals import RouteGoal
-from remodel_sim.core.goals.goal_pose import pose_from
+from remodel_sim.core.goals.goal_pose import Message, pose_from
 from remodel_sim.core.workpiece.panel import PanelClip
 from remodel_sim.core.workpiece.routes import clips_along, world_from_clip
 from remodel_states.core.codes import Code
@@ -47,7 +46,7 @@ class WireRouted:
     reached: int
 
 
-def _goal(message: Any) -> RouteGoal:  # noqa: ANN401 - messages have no types
+def _goal(message: Message) -> RouteGoal:
     return RouteGoal(
         message.robot_name,
         message.cable_id,

@@ -43,7 +43,7 @@ def main(arguments: list[str]) -> int:
         if not written:
             return _refuse(f"{options.draw} cannot be written; name a .png in a folder that exists")
     print(json.dumps(as_dict(found)) if options.json else as_text(found))
-    return 1 if found.doubts else 0
+    return 1 if found.warnings else 0
 
 
 def _refuse(why: str) -> int:
@@ -56,7 +56,7 @@ def as_dict(found: Detection) -> dict[str, Any]:
     return {
         "cables": [_cable(cable) for cable in found.cables],
         "crossings": [_crossing(crossing) for crossing in found.crossings],
-        "doubts": list(found.doubts),
+        "warnings": list(found.warnings),
     }
 
 
@@ -108,4 +108,4 @@ def as_text(found: Detection) -> str:
         f"confidence {c.confidence:.2f}"
         for c in found.crossings
     ]
-    return "\n".join([*lines, *(f"doubt: {warning}" for warning in found.doubts)])
+    return "\n".join([*lines, *(f"warning: {warning}" for warning in found.warnings)])

@@ -1,7 +1,5 @@
 """Errors of the cell."""
 
-from typing import Any
-
 from remodel_states.core import ability_error
 from remodel_states.core.codes import Code
 
@@ -19,7 +17,7 @@ class AbilityError(ability_error.AbilityError, CellError):
 
     code: Code
 
-    def __init__(self, code: Code, message: str, **found: Any) -> None:  # noqa: ANN401
+    def __init__(self, code: Code, message: str, **found: object) -> None:
         """State what was asked, what was found, and what to do.
 
         Args:

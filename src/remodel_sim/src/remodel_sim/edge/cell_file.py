@@ -23,6 +23,8 @@ from remodel_sim.core.cell.cell_design import (
 from remodel_sim.core.cell.feeding import Feeder
 from remodel_sim.core.errors import CellFileError
 from remodel_sim.core.robot.arm import ARM_MODELS, Arm, ToolPose
+from remodel_sim.core.robot.fingers import PANDA_FINGERS, Fingers, Notch, Stem
+from remodel_sim.core.robot.linear_axis import LinearAxis
 from remodel_sim.core.workpiece.panel import Duct, PanelClip
 from remodel_states.core.schema_problems import schema_problems
 
@@ -91,7 +93,14 @@ def _robot(parsed: dict[str, Any]) -> RobotDesign:
     camera = parsed["camera"]
     return RobotDesign(
         name=parsed["name"],
-        arm=Arm(ARM_MODELS[parsed["arm"]], _placed(parsed["base"]), lower, upper),
+        arm=Arm(
+            ARM_MODELS[parsed["arm"]],
+            _placed(parsed["base"]),
+            lower,
+            upper,
+            fingers=_fingers(parsed["gripper"]),
+            axis=_axis(parsed),
+        ),
         home=ToolPose(*_placed(parsed["home"])),
         gripper=Gripper(
             float(parsed["gripper"]["grip_force"]), float(parsed["gripper"]["pad_friction"])
@@ -99,7 +108,22 @@ def _robot(parsed: dict[str, Any]) -> RobotDesign:
         camera=WristCamera(camera["name"], _lens(camera)),
         prefix=parsed["prefix"],
         scrap_bin=ToolPose(*_placed(parsed["scrap_bin"])) if "scrap_bin" in parsed else None,
+        clearance=float(parsed["clearance"]) if "clearance" in parsed else None,
     )
+
+
+def _axis(robot: dict[str, Any]) -> LinearAxis | None:
+    if "axis" not in robot:
+        return None
+    return LinearAxis(*(float(robot["axis"][key]) for key in ("lower", "upper", "speed")))
+
+
+def _fingers(gripper: dict[str, Any]) -> Fingers:
+    if "fingers" not in gripper:
+        return PANDA_FINGERS
+    parsed = gripper["fingers"]
+    notch = Notch(**parsed["notch"]) if "notch" in parsed else None
+    return Fingers(**{**parsed, "stem": Stem(**parsed["stem"]), "notch": notch})
 
 
 def _lens(parsed: dict[str, Any]) -> Lens:

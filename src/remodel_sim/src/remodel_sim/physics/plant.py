@@ -27,6 +27,7 @@ from remodel_sim.core.workpiece.layout import WORLD_FROM_PANEL, find_problems
 from remodel_sim.core.workpiece.panel import Connector, Panel, PanelWire, WireEnd
 from remodel_sim.core.workpiece.wire_mechanics import discretise
 from remodel_sim.physics import cameras
+from remodel_sim.physics.collision_check import CollisionCheck
 from remodel_sim.physics.feeder import lay
 from remodel_sim.physics.fixtures.clamps import close_clamp
 from remodel_sim.physics.fixtures.latches import Header
@@ -61,6 +62,7 @@ class Plant:
         panel: what was built of it, with the cell's own fixtures; components may since have been
             moved.
         robots: by name.
+        collision_checks: of motions, by robot; of none whose design names no clearance.
         live: the wire that was fed last, until it is parked.
         parked: the wires that have been parked.
     """
@@ -83,6 +85,11 @@ class Plant:
         self.seed = seed
         self._solid_parked = solid_parked
         self.world = World(rate_hz, gui=gui)
+        self.collision_checks = {
+            robot.name: CollisionCheck(robot.arm, robot.clearance)
+            for robot in design.robots
+            if robot.clearance is not None
+        }
         self.load(panel)
 
     def load(self, panel: Panel) -> None:
@@ -90,11 +97,8 @@ class Plant:
 
         Raises PanelError and changes nothing when it breaks the rules.
         """
-        design = self.design
-        complete = replace(
-            panel, clips=(*panel.clips, *design.clips), ducts=(*panel.ducts, *design.ducts)
-        )
-        problems = find_problems(complete, design.arms)
+        design, complete = self.design, self._complete(panel)
+        problems = self.find_problems(panel)
         if problems:
             raise PanelError(panel.name, problems)
         self.loaded, self.panel = panel, complete
@@ -105,6 +109,17 @@ class Plant:
         self._blocked: set[tuple[str, str]] = set()
         self._disturbances = Disturbances()
         self._build({robot.name: robot.home for robot in design.robots})
+
+    def find_problems(self, panel: Panel) -> tuple[str, ...]:
+        """Return why a panel cannot be built, one sentence each; none: it can."""
+        return find_problems(self._complete(panel), self.design.arms)
+
+    def _complete(self, panel: Panel) -> Panel:
+        """Return a panel with the cell's own fixtures."""
+        design = self.design
+        return replace(
+            panel, clips=(*panel.clips, *design.clips), ducts=(*panel.ducts, *design.ducts)
+        )
 
     def restore(self, parked: Mapping[str, ParkedWire]) -> None:
         """Put wires back where they were parked, onto the panel as it was loaded."""
@@ -142,6 +157,8 @@ class Plant:
 
     def close(self) -> None:
         """Leave PyBullet."""
+        for check in self.collision_checks.values():
+            check.close()
         self.world.close()
 
     def feed(self, wire_id: str, channel_id: str, tools: Mapping[str, ToolPose]) -> Laying:

@@ -11,6 +11,8 @@ from remodel_sim.core.cell.cell_design import Gripper
 from remodel_sim.core.geometry import Array, Pose
 from remodel_sim.core.robot.arm import PANDA_AT_ORIGIN, Arm, ToolPose
 from remodel_sim.physics.robot_description import (
+    AXIS_FORCE_N,
+    BASE_LINKS,
     CAMERA_MOUNT,
     FINGERS,
     HAND,
@@ -18,7 +20,6 @@ from remodel_sim.physics.robot_description import (
 )
 from remodel_sim.physics.world import CONTACT_DAMPING, CONTACT_STIFFNESS, World
 
-ARM_JOINTS = list(range(7))
 ARM_TORQUE = 200.0  # [N m] stiff servo: the arm follows to 0.05 mm
 ARM_GAIN = 0.3
 # The fingers close slowly and stop as soon as their motors feel the grip force; then they keep that
@@ -39,7 +40,6 @@ HAND_30_N = Gripper(grip_force=30.0, pad_friction=1.0)
 PAD_SPINNING_FRICTION = 0.004
 # The arm's own: parked wires let it pass.
 COLLISION_GROUP = 4
-MAX_OPENING = 0.04  # [m] per finger
 # First-order low pass of the wrist force [s]: a wrist sensor's bandwidth of 20 Hz.
 FORCE_TIME_CONSTANT = 0.008
 
@@ -51,7 +51,8 @@ class Robot:
         arm: its kinematics.
         body: PyBullet's number of it.
         grip_force: per finger at which closing stops [N].
-        joint_names: of the arm's seven joints and of the two fingers, as its maker calls them.
+        joint_names: of the axis if there is one, of the arm's seven joints and of the two fingers,
+            as the makers call them.
     """
 
     def __init__(
@@ -69,7 +70,7 @@ class Robot:
         base = arm.world_from_base
         with tempfile.TemporaryDirectory() as folder:
             path = Path(folder) / "arm.urdf"
-            path.write_text(robot_description(arm.model))
+            path.write_text(robot_description(arm))
             self.body = self._bullet.loadURDF(
                 str(path), base.position.tolist(), base.quaternion.tolist(), useFixedBase=True
             )
@@ -80,19 +81,24 @@ class Robot:
         links = {info[12].decode(): info[0] for info in infos}
         # The fixed joint between flange and hand, where the force sensor sits, and the hand's link.
         self._wrist = links[HAND]
+        self._base = links.get(BASE_LINKS[arm.model.name])
         self._fingers = [links[finger] for finger in FINGERS]
-        self.joint_names = [infos[i][1].decode() for i in ARM_JOINTS + self._fingers]
+        forces = [ARM_TORQUE] * 7
+        self._joint_forces = forces if arm.axis is None else [AXIS_FORCE_N, *forces]
+        self._joints = list(range(len(self._joint_forces)))
+        self.joint_names = [infos[i][1].decode() for i in self._joints + self._fingers]
         self.grip_force = gripper.grip_force
         self._force = np.zeros(3)
-        self._opening = self._target = MAX_OPENING
+        self._least, self._most = arm.fingers.shut_m / 2, arm.fingers.opening / 2
+        self._opening = self._target = self._most
         self._touch_gap = TOUCH_GAP
         self._grips = False
         self._correction = 0.0
         joints = arm.joints_for(start)
-        for joint, angle in zip(ARM_JOINTS, joints, strict=True):
+        for joint, angle in zip(self._joints, joints, strict=True):
             self._bullet.resetJointState(self.body, joint, angle)
         for finger in self._fingers:
-            self._bullet.resetJointState(self.body, finger, MAX_OPENING)
+            self._bullet.resetJointState(self.body, finger, self._opening)
             self._bullet.changeDynamics(
                 self.body,
                 finger,
@@ -105,21 +111,24 @@ class Robot:
             )
         for link in range(-1, self._bullet.getNumJoints(self.body)):
             self._bullet.setCollisionFilterGroupMask(self.body, link, COLLISION_GROUP, -1)
+        if self._base is not None:
+            # It slides along its rail, on the plane that wires lie on.
+            self._bullet.setCollisionFilterGroupMask(self.body, self._base, 0, 0)
         self._bullet.enableJointForceTorqueSensor(self.body, self._wrist, 1)
         self.drive(joints)
         self._drive_fingers()
         world.add_before_step(self._sense)
 
     def drive(self, joints: Array) -> None:
-        """Command the arm's joint angles, (7,) [rad]."""
+        """Command the arm's joints, (joints,): an axis's position [m], then seven angles [rad]."""
         self._bullet.setJointMotorControlArray(
             self.body,
-            ARM_JOINTS,
+            self._joints,
             self._bullet.POSITION_CONTROL,
             targetPositions=list(joints),
-            forces=[ARM_TORQUE] * 7,
-            positionGains=[ARM_GAIN] * 7,
-            velocityGains=[1.0] * 7,
+            forces=self._joint_forces,
+            positionGains=[ARM_GAIN] * len(self._joints),
+            velocityGains=[1.0] * len(self._joints),
         )
 
     def weaken(self, friction: float, grip: float) -> None:
@@ -130,11 +139,11 @@ class Robot:
             self._bullet.changeDynamics(self.body, finger, lateralFriction=pads)
 
     def drive_fingers(self, opening: float, touch_gap: float = TOUCH_GAP) -> None:
-        """Send each finger to a distance from the middle [m].
+        """Send each finger to a distance from the middle [m], as far as it goes.
 
         Closing, they stop on what they grip, slow where the pads are within `touch_gap` [m].
         """
-        self._target = opening
+        self._target = min(self._most, max(self._least, opening))
         self._touch_gap = touch_gap
 
     def _move_fingers(self) -> None:
@@ -190,13 +199,13 @@ class Robot:
 
     @property
     def joints(self) -> Array:
-        """Measured arm joint angles, (7,) [rad]."""
-        return np.array([s[0] for s in self._bullet.getJointStates(self.body, ARM_JOINTS)])
+        """Measured joints of the arm, (joints,), as for `drive`."""
+        return np.array([s[0] for s in self._bullet.getJointStates(self.body, self._joints)])
 
     @property
     def joint_state(self) -> tuple[list[float], list[float]]:
-        """Measured positions and velocities of all nine joints, in the order of `joint_names`."""
-        states = self._bullet.getJointStates(self.body, ARM_JOINTS + self._fingers)
+        """Measured positions and velocities of all joints, in the order of `joint_names`."""
+        states = self._bullet.getJointStates(self.body, self._joints + self._fingers)
         return [s[0] for s in states], [s[1] for s in states]
 
     @property
@@ -208,6 +217,15 @@ class Robot:
     def tool(self) -> ToolPose:
         """The measured tool pose, by forward kinematics of the measured joints."""
         return self.arm.tool_of(self.joints)
+
+    @property
+    def world_from_base(self) -> Pose:
+        """The arm's base as measured: an axis carries it."""
+        if self._base is None:
+            return self.arm.world_from_base
+        # Link frames of a body are about the centre of mass; [4:6] is the frame of the description.
+        state = self._bullet.getLinkState(self.body, self._base, computeForwardKinematics=True)
+        return Pose(np.array(state[4]), np.array(state[5]))
 
     @property
     def world_from_hand(self) -> Pose:

@@ -34,6 +34,7 @@ from remodel_sim.core.workpiece.panel import (
     PanelClip,
     PanelTerminal,
     PanelWire,
+    Rail,
     WireEnd,
 )
 from remodel_sim.core.workpiece.wire_materials import PROPERTIES, WireMaterials
@@ -89,10 +90,23 @@ def panel_from(message: PanelMsg, materials: WireMaterials) -> Panel:
             for c in message.clips
         ),
         ducts=tuple(
-            Duct(id=d.id, pose=_pose2d(d.pose), length=d.length, width=d.width, height=d.height)
+            Duct(
+                id=d.id,
+                pose=_pose2d(d.pose),
+                length=d.length,
+                width=d.width,
+                height=d.height,
+                slot_pitch=d.slot_pitch,
+                slot_width=d.slot_width,
+                slot_bottom=d.slot_bottom,
+            )
             for d in message.ducts
         ),
         serial=message.serial,
+        rails=tuple(
+            Rail(id=r.id, pose=_pose2d(r.pose), length=r.length, width=r.width, height=r.height)
+            for r in message.rails
+        ),
     )
 
 
@@ -100,9 +114,20 @@ def _pose2d(message: Pose2D) -> tuple[float, float, float]:
     return message.x, message.y, message.theta
 
 
+def _point(message: Point) -> tuple[float, float, float]:
+    return message.x, message.y, message.z
+
+
+def _unless_all_0(values: tuple[float, float, float]) -> tuple[float, float, float] | None:
+    return values if any(values) else None
+
+
 def _wire_from(message: object, materials: WireMaterials) -> PanelWire:
     values = {name: getattr(message, name) for name in PanelWire.__dataclass_fields__}
     values["connectors"] = tuple(_connector_from(c) for c in message.connectors)
+    values["route"] = tuple(_point(point) for point in message.route)
+    values["ducts"] = tuple(message.ducts)
+    values["presented_at"] = _unless_all_0(_pose2d(message.presented_at))
     unsaid = [name for name in PROPERTIES if values[name] == 0]
     if unsaid:
         material = materials.find(message.construction, message.section)
@@ -122,7 +147,7 @@ def _component_from(message: object) -> Component:
     terminals = tuple(
         PanelTerminal(
             id=t.id,
-            mouth=(t.mouth.x, t.mouth.y, t.mouth.z),
+            mouth=_point(t.mouth),
             insertion_yaw=t.insertion_yaw,
             bore=t.bore,
             depth=t.depth,
@@ -130,6 +155,7 @@ def _component_from(message: object) -> Component:
             retention_force=t.retention_force,
             ways=max(1, t.ways),
             pitch=t.pitch,
+            screw=_unless_all_0(_point(t.screw)),
         )
         for t in message.terminals
     )

@@ -14,9 +14,10 @@ from remodel_sim.core.camera import Picture
 from remodel_sim.core.cell.cell_design import CellDesign
 from remodel_sim.core.geometry import Pose
 from remodel_sim.core.goals.goal_pose import PANEL, WORLD
+from remodel_sim.core.robot.arm import Arm
 from remodel_sim.core.workpiece.layout import WORLD_FROM_PANEL
 from remodel_sim.physics.plant import Plant
-from remodel_sim.physics.robot_description import BASE_LINKS, CAMERA_MOUNT, HAND
+from remodel_sim.physics.robot_description import BASE_LINKS, CAMERA_MOUNT, HAND, RAIL
 from remodel_sim.ros.conversions import camera_info, image
 from remodel_sim.ros.sim_clock import SimClock
 
@@ -91,8 +92,7 @@ class RobotState:
         fixed({PANEL: WORLD_FROM_PANEL, optical_frame("overhead"): overhead})
         lens = Pose(np.array(CAMERA_MOUNT), np.array([0.0, 0.0, 0.0, 1.0]))
         for robot in plant.design.robots:
-            base = robot.prefix + BASE_LINKS[robot.arm.model.name]
-            fixed({base: robot.arm.world_from_base})
+            fixed({robot.prefix + _foot(robot.arm): robot.arm.world_from_base})
             fixed({optical_frame(robot.camera.name): lens}, parent=robot.prefix + HAND)
 
     def __call__(self) -> None:
@@ -112,10 +112,18 @@ class RobotState:
             wrench.header.frame_id, wrench.header.stamp = hand, self._clock.now
             wrench.wrench.force = Vector3(*robot.wrist_force)
             self._wrenches[design.name].publish(wrench)
+            moving = {hand: robot.world_from_hand}
+            if design.arm.axis is not None:
+                moving[design.prefix + BASE_LINKS[design.arm.model.name]] = robot.world_from_base
             self._moving.sendTransform(
-                _transform(WORLD, hand, robot.world_from_hand, self._clock.now)
+                [_transform(WORLD, frame, pose, self._clock.now) for frame, pose in moving.items()]
             )
         self._joints.publish(message)
+
+
+def _foot(arm: Arm) -> str:
+    """Return the link of an arm that is bolted down."""
+    return BASE_LINKS[arm.model.name] if arm.axis is None else RAIL
 
 
 def _transform(parent: str, child: str, pose: Pose, stamp: rospy.Time) -> TransformStamped:

@@ -57,7 +57,10 @@ class Services:
             self._owner.cell.admit(request.owner)
             self._require_idle()
             panel = panel_from(request.panel, self._materials)
-            self._owner.cell.load(panel, keep=request.keep)
+            forces_n = dict(zip(request.abilities, request.force_limits, strict=False))
+            self._owner.cell.load(
+                panel, robots=request.robots, forces_n=forces_n, keep=request.keep
+            )
 
         return srv.LoadPanelResponse(*self._coded(load, f"panel {request.panel.name!r} built"))
 

@@ -20,6 +20,7 @@ from remodel_states.testing.fault_table import FaultTable
 from remodel_states.testing.faults import when_fed, when_mended
 from remodel_states.testing.ledger import Deed, Entry
 from remodel_states.testing.panel import panel_from, truth_of
+from remodel_states.testing.requirements import check_demands
 from remodel_states.testing.robot_lock import RobotLock
 
 CAMERAS = ("overhead", "wrist", "scene")
@@ -58,6 +59,8 @@ class CellServices:
 
     def _load_panel(self, request: srv.LoadPanelRequest) -> srv.LoadPanelResponse:
         def load() -> str:
+            forces_n = dict(zip(request.abilities, request.force_limits, strict=True))
+            check_demands(request.robots, forces_n)
             panel = panel_from(request.panel)
             faults = tuple(self._table.fault(**row) for row in self._read_faults())
             with self._site.file.change() as draft:

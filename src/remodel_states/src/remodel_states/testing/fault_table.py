@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from typing import Any
-
 from remodel_states.edge.exported_tables import read_faults
 from remodel_states.testing.faults import Cure, InjectedFault, fault_from
 
@@ -16,7 +14,7 @@ class FaultTable:
         tables = read_faults()
         self._rows, self._codes = tables.faults, tables.numbers
 
-    def fault(self, name: str, cure: str = "", **given: Any) -> InjectedFault:  # noqa: ANN401
+    def fault(self, name: str, cure: str = "", **given: object) -> InjectedFault:
         """Return a fault to be caused.
 
         Args:

@@ -19,7 +19,7 @@ from dataclasses import dataclass, replace
 from enum import Enum
 from typing import Any
 
-Faults = tuple["InjectedFault", ...]
+from remodel_states.testing.requirements import Goal
 
 LOOKING = frozenset({"DetectCable", "LocateGearboxComponent"})
 
@@ -94,7 +94,14 @@ class InjectedFault:
             raise ValueError(f"fault {self.name}: retry_with, and no other cure, has a parameter")
 
 
-def fault_from(row: Mapping[str, Any], codes: Mapping[str, int], **given: Any) -> InjectedFault:  # noqa: ANN401
+Faults = tuple[InjectedFault, ...]
+
+
+def fault_from(
+    row: Mapping[str, Any],
+    codes: Mapping[str, int],
+    **given: Any,  # noqa: ANN401 - fields' types
+) -> InjectedFault:
     """Return the fault of a row of faults.yaml, caused as its `cause.interface` describes.
 
     Args:
@@ -119,7 +126,7 @@ def fault_from(row: Mapping[str, Any], codes: Mapping[str, int], **given: Any) -
 def at_goal(
     faults: Iterable[InjectedFault],
     ability: str,
-    goal: Any,  # noqa: ANN401
+    goal: Goal,
     included: tuple[str, ...] = (),
 ) -> tuple[Faults, InjectedFault | None]:
     """Return the faults after a goal came, and the one that strikes it, if any.
@@ -160,7 +167,7 @@ def when_mended(faults: Iterable[InjectedFault]) -> Faults:
     return tuple(replace(fault, is_over=True) if fault.struck else fault for fault in faults)
 
 
-def _cured_by(fault: InjectedFault, ability: str, goal: Any) -> InjectedFault:  # noqa: ANN401
+def _cured_by(fault: InjectedFault, ability: str, goal: Goal) -> InjectedFault:
     is_other_view = ability in LOOKING and getattr(goal, "view", 0) > 0
     looked = fault.cure is Cure.LOOK_AGAIN and is_other_view
     changed = (
@@ -170,7 +177,7 @@ def _cured_by(fault: InjectedFault, ability: str, goal: Any) -> InjectedFault:  
     return replace(fault, is_over=True) if fault.struck and (looked or changed) else fault
 
 
-def _counts(fault: InjectedFault, abilities: tuple[str, ...], goal: Any) -> bool:  # noqa: ANN401
+def _counts(fault: InjectedFault, abilities: tuple[str, ...], goal: Goal) -> bool:
     about = not fault.wire or getattr(goal, "cable_id", "") == fault.wire
     return not fault.is_over and fault.ability in abilities and about
 

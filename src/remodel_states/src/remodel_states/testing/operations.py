@@ -16,7 +16,7 @@ from remodel_msgs.msg import ErrorCode
 from remodel_states.core.ability_error import AbilityError
 from remodel_states.testing import requirements
 from remodel_states.testing.ledger import Deed, Entry
-from remodel_states.testing.requirements import terminal_of
+from remodel_states.testing.requirements import Goal, terminal_of
 from remodel_states.testing.world import Place, Seat, World
 
 # What is measured where nothing is: [m] an end is deep, [N] it took, [m] between the pads.
@@ -57,13 +57,13 @@ class Operation:
             them goes wrong with it.
     """
 
-    check: Callable[[World, str, Any], None]
-    do: Callable[[World, str, Any], Effect]
+    check: Callable[[World, str, Goal], None]
+    do: Callable[[World, str, Goal], Effect]
     observes: bool = False
-    includes: Callable[[World, str, Any], tuple[str, ...]] = lambda *_: ()
+    includes: Callable[[World, str, Goal], tuple[str, ...]] = lambda *_: ()
 
 
-def fail(world: World, cell: str, ability: str, code: int, goal: Any) -> World:  # noqa: ANN401
+def fail(world: World, cell: str, ability: str, code: int, goal: Goal) -> World:
     """Return the world after an ability failed with a code."""
     if code in _UNMOVED:
         return world
@@ -79,37 +79,37 @@ def fail(world: World, cell: str, ability: str, code: int, goal: Any) -> World: 
 # --- what is done
 
 
-def _locate(world: World, _: str, goal: Any) -> Effect:  # noqa: ANN401
+def _locate(world: World, _: str, goal: Goal) -> Effect:
     found: dict[str, Place] = {"component_pose": world.panel.components[goal.component_id]}
     if goal.terminal_id:
         found["socket_pose"] = world.panel.openings[terminal_of(goal)]
     return Effect(world, f"{goal.component_id} is where the panel has it", found=found)
 
 
-def _detect(world: World, _: str, goal: Any) -> Effect:  # noqa: ANN401
+def _detect(world: World, _: str, goal: Goal) -> Effect:
     loose = [end for end in "ab" if world.seat(goal.cable_id, end) is None]
     length_m = world.panel.lengths[goal.cable_id]
     text = f"{goal.cable_id} is seen, loose ends: {', '.join(loose) or 'none'}"
     return Effect(world, text, found={"observation": (goal.cable_id, length_m, len(loose))})
 
 
-def _check_connection(world: World, _: str, goal: Any) -> Effect:  # noqa: ANN401
+def _check_connection(world: World, _: str, goal: Goal) -> Effect:
     connected = world.seat(goal.cable_id, goal.cable_end) == Seat(terminal_of(goal), True)
     text = f"end {goal.cable_end} of {goal.cable_id} {'sits' if connected else 'does not sit'} in"
     return Effect(world, f"{text} {terminal_of(goal)}", found={"connected": connected})
 
 
-def _pick(world: World, cell: str, goal: Any) -> Effect:  # noqa: ANN401
+def _pick(world: World, cell: str, goal: Goal) -> Effect:
     text = f"end {goal.cable_end} of {goal.cable_id} held"
     return Effect(world.with_hand(cell, held=goal.cable_end), text, found={"grip_width": GRIP_M})
 
 
-def _place(world: World, cell: str, goal: Any) -> Effect:  # noqa: ANN401
+def _place(world: World, cell: str, goal: Goal) -> Effect:
     text = f"{world.hand(cell).live} laid down"
     return Effect(_release(_disengaged(world, cell), cell), text)
 
 
-def _discard(world: World, cell: str, goal: Any) -> Effect:  # noqa: ANN401
+def _discard(world: World, cell: str, goal: Goal) -> Effect:
     wire = _wire_to_discard(world, cell, goal)
     if wire not in world.fed:
         return Effect(world, "there is nothing to discard")
@@ -117,19 +117,19 @@ def _discard(world: World, cell: str, goal: Any) -> Effect:  # noqa: ANN401
     return Effect(world.discard(wire), f"{wire} is in the scrap bin", (entry,))
 
 
-def _extracts_ends(world: World, cell: str, goal: Any) -> tuple[str, ...]:  # noqa: ANN401
+def _extracts_ends(world: World, cell: str, goal: Goal) -> tuple[str, ...]:
     """Return ExtractCable if the wire that is discarded is connected."""
     wire = _wire_to_discard(world, cell, goal)
     return ("ExtractCable",) if world.is_connected(wire) else ()
 
 
-def _route(world: World, cell: str, goal: Any) -> Effect:  # noqa: ANN401
+def _route(world: World, cell: str, goal: Goal) -> Effect:
     count = len(goal.path)
     text = f"{goal.cable_id} carried along {count} poses"
     return Effect(_disengaged(world, cell), text, found={"reached": count})
 
 
-def _insert(world: World, cell: str, goal: Any) -> Effect:  # noqa: ANN401
+def _insert(world: World, cell: str, goal: Goal) -> Effect:
     held = world.with_hand(cell, held=goal.cable_end)
     after = held.with_seat(goal.cable_id, goal.cable_end, Seat(terminal_of(goal), False))
     text = f"end {goal.cable_end} of {goal.cable_id} seated in {terminal_of(goal)}"
@@ -137,7 +137,7 @@ def _insert(world: World, cell: str, goal: Any) -> Effect:  # noqa: ANN401
     return Effect(after, text, found=found)
 
 
-def _fix(world: World, cell: str, goal: Any) -> Effect:  # noqa: ANN401
+def _fix(world: World, cell: str, goal: Goal) -> Effect:
     end = world.hand(cell).held
     terminal = terminal_of(goal)
     if world.seat(goal.cable_id, end) != Seat(terminal, False):
@@ -150,7 +150,7 @@ def _fix(world: World, cell: str, goal: Any) -> Effect:  # noqa: ANN401
     return Effect(after, f"end {end} of {goal.cable_id} fixed in {terminal}", (entry,))
 
 
-def _extract(world: World, cell: str, goal: Any) -> Effect:  # noqa: ANN401
+def _extract(world: World, cell: str, goal: Goal) -> Effect:
     end = _end_meant(world, cell, goal)
     seat = world.seat(goal.cable_id, end)
     after = _release(world, cell).with_seat(goal.cable_id, end, None)
@@ -160,25 +160,25 @@ def _extract(world: World, cell: str, goal: Any) -> Effect:  # noqa: ANN401
     return Effect(after, f"end {end} of {goal.cable_id} out of {seat.terminal}", (entry,))
 
 
-def _mate(world: World, cell: str, goal: Any) -> Effect:  # noqa: ANN401
+def _mate(world: World, cell: str, goal: Goal) -> Effect:
     found = {"depth": DEPTH_M, "peak_force": min(PUSH_N, goal.force_limit)}
     return Effect(_release(world, cell), f"{goal.connector_id} mated", found=found)
 
 
-def _place_pin(world: World, _: str, __: Any) -> Effect:  # noqa: ANN401
+def _place_pin(world: World, _: str, __: Goal) -> Effect:
     return Effect(world, "pin placed")
 
 
 # --- what they share
 
 
-def _wire_to_discard(world: World, cell: str, goal: Any) -> str:  # noqa: ANN401
+def _wire_to_discard(world: World, cell: str, goal: Goal) -> str:
     """Return the wire that is meant, or the one in the hand; empty if there is none."""
     hand = world.hand(cell)
     return goal.cable_id or (hand.live if hand.held else "")
 
 
-def _end_meant(world: World, cell: str, goal: Any) -> str:  # noqa: ANN401
+def _end_meant(world: World, cell: str, goal: Goal) -> str:
     """Return the end in the hand, the one in that terminal, or the one that belongs there."""
     if world.hand(cell).held:
         return world.hand(cell).held
@@ -230,7 +230,7 @@ def operation_of(ability: str) -> Operation:
     return OPERATIONS.get(ability, _UNKNOWN)
 
 
-def perform(ability: str, world: World, cell: str, goal: Any, code: int = 0) -> Effect:  # noqa: ANN401
+def perform(ability: str, world: World, cell: str, goal: Goal, code: int = 0) -> Effect:
     """Return the effect of an ability; with a code, of its failure.
 
     Raises:

@@ -7,12 +7,16 @@ raises AbilityError unless a cell can take a goal as the world is.
 from __future__ import annotations
 
 import math
-from typing import Any
+from collections.abc import Collection, Mapping
+from typing import Any, TypeAlias
 
 from remodel_msgs.msg import ErrorCode
 
 from remodel_states.core.ability_error import AbilityError
 from remodel_states.testing.world import World, known
+
+# A goal message, or anything with its fields: generated messages have no types.
+Goal: TypeAlias = Any
 
 ROBOTS = ("robot_1", "robot_2")
 
@@ -22,21 +26,43 @@ MAX_FORCE_N = 60.0
 GRASP_RANGE_M = (0.030, 0.080)
 
 
-def check_locate(world: World, _: str, goal: Any) -> None:  # noqa: ANN401
+def check_demands(robots: Collection[str], forces_n: Mapping[str, float]) -> None:
+    """Check that goals of an order can be done, before anything moves.
+
+    Args:
+        robots: that they name.
+        forces_n: their greatest force limit [N], by the ability.
+    """
+    problems = [
+        f"the order's goals name robot {robot!r}; the cell has {', '.join(ROBOTS)}"
+        for robot in robots
+        if robot not in ROBOTS
+    ]
+    force_n = forces_n.get("InsertCable", 0.0)
+    if force_n > MAX_FORCE_N:
+        problems.append(
+            f"the use case has InsertCable push with up to {force_n:g} N; this cell's grip holds "
+            f"at most {MAX_FORCE_N:g} N"
+        )
+    if problems:
+        raise AbilityError(ErrorCode.INVALID_GOAL, "; ".join(problems))
+
+
+def check_locate(world: World, _: str, goal: Goal) -> None:
     """Check that a component, and a terminal if the goal names one, can be located."""
     known(world.panel.components, goal.component_id, "component")
     if goal.terminal_id:
         _check_terminal(world, goal)
 
 
-def check_connection(world: World, _: str, goal: Any) -> None:  # noqa: ANN401
+def check_connection(world: World, _: str, goal: Goal) -> None:
     """Check that an end can be inspected."""
     known(world.panel.wires, goal.cable_id, "wire")
     _check_terminal(world, goal)
     _check_end(goal)
 
 
-def check_pick(world: World, cell: str, goal: Any) -> None:  # noqa: ANN401
+def check_pick(world: World, cell: str, goal: Goal) -> None:
     """Check that an end can be picked."""
     _check_robot(goal)
     _check_end(goal)
@@ -52,7 +78,7 @@ def check_pick(world: World, cell: str, goal: Any) -> None:  # noqa: ANN401
     _check_loose(world, goal)
 
 
-def check_carry(world: World, cell: str, goal: Any) -> None:  # noqa: ANN401
+def check_carry(world: World, cell: str, goal: Goal) -> None:
     """Check that a held wire can be carried."""
     _check_robot(goal)
     poses = getattr(goal, "path", None)
@@ -62,7 +88,7 @@ def check_carry(world: World, cell: str, goal: Any) -> None:  # noqa: ANN401
     _check_held(world, cell)
 
 
-def check_place(world: World, cell: str, goal: Any) -> None:  # noqa: ANN401
+def check_place(world: World, cell: str, goal: Goal) -> None:
     """Check that a held wire can be laid down."""
     if goal.cable_id:
         check_carry(world, cell, goal)
@@ -71,7 +97,7 @@ def check_place(world: World, cell: str, goal: Any) -> None:  # noqa: ANN401
         _check_held(world, cell)
 
 
-def check_discard(world: World, cell: str, goal: Any) -> None:  # noqa: ANN401
+def check_discard(world: World, cell: str, goal: Goal) -> None:
     """Check that a wire can be discarded."""
     _check_robot(goal)
     if not goal.cable_id:
@@ -91,7 +117,7 @@ def check_discard(world: World, cell: str, goal: Any) -> None:  # noqa: ANN401
             )
 
 
-def check_insert(world: World, cell: str, goal: Any) -> None:  # noqa: ANN401
+def check_insert(world: World, cell: str, goal: Goal) -> None:
     """Check that an end can be inserted."""
     _check_robot(goal)
     _check_end(goal)
@@ -112,7 +138,7 @@ def check_insert(world: World, cell: str, goal: Any) -> None:  # noqa: ANN401
         )
 
 
-def check_fix(world: World, cell: str, goal: Any) -> None:  # noqa: ANN401
+def check_fix(world: World, cell: str, goal: Goal) -> None:
     """Check that a held end can be fixed."""
     _check_robot(goal)
     _check_number("pull_test_force", goal.pull_test_force, 0.0, MAX_FORCE_N)
@@ -121,14 +147,14 @@ def check_fix(world: World, cell: str, goal: Any) -> None:  # noqa: ANN401
     _check_held(world, cell)
 
 
-def check_extract(world: World, cell: str, goal: Any) -> None:  # noqa: ANN401
+def check_extract(world: World, cell: str, goal: Goal) -> None:
     """Check that an end can be extracted."""
     _check_robot(goal)
     check_live(world, cell, goal)
     _check_terminal(world, goal)
 
 
-def check_connector(world: World, _: str, goal: Any) -> None:  # noqa: ANN401
+def check_connector(world: World, _: str, goal: Goal) -> None:
     """Check that a connector can be mated."""
     _check_robot(goal)
     if not goal.connector_id:
@@ -136,22 +162,22 @@ def check_connector(world: World, _: str, goal: Any) -> None:  # noqa: ANN401
     _check_number("force_limit", goal.force_limit, 1.0, math.inf)
 
 
-def check_pin(_: World, __: str, goal: Any) -> None:  # noqa: ANN401
+def check_pin(_: World, __: str, goal: Goal) -> None:
     """Check that both robots exist."""
     for robot in (goal.robot_1_name, goal.robot_2_name):
         known(ROBOTS, robot, "robot")
 
 
-def terminal_of(goal: Any) -> str:  # noqa: ANN401
+def terminal_of(goal: Goal) -> str:
     """Return the terminal that a goal is about, as "component/terminal"."""
     return f"{goal.component_id}/{goal.terminal_id}"
 
 
-def _check_robot(goal: Any) -> None:  # noqa: ANN401
+def _check_robot(goal: Goal) -> None:
     known(ROBOTS, goal.robot_name, "robot")
 
 
-def _check_end(goal: Any) -> None:  # noqa: ANN401
+def _check_end(goal: Goal) -> None:
     if goal.cable_end not in ("a", "b"):
         text = f"cable_end is {goal.cable_end!r}; allowed: 'a', 'b'"
         raise AbilityError(ErrorCode.INVALID_GOAL, text)
@@ -163,12 +189,12 @@ def _check_number(name: str, value: float, low: float, high: float) -> None:
         raise AbilityError(ErrorCode.INVALID_GOAL, text)
 
 
-def _check_terminal(world: World, goal: Any) -> None:  # noqa: ANN401
+def _check_terminal(world: World, goal: Goal) -> None:
     known(world.panel.components, goal.component_id, "component")
     known(world.panel.openings, terminal_of(goal), "terminal")
 
 
-def check_live(world: World, cell: str, goal: Any) -> None:  # noqa: ANN401
+def check_live(world: World, cell: str, goal: Goal) -> None:
     """Check that a wire is the one fed last."""
     known(world.panel.wires, goal.cable_id, "wire")
     live = world.hand(cell).live
@@ -186,7 +212,7 @@ def _check_held(world: World, cell: str) -> None:
         raise AbilityError(ErrorCode.NOTHING_HELD, text)
 
 
-def _check_loose(world: World, goal: Any) -> None:  # noqa: ANN401
+def _check_loose(world: World, goal: Goal) -> None:
     seat = world.seat(goal.cable_id, goal.cable_end)
     if seat is not None:
         how = "fixed" if seat.fixed else "seated"

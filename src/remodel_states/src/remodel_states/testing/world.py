@@ -27,7 +27,7 @@ class Panel:
         lengths: wire -> [m].
         components: component -> place of its base.
         openings: "component/terminal" -> place of its opening, yaw into the terminal.
-        channels: in which wires are fed.
+        channels: in which wires are fed; none: they are presented in a magazine.
         serial: serial number of the product that is built on it.
     """
 
@@ -136,7 +136,9 @@ class World:
                 this wire is elsewhere in the cell.
         """
         known(self.panel.wires, wire, "wire")
-        known(self.panel.channels, channel, "channel")
+        # A panel without channels has its wires presented in a magazine.
+        if channel or self.panel.channels:
+            known(self.panel.channels, channel, "channel")
         hand = self.hand(cell)
         if hand.held:
             raise AbilityError(

@@ -5,20 +5,20 @@ A change is one transaction: whenever a process dies, what it did is there whole
 
 from __future__ import annotations
 
-import json
 import sqlite3
 import time
 from collections.abc import Iterator
 from contextlib import closing, contextmanager
-from dataclasses import asdict, dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import lru_cache
 from pathlib import Path
-from typing import Any
+
+from msgspec.json import decode, encode
 
 from remodel_states.edge.write_ahead import write_ahead
-from remodel_states.testing.faults import Behaves, Cure, Faults, InjectedFault
+from remodel_states.testing.faults import Faults
 from remodel_states.testing.ledger import Deed, Entry
-from remodel_states.testing.world import Hand, Panel, Seat, World
+from remodel_states.testing.world import Panel, World
 
 # [s] Wall time to wait for another process's change.
 _BUSY_S = 10.0
@@ -94,24 +94,22 @@ class WorldFile:
 
 def _read(connection: sqlite3.Connection) -> Draft:
     parts = dict(connection.execute("SELECT name, content FROM part").fetchall())
-    owners = json.loads(parts.get("owners", "{}"))
+    owners = decode(parts.get("owners", "{}"), type=dict[str, int])
     if "panel" not in parts:
         return Draft(World(), (), {}, owners)
-    return Draft(
-        _world(_panel(parts["panel"]), json.loads(parts["world"])),
-        tuple(_fault(row) for row in json.loads(parts.get("faults", "[]"))),
-        json.loads(parts.get("goals", "{}")),
-        owners,
-    )
+    faults = decode(parts.get("faults", "[]"), type=Faults)
+    world = replace(decode(parts["world"], type=World), panel=_panel(parts["panel"]))
+    goals = decode(parts.get("goals", "{}"), type=dict[str, int])
+    return Draft(world, faults, goals, owners)
 
 
 def _write(connection: sqlite3.Connection, before: Draft, after: Draft) -> None:
     if after.world.panel is not before.world.panel:
-        _keep(connection, "panel", asdict(after.world.panel))
+        _keep(connection, "panel", after.world.panel)
     if after.world is not before.world:
-        _keep(connection, "world", _without_panel(after.world))
+        _keep(connection, "world", replace(after.world, panel=Panel()))
     if after.faults != before.faults:
-        _keep(connection, "faults", [_row(fault) for fault in after.faults])
+        _keep(connection, "faults", after.faults)
     if after.goals != before.goals:
         _keep(connection, "goals", after.goals)
     if after.owners != before.owners:
@@ -125,53 +123,12 @@ def _write(connection: sqlite3.Connection, before: Draft, after: Draft) -> None:
 
 def _keep(connection: sqlite3.Connection, name: str, content: object) -> None:
     connection.execute(
-        "INSERT OR REPLACE INTO part (name, content) VALUES (?, ?)", (name, json.dumps(content))
+        "INSERT OR REPLACE INTO part (name, content) VALUES (?, ?)",
+        (name, encode(content).decode()),
     )
 
 
 @lru_cache(maxsize=1)
 def _panel(text: str) -> Panel:
     """Return the panel of its JSON, the same object for the same text: it hardly ever changes."""
-    panel = json.loads(text)
-    tuples = {
-        name: {key: tuple(value) for key, value in panel[name].items()}
-        for name in ("wires", "components", "openings")
-    }
-    return Panel(
-        panel["name"],
-        lengths=panel["lengths"],
-        channels=tuple(panel["channels"]),
-        serial=panel["serial"],
-        **tuples,
-    )
-
-
-def _without_panel(world: World) -> dict[str, Any]:
-    return {
-        "fed": world.fed,
-        "untouched": world.untouched,
-        "seats": {end: (seat.terminal, seat.fixed) for end, seat in world.seats.items()},
-        "hands": {cell: (hand.live, hand.held) for cell, hand in world.hands.items()},
-        "loaded_by": world.loaded_by,
-    }
-
-
-def _world(panel: Panel, world: dict[str, Any]) -> World:
-    return World(
-        panel,
-        tuple(world["fed"]),
-        world["untouched"],
-        {end: Seat(*seat) for end, seat in world["seats"].items()},
-        hands={cell: Hand(*hand) for cell, hand in world["hands"].items()},
-        loaded_by=world["loaded_by"],
-    )
-
-
-def _row(fault: InjectedFault) -> dict[str, Any]:
-    behaves = fault.behaves.value if fault.behaves else None
-    return {**asdict(fault), "behaves": behaves, "cure": fault.cure.value}
-
-
-def _fault(row: dict[str, Any]) -> InjectedFault:
-    behaves = Behaves(row["behaves"]) if row["behaves"] else None
-    return InjectedFault(**{**row, "behaves": behaves, "cure": Cure(row["cure"])})
+    return decode(text, type=Panel)

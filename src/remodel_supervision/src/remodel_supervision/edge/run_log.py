@@ -19,13 +19,14 @@ from remodel_production.edge.database.packed import packed_json
 from remodel_production.edge.database.production_database import ProductionDatabase, order_row
 from remodel_production.edge.database.production_models import (
     OrderRow,
+    RunEventRow,
     RunRow,
     RunSnapshotRow,
     TaskRow,
 )
 from remodel_production.errors import OrderError, OwnerError, PlannerError
 from remodel_supervision.core.learning.learned_responses import TriedResponse
-from remodel_supervision.core.runs.events import Event, RunBegun
+from remodel_supervision.core.runs.events import Event, PanelLoaded, RunBegun
 from remodel_supervision.core.runs.fold import apply_event, state_after
 from remodel_supervision.core.runs.state import RunState
 from remodel_supervision.core.runs.state_form import snapshot_of, state_from
@@ -50,6 +51,14 @@ _HEADS = (
 _HEADS_OF_PRODUCT = _HEADS.where(RunRow.serial == bindparam("serial"))
 _UNFINISHED = select(func.max(RunRow.id)).where(
     RunRow.cell == bindparam("cell"), RunRow.ended.is_(False)
+)
+# The last run of a product whose panel was built.
+_LOADED = (
+    select(RunRow.id)
+    .join(RunEventRow, RunEventRow.run_id == RunRow.id)
+    .where(RunRow.serial == bindparam("serial"), RunEventRow.kind == PanelLoaded.__name__)
+    .order_by(RunRow.id.desc())
+    .limit(1)
 )
 _SNAPSHOT = select(RunSnapshotRow).where(RunSnapshotRow.run_id == bindparam("run"))
 
@@ -103,7 +112,8 @@ class RunLog:
             again: wire the next product of the order; otherwise the current one, or the first.
 
         Raises:
-            OrderError: if there is no such order, or other cells work on one to be done again.
+            OrderError: if there is no such order, other cells work on one to be done again, or the
+                product is on the panel of another use case.
             OwnerError: if another supervisor owns the cell now.
         """
         with self._database.transaction() as connection:
@@ -131,6 +141,7 @@ class RunLog:
             units = order.units + is_new
             connection.execute(update(OrderRow).where(OrderRow.id == order.id).values(units=units))
             completed = replace(event, serial=f"{order.name}-{units:04d}", keep_panel=not is_new)
+            _require_same_use_case(connection, completed)
             values = {
                 "order_id": order.id,
                 "started": now(),
@@ -273,6 +284,20 @@ def kept_run(url: str, run: int) -> tuple[KeptEvent, ...]:
         return tuple(RunLog(database).events(run))
     finally:
         database.close()
+
+
+def _require_same_use_case(connection: Connection, event: RunBegun) -> None:
+    """Raise OrderError if the product is on a panel that another use case has laid out."""
+    run = connection.scalar(_LOADED, {"serial": event.serial})
+    if run is None:
+        return
+    (kept,) = events_between(connection, run, 0, 1, charts=False)
+    before = kept.event.use_case if isinstance(kept.event, RunBegun) else event.use_case
+    if before != event.use_case:
+        raise OrderError(
+            f"product {event.serial} was begun by use case {before}, asked for {event.use_case}: "
+            f"continue it by {before}, or wire the next product of the order (run_order --again)"
+        )
 
 
 def _store_snapshot(connection: Connection, run: int, count: int, state: RunState) -> None:

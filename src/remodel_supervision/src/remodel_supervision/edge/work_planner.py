@@ -12,6 +12,7 @@ from remodel_planning.core.orders.work_order import WorkOrder
 from remodel_planning.core.plan.listing import listing_of
 from remodel_planning.core.problem.modes import Mode
 from remodel_planning.core.problem.part import defer
+from remodel_planning.core.task_charts.demands import Demands, demands_of
 from remodel_planning.core.task_charts.escalation import escalating
 from remodel_planning.core.task_charts.planned_tasks import (
     PlannedTask,
@@ -62,6 +63,13 @@ class WorkPlanner:
     Tasks are decomposed for the first plan, and all their charts are built once, to find what a use
     case asks for in vain before anything moves. Later plans go by the same decompositions; how a
     task is done is decided again, by what runs have taught since, when its turn comes.
+
+    Attributes:
+        order: what is to be done.
+        use_case: how such work is done.
+        experience: what runs have taught.
+        demands: of the first plan on the cell; none of a run that is resumed, which a cell has
+            accepted before.
     """
 
     def __init__(
@@ -84,6 +92,7 @@ class WorkPlanner:
         self.order = order
         self.use_case = use_case
         self.experience = experience
+        self.demands = Demands()
         self._search_s = search_s
         self._documents = documents
         self._adjustable = Adjustable(
@@ -129,8 +138,8 @@ class WorkPlanner:
         else:
             plan = plan_problem(problem, self._search_s if len(wanted) > 1 else 0.0).plan
         if not previous and not self._places.keys() >= wanted:
-            for task in planned_tasks(prepared, plan):
-                _ = task.chart  # what its use case asks for in vain is reported before it begins
+            # What its use case asks for in vain is reported before it begins.
+            self.demands = demands_of(task.chart for task in planned_tasks(prepared, plan))
         listing = listing_of(problem, plan)
         self._tasks = {name: task for name, task in self._tasks.items() if name not in wanted}
         self._places |= {name: _Place(base, listing.modes[name]) for name in listing.wires}

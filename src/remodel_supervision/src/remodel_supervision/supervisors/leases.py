@@ -68,7 +68,7 @@ class LeaseKeeper:
         if claim.holding is Holding.MINE:
             return True
         if claim.holding is Holding.MINE_UNVERIFIED:
-            is_known = task.stage is Stage.DOUBTFUL or (
+            is_known = task.stage is Stage.UNVERIFIED or (
                 task.attempts > 0 and claim.cell == state.cell
             )
             if not is_known:
@@ -76,6 +76,12 @@ class LeaseKeeper:
             return is_known
         self._record.append(TaskElsewhere(name, claim.cell, _AS_LEFT[claim.holding]))
         return False
+
+    def give_back(self, name: str) -> None:
+        """Give back a task that was claimed just now, unless it was begun before."""
+        state = self._record.state
+        if name != state.current and not state.tasks[name].attempts:
+            self._record.insist(lambda: self._leases.give_back(name))
 
     def check_others(self) -> None:
         """Record which tasks other cells have ended, or have left to this one."""

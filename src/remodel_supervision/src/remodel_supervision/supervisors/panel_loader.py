@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+from remodel_states.core.codes import Code
 from remodel_supervision.core.runs.events import PanelLoaded
+from remodel_supervision.errors import RefusedError
 from remodel_supervision.supervisors.gate_keeper import SUPERVISOR, GateKeeper
 from remodel_supervision.supervisors.ports import Cell
 from remodel_supervision.supervisors.run_record import RunRecord
@@ -29,7 +31,11 @@ class PanelLoader:
         self._loaded_at = ""
 
     def load(self) -> None:
-        """Have the cell build the panel, unless this cell process has it."""
+        """Have the cell build the panel, unless this cell process has it.
+
+        Raises:
+            RefusedError: if the cell cannot build it, or cannot do what the order asks for.
+        """
         if self._work.panel is None or self._cell.address() == self._loaded_at:
             return
         state = self._record.state
@@ -37,7 +43,15 @@ class PanelLoader:
         keep = state.keep_panel or self._record.insist(self._work.leases.begun_elsewhere)
         self._gates.enter(SUPERVISOR, "loading the panel")
         try:
-            self._cell.load(self._work.panel, state.serial, self._record.owner, keep=keep)
+            self._cell.load(
+                self._work.panel,
+                state.serial,
+                self._record.owner,
+                demands=self._work.planner.demands,
+                keep=keep,
+            )
+        except RefusedError as error:
+            raise RefusedError(error.code, f"{error}{_remedy(error, state.use_case)}") from error
         finally:
             self._gates.gate.end(SUPERVISOR)
         self._record.append(PanelLoaded(state.serial))
@@ -46,3 +60,13 @@ class PanelLoader:
     def forget(self) -> None:
         """Assume that no cell has the panel: the one that had it may have been lost."""
         self._loaded_at = ""
+
+
+def _remedy(error: RefusedError, use_case: str) -> str:
+    """Return what a person can do about a panel that does not fit the cell."""
+    if error.code != Code.INVALID_GOAL:
+        return ""
+    return (
+        f"\nNothing has moved. Correct the design or use case {use_case}, or choose another cell "
+        "or use case (run_order --use-case)."
+    )

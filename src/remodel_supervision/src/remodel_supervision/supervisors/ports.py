@@ -8,6 +8,7 @@ from enum import Enum
 from typing import Protocol
 
 from flexbe_synthesizer.core.chart.model import Chart
+from remodel_planning.core.task_charts.demands import Demands
 from remodel_supervision.core.learning.learned_responses import TriedResponse
 from remodel_supervision.core.run import Operation
 from remodel_supervision.core.runs.events import Event
@@ -167,8 +168,8 @@ class Cell(Protocol):
     def address(self) -> str:
         """Return where the cell answers; another one after a restart. LostError if it does not."""
 
-    def load(self, panel: object, serial: str, owner: int, *, keep: bool) -> None:
-        """Build a panel; RefusedError if the cell cannot."""
+    def load(self, panel: object, serial: str, owner: int, *, demands: Demands, keep: bool) -> None:
+        """Build a panel; RefusedError if the cell cannot, or cannot do what goals will demand."""
 
     def feed(self, wire: str, channel: str, owner: int) -> None:
         """Present a piece of a wire in a channel; RefusedError if the feeder cannot."""
@@ -243,6 +244,9 @@ class Leases(Protocol):
 
     def begun_elsewhere(self) -> bool:
         """Return whether another cell has begun a task of the order: it has built the panel."""
+
+    def give_back(self, task: str) -> None:
+        """Let other cells have a task that was not begun."""
 
     def renew(self, task: str) -> bool:
         """Keep a task; False if another cell has taken it over."""

@@ -20,7 +20,7 @@ from remodel_supervision.supervisors.ports import (
     server_of,
 )
 
-# [s] wall time between two checks of what nobody reports, such as silence.
+# [s] wall time between two checks of what no node reports, such as silence.
 _CHECK_S = 0.1
 
 # [s] wall time that a behavior gets to stop when it is asked to.

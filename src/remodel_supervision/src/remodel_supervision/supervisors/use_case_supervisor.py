@@ -29,7 +29,7 @@ from remodel_supervision.core.runs.step import (
     description_of,
     next_step,
 )
-from remodel_supervision.errors import CellError, HaltedError
+from remodel_supervision.errors import CellError, HaltedError, RefusedError
 from remodel_supervision.supervisors.commands import Reply
 from remodel_supervision.supervisors.failure_judge import FailureJudge
 from remodel_supervision.supervisors.gate_keeper import GateKeeper
@@ -44,7 +44,7 @@ from remodel_supervision.supervisors.task_inspector import TaskInspector
 from remodel_supervision.supervisors.task_supervisor import TaskSupervisor
 from remodel_supervision.supervisors.work import Peers, Work
 
-# [s] wall time between two checks of what nobody reports: other cells' tasks, the run's time.
+# [s] wall time between two checks of what no node reports: other cells' tasks, the run's time.
 _CHECK_S = 0.2
 
 # [s] wall time between two questions to the database whether other cells are done with a task.
@@ -227,7 +227,11 @@ class UseCaseSupervisor:
         with self._leases.held(step.task):
             self._gates.update()
             self._peers.maker.make(chart)
-            self._panel.load()
+            try:
+                self._panel.load()
+            except RefusedError:
+                self._leases.give_back(step.task)
+                raise
             # A command may come at any time, after which something else is to be done.
             if self._next_step() != step:
                 return

@@ -16,7 +16,6 @@ import time
 import xmlrpc.client
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Any
 
 import rosgraph
 import rospy
@@ -71,7 +70,7 @@ class Identity:
 class _Transport(xmlrpc.client.Transport):
     """HTTP with a time limit: a stopped process still accepts connections, and never answers."""
 
-    def make_connection(self, host: Any) -> http.client.HTTPConnection:  # noqa: ANN401
+    def make_connection(self, host: str | tuple[str, dict[str, str]]) -> http.client.HTTPConnection:
         connection = super().make_connection(host)
         connection.timeout = _CALL_LIMIT_S
         return connection

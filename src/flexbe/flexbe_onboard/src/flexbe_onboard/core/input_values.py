@@ -31,7 +31,7 @@ def read_value(text: str) -> Any:  # noqa: ANN401 - whatever was sent
         return text
 
 
-def _with_attributes(value: Any) -> Any:  # noqa: ANN401
+def _with_attributes(value: Any) -> Any:  # noqa: ANN401 - likewise
     if isinstance(value, dict):
         return AttributeDict({key: _with_attributes(item) for key, item in value.items()})
     if isinstance(value, list):

@@ -21,7 +21,7 @@ _FROM_BAG = "!"
 _FUNCTION = "lambda"
 
 
-def value_of(written: Any, message: Callable[[str], Any], has_bag: bool = False) -> Any:  # noqa: ANN401
+def value_of(written: object, message: Callable[[str], object], has_bag: bool = False) -> Any:  # noqa: ANN401 - whatever the tested state takes
     """Return what a value of a test case stands for.
 
     Args:
@@ -39,7 +39,7 @@ def value_of(written: Any, message: Callable[[str], Any], has_bag: bool = False)
     return _text(written, message, has_bag) if isinstance(written, str) else written
 
 
-def _text(written: str, message: Callable[[str], Any], has_bag: bool) -> Any:  # noqa: ANN401
+def _text(written: str, message: Callable[[str], object], has_bag: bool) -> object:
     if written == "None":
         return None
     if written.startswith("//"):
@@ -51,7 +51,7 @@ def _text(written: str, message: Callable[[str], Any], has_bag: bool) -> Any:  #
     return written
 
 
-def _function(text: str) -> Any:  # noqa: ANN401
+def _function(text: str) -> object:
     try:
         return eval(text, {})
     except SyntaxError as error:

@@ -27,7 +27,7 @@ def begin_node(name: str, limit_s: float) -> Callable[[], None]:
         try:
             require_master(limit_s)
             join_interruptibly(name)
-        except Exception as error:  # noqa: BLE001 - raised by whoever waits
+        except Exception as error:  # noqa: BLE001 - raised in the thread that waits
             errors.append(error)
 
     thread = threading.Thread(target=begin, daemon=True)

@@ -128,7 +128,7 @@ class Problem:
         return f"{file}:{line}:{column}: {mark}[{self.code.slug}] {self.message}"
 
 
-MOST_ERRORS = 1000  # of a chart, after which nobody looks for more
+MOST_ERRORS = 1000  # of a chart, after which no more are searched for
 
 
 class ProblemList(list[Problem]):

@@ -66,7 +66,7 @@ def check_chart(
 def _checks(scope: ResolvedChart, expect_time: Callable[[], None]) -> Iterator[Iterable[Problem]]:
     """Yield the checks of a chart or container, without what is inside containers in it."""
     if not scope.nodes:
-        return  # told as a missing element
+        return  # reported as a missing element
     flow, graph = scope.flow, scope.graph
     yield check_names(scope)
     yield _check_nodes(scope, expect_time)

@@ -61,22 +61,18 @@ def _check_ends(connection: Connection, resolved: ResolvedChart) -> Iterator[Pro
         message += f"'{connection.input}'; give both one name, or put a state between that copies."
         yield Problem(connection.position("input"), ProblemKind.UNKNOWN_INPUT, message)
         return
-    if giver == chart.name:
-        known = [port.name for port in chart.inputs]
-        yield from _check_end(connection, "output", f"{resolved.title} has no input", known)
-    else:
-        yield from _check_state(giver, "output_state_id", connection, resolved)
-        if (entry := resolved.by_id.get(giver)) is not None and entry.use.signature is not None:
-            outputs = tuple(entry.use.outputs)
-            yield from _check_end(connection, "output", f"'{giver}' has no output", outputs)
-    if taker == chart.name:
-        known = [port.name for port in chart.outputs]
-        yield from _check_end(connection, "input", f"{resolved.title} has no output", known)
-    else:
-        yield from _check_state(taker, "input_state_id", connection, resolved)
-        if (entry := resolved.by_id.get(taker)) is not None and entry.use.signature is not None:
-            inputs = tuple(entry.use.inputs)
-            yield from _check_end(connection, "input", f"'{taker}' has no input", inputs)
+    for attribute, owner, ports, lack in (
+        ("output", giver, chart.inputs, "input"),
+        ("input", taker, chart.outputs, "output"),
+    ):
+        if owner == chart.name:
+            known = [port.name for port in ports]
+            yield from _check_end(connection, attribute, f"{resolved.title} has no {lack}", known)
+            continue
+        yield from _check_state(owner, f"{attribute}_state_id", connection, resolved)
+        if (entry := resolved.by_id.get(owner)) is not None and entry.use.signature is not None:
+            known = [*(entry.use.outputs if attribute == "output" else entry.use.inputs)]
+            yield from _check_end(connection, attribute, f"'{owner}' has no {attribute}", known)
 
 
 def _check_end(

@@ -18,7 +18,7 @@ from flexbe_synthesizer.core.library.graph import Edge, path_text, shortest_path
 from flexbe_synthesizer.core.library.resolve import ResolvedChart, ResolvedNode
 from flexbe_synthesizer.core.library.use import label
 
-_MOST_PATHS = 50  # problems of a chart that are told with their path; each is a search
+_MOST_PATHS = 50  # problems of a chart that are reported with their path; each is a search
 _MOST_WRITERS = 12  # named in a message
 
 

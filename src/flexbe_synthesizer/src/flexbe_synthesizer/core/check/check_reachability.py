@@ -11,7 +11,7 @@ from flexbe_synthesizer.core.library.graph import Graph, reachable
 from flexbe_synthesizer.core.library.resolve import ResolvedChart
 from flexbe_synthesizer.core.library.use import label
 
-_MOST_LISTED = 50  # dead ends that are told with all that they lead to
+_MOST_LISTED = 50  # dead ends that are reported with all that they lead to
 _MORE = "states that do not end either"
 
 

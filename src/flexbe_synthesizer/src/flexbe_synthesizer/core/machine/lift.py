@@ -167,7 +167,9 @@ class _Folding:
         """Return the chart with the connections that its children's remappings mean."""
         known = {port.name for port in chart.inputs}
         outputs = {port.name for port in chart.outputs}
-        reads, writes = list(_reads(parts, self._counts)), list(_writes(parts, self._counts))
+        keys = [(child, *_keys(child)) for child in parts]
+        reads = list(_homes(((child, inputs) for child, inputs, _ in keys), self._counts))
+        writes = list(_homes(((child, outputs) for child, _, outputs in keys), self._counts))
         writers: dict[str, list[tuple[str, str]]] = {}
         for node, key, home in writes:
             writers.setdefault(home, []).append((node, key))
@@ -186,7 +188,7 @@ class _Folding:
                     flows.append(Connection(chart.name, home, node, key))
             else:
                 flows += [Connection(*source, node, key) for source in sources[:1]]
-                who = ", ".join(n for n, _ in sources) or "nobody"
+                who = ", ".join(n for n, _ in sources) or "no state"
                 self._refuse(f"{path}/{node}", f"'{key}' reads '{home}', which {who} writes")
         for output in sorted(outputs - known):
             named = [(node, key, home) for node, key, home in writes if key == output]
@@ -216,20 +218,13 @@ def _keys(child: Child) -> tuple[tuple[str, ...], tuple[str, ...]]:
     return tuple(p.name for p in signature.inputs), tuple(p.name for p in signature.outputs)
 
 
-def _reads(parts: Iterable[Child], counts: frozenset[str]) -> Iterator[tuple[str, str, str]]:
-    """Yield (node, key, home) of all that the children read."""
-    for child in parts:
+def _homes(
+    keys: Iterable[tuple[Child, tuple[str, ...]]], counts: frozenset[str]
+) -> Iterator[tuple[str, str, str]]:
+    """Yield (node, key, home) of the keys of children that have a home in their container."""
+    for child, names in keys:
         homes = dict(child.remapping)
-        for key in _keys(child)[0]:
-            if key in homes and key not in counts:
-                yield child.label, key, homes[key]
-
-
-def _writes(parts: Iterable[Child], counts: frozenset[str]) -> Iterator[tuple[str, str, str]]:
-    """Yield (node, key, home) of all that the children write."""
-    for child in parts:
-        homes = dict(child.remapping)
-        for key in _keys(child)[1]:
+        for key in names:
             if key in homes and key not in counts:
                 yield child.label, key, homes[key]
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TypeAlias
 
-UNATTENDED = 255  # the autonomy level that asks nobody, from FlexBE's wire protocol
+UNATTENDED = 255  # the autonomy level that asks no operator, from FlexBE's wire protocol
 LEVELS = {0: "off", 1: "low", 2: "high", 3: "full", UNATTENDED: "unattended"}
 
 Pairs: TypeAlias = tuple[tuple[str, str], ...]

@@ -24,7 +24,7 @@ class Kind(Enum):
     PICTURE = "picture"
 
 
-REASONS = (Kind.FAILURE, Kind.DECISION, Kind.OPERATOR)  # what tells why a run took its course
+REASONS = (Kind.FAILURE, Kind.DECISION, Kind.OPERATOR)  # what shows why a run took its course
 
 
 @dataclass(frozen=True)

@@ -10,6 +10,8 @@ from remodel_planning.core.use_case.model import UseCase
 from remodel_planning.edge.use_case_files import default_use_case, find_use_case
 from remodel_production.core.board.board import board_of
 from remodel_production.core.production import Order
+from remodel_production.edge.catalogue_file import read_catalogue
+from remodel_production.edge.package_files import catalogue_file
 
 
 def add_design_options(parser: argparse.ArgumentParser) -> None:
@@ -35,7 +37,7 @@ def design_order(stored: Order, options: argparse.Namespace) -> tuple[WorkOrder,
     Raises:
         PlannerError: if the use case takes no designs, or nothing of the order is to be placed.
     """
-    board = board_of(stored)
+    board = board_of(stored, read_catalogue(catalogue_file()))
     asked = options.use_case
     use_case = find_use_case(asked) if asked else default_use_case(kind_of(board))
     return board_order(board, use_case, options.arms), use_case

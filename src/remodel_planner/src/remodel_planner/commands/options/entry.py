@@ -1,11 +1,16 @@
-"""Run a command as a process."""
+"""Run a command as a process, and turn an error of the planner into its exit code."""
 
 from __future__ import annotations
 
 import os
 import sys
 from collections.abc import Callable
+from functools import wraps
 from typing import NoReturn
+
+from remodel_production.errors import PlannerError
+
+Main = Callable[[list[str] | None], int]
 
 # What a shell reports of a process that SIGPIPE has ended.
 _CLOSED_PIPE = 128 + 13
@@ -23,3 +28,25 @@ def run(main: Callable[[], int]) -> NoReturn:
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
         code = _CLOSED_PIPE
     sys.exit(code)
+
+
+def refuses(name: str, code: int) -> Callable[[Main], Main]:
+    """Let a command print an error of the planner as a line, and return an exit code then.
+
+    Args:
+        name: of the command, which the line begins with.
+        code: exit code of a refusal.
+    """
+
+    def decorate(main: Main) -> Main:
+        @wraps(main)
+        def guarded(arguments: list[str] | None = None) -> int:
+            try:
+                return main(arguments)
+            except PlannerError as error:
+                print(f"{name}: {error}", file=sys.stderr)
+                return code
+
+        return guarded
+
+    return decorate

@@ -19,7 +19,7 @@ from remodel_supervision.edge.nested_charts import nested_charts
 
 
 class AttemptReporter:
-    """Makes the reports of attempts at wires."""
+    """Makes the reports of attempts at tasks."""
 
     def __init__(self, pictures: Path) -> None:
         """Take the folder of the run's pictures; those that are not there are left out."""
@@ -27,7 +27,7 @@ class AttemptReporter:
         self._nested = nested_charts()
         self._error_names = read_error_names()
 
-    def report(self, attempt: Attempt, wire: Wire, length_m: float) -> AttemptReport:
+    def report(self, attempt: Attempt, wire: Wire | None, length_m: float) -> AttemptReport:
         """Return the report of one attempt."""
         operations = attempt.execution.operations
         chart = parse_chart(attempt.chart, "record")

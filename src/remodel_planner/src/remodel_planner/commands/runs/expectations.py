@@ -3,21 +3,21 @@
 from __future__ import annotations
 
 import argparse
-import sys
 from collections import Counter
 from contextlib import closing
 
 from remodel_planner.commands.options.database_option import add_database_option
+from remodel_planner.commands.options.entry import refuses
 from remodel_planning.core.use_case.bounds import frozen_setting
 from remodel_planning.core.use_case.model import UseCase
 from remodel_planning.edge.use_case_files import find_use_case
 from remodel_production.edge.database.production_database import ProductionDatabase
-from remodel_production.errors import PlannerError
 from remodel_supervision.core.learning.learned_expectations import Call, LearnedExpectations
 from remodel_supervision.core.learning.learned_parameters import LearnedParameters, setting_of
 from remodel_supervision.edge.recorded_lessons import ability_calls
 
 
+@refuses("expectations", 1)
 def main(arguments: list[str] | None = None) -> int:
     """Print a line for each ability and section, and return the exit code."""
     parser = argparse.ArgumentParser(
@@ -30,13 +30,9 @@ def main(arguments: list[str] | None = None) -> int:
     parser.add_argument("use_case", metavar="USE_CASE", help="such as switchgear")
     add_database_option(parser)
     options = parser.parse_args(arguments)
-    try:
-        use_case = find_use_case(options.use_case)
-        with closing(ProductionDatabase(options.database)) as database:
-            calls = ability_calls(database)
-    except PlannerError as error:
-        print(f"expectations: {error}", file=sys.stderr)
-        return 1
+    use_case = find_use_case(options.use_case)
+    with closing(ProductionDatabase(options.database)) as database:
+        calls = ability_calls(database)
     _print_expectations(use_case, calls)
     for ability in use_case.learned:
         _print_settings(use_case, ability, calls)

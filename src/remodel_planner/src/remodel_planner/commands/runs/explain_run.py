@@ -3,12 +3,10 @@
 from __future__ import annotations
 
 import argparse
-import sys
 
 from remodel_planner.commands.options.database_option import add_database_option
 from remodel_planner.core.reports.run_explanation import explain_run
 from remodel_planning.edge.fault_file import read_faults
-from remodel_production.errors import PlannerError
 from remodel_supervision.edge.run_log import kept_run
 
 
@@ -22,11 +20,7 @@ def main(arguments: list[str]) -> int:
     parser.add_argument("run", type=int, metavar="RUN", help="number of the run")
     add_database_option(parser)
     options = parser.parse_args(arguments)
-    try:
-        kept = kept_run(options.database, options.run)
-    except PlannerError as error:
-        print(f"explain: {error}", file=sys.stderr)
-        return 3
+    kept = kept_run(options.database, options.run)
     events = [each.event for each in kept]
     print("\n".join(explain_run(options.run, kept[0].at, events, read_faults())))
     return 0

@@ -3,12 +3,11 @@
 from __future__ import annotations
 
 import argparse
-import sys
 
 from flexbe_synthesizer.core.chart.chart_reader import parse_chart
 from remodel_planner.commands.options.database_option import add_database_option
+from remodel_planner.commands.options.entry import refuses
 from remodel_planning.edge.fault_file import read_error_names
-from remodel_production.errors import PlannerError
 from remodel_supervision.core.runs.attempts import attempts_of
 from remodel_supervision.core.runs.event_form import kind_of
 from remodel_supervision.core.runs.events import OperationEnded
@@ -18,6 +17,7 @@ from remodel_supervision.edge.nested_charts import nested_charts
 from remodel_supervision.edge.run_log import KeptEvent, kept_run
 
 
+@refuses("replay", 3)
 def main(arguments: list[str] | None = None) -> int:
     """Print each event with what came next, and return the exit code."""
     parser = argparse.ArgumentParser(
@@ -31,11 +31,7 @@ def main(arguments: list[str] | None = None) -> int:
     parser.add_argument("--quiet", action="store_true", help="print the differences only")
     add_database_option(parser)
     options = parser.parse_args(arguments)
-    try:
-        kept = kept_run(options.database, options.run)
-    except PlannerError as error:
-        print(f"replay: {error}", file=sys.stderr)
-        return 3
+    kept = kept_run(options.database, options.run)
     differences = _play(kept, quiet=options.quiet)
     for difference in differences:
         print(f"DIFFERS: {difference}")

@@ -15,7 +15,7 @@ from remodel_planning.core.use_case.fault import Do
 from remodel_production.core.production import Order, Wire
 from remodel_supervision.core.run import Execution
 from remodel_supervision.core.runs.attempts import Attempt, Attempts
-from remodel_supervision.core.runs.events import Part, Planned
+from remodel_supervision.core.runs.events import Event, Part, Planned, RunBegun
 from remodel_supervision.core.runs.fold import state_after
 from remodel_supervision.core.runs.state import RunState, Stage
 from remodel_supervision.edge.run_log import RunLog
@@ -73,15 +73,27 @@ class RunFollower:
         self.attempts: tuple[Attempt, ...] = ()
         rospy.Subscriber(STATE, UseCaseState, self._on_state)
 
-    def run(self, again: bool) -> RunState:
-        """Run the order, and return how it ended.
+    def run(self, tasks: int, *, use_case: str = "", again: bool = False) -> RunState:
+        """Run the first tasks of the order, and return how it ended.
+
+        Args:
+            tasks: how many, from the first; 0 for all.
+            use_case: name of the use case that it is done by; empty: the supervisor's default.
+            again: wire the next product of the order.
 
         Raises:
             CellError: if the supervisor refuses, or dies and does not respawn.
         """
-        goal = self._requested(again)
-        total = len(self._order.wires)
-        with tqdm(total=total, unit="wire", file=sys.stdout, leave=False, disable=None) as bar:
+        request = RunUseCaseGoal(
+            id=f"run_order {uuid.uuid4().hex[:8]}",
+            order=self._order.name,
+            use_case=use_case,
+            tasks=tasks,
+            again=again,
+        )
+        goal = self._accepted(request)
+        total = len(self._log.state(self.number).tasks)
+        with tqdm(total=total, unit="task", file=sys.stdout, leave=False, disable=None) as bar:
             while True:
                 goal.wait(_READ_S)
                 state, lines = self._news()
@@ -92,19 +104,13 @@ class RunFollower:
                     return state
                 self._require_supervisor()
 
-    def _requested(self, again: bool) -> Goal:
+    def _accepted(self, request: RunUseCaseGoal) -> Goal:
         """Send the goal until a supervisor has begun the run; one may die before it does.
 
         What a supervisor publishes of an earlier run, which it does until a new one begins, is not
         this run.
         """
         earlier = max((head.number for head in self._log.heads()), default=0)
-        request = RunUseCaseGoal(
-            id=f"run_order {uuid.uuid4().hex[:8]}",
-            order=self._order.name,
-            tasks=len(self._order.wires),
-            again=again,
-        )
         end = time.monotonic() + _START_LIMIT_S
         while time.monotonic() < end:
             self._server.wait(_START_LIMIT_S)
@@ -131,7 +137,7 @@ class RunFollower:
         kept = tuple(self._log.events(self.number, first=self._events))
         self._events += len(kept)
         events = [each.event for each in kept]
-        lines = [f"plan: {' '.join(event.tasks)}" for event in events if isinstance(event, Planned)]
+        lines = [line for event in events for line in _event_lines(event)]
         for event in events:
             self._ended.add(event)
         state = self._state = state_after(events, self._state)
@@ -168,8 +174,20 @@ def _hold_line(state: UseCaseState) -> str:
     return state.message if state.phase == UseCaseState.PAUSED else ""
 
 
+def _event_lines(event: Event) -> list[str]:
+    match event:
+        case RunBegun():
+            return [
+                f"order {event.order}, use case {event.use_case}, product {event.serial}: "
+                f"{len(event.tasks)} tasks"
+            ]
+        case Planned():
+            return [f"plan: {' '.join(event.tasks)}"]
+    return []
+
+
 def _line(attempt: Attempt, wires: dict[str, Wire]) -> str:
-    wire, execution = wires[attempt.execution.wire], attempt.execution
+    execution = attempt.execution
     result = "placed" if execution.placed else f"NOT placed ({execution.outcome})"
     if attempt.because:
         result = f"interrupted ({attempt.because})"
@@ -179,9 +197,12 @@ def _line(attempt: Attempt, wires: dict[str, Wire]) -> str:
         result += f" at attempt {execution.attempt}"
     if attempt.decision:
         result += f", {_RESPONSES[attempt.decision.do]} ({attempt.decision.because})"
+    wire = wires.get(execution.wire)
+    about = (
+        f"  {wire.a!s:>12} to {wire.b!s:<14} {wire.colour} {wire.section_mm2:g} mm2" if wire else ""
+    )
     head = (
-        f"{wire.name:>4}  {wire.a!s:>12} to {wire.b!s:<14} {wire.colour} "
-        f"{wire.section_mm2:g} mm2  {result}, {_insertions(execution)}, {execution.cell_s:.1f} s"
+        f"{execution.wire:>4}{about}  {result}, {_insertions(execution)}, {execution.cell_s:.1f} s"
     )
     return "\n".join([head, *(f"        {failure_line(f)}" for f in execution.failures)])
 

@@ -15,12 +15,15 @@ from remodel_planner.commands.runs.attempt_reporter import AttemptReporter
 from remodel_planner.commands.runs.run_follower import RunFollower
 from remodel_planner.core.reports.run_report import Report
 from remodel_planner.edge.report_files import write_report
+from remodel_planning.core.orders.cell_order import USE_CASE
+from remodel_production.core.board.board import board_of
 from remodel_production.core.panel.panel_layout import PanelRules, lay_out
 from remodel_production.core.production import Order
 from remodel_production.edge.catalogue_file import read_catalogue
 from remodel_production.edge.database.production_database import ProductionDatabase
 from remodel_production.edge.package_files import catalogue_file
 from remodel_production.errors import PlannerError
+from remodel_supervision.core.runs.abridged import abridged
 from remodel_supervision.core.runs.attempts import Attempt
 from remodel_supervision.core.runs.events import Ending, Part
 from remodel_supervision.core.runs.state import RunState, Stage
@@ -37,7 +40,15 @@ def main(arguments: list[str] | None = None) -> int:
         "interrupted.",
     )
     parser.add_argument("order", help="name of the order in the production database")
-    parser.add_argument("--wires", type=int, default=6, help="how many, from the first (default 6)")
+    parser.add_argument(
+        "--use-case",
+        default="",
+        metavar="NAME",
+        help="by which the order is done (default: the supervisor's; docs/use-cases.md)",
+    )
+    parser.add_argument(
+        "--wires", type=int, default=6, help="how many tasks, from the first (default 6)"
+    )
     parser.add_argument(
         "--again", action="store_true", help="place wires again that are placed already"
     )
@@ -60,8 +71,7 @@ def main(arguments: list[str] | None = None) -> int:
         parser.error(f"--wires must be at least 1, found {options.wires}")
     try:
         database = ProductionDatabase(options.database)
-        order = database.order(options.order).in_cabinet().first(options.wires)
-        layout = lay_out(order, read_catalogue(catalogue_file()), PanelRules())
+        order = database.order(options.order).in_cabinet()
     except PlannerError as error:
         print(f"run_order: {error}", file=sys.stderr)
         return 2
@@ -73,11 +83,10 @@ def main(arguments: list[str] | None = None) -> int:
         return 3
     except KeyboardInterrupt:
         return 130
-    print(f"order {order.name}: {len(order.wires)} wires, {len(order.components)} components")
     follower = RunFollower(RunLog(database), order)
     started = time.monotonic()
     try:
-        state = follower.run(options.again)
+        state = follower.run(options.wires, use_case=options.use_case, again=options.again)
     except PlannerError as error:
         print(f"run_order: {error}", file=sys.stderr)
         return 3
@@ -87,24 +96,25 @@ def main(arguments: list[str] | None = None) -> int:
     finally:
         database.close()
     wall_s = time.monotonic() - started
-    lengths = {cut.wire.name: cut.length for cut in layout.wires}
     pictures = options.output / "runs" / str(follower.number)
-    report = _report(order, lengths, follower.attempts, state, pictures=pictures, wall_s=wall_s)
+    report = _report(order, follower.attempts, state, pictures=pictures, wall_s=wall_s)
     page = write_report(report, options.output)
     _print_summary(report, page)
-    print(
-        "explanation: rosrun remodel_planner planner explain "
-        f"{follower.number} --database {options.database}"
+    explanation = (
+        f"rosrun remodel_planner planner explain {follower.number} --database {options.database}"
     )
+    print(f"explanation: {explanation}")
     if report.stopped:
-        print(f"run_order: {report.stopped}", file=sys.stderr)
+        short = abridged(report.stopped)
+        print(f"run_order: {short}", file=sys.stderr)
+        if short != report.stopped:
+            print(f"all problems: {explanation}", file=sys.stderr)
         return 3
     return 0 if report.complete else 1
 
 
 def _report(
     order: Order,
-    lengths: dict[str, float],
     attempts: tuple[Attempt, ...],
     state: RunState,
     pictures: Path,
@@ -113,9 +123,11 @@ def _report(
     reporter = AttemptReporter(pictures)
     reported = [attempt for attempt in attempts if attempt.part is not Part.CLEAR]
     wires = {wire.name: wire for wire in order.wires}
+    lengths = _lengths(order, state) if reported else {}
     reports = tuple(
-        reporter.report(attempt, wires[attempt.execution.wire], lengths[attempt.execution.wire])
+        reporter.report(attempt, wires.get(name), lengths.get(name, 0.0))
         for attempt in reported
+        for name in [attempt.execution.wire]
     )
     overview = reporter.overview(attempts[-1]) if attempts else ()
     is_stopped = state.ended is not None and state.ended.ending is Ending.STOPPED
@@ -124,8 +136,20 @@ def _report(
     done = [name for name, task in state.tasks.items() if task.stage is Stage.DONE]
     before = sum(name not in here for name in done)
     return Report(
-        order, len(order.wires), wall_s, reports, overview=overview, stopped=stopped, before=before
+        order, len(state.tasks), wall_s, reports, overview=overview, stopped=stopped, before=before
     )
+
+
+def _lengths(order: Order, state: RunState) -> dict[str, float]:
+    """Return the length of each wire [m], as it was cut."""
+    catalogue = read_catalogue(catalogue_file())
+    if state.use_case != USE_CASE:
+        board = board_of(order, catalogue)
+        return {
+            wire.name: board.length_of(wire) for wire in order.wires if wire.name in board.routes
+        }
+    layout = lay_out(order.first(len(state.tasks)), catalogue, PanelRules())
+    return {cut.wire.name: cut.length for cut in layout.wires}
 
 
 def _print_summary(report: Report, page: Path) -> None:

@@ -126,7 +126,9 @@ def _lines(event: Event) -> Iterator[str]:
         case Blocked():
             yield f"it cannot go on: {event.because}"
         case RunEnded():
-            yield f"ended {event.ending.value}: {event.because}"
+            # What ended a run early is reported in full where it happened.
+            because, *_ = event.because.split("\n")
+            yield f"ended {event.ending.value}: {because}"
 
 
 def _inspection(event: Settled) -> str:

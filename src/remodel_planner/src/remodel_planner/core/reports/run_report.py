@@ -52,9 +52,14 @@ class Drawing:
 
 @dataclass(frozen=True)
 class AttemptReport:
-    """What the report contains about one attempt at a wire."""
+    """What the report contains about one attempt at a task.
 
-    wire: Wire
+    Attributes:
+        wire: that the task places; None for a task of another kind, such as a branch of a harness.
+        length_m: [m] of the wire.
+    """
+
+    wire: Wire | None
     length_m: float
     execution: Execution
     drawings: tuple[Drawing, ...]
@@ -62,14 +67,14 @@ class AttemptReport:
 
     @property
     def label(self) -> str:
-        """The wire's name, and the attempt if it is not the first."""
-        number = self.execution.attempt
-        return self.wire.name if number == 1 else f"{self.wire.name}, attempt {number}"
+        """The task's name, and the attempt if it is not the first."""
+        name, number = self.execution.wire, self.execution.attempt
+        return name if number == 1 else f"{name}, attempt {number}"
 
     @property
     def anchor(self) -> str:
         """What the page's links lead to."""
-        return f"{self.wire.name}-{self.execution.attempt}"
+        return f"{self.execution.wire}-{self.execution.attempt}"
 
 
 @dataclass(frozen=True)
@@ -189,15 +194,10 @@ def report_data(report: Report) -> Mapping[str, object]:
 
 
 def _attempt_data(attempt: AttemptReport) -> Mapping[str, object]:
-    execution = attempt.execution
+    execution, wire = attempt.execution, attempt.wire
     return {
-        "wire": attempt.wire.name,
-        "a": str(attempt.wire.a),
-        "b": str(attempt.wire.b),
-        "colour": attempt.wire.colour,
-        "section_mm2": attempt.wire.section_mm2,
-        "length_m": attempt.length_m,
-        "source": attempt.wire.source,
+        "wire": execution.wire,
+        **(_wire_data(wire, attempt.length_m) if wire is not None else {}),
         "behavior": execution.behavior,
         "attempt": execution.attempt,
         "outcome": execution.outcome,
@@ -206,6 +206,17 @@ def _attempt_data(attempt: AttemptReport) -> Mapping[str, object]:
         "failures": [failure_line(operation) for operation in execution.failures],
         "cell_s": round(execution.cell_s, 2),
         "operations": [asdict(operation) for operation in execution.operations],
+    }
+
+
+def _wire_data(wire: Wire, length_m: float) -> Mapping[str, object]:
+    return {
+        "a": str(wire.a),
+        "b": str(wire.b),
+        "colour": wire.colour,
+        "section_mm2": wire.section_mm2,
+        "length_m": length_m,
+        "source": wire.source,
     }
 
 

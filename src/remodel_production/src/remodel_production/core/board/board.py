@@ -8,15 +8,10 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from itertools import pairwise
 
-from remodel_production.core.board.cabinet import is_cabinet, laid_out, on_plate
+from remodel_production.core.board.cabinet import clamp_pitches, is_cabinet, laid_out, on_plate
 from remodel_production.core.board.formboard import Point, flattened
+from remodel_production.core.catalogue import Catalogue
 from remodel_production.core.production import Component, Order, Segment, Side, TerminalRef, Wire
-
-# [m] of a connector on a formboard, which designs do not say.
-_CAVITY_PITCH_M = 0.005
-_CONNECTOR_DEPTH_M = 0.030
-# A device on a rail reaches from one of its rows of terminals to the other.
-_LEAST_SIZE_M = 0.010
 
 
 @dataclass(frozen=True)
@@ -59,31 +54,41 @@ def route_length(route: tuple[Point, ...]) -> float:
     return sum(math.dist(p, q) for p, q in pairwise(route))
 
 
-def board_of(order: Order) -> Board:
+def board_of(order: Order, catalogue: Catalogue) -> Board:
     """Return the board of an order: a plate with ducts, or a formboard for a harness.
 
     Wires that leave the board are not on it.
     """
-    order = laid_out(order)
+    order = laid_out(order, catalogue)
     has_ducts = is_cabinet(order)
-    return _plate(order) if has_ducts or not order.segments else _formboard(order)
+    make = _plate if has_ducts or not order.segments else _formboard
+    return make(order, catalogue)
 
 
-def _plate(order: Order) -> Board:
+def _plate(order: Order, catalogue: Catalogue) -> Board:
     inside = order.in_cabinet()
+    whole = {component.name: component for component in order.components}
+    pitches = clamp_pitches(order, catalogue)
     nodes = {n.name: n.position[:2] for n in order.nodes if n.position is not None}
     devices, openings = [], {}
     for component in inside.components:
         if component.pose is None or not on_plate(component):
             continue
         x, y, _ = component.pose.position
-        spots = [t.pose.position for t in component.terminals if t.pose is not None]
+        # With the terminals of wires that leave the cabinet, too.
+        spots = {t.name: t.pose.position for t in whole[component.name].terminals if t.pose}
         for terminal in component.terminals:
             dx, dy, _ = terminal.pose.position if terminal.pose else (0.0, 0.0, 0.0)
             openings[TerminalRef(component.name, terminal.name)] = (x + dx, y + dy)
-        half = max((abs(spot[0]) for spot in spots), default=0.0) + _LEAST_SIZE_M / 2
-        height = 2 * max((abs(spot[1]) for spot in spots), default=_LEAST_SIZE_M)
-        devices.append(PlacedDevice(component, (x, y), (2 * half, height)))
+        reaches = [
+            abs(dx) + pitches[TerminalRef(component.name, name)] / 2
+            for name, (dx, _, _) in spots.items()
+        ]
+        rules = catalogue.cabinet
+        width = max(2 * (max(reaches, default=0.0) + rules.device_margin), rules.narrowest)
+        part = catalogue.device_class(component.role, component.part_number, component.kind)
+        height = 2 * max((abs(dy) for _, dy, _ in spots.values()), default=part.depth_m / 2)
+        devices.append(PlacedDevice(component, (x, y), (round(width, 6), round(height, 6))))
     lines = {s.name: (nodes[s.start], nodes[s.end]) for s in order.segments}
     routes = {w.name: _through_ducts(order, w, openings, lines) for w in inside.wires}
     return Board(order, tuple(devices), openings, lines, clips={}, routes=routes, is_cabinet=True)
@@ -105,30 +110,33 @@ def _through_ducts(
     return _straightened((a, (a[0], into), *nodes, (b[0], out), b))
 
 
-def _formboard(order: Order) -> Board:
+def _formboard(order: Order, catalogue: Catalogue) -> Board:
     nodes = flattened([node.name for node in order.nodes], order.segments)
+    pitch = catalogue.formboard.cavity_pitch
     left = min(x for x, _ in nodes.values())
     low = min(y for _, y in nodes.values())
     devices, openings = [], {}
     loose_x = left
     at_node: Counter[str] = Counter()
     for component in order.components:
-        size = (max(1, len(component.terminals)) * _CAVITY_PITCH_M, _CONNECTOR_DEPTH_M)
+        part = catalogue.device_class(component.role, component.part_number, component.kind)
+        depth = part.depth_m
+        size = (max(1, len(component.terminals)) * pitch, depth)
         centre = nodes.get(component.node)
         if centre is None:
             # The design says no node: it lies below the harness.
-            centre = (loose_x + size[0] / 2, low - 4 * _CONNECTOR_DEPTH_M)
-            loose_x += size[0] + _CONNECTOR_DEPTH_M
+            centre = (loose_x + size[0] / 2, low - 4 * depth)
+            loose_x += size[0] + depth
         else:
             # Of those at one node, each lies below the one before.
-            below = at_node[component.node] * 1.2 * _CONNECTOR_DEPTH_M
+            below = at_node[component.node] * 1.2 * depth
             at_node[component.node] += 1
             centre = (centre[0], centre[1] - below)
         devices.append(PlacedDevice(component, centre, size))
         for index, terminal in enumerate(component.terminals):
-            x = centre[0] + (index - (len(component.terminals) - 1) / 2) * _CAVITY_PITCH_M
+            x = centre[0] + (index - (len(component.terminals) - 1) / 2) * pitch
             up = 1 if terminal.side is Side.TOP else -1
-            opening = (x, centre[1] + up * _CONNECTOR_DEPTH_M / 2)
+            opening = (x, centre[1] + up * depth / 2)
             openings[TerminalRef(component.name, terminal.name)] = opening
     lines = {s.name: (nodes[s.start], nodes[s.end]) for s in order.segments}
     clips = {

@@ -16,11 +16,12 @@ from __future__ import annotations
 
 import math
 from collections import defaultdict
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from itertools import pairwise
 
 from remodel_production.core.board.duct_graph import DuctGraph
+from remodel_production.core.catalogue import CabinetRules, Catalogue
 from remodel_production.core.production import (
     Component,
     Mount,
@@ -34,25 +35,11 @@ from remodel_production.core.production import (
     Vector,
 )
 
-
-@dataclass(frozen=True)
-class CabinetRules:
-    """Sizes in [m]: those usual for devices on 35 mm rails (EN 60715) and for slotted ducts."""
-
-    terminal_pitch: float = 0.008
-    margin: float = 0.002
-    narrowest: float = 0.010
-    height: float = 0.090  # of a device, across the rail
-    gap: float = 0.002
-    row_pitch: float = 0.220
-    duct: float = 0.060  # width
-    segment: float = 0.200  # longest piece of a duct
-    tail: float = 0.060  # of a wire, at each end, for its bend and its ferrule
-    aspect: float = 1.3  # of the plate: its width by its height
-    passes: int = 40  # of pulling together those that are wired to each other
+# How often those that are wired to each other are pulled together.
+_PASSES = 40
 
 
-def laid_out(order: Order, rules: CabinetRules | None = None) -> Order:
+def laid_out(order: Order, catalogue: Catalogue) -> Order:
     """Return the order with the places, ducts, routes and lengths that its design leaves open.
 
     A design with segments of its own, such as a harness, is returned unchanged. Wires that leave
@@ -61,7 +48,7 @@ def laid_out(order: Order, rules: CabinetRules | None = None) -> Order:
     inside = order.in_cabinet()
     if order.segments or not inside.wires:
         return order
-    return _Cabinet(order, inside, rules or CabinetRules()).order()
+    return _Cabinet(order, inside, catalogue).order()
 
 
 @dataclass(frozen=True)
@@ -75,9 +62,11 @@ class _Row:
 class _Cabinet:
     """Lays out one order; every method fills what the next one needs."""
 
-    def __init__(self, order: Order, inside: Order, rules: CabinetRules) -> None:
+    def __init__(self, order: Order, inside: Order, catalogue: Catalogue) -> None:
         self._order = order
-        self._rules = rules
+        self._catalogue = catalogue
+        self._rules = catalogue.cabinet
+        self._pitches = clamp_pitches(order, catalogue)
         used = {component.name for component in inside.components}
         # With all their terminals, also those of wires that leave the cabinet.
         self._members = [c for c in order.components if c.name in used]
@@ -86,8 +75,8 @@ class _Cabinet:
         self._rows = self._given_rows() if posed else self._computed_rows()
         lefts = [x - self._width(c) / 2 for row in self._rows for c, x in row.places]
         rights = [x + self._width(c) / 2 for row in self._rows for c, x in row.places]
-        self._left = min(lefts) - rules.duct
-        self._right = max(rights) + rules.duct
+        self._left = min(lefts) - self._rules.duct.width
+        self._right = max(rights) + self._rules.duct.width
         self._ducts = self._duct_heights()
 
     def order(self) -> Order:
@@ -126,17 +115,20 @@ class _Cabinet:
         )
 
     def _width(self, component: Component) -> float:
-        most = max(sum(t.side is side for t in component.terminals) for side in Side)
-        needed = most * self._rules.terminal_pitch + 2 * self._rules.margin
-        return max(needed, self._rules.narrowest)
+        return device_width(component, self._pitches, self._rules)
+
+    def _depth(self, component: Component) -> float:
+        part = self._catalogue.device_class(component.role, component.part_number, component.kind)
+        return part.depth_m
 
     def _given_rows(self) -> list[_Row]:
         """Return the rows by the places of the design: those at about one height are one row."""
         placed = [(component, *_position(component.pose)[:2]) for component in self._members]
         placed.sort(key=lambda place: (-place[2], place[1], place[0].name))
         rows: list[_Row] = []
+        depth = max(self._depth(component) for component in self._members)
         for component, x, y in placed:
-            if rows and rows[-1].y - y < self._rules.height:
+            if rows and rows[-1].y - y < depth:
                 rows[-1] = replace(rows[-1], places=(*rows[-1].places, (component, x)))
             else:
                 rows.append(_Row(y, ((component, x),)))
@@ -147,14 +139,14 @@ class _Cabinet:
 
     def _computed_rows(self) -> list[_Row]:
         line = self._line()
-        total = sum(self._width(component) + self._rules.gap for component in line)
+        total = sum(self._width(component) + self._rules.device_gap for component in line)
         widest = max(self._width(component) for component in line)
         width = max(widest, math.sqrt(total * self._rules.row_pitch * self._rules.aspect))
         count = max(1, math.ceil(total / width))
         rows: list[list[Component]] = [[]]
         filled = 0.0
         for component in line:
-            own = self._width(component) + self._rules.gap
+            own = self._width(component) + self._rules.device_gap
             # Rows end where their share of the whole is over, so that all are about as long.
             if rows[-1] and filled + own / 2 > total * len(rows) / count:
                 rows.append([])
@@ -168,11 +160,11 @@ class _Cabinet:
 
     def _along(self, members: Sequence[Component]) -> tuple[tuple[Component, float], ...]:
         places = []
-        x = self._rules.duct
+        x = self._rules.duct.width
         for component in members:
             width = self._width(component)
             places.append((component, x + width / 2))
-            x += width + self._rules.gap
+            x += width + self._rules.device_gap
         return tuple(places)
 
     def _line(self) -> list[Component]:
@@ -189,7 +181,7 @@ class _Cabinet:
                 partners[b].append(a)
         line = list(self._members)
         best, least = line, math.inf
-        for _ in range(self._rules.passes):
+        for _ in range(_PASSES):
             place = self._centres(line)
             distance = sum(
                 abs(place[wire.a.component] - place[wire.b.component]) for wire in self._wires
@@ -209,7 +201,7 @@ class _Cabinet:
         for component in line:
             width = self._width(component)
             places[component.name] = x + width / 2
-            x += width + self._rules.gap
+            x += width + self._rules.device_gap
         return places
 
     def _placed(self, component: Component, x: float, y: float) -> Component:
@@ -218,9 +210,11 @@ class _Cabinet:
         for side in Side:
             members = [t for t in component.terminals if t.side is side]
             up = 1 if side is Side.TOP else -1
-            for index, terminal in enumerate(members):
-                dx = (index - (len(members) - 1) / 2) * self._rules.terminal_pitch
-                opening = Pose((round(dx, 6), up * self._rules.height / 2, 0.0))
+            pitches = [self._pitches[TerminalRef(component.name, t.name)] for t in members]
+            left = -sum(pitches) / 2
+            for terminal, pitch in zip(members, pitches, strict=True):
+                dx, left = left + pitch / 2, left + pitch
+                opening = Pose((round(dx, 6), up * self._depth(component) / 2, 0.0))
                 terminals[terminal.name] = replace(
                     terminal,
                     pose=terminal.pose or opening,
@@ -241,7 +235,7 @@ class _Cabinet:
 
     def _graph(self) -> tuple[tuple[Node, ...], tuple[Segment, ...]]:
         width = self._right - self._left
-        pieces = max(1, math.ceil(width / self._rules.segment))
+        pieces = max(1, math.ceil(width / self._rules.duct_piece))
         nodes, segments = [], []
         for k, y in enumerate(self._ducts):
             for j in range(pieces + 1):
@@ -257,6 +251,31 @@ class _Cabinet:
                 length = round(above - below, 6)
                 segments.append(Segment(f"{name}{k}", start, end, length, kind=SegmentKind.DUCT))
         return tuple(nodes), tuple(segments)
+
+
+def clamp_pitches(order: Order, catalogue: Catalogue) -> dict[TerminalRef, float]:
+    """Return the pitch [m] of each terminal, by the section of its wire."""
+    sections = {end: wire.section_mm2 for wire in order.wires for end in (wire.a, wire.b)}
+    return {
+        (ref := TerminalRef(component.name, terminal.name)): catalogue.clamp_pitch(
+            sections.get(ref, catalogue.default_section)
+        )
+        for component in order.components
+        for terminal in component.terminals
+    }
+
+
+def device_width(
+    component: Component, pitches: Mapping[TerminalRef, float], rules: CabinetRules
+) -> float:
+    """Return the width [m] of a device: of its wider row of terminals, with its margins."""
+    rows = (
+        sum(
+            pitches[TerminalRef(component.name, t.name)] for t in component.terminals if t.side is s
+        )
+        for s in Side
+    )
+    return max(max(rows) + 2 * rules.device_margin, rules.narrowest)
 
 
 def is_cabinet(order: Order) -> bool:

@@ -1,4 +1,4 @@
-"""Draw a board as SVG: components, ducts or bundles, clips, and the wires in their colours."""
+"""Draw a board as SVG, to scale: components, rails, ducts or bundles, clips, wires in colours."""
 
 from __future__ import annotations
 
@@ -8,21 +8,25 @@ from xml.sax.saxutils import escape, quoteattr
 
 from remodel_production.core.board.board import Board, PlacedDevice
 from remodel_production.core.board.formboard import Point
-from remodel_production.core.production import Wire
+from remodel_production.core.board.panel import panel_of
+from remodel_production.core.catalogue import Catalogue
+from remodel_production.core.production import TerminalRef, Wire
 
 # Pixels of the drawing.
 _WIDTH = 1600
 _MARGIN = 40
 
 _BUNDLE = 8
-_OPENING = 5
 
-# [m]: wires in one duct are drawn side by side, in this many lanes.
-_DUCT_M = 0.060
+# Wires in one duct are drawn side by side, in this many lanes over this part of its width.
 _LANES = 15
-_LANE_M = 0.0035
+_LANES_SHARE = 0.85
+# [m]
+_AROUND_M = 0.060
 _LABEL_M = 0.012
-_RAIL_M = 0.035
+_WALL_M = 0.002
+# Of an opening whose size is not known [m].
+_OPENING_M = 0.003
 
 _COLOURS = {
     **{"BK": "#222222", "BN": "#8b5a2b", "RD": "#d62728", "OG": "#ff8c1a", "YE": "#d9b800"},
@@ -46,14 +50,14 @@ class _View:
         return x, _MARGIN + self.scale * (self.top - point[1])
 
 
-def draw_board(board: Board) -> str:
-    """Return the SVG of a board."""
+def draw_board(board: Board, catalogue: Catalogue) -> str:
+    """Return the SVG of a board, with the sizes that the catalogue has."""
     points = [point for line in board.lines.values() for point in line]
     points += board.openings.values()
     points += [device.centre for device in board.devices]
     xs, ys = zip(*(points or [(0.0, 0.0)]), strict=True)
-    left, right = min(xs) - _DUCT_M, max(xs) + _DUCT_M
-    low, top = min(ys) - _DUCT_M, max(ys) + _DUCT_M
+    left, right = min(xs) - _AROUND_M, max(xs) + _AROUND_M
+    low, top = min(ys) - _AROUND_M, max(ys) + _AROUND_M
     view = _View(left, top, (_WIDTH - 2 * _MARGIN) / (right - left))
     height = 2 * _MARGIN + view.scale * (top - low)
     return "\n".join(
@@ -62,10 +66,11 @@ def draw_board(board: Board) -> str:
             'font-family="sans-serif">',
             f"<title>{escape(board.order.name)}</title>",
             f'<rect width="{_WIDTH}" height="{height:.0f}" fill="white"/>',
-            *_segments(board, view),
-            *_rails(board, view),
+            *(_ducts(board, catalogue, view) if board.is_cabinet else _bundles(board, view)),
+            *_rails(board, catalogue, view),
             *_devices(board, view),
-            *_wires(board, view),
+            *_openings(board, catalogue, view),
+            *_wires(board, _LANES_SHARE * catalogue.cabinet.duct.width / _LANES, view),
             *_clips(board, view),
             *_labels(board, view),
             "</svg>\n",
@@ -73,32 +78,52 @@ def draw_board(board: Board) -> str:
     )
 
 
-def _segments(board: Board, view: _View) -> Iterator[str]:
-    stroke = "#e4e8ee" if board.is_cabinet else "#dddddd"
-    width = _DUCT_M * view.scale if board.is_cabinet else _BUNDLE
-    for name, (start, end) in board.lines.items():
-        (x1, y1), (x2, y2) = view.place(start), view.place(end)
-        yield (
-            f'<line x1="{x1:.1f}" y1="{y1:.1f}" x2="{x2:.1f}" y2="{y2:.1f}" stroke="{stroke}" '
-            f'stroke-width="{width:.1f}" stroke-linecap="square">'
-            f"<title>{escape(name)}</title></line>"
-        )
+def _bundles(board: Board, view: _View) -> Iterator[str]:
+    for name, line in board.lines.items():
+        yield _line(line, view, name, stroke="#dddddd", width=_BUNDLE)
 
 
-def _rails(board: Board, view: _View) -> Iterator[str]:
+def _ducts(board: Board, catalogue: Catalogue, view: _View) -> Iterator[str]:
+    """Draw the fingers of all walls, and over them the ducts' floors: walls are open in joints."""
+    size = catalogue.cabinet.duct
+    finger = size.slot_pitch - size.slot_width
+    dashes = f"{finger * view.scale:.2f} {size.slot_width * view.scale:.2f}"
+    across = (size.width + 2 * _WALL_M) * view.scale
+    for name, line in board.lines.items():
+        yield _line(line, view, name, stroke="#9aa4b2", width=across, dashes=dashes)
+    for name, line in board.lines.items():
+        yield _line(line, view, name, stroke="#e4e8ee", width=size.width * view.scale)
+
+
+def _line(
+    line: tuple[Point, Point],
+    view: _View,
+    title: str,
+    *,
+    stroke: str,
+    width: float,
+    dashes: str = "",
+) -> str:
+    (x1, y1), (x2, y2) = map(view.place, line)
+    # Floors of ducts that meet fill the corner; fingers stand along their duct only.
+    style = f'stroke-dasharray="{dashes}"' if dashes else 'stroke-linecap="square"'
+    return (
+        f'<line x1="{x1:.1f}" y1="{y1:.1f}" x2="{x2:.1f}" y2="{y2:.1f}" stroke="{stroke}" '
+        f'stroke-width="{width:.1f}" {style}><title>{escape(title)}</title></line>'
+    )
+
+
+def _rails(board: Board, catalogue: Catalogue, view: _View) -> Iterator[str]:
     """Draw the rails of a cabinet, on which its rows of devices stand."""
-    if not board.is_cabinet:
+    if not board.is_cabinet or not board.devices:
         return
-    rows: dict[float, list[PlacedDevice]] = {}
-    for device in board.devices:
-        rows.setdefault(device.centre[1], []).append(device)
-    for y, devices in rows.items():
-        left = min(device.centre[0] - device.size[0] / 2 for device in devices)
-        right = max(device.centre[0] + device.size[0] / 2 for device in devices)
-        (x1, at), (x2, _) = view.place((left - _LABEL_M, y)), view.place((right + _LABEL_M, y))
+    left = min(device.centre[0] - device.size[0] / 2 for device in board.devices)
+    right = max(device.centre[0] + device.size[0] / 2 for device in board.devices)
+    for y in sorted({device.centre[1] for device in board.devices}):
+        (x1, at), (x2, _) = view.place((left, y)), view.place((right, y))
         yield (
             f'<line x1="{x1:.1f}" y1="{at:.1f}" x2="{x2:.1f}" y2="{at:.1f}" stroke="#c9c9c0" '
-            f'stroke-width="{_RAIL_M * view.scale:.1f}"/>'
+            f'stroke-width="{catalogue.cabinet.rail.width * view.scale:.1f}"/>'
         )
 
 
@@ -112,20 +137,29 @@ def _devices(board: Board, view: _View) -> Iterator[str]:
             f'height="{height * view.scale:.1f}" rx="2" fill="#f7f7f4" stroke="#8a8a80" '
             f'stroke-width="0.8"><title>{escape(title)}</title></rect>'
         )
-    size = min(_OPENING, 0.003 * view.scale)
-    for ref, opening in board.openings.items():
-        x, y = view.place(opening)
-        yield (
-            f'<rect x="{x - size / 2:.1f}" y="{y - size / 2:.1f}" width="{size:.1f}" '
-            f'height="{size:.1f}" fill="#8a8a80"><title>{escape(str(ref))}</title></rect>'
-        )
 
 
-def _wires(board: Board, view: _View) -> Iterator[str]:
+def _openings(board: Board, catalogue: Catalogue, view: _View) -> Iterator[str]:
+    """Draw the openings as wide and as deep as their wires need them."""
+    for device in panel_of(board, catalogue).devices:
+        for opening in device.openings:
+            ref = TerminalRef(device.name, opening.name)
+            x, y = board.openings[ref]
+            width, depth = opening.bore or _OPENING_M, opening.depth or _OPENING_M
+            top = y if opening.insertion_yaw else y + depth
+            left, upper = view.place((x - width / 2, top))
+            yield (
+                f'<rect x="{left:.1f}" y="{upper:.1f}" width="{width * view.scale:.1f}" '
+                f'height="{depth * view.scale:.1f}" fill="#8a8a80">'
+                f"<title>{escape(str(ref))}</title></rect>"
+            )
+
+
+def _wires(board: Board, lane_m: float, view: _View) -> Iterator[str]:
     wires = {wire.name: wire for wire in board.order.wires}
     for index, (name, route) in enumerate(board.routes.items()):
         wire = wires[name]
-        offset = (index % _LANES - (_LANES - 1) / 2) * _LANE_M
+        offset = (index % _LANES - (_LANES - 1) / 2) * lane_m
         points = _beside(route, offset) if board.is_cabinet else route
         drawn = " ".join(f"{x:.1f},{y:.1f}" for x, y in map(view.place, points))
         title = f"{name}: {wire.a} to {wire.b}, {wire.colour} {wire.section_mm2:g} mm2"

@@ -193,7 +193,7 @@ def _watch_file(engine: Engine) -> None:
         opened = True
         record.info["file"] = _identity(file)
 
-    def on_checkout(_connection: object, record: Any, _proxy: object) -> None:  # noqa: ANN401
+    def on_checkout(_connection: object, record: Any, _proxy: object) -> None:  # noqa: ANN401 - likewise
         if record.info["file"] != _identity(file):
             raise DisconnectionError
 

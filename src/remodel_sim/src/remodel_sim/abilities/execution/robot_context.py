@@ -5,7 +5,7 @@ The arm, its sensors, the cameras, the clamps' drives, the panel's drawing and t
 
 from __future__ import annotations
 
-from collections.abc import Generator, Mapping
+from collections.abc import Callable, Generator, Mapping, Set
 from dataclasses import dataclass
 from typing import Protocol, TypeVar
 
@@ -19,8 +19,11 @@ from remodel_sim.core.errors import AbilityError
 from remodel_sim.core.geometry import Array, Pose
 from remodel_sim.core.robot.arm import ToolPose
 from remodel_sim.core.robot.arm_volume import volume_of
+from remodel_sim.core.robot.fingers import Fingers
 from remodel_sim.core.robot.traffic import Traffic
+from remodel_sim.core.workpiece.obstacles import Obstacles, panel_obstacles
 from remodel_sim.core.workpiece.panel import Panel, PanelWire, WireEnd
+from remodel_sim.physics.collision_check import HeldTip, Touch
 from remodel_sim.physics.plant import Plant
 from remodel_sim.physics.robot import TOUCH_GAP, Robot
 from remodel_states.core.codes import Code
@@ -94,6 +97,8 @@ class RobotContext:
         self.robots = robots
         self._traffic = traffic
         self.progress = Progress()
+        # Panel, located components, and the obstacles that follow from them.
+        self._known: tuple[Panel, dict[str, Pose], Obstacles] | None = None
         self.steps_per_tick = max(1, round(1.0 / (TICK_HZ * plant.world.time_step)))
         self.tick_s = self.steps_per_tick * plant.world.time_step
         self.commanded = self.home
@@ -105,6 +110,11 @@ class RobotContext:
     def _robot(self) -> Robot:
         """The arm and its sensors; the plant rebuilds them for every wire."""
         return self._plant.robots[self.name]
+
+    @property
+    def fingers(self) -> Fingers:
+        """What its hand grips with."""
+        return self.arm.fingers
 
     @property
     def peers(self) -> list[RobotContext]:
@@ -122,11 +132,47 @@ class RobotContext:
         self.stand()
 
     def claim(self, postures: Array) -> RobotContext | None:
-        """Claim the space of a path, (n, 7) [rad]; return the robot in the way, if there is one."""
+        """Claim the space of a path, (n, joints); return the robot in the way, if there is one."""
         if len(self.robots) == 1:
             return None
         other = self._traffic.claim(self.name, volume_of(self.arm, postures))
         return None if other is None else self.robots[other]
+
+    def first_touch(
+        self, path: Callable[[float], ToolPose], length: float, allowed: Set[str]
+    ) -> Touch | None:
+        """Return what of the panel a path would touch first; None: nothing, or it is not checked.
+
+        Args:
+            path: of the tool, from 0 to 1.
+            length: of it [m].
+            allowed: names of obstacles that may be touched.
+        """
+        check = self._plant.collision_checks.get(self.name)
+        if check is None:
+            return None
+        obstacles = self._panel_obstacles()
+        return check.first_touch(
+            path,
+            length,
+            obstacles=obstacles.without(allowed) if allowed else obstacles,
+            finger_gap=self.finger_gap,
+            held=self._held_tip(),
+        )
+
+    def _panel_obstacles(self) -> Obstacles:
+        """Return what stands on the plate, as drawn or as last located."""
+        known = self._known
+        if known is None or known[0] is not self.panel or known[1] != self.belief.seen:
+            obstacles = panel_obstacles(self.panel, self.belief.seen)
+            self._known = known = self.panel, dict(self.belief.seen), obstacles
+        return known[2]
+
+    def _held_tip(self) -> HeldTip | None:
+        grip = self.belief.grip
+        if grip is None:
+            return None
+        return HeldTip(self.wire.id, self.wire.radius, grip.distance, grip.height, grip.flip)
 
     def has_room(self, tool: ToolPose) -> bool:
         """Return whether no other robot obstructs the arm at a tool pose."""
@@ -188,7 +234,7 @@ class RobotContext:
         self.commanded = tool
 
     def drive_joints(self, joints: Array) -> None:
-        """Command the arm's joints, (7,) [rad]; joints 3 and 5 stay at zero."""
+        """Command the arm's joints; joints 3 and 5 stay at zero."""
         self._robot.drive(joints)
         self.commanded = self.arm.tool_of(joints)
 

@@ -13,7 +13,7 @@ import numpy as np
 
 from remodel_sim.abilities.execution.robot_context import RobotContext, Steps
 from remodel_sim.abilities.primitives.carrying import carry
-from remodel_sim.abilities.primitives.grasping import FLOOR_CLEARANCE_M, MISSED_SHARE, OPEN_SPEED
+from remodel_sim.abilities.primitives.grasping import FLOOR_CLEARANCE_M, OPEN_SPEED, grips_nothing
 from remodel_sim.abilities.primitives.motions import (
     APPROACH_SPEED,
     FREE_SPEED,
@@ -37,11 +37,10 @@ from remodel_sim.core.vision.laid_wire import wire_around
 from remodel_sim.core.workpiece.fixtures import SLOPE_ABOVE_LIPS_M, lip_top
 from remodel_sim.core.workpiece.panel import PanelClip
 from remodel_sim.core.workpiece.routes import world_from_clip
-from remodel_sim.physics.robot_description import PAD_BELOW_TOOL_M, PAD_HEIGHT_M, PAD_LENGTH_M
 from remodel_states.core.codes import Code
 
-# The hand grips so far behind the clip's end: the pads clear its slopes.
-BEHIND_CLIP_M = PAD_LENGTH_M / 2 + 0.007
+# The pads clear the clip's slopes by so much along the wire.
+CLEAR_OF_SLOPES_M = 0.007
 # The swing leaves so much slack, and as much more in each further attempt.
 SLACK_M = 0.0015
 # The wire lies so high in the grip, above the tool centre, more or less.
@@ -108,12 +107,12 @@ def lay_into(context: RobotContext, clip: PanelClip, held_at: Array) -> Steps[No
 def _bring_into(
     context: RobotContext, clip: PanelClip, held_at: Array, slack: float
 ) -> Steps[None]:
-    beside = _beside(clip)
+    beside = _beside(context, clip)
     grasp = yield from _find(context, clip, held_at, slack)
     free = context.force
     yield from _grasp(context, grasp)
     for place in (grasp, beside):
-        over = _lifted(place, held_at, _clear_height(clip))
+        over = _lifted(place, held_at, _clear_height(context, clip))
         yield from carry(
             context,
             _tool(context, over, float(over.position[2])),
@@ -121,19 +120,20 @@ def _bring_into(
             free,
             most=MAX_PULL_N,
         )
-    lowest = _tool(context, beside, PAD_BELOW_TOOL_M + FLOOR_CLEARANCE_M)
+    lowest = _tool(context, beside, context.fingers.below + FLOOR_CLEARANCE_M)
     yield from _press_to(context, lowest, ENOUGH * clip.retention_force)
     yield from _release(context)
 
 
-def _beside(clip: PanelClip) -> Pose:
+def _beside(context: RobotContext, clip: PanelClip) -> Pose:
     """Return where the hand grips the wire for a clip, x along the wire, world frame."""
-    return world_from_clip(clip) @ Pose.level(clip.length / 2 + BEHIND_CLIP_M, 0.0, 0.0)
+    behind = context.fingers.width / 2 + CLEAR_OF_SLOPES_M
+    return world_from_clip(clip) @ Pose.level(clip.length / 2 + behind, 0.0, 0.0)
 
 
-def _clear_height(clip: PanelClip) -> float:
+def _clear_height(context: RobotContext, clip: PanelClip) -> float:
     """Return the tool's height at which the pads and what they hold clear a clip [m]."""
-    return lip_top(clip) + SLOPE_ABOVE_LIPS_M + PAD_BELOW_TOOL_M + CLEAR_M
+    return lip_top(clip) + SLOPE_ABOVE_LIPS_M + context.fingers.below + CLEAR_M
 
 
 def _lifted(place: Pose, held_at: Array, height: float) -> Pose:
@@ -160,7 +160,7 @@ def _tool(context: RobotContext, place: Pose, z: float) -> ToolPose:
 
 def _find(context: RobotContext, clip: PanelClip, held_at: Array, slack: float) -> Steps[Pose]:
     """Find the wire from the hand, as far from where it is held as it will be at the clip."""
-    beside = _beside(clip)
+    beside = _beside(context, clip)
     away = (beside.position - held_at)[:2]
     radius = float(np.linalg.norm(away)) + slack
     towards = math.atan2(away[1], away[0])
@@ -189,7 +189,7 @@ def _find(context: RobotContext, clip: PanelClip, held_at: Array, slack: float) 
 
 def _grasp(context: RobotContext, grasp: Pose) -> Steps[None]:
     """Close the fingers on the wire where it lies; raises GRASP_MISSED."""
-    tool = _tool(context, grasp, PAD_BELOW_TOOL_M + FLOOR_CLEARANCE_M)
+    tool = _tool(context, grasp, context.fingers.below + FLOOR_CLEARANCE_M)
     yield from clear_hand(context)
     yield from move_to(context, tool.at(z=context.commanded.z), FREE_SPEED)
     context.drive_fingers(HAND_OPEN_M)
@@ -197,7 +197,7 @@ def _grasp(context: RobotContext, grasp: Pose) -> Steps[None]:
         yield from move_to(context, tool.at(z=tool.z + above), APPROACH_SPEED)
         context.drive_fingers(0.0)
         yield from _fingers_still(context)
-        if context.finger_gap > MISSED_SHARE * context.wire.diameter:
+        if not grips_nothing(context, context.finger_gap, context.wire.diameter):
             return
         context.drive_fingers(HAND_OPEN_M)
         yield from wait(context, OPEN_S)
@@ -205,7 +205,7 @@ def _grasp(context: RobotContext, grasp: Pose) -> Steps[None]:
     raise AbilityError(
         Code.GRASP_MISSED,
         f"the fingers found no {context.wire.id!r} between the plate and "
-        f"{(RISES_M[-1] + PAD_HEIGHT_M) * 1e3:.0f} mm above it; route it again",
+        f"{(RISES_M[-1] + context.fingers.pad_height) * 1e3:.0f} mm above it; route it again",
     )
 
 
@@ -241,13 +241,13 @@ def _release(context: RobotContext) -> Steps[None]:
 
 def press_from_above(context: RobotContext, clip: PanelClip) -> Steps[bool]:
     """Press the wire between the lips with closed fingers; return whether they come down there."""
-    above = _tool(context, world_from_clip(clip), _clear_height(clip) + ABOVE_WIRE_M)
+    above = _tool(context, world_from_clip(clip), _clear_height(context, clip) + ABOVE_WIRE_M)
     yield from rise(context)
     context.drive_fingers(0.0)
     yield from swing_to(context, above.at(z=context.commanded.z))
     yield from move_to(context, above, APPROACH_SPEED)
     yield from _fingers_still(context)
-    bottom = above.at(z=lip_top(clip) + ABOVE_LIPS_M + PAD_BELOW_TOOL_M)
+    bottom = above.at(z=lip_top(clip) + ABOVE_LIPS_M + context.fingers.below)
     yield from _press_to(context, bottom, EXCESS * clip.retention_force)
     went_in = math.isclose(context.commanded.z, bottom.z)
     yield from move_to(context, above, APPROACH_SPEED)

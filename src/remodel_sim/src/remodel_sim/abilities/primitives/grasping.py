@@ -23,8 +23,7 @@ from remodel_sim.core.errors import AbilityError
 from remodel_sim.core.geometry import Pose
 from remodel_sim.core.robot.arm import Arm, ToolPose
 from remodel_sim.core.workpiece.layout import GRASP_DISTANCE_M, WORLD_FROM_PANEL
-from remodel_sim.core.workpiece.panel import PanelWire, WireEnd, unit_x
-from remodel_sim.physics.robot_description import PAD_BELOW_TOOL_M, PAD_LENGTH_M
+from remodel_sim.core.workpiece.panel import WireEnd, unit_x
 from remodel_states.core.codes import Code
 
 # The pads stop so far above the plate.
@@ -57,7 +56,7 @@ def pick_end(
         socket: where the end is to go: the hand is turned so that it can insert there.
         shares: of the ability's progress at the start and at the end.
     """
-    distance = distance or grasp_distance(context.wire, end)
+    distance = distance or grasp_distance(context, end)
     first, last = shares
     context.report(f"searching for end {end.value} of {context.wire.id}", first)
     seen = yield from observe_end(context, end, distance)
@@ -80,10 +79,12 @@ def pick_end(
     check_grip(context)
 
 
-def grasp_distance(wire: PanelWire, end: WireEnd) -> float:
+def grasp_distance(context: RobotContext, end: WireEnd) -> float:
     """Return where an end is grasped, from its tip [m]: a connector at its body's rear."""
-    connector = wire.connector_at(end)
-    return GRASP_DISTANCE_M if connector is None else connector.length - PAD_LENGTH_M / 2
+    connector = context.wire.connector_at(end)
+    if connector is None:
+        return GRASP_DISTANCE_M
+    return connector.length - context.fingers.width / 2
 
 
 def _check_room(context: RobotContext, seen: GraspObservation) -> None:
@@ -111,7 +112,7 @@ def _grasp_pose(
     flip = choose_flip(
         arm, (x, y), seen.tip_yaw, (float(then[0]), float(then[1])), then_tip_yaw=socket.yaw
     )
-    return ToolPose(x, y, max(z, PAD_BELOW_TOOL_M + FLOOR_CLEARANCE_M), seen.tip_yaw - flip), flip
+    return ToolPose(x, y, max(z, arm.fingers.below + FLOOR_CLEARANCE_M), seen.tip_yaw - flip), flip
 
 
 def close_on_wire(context: RobotContext, grip: Grip) -> Steps[None]:
@@ -126,7 +127,7 @@ def close_on_wire(context: RobotContext, grip: Grip) -> Steps[None]:
         before, gap = gap, context.finger_gap
         if abs(before - gap) < 1e-5:
             break
-    if gap < MISSED_SHARE * thickness:
+    if grips_nothing(context, gap, thickness):
         context.drive_fingers(HAND_OPEN_M)
         yield from wait(context, 0.2)
         yield from rise(context)
@@ -138,6 +139,12 @@ def close_on_wire(context: RobotContext, grip: Grip) -> Steps[None]:
     context.belief.grip = grip
     context.belief.engaged = None
     context.belief.picked_at[grip.end] = grip
+
+
+def grips_nothing(context: RobotContext, gap: float, thickness: float) -> bool:
+    """Return whether closed fingers with a gap [m] have missed what is so thick [m]."""
+    shut = context.fingers.shut_m
+    return gap - shut < MISSED_SHARE * (thickness - shut)
 
 
 def holds(context: RobotContext) -> bool:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Set
 
 import numpy as np
 
@@ -10,13 +11,13 @@ from remodel_sim.abilities.execution.robot_context import RobotContext, Steps
 from remodel_sim.core.errors import AbilityError
 from remodel_sim.core.geometry import Array, Pose, wrap_angle
 from remodel_sim.core.robot.arm import Arm, ToolPose
-from remodel_sim.core.robot.motion import PEAK_OVER_MEAN, Line
+from remodel_sim.core.robot.motion import JOINT_SPEED, PEAK_OVER_MEAN, Line
+from remodel_sim.physics.collision_check import Touch
 from remodel_states.core.codes import Code
 
 FREE_SPEED = 0.60  # [m/s], hand empty and high
 CARRY_SPEED = 0.30  # with a wire in the hand
 APPROACH_SPEED = 0.25  # near things
-JOINT_SPEED = 2.0  # [rad/s]; the Panda's joints 1 to 4 allow 2.17
 # High enough for the fingers to clear components, 45 mm high, with a wire in the grip.
 TRAVEL_Z = 0.10
 # Low enough that a carried wire stays between the rows.
@@ -24,6 +25,12 @@ CARRY_Z = 0.028
 HAND_OPEN_M = 0.012
 # A path through joint space is checked this far apart [rad].
 CHECK_STEP_RAD = 0.1
+# A motion that is blocked lifts the tool to one of these heights, travels, and descends.
+LIFTS_Z = (TRAVEL_Z, 0.14, 0.18)
+# A corner of the hand is so far from the tool's axis; so far swings the outstretched arm [m/rad].
+HAND_CORNER_M = 0.12
+SWING_M = 0.9
+NOTHING: Set[str] = frozenset()
 # Another robot is waited for so long, and checked so often [s].
 WAIT_LIMIT_S = 60.0
 WAIT_S = 0.1
@@ -34,22 +41,70 @@ MAX_LAG_M = 0.015
 CLEAR_OF_OPENING_M = 0.008
 
 
-def move_to(context: RobotContext, target: ToolPose, speed: float) -> Steps[None]:
-    """Move the tool in a straight line.
+def move_to(
+    context: RobotContext, target: ToolPose, speed: float, allowed: Set[str] = NOTHING
+) -> Steps[None]:
+    """Move the tool in a straight line, or over what it would touch on it.
 
-    Raises UNREACHABLE before it starts, MOTION_FAULT when it does not arrive.
+    Args:
+        context: of the robot that moves.
+        target: where to.
+        speed: peak speed of the tool centre [m/s].
+        allowed: names of obstacles that the motion may touch, see `core/workpiece/obstacles.py`.
+
+    Raises:
+        AbilityError: UNREACHABLE before it starts, MOTION_FAULT when it does not arrive.
     """
-    line = Line(_canonical(context, context.commanded), _canonical(context, target), speed)
-    postures = line.postures(context.arm)
-    yield from clear_path(context, postures)
-    for tick in range(1, math.ceil(line.duration / context.tick_s) + 1):
-        context.follow(line.at(tick * context.tick_s))
+    for line in _clear_lines(context, target, speed, allowed):
+        yield from clear_path(context, line.postures(context.arm))
+        for tick in range(1, math.ceil(line.duration / context.tick_s) + 1):
+            context.follow(line.at(tick * context.tick_s))
+            yield
+            _check_lag(context)
+        context.follow(line.end)
         yield
-        _check_lag(context)
-    context.follow(line.end)
-    yield
-    context.stand()
-    check_tracking(context)
+        context.stand()
+        check_tracking(context)
+
+
+def _clear_lines(
+    context: RobotContext, target: ToolPose, speed: float, allowed: Set[str]
+) -> list[Line]:
+    """Return the lines of a motion that touches nothing; raises UNREACHABLE."""
+    arm, start = context.arm, context.commanded
+
+    def line(first: ToolPose, second: ToolPose) -> Line:
+        return Line(_canonical(context, first), _canonical(context, second), speed).paced(arm)
+
+    direct = line(start, target)
+    touch = _touch_on(context, direct, allowed)
+    if touch is None:
+        return [direct]
+    for height in LIFTS_Z:
+        if height <= max(start.z, target.z):
+            continue
+        over = start.at(z=height), target.at(z=height)
+        try:
+            lines = [line(start, over[0]), line(*over), line(over[1], target)]
+            if all(_touch_on(context, part, allowed) is None for part in lines):
+                return lines
+        except AbilityError as error:
+            if error.code is not Code.UNREACHABLE:
+                raise
+    raise _blocked(touch, target)
+
+
+def _touch_on(context: RobotContext, line: Line, allowed: Set[str]) -> Touch | None:
+    length = line.distance + HAND_CORNER_M * abs(line.end.yaw - line.start.yaw)
+    return context.first_touch(line.between, length, allowed)
+
+
+def _blocked(touch: Touch, target: ToolPose) -> AbilityError:
+    return AbilityError(
+        Code.UNREACHABLE,
+        f"{touch}: no straight path to {target}, nor one over it, is free; move what is in the "
+        "way, or approach from elsewhere",
+    )
 
 
 def _check_lag(context: RobotContext) -> None:
@@ -75,10 +130,24 @@ def check_tracking(context: RobotContext) -> None:
 
 
 def swing_to(context: RobotContext, target: ToolPose) -> Steps[None]:
-    """Move the empty hand, high up, through joint space; raises UNREACHABLE before it starts."""
+    """Move the empty hand, high up, through joint space; raises UNREACHABLE before it starts.
+
+    An arm on an axis goes straight: a posture that its axis's rule does not give has no tool pose
+    to resume from when it is stopped.
+    """
+    if context.arm.axis is not None:
+        yield from move_to(context, target, FREE_SPEED)
+        return
     start, end = context.arm.joints_for(context.commanded), context.arm.joints_for(target)
     farthest = float(np.abs(end - start).max())
     parts = math.ceil(farthest / CHECK_STEP_RAD) + 1
+    touch = context.first_touch(
+        lambda share: context.arm.tool_of(start + share * (end - start)),
+        SWING_M * farthest,
+        NOTHING,
+    )
+    if touch is not None:
+        raise _blocked(touch, target)
     yield from clear_path(context, np.linspace(start, end, parts + 1))
     ticks = math.ceil(PEAK_OVER_MEAN * farthest / JOINT_SPEED / context.tick_s)
     for tick in range(1, ticks + 1):
@@ -117,7 +186,7 @@ def clear_hand(context: RobotContext) -> Steps[None]:
 
 
 def clear_path(context: RobotContext, postures: Array) -> Steps[None]:
-    """Wait until no other robot is in the way of a path, (n, 7) [rad], and claim its space.
+    """Wait until no other robot is in the way of a path, (n, joints), and claim its space.
 
     A robot that does nothing and holds nothing is sent home.
 

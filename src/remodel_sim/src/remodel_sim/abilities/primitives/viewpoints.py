@@ -10,14 +10,15 @@ import numpy as np
 
 from remodel_sim.abilities.execution.robot_context import RobotContext
 from remodel_sim.abilities.primitives.motions import TRAVEL_Z, nearest_hand_yaw
-from remodel_sim.core.camera import View
+from remodel_sim.core.camera import Lens, View
 from remodel_sim.core.errors import AbilityError
 from remodel_sim.core.geometry import Array, Pose, wrap_angle
-from remodel_sim.core.robot.arm import TOOL_M, ToolPose
+from remodel_sim.core.robot.arm import ToolPose
 from remodel_sim.physics.robot_description import CAMERA_MOUNT
 from remodel_states.core.codes import Code
 
-# The tool's height for an observation from the hand: the lens is 84 mm above the tool centre.
+# The tool's height for an observation from the hand: the lens is 84 mm above the tool centre of
+# the Panda's fingers.
 CAMERA_Z = 0.12
 # Places of the wrist camera beside a hidden end, x and y [m]: the lens is some 0.2 m high, where a
 # wire 50 mm high moves by a third of that in the picture. Wires leave their terminals along x, so
@@ -160,7 +161,8 @@ def label_views(
 
 def _held_views(context: RobotContext, label: Array, turns: Array) -> list[ToolPose]:
     """Return the tool poses near the hand's that bring a label into view, the nearest first."""
-    now, view = context.commanded, context.wrist_view
+    now, lens = context.commanded, context.wrist_view.lens
+    above = context.fingers.tool_m - CAMERA_MOUNT[2]
     looks: list[tuple[float, ToolPose]] = []
     for turn in turns:
         for dx in np.arange(-0.06, 0.061, 0.02):
@@ -169,7 +171,7 @@ def _held_views(context: RobotContext, label: Array, turns: Array) -> list[ToolP
                 tool = ToolPose(now.x + dx, now.y + dy, TRAVEL_Z, now.yaw + turn)
                 if yaw is None or abs(yaw - tool.yaw) > 1e-6 or not context.arm.reaches(tool):
                     continue
-                if _view_from(tool, view).sees(label, BORDER_PX):
+                if _view_from(tool, lens, above).sees(label, BORDER_PX):
                     looks.append((math.hypot(dx, dy) + 0.08 * abs(turn), tool))
     return [tool for _, tool in sorted(looks, key=lambda look: look[0])]
 
@@ -179,11 +181,11 @@ def _lenses_apart(first: ToolPose, second: ToolPose) -> float:
     return float(np.linalg.norm(places[0] - places[1]))
 
 
-def _view_from(tool: ToolPose, view: View) -> View:
-    """Return the wrist camera's view as it will be from another tool pose."""
+def _view_from(tool: ToolPose, lens: Lens, above: float) -> View:
+    """Return the wrist camera's view from a tool pose; the lens is `above` the tool [m]."""
     offset = _camera_offset(tool.yaw)
     c, s = math.cos(tool.yaw / 2), math.sin(tool.yaw / 2)
     # A hand that points down: half a turn about x, then its yaw.
     down = np.array([c, s, 0.0, 0.0])
-    position = np.array([tool.x + offset[0], tool.y + offset[1], tool.z + TOOL_M - CAMERA_MOUNT[2]])
-    return View(view.lens, Pose(position, down))
+    position = np.array([tool.x + offset[0], tool.y + offset[1], tool.z + above])
+    return View(lens, Pose(position, down))

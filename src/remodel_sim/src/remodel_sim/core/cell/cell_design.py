@@ -24,7 +24,7 @@ BASES_APART_M = 0.50
 
 @dataclass(frozen=True)
 class Gripper:
-    """A parallel hand with flat rubber pads.
+    """How a parallel hand grips; its fingers are the arm's.
 
     Attributes:
         grip_force: per finger at which closing stops [N].
@@ -55,6 +55,7 @@ class RobotDesign:
         camera: on its hand.
         prefix: put before the names of its frames and joints.
         scrap_bin: where the hand drops wires into its scrap bin; None: beside the plate.
+        clearance: that motions keep to what stands on the plate [m]; None: they are not checked.
     """
 
     name: str
@@ -64,6 +65,7 @@ class RobotDesign:
     camera: WristCamera
     prefix: str
     scrap_bin: ToolPose | None = None
+    clearance: float | None = None
 
 
 @dataclass(frozen=True)
@@ -112,7 +114,13 @@ class CellDesign:
 
 def find_design_problems(design: CellDesign) -> tuple[str, ...]:
     """Return every problem of a cell, one sentence each: place, found, allowed."""
-    return (*_names(design), *_homes(design), *_bases(design))
+    return (
+        *_names(design),
+        *_axes(design),
+        *_fingers(design),
+        *_homes(design),
+        *_bases(design),
+    )
 
 
 def _names(design: CellDesign) -> Iterator[str]:
@@ -127,9 +135,39 @@ def _names(design: CellDesign) -> Iterator[str]:
                 yield f"robots: {count} have {what} {name!r}; each needs its own"
 
 
+def _axes(design: CellDesign) -> Iterator[str]:
+    for i, robot in enumerate(design.robots):
+        axis = robot.arm.axis
+        if axis is not None and not axis.lower < axis.upper:
+            yield (
+                f"robots[{i}].axis: found lower {axis.lower}, upper {axis.upper}; allowed: lower "
+                "less than upper"
+            )
+
+
+def _fingers(design: CellDesign) -> Iterator[str]:
+    for i, robot in enumerate(design.robots):
+        fingers = robot.arm.fingers
+        place, half = f"robots[{i}].gripper.fingers", 0.0
+        if fingers.notch is not None:
+            half = fingers.notch.height / 2
+            if fingers.below <= half:
+                yield (
+                    f"{place}.notch.height: found {fingers.notch.height}; allowed: less than "
+                    f"twice below, {2 * fingers.below}: the lips under the notch need the rest"
+                )
+        if fingers.pad_height < fingers.below + half:
+            yield (
+                f"{place}.pad_height: found {fingers.pad_height}; allowed: {fingers.below + half} "
+                "or more: from the tips to above the wire"
+            )
+        if fingers.pad_height > fingers.length:
+            yield f"{place}.pad_height: found {fingers.pad_height}; allowed: up to the length"
+
+
 def _homes(design: CellDesign) -> Iterator[str]:
     for i, robot in enumerate(design.robots):
-        lower, higher = robot.arm.limits
+        lower, higher = (limits[-7:] for limits in robot.arm.limits)
         wide = zip(robot.arm.model.lower, robot.arm.model.higher, strict=True)
         for j, (least, most) in enumerate(wide):
             if not least <= lower[j] <= higher[j] <= most:

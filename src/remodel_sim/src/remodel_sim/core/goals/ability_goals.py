@@ -38,6 +38,9 @@ MAX_FORCE_N = 25.0
 MAX_MATING_FORCE_N = 40.0
 GRASP_RANGE_M = (0.030, 0.080)
 
+# The greatest force limit that goals of an ability may have [N].
+FORCE_LIMITS_N = {"InsertCable": MAX_FORCE_N, "PlaceConnector": MAX_MATING_FORCE_N}
+
 
 class Goal(Protocol):
     """What every goal can be asked."""
@@ -199,9 +202,7 @@ class InsertGoal:
 
     def __post_init__(self) -> None:
         """Refuse unknown robots, tilted poses, and forces that the grip does not hold."""
-        require_robot(self.robot_name)
-        require_pose("socket_pose", self.socket)
-        require_number("force_limit", self.force_limit, 1.0, MAX_FORCE_N, unit="N")
+        _require_push(self, MAX_FORCE_N)
 
     def check(self, panel: Panel, belief: BeliefState) -> None:
         """Raise when the end cannot go there."""
@@ -231,9 +232,7 @@ class ConnectGoal:
 
     def __post_init__(self) -> None:
         """Refuse unknown robots, tilted poses, and forces that the grip does not hold."""
-        require_robot(self.robot_name)
-        require_pose("socket_pose", self.socket)
-        require_number("force_limit", self.force_limit, 1.0, MAX_MATING_FORCE_N, unit="N")
+        _require_push(self, MAX_MATING_FORCE_N)
 
     def check(self, panel: Panel, belief: BeliefState) -> None:
         """Raise when the connector does not fit, or cannot go there."""
@@ -291,6 +290,12 @@ class ExtractGoal:
         """Raise when the wire or the socket is not there."""
         check_live(self.cable_id, panel, belief)
         check_socket(self.component_id, self.terminal_id, self.socket, panel, belief=belief)
+
+
+def _require_push(goal: InsertGoal | ConnectGoal, most_n: float) -> None:
+    require_robot(goal.robot_name)
+    require_pose("socket_pose", goal.socket)
+    require_number("force_limit", goal.force_limit, 1.0, most_n, unit="N")
 
 
 def check_free(

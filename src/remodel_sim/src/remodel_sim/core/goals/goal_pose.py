@@ -1,8 +1,8 @@
-"""Poses in goals."""
+"""Poses in goal messages."""
 
 from __future__ import annotations
 
-from typing import Any
+from typing import Any, TypeAlias
 
 import numpy as np
 
@@ -11,11 +11,14 @@ from remodel_sim.core.geometry import Pose
 from remodel_sim.core.workpiece.layout import WORLD_FROM_PANEL
 from remodel_states.core.codes import Code
 
+# A ROS message: the core imports none, and generated messages have no types.
+Message: TypeAlias = Any
+
 WORLD = "world"
 PANEL = "panel"
 
 
-def pose_from(name: str, message: Any) -> Pose:  # noqa: ANN401 - messages have no types
+def pose_from(name: str, message: Message) -> Pose:
     """Return the pose of a field of type geometry_msgs/PoseStamped in the world frame.
 
     It may be given in the world's frame (which an empty name means) or in the panel's.

@@ -2,7 +2,8 @@
 
 The arms here have seven joints that turn and bend in turn. With joints 3 and 5 at zero such an arm
 moves in one vertical plane through its base, turned by joint 1. Then a downward tool is a planar
-two-link problem with one solution (elbow up), and joint 7 sets the tool's yaw alone.
+two-link problem with one solution (elbow up), and joint 7 sets the tool's yaw alone. An arm on a
+linear axis has the axis's position before the seven angles in its vector of joints.
 """
 
 from __future__ import annotations
@@ -15,11 +16,9 @@ import numpy as np
 
 from remodel_sim.core.errors import AbilityError
 from remodel_sim.core.geometry import Array, Pose, wrap_angle
+from remodel_sim.core.robot.fingers import PANDA_FINGERS, Fingers
+from remodel_sim.core.robot.linear_axis import LinearAxis
 from remodel_states.core.codes import Code
-
-# Hand and own fingers: from the flange to the middle of the wire in the grip
-# (physics/robot_description.py builds them so).
-TOOL_M = 0.129
 
 
 @dataclass(frozen=True)
@@ -108,6 +107,9 @@ class ArmModel:
         return math.atan2(self.fore[1], self.fore[0])
 
 
+# The rule of a linear axis keeps the wrist so far beyond where the arm is folded entirely [m].
+UNFOLDED_M = 0.03
+
 # Lengths and soft limits: https://frankaemika.github.io/docs/control_parameters.html.
 FRANKA_PANDA = ArmModel(
     name="franka_panda",
@@ -142,28 +144,62 @@ ARM_MODELS = {model.name: model for model in (FRANKA_PANDA, KUKA_IIWA)}
 
 @dataclass(frozen=True)
 class Arm:
-    """An arm in its place.
+    """An arm in its place, with fingers on its hand.
 
     Attributes:
         model: its type.
         base: (x, y, z) [m] and yaw [rad] of its base in the world; the base is level.
         lower, higher: limits of joints 1 to 7 in this place [rad]; empty: the model's.
+        fingers: on the Panda's hand, which every arm carries.
+        axis: that carries the base; None: it is bolted down.
     """
 
     model: ArmModel
     base: tuple[float, float, float, float] = (0.0, 0.0, 0.0, 0.0)
     lower: tuple[float, ...] = ()
     higher: tuple[float, ...] = ()
+    fingers: Fingers = PANDA_FINGERS
+    axis: LinearAxis | None = None
 
     @cached_property
     def limits(self) -> tuple[Array, Array]:
-        """Lower and upper limits of joints 1 to 7, (7,) each [rad]."""
-        return np.array(self.lower or self.model.lower), np.array(self.higher or self.model.higher)
+        """Lower and upper limits of all joints, (7,) each [rad], of an axis first [m]."""
+        lower, higher = self.lower or self.model.lower, self.higher or self.model.higher
+        if self.axis is not None:
+            lower, higher = (self.axis.lower, *lower), (self.axis.upper, *higher)
+        return np.array(lower), np.array(higher)
+
+    @cached_property
+    def near_m(self) -> float:
+        """How near to its first joint's axis the arm reaches, the wrist level with the shoulder."""
+        model = self.model
+        lower, _ = self.limits
+        bend = min(math.pi, -float(lower[-4]) - model.upper_rad - model.fore_rad)
+        upper, fore = model.upper_m, model.fore_m
+        wrist = math.sqrt(upper**2 + fore**2 + 2 * upper * fore * math.cos(bend))
+        return wrist + model.wrist_offset + UNFOLDED_M
 
     @property
     def world_from_base(self) -> Pose:
-        """Where its base stands."""
+        """Where its base stands, that of its axis if it has one."""
         return Pose.level(*self.base)
+
+    def first_joint_at(self, postures: Array) -> tuple[Array, Array, float]:
+        """Return x and y of the first joint in postures, (..., joints) to (...) [m], and its z."""
+        x, y, z, yaw = self.base
+        travel = np.zeros(postures.shape[:-1]) if self.axis is None else postures[..., 0]
+        return x - travel * math.sin(yaw), y + travel * math.cos(yaw), z
+
+    def _from_first_joint(self, x: float, y: float) -> tuple[float, float]:
+        """Return a place from the first joint when the tool is there, along the base's axes [m]."""
+        ahead, aside = self._in_base(x, y)
+        return ahead, aside - self._travel_to(x, y)
+
+    def _travel_to(self, x: float, y: float) -> float:
+        """Return the position of the axis for a place of the tool [m]; 0 without an axis."""
+        if self.axis is None:
+            return 0.0
+        return self.axis.position_for(*self._in_base(x, y), near=self.near_m)
 
     def _in_base(self, x: float, y: float) -> tuple[float, float]:
         """Return a place on the level plane in the base's frame [m]."""
@@ -173,17 +209,17 @@ class Arm:
         return c * dx + s * dy, c * dy - s * dx
 
     def joints_for(self, tool: ToolPose) -> Array:
-        """Return the arm's joint angles (7,) [rad] for a tool pose.
+        """Return the arm's joint angles (7,) [rad] for a tool pose, before them an axis's [m].
 
         Raises:
             AbilityError: UNREACHABLE, with the joint or distance that stands against it.
         """
         model = self.model
         upper_m, fore_m = model.upper_m, model.fore_m
-        x, y = self._in_base(tool.x, tool.y)
+        x, y = self._from_first_joint(tool.x, tool.y)
         azimuth = math.atan2(y, x)
         out = math.hypot(x, y) - model.wrist_offset
-        up = tool.z - self.base[2] + TOOL_M + model.flange - model.shoulder_height
+        up = tool.z - self.base[2] + self.fingers.tool_m + model.flange - model.shoulder_height
         distance = math.hypot(out, up)
         cosine = (distance**2 - upper_m**2 - fore_m**2) / (2 * upper_m * fore_m)
         if not -1.0 <= cosine <= 1.0:
@@ -201,7 +237,7 @@ class Arm:
         q6 = model.wrist_sign * (q2 - q4) + model.wrist_zero
         q7 = wrap_angle(azimuth + model.yaw_zero - (tool.yaw - self.base[3]))
         joints = np.array([azimuth, q2, 0.0, q4, 0.0, q6, q7])
-        lower, higher = self.limits
+        lower, higher = (limits[-7:] for limits in self.limits)
         beyond = np.flatnonzero((joints < lower) | (joints > higher))
         if beyond.size:
             i = int(beyond[0])
@@ -210,7 +246,9 @@ class Arm:
                 f"no arm posture reaches {tool}: joint {i + 1} would stand at {joints[i]:.2f} rad, "
                 f"allowed {lower[i]:.2f} to {higher[i]:.2f}",
             )
-        return joints
+        if self.axis is None:
+            return joints
+        return np.array([self._travel_to(tool.x, tool.y), *joints])
 
     def reaches(self, tool: ToolPose) -> bool:
         """Return whether the arm reaches a tool pose within its joint limits."""
@@ -221,8 +259,8 @@ class Arm:
         return True
 
     def tool_of(self, joints: Array) -> ToolPose:
-        """Return the tool pose of a downward posture (joints 3 and 5 at zero), (7,) [rad]."""
-        q1, q2, _, q4, _, _, q7 = joints
+        """Return the tool pose of a downward posture, (joints,) with joints 3 and 5 at zero."""
+        q1, q2, _, q4, _, _, q7 = joints[-7:]
         model = self.model
         fore = q2 - q4
         out = (
@@ -235,12 +273,13 @@ class Arm:
             + model.upper_m * math.cos(q2 + model.upper_rad)
             + model.fore_m * math.cos(fore - model.fore_rad)
         )
-        x, y, z, yaw = self.base
+        x, y, z = self.first_joint_at(joints)
+        yaw = self.base[3]
         heading = yaw + q1
         return ToolPose(
-            x + out * math.cos(heading),
-            y + out * math.sin(heading),
-            z + up - model.flange - TOOL_M,
+            float(x) + out * math.cos(heading),
+            float(y) + out * math.sin(heading),
+            z + up - model.flange - self.fingers.tool_m,
             heading + model.yaw_zero - q7,
         )
 
@@ -252,7 +291,7 @@ class Arm:
         zero = self._zero_yaw(x, y)
         q7 = wrap_angle(zero - yaw)
         lower, higher = self.limits
-        if not lower[6] <= q7 <= higher[6]:
+        if not lower[-1] <= q7 <= higher[-1]:
             return None
         return zero - q7
 
@@ -266,7 +305,7 @@ class Arm:
 
     def _heading(self, x: float, y: float) -> float:
         """Return the direction of the arm's plane for a place, in the world [rad]."""
-        here_x, here_y = self._in_base(x, y)
+        here_x, here_y = self._from_first_joint(x, y)
         return self.base[3] + math.atan2(here_y, here_x)
 
 

@@ -11,7 +11,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from remodel_sim.core.geometry import Array
-from remodel_sim.core.robot.arm import FRANKA_PANDA, KUKA_IIWA, TOOL_M, Arm
+from remodel_sim.core.robot.arm import FRANKA_PANDA, KUKA_IIWA, Arm
 
 # Radii around the axes [m]: of the foot, the column below the shoulder, the upper and the fore
 # link, the wrist, and the flange.
@@ -21,12 +21,13 @@ LINK_RADII_M = {
 }
 FOOT_M = 0.10
 # The hand's body, across its fingers, hangs so far below the flange and reaches so far to either
-# side; then the fingers; then the wrist camera, on the side of positive y.
+# side; then the fingers, each around an axis so far beyond its open pad; then the wrist camera, on
+# the side of positive y.
 HAND_M = 0.030
 HAND_HALF_WIDTH_M = 0.100
 HAND_RADIUS_M = 0.050
 FINGERS_M = 0.060
-FINGERS_HALF_WIDTH_M = 0.055
+BEYOND_PAD_M = 0.015
 FINGERS_RADIUS_M = 0.022
 CAMERA_AT_M = (0.112, 0.040)
 CAMERA_RADIUS_M = 0.035
@@ -49,14 +50,15 @@ class Volume:
 
 
 def volume_of(arm: Arm, postures: Array) -> Volume:
-    """Return the space that an arm occupies in downward postures, (m, 7) [rad], all of them."""
-    q1, q2, _, q4, _, _, q7 = np.atleast_2d(postures).T
+    """Return the space that an arm occupies in downward postures, (m, joints), all of them."""
+    postures = np.atleast_2d(postures)
+    q1, q2, _, q4, _, _, q7 = postures[:, -7:].T
     model = arm.model
     heading, lean, fore = arm.base[3] + q1, q2, q2 - q4
+    x, y, z = arm.first_joint_at(postures)
 
     def at(out: Array | float, up: Array | float, side: Array | float = 0.0) -> Array:
         """Map places in the arm's plane, and to the side of it, to the world, (m, 3) [m]."""
-        x, y, z, _ = arm.base
         c, s = np.cos(heading), np.sin(heading)
         return np.stack([x + c * out - s * side, y + s * out + c * side, z + up + 0 * c], axis=1)
 
@@ -76,7 +78,8 @@ def volume_of(arm: Arm, postures: Array) -> Volume:
         return at(out + along_y * y_out, flange - below, along_y * y_side)
 
     foot, column, upper, lower, bulk, end = LINK_RADII_M[model.name]
-    low = TOOL_M
+    low = arm.fingers.tool_m
+    side = arm.fingers.opening / 2 + BEYOND_PAD_M
     capsules = [
         (at(0.0 * q1, 0.0), at(0.0 * q1, FOOT_M), foot),
         (at(0.0 * q1, 0.0), at(0.0 * q1, shoulder), column),
@@ -86,12 +89,8 @@ def volume_of(arm: Arm, postures: Array) -> Volume:
         (at(*wrist), at(out, wrist[1]), bulk),
         (at(out, wrist[1]), at(out, flange), end),
         (hand(-HAND_HALF_WIDTH_M, HAND_M), hand(HAND_HALF_WIDTH_M, HAND_M), HAND_RADIUS_M),
-        (
-            hand(-FINGERS_HALF_WIDTH_M, FINGERS_M),
-            hand(-FINGERS_HALF_WIDTH_M, low),
-            FINGERS_RADIUS_M,
-        ),
-        (hand(FINGERS_HALF_WIDTH_M, FINGERS_M), hand(FINGERS_HALF_WIDTH_M, low), FINGERS_RADIUS_M),
+        (hand(-side, FINGERS_M), hand(-side, low), FINGERS_RADIUS_M),
+        (hand(side, FINGERS_M), hand(side, low), FINGERS_RADIUS_M),
         (hand(CAMERA_AT_M[0], CAMERA_AT_M[1]), hand(*CAMERA_AT_M), CAMERA_RADIUS_M),
     ]
     return Volume(

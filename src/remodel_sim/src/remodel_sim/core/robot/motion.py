@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -15,6 +15,10 @@ PEAK_OVER_MEAN = 15.0 / 8.0
 # The hand may turn this fast at most [rad/s]; joint 7 of the Panda allows 2.61, but a wire that is
 # turned faster pitches in the grip.
 MAX_TURN_RATE = 1.6
+# [rad/s]; the Panda's joints 1 to 4 allow 2.17.
+JOINT_SPEED = 2.0
+# Joint rates are sampled at so many moments of a motion.
+RATE_SAMPLES = 41
 # Postures are checked this far apart before a motion starts [m], [rad].
 CHECK_STEP_M = 0.02
 CHECK_STEP_RAD = 0.2
@@ -27,11 +31,13 @@ class Line:
     Attributes:
         start, end: tool poses; yaw changes with the same progress as position.
         speed: peak speed of the tool centre [m/s].
+        least_s: the motion takes at least so long [s].
     """
 
     start: ToolPose
     end: ToolPose
     speed: float
+    least_s: float = 0.0
 
     @property
     def distance(self) -> float:
@@ -43,15 +49,17 @@ class Line:
     def duration(self) -> float:
         """Time the motion takes [s]."""
         turn = abs(self.end.yaw - self.start.yaw)
-        return PEAK_OVER_MEAN * max(self.distance / self.speed, turn / MAX_TURN_RATE)
+        fastest = PEAK_OVER_MEAN * max(self.distance / self.speed, turn / MAX_TURN_RATE)
+        return max(fastest, self.least_s)
 
     def at(self, elapsed: float) -> ToolPose:
         """Return the tool pose after `elapsed` seconds."""
         duration = self.duration
         t = 1.0 if duration <= 0 else min(1.0, max(0.0, elapsed / duration))
-        return self._between(t**3 * (10 - 15 * t + 6 * t * t))
+        return self.between(_progress(t))
 
-    def _between(self, share: float) -> ToolPose:
+    def between(self, share: float) -> ToolPose:
+        """Return the tool pose at a share of the path."""
         a, b = self.start, self.end
         return ToolPose(
             a.x + share * (b.x - a.x),
@@ -61,10 +69,28 @@ class Line:
         )
 
     def postures(self, arm: Arm) -> Array:
-        """Return the arm's postures along the path, (n, 7) [rad].
+        """Return the arm's postures along the path, (n, joints).
 
         Raises UNREACHABLE if one does not exist.
         """
         turn = abs(self.end.yaw - self.start.yaw)
         parts = max(1, math.ceil(max(self.distance / CHECK_STEP_M, turn / CHECK_STEP_RAD)))
-        return np.array([arm.joints_for(self._between(i / parts)) for i in range(parts + 1)])
+        return np.array([arm.joints_for(self.between(i / parts)) for i in range(parts + 1)])
+
+    def paced(self, arm: Arm) -> Line:
+        """Return the line, slowed so that no joint of an arm on an axis is too fast.
+
+        Raises UNREACHABLE if a posture does not exist.
+        """
+        if arm.axis is None:
+            return self
+        shares = [_progress(t) for t in np.linspace(0.0, 1.0, RATE_SAMPLES)]
+        joints = np.array([arm.joints_for(self.between(share)) for share in shares])
+        rates = np.abs(np.diff(joints, axis=0)).max(axis=0) * (RATE_SAMPLES - 1)
+        fastest = np.array([arm.axis.speed, *[JOINT_SPEED] * 7])
+        return replace(self, least_s=float((rates / fastest).max()))
+
+
+def _progress(time: float) -> float:
+    """Return the share of a minimum-jerk motion that is done after a share of its time."""
+    return time**3 * (10 - 15 * time + 6 * time * time)

@@ -163,7 +163,8 @@ def _screws(component: Component) -> Iterator[Box]:
         x, y, _ = terminal.mouth
         inward = -0.007 if opens_forward(terminal) else 0.007
         side = min(0.006, terminal.bore)
-        yield Box((x + inward, y, height), (side, side, 0.0010), SCREW, solid=False)
+        head = terminal.screw or (x + inward, y, height)
+        yield Box(head, (side, side, 0.0010), SCREW, solid=False)
 
 
 def _label(component: Component) -> Iterator[Box]:

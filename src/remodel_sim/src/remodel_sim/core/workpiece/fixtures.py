@@ -1,4 +1,4 @@
-r"""Fixtures that hold wires along their route: clips whose lips snap, and ducts.
+r"""Fixtures of the plate: clips whose lips snap, ducts along the routes of wires, and rails.
 
 Seen along the wire, a clip is a channel under two round lips that slide apart against a force:
 
@@ -17,10 +17,13 @@ mu = tan(p). The wire comes free at 2 F tan(a + p), and from above it goes in at
 from __future__ import annotations
 
 import math
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 
+import numpy as np
+
 from remodel_sim.core.workpiece.component_shape import Box
-from remodel_sim.core.workpiece.panel import Duct, PanelClip
+from remodel_sim.core.workpiece.panel import Duct, PanelClip, Rail
 
 # Shares of the wire's diameter.
 GAP_SHARE = 0.6
@@ -38,6 +41,11 @@ SLOPE_ROOM_M = 0.0045
 LIP_FRICTION = 0.3
 WIRE_FRICTION = 0.5
 FIXTURE_RGB = (0.86, 0.86, 0.82)
+RAIL_RGB = (0.72, 0.73, 0.70)
+# Pieces of a wall that are shorter are left out [m].
+LEAST_PIECE_M = 0.0005
+# Sine of the angle between parallel ducts.
+PARALLEL = 1e-6
 
 
 @dataclass(frozen=True)
@@ -116,8 +124,84 @@ def _slope(clip: PanelClip, inner: float, side: int, end: int) -> Box:
     )
 
 
-def duct_boxes(duct: Duct) -> tuple[Box, ...]:
-    """Return the walls of a duct, in its frame."""
+def duct_boxes(duct: Duct, others: Iterable[Duct] = ()) -> tuple[Box, ...]:
+    """Return the walls of a duct, in its frame, open where it meets others.
+
+    Seen from aside, the wall of a slotted duct is a comb:
+
+        ||||||||||||||||||  fingers, with slots between them that are open at the top
+        ||||||||||||||||||
+        __________________  solid up to the slots' bottom
+    """
     aside = (duct.width + WALL_M) / 2
-    size = (duct.length, WALL_M, duct.height)
-    return tuple(Box((0.0, side * aside, duct.height / 2), size, FIXTURE_RGB) for side in (-1, 1))
+    others = [other for other in others if other is not duct]
+    return tuple(
+        box
+        for side in (-1, 1)
+        for piece in _wall_pieces(duct, side * aside, others)
+        for box in _wall(duct, side * aside, piece)
+    )
+
+
+def _wall_pieces(duct: Duct, aside: float, others: Iterable[Duct]) -> list[tuple[float, float]]:
+    """Return from where to where along a duct its wall stands, without the inside of others."""
+    pieces = [(-duct.length / 2, duct.length / 2)]
+    for other in others:
+        inside = _inside(duct, aside, other)
+        if inside is not None:
+            first, last = inside
+            pieces = [
+                piece
+                for start, end in pieces
+                for piece in ((start, min(end, first)), (max(start, last), end))
+                if piece[1] - piece[0] > LEAST_PIECE_M
+            ]
+    return pieces
+
+
+def _inside(duct: Duct, aside: float, other: Duct) -> tuple[float, float] | None:
+    """Return from where to where along a duct its wall is inside another one."""
+    frame = other.panel_from_duct.inverse() @ duct.panel_from_duct
+    start = frame.apply(np.array([0.0, aside, 0.0]))[:2]
+    along = frame.rotation[:2, 0]
+    first, last = -duct.length / 2, duct.length / 2
+    # A wall that only touches the other duct's end or its wall is not inside it.
+    for place, step, half in zip(
+        start, along, (other.length / 2 - WALL_M, other.width / 2 + WALL_M / 2), strict=True
+    ):
+        if abs(step) < PARALLEL:
+            if abs(place) >= half - WALL_M:
+                return None
+            continue
+        low, high = sorted(((-half - place) / step, (half - place) / step))
+        first, last = max(first, float(low)), min(last, float(high))
+    return (first, last) if last - first > LEAST_PIECE_M else None
+
+
+def _wall(duct: Duct, aside: float, piece: tuple[float, float]) -> Iterator[Box]:
+    """Yield the boxes of a piece of a wall: one, or a strip with fingers."""
+
+    def box(start: float, end: float, low: float, high: float) -> Box:
+        centre = ((start + end) / 2, aside, (low + high) / 2)
+        return Box(centre, (end - start, WALL_M, high - low), FIXTURE_RGB)
+
+    start, end = piece
+    if not duct.slot_pitch:
+        yield box(start, end, 0.0, duct.height)
+        return
+    if duct.slot_bottom > 0:
+        yield box(start, end, 0.0, duct.slot_bottom)
+    half = (duct.slot_pitch - duct.slot_width) / 2
+    # One slot is in the middle of the duct: fingers stand half a pitch beside it.
+    first = math.floor(start / duct.slot_pitch - 0.5)
+    last = math.ceil(end / duct.slot_pitch - 0.5)
+    for index in range(first, last + 1):
+        middle = (index + 0.5) * duct.slot_pitch
+        left, right = max(start, middle - half), min(end, middle + half)
+        if right - left > LEAST_PIECE_M:
+            yield box(left, right, duct.slot_bottom, duct.height)
+
+
+def rail_box(rail: Rail) -> Box:
+    """Return a mounting rail, in its frame."""
+    return Box((0.0, 0.0, rail.height / 2), (rail.length, rail.width, rail.height), RAIL_RGB)

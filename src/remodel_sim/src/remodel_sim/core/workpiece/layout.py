@@ -10,6 +10,8 @@ from itertools import pairwise
 
 from remodel_sim.core.geometry import Pose, wrap_angle
 from remodel_sim.core.robot.arm import PANDA_AT_ORIGIN, Arm, ToolPose
+from remodel_sim.core.workpiece.board_rules import board_problems
+from remodel_sim.core.workpiece.limits import within
 from remodel_sim.core.workpiece.panel import (
     Channel,
     Component,
@@ -20,6 +22,7 @@ from remodel_sim.core.workpiece.panel import (
     PanelClip,
     PanelTerminal,
     PanelWire,
+    Rail,
     WireEnd,
     unit_x,
 )
@@ -77,32 +80,53 @@ CLIP_MAX_HEIGHT_M = 0.030
 CLIP_LENGTH_M = (0.004, 0.030)
 CLIP_RETENTION_N = (2.0, 20.0)
 DUCT_WIDTH_M = (0.010, 0.150)
-DUCT_HEIGHT_M = (0.005, 0.045)  # the hand clears them
+DUCT_HEIGHT_M = (0.005, 0.045)  # any hand clears them
+# Fingers longer than this by a duct's height clear it: their tips reach below the openings.
+DUCT_BELOW_HAND_M = 0.035
+FINGER_MIN_M = 0.001  # of a duct's comb
+RAIL_WIDTH_M = (0.010, 0.100)
+RAIL_HEIGHT_M = (0.001, 0.016)  # wires lie over them, below the openings
 # Feeding: the far tip lies within this, and after end a is in, end b is picked within reach.
 FEED_LIMIT_Y_M = 0.45
 FEED_REACH_M = 0.52
 MARKER_IDS = 250
 
 
-def find_problems(panel: Panel, arms: Sequence[Arm] = (PANDA_AT_ORIGIN,)) -> tuple[str, ...]:
+def find_problems(
+    panel: Panel, arms: Sequence[Arm] = (PANDA_AT_ORIGIN,), *, has_magazine: bool = False
+) -> tuple[str, ...]:
     """Return every violation of the rules by a panel, one sentence each.
 
-    None: it can be built. Each terminal must be within reach of one of the arms.
+    None: it can be built. Each terminal must be within reach of one of the arms. Wires are fed into
+    channels; a panel without any needs a cell with a magazine.
     """
     unreal = tuple(_not_finite(panel, "panel"))
     if unreal:
         return unreal
     return (
-        *_plate(panel),
+        *_plate(panel, has_magazine=has_magazine),
         *_names(panel),
         *(p for channel in panel.channels for p in _channel(channel)),
         *(p for component in panel.components for p in _component(component, panel, arms)),
         *(p for clip in panel.clips for p in _clip(clip, panel)),
-        *(p for duct in panel.ducts for p in _duct(duct, panel)),
+        *(p for duct in panel.ducts for p in _duct(duct, panel, arms)),
+        *(p for rail in panel.rails for p in _rail(rail, panel)),
         *_overlaps(panel),
         *(p for wire in panel.wires for p in _wire(wire, panel)),
         *_sharing(panel),
+        *(() if panel.channels else board_problems(panel, arms, _sockets(panel), STANDOFF_M)),
     )
+
+
+def _sockets(panel: Panel) -> dict[tuple[str, str], Pose]:
+    """Return the openings that wires go to, in the world's frame."""
+    openings = {
+        (component.id, terminal.id): component.panel_from_component @ terminal.component_from_socket
+        for component in panel.components
+        for terminal in component.terminals
+    }
+    ends = dict.fromkeys(wire.goes_to(end) for wire in panel.wires for end in WireEnd)
+    return {end: WORLD_FROM_PANEL @ openings[end] for end in ends if end in openings}
 
 
 def _not_finite(value: object, path: str) -> Iterator[str]:
@@ -116,17 +140,13 @@ def _not_finite(value: object, path: str) -> Iterator[str]:
             yield from _not_finite(getattr(value, field.name), f"{path}.{field.name}")
 
 
-def _within(what: str, value: float, limits: tuple[float, float], unit: str = "m") -> Iterator[str]:
-    if not limits[0] - 1e-9 <= value <= limits[1] + 1e-9:
-        yield f"{what} is {value:.4g} {unit}; allowed: {limits[0]:.4g} to {limits[1]:.4g} {unit}"
-
-
-def _plate(panel: Panel) -> Iterator[str]:
+def _plate(panel: Panel, *, has_magazine: bool) -> Iterator[str]:
     for axis, size, most in zip("xy", panel.size, PLATE_MAX_M, strict=False):
-        yield from _within(f"the plate's size in {axis}", size, (0.1, most))
-    yield from _within("the plate's thickness", panel.size[2], (0.001, 0.02))
-    if not panel.channels:
-        yield "the panel has no channel; wires are fed into one"
+        remedy = "a larger cell, or fewer devices" if size > most else ""
+        yield from within(f"the plate's size in {axis}", size, (0.1, most), remedy=remedy)
+    yield from within("the plate's thickness", panel.size[2], (0.001, 0.02))
+    if not panel.channels and not has_magazine:
+        yield "the panel has no channel; wires are fed into one: a cell with a magazine needs none"
 
 
 def _names(panel: Panel) -> Iterator[str]:
@@ -136,6 +156,7 @@ def _names(panel: Panel) -> Iterator[str]:
         ("wires", panel.wires),
         ("clips", panel.clips),
         ("ducts", panel.ducts),
+        ("rails", panel.rails),
         ("connectors", [c for wire in panel.wires for c in wire.connectors]),
     ]
     groups += [(f"terminals of {c.id!r}", c.terminals) for c in panel.components]
@@ -152,26 +173,41 @@ def _names(panel: Panel) -> Iterator[str]:
 
 def _channel(channel: Channel) -> Iterator[str]:
     name = f"channel {channel.id!r}"
-    yield from _within(f"{name}: width", channel.width, CHANNEL_WIDTH_M)
+    yield from within(f"{name}: width", channel.width, CHANNEL_WIDTH_M)
     if channel.y_max <= channel.y_min:
         yield f"{name}: y_max {channel.y_max} must be above y_min {channel.y_min}"
 
 
 def _clip(clip: PanelClip, panel: Panel) -> Iterator[str]:
     name = f"clip {clip.id!r}"
-    yield from _within(f"{name}: wire_diameter", clip.wire_diameter, DIAMETER_M)
+    yield from within(f"{name}: wire_diameter", clip.wire_diameter, DIAMETER_M)
     low = clip.wire_diameter / 2 + CLIP_FLOOR_M
-    yield from _within(f"{name}: height", clip.height, (low, CLIP_MAX_HEIGHT_M))
-    yield from _within(f"{name}: length", clip.length, CLIP_LENGTH_M)
-    yield from _within(f"{name}: retention_force", clip.retention_force, CLIP_RETENTION_N, "N")
+    yield from within(f"{name}: height", clip.height, (low, CLIP_MAX_HEIGHT_M))
+    yield from within(f"{name}: length", clip.length, CLIP_LENGTH_M)
+    yield from within(f"{name}: retention_force", clip.retention_force, CLIP_RETENTION_N, "N")
     yield from _on_plate(name, clip.pose, clip.length / 2, panel)
 
 
-def _duct(duct: Duct, panel: Panel) -> Iterator[str]:
+def _duct(duct: Duct, panel: Panel, arms: Sequence[Arm]) -> Iterator[str]:
     name = f"duct {duct.id!r}"
-    yield from _within(f"{name}: width", duct.width, DUCT_WIDTH_M)
-    yield from _within(f"{name}: height", duct.height, DUCT_HEIGHT_M)
+    yield from within(f"{name}: width", duct.width, DUCT_WIDTH_M)
+    least, most = DUCT_HEIGHT_M
+    longest = max(arm.fingers.length - DUCT_BELOW_HAND_M for arm in arms)
+    limits = (least, max(most, longest))
+    yield from within(f"{name}: height", duct.height, limits, remedy="a lower duct, longer fingers")
+    if duct.slot_pitch:
+        yield from within(
+            f"{name}: slot_width", duct.slot_width, (0.001, duct.slot_pitch - FINGER_MIN_M)
+        )
+        yield from within(f"{name}: slot_bottom", duct.slot_bottom, (0.0, duct.height))
     yield from _on_plate(name, duct.pose, duct.length / 2, panel)
+
+
+def _rail(rail: Rail, panel: Panel) -> Iterator[str]:
+    name = f"rail {rail.id!r}"
+    yield from within(f"{name}: width", rail.width, RAIL_WIDTH_M)
+    yield from within(f"{name}: height", rail.height, RAIL_HEIGHT_M)
+    yield from _on_plate(name, rail.pose, rail.length / 2, panel)
 
 
 def _on_plate(
@@ -186,13 +222,13 @@ def _on_plate(
 def _component(component: Component, panel: Panel, arms: Sequence[Arm]) -> Iterator[str]:
     name = f"component {component.id!r}"
     depth, width, height = component.size
-    yield from _within(f"{name}: height", height, COMPONENT_HEIGHT_M)
+    yield from within(f"{name}: height", height, COMPONENT_HEIGHT_M)
     if min(depth, width) <= 0:
         yield f"{name}: size must be positive"
     if component.marker_id >= MARKER_IDS:
         yield f"{name}: marker_id is {component.marker_id}; allowed: 0 to {MARKER_IDS - 1}"
     room = min(depth, width) / (1 + 2 * MARKER_MARGIN)
-    yield from _within(f"{name}: marker_size", component.marker_size, (MARKER_MIN_M, room))
+    yield from within(f"{name}: marker_size", component.marker_size, (MARKER_MIN_M, room))
     for terminal in component.terminals:
         yield from _terminal(terminal, component, panel, arms)
     for side in (0.0, math.pi):
@@ -202,11 +238,12 @@ def _component(component: Component, panel: Panel, arms: Sequence[Arm]) -> Itera
         )
         for left, right in pairwise(row):
             gap = right.mouth[1] - left.mouth[1] - _half_row(left) - _half_row(right)
-            if gap < OPENING_GAP_M:
+            if gap < OPENING_GAP_M - 1e-9:
+                pitch = right.mouth[1] - left.mouth[1] + OPENING_GAP_M - gap
                 yield (
                     f"{name}: the openings of terminals {left.id!r} and {right.id!r} are "
-                    f"{gap * 1e3:.1f} mm apart; "
-                    f"at least {OPENING_GAP_M * 1e3:.1f} mm"
+                    f"{gap * 1e3:.1f} mm apart; at least {OPENING_GAP_M * 1e3:.1f} mm: a pitch of "
+                    f"{math.ceil(pitch * 1e3)} mm"
                 )
     deepest = sum(
         max(
@@ -229,8 +266,8 @@ def _half_row(terminal: PanelTerminal) -> float:
 
 
 def _header(terminal: PanelTerminal, name: str) -> Iterator[str]:
-    yield from _within(f"{name}: ways", terminal.ways, WAYS, "")
-    yield from _within(f"{name}: retention_force", terminal.retention_force, LATCH_N, "N")
+    yield from within(f"{name}: ways", terminal.ways, WAYS, "")
+    yield from within(f"{name}: retention_force", terminal.retention_force, LATCH_N, "N")
     gap = terminal.pitch - 2 * _opening_half(terminal)
     if gap < OPENING_GAP_M:
         yield (
@@ -253,10 +290,10 @@ def _terminal(
         yield f"{name}: its opening is at x {x:.4f} m; the side it opens to is at {face:.4f} m"
     if abs(y) + _half_row(terminal) > component.size[1] / 2:
         yield f"{name}: its opening reaches beyond the component's side"
-    yield from _within(f"{name}: height of the opening", z, OPENING_HEIGHT_M)
-    yield from _within(f"{name}: depth", terminal.depth, DEPTH_M)
-    yield from _within(f"{name}: chamfer", terminal.chamfer, CHAMFER_M)
-    yield from _within(f"{name}: retention_force", terminal.retention_force, RETENTION_N, "N")
+    yield from within(f"{name}: height of the opening", z, OPENING_HEIGHT_M)
+    yield from within(f"{name}: depth", terminal.depth, DEPTH_M)
+    yield from within(f"{name}: chamfer", terminal.chamfer, CHAMFER_M)
+    yield from within(f"{name}: retention_force", terminal.retention_force, RETENTION_N, "N")
     if terminal.is_header:
         yield from _header(terminal, name)
     if not panel.channels:
@@ -277,7 +314,7 @@ def _reach(name: str, panel_from_socket: Pose, panel: Panel, arms: Sequence[Arm]
         )
     if not channel.y_min <= opening[1] <= channel.y_max:
         yield f"{name}: at y {opening[1]:.3f} m it lies beyond the end of channel {channel.id!r}"
-    yield from _within(f"{name}: |y| on the panel", abs(opening[1]), (0.0, TERMINAL_MAX_Y_M))
+    yield from within(f"{name}: |y| on the panel", abs(opening[1]), (0.0, TERMINAL_MAX_Y_M))
     tool = WORLD_FROM_PANEL.apply(opening - into * (GRASP_DISTANCE_M + STANDOFF_M))
     yaws = (panel_from_socket.yaw, panel_from_socket.yaw + math.pi)
     poses = [ToolPose(tool[0], tool[1], tool[2], yaw) for yaw in yaws]
@@ -311,17 +348,17 @@ def _wire(wire: PanelWire, panel: Panel) -> Iterator[str]:
     name = f"wire {wire.id!r}"
     if wire.colour not in WIRE_RGB:
         yield f"{name}: colour {wire.colour!r} is no IEC 60757 code; allowed: {' '.join(WIRE_RGB)}"
-    yield from _within(f"{name}: diameter", wire.diameter, DIAMETER_M)
-    yield from _within(f"{name}: ferrule_length", wire.ferrule_length, FERRULE_M)
-    yield from _within(f"{name}: linear_density", wire.linear_density, DENSITY_KG_M, "kg/m")
-    yield from _within(f"{name}: bending_stiffness", wire.bending_stiffness, STIFFNESS_NM2, "N m^2")
-    yield from _within(
+    yield from within(f"{name}: diameter", wire.diameter, DIAMETER_M)
+    yield from within(f"{name}: ferrule_length", wire.ferrule_length, FERRULE_M)
+    yield from within(f"{name}: linear_density", wire.linear_density, DENSITY_KG_M, "kg/m")
+    yield from within(f"{name}: bending_stiffness", wire.bending_stiffness, STIFFNESS_NM2, "N m^2")
+    yield from within(
         f"{name}: torsional_stiffness", wire.torsional_stiffness, TORSION_NM2, "N m^2"
     )
-    yield from _within(f"{name}: friction", wire.friction, FRICTION, "")
-    yield from _within(f"{name}: rest_curvature", wire.rest_curvature, REST_CURVATURE_1_M, "1/m")
-    yield from _within(f"{name}: yield_curvature", wire.yield_curvature, YIELD_CURVATURE_1_M, "1/m")
-    yield from _within(f"{name}: hardening", wire.hardening, HARDENING, "")
+    yield from within(f"{name}: friction", wire.friction, FRICTION, "")
+    yield from within(f"{name}: rest_curvature", wire.rest_curvature, REST_CURVATURE_1_M, "1/m")
+    yield from within(f"{name}: yield_curvature", wire.yield_curvature, YIELD_CURVATURE_1_M, "1/m")
+    yield from within(f"{name}: hardening", wire.hardening, HARDENING, "")
     yield from _connectors(wire)
     sockets = {}
     for end in WireEnd:
@@ -359,7 +396,7 @@ def _wire(wire: PanelWire, panel: Panel) -> Iterator[str]:
 def _clearance(name: str, terminal: PanelTerminal, diameter: float, where: str) -> Iterator[str]:
     limits = (OPENING_CLEARANCE_M[0] * 1e3, OPENING_CLEARANCE_M[1] * 1e3)
     what = f"{name}: opening of {where} minus diameter"
-    yield from _within(what, (terminal.bore - diameter) * 1e3, limits, "mm")
+    yield from within(what, (terminal.bore - diameter) * 1e3, limits, "mm")
 
 
 def _mates(
@@ -391,14 +428,14 @@ def _connectors(wire: PanelWire) -> Iterator[str]:
             yield f"wire {wire.id!r}: {count} connectors are at end {end.value}"
     for connector in wire.connectors:
         name = f"connector {connector.id!r}"
-        yield from _within(f"{name}: ways", connector.ways, WAYS, "")
-        yield from _within(f"{name}: pin_diameter", connector.pin_diameter, PIN_DIAMETER_M)
-        yield from _within(f"{name}: pin_length", connector.pin_length, PIN_LENGTH_M)
-        yield from _within(f"{name}: body_length", connector.body_length, BODY_LENGTH_M)
+        yield from within(f"{name}: ways", connector.ways, WAYS, "")
+        yield from within(f"{name}: pin_diameter", connector.pin_diameter, PIN_DIAMETER_M)
+        yield from within(f"{name}: pin_length", connector.pin_length, PIN_LENGTH_M)
+        yield from within(f"{name}: body_length", connector.body_length, BODY_LENGTH_M)
         row = 2 * connector.offsets[-1] + connector.pin_diameter
         width = (max(row, BODY_WIDTH_M[0]), BODY_WIDTH_M[1])
-        yield from _within(f"{name}: body_width", connector.body_width, width)
-        yield from _within(f"{name}: mating_force", connector.mating_force, MATING_N, "N")
+        yield from within(f"{name}: body_width", connector.body_width, width)
+        yield from within(f"{name}: mating_force", connector.mating_force, MATING_N, "N")
 
 
 def length_limits(
@@ -430,7 +467,7 @@ def _wire_length(
     crossing = panel.channel_in_front_of(a) != panel.channel_in_front_of(b)
     direction = feed_direction(float(a[1]), float(b[1]))
     low, high = length_limits((a[0], a[1]), (b[0], b[1]), crossing=crossing, direction=direction)
-    yield from _within(f"{name}: length between these terminals", wire.length, (low, high))
+    yield from within(f"{name}: length between these terminals", wire.length, (low, high))
 
 
 def feed_direction(y_a: float, y_b: float) -> int:

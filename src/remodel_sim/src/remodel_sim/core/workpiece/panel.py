@@ -42,7 +42,8 @@ class WireEnd(Enum):
 class PanelTerminal:
     """A clamp: a square, chamfered opening; a header: a row of them; component frame.
 
-    `mouth` is the middle of the opening or row, `bore` the width of an opening [m].
+    `mouth` is the middle of the opening or row, `bore` the width of an opening [m]. `screw` is the
+    middle of the head of the screw that closes it [m]; None where there is none.
     """
 
     id: str
@@ -54,6 +55,7 @@ class PanelTerminal:
     retention_force: float
     ways: int = 1
     pitch: float = 0.0
+    screw: tuple[float, float, float] | None = None
 
     @property
     def component_from_socket(self) -> Pose:
@@ -125,7 +127,30 @@ class PanelClip:
 
 @dataclass(frozen=True)
 class Duct:
-    """A trough between two walls, along its x; `pose` is (x, y, yaw) in the panel frame."""
+    """A trough between two walls, along its x; `pose` is (x, y, yaw) in the panel frame.
+
+    The walls are combs above `slot_bottom` if there is a `slot_pitch`, else solid [m].
+    """
+
+    id: str
+    pose: tuple[float, float, float]
+    length: float
+    width: float
+    height: float
+    slot_pitch: float = 0.0
+    slot_width: float = 0.0
+    slot_bottom: float = 0.0
+
+    @property
+    def panel_from_duct(self) -> Pose:
+        """Its frame: x along the duct, z away from the plate, the origin on the plate."""
+        x, y, yaw = self.pose
+        return Pose.level(x, y, 0.0, yaw)
+
+
+@dataclass(frozen=True)
+class Rail:
+    """A mounting rail on the plate, along its x; `pose` is (x, y, yaw) in the panel frame."""
 
     id: str
     pose: tuple[float, float, float]
@@ -134,8 +159,8 @@ class Duct:
     height: float
 
     @property
-    def panel_from_duct(self) -> Pose:
-        """Its frame: x along the duct, z away from the plate, the origin on the plate."""
+    def panel_from_rail(self) -> Pose:
+        """Its frame: x along the rail, z away from the plate, the origin on the plate."""
         x, y, yaw = self.pose
         return Pose.level(x, y, 0.0, yaw)
 
@@ -176,7 +201,12 @@ def row(count: int, pitch: float) -> tuple[float, ...]:
 
 @dataclass(frozen=True)
 class PanelWire:
-    """A wire with a ferrule or a connector on each end; all properties known."""
+    """A wire with a ferrule or a connector on each end; all properties known.
+
+    `route` is a polyline [m] in the panel frame from one opening to the other, along the `ducts` it
+    passes; empty if any route will do. `presented_at` is (x, y, yaw) in the panel frame; None if
+    the cell decides it.
+    """
 
     id: str
     a_component: str
@@ -196,6 +226,9 @@ class PanelWire:
     yield_curvature: float
     hardening: float
     connectors: tuple[Connector, ...] = ()
+    route: tuple[tuple[float, float, float], ...] = ()
+    ducts: tuple[str, ...] = ()
+    presented_at: tuple[float, float, float] | None = None
 
     @property
     def radius(self) -> float:
@@ -234,6 +267,7 @@ class Panel:
     clips: tuple[PanelClip, ...] = ()
     ducts: tuple[Duct, ...] = ()
     serial: str = ""
+    rails: tuple[Rail, ...] = ()
 
     def component(self, component_id: str) -> Component:
         """Return the component of that name, or say which there are."""

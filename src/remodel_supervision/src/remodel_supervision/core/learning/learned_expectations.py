@@ -16,7 +16,7 @@ from remodel_supervision.core.learning.belief import Belief
 from remodel_supervision.core.learning.duration_model import DurationModel
 from remodel_supervision.core.learning.success_model import SuccessModel
 
-# The codes of calls that tell nothing about an ability.
+# The codes of calls that show nothing about an ability.
 UNINFORMATIVE = frozenset({Code.PREEMPTED, Code.INVALID_GOAL, Code.SERVER_LOST, Code.BUSY})
 
 

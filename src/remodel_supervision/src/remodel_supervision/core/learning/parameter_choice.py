@@ -36,7 +36,7 @@ S = TypeVar("S", bound=Hashable)
 # until it shows.
 _DEBT_SHARE = 0.3
 
-# [trials] Over which a setting is remembered: there are several to be told apart.
+# [trials] Over which a setting is remembered: several must be distinguished.
 _MEMORY = 400.0
 
 # [1], [trials] What is assumed of a setting of which nothing is known, and the weight of that.

@@ -8,7 +8,7 @@ general belief starts from the use case's own figure.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from dataclasses import dataclass
 
 from remodel_planning.core.use_case.context import Context
@@ -74,14 +74,6 @@ class SuccessModel:
             lent = _lent(belief.mean) if len(part) > 1 else belief
             belief = Belief(lent.successes + counts.successes, lent.failures + counts.failures)
         return belief
-
-
-def fold(trials: Sequence[tuple[Context, bool]]) -> SuccessModel:
-    """Return the model that has taken in these trials."""
-    model = SuccessModel()
-    for context, success in trials:
-        model.learn(context, success)
-    return model
 
 
 def _parts(context: Context) -> Iterator[Context]:

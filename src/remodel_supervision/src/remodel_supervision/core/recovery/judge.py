@@ -15,7 +15,7 @@ from remodel_supervision.core.runs.events import Decided
 from remodel_supervision.core.runs.state import (
     PERSON_FIRST,
     STUCK_HAND_LIMIT,
-    UNTOLD,
+    UNREPORTED,
     RunState,
     TaskProgress,
     cause_of,
@@ -39,7 +39,7 @@ def failure_of(
         at_s: [s] ROS time.
         bounds: parameter -> what it must not exceed here.
     """
-    fault = faults.diagnose(task.codes) or faults.of(UNTOLD)
+    fault = faults.diagnose(task.codes) or faults.of(UNREPORTED)
     cause = cause_of(task.operations)
     if task.unseen or cause is None:
         text = task.unseen or f"the behavior ended {task.outcome}"

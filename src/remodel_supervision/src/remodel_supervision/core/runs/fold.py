@@ -44,7 +44,7 @@ from remodel_supervision.core.runs.state import (
     PREEMPTED,
     SERVER_TROUBLE,
     STUCK_HAND_LIMIT,
-    UNTOLD,
+    UNREPORTED,
     RunState,
     Stage,
     TaskProgress,
@@ -114,7 +114,7 @@ def _apply_feed_refused(event: FeedRefused, state: RunState) -> RunState:
         operations=(refused,),
         codes=(*task.codes, event.code),
         piece=event.code == Code.WIRE_LEFT_BEHIND,
-        hand_in_doubt=event.code == Code.OTHER_CABLE_HELD,
+        hand_may_hold=event.code == Code.OTHER_CABLE_HELD,
     )
     return state.with_task(task, failures=state.failures + 1)
 
@@ -155,7 +155,7 @@ def _apply_stop_reported(event: StopReported, state: RunState) -> RunState:
     task = replace(state.tasks[event.task], stopped_by=event.operation)
     if task.stage is Stage.RUNNING:
         return state.with_task(task)  # its behavior is stopped first
-    task = replace(task, hand_in_doubt=True, unseen="")
+    task = replace(task, hand_may_hold=True, unseen="")
     return _for_a_person(replace(state, question=None), task)
 
 
@@ -164,13 +164,13 @@ def _apply_task_ended(event: TaskEnded, state: RunState) -> RunState:
     task = state.tasks[event.task]
     took_s = max(0.0, event.at_s - task.began_s)
     task = replace(task, outcome=event.outcome, cell_s=task.cell_s + took_s)
-    task = replace(task, hand_in_doubt=_may_hold_something(task))
+    task = replace(task, hand_may_hold=_may_hold_something(task))
     state = replace(state, cell_s=state.cell_s + took_s)
     if task.stopped_by:
-        return _for_a_person(state, replace(task, hand_in_doubt=True))
+        return _for_a_person(state, replace(task, hand_may_hold=True))
     if task.needs_person:
         return _failed(state, task)
-    if task.part is Part.CLEAR and not task.hand_in_doubt:
+    if task.part is Part.CLEAR and not task.hand_may_hold:
         return _with_empty_hand(state, replace(task, stuck_hand=0))
     if task.part is Part.DISCARD and event.outcome == FINISHED:
         task = replace(task, piece=False, undiscarded=False, connected=())
@@ -178,7 +178,9 @@ def _apply_task_ended(event: TaskEnded, state: RunState) -> RunState:
     if task.part.is_attempt and event.outcome == FINISHED:
         if event.denied:
             then = _then_of_skipped(state, task)
-            return state.with_task(replace(task, stage=Stage.DOUBTFUL, part=Part.AGAIN, then=then))
+            return state.with_task(
+                replace(task, stage=Stage.UNVERIFIED, part=Part.AGAIN, then=then)
+            )
         return _leave(state, replace(task, stage=Stage.DONE))
     return _failed(state, task)
 
@@ -189,7 +191,7 @@ def _apply_interrupted(event: Interrupted, state: RunState) -> RunState:
     if not state.current or state.tasks[state.current].stage is not Stage.RUNNING:
         return state
     task = state.tasks[state.current]
-    task = replace(task, interruptions=task.interruptions + 1, hand_in_doubt=True)
+    task = replace(task, interruptions=task.interruptions + 1, hand_may_hold=True)
     if task.stopped_by or task.needs_person:
         return _for_a_person(state, task)
     if task.interruptions > INTERRUPTION_LIMIT:
@@ -232,7 +234,7 @@ def _apply_answered(event: Answered, state: RunState) -> RunState:
     state = replace(state, question=None)
     because = f"{event.by} answered {event.choice.value} to question {event.number}"
     if event.choice is Answer.MARK_DONE:
-        return _leave(state, replace(task, stage=Stage.DONE, hand_in_doubt=False))
+        return _leave(state, replace(task, stage=Stage.DONE, hand_may_hold=False))
     return _act(_ANSWERED[event.choice], state, task, because)
 
 
@@ -269,7 +271,7 @@ def _retried(state: RunState, task: TaskProgress) -> RunState:
     is_out_of_reach = task.piece and not task.unseen and state.fed != task.name
     then = Do.NEW_PART if is_out_of_reach else None
     part = Part.AGAIN if task.piece else Part.WHOLE
-    task = replace(task, stage=Stage.DOUBTFUL, part=part, then=then)
+    task = replace(task, stage=Stage.UNVERIFIED, part=part, then=then)
     return state.with_task(task, waiting=(*state.waiting, task.name))
 
 
@@ -281,7 +283,7 @@ def _skipped(state: RunState, task: TaskProgress, by: str) -> RunState:
     state = replace(state, skipped={**state.skipped, task.name: by})
     if task.stage is Stage.RUNNING and not task.part.is_attempt:
         return state.with_task(replace(task, then=Do.SET_ASIDE))
-    if task.stage in (Stage.READY, Stage.DOUBTFUL) and not task.stuck_hand:
+    if task.stage in (Stage.READY, Stage.UNVERIFIED) and not task.stuck_hand:
         return _act(Do.SET_ASIDE, state, task, f"{by} skipped it")
     return state
 
@@ -302,7 +304,7 @@ def _apply_task_elsewhere(event: TaskElsewhere, state: RunState) -> RunState:
 
 @_apply.register
 def _apply_task_returned(event: TaskReturned, state: RunState) -> RunState:
-    task = replace(state.tasks[event.task], stage=Stage.DOUBTFUL, part=Part.AGAIN, piece=True)
+    task = replace(state.tasks[event.task], stage=Stage.UNVERIFIED, part=Part.AGAIN, piece=True)
     waiting = tuple(name for name in state.waiting if name != task.name)
     return state.with_task(task, waiting=(*waiting, task.name))
 
@@ -355,7 +357,7 @@ def _may_hold_something(task: TaskProgress) -> bool:
 def _failed(state: RunState, task: TaskProgress) -> RunState:
     """Return the state after a behavior that did not do what it should."""
     cause = cause_of(task.operations)
-    code = cause.error_code if cause else UNTOLD
+    code = cause.error_code if cause else UNREPORTED
     stop = state.stop
     if task.outcome == PREEMPTED and not stop and task.name not in state.skipped:
         stop = f"the behavior of task {task.name} was stopped by another client of the engine"
@@ -373,24 +375,24 @@ def _for_a_person(state: RunState, task: TaskProgress) -> RunState:
     late = (task.stopped_by,) if task.stopped_by else ()
     task = replace(task, operations=(*task.operations, *late), failures=task.failures + len(late))
     cause = cause_of(task.operations)
-    code = cause.error_code if cause else UNTOLD
+    code = cause.error_code if cause else UNREPORTED
     task = replace(task, stage=Stage.FAILED, codes=(*task.codes, code))
     return state.with_task(task, failures=state.failures + 1)
 
 
 def _act(do: Do, state: RunState, task: TaskProgress, because: str) -> RunState:
     """Return the state in which something is to be done about a task that failed."""
-    if task.hand_in_doubt and do not in _WITHOUT_MOTION:
+    if task.hand_may_hold and do not in _WITHOUT_MOTION:
         return state.with_task(replace(task, stage=Stage.READY, part=Part.CLEAR, then=do))
     if do in _GIVES_PIECE_UP and _is_to_be_inspected(do, task):
-        return state.with_task(replace(task, stage=Stage.DOUBTFUL, then=do))
+        return state.with_task(replace(task, stage=Stage.UNVERIFIED, then=do))
     return _do(do, state, task, because)
 
 
 def _with_empty_hand(state: RunState, task: TaskProgress) -> RunState:
     """Return the state after the hand was emptied."""
     if task.then is None:
-        return state.with_task(replace(task, stage=Stage.DOUBTFUL, part=Part.AGAIN))
+        return state.with_task(replace(task, stage=Stage.UNVERIFIED, part=Part.AGAIN))
     return _act(task.then, state, replace(task, part=Part.AGAIN), "the hand is empty")
 
 
@@ -404,7 +406,7 @@ def _do(do: Do, state: RunState, task: TaskProgress, because: str) -> RunState:
     if do in _AFTER_INSPECTING:
         is_there = task.piece and task.codes[-1:] != (Code.WIRE_NOT_FED,)
         part = Part.AGAIN if is_there else Part.WHOLE
-        return state.with_task(replace(task, stage=Stage.DOUBTFUL, part=part, then=None))
+        return state.with_task(replace(task, stage=Stage.UNVERIFIED, part=part, then=None))
     if do in _GIVES_PIECE_UP and _is_to_be_discarded(do, task):
         return state.with_task(replace(task, stage=Stage.READY, part=Part.DISCARD, then=do))
     task = replace(task, then=None)

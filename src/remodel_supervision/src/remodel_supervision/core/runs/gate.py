@@ -11,7 +11,7 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from enum import Enum
 
-# The feeder asks under this name. Nobody can stop it: it moves until it has answered.
+# The feeder asks under this name. No command can stop it: it moves until it has answered.
 FEEDER = "feeder"
 
 

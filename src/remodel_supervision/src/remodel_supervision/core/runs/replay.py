@@ -141,7 +141,7 @@ def _difference(event: Event, state: RunState) -> str:
         asked = state.question
         fits = asked is not None and asked.number == event.number and event.choice in asked.choices
         return "" if fits else f"question {event.number} was not open, or has no such answer"
-    # An inspection during which somebody paused the run is kept.
+    # An inspection during which a client paused the run is kept.
     step = next_step(replace(state, paused=False) if isinstance(event, Settled) else state)
     return "" if _fits(event, step) else f"next was {step}"
 

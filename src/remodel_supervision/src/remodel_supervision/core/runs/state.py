@@ -41,7 +41,7 @@ PERSON_FIRST = frozenset(
 NOTHING_TO_LAY_DOWN = frozenset({Code.NOTHING_HELD, Code.WIRE_NOT_FED})
 
 # Of a task that failed though no ability reported an error.
-UNTOLD = Code.INTERNAL
+UNREPORTED = Code.INTERNAL
 
 # Outcomes of a task's behavior: it did what it should; it was stopped.
 FINISHED = "finished"
@@ -52,14 +52,14 @@ class Stage(Enum):
     """How far a task is.
 
     WAITING: for its turn. READY: its next behavior may begin. RUNNING: its behavior runs.
-    `DOUBTFUL`: its progress is to be inspected. FAILED: what to do is to be decided.
+    UNVERIFIED: its progress is to be inspected. FAILED: what to do is to be decided.
     ASKING: an operator is to decide. ELSEWHERE: another cell has it.
     """
 
     WAITING = "waiting"
     READY = "ready"
     RUNNING = "running"
-    DOUBTFUL = "doubtful"
+    UNVERIFIED = "unverified"
     FAILED = "failed"
     ASKING = "asking"
     ELSEWHERE = "elsewhere"
@@ -84,7 +84,7 @@ class TaskProgress:
         connected: letters of the ends that were seen in their terminals.
         unseen: why the inspection of what is done failed; empty if it did not.
         piece: whether a piece of its wire may be in the cell.
-        hand_in_doubt: whether the hand may hold something: the last behavior did not end by itself,
+        hand_may_hold: whether the hand may hold something: the last behavior did not end by itself,
             lost a server, or did not lay down what it held.
         stuck_hand: how often in a row the hand could not be emptied.
         undiscarded: whether the piece could not be discarded.
@@ -109,7 +109,7 @@ class TaskProgress:
     connected: tuple[str, ...] = ()
     unseen: str = ""
     piece: bool = False
-    hand_in_doubt: bool = False
+    hand_may_hold: bool = False
     stuck_hand: int = 0
     undiscarded: bool = False
     stopped_by: Operation | None = None

@@ -10,10 +10,10 @@ import dataclasses
 import hashlib
 from collections.abc import Mapping
 from functools import cache
-from typing import cast
+
+import msgspec
 
 from remodel_supervision.core.run import Operation
-from remodel_supervision.core.runs.event_form import built, plain
 from remodel_supervision.core.runs.events import Asked, Decided, RunEnded
 from remodel_supervision.core.runs.state import RunState, Stage, TaskProgress
 
@@ -38,9 +38,9 @@ def state_from(data: object) -> RunState | None:
     if not isinstance(data, Mapping) or data.get(_FORM) != _form():
         return None
     try:
-        tasks = cast("tuple[TaskProgress, ...]", built(tuple[TaskProgress, ...], data[_TASKS]))
-        rest = cast("RunState", built(RunState, data[_STATE]))
-    except (KeyError, TypeError, ValueError):
+        tasks = msgspec.convert(data[_TASKS], tuple[TaskProgress, ...])
+        rest = msgspec.convert(data[_STATE], RunState)
+    except (KeyError, msgspec.ValidationError):
         return None
     return dataclasses.replace(rest, tasks={task.name: task for task in tasks})
 
@@ -55,7 +55,7 @@ def _sparse(value: RunState | TaskProgress) -> dict[str, object]:
     """Return the fields that differ from their defaults."""
     kind: type = type(value)
     return {
-        name: plain(item)
+        name: msgspec.to_builtins(item)
         for name, default in _defaults(kind)
         if (item := getattr(value, name)) != default
     }

@@ -107,7 +107,9 @@ def next_step(state: RunState) -> Step | None:
         return Plan(state.to_plan)
     if state.waiting:
         task = state.tasks[state.waiting[0]]
-        return Settle(task.name) if task.stage is Stage.DOUBTFUL else Execute(task.name, task.part)
+        return (
+            Settle(task.name) if task.stage is Stage.UNVERIFIED else Execute(task.name, task.part)
+        )
     if elsewhere := state.in_stage(Stage.ELSEWHERE):
         return Wait(f"other cells have {', '.join(elsewhere)}")
     aside = state.in_stage(Stage.SET_ASIDE)
@@ -135,6 +137,6 @@ def _about(state: RunState, name: str) -> Step:
             return Wait(f"question {state.questions} is to be answered")
     if state.paused:
         return Wait(_why_paused(state))
-    if task.stage is Stage.DOUBTFUL:
+    if task.stage is Stage.UNVERIFIED:
         return Settle(name)
     return Execute(name, task.part)

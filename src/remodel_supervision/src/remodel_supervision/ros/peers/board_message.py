@@ -1,47 +1,160 @@
-"""Translate a laid-out design of any size into remodel_msgs/Panel, for a cell with a magazine."""
+"""Translate the panel of a board into remodel_msgs/Panel, under the names of an order's tasks."""
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+from dataclasses import fields
+
+import yaml
+from genpy import Message
 from geometry_msgs.msg import Point, Pose2D, Vector3
-from remodel_msgs.msg import Channel, Component, Panel, Terminal, Wire
+from remodel_msgs.msg import Clip, Component, Duct, Rail, Terminal, Wire
+from remodel_msgs.msg import Panel as PanelMsg
 
 from remodel_planning.core.orders.work_order import WorkOrder
+from remodel_production.core.board.panel import (
+    Panel,
+    PanelClip,
+    PanelDevice,
+    PanelDuct,
+    PanelOpening,
+    PanelRail,
+    PanelWire,
+)
+from remodel_production.core.production import TerminalRef
 
-# Where all parts are presented: the magazine beside the board.
-MAGAZINE = "magazine"
+# Columns of a panel's text.
+_TEXT_WIDTH = 150
 
 
-def board_message(order: WorkOrder) -> Panel:
-    """Return the message for the tasks of an order, in the board's frame [m]."""
-    terminals: dict[str, list[Terminal]] = {name: [] for name in order.components}
-    short = {}
-    for terminal in order.terminals:
-        short[terminal.name] = terminal.name.removeprefix(f"{terminal.component}:")
-        x, y = (value / 1e3 for value in terminal.position_mm)
-        mouth = Terminal(id=short[terminal.name], mouth=Point(x, y, 0.0))
-        terminals[terminal.component].append(mouth)
-    corners = [terminal.position_mm for terminal in order.terminals]
-    component_of = {terminal.name: terminal.component for terminal in order.terminals}
-    wires = [
-        Wire(
-            id=task.name,
-            a_component=component_of[a],
-            a_terminal=short[a],
-            b_component=component_of[b],
-            b_terminal=short[b],
-            colour=str(task.characteristics.get("colour", "")),
-            section=float(task.characteristics.get("section_mm2", 0.0)),
-            length=task.routes[0].length_m,
-        )
-        for task in order.tasks
-        for a, b in [task.terminals]
-    ]
-    return Panel(
-        name=order.name,
-        size=Vector3(*(max(side, default=0) / 1e3 for side in zip(*corners, strict=True)), 0.0),
-        components=[
-            Component(id=name, pose=Pose2D(), terminals=found) for name, found in terminals.items()
-        ],
-        channels=[Channel(id=MAGAZINE)],
-        wires=wires,
+def board_message(panel: Panel, order: WorkOrder) -> PanelMsg:
+    """Return the message for a panel, whose wires are the tasks of an order.
+
+    It has no channels: a magazine presents the wires.
+    """
+    message = PanelMsg(
+        name=panel.name,
+        size=Vector3(*panel.size),
+        clips=[_clip(clip) for clip in panel.clips],
+        ducts=[Duct(**_named(duct)) for duct in panel.ducts],
+        rails=[Rail(**_named(rail)) for rail in panel.rails],
     )
+    short = _short_names(order)
+    terminals = {}
+    for wire, task in zip(panel.wires, order.tasks, strict=True):
+        a, b = (short[name] for name in task.terminals)
+        terminals.update({wire.a: a, wire.b: b})
+        message.wires.append(_wire(wire, task.name, a, b))
+    message.components = [_component(device, terminals) for device in panel.devices]
+    return message
+
+
+def panel_text(message: PanelMsg) -> str:
+    """Return the YAML text of a panel's message, without the fields that are 0 or empty."""
+    title = (
+        f"# The panel of order {message.name}, as `planner layout` writes it: remodel_msgs/Panel\n"
+        "# in the text form of the message; metres, radians, panel frame.\n"
+    )
+    return title + yaml.dump(
+        _set_fields(message),
+        Dumper=_PanelDumper,
+        sort_keys=False,
+        allow_unicode=True,
+        default_flow_style=None,
+        width=_TEXT_WIDTH,
+    )
+
+
+class _Entry(dict[str, object]):
+    """A part of the panel that is written on a line."""
+
+
+class _PanelDumper(yaml.SafeDumper):
+    """Writes YAML."""
+
+    def represent_entry(self, entry: _Entry) -> yaml.MappingNode:
+        """Return the node of an entry."""
+        return self.represent_mapping("tag:yaml.org,2002:map", entry, flow_style=True)
+
+
+_PanelDumper.add_representer(_Entry, _PanelDumper.represent_entry)
+
+
+def _set_fields(value: object) -> object:
+    """Return the fields of a message that are not 0 or empty; a point or a pose as a list."""
+    if isinstance(value, Point | Pose2D | Vector3):
+        numbers = [getattr(value, name) for name in value.__slots__]
+        return numbers if any(numbers) else []
+    if isinstance(value, Message):
+        found = ((name, _set_fields(getattr(value, name))) for name in value.__slots__)
+        said = {name: item for name, item in found if item not in (0, "", [], {})}
+        return said if isinstance(value, PanelMsg | Component) else _Entry(said)
+    if isinstance(value, list):
+        return [_set_fields(item) for item in value]
+    return value
+
+
+def _short_names(order: WorkOrder) -> dict[str, str]:
+    """Return the names of terminals without those of their components."""
+    return {t.name: t.name.removeprefix(f"{t.component}:") for t in order.terminals}
+
+
+def _component(device: PanelDevice, names: Mapping[TerminalRef, str]) -> Component:
+    return Component(
+        id=device.name,
+        kind=device.kind,
+        marker_id=device.label,
+        marker_size=device.label_size,
+        pose=Pose2D(*device.place, 0.0),
+        size=Vector3(*device.size),
+        terminals=[
+            _terminal(opening, names[TerminalRef(device.name, opening.name)])
+            for opening in device.openings
+        ],
+    )
+
+
+def _terminal(opening: PanelOpening, name: str) -> Terminal:
+    return Terminal(
+        id=name,
+        mouth=Point(*opening.place),
+        insertion_yaw=opening.insertion_yaw,
+        bore=opening.bore,
+        depth=opening.depth,
+        chamfer=opening.chamfer,
+        retention_force=opening.retention,
+        screw=Point(*(opening.screw or (0.0, 0.0, 0.0))),
+    )
+
+
+def _clip(clip: PanelClip) -> Clip:
+    values = _named(clip)
+    return Clip(retention_force=values.pop("retention"), **values)
+
+
+def _named(item: PanelClip | PanelDuct | PanelRail) -> dict[str, object]:
+    """Return the fields of an item under their names in its message."""
+    values = {field.name: getattr(item, field.name) for field in fields(item)}
+    values.update(id=values.pop("name"), pose=Pose2D(*item.pose))
+    return values
+
+
+def _wire(wire: PanelWire, name: str, a_terminal: str, b_terminal: str) -> Wire:
+    message = Wire(
+        id=name,
+        a_component=wire.a.component,
+        a_terminal=a_terminal,
+        b_component=wire.b.component,
+        b_terminal=b_terminal,
+        colour=wire.colour,
+        section=wire.section_mm2,
+        length=wire.length,
+        route=[Point(*point) for point in wire.route],
+        ducts=list(wire.ducts),
+    )
+    if wire.type is not None:
+        message.diameter = wire.type.diameter_m
+        message.linear_density = wire.type.density_kg_m
+        message.bending_stiffness = wire.type.stiffness_n_m2
+        message.ferrule_length = wire.type.ferrule_m
+    return message

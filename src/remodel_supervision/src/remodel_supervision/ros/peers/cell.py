@@ -13,6 +13,7 @@ from remodel_msgs.msg import Panel
 from remodel_msgs.srv import FeedWire, GetGroundTruth, LoadPanel, TakePicture
 from sensor_msgs.msg import Image
 
+from remodel_planning.core.task_charts.demands import Demands
 from remodel_production.errors import LostError
 from remodel_supervision.errors import RefusedError
 
@@ -60,13 +61,14 @@ class Cell:
             raise LostError("the cell does not answer")
         return address
 
-    def load(self, panel: Panel, serial: str, owner: int, *, keep: bool) -> None:
+    def load(self, panel: Panel, serial: str, owner: int, *, demands: Demands, keep: bool) -> None:
         """Build the panel of a product.
 
         Args:
             panel: to build.
             serial: serial number of the product.
             owner: token of the supervisor that asks.
+            demands: of the order's goals.
             keep: leave the cell as it is if it has this very panel already.
 
         Raises:
@@ -74,7 +76,16 @@ class Cell:
         """
         panel.serial = serial
         what = f"load panel {panel.name}"
-        self._ask("load_panel", what, panel=panel, keep=keep, owner=owner)
+        self._ask(
+            "load_panel",
+            what,
+            panel=panel,
+            keep=keep,
+            owner=owner,
+            robots=demands.robots,
+            abilities=[ability for ability, _ in demands.forces_n],
+            force_limits=[force_n for _, force_n in demands.forces_n],
+        )
 
     def feed(self, wire: str, channel: str, owner: int) -> None:
         """Present a piece of a wire in a channel.

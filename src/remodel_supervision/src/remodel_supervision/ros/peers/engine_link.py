@@ -47,7 +47,7 @@ class EngineLink:
         self._runner = Peer("the engine's action server", f"{ACTION}/feedback")
         rospy.Subscriber("flexbe/status", BEStatus, self._on_status)
         rospy.Subscriber("flexbe/behavior_update", String, self._on_entered, tcp_nodelay=True)
-        # Counted, not measured: while this process itself is stopped nobody else is silent.
+        # Counted, not measured: while this process itself is stopped, no other one is silent.
         loop.every(1.0, self._count_silence)
 
     @property

@@ -114,16 +114,16 @@ class _Writer:
     def _of_task_ended(self, event: TaskEnded) -> Iterable[RunEntry]:
         self.now_s = event.at_s
         pictures = [self._picture(event.task, name) for name in event.pictures]
-        told = sorted((*self.behavior, *pictures), key=lambda entry: entry.stamp.to_sec())
+        entries = sorted((*self.behavior, *pictures), key=lambda entry: entry.stamp.to_sec())
         left = RunEntry(kind=RunEntry.STATE, task=event.task, behavior=self.name)
         ended = RunEntry(kind=RunEntry.TASK, task=event.task, text=event.outcome)
         self.behavior = []
-        return [*told, left, ended]
+        return [*entries, left, ended]
 
     @_of.register
     def _of_interrupted(self, event: Interrupted) -> Iterable[RunEntry]:
-        told, self.behavior = self.behavior, []
-        return [*told, RunEntry(kind=RunEntry.RUN, text=f"interrupted: {event.because}")]
+        entries, self.behavior = self.behavior, []
+        return [*entries, RunEntry(kind=RunEntry.RUN, text=f"interrupted: {event.because}")]
 
     @_of.register
     def _of_settled(self, event: Settled) -> Iterable[RunEntry]:

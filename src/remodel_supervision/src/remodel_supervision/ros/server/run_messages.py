@@ -14,6 +14,7 @@ from remodel_msgs.msg import (
     UseCaseState,
 )
 
+from remodel_supervision.core.runs.abridged import abridged
 from remodel_supervision.core.runs.changes import counts_of
 from remodel_supervision.core.runs.events import Decided
 from remodel_supervision.core.runs.state import RunState, Stage
@@ -60,7 +61,7 @@ def state_message(view: RunView) -> UseCaseState:
     counts = counts_of(state)
     return UseCaseState(
         phase=_phase(view),
-        message=state.ended.because if state.ended else view.doing,
+        message=abridged(state.ended.because) if state.ended else view.doing,
         cell=state.cell,
         run=view.run,
         order=state.order,

@@ -84,7 +84,7 @@ class RunServer:
     def _serve(self) -> None:
         try:
             self._runs.serve()
-        except Exception as error:  # noqa: BLE001 - a run that nobody supervises must not look alive
+        except Exception as error:  # noqa: BLE001 - an unsupervised run must not look alive
             # roslaunch respawns this node, which resumes the run.
             rospy.logfatal("%s", traceback.format_exc())
             rospy.signal_shutdown(str(error))
@@ -94,7 +94,9 @@ class RunServer:
         try:
             self._runs.require_free()
             _require_sound(goal)
-            supervisor = self._runs.begin(goal.order, goal.tasks, goal.timeout, again=goal.again)
+            supervisor = self._runs.begin(
+                goal.order, goal.tasks, goal.timeout, use_case=goal.use_case, again=goal.again
+            )
         except PlannerError as error:
             is_busy = self._commands.active is not None or bool(self._commands.closed)
             code = ErrorCode.BUSY if is_busy else ErrorCode.INVALID_GOAL

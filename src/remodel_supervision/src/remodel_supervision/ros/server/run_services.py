@@ -135,7 +135,7 @@ class RunServices:
         rospy.Service(f"remodel/use_case/{command.value}", CommandTask, on_call)
 
     def _command(self, command: Command, task: str, by: str) -> tuple[bool, str]:
-        event = Commanded(command, task, by or "somebody")
+        event = Commanded(command, task, by or "an unnamed client")
 
         def do(reply: Reply) -> None:
             self.commands.command(event, reply)
@@ -156,7 +156,9 @@ class RunServices:
             elif supervisor is None:
                 reply(False, "no run is under way")
             else:
-                supervisor.answer(Answered(number, Answer(choice), by or "somebody"), reply)
+                supervisor.answer(
+                    Answered(number, Answer(choice), by or "an unnamed client"), reply
+                )
 
         return AnswerQuestionResponse(*self._loop.ask(do))
 
@@ -167,7 +169,7 @@ class RunServices:
             self._abilities.cancel()
 
     def _note_stop(self, by: str, *, is_stopped: bool) -> None:
-        # Whoever is not there any more, such as `rostopic pub`, cannot release its own stop.
+        # A client that is not there any more, such as `rostopic pub`, cannot release its own stop.
         present = {link.callerid_pub for link in self._stops.impl.connections}
         self.commands.note_controller(by, is_stopped=is_stopped, present=present)
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 from remodel_msgs.msg import Panel
 
@@ -14,17 +14,19 @@ from remodel_planning.core.use_case.fault import FaultTable
 from remodel_planning.core.use_case.model import UseCase
 from remodel_planning.edge.use_case_files import find_use_case
 from remodel_production.core.board.board import board_of
+from remodel_production.core.board.panel import panel_of
 from remodel_production.core.panel.panel_layout import PanelRules, lay_out
 from remodel_production.core.production import Order
 from remodel_production.edge.catalogue_file import read_catalogue
 from remodel_production.edge.database.production_database import ProductionDatabase
 from remodel_production.edge.package_files import catalogue_file
+from remodel_production.errors import OrderError
 from remodel_supervision.core.learning.experience import Experience
 from remodel_supervision.edge.escalation_hook import EscalationHook
 from remodel_supervision.edge.recorded_lessons import ability_calls
 from remodel_supervision.edge.task_leases import TaskLeases
 from remodel_supervision.edge.work_planner import WorkPlanner
-from remodel_supervision.ros.peers.board_message import MAGAZINE, board_message
+from remodel_supervision.ros.peers.board_message import board_message
 from remodel_supervision.ros.peers.panel_message import panel_message
 from remodel_supervision.supervisors.work import Work
 
@@ -37,7 +39,7 @@ class WorkMaker:
         database: that has the orders.
         faults: that there are.
         cell: name of the cell.
-        use_case: name of the use case by which orders are done.
+        use_case: name of the use case by which orders are done whose goal names none.
         attended: whether there is an operator who can be asked.
         reconnect_s: [s] wall time that a process that is lost or silent gets to answer again.
         lease_s: [s] wall time for which a task is taken.
@@ -60,11 +62,12 @@ class WorkMaker:
     escalation: EscalationHook | None = None
     descriptions: Mapping[str, str] = field(default_factory=dict)
 
-    def work(self, name: str, tasks: int, owner: int) -> Work:
+    def work(self, name: str, use_case: str, tasks: int, owner: int) -> Work:
         """Make the work of an order.
 
         Args:
             name: of the order.
+            use_case: name of the use case; empty: the default.
             tasks: how many, from the first; 0 for all.
             owner: token of the ownership of the cell.
 
@@ -72,18 +75,17 @@ class WorkMaker:
             PlannerError: if there is no such order, or the cell cannot do it.
         """
         stored = self.database.order(name).in_cabinet()
-        stored = stored.first(tasks or len(stored.wires))
-        use_case = find_use_case(self.use_case)
-        use_case.recovery.require_known(self.faults)
-        order, panel, channels = _in_cell(stored, use_case)
-        experience = Experience(use_case, ability_calls(self.database), explore=self.explore)
+        found = find_use_case(use_case or self.use_case)
+        found.recovery.require_known(self.faults)
+        order, panel, channels = _in_cell(stored, found, tasks)
+        experience = Experience(found, ability_calls(self.database), explore=self.explore)
         leases = TaskLeases(self.database, name, self.cell, self.lease_s, token=owner)
         self.descriptions = {
             wire.name: f"{wire.a} to {wire.b}, {wire.colour}, {wire.section_mm2:g} mm2"
             for wire in stored.wires
         }
         return Work(
-            planner=WorkPlanner(order, use_case, experience, self.search_s),
+            planner=WorkPlanner(order, found, experience, self.search_s),
             faults=self.faults,
             panel=panel,
             channels=channels,
@@ -94,13 +96,28 @@ class WorkMaker:
         )
 
 
-def _in_cell(stored: Order, use_case: UseCase) -> tuple[WorkOrder, Panel, dict[str, str]]:
-    """Return an order's tasks, the panel that the cell builds, and where each part is presented."""
+def _in_cell(
+    stored: Order, use_case: UseCase, tasks: int
+) -> tuple[WorkOrder, Panel, dict[str, str]]:
+    """Return an order's first tasks (0: all), the panel to build, and the channels of wires.
+
+    A magazine presents the wires that have no channel.
+    """
+    catalogue = read_catalogue(catalogue_file())
     if use_case.name == USE_CASE:
         rules = PanelRules()
-        layout = lay_out(stored, read_catalogue(catalogue_file()), rules)
+        layout = lay_out(stored.first(tasks or len(stored.wires)), catalogue, rules)
         channels = {cut.wire.name: cut.channel for cut in layout.wires}
         return cell_order(layout), panel_message(layout, rules), channels
-    board = board_of(stored)
+    board = board_of(stored, catalogue)
     order = board_order(board, use_case, arms=1)
-    return order, board_message(order), {task.name: MAGAZINE for task in order.tasks}
+    # Leases are kept for wires.
+    others = {task.name for task in order.tasks} - {wire.name for wire in stored.wires}
+    if others:
+        raise OrderError(
+            f"order {stored.name} cannot be run by use case {use_case.name}: its tasks, such as "
+            f"{min(others)}, are no wires of the design; run it by a use case of wires "
+            "(designs: {tasks: wires}), or plan it with `planner plan`"
+        )
+    panel = board_message(panel_of(board, catalogue), order)
+    return replace(order, tasks=order.tasks[: tasks or None]), panel, {}

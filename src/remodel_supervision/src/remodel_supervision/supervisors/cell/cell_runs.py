@@ -25,8 +25,15 @@ STARTING = "this node is starting; ask again"
 class WorkSource(Protocol):
     """Makes what a run is about."""
 
-    def work(self, name: str, tasks: int, owner: int) -> Work:
-        """Make the work of the first tasks of an order, 0 for all; PlannerError if that fails."""
+    def work(self, name: str, use_case: str, tasks: int, owner: int) -> Work:
+        """Make the work of an order; PlannerError if that fails.
+
+        Args:
+            name: of the order.
+            use_case: name of the use case; empty: the default.
+            tasks: how many, from the first; 0 for all.
+            owner: token of the ownership of the cell.
+        """
 
 
 class RunObserver(Protocol):
@@ -87,7 +94,7 @@ class CellRuns:
         self._peers = peers
         self._commands = commands
         self._observer = observer
-        # Whether the cell may have a run that has not ended and that nobody supervises.
+        # Whether the cell may have a run that has not ended and that no process supervises.
         self._unsure = True
         self._next: UseCaseSupervisor | None = None
         commands.closed = STARTING
@@ -114,7 +121,13 @@ class CellRuns:
             raise CellError(self._commands.closed)
 
     def begin(
-        self, order: str, tasks: int, timeout_s: float = 0.0, *, again: bool = False
+        self,
+        order: str,
+        tasks: int,
+        timeout_s: float = 0.0,
+        *,
+        use_case: str = "",
+        again: bool = False,
     ) -> UseCaseSupervisor:
         """Begin a run; it is supervised next.
 
@@ -122,16 +135,17 @@ class CellRuns:
             order: name of the order.
             tasks: how many, from the first; 0 for all.
             timeout_s: [s] ROS time after which the run stops; 0: never.
+            use_case: name of the use case that it is done by; empty: the default.
             again: wire the next product of the order; otherwise the current one, or the first.
 
         Raises:
             PlannerError: if the order cannot be done; there is no run.
         """
         try:
-            work = self._source.work(order, tasks, self._cell.token)
+            work = self._source.work(order, use_case, tasks, self._cell.token)
             names = tuple(task.name for task in work.planner.order.tasks)
-            use_case = work.planner.use_case.name
-            begun = RunBegun(order, use_case, self._cell.name, names, timeout_s=timeout_s)
+            found = work.planner.use_case.name
+            begun = RunBegun(order, found, self._cell.name, names, timeout_s=timeout_s)
             run, begun = self._begun(begun, again=again)
         except OwnerError as error:
             self._cell.taken_over = str(error)
@@ -193,7 +207,9 @@ class CellRuns:
         state = self._log.state(run)
         self._observer.on_resume(run, state)
         try:
-            work = self._source.work(state.order, len(state.tasks), self._cell.token)
+            work = self._source.work(
+                state.order, state.use_case, len(state.tasks), self._cell.token
+            )
         except (LostError, OwnerError, RecordLostError):
             raise
         except PlannerError as error:

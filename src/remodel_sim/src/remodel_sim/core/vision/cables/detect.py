@@ -100,12 +100,12 @@ def _detect(rgb: Pixels, scale: int, small: Pixels, foreground: Foreground) -> D
         cable = _cable(rgb, found.line, found.confidence)
         cables.append(replace(cable, tips=_not_over(foreground.foreign_objects, cable, scale)))
     cables.sort(key=lambda c: -len(c.centreline))
-    doubts = (
+    warnings = (
         *exposure_warnings(small),
         *cable_warnings(rgb, cables),
         *remainder_warnings(foreground, cables, scale),
     )
-    return Detection(tuple(cables), find_crossings(rgb, cables), doubts)
+    return Detection(tuple(cables), find_crossings(rgb, cables), warnings)
 
 
 @dataclass(frozen=True, eq=False)

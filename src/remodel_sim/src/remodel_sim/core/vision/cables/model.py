@@ -76,7 +76,7 @@ class Crossing:
 class Detection:
     """All cables of a picture.
 
-    `doubts` are warnings: reasons why the result may be wrong. A result without any is reliable.
+    `warnings` are the reasons why the result may be wrong. A result without any is reliable.
 
     Attributes:
         cables: the longest first.
@@ -85,4 +85,4 @@ class Detection:
 
     cables: tuple[DetectedCable, ...]
     crossings: tuple[Crossing, ...]
-    doubts: tuple[str, ...]
+    warnings: tuple[str, ...]

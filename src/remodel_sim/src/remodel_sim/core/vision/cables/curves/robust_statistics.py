@@ -8,7 +8,7 @@ import numpy as np
 import numpy.typing as npt
 
 
-def limited(values: npt.NDArray[Any], low: Any, high: Any) -> npt.NDArray[Any]:  # noqa: ANN401
+def limited(values: npt.NDArray[Any], low: npt.ArrayLike, high: npt.ArrayLike) -> npt.NDArray[Any]:
     """Return values, none of them below one limit or above another."""
     return np.minimum(np.maximum(values, low), high)
 

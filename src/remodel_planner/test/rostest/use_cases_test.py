@@ -1,0 +1,122 @@
+#!/usr/bin/env python3
+"""Shipped use cases, and one of a user's own, carry their orders out over a fake cell."""
+
+import json
+import shutil
+import subprocess
+import sys
+import unittest
+from pathlib import Path
+
+import rospy
+import rostest
+import yaml
+from order_client import DESIGN, LIMIT_S, SUPERVISOR, OrderClient, planner, wait_until
+
+from remodel_planning.edge.use_case_files import use_case_folder
+from remodel_supervision.core.runs.events import Ending
+
+OUTPUT = Path(sys.argv[1])
+DATABASE = f"sqlite:///{OUTPUT}/production.sqlite"
+DESIGNS = Path(__file__).parents[3] / "remodel_production/test/unit/designs"
+
+# A design for each shipped use case, and how many tasks of it are done.
+SHIPPED = {
+    "switchgear": (DESIGN, 3),
+    "cabinet": (DESIGN, 3),
+    "automotive_formboard": (DESIGNS / "loom.kbl", 2),
+    "medical_hoses": (DESIGNS / "harness.yml", 3),
+}
+
+
+class UseCasesTest(unittest.TestCase):
+    @classmethod
+    def setUpClass(cls):
+        rospy.init_node("test_use_cases")
+        cls.addClassCleanup(shutil.rmtree, OUTPUT, ignore_errors=True)
+        # A user's own: a folder outside the workspace, which REMODEL_USE_CASES names.
+        (OUTPUT / "use_cases").mkdir(parents=True)
+        cls.add_own("own_cabinet", lambda own: own.update(title="Hang Wire {task}"))
+
+    @staticmethod
+    def add_own(name, change):
+        own = yaml.safe_load((use_case_folder() / "cabinet.yaml").read_text())
+        del own["designs"]["default_for"]
+        own["name"] = name
+        change(own)
+        (OUTPUT / f"use_cases/{name}.yaml").write_text(yaml.safe_dump(own))
+
+    def add_order(self, name, design=DESIGN):
+        imported = planner("import", str(design), "--order", name, database=DATABASE)
+        self.assertEqual(imported.returncode, 0, imported.stderr)
+
+    def line(self, order, use_case, tasks):
+        options = ("--use-case", use_case, "--wires", str(tasks), "--output", str(OUTPUT / order))
+        return ("run_order", order, *options)
+
+    def test_each_shipped_use_case_carries_its_order_out(self):
+        shipped = {file.stem for file in use_case_folder().glob("*.yaml")}
+        self.assertEqual(shipped, {*SHIPPED, "branched_harness"})
+        for name, (design, tasks) in SHIPPED.items():
+            with self.subTest(name):
+                self.add_order(name, design)
+                ran = planner(*self.line(name, name, tasks), database=DATABASE)
+                self.assertEqual(ran.returncode, 0, ran.stdout + ran.stderr)
+                self.assertIn(f"order {name}, use case {name}, ", ran.stdout)
+                whole = f"{tasks} of {tasks} wires placed, {tasks} without a failed operation"
+                self.assertIn(whole, ran.stdout)
+
+    def test_an_order_of_branches_is_refused_with_the_reason(self):
+        self.add_order("loom", DESIGNS / "loom.kbl")
+        ran = planner(*self.line("loom", "branched_harness", 2), database=DATABASE)
+        self.assertEqual(ran.returncode, 3, ran.stdout + ran.stderr)
+        self.assertIn("are no wires of the design; run it by a use case of wires", ran.stderr)
+
+    def test_an_order_that_the_cell_refuses_leaves_its_panel_alone_and_can_be_run_later(self):
+        self.add_own("far", lambda own: own["designs"].update(arms=["robot_8", "robot_9"]))
+        for name in ("first", "second"):
+            self.add_order(name)
+        done = planner(*self.line("first", "cabinet", 1), database=DATABASE)
+        self.assertEqual(done.returncode, 0, done.stdout + done.stderr)
+        orders = OrderClient(OUTPUT)
+        before = orders.world.read().world
+        refused = planner(*self.line("second", "far", 2), database=DATABASE)
+        self.assertEqual(refused.returncode, 3, refused.stdout + refused.stderr)
+        self.assertIn("name robot 'robot_8'; the cell has robot_1, robot_2", refused.stderr)
+        self.assertIn("Nothing has moved. Correct the design or use case far", refused.stderr)
+        self.assertEqual(orders.world.read().world, before)
+        self.assertEqual(orders.run_state(orders.runs()[0]).ended.ending, Ending.STOPPED)
+        later = planner(*self.line("second", "cabinet", 2), database=DATABASE)
+        self.assertEqual(later.returncode, 0, later.stdout + later.stderr)
+        self.assertIn("product second-0001: 2 tasks", later.stdout)
+        self.assertIn("2 without a failed operation", later.stdout)
+
+    def test_a_use_case_of_the_users_own_runs_and_a_resumed_run_keeps_it(self):
+        self.add_order("own")
+        orders = OrderClient(OUTPUT)
+        words = ["rosrun", "remodel_planner", "planner", *self.line("own", "own_cabinet", 6)]
+        with subprocess.Popen(
+            [*words, "--database", DATABASE], stdout=subprocess.PIPE, text=True
+        ) as run:
+            self.addCleanup(run.kill)
+            wait_until(lambda: orders.state.order == "own" and orders.state.done, "a task is done")
+            orders.end_process(SUPERVISOR)
+            printed, _ = run.communicate(timeout=LIMIT_S)
+        self.assertEqual(run.returncode, 0, printed)
+        self.assertGreaterEqual(orders.state.interruptions, 1)
+        self.assertEqual(orders.state.use_case, "own_cabinet")
+        report = json.loads((OUTPUT / "own" / "report.json").read_text())
+        behaviors = [wire["behavior"] for wire in report["wires"]]
+        self.assertEqual([b for b in behaviors if not b.startswith("Hang Wire ")], [])
+
+    def test_the_error_about_an_unknown_name_lists_what_there_is_and_where_it_was_searched(self):
+        self.add_order("unknown")
+        ran = planner(*self.line("unknown", "cabinett", 2), database=DATABASE)
+        self.assertEqual(ran.returncode, 3, ran.stdout)
+        self.assertIn("no use case cabinett; there are automotive_formboard, ", ran.stderr)
+        self.assertIn("own_cabinet, ", ran.stderr)
+        self.assertIn(f"(searched: {OUTPUT / 'use_cases'}, {use_case_folder()})", ran.stderr)
+
+
+if __name__ == "__main__":
+    rostest.rosrun("remodel_planner", "test_use_cases", UseCasesTest)

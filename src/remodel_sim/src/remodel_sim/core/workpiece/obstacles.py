@@ -1,0 +1,117 @@
+"""What an arm must not touch: the solids that stand on the plate, as boxes in the world."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Iterator, Mapping
+from dataclasses import dataclass, replace
+from functools import cached_property
+from itertools import pairwise
+
+import numpy as np
+
+from remodel_sim.core.geometry import Array, Pose, rotation_matrix
+from remodel_sim.core.workpiece.component_shape import Box
+from remodel_sim.core.workpiece.fixtures import FIXTURE_RGB, clip_boxes, duct_boxes
+from remodel_sim.core.workpiece.layout import WORLD_FROM_PANEL
+from remodel_sim.core.workpiece.panel import Panel
+
+
+@dataclass(frozen=True)
+class Solid:
+    """A box of something, world frame; `name` is of the whole, such as "duct 'D1'"."""
+
+    name: str
+    box: Box
+
+
+@dataclass(frozen=True)
+class Obstacles:
+    """Solids, in any order."""
+
+    solids: tuple[Solid, ...] = ()
+
+    def without(self, names: Iterable[str]) -> Obstacles:
+        """Return the solids of other names."""
+        left_out = frozenset(names)
+        return Obstacles(tuple(solid for solid in self.solids if solid.name not in left_out))
+
+    def nearest(self, point: Array) -> str:
+        """Return the name of the solid that is nearest to a point, (3,) [m]."""
+        centres, turns, halves = self._geometry
+        local = np.einsum("nji,nj->ni", turns, point - centres)
+        outside = np.linalg.norm(np.maximum(np.abs(local) - halves, 0.0), axis=1)
+        return self.solids[int(outside.argmin())].name
+
+    @cached_property
+    def _geometry(self) -> tuple[Array, Array, Array]:
+        """Of all boxes: centres (n, 3) [m], rotation matrices (n, 3, 3), half sizes (n, 3) [m]."""
+        boxes = [solid.box for solid in self.solids]
+        turns = [_rotation(box.rpy) for box in boxes]
+        sizes = np.array([box.size for box in boxes])
+        return np.array([box.centre for box in boxes]), np.array(turns), sizes / 2
+
+
+def panel_obstacles(panel: Panel, seen: Mapping[str, Pose]) -> Obstacles:
+    """Return the components, rails, ducts' walls and clips of a panel.
+
+    Args:
+        panel: as drawn.
+        seen: frames of components in the world where they were located; others stand as drawn.
+    """
+    return Obstacles(tuple(_panel_solids(panel, seen)))
+
+
+def _panel_solids(panel: Panel, seen: Mapping[str, Pose]) -> Iterator[Solid]:
+    for component in panel.components:
+        place = seen.get(component.id, WORLD_FROM_PANEL @ component.panel_from_component)
+        housing = Box((0.0, 0.0, component.size[2] / 2), component.size, FIXTURE_RGB)
+        yield Solid(component_name(component.id), _placed(housing, place))
+    for rail in panel.rails:
+        profile = (rail.length, rail.width, rail.height)
+        box = Box((0.0, 0.0, rail.height / 2), profile, FIXTURE_RGB)
+        yield Solid(f"rail {rail.id!r}", _placed(box, WORLD_FROM_PANEL @ rail.panel_from_rail))
+    for duct in panel.ducts:
+        place = WORLD_FROM_PANEL @ duct.panel_from_duct
+        for wall in duct_boxes(duct):
+            yield Solid(f"duct {duct.id!r}", _placed(wall, place))
+    for clip in panel.clips:
+        place = WORLD_FROM_PANEL @ clip.panel_from_clip
+        for part in clip_boxes(clip):
+            yield Solid(f"clip {clip.id!r}", _placed(part, place))
+
+
+def component_name(component_id: str) -> str:
+    """Return the name of a component's solid."""
+    return f"component {component_id!r}"
+
+
+def wire_solids(name: str, nodes: Array, radius: float) -> tuple[Solid, ...]:
+    """Return a lying wire of some radius [m] along nodes, (n, 3) [m], world frame."""
+    solids = []
+    for start, end in pairwise(nodes):
+        x, y, z = (end - start).tolist()
+        level = math.hypot(x, y)
+        size = (math.hypot(level, z) + 2 * radius, 2 * radius, 2 * radius)
+        middle = tuple(((start + end) / 2).tolist())
+        turn = (0.0, -math.atan2(z, level), math.atan2(y, x))
+        solids.append(Solid(name, Box(middle, size, FIXTURE_RGB, rpy=turn)))
+    return tuple(solids)
+
+
+def _placed(box: Box, place: Pose) -> Box:
+    """Return a box of an upright frame in the world."""
+    x, y, z = (float(v) for v in place.apply(np.array(box.centre)))
+    roll, pitch, yaw = box.rpy
+    return replace(box, centre=(x, y, z), rpy=(roll, pitch, yaw + place.yaw))
+
+
+def _rotation(rpy: tuple[float, float, float]) -> Array:
+    """Return the (3, 3) matrix of turns about the fixed axes x, y and z, in that order [rad]."""
+    turns = []
+    for axis, angle in enumerate(rpy):
+        quaternion = np.zeros(4)
+        quaternion[axis], quaternion[3] = math.sin(angle / 2), math.cos(angle / 2)
+        turns.append(rotation_matrix(quaternion))
+    about_x, about_y, about_z = turns
+    return np.asarray(about_z @ about_y @ about_x)

@@ -1,0 +1,209 @@
+"""Whether a motion would touch an obstacle, by Bullet's nearest points of a second, still world.
+
+A shadow of the arm, with its meshes and fingers, is put into the postures along a path. Where
+nothing is near, the next posture is as far along the path as the free distance allows.
+"""
+
+from __future__ import annotations
+
+import math
+import tempfile
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pybullet
+from pybullet_utils.bullet_client import BulletClient
+
+from remodel_sim.core.geometry import Pose, turn_between
+from remodel_sim.core.robot.arm import Arm, ToolPose
+from remodel_sim.core.workpiece.obstacles import Obstacles
+from remodel_sim.physics.robot_description import FINGERS, HAND, robot_description
+from remodel_sim.physics.static_body import add_static
+
+# Nearest points are searched for within this distance [m]: more takes longer.
+SIGHT_M = 0.015
+# Postures are at least so far apart along the path [m]; of the distance that is free, this share
+# is used: some of the arm moves faster than the tool.
+STEP_M = 0.004
+FREE_SHARE = 0.7
+# A motion may begin where something is nearer than the clearance, and come this much nearer [m].
+NEARER_M = 0.0005
+# A part of the robot, and Bullet's nearest points of it and an obstacle, with these fields.
+NearPoint = tuple[str, tuple[Any, ...]]
+LINK_A, ON_B, DISTANCE = 3, 6, 8
+
+
+@dataclass(frozen=True)
+class HeldTip:
+    """The straight end of a wire ahead of the hand.
+
+    Attributes:
+        name: of the wire.
+        radius: [m].
+        distance: from the tool centre to the tip [m].
+        height: of the wire's axis above the tool centre [m].
+        flip: direction of the tip relative to the hand's x axis [rad].
+    """
+
+    name: str
+    radius: float
+    distance: float
+    height: float
+    flip: float
+
+
+@dataclass(frozen=True)
+class Touch:
+    """Where a motion comes too near to something.
+
+    Attributes:
+        part: of the robot, or what it holds.
+        solid: the obstacle's name.
+        tool: where the tool is then.
+        gap: between the two [m]; negative where they would overlap.
+    """
+
+    part: str
+    solid: str
+    tool: ToolPose
+    gap: float
+
+    def __str__(self) -> str:
+        """Say which part would touch what, where and by how much."""
+        verb = "would overlap" if self.gap < 0 else "would come as near as"
+        how = f"{verb} {abs(self.gap) * 1e3:.1f} mm"
+        joined = "with" if self.gap < 0 else "to"
+        return f"{self.part} {how} {joined} {self.solid}, the tool at {self.tool}"
+
+
+class CollisionCheck:
+    """A shadow of an arm among obstacles. Only the thread that made it may use it."""
+
+    def __init__(self, arm: Arm, clearance: float) -> None:
+        """Load the shadow; `clearance` is kept to every obstacle [m]."""
+        self._bullet = BulletClient(pybullet.DIRECT)
+        self._arm, self._clearance = arm, clearance
+        base = arm.world_from_base
+        with tempfile.TemporaryDirectory() as folder:
+            path = Path(folder) / "arm.urdf"
+            path.write_text(robot_description(arm))
+            self._body = self._bullet.loadURDF(
+                str(path), base.position.tolist(), base.quaternion.tolist(), useFixedBase=True
+            )
+        count = self._bullet.getNumJoints(self._body)
+        links = [self._bullet.getJointInfo(self._body, i)[12].decode() for i in range(count)]
+        self._fingers = [links.index(finger) for finger in FINGERS]
+        self._parts = {i: _part(name) for i, name in enumerate(links)}
+        self._obstacles = Obstacles()
+        self._solid: int | None = None
+        self._held: tuple[HeldTip, int] | None = None
+
+    def first_touch(
+        self,
+        path: Callable[[float], ToolPose],
+        length: float,
+        *,
+        obstacles: Obstacles,
+        finger_gap: float,
+        held: HeldTip | None = None,
+    ) -> Touch | None:
+        """Return where a path comes too near to an obstacle first; None if it is free.
+
+        What the arm is too near to at the beginning counts only if it comes nearer.
+
+        Args:
+            path: of the tool, from 0 to 1; raises UNREACHABLE where the arm does not reach.
+            length: of the path [m], turns of the hand included as its corners move.
+            obstacles: to be kept clear of.
+            finger_gap: between the pads [m].
+            held: what the hand holds.
+        """
+        if not obstacles.solids:
+            return None
+        self._put_obstacles(obstacles)
+        self._put_held(held)
+        half = [[finger_gap / 2]] * 2
+        self._bullet.resetJointStatesMultiDof(self._body, self._fingers, half)
+        length = max(length, STEP_M)
+        share, tool = 0.0, path(0.0)
+        least, points = STEP_M / length, self._points(tool)
+        at_first = {pair: gap - NEARER_M for pair, gap in self._too_near(points).items()}
+        while share < 1.0:
+            gap = min((point[DISTANCE] for _, point in points), default=SIGHT_M)
+            share = min(1.0, share + max(least, FREE_SHARE * (gap - self._clearance) / length))
+            tool = path(share)
+            points = self._points(tool)
+            for (part, solid), gap in self._too_near(points).items():
+                if gap < at_first.get((part, solid), self._clearance):
+                    return Touch(part, solid, tool, gap)
+        return None
+
+    def _too_near(self, points: list[NearPoint]) -> dict[tuple[str, str], float]:
+        """Return what is nearer than the clearance: part and solid, and the gap [m]."""
+        gaps: dict[tuple[str, str], float] = {}
+        for part, point in points:
+            if point[DISTANCE] < self._clearance:
+                pair = part, self._obstacles.nearest(np.array(point[ON_B]))
+                gaps[pair] = min(gaps.get(pair, self._clearance), point[DISTANCE])
+        return gaps
+
+    def _points(self, tool: ToolPose) -> list[NearPoint]:
+        """Return Bullet's nearest points within SIGHT_M at a tool pose, each with the part."""
+        joints = self._arm.joints_for(tool)
+        indices = list(range(len(joints)))
+        self._bullet.resetJointStatesMultiDof(self._body, indices, [[v] for v in joints])
+        found = [
+            (self._parts[point[LINK_A]], point)
+            for point in self._bullet.getClosestPoints(self._body, self._solid, SIGHT_M)
+            if point[LINK_A] >= 0
+        ]
+        if self._held is not None:
+            held, body = self._held
+            self._bullet.resetBasePositionAndOrientation(body, *_held_place(held, tool))
+            points = self._bullet.getClosestPoints(body, self._solid, SIGHT_M)
+            found += [(f"the held end of {held.name!r}", point) for point in points]
+        return found
+
+    def _put_obstacles(self, obstacles: Obstacles) -> None:
+        if obstacles == self._obstacles:
+            return
+        if self._solid is not None:
+            self._bullet.removeBody(self._solid)
+        boxes = [solid.box for solid in obstacles.solids]
+        self._solid = add_static(self._bullet, boxes, Pose.level(0.0, 0.0, 0.0))
+        self._obstacles = obstacles
+
+    def _put_held(self, held: HeldTip | None) -> None:
+        if self._held is not None and self._held[0] == held:
+            return
+        if self._held is not None:
+            self._bullet.removeBody(self._held[1])
+        self._held = None
+        if held is not None:
+            length = max(held.distance - 2 * held.radius, 1e-4)
+            shape = self._bullet.createCollisionShape(
+                self._bullet.GEOM_CAPSULE, radius=held.radius, height=length
+            )
+            self._held = held, self._bullet.createMultiBody(0.0, shape)
+
+    def close(self) -> None:
+        """Leave PyBullet."""
+        self._bullet.disconnect()
+
+
+def _held_place(held: HeldTip, tool: ToolPose) -> tuple[list[float], list[float]]:
+    """Return where the capsule of a held end is, position and quaternion; it lies along its z."""
+    yaw = tool.yaw + held.flip
+    along = np.array([math.cos(yaw), math.sin(yaw), 0.0])
+    middle = tool.position + held.distance / 2 * along + np.array([0.0, 0.0, held.height])
+    return middle.tolist(), turn_between(np.array([0.0, 0.0, 1.0]), along).tolist()
+
+
+def _part(link: str) -> str:
+    """Return what people call a link."""
+    if link == HAND:
+        return "the hand"
+    return "a finger" if link in FINGERS else f"the arm's link {link}"

@@ -1,0 +1,117 @@
+"""The fingers of a cell's file in the physics: where they end, and what their notch holds."""
+
+import math
+
+import numpy as np
+import pytest
+from holds import TOOL, wire_in_hand
+
+from remodel_sim.core.robot.arm import PANDA_AT_ORIGIN
+from remodel_sim.core.workpiece.panel import WireEnd
+from remodel_sim.edge.cell_file import read_cell
+from remodel_sim.physics.robot import Robot
+from remodel_sim.physics.robot_description import FINGERS
+from remodel_sim.physics.world import CONTACT_STIFFNESS, GRAVITY, MASS_SCALE, World
+
+(CABINET,) = read_cell("cabinet").robots
+SLIM = CABINET.arm
+# Fingers that let a wire slide stand so much further apart than it is thick.
+CAGING_M = 0.0010
+# What the pads yield to a grip of 30 N, both sides together: the contacts' stiffness.
+YIELDS_M = 2 * 30.0 / CONTACT_STIFFNESS
+# Two thirds of what the friction of a grip of 30 N holds, and far less.
+HELD_N = 20.0
+SLIDES_N = 1.0
+
+
+def height_in_hand(cable):
+    """Return the height of a wire's middle between the fingers above the tool centre [m]."""
+    nodes = cable.nodes()
+    return float(np.interp(TOOL.y, nodes[:, 1], nodes[:, 2])) - TOOL.z
+
+
+def pull(world, cable, force, steps):
+    """Pull at tip b along the wire [N]; return where the tip was before, (3,) [m]."""
+    before = cable.tip(WireEnd.B)[0]
+    for _ in range(steps):
+        link, tip = cable.ferrule(WireEnd.B), cable.tip(WireEnd.B)[0]
+        bullet = world.bullet
+        bullet.applyExternalForce(*link, [0.0, force, 0.0], tip.tolist(), bullet.WORLD_FRAME)
+        world.step()
+    return before
+
+
+def tip_boxes(world, robot):
+    """Return the corners of both fingers' boxes about the tool centre, (n, 3) [m], hand's axes."""
+    bullet = world.bullet
+    hand, corners = robot.world_from_hand, []
+    for link in range(bullet.getNumJoints(robot.body)):
+        if bullet.getJointInfo(robot.body, link)[12].decode() not in FINGERS:
+            continue
+        state = bullet.getLinkState(robot.body, link, computeForwardKinematics=True)
+        for shape in bullet.getCollisionShapeData(robot.body, link):
+            place = bullet.multiplyTransforms(*state[:2], shape[5], shape[6])
+            signs = np.stack(np.meshgrid(*[[-0.5, 0.5]] * 3), axis=-1).reshape(-1, 3)
+            turned = np.array(bullet.getMatrixFromQuaternion(place[1])).reshape(3, 3)
+            corners.append(np.array(place[0]) + signs * shape[3] @ turned.T)
+    points = hand.inverse().apply(np.concatenate(corners))
+    return points - [0.0, 0.0, robot.arm.fingers.tool_m]
+
+
+@pytest.mark.parametrize("arm", [PANDA_AT_ORIGIN, SLIM])
+def test_the_tips_are_as_wide_and_reach_as_far_as_the_data_says(arm):
+    world, fingers = World(240), arm.fingers
+    points = tip_boxes(world, Robot(world, TOOL, arm))
+    np.testing.assert_allclose(points[:, 2].max(), fingers.below, atol=1e-6)
+    tips = points[points[:, 2] > -fingers.below]
+    np.testing.assert_allclose(np.abs(tips[:, 0]).max(), fingers.width / 2, atol=1e-6)
+    lip = 0.0 if fingers.notch is None else fingers.notch.depth
+    np.testing.assert_allclose(np.abs(tips[:, 1]).min(), fingers.opening / 2 - lip, atol=1e-6)
+    outer = fingers.opening / 2 + fingers.outer_m
+    np.testing.assert_allclose(np.abs(points[:, 1]).max(), outer, atol=1e-6)
+    world.close()
+
+
+@pytest.mark.parametrize("diameter", [0.003, 0.006])
+def test_notched_pads_grip_wires_of_all_thicknesses(diameter):
+    world = World(240)
+    world.bullet.setGravity(0, 0, 0)
+    robot, cable = wire_in_hand(world, SLIM, diameter=diameter)
+    robot.drive_fingers(0.0)
+    for _ in range(120):
+        world.step()
+    world.bullet.setGravity(0, 0, -GRAVITY / MASS_SCALE)
+    for _ in range(240):
+        world.step()
+    assert robot.finger_gap == pytest.approx(diameter - YIELDS_M, abs=3e-4)
+    assert robot.finger_load > 20.0
+    assert abs(height_in_hand(cable)) < 0.001
+    before = pull(world, cable, HELD_N, steps=120)
+    assert cable.tip(WireEnd.B)[0][1] - before[1] < 0.0005, "the wire slips"
+    world.close()
+
+
+def test_a_notch_that_does_not_grip_keeps_a_wire_from_dropping_out_and_lets_it_slide():
+    world = World(240)
+    world.bullet.setGravity(0, 0, 0)
+    robot, cable = wire_in_hand(world, SLIM, diameter=0.003)
+    robot.drive_fingers(0.0015 + CAGING_M / 2)
+    for _ in range(120):
+        world.step()
+    world.bullet.setGravity(0, 0, -GRAVITY / MASS_SCALE)
+    for _ in range(240):
+        world.step()
+    assert abs(height_in_hand(cable)) < SLIM.fingers.notch.height / 2, "the wire left the notch"
+    before = pull(world, cable, SLIDES_N, steps=120)
+    assert cable.tip(WireEnd.B)[0][1] - before[1] > 0.01, "the wire does not slide"
+    world.close()
+
+
+def test_empty_fingers_stop_where_their_lips_meet():
+    world = World(240)
+    robot = Robot(world, TOOL, SLIM)
+    robot.drive_fingers(0.0)
+    for _ in range(240):
+        world.step()
+    assert math.isclose(robot.finger_gap, SLIM.fingers.shut_m, abs_tol=1e-4)
+    world.close()
