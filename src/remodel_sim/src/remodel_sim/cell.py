@@ -6,12 +6,10 @@ from collections.abc import Collection, Iterator, Mapping
 from types import MappingProxyType
 from typing import TypeVar
 
-import numpy as np
-
 from remodel_sim.abilities.execution.observers import Observers
 from remodel_sim.abilities.execution.robot_context import RobotContext, Steps
 from remodel_sim.abilities.execution.runner import occupy, run
-from remodel_sim.core.belief.belief_state import BeliefState, EndState, Feed
+from remodel_sim.core.belief.belief_state import NO_CHANNEL, BeliefState, EndState, Feed
 from remodel_sim.core.belief.placed_wires import PlacedWires
 from remodel_sim.core.cell.cell_design import CellDesign
 from remodel_sim.core.cell.ownership import check_owner
@@ -19,7 +17,7 @@ from remodel_sim.core.errors import AbilityError, PanelError
 from remodel_sim.core.goals.checks import check_hands_empty, check_not_in_cell
 from remodel_sim.core.goals.demands import find_demand_problems
 from remodel_sim.core.robot.traffic import Traffic
-from remodel_sim.core.workpiece.panel import Panel, WireEnd
+from remodel_sim.core.workpiece.panel import Panel
 from remodel_sim.edge.cell_file import read_cell
 from remodel_sim.edge.cell_memory import CellMemory
 from remodel_sim.physics.plant import Plant
@@ -172,13 +170,18 @@ class Cell:
         self.load(self.plant.loaded)
 
     def feed(self, wire_id: str, channel_id: str) -> None:
-        """Lay a new piece of a wire into a channel, unless an untouched one lies there.
+        """Present a new piece of a wire, unless an untouched one waits there.
+
+        The feeder lays it into a channel; a cell with a magazine needs none.
 
         Raises AbilityError when a name is unknown, a hand holds a wire, or another piece of the
         wire is in the cell.
         """
-        wire = self.plant.panel.wire(wire_id)
-        self.plant.panel.channel(channel_id)
+        self.plant.panel.wire(wire_id)
+        if self.plant.design.magazine is not None:
+            channel_id = NO_CHANNEL
+        else:
+            self.plant.panel.channel(channel_id)
         belief = self.context.belief
         check_hands_empty(belief)
         if belief.presents(wire_id, channel_id):
@@ -186,12 +189,11 @@ class Cell:
         check_not_in_cell(wire_id, belief)
         leaves_wire = self.plant.live is not None
         tools = {name: context.commanded for name, context in self.contexts.items()}
-        laying = self.plant.feed(wire_id, channel_id, tools)
-        straight = np.array([0.0, laying.direction * wire.length])
-        expected = {WireEnd.A: laying.tip_a, WireEnd.B: laying.tip_a + straight}
+        presentation = self.plant.feed(wire_id, channel_id, tools)
+        expected = {end: tip.position for end, tip in presentation.tips.items()}
         for context in self.contexts.values():
             context.arm_restarted()
-            context.belief.start_wire(Feed(wire_id, channel_id, laying.direction), expected)
+            context.belief.start_wire(Feed(wire_id, channel_id, presentation.direction), expected)
         if leaves_wire:
             self.keep()
 

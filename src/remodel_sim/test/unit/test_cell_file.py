@@ -10,6 +10,7 @@ from remodel_sim.core.errors import CellFileError
 from remodel_sim.edge.cell_file import read_cell
 
 CELLS = Path(__file__).parents[2] / "config/cells"
+MAGAZINE = yaml.safe_load((CELLS / "cabinet.yaml").read_text())["magazine"]
 AXIS = {"along": "y", "lower": -0.4, "upper": 0.4, "speed": 1.0}
 FINGERS = yaml.safe_load((CELLS / "cabinet.yaml").read_text())["robots"][0]["gripper"]["fingers"]
 
@@ -43,7 +44,16 @@ def test_a_cell_of_ones_own_is_read_from_its_path(tmp_path):
 @pytest.mark.parametrize(
     ("change", "words"),
     [
-        (lambda c: c.pop("feeder"), "the file: found .*; missing: feeder"),
+        (lambda c: c.pop("table"), "the file: found .*; missing: table"),
+        (lambda c: c.pop("feeder"), "feeder, magazine: found none; allowed: one of them"),
+        (
+            lambda c: c.update(magazine=MAGAZINE),
+            "feeder, magazine: found both; allowed: one of them",
+        ),
+        (
+            lambda c: c.update(magazine={**MAGAZINE, "y_min": 0.0}),
+            r"magazine: y_min 0.000 to y_max 0.400 m; a wire with a span of 0.460 m needs as much",
+        ),
         (
             lambda c: c["robots"][0].update(arm="ur5"),
             r"robots\[0\].arm: found 'ur5'; allowed: franka_panda, kuka_iiwa",

@@ -66,7 +66,7 @@ def test_both_ends_of_a_wire_of_any_colour_are_found(colour):
 
 def test_a_wire_that_is_not_there_is_not_found(cell):
     cell.feed("W1", "A")
-    elsewhere = {WireEnd.A: np.array([0.30, -0.30])}
+    elsewhere = {WireEnd.A: np.array([0.30, -0.30, cell.context.wire.radius])}
     ends, _ = find_ends(cell.plant.take_overhead_picture(), cell.context.wire, elsewhere)
     assert ends == {}
 

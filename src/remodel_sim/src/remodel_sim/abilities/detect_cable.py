@@ -21,8 +21,9 @@ from remodel_sim.core.errors import AbilityError
 from remodel_sim.core.geometry import Array
 from remodel_sim.core.goals import DetectGoal
 from remodel_sim.core.goals.goal_pose import Message
+from remodel_sim.core.vision.cables.curves.polyline import arc_lengths
 from remodel_sim.core.vision.drawing import ORANGE, Drawing
-from remodel_sim.core.vision.wire_ends import trace_between, trace_from
+from remodel_sim.core.vision.wire_ends import STRAIGHT_M, trace_between, trace_from
 from remodel_sim.core.workpiece.panel import PanelWire, WireEnd
 from remodel_states.core.codes import Code
 
@@ -95,9 +96,23 @@ def _observe_from_aside(
 
 
 def _centreline(
-    above: OverheadObservation, aside: dict[WireEnd, GraspObservation], wire: PanelWire
+    above: OverheadObservation,
+    aside: dict[WireEnd, GraspObservation],
+    wire: PanelWire,
+    *,
+    hangs: bool,
 ) -> Array:
-    """Return the wire's centreline (n, 3) [m], end a first: from above, or from the hand."""
+    """Return the wire's centreline (n, 3) [m], end a first: from above, or from the hand.
+
+    Of a wire that `hangs` in the magazine only the first seen end, which is level.
+    """
+    if above.ends and hangs:
+        end = min(above.ends, key=lambda end: end.value)
+        observation = above.ends[end]
+        pixels = trace_from(observation, above.picture, above.likelihood, wire)
+        line = above.picture.view.on_plane(pixels, observation.tip.tip[2])
+        level = arc_lengths(line[:, :2]) <= STRAIGHT_M
+        return line[level] if end is WireEnd.A else line[level][::-1]
     if above.ends:
         return above.picture.view.on_plane(_trace(above, wire), wire.radius)
     first = max(aside, key=lambda end: (len(aside[end].line), end is WireEnd.A))
@@ -129,9 +144,11 @@ def detect_cable(context: RobotContext, goal: DetectGoal) -> Steps[CableDetected
     if goal.view and context.belief.grip is None:
         hidden = wanted
     aside = yield from _observe_from_aside(context, above, hidden, goal.view)
-    line = _centreline(above, aside, wire)
+    hangs = context.belief.by_magazine and not context.belief.is_touched
+    line = _centreline(above, aside, wire, hangs=hangs)
     length = float(np.linalg.norm(np.diff(line, axis=0), axis=1).sum())
-    confidence = float(np.clip(1 - abs(length / wire.length - 1), 0, 1))
+    visible = STRAIGHT_M if hangs else wire.length
+    confidence = float(np.clip(1 - abs(length / visible - 1), 0, 1))
     drawing.path(view.project(line), ORANGE)
     for end, observation in above.ends.items():
         mark_end(drawing, observation, f"{wire.id} end {end.value}")

@@ -9,7 +9,7 @@ import numpy as np
 
 from remodel_sim.abilities.ability import ability
 from remodel_sim.abilities.execution.robot_context import RobotContext, Steps
-from remodel_sim.abilities.extract_cable import extract_cable, where_it_lay
+from remodel_sim.abilities.extract_cable import extract_cable, put_away
 from remodel_sim.abilities.locate_gearbox_component import locate_gearbox_component
 from remodel_sim.abilities.primitives.carrying import carry
 from remodel_sim.abilities.primitives.grasping import (
@@ -19,7 +19,6 @@ from remodel_sim.abilities.primitives.grasping import (
     pick_end,
     release,
 )
-from remodel_sim.abilities.primitives.laying import lay_down
 from remodel_sim.abilities.primitives.motions import (
     CARRY_SPEED,
     HAND_OPEN_M,
@@ -88,9 +87,7 @@ def _release_ends(context: RobotContext) -> Steps[None]:
         )
     connected = [key for key, (wire, _) in belief.occupied.items() if wire == wire_id]
     if connected and belief.grip is not None:
-        grip = belief.grip
-        target = where_it_lay(context, grip, belief.picked_at[grip.end])
-        yield from lay_down(context, target, (0.1, 0.2))
+        yield from put_away(context, (0.1, 0.2))
     for key in connected:
         yield from _extract(context, key)
 
@@ -126,7 +123,7 @@ def _pick_an_end(context: RobotContext, above_bin: ToolPose) -> Steps[None]:
     """Pick a loose end, the one nearer to the bin first: then the wire trails along its channel."""
 
     def away(end: WireEnd) -> float:
-        return float(np.linalg.norm(context.belief.expected[end] - above_bin.position[:2]))
+        return float(np.linalg.norm(context.belief.expected[end][:2] - above_bin.position[:2]))
 
     failures: list[AbilityError] = []
     for end in sorted(loose_ends(context), key=away):

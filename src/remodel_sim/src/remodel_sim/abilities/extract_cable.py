@@ -9,12 +9,16 @@ import numpy as np
 
 from remodel_sim.abilities.ability import ability
 from remodel_sim.abilities.execution.robot_context import RobotContext, Steps
-from remodel_sim.abilities.primitives.grasping import FLOOR_CLEARANCE_M, close_on_wire, holds
-from remodel_sim.abilities.primitives.laying import lay_down, tip_of
+from remodel_sim.abilities.primitives.grasping import (
+    FLOOR_CLEARANCE_M,
+    close_on_wire,
+    holds,
+    opening_beside_neighbours,
+)
+from remodel_sim.abilities.primitives.laying import lay_down, let_down, tip_of
 from remodel_sim.abilities.primitives.motions import (
     APPROACH_SPEED,
     FREE_SPEED,
-    HAND_OPEN_M,
     TRAVEL_Z,
     choose_flip,
     clear_hand,
@@ -87,10 +91,23 @@ def extract_cable(context: RobotContext, goal: ExtractGoal) -> Steps[CableExtrac
         context.report(f"pulling end {end.value} out of {where}", 0.4)
         peak = yield from _pull_out(context, belief.engaged, where)
     belief.loosen(end)
-    if belief.grip is not None:
-        target = where_it_lay(context, belief.grip, belief.picked_at[end])
-        yield from lay_down(context, target, (0.6, 1.0))
+    yield from put_away(context, (0.6, 1.0))
     return CableExtracted(f"end {end.value} of {goal.cable_id} out of {where}, laid down", peak)
+
+
+def put_away(context: RobotContext, shares: tuple[float, float]) -> Steps[None]:
+    """Lay the held end down where it was picked, or let it down where it is.
+
+    An end from the magazine does not go back there.
+    """
+    grip = context.belief.grip
+    if grip is None:
+        return
+    if context.belief.by_magazine:
+        yield from let_down(context)
+    else:
+        target = where_it_lay(context, grip, context.belief.picked_at[grip.end])
+        yield from lay_down(context, target, shares)
 
 
 def where_it_lay(context: RobotContext, grip: Grip, back: Grip) -> ToolPose:
@@ -150,7 +167,7 @@ def _grasp_at_opening(
     tool = ToolPose(place.x, place.y, place.z, socket.yaw - flip)
     yield from clear_hand(context)
     yield from swing_to(context, tool.at(z=max(TRAVEL_Z, context.commanded.z)))
-    context.drive_fingers(HAND_OPEN_M)
+    context.drive_fingers(opening_beside_neighbours(context))
     yield from move_to(context, tool.at(z=tool.z + 0.03), FREE_SPEED)
     yield from move_to(context, tool, APPROACH_SPEED)
     picked = context.belief.picked_at[end]

@@ -154,7 +154,7 @@ def _distance(hand: Hand) -> float:
     belief, pin = hand.context.belief, hand.pin.position[:2]
     if belief.grip is not None:
         return float(np.linalg.norm(hand.context.commanded.position[:2] - pin))
-    lies = belief.expected[hand.end]
+    lies = belief.expected[hand.end][:2]
     reach = np.linalg.norm(hand.context.home.position[:2] - lies)
     return float(reach + 2 * np.linalg.norm(lies - pin))
 
@@ -216,7 +216,7 @@ def _draw(hand: Hand) -> Steps[None]:
 
 def _release(hand: Hand) -> Steps[None]:
     belief = hand.context.belief
-    belief.expected[hand.end] = hand.pin.position[:2].copy()
+    belief.expected[hand.end] = hand.pin.position.copy()
     belief.tips.pop(hand.end, None)
     yield from release(hand.context, HAND_OPEN_M)
     yield from rise(hand.context)

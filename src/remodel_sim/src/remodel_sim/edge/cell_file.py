@@ -21,6 +21,7 @@ from remodel_sim.core.cell.cell_design import (
     find_design_problems,
 )
 from remodel_sim.core.cell.feeding import Feeder
+from remodel_sim.core.cell.magazine import Magazine
 from remodel_sim.core.errors import CellFileError
 from remodel_sim.core.robot.arm import ARM_MODELS, Arm, ToolPose
 from remodel_sim.core.robot.fingers import PANDA_FINGERS, Fingers, Notch, Stem
@@ -59,7 +60,7 @@ def read_cell(cell: str = "one_panda") -> CellDesign:
 
 def _design(parsed: dict[str, Any]) -> CellDesign:
     overhead, scene = parsed["cameras"]["overhead"], parsed["cameras"]["scene"]
-    table, fork, fixtures = parsed["table"], parsed["feeder"]["fork"], parsed["fixtures"]
+    table, fixtures = parsed["table"], parsed["fixtures"]
     return CellDesign(
         name=parsed["name"],
         robots=tuple(_robot(robot) for robot in parsed["robots"]),
@@ -72,17 +73,27 @@ def _design(parsed: dict[str, Any]) -> CellDesign:
             looking_at(np.array(_point(scene["at"])), np.array(_point(scene["looks_at"]))),
         ),
         table=Table(*(float(table[key]) for key in ("x", "y", "length", "width"))),
-        feeder=Feeder(
-            float(parsed["feeder"]["overlap"]),
-            *(float(fork[key]) for key in ("behind_tip", "length", "height", "post", "clearance")),
-        ),
+        feeder=_feeder(parsed["feeder"]) if "feeder" in parsed else None,
         clips=tuple(
             PanelClip(**{**clip, "pose": _flat_pose(clip["pose"])}) for clip in fixtures["clips"]
         ),
         ducts=tuple(
             Duct(**{**duct, "pose": _flat_pose(duct["pose"])}) for duct in fixtures["ducts"]
         ),
+        magazine=_magazine(parsed["magazine"]) if "magazine" in parsed else None,
     )
+
+
+def _feeder(parsed: dict[str, Any]) -> Feeder:
+    fork = parsed["fork"]
+    return Feeder(
+        float(parsed["overlap"]),
+        *(float(fork[key]) for key in ("behind_tip", "length", "height", "post", "clearance")),
+    )
+
+
+def _magazine(parsed: dict[str, Any]) -> Magazine:
+    return Magazine(*(float(parsed[key]) for key in ("x", "height", "span", "y_min", "y_max")))
 
 
 def _robot(parsed: dict[str, Any]) -> RobotDesign:

@@ -18,7 +18,8 @@ from remodel_sim.core.belief.placed_wires import ParkedWire
 from remodel_sim.core.camera import Picture, View
 from remodel_sim.core.cell.cell_design import CellDesign, WristCamera
 from remodel_sim.core.cell.faults import Disturbances, Stray, check_fault
-from remodel_sim.core.cell.feeding import Laying
+from remodel_sim.core.cell.magazine import find_wire_problems
+from remodel_sim.core.cell.presentation import Presentation
 from remodel_sim.core.errors import FaultError, PanelError
 from remodel_sim.core.geometry import Array, Pose
 from remodel_sim.core.robot.arm import ToolPose
@@ -33,6 +34,7 @@ from remodel_sim.physics.fixtures.clamps import close_clamp
 from remodel_sim.physics.fixtures.latches import Header
 from remodel_sim.physics.fixtures.panel_scene import PanelScene
 from remodel_sim.physics.live_wire import LiveWire, bent_cable
+from remodel_sim.physics.magazine import present
 from remodel_sim.physics.robot import Robot
 from remodel_sim.physics.static_body import add_static
 from remodel_sim.physics.wires.cable import SimulatedWire
@@ -48,6 +50,8 @@ STRAY_COLOUR = "GY"
 REVIVED_S = 0.3
 # Where the fork is out of everything's way [m].
 FORK_DOWN_M = -0.1
+# The table ends so far beyond the magazine: loops hang in the gap between it and the robot [m].
+TABLE_EDGE_M = 0.030
 PLUG_RGB = (0.5, 0.1, 0.1)
 # A plug begins this deep in the opening.
 PLUG_FROM_M = 0.005
@@ -112,7 +116,11 @@ class Plant:
 
     def find_problems(self, panel: Panel) -> tuple[str, ...]:
         """Return why a panel cannot be built, one sentence each; none: it can."""
-        return find_problems(self._complete(panel), self.design.arms)
+        magazine, complete = self.design.magazine, self._complete(panel)
+        problems = find_problems(complete, self.design.arms, has_magazine=magazine is not None)
+        if magazine is None or problems:
+            return problems
+        return tuple(find_wire_problems(magazine, complete))
 
     def _complete(self, panel: Panel) -> Panel:
         """Return a panel with the cell's own fixtures."""
@@ -137,7 +145,9 @@ class Plant:
         """
         self.world.clear()
         self._fork: int | None = None
-        self._scene = PanelScene(self.world, self.design.table, self.panel, self._poses)
+        magazine = self.design.magazine
+        edge = None if magazine is None else magazine.x + TABLE_EDGE_M
+        self._scene = PanelScene(self.world, self.design.table, self.panel, self._poses, edge)
         self._plugs: dict[tuple[str, str], int] = {}
         for component_id, terminal_id in sorted(self._blocked):
             self._add_plug(component_id, terminal_id)
@@ -161,27 +171,36 @@ class Plant:
             check.close()
         self.world.close()
 
-    def feed(self, wire_id: str, channel_id: str, tools: Mapping[str, ToolPose]) -> Laying:
-        """Lay a wire of which no piece is in the cell into a channel; the wire before is parked.
+    def feed(self, wire_id: str, channel_id: str, tools: Mapping[str, ToolPose]) -> Presentation:
+        """Present a wire of which no piece is in the cell; the wire before is parked.
 
-        Each robot starts from where it was sent last, `tools`, with open fingers.
+        The feeder lays it into a channel; a cell with a magazine presents it there, and has no use
+        for a channel. Each robot starts from where it was sent last, `tools`, with open fingers.
         """
-        wire, channel = self.panel.wire(wire_id), self.panel.channel(channel_id)
+        wire, magazine = self.panel.wire(wire_id), self.design.magazine
         self._keep_shape()
         self._build(tools)
+        if magazine is None:
+            cable, presentation = self._lay(wire, channel_id)
+        else:
+            cable, presentation = present(self.world, magazine, self.panel, wire, self._noise)
+        self.live = LiveWire(wire, cable)
+        self.live.watch_headers(self.world, self._headers)
+        return presentation
+
+    def _lay(self, wire: PanelWire, channel_id: str) -> tuple[SimulatedWire, Presentation]:
+        assert self.design.feeder is not None, "a cell has a feeder or a magazine"
         lying = [other.nodes for other in self.parked.values()] if self._solid_parked else []
         cable, laying, self._fork = lay(
             self.world,
             self.design.feeder,
             self.panel,
             wire,
-            channel=channel,
+            channel=self.panel.channel(channel_id),
             parked=lying,
             noise=self._noise,
         )
-        self.live = LiveWire(wire, cable)
-        self.live.watch_headers(self.world, self._headers)
-        return laying
+        return cable, laying.presentation(wire)
 
     def revive(self, wire_id: str, tools: Mapping[str, ToolPose]) -> ParkedWire:
         """Make a parked wire live again, held where it was; the live wire is parked.

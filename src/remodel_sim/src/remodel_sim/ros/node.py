@@ -15,6 +15,7 @@ from flexbe_core.ros.master import join, spin
 from remodel_sim.abilities.ability import cell_abilities
 from remodel_sim.abilities.execution.observers import Observers
 from remodel_sim.cell import Cell
+from remodel_sim.core.belief.belief_state import NO_CHANNEL
 from remodel_sim.core.cell.cell_design import CellDesign
 from remodel_sim.core.errors import CellError
 from remodel_sim.core.workpiece.panel import WireEnd
@@ -80,8 +81,11 @@ def _build(materials: WireMaterials, closing: ExitStack) -> Owner:
     closing.callback(cell.close)
     wire_id = str(rospy.get_param("~feed", ""))
     if wire_id and wire_id not in cell.plant.parked:
-        mouth = panel.panel_from_socket(*panel.wire(wire_id).goes_to(WireEnd.A)).position
-        cell.feed(wire_id, panel.channel_in_front_of(mouth).id)
+        channel_id = NO_CHANNEL
+        if design.magazine is None:
+            mouth = panel.panel_from_socket(*panel.wire(wire_id).goes_to(WireEnd.A)).position
+            channel_id = panel.channel_in_front_of(mouth).id
+        cell.feed(wire_id, channel_id)
     publishers: list[Callable[[], None]] = [
         RobotState(cell.plant, clock, fixed),
         Markers(cell.plant, clock),

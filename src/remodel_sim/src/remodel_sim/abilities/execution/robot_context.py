@@ -9,11 +9,14 @@ from collections.abc import Callable, Generator, Mapping, Set
 from dataclasses import dataclass
 from typing import Protocol, TypeVar
 
+import numpy as np
+
 from remodel_sim.abilities.execution.observers import Image, Observers
-from remodel_sim.core.belief.belief_state import BeliefState, Feed, Grip
+from remodel_sim.core.belief.belief_state import NO_CHANNEL, BeliefState, Feed, Grip
 from remodel_sim.core.camera import Picture, View
 from remodel_sim.core.cell.cell_design import RobotDesign
 from remodel_sim.core.cell.feeding import resting_place
+from remodel_sim.core.cell.magazine import plan_presentation
 from remodel_sim.core.cell.scrap_bin import bin_of
 from remodel_sim.core.errors import AbilityError
 from remodel_sim.core.geometry import Array, Pose
@@ -21,6 +24,7 @@ from remodel_sim.core.robot.arm import ToolPose
 from remodel_sim.core.robot.arm_volume import volume_of
 from remodel_sim.core.robot.fingers import Fingers
 from remodel_sim.core.robot.traffic import Traffic
+from remodel_sim.core.workpiece.layout import WORLD_FROM_PANEL
 from remodel_sim.core.workpiece.obstacles import Obstacles, panel_obstacles
 from remodel_sim.core.workpiece.panel import Panel, PanelWire, WireEnd
 from remodel_sim.physics.collision_check import HeldTip, Touch
@@ -323,17 +327,35 @@ class RobotContext:
                 )
         tools = {name: context.commanded for name, context in self.robots.items()}
         parked = self._plant.revive(wire_id, tools)
-        wire, overlap = self.panel.wire(wire_id), self._plant.design.feeder.overlap
-        places = {end: resting_place(self.panel, wire, end, overlap) for end in WireEnd}
-        channel = self.panel.channel_in_front_of(
-            self.panel.panel_from_socket(*wire.goes_to(WireEnd.A)).position
-        )
-        feed = Feed(wire_id, channel.id, places[WireEnd.A][1])
-        expected = {WireEnd.A: parked.nodes[0, :2], WireEnd.B: parked.nodes[-1, :2]}
-        lay_at = {end: Grip.of_tip(end, place) for end, (place, _) in places.items()}
+        wire = self.panel.wire(wire_id)
+        feed, places = self._as_presented(wire)
+        expected = {
+            end: np.array([*parked.nodes[node, :2], wire.radius])
+            for end, node in ((WireEnd.A, 0), (WireEnd.B, -1))
+        }
+        lay_at = {end: Grip.of_tip(end, place) for end, place in places.items()}
         for context in self.robots.values():
             context.arm_restarted()
             context.belief.resume_wire(feed, expected, parked.fixed, lay_at)
+
+    def _as_presented(self, wire: PanelWire) -> tuple[Feed, dict[WireEnd, Pose]]:
+        """Return how a wire was presented, and where its ends go when they are extracted.
+
+        One from the magazine has no channel to lie in: its ends stay before their terminals.
+        """
+        feeder, magazine = self._plant.design.feeder, self._plant.design.magazine
+        if magazine is not None:
+            direction = plan_presentation(magazine, self.panel, wire).direction
+            openings = {end: self.panel.panel_from_socket(*wire.goes_to(end)) for end in WireEnd}
+            places = {end: WORLD_FROM_PANEL @ opening for end, opening in openings.items()}
+            return Feed(wire.id, NO_CHANNEL, direction), places
+        assert feeder is not None, "a cell has a feeder or a magazine"
+        lying = {end: resting_place(self.panel, wire, end, feeder.overlap) for end in WireEnd}
+        channel = self.panel.channel_in_front_of(
+            self.panel.panel_from_socket(*wire.goes_to(WireEnd.A)).position
+        )
+        feed = Feed(wire.id, channel.id, lying[WireEnd.A][1])
+        return feed, {end: place for end, (place, _) in lying.items()}
 
     def discard(self) -> None:
         """Drop the live wire into the scrap bin: it leaves the world."""

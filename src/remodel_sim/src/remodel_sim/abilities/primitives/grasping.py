@@ -19,6 +19,7 @@ from remodel_sim.abilities.primitives.motions import (
 from remodel_sim.abilities.primitives.observing import GraspObservation, observe_end
 from remodel_sim.core.belief.belief_state import EndState, Grip
 from remodel_sim.core.belief.openings import TerminalKey
+from remodel_sim.core.cell.magazine import GRASP_M
 from remodel_sim.core.errors import AbilityError
 from remodel_sim.core.geometry import Pose
 from remodel_sim.core.robot.arm import Arm, ToolPose
@@ -34,12 +35,17 @@ MISSED_SHARE = 0.45
 # Fingers that hold a wire feel tens of newtons; without one, nothing.
 HELD_LOAD_N = 4.0
 APPROACH_Z = 0.06
+# The hand comes down to an end in the magazine from so far above it, and lifts it by so much [m].
+APPROACH_M = 0.04
+LIFT_M = 0.02
 LIFT_SPEED = 0.05  # [m/s]; the heavier a wire is made (README), the more a jerk pulls at the grip
 OPEN_SPEED = 0.015  # [m/s]
 CLEAR_SPEED = 0.05  # [m/s]
 CLEAR_OF_WIRE_M = 0.02
 # Of an end that is fixed; no wider: the pad on the side to which it bends would push it there.
 RELEASE_OPENING_M = 0.0025
+# The lips of notched fingers clear the wire by so much on each side [m].
+CLEAR_OF_LIPS_M = 0.0004
 # An open finger reaches so far to the side of the wire.
 FINGER_ROOM_M = HAND_OPEN_M + 0.012
 
@@ -65,9 +71,9 @@ def pick_end(
     tool, flip = _grasp_pose(context.arm, seen, distance, socket)
     yield from move_to(context, tool.at(z=context.commanded.z), FREE_SPEED)
     context.drive_fingers(HAND_OPEN_M)
-    yield from move_to(context, tool.at(z=APPROACH_Z), FREE_SPEED)
+    yield from move_to(context, tool.at(z=max(APPROACH_Z, tool.z + APPROACH_M)), FREE_SPEED)
     yield from move_to(context, tool, APPROACH_SPEED)
-    height = float(seen.point[2]) - tool.z
+    height = float(seen.tip.tip[2]) - tool.z
     context.belief.tips.pop(end, None)
     yield from close_on_wire(
         context, Grip(end=end, distance=distance, height=height, flip=flip, tool=tool)
@@ -75,7 +81,8 @@ def pick_end(
     if context.belief.ends[end.other] is not EndState.LOOSE:
         context.lower_fork()  # it has nothing more to keep, and the wire could hang on it
     context.report(f"lifting end {end.value}", first + 0.9 * (last - first))
-    yield from move_to(context, context.commanded.at(z=CARRY_Z), LIFT_SPEED)
+    lifted = max(CARRY_Z, tool.z + LIFT_M)
+    yield from move_to(context, context.commanded.at(z=lifted), LIFT_SPEED)
     check_grip(context)
 
 
@@ -83,13 +90,13 @@ def grasp_distance(context: RobotContext, end: WireEnd) -> float:
     """Return where an end is grasped, from its tip [m]: a connector at its body's rear."""
     connector = context.wire.connector_at(end)
     if connector is None:
-        return GRASP_DISTANCE_M
+        return GRASP_M if context.belief.by_magazine else GRASP_DISTANCE_M
     return connector.length - context.fingers.width / 2
 
 
 def _check_room(context: RobotContext, seen: GraspObservation) -> None:
     """Raise UNREACHABLE when a row leaves no room for a finger beside the wire."""
-    if context.belief.feed is None:
+    if context.belief.feed is None or context.belief.by_magazine:
         return
     channel = context.panel.channel(context.belief.feed.channel_id)
     aside = abs(float(seen.point[0] - WORLD_FROM_PANEL.position[0]) - channel.x)
@@ -179,6 +186,20 @@ def release(context: RobotContext, opening: float) -> Steps[None]:
     yield from move_to(context, context.commanded.at(z=clear), CLEAR_SPEED)
 
 
+def _release_opening(context: RobotContext) -> float:
+    """Return how far each finger opens to release a fixed end [m]: between neighbours no more."""
+    notch = context.fingers.notch
+    return RELEASE_OPENING_M if notch is None else notch.depth + CLEAR_OF_LIPS_M
+
+
+def opening_beside_neighbours(context: RobotContext) -> float:
+    """Return how far each finger opens to go down on a wire at its terminal [m]."""
+    notch = context.fingers.notch
+    if notch is None:
+        return HAND_OPEN_M
+    return context.wire.radius + notch.depth + CLEAR_OF_LIPS_M
+
+
 def release_fixed(context: RobotContext, end: WireEnd, terminal: TerminalKey) -> Steps[None]:
     """Note that a terminal holds the end in the hand, release it, and lift the hand off."""
     belief = context.belief
@@ -186,7 +207,7 @@ def release_fixed(context: RobotContext, end: WireEnd, terminal: TerminalKey) ->
         belief.seat(end, terminal)
     belief.ends[end] = EndState.FIXED
     context.report("releasing", 0.8)
-    yield from release(context, RELEASE_OPENING_M)
+    yield from release(context, _release_opening(context))
     yield from move_to(context, context.commanded.at(z=TRAVEL_Z), APPROACH_SPEED * 2)
     if belief.ends[end.other] is EndState.LOOSE and end.other in belief.expected:
         belief.tips.pop(end.other, None)

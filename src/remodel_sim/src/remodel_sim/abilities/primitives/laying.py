@@ -15,6 +15,7 @@ from remodel_sim.abilities.primitives.motions import (
     TRAVEL_Z,
     move_to,
     rise,
+    wait,
 )
 from remodel_sim.core.belief.belief_state import EndState, Grip
 from remodel_sim.core.cell.feeding import FORK_BEHIND_GRASP_M
@@ -26,6 +27,11 @@ from remodel_sim.core.workpiece.layout import WORLD_FROM_PANEL
 LOW_CARRY_M = 0.04
 # The fork takes a wire that is so near to the middle of its channel [m].
 FORK_TOLERANCE_M = 0.010
+# An end comes down to its place slowly from so far above it [m].
+ABOVE_TARGET_M = 0.005
+# An end that has no place is lifted so far before it is released [m], and is at rest so soon [s].
+LET_DOWN_M = 0.040
+SETTLED_S = 0.5
 
 
 def lay_down(
@@ -44,12 +50,29 @@ def lay_down(
     grip = context.belief.grip
     if grip is not None:
         tip = tip_of(target, grip)
-        context.belief.expected[grip.end] = tip
+        context.belief.expected[grip.end] = np.array([*tip, context.wire.radius])
         context.belief.tips.pop(grip.end, None)
         if fork:
             _bring_fork(context, target, grip)
     yield from release(context, HAND_OPEN_M)
     yield from rise(context)
+
+
+def let_down(context: RobotContext) -> Steps[None]:
+    """Lift the held end over its neighbours and release it: it comes to rest on what is there.
+
+    For an end from the magazine, which has no place on the board but its terminal.
+    """
+    yield from rise(context, context.commanded.z + LET_DOWN_M)
+    check_grip(context)
+    grip = context.belief.grip
+    if grip is not None:
+        tip = tip_of(context.commanded, grip)
+        context.belief.expected[grip.end] = np.array([*tip, context.wire.radius])
+        context.belief.tips.pop(grip.end, None)
+    yield from release(context, HAND_OPEN_M)
+    yield from rise(context)
+    yield from wait(context, SETTLED_S)
 
 
 def _bring_fork(context: RobotContext, tool: ToolPose, grip: Grip) -> None:
@@ -58,7 +81,9 @@ def _bring_fork(context: RobotContext, tool: ToolPose, grip: Grip) -> None:
     A wire that is fixed at the other end would spring to a side.
     """
     belief = context.belief
-    if belief.feed is None or belief.ends[grip.end.other] is EndState.LOOSE:
+    if belief.feed is None or belief.by_magazine:
+        return
+    if belief.ends[grip.end.other] is EndState.LOOSE:
         return
     channel = context.panel.channel(belief.feed.channel_id)
     middle = WORLD_FROM_PANEL.position[0] + channel.x
@@ -77,14 +102,20 @@ def tip_of(tool: ToolPose, grip: Grip) -> np.ndarray:
 def carry_over(context: RobotContext, target: ToolPose) -> Steps[None]:
     """Bring the held end above a tool pose, turned as there.
 
-    Low within a channel, else over the rows.
+    Low within a channel, else over the rows. One from the magazine turns high up and comes straight
+    down, between its neighbours.
     """
     now = context.commanded
-    if abs(now.x - target.x) > LOW_CARRY_M:
+    if context.belief.by_magazine:
+        yield from rise(context)
+        yield from move_to(context, target.at(z=context.commanded.z), CARRY_SPEED)
+        yield from move_to(context, target.at(z=target.z + ABOVE_TARGET_M), APPROACH_SPEED)
+    elif abs(now.x - target.x) > LOW_CARRY_M:
         yield from move_to(context, now.at(z=TRAVEL_Z), FREE_SPEED / 2)
         yield from move_to(context, ToolPose(target.x, target.y, TRAVEL_Z, now.yaw), CARRY_SPEED)
         yield from move_to(context, context.commanded.at(z=CARRY_Z), APPROACH_SPEED)
     elif now.z > CARRY_Z:
         yield from move_to(context, ToolPose(target.x, target.y, now.z, now.yaw), CARRY_SPEED)
         yield from move_to(context, context.commanded.at(z=CARRY_Z), APPROACH_SPEED)
-    yield from move_to(context, target.at(z=CARRY_Z), CARRY_SPEED)
+    if not context.belief.by_magazine:
+        yield from move_to(context, target.at(z=CARRY_Z), CARRY_SPEED)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 import numpy.typing as npt
@@ -24,6 +24,7 @@ from remodel_sim.core.camera import Picture
 from remodel_sim.core.errors import AbilityError
 from remodel_sim.core.geometry import Array
 from remodel_sim.core.robot.arm import ToolPose
+from remodel_sim.core.vision.cables.curves.polyline import arc_lengths
 from remodel_sim.core.vision.drawing import BLUE, ORANGE, Drawing
 from remodel_sim.core.vision.tracing import at_distance
 from remodel_sim.core.vision.wire_ends import EndObservation, find_ends, trace_from
@@ -141,7 +142,7 @@ def observe_from_aside(
         What is seen of the end; None when it is not seen.
     """
     expected = context.belief.expected[end]
-    tools = views_around(context, expected, math.pi / 2, view=view)
+    tools = views_around(context, expected[:2], math.pi / 2, view=view)
     for tool in tools if view else tools[1:]:
         seen = yield from _search(context, tool, end, expected, distance=GRASP_DISTANCE_M)
         if seen is not None:
@@ -156,8 +157,12 @@ def _observe_closely(
     coarse = context.belief.tips[end]
     out = np.array([math.cos(coarse.out_yaw), math.sin(coarse.out_yaw)])
     middle = coarse.tip[:2] - out * distance / 2
+    # An end that the feeder laid lies on the plate: what is seen higher there is another wire.
+    tip = coarse.tip
+    if not context.belief.by_magazine:
+        tip = np.array([*tip[:2], context.wire.radius])
     for tool in views_around(context, middle, coarse.out_yaw):
-        seen = yield from _search(context, tool, end, coarse.tip[:2], distance=distance)
+        seen = yield from _search(context, tool, end, tip, distance=distance, pitch=coarse.pitch)
         if seen is not None:
             return seen
     del context.belief.tips[end]
@@ -168,9 +173,18 @@ def _observe_closely(
 
 
 def _search(
-    context: RobotContext, tool: ToolPose, end: WireEnd, expected: Array, distance: float
+    context: RobotContext,
+    tool: ToolPose,
+    end: WireEnd,
+    expected: Array,
+    distance: float,
+    pitch: float = 0.0,
 ) -> Steps[GraspObservation | None]:
-    """Observe from a tool pose of the empty hand; return where to grasp an end if it is visible."""
+    """Observe from a tool pose of the empty hand; return where to grasp an end if it is visible.
+
+    The hand's camera does not see heights: that of the tip is the expected one, and the wire rises
+    towards it by `pitch` [rad].
+    """
     wire = context.wire
     picture = yield from go_and_see(context, tool)
     try:
@@ -187,16 +201,19 @@ def _search(
     z = float(observation.tip.tip[2])
     pixels = trace_from(observation, picture, likelihood, wire)
     line = picture.view.on_plane(pixels, z)
+    below = math.tan(pitch) * arc_lengths(line[:, :2])
+    line = picture.view.on_plane(pixels, z - below)
     point, tangent = at_distance(line[:, :2], distance)
     drawing.path(pixels[: _count_within(line, TRACE_M)])
     mark_end(drawing, observation, f"{wire.id} end {end.value}")
-    grasp = np.array([*point, z])
+    grasp = np.array([*point, z - math.tan(pitch) * distance])
     drawing.circle(picture.view.project(grasp)[0], 9, ORANGE)
     drawing.note("grasp", picture.view.project(grasp)[0], ORANGE)
     drawing.title(f"End {end.value} of {wire.id} from the hand")
     context.show("wrist", picture, drawing.image)
-    context.belief.tips[end] = observation.tip
-    return GraspObservation(grasp, math.atan2(-tangent[1], -tangent[0]), observation.tip, line)
+    tip = replace(observation.tip, pitch=pitch)
+    context.belief.tips[end] = tip
+    return GraspObservation(grasp, math.atan2(-tangent[1], -tangent[0]), tip, line)
 
 
 def _count_within(line: Array, length: float) -> int:

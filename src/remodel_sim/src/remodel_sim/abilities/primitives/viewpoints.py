@@ -14,6 +14,7 @@ from remodel_sim.core.camera import Lens, View
 from remodel_sim.core.errors import AbilityError
 from remodel_sim.core.geometry import Array, Pose, wrap_angle
 from remodel_sim.core.robot.arm import ToolPose
+from remodel_sim.core.robot.fingers import PANDA_FINGERS
 from remodel_sim.physics.robot_description import CAMERA_MOUNT
 from remodel_states.core.codes import Code
 
@@ -43,7 +44,7 @@ class Ring:
 
     Attributes:
         beside: x and y from the point, the best first [m].
-        z: the tool's height [m].
+        z: the tool's height with the Panda's fingers [m].
     """
 
     beside: tuple[tuple[float, float], ...]
@@ -92,8 +93,9 @@ def camera_above(context: RobotContext, point: Array, yaw: float, z: float = CAM
         point: to be seen in the middle of the picture, world frame.
         yaw: preferred direction of the hand's x axis [rad]; turned by pi, or square to it, if
             need be.
-        z: the tool's height [m].
+        z: the tool's height with the Panda's fingers [m]; with longer ones the lens stays there.
     """
+    z -= context.fingers.tool_m - PANDA_FINGERS.tool_m
     arm, near_yaw = context.arm, context.commanded.yaw
     reached = []
     for turn in (0.0, math.pi / 2):

@@ -30,25 +30,36 @@ class TipObservation:
     Attributes:
         tip: apex of the ferrule, (3,) [m], world frame.
         out_yaw: direction of the wire out of the tip [rad].
+        pitch: by which the wire rises towards the tip [rad].
     """
 
     tip: Array
     out_yaw: float
+    pitch: float = 0.0
+
+
+# Of a wire that the magazine presents.
+NO_CHANNEL = ""
 
 
 @dataclass(frozen=True)
 class Feed:
-    """How the feeder laid the live wire.
+    """How the live wire was presented.
 
     Attributes:
         wire_id: the live wire.
-        channel_id: where it lies.
+        channel_id: where the feeder laid it; NO_CHANNEL: the magazine presented it.
         direction: +1 when it runs from end a towards +y, else -1.
     """
 
     wire_id: str
     channel_id: str
     direction: int
+
+    @property
+    def by_magazine(self) -> bool:
+        """Whether the magazine presented it: it hangs, and no channel leads it."""
+        return self.channel_id == NO_CHANNEL
 
 
 @dataclass(frozen=True)
@@ -96,7 +107,8 @@ class BeliefState:
         engaged: the opening (world frame) into which the held end has been pushed at least a little.
         ends: of the live wire.
         tips: last sightings of its loose ends, until the wire is touched.
-        expected: where its loose ends should lie, (2,) [m], world frame, by the cell's own actions.
+        expected: where the tips of its loose ends should be, (3,) [m], world frame, by the cell's
+            own actions.
         picked_at: where each end was last grasped: there it can be laid down again.
         occupied: which wire end each terminal holds, over all wires.
         fed: every wire of which a piece is in the cell, in the order of feeding.
@@ -133,6 +145,11 @@ class BeliefState:
         self.hands.pop(self.robot, None)
         if grip is not None:
             self.hands[self.robot] = grip
+
+    @property
+    def by_magazine(self) -> bool:
+        """Whether the magazine presented the live wire."""
+        return self.feed is not None and self.feed.by_magazine
 
     @property
     def is_touched(self) -> bool:

@@ -14,6 +14,7 @@ from itertools import combinations
 
 from remodel_sim.core.camera import Lens, View
 from remodel_sim.core.cell.feeding import Feeder
+from remodel_sim.core.cell.magazine import Magazine
 from remodel_sim.core.errors import AbilityError
 from remodel_sim.core.robot.arm import Arm, ToolPose
 from remodel_sim.core.workpiece.panel import Duct, PanelClip
@@ -88,8 +89,9 @@ class CellDesign:
         overhead: camera for colour and depth that sees the whole plate.
         scene: camera for people.
         table: under the plate.
-        feeder: lays wires.
+        feeder: lays wires; None where a magazine presents them.
         clips, ducts: the cell's own, besides the panel's; panel frame.
+        magazine: presents wires beside the plate; None: the feeder does.
     """
 
     name: str
@@ -97,9 +99,10 @@ class CellDesign:
     overhead: View
     scene: View
     table: Table
-    feeder: Feeder
+    feeder: Feeder | None
     clips: tuple[PanelClip, ...]
     ducts: tuple[Duct, ...]
+    magazine: Magazine | None = None
 
     @property
     def arms(self) -> tuple[Arm, ...]:
@@ -120,6 +123,7 @@ def find_design_problems(design: CellDesign) -> tuple[str, ...]:
         *_fingers(design),
         *_homes(design),
         *_bases(design),
+        *_presenting(design),
     )
 
 
@@ -181,6 +185,18 @@ def _homes(design: CellDesign) -> Iterator[str]:
                     robot.arm.joints_for(tool)
             except AbilityError as error:
                 yield f"robots[{i}].{name}: {error}"
+
+
+def _presenting(design: CellDesign) -> Iterator[str]:
+    magazine = design.magazine
+    if (magazine is None) == (design.feeder is None):
+        found = "both" if magazine is not None else "none"
+        yield f"feeder, magazine: found {found}; allowed: one of them"
+    if magazine is not None and magazine.y_max - magazine.y_min < magazine.span:
+        yield (
+            f"magazine: y_min {magazine.y_min:.3f} to y_max {magazine.y_max:.3f} m; a wire with a "
+            f"span of {magazine.span:.3f} m needs as much"
+        )
 
 
 def _bases(design: CellDesign) -> Iterator[str]:

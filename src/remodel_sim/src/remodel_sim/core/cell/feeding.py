@@ -12,6 +12,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from remodel_sim.core.cell.presentation import Presentation
 from remodel_sim.core.geometry import Array, Pose
 from remodel_sim.core.workpiece.layout import FEED_LIMIT_Y_M, WORLD_FROM_PANEL, feed_direction
 from remodel_sim.core.workpiece.panel import Channel, Panel, PanelWire, WireEnd
@@ -61,6 +62,16 @@ class Laying:
     direction: int
     curvature: Array
     fork: Array
+
+    def presentation(self, wire: PanelWire) -> Presentation:
+        """Return where the ends should lie: the feeder knows no bow."""
+        (x, y), out = self.tip_a, self.direction * math.pi / 2
+        far = float(y) + self.direction * wire.length
+        tips = {
+            WireEnd.A: Pose.level(float(x), float(y), wire.radius, -out),
+            WireEnd.B: Pose.level(float(x), far, wire.radius, out),
+        }
+        return Presentation(tips, self.direction)
 
 
 def resting_place(panel: Panel, wire: PanelWire, end: WireEnd, overlap: float) -> tuple[Pose, int]:

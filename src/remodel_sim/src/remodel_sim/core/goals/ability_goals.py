@@ -36,7 +36,7 @@ from remodel_states.core.codes import Code
 MAX_FORCE_N = 25.0
 # A connector's ribbed body gives a better hold.
 MAX_MATING_FORCE_N = 40.0
-GRASP_RANGE_M = (0.030, 0.080)
+GRASP_RANGE_M = (0.020, 0.080)
 
 # The greatest force limit that goals of an ability may have [N].
 FORCE_LIMITS_N = {"InsertCable": MAX_FORCE_N, "PlaceConnector": MAX_MATING_FORCE_N}

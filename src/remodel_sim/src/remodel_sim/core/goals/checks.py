@@ -75,7 +75,9 @@ def check_not_in_cell(wire_id: str, belief: BeliefState) -> None:
         return
     where = "left on the panel"
     if belief.feed is not None and belief.feed.wire_id == wire_id:
-        presented = f"presented in channel {belief.feed.channel_id!r}"
+        presented = "presented in the magazine"
+        if not belief.by_magazine:
+            presented = f"presented in channel {belief.feed.channel_id!r}"
         where = "moved or connected" if belief.is_touched else presented
     raise AbilityError(
         Code.WIRE_LEFT_BEHIND,

@@ -34,6 +34,11 @@ DEPTH_WINDOW_PX = 2
 MEETING_WIDTHS, LENGTH_PRICE = 6.0, 0.2
 # A wire seen this far above the plate does not lie on it [m].
 LIFTED_M = 0.002
+# The height of an end in the air is measured over so much of it [m], along its crest, to both
+# sides of that [radii]; what is further from the middle of the measurements is something else [m].
+STRAIGHT_M = 0.034
+CREST_SHARE = 0.4
+OUTLIER_M = 0.006
 
 
 @dataclass(frozen=True, eq=False)
@@ -63,7 +68,7 @@ def find_ends(
     Args:
         picture: from above.
         wire: whose ends are searched for.
-        expected: roughly where each loose end lies, (2,) [m], world frame.
+        expected: roughly where each loose end is, (3,) [m], world frame.
 
     Raises:
         AbilityError: CABLE_TRUNCATED when an end leaves the picture, CABLE_AMBIGUOUS when two may
@@ -72,13 +77,16 @@ def find_ends(
     likelihood = wire_likelihood(picture.rgb, wire.colour)
     scale = picture.view.metres_per_pixel(wire.radius)
     shortest = MIN_FERRULE_SHARE * wire.ferrule_length / scale
-    observations = [
-        EndObservation(_in_world(f, picture, wire), f)
+    ferrules = [
+        f
         for f in find_ferrules(picture.rgb, likelihood, shortest)
         if f.wire_likelihood >= MIN_COLOUR
     ]
     found: dict[WireEnd, EndObservation] = {}
     for end, place in expected.items():
+        observations = [
+            EndObservation(_in_world(f, picture, wire, float(place[2])), f) for f in ferrules
+        ]
         near = sorted(
             (s for s in observations if _apart(s, place) <= SEARCH_M),
             key=partial(_apart, place=place),
@@ -97,8 +105,11 @@ def find_ends(
                 f"{1 + len(rivals)} ends of that colour lie where end {end.value} of {wire.id!r} "
                 "may be",
             )
+        best = near[0]
+        if picture.depth is not None and place[2] > wire.radius + LIFTED_M:
+            best = _levelled(best, picture, likelihood, wire)
         connector = wire.connector_at(end)
-        found[end] = near[0] if connector is None else near[0].ahead(connector.pin_length)
+        found[end] = best if connector is None else best.ahead(connector.pin_length)
     if len(found) == 2 and found[WireEnd.A].ferrule is found[WireEnd.B].ferrule:
         worse = max(found, key=lambda e: _apart(found[e], expected[e]))
         del found[worse]
@@ -106,15 +117,15 @@ def find_ends(
 
 
 def _apart(observation: EndObservation, place: Array) -> float:
-    return float(np.linalg.norm(observation.tip.tip[:2] - place))
+    return float(np.linalg.norm((observation.tip.tip - place)[:2]))
 
 
-def _in_world(ferrule: Ferrule, picture: Picture, wire: PanelWire) -> TipObservation:
-    """Return the tip half a ferrule ahead of the blob's centre.
+def _in_world(ferrule: Ferrule, picture: Picture, wire: PanelWire, z: float) -> TipObservation:
+    """Return the tip half a ferrule ahead of the blob's centre, its axis at about z [m].
 
     Its outline blurs, its centre does not.
     """
-    view, z = picture.view, wire.radius
+    view = picture.view
     if picture.depth is not None:
         column, row = np.rint(ferrule.centre).astype(int)
         rows = slice(max(0, row - DEPTH_WINDOW_PX), row + DEPTH_WINDOW_PX + 1)
@@ -131,6 +142,33 @@ def _in_world(ferrule: Ferrule, picture: Picture, wire: PanelWire) -> TipObserva
     out = (ahead - centre) / np.linalg.norm(ahead - centre)
     yaw = math.atan2(out[1], out[0])
     return TipObservation(centre + out * wire.ferrule_length / 2, yaw)
+
+
+def _levelled(
+    observation: EndObservation,
+    picture: Picture,
+    likelihood: npt.NDArray[np.float32],
+    wire: PanelWire,
+) -> EndObservation:
+    """Return an end that does not lie on the plate, its height and pitch measured by depth."""
+    view, depth = picture.view, picture.depth
+    assert depth is not None, "the overhead camera measures depth"
+    line = trace_from(observation, picture, likelihood, wire)
+    scale = view.metres_per_pixel(float(observation.tip.tip[2]))
+    along = np.arange(0.0, STRAIGHT_M, scale / 2)
+    middle = np.column_stack([np.interp(along / scale, arc_lengths(line), c) for c in line.T])
+    ferrule = observation.ferrule.out
+    aside = CREST_SHARE * wire.radius / scale * np.array([-ferrule[1], ferrule[0]])
+    pixels = np.vstack([middle - aside, middle, middle + aside])
+    columns, rows = np.rint(pixels).astype(int).T
+    inside = (rows >= 0) & (columns >= 0) & (rows < depth.shape[0]) & (columns < depth.shape[1])
+    depths = depth[rows[inside], columns[inside]]
+    heights = view.at_depth(pixels[inside], depths)[:, 2] - wire.radius
+    back = np.tile(along, 3)[inside]
+    near = np.abs(heights - np.median(heights)) < OUTLIER_M
+    slope, height = np.polyfit(back[near], heights[near], 1)
+    tip = _in_world(observation.ferrule, picture, wire, float(height))
+    return replace(observation, tip=replace(tip, pitch=math.atan(-slope)))
 
 
 def trace_from(

@@ -1,0 +1,72 @@
+"""The magazine: presents a wire between clips, and lets its loop come to rest."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from remodel_sim.core.cell.magazine import (
+    Magazine,
+    disturbed,
+    fork_clips,
+    held_length,
+    plan_presentation,
+    stop_box,
+)
+from remodel_sim.core.cell.presentation import Presentation
+from remodel_sim.core.workpiece.hanging_loop import HeldEnd
+from remodel_sim.core.workpiece.panel import Panel, PanelWire, WireEnd
+from remodel_sim.physics.fixtures.clips import add_clip
+from remodel_sim.physics.live_wire import hanging_cable
+from remodel_sim.physics.static_body import add_static
+from remodel_sim.physics.wires.cable import SimulatedWire
+from remodel_sim.physics.world import World
+
+# The ends are held until the loop has come to rest in the clips, with this force.
+SETTLING_S = 0.5
+HOLDING_N = 20.0
+# Then they come to rest themselves.
+REST_S = 0.5
+
+
+def present(
+    world: World, magazine: Magazine, panel: Panel, wire: PanelWire, noise: np.random.Generator
+) -> tuple[SimulatedWire, Presentation]:
+    """Put a wire into the magazine's clips; return it, and where its ends should be."""
+    presentation = plan_presentation(magazine, panel, wire)
+    tips = {end: disturbed(tip, noise) for end, tip in presentation.tips.items()}
+    for tip in tips.values():
+        for clip, pose in fork_clips(wire, tip):
+            add_clip(world, clip, pose)
+        add_static(world.bullet, [stop_box(wire)], tip)
+    a, b = (HeldEnd(tips[end].position, tips[end].rotation[:, 0], held_length()) for end in WireEnd)
+    cable = hanging_cable(world, wire, a, b)
+    holders = [_hold(world, cable, end) for end in WireEnd]
+    _rest(world, SETTLING_S)
+    for holder in holders:
+        world.bullet.removeConstraint(holder)
+    _rest(world, REST_S)
+    return cable, presentation
+
+
+def _hold(world: World, cable: SimulatedWire, end: WireEnd) -> int:
+    """Hold an end where it is; return the constraint."""
+    link = cable.ferrule(end)
+    position, quaternion = cable.link_pose(link)
+    constraint = world.bullet.createConstraint(
+        *link,
+        childBodyUniqueId=-1,
+        childLinkIndex=-1,
+        jointType=world.bullet.JOINT_FIXED,
+        jointAxis=[0, 0, 0],
+        parentFramePosition=[0, 0, 0],
+        childFramePosition=position.tolist(),
+        parentFrameOrientation=[0, 0, 0, 1],
+        childFrameOrientation=quaternion.tolist(),
+    )
+    world.bullet.changeConstraint(constraint, maxForce=HOLDING_N)
+    return int(constraint)
+
+
+def _rest(world: World, seconds: float) -> None:
+    for _ in range(round(seconds / world.time_step)):
+        world.step()

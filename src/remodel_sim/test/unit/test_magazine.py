@@ -1,0 +1,116 @@
+"""The magazine: where it presents a wire, how the wire rests there, and how it is taken out."""
+
+import math
+
+import numpy as np
+import pytest
+from dense_board import board_wire, dense_panel
+from place_wire import ROBOT, do, fix, insert, locate
+
+from remodel_sim.abilities.detect_cable import detect_cable
+from remodel_sim.abilities.discard_cable import discard_cable
+from remodel_sim.cell import Cell
+from remodel_sim.core import goals
+from remodel_sim.core.cell.magazine import Magazine, plan_presentation
+from remodel_sim.core.errors import PanelError
+from remodel_sim.core.workpiece.panel import WireEnd
+from remodel_sim.edge.cell_file import read_cell
+from remodel_sim.physics.magazine import present
+from remodel_sim.physics.world import World
+
+MAGAZINE = Magazine(x=0.20, height=0.050, span=0.46, y_min=-0.30, y_max=0.40)
+TO_THE_LEFT = board_wire("W1", ("N1", "b1"), ("N2", "b10"), 0.53)
+# How far from its place a tip may come to rest: the clips' tolerance, and a pitch of 6 degrees.
+RESTS_WITHIN_M = 0.005
+
+
+def test_a_wire_is_presented_before_its_first_terminal_with_the_tips_outwards():
+    presentation = plan_presentation(MAGAZINE, dense_panel([TO_THE_LEFT]), TO_THE_LEFT)
+    a, b = (presentation.tips[end] for end in WireEnd)
+    opening = dense_panel().panel_from_socket("N1", "b1").position[1]
+    assert presentation.direction == 1
+    assert (a.position[1] + b.position[1]) / 2 == pytest.approx(max(opening, -0.30 + 0.23))
+    assert b.position[1] - a.position[1] == pytest.approx(MAGAZINE.span)
+    assert (a.yaw, b.yaw) == pytest.approx((-math.pi / 2, math.pi / 2))
+
+
+def test_a_wire_that_runs_the_other_way_has_its_first_end_at_the_other_side():
+    back = board_wire("W1", ("N2", "b10"), ("N1", "b1"), 0.53)
+    presentation = plan_presentation(MAGAZINE, dense_panel([back]), back)
+    a, b = (presentation.tips[end].position[1] for end in WireEnd)
+    assert presentation.direction == -1
+    assert a - b == pytest.approx(MAGAZINE.span)
+
+
+def test_a_wire_that_the_magazine_cannot_present_is_refused_when_its_panel_is_loaded():
+    short = board_wire("W1", ("N1", "b1"), ("N2", "b10"), 0.45)
+    with pytest.raises(PanelError, match=r"'W1': length is 0.450 m; .* wires of 0.480 m or more"):
+        Cell(dense_panel([short]), design=read_cell("cabinet"))
+
+
+@pytest.mark.parametrize(
+    "length, changes",
+    [
+        (0.53, {}),
+        (1.35, {}),
+        (0.95, {"diameter": 0.0061, "linear_density": 0.115, "bending_stiffness": 6e-3}),
+    ],
+)
+def test_the_ends_rest_at_their_places_and_one_comes_out_at_a_light_force(length, changes):
+    world = World(240.0)
+    wire = board_wire("W1", ("N1", "b1"), ("N2", "b10"), length, **changes)
+    noise = np.random.default_rng(1)
+    cable, presentation = present(world, MAGAZINE, dense_panel([wire]), wire, noise)
+    for end in WireEnd:
+        away = cable.tip(end)[0] - presentation.tips[end].position
+        assert np.abs(away).max() < RESTS_WITHIN_M, f"end {end.value} rests {away} m away"
+    rested = cable.tip(WireEnd.B)[0]
+    limit = 2.5 * max(1.0, wire.bending_stiffness / 1.6e-3)
+    assert _lift(world, cable, 0.15) < limit
+    assert np.linalg.norm(cable.tip(WireEnd.B)[0] - rested) < RESTS_WITHIN_M
+    world.close()
+
+
+def _lift(world, cable, height):
+    """Lift end a where a hand holds it; return the largest force [N], as a wrist measures it."""
+    bullet, (body, _) = world.bullet, cable.ferrule(WireEnd.A)
+    start, turn = cable.link_pose((body, 0))
+    hand = bullet.createConstraint(
+        body, 0, -1, -1, bullet.JOINT_FIXED, [0, 0, 0],
+        [0, 0, 0], start.tolist(), [0, 0, 0, 1], turn.tolist(),
+    )  # fmt: skip
+    largest, felt = 0.0, np.zeros(3)
+    steps = round(height / 0.05 / world.time_step)
+    for step in range(1, steps + 1):
+        at = start + np.array([0.0, 0.0, height * step / steps])
+        bullet.changeConstraint(hand, at.tolist(), turn.tolist(), maxForce=500)
+        world.step()
+        felt += 0.1 * (np.array(bullet.getConstraintState(hand)[:3]) - felt)
+        largest = max(largest, float(np.linalg.norm(felt)))
+    return largest
+
+
+@pytest.fixture(scope="module")
+def cabinet():
+    """A cell with a magazine, a wire presented there."""
+    cell = Cell(dense_panel([TO_THE_LEFT]), design=read_cell("cabinet"), seed=1)
+    cell.feed("W1", "")
+    yield cell
+    cell.close()
+
+
+def test_cameras_find_both_ends_where_they_are_and_how_high(cabinet):
+    found = do(cabinet, detect_cable, goals.DetectGoal("W1"))
+    for end, seen in zip(WireEnd, found.tips, strict=True):
+        tip, out = cabinet.plant.live.cable.tip(end)
+        assert np.abs(seen.tip - tip).max() < 0.0015
+        assert seen.pitch == pytest.approx(math.asin(out[2]), abs=math.radians(2.0))
+
+
+def test_an_end_goes_from_its_clips_into_its_terminal_and_the_wire_can_be_discarded(cabinet):
+    socket = locate(cabinet, "N1", "b1")
+    insert(cabinet, "W1", WireEnd.A, "N1", terminal="b1", socket=socket)
+    fix(cabinet, "W1", "N1", "b1")
+    do(cabinet, discard_cable, goals.DiscardGoal(ROBOT, "W1"))
+    assert cabinet.plant.live is None
+    assert cabinet.context.belief.fed == []
