@@ -119,8 +119,7 @@ def plan_laying(
 
 
 def _random_bow(model: CableModel, wire: PanelWire, noise: np.random.Generator) -> Array:
-    joints = np.cumsum(model.lengths[:-1])
-    s = (joints - joints[0]) / (joints[-1] - joints[0])
+    s = np.cumsum(model.lengths[:-1]) / wire.length
     waves = noise.uniform(0.5, 1.5) * s + noise.uniform(0.0, 1.0)
     curvature = wire.rest_curvature * (noise.standard_normal() + np.sin(2 * np.pi * waves))
     bow = float(np.abs(_shape(curvature, model)[1]).max())
