@@ -33,8 +33,6 @@ TABLE_LENGTH_M = 0.384
 REST_S = 30.0
 MEASURED_S = 1.5
 REPEATS = 5
-# Long wires, with as many links as the cell gives them.
-LONG = {1.0: 32, 2.0: 54, 3.0: 75}
 
 MODEL = """
 <mujoco>
@@ -67,19 +65,17 @@ CELL = (
 )
 
 
-def build(
-    length: float, density: float, rate_hz: float, *, table: bool, cells: int = CELLS
-) -> mujoco.MjModel:
+def build(length: float, density: float, rate_hz: float, *, table: bool) -> mujoco.MjModel:
     """Return a model of a cable, clamped in the air or loose on the table; density in kg/m."""
     second_moment = math.pi * RADIUS**4 / 4
     young = STIFFNESS / second_moment
-    joint, step = STIFFNESS / (length / cells), 1.0 / rate_hz
+    joint, step = STIFFNESS / (length / CELLS), 1.0 / rate_hz
     return mujoco.MjModel.from_xml_string(
         MODEL.format(
             step=step,
             gravity=GRAVITY,
             surroundings=CELL if table else "",
-            nodes=cells + 1,
+            nodes=CELLS + 1,
             length=length,
             height=RADIUS if table else 1.0,
             initial="free" if table else "none",
@@ -88,7 +84,7 @@ def build(
             damping=0.25 * joint * step,
             armature=4 * joint * step**2,
             radius=RADIUS,
-            mass=density * length / cells,
+            mass=density * length / CELLS,
         )
     )
 
@@ -109,9 +105,9 @@ def sag_errors(rate_hz: float) -> tuple[float, float]:
     return raw, shifted
 
 
-def real_time_factor(rate_hz: float, length: float = TABLE_LENGTH_M, cells: int = CELLS) -> float:
+def real_time_factor(rate_hz: float) -> float:
     """Return simulated time over the CPU time of the one thread that computes it."""
-    model = build(length, DENSITY_KG_M, rate_hz, table=True, cells=cells)
+    model = build(TABLE_LENGTH_M, DENSITY_KG_M, rate_hz, table=True)
     data = mujoco.MjData(model)
     for _ in range(round(rate_hz / 2)):
         mujoco.mj_step(model, data)
@@ -128,11 +124,7 @@ def main() -> None:
     speed = {
         str(rate): max(real_time_factor(rate) for _ in range(REPEATS)) for rate in (240.0, 500.0)
     }
-    long = {
-        length: max(real_time_factor(240.0, length, n) for _ in range(2))
-        for length, n in LONG.items()
-    }
-    print(json.dumps({"sag_raw": raw, "sag_shifted": shifted, "speed": speed, "long": long}))
+    print(json.dumps({"sag_raw": raw, "sag_shifted": shifted, "speed": speed}))
 
 
 if __name__ == "__main__":

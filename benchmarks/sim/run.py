@@ -3,9 +3,8 @@
 """Measure the simulated physics against theory, and beside MuJoCo: run.py [--mujoco PYTHON] [FILE].
 
 Lines of JSON go to FILE (out/bench/sim.jsonl). What the parts measure: statics.py (sag, buckling),
-long_wires.py (1 to 3 m), retention.py (grip, fixtures), speed.py (real-time factor),
-mujoco_peer.py (MuJoCo's cable plugin). Exits with 1 when a target is missed.
-evaluate_abilities.py measures the abilities.
+retention.py (grip, fixtures), speed.py (real-time factor), mujoco_peer.py (MuJoCo's cable plugin).
+Exits with 1 when a target is missed. evaluate_abilities.py measures the abilities.
 """
 
 from __future__ import annotations
@@ -21,7 +20,6 @@ HERE = Path(__file__).parent
 # The rigs are those of the unit tests.
 sys.path.insert(0, str(HERE.parents[1] / "src" / "remodel_sim" / "test" / "unit"))
 
-import long_wires  # noqa: E402
 import retention  # noqa: E402
 import speed  # noqa: E402
 import statics  # noqa: E402
@@ -52,9 +50,6 @@ def speed_rows(mujoco_python: str | None) -> Iterator[Row]:
         hertz = f"{float(rate):g} Hz"
         yield Row(f"MuJoCo's cable: real-time factor, the same scene, {hertz}", factor, "x")
         yield Row(f"real-time factor over MuJoCo's, {hertz}", value / factor, "", least=1.0)
-    for length, factor in peer["long"].items():
-        what = f"MuJoCo's cable: real-time factor, {length} m in as many links, no other wires"
-        yield Row(what, factor, "x")
 
 
 def main() -> int:
@@ -68,7 +63,6 @@ def main() -> int:
     print(head())
     parts = (
         statics.rows(),
-        long_wires.rows(),
         retention.rows(),
         determinism_rows(),
         speed_rows(options.mujoco),

@@ -72,7 +72,7 @@ def test_a_limp_wire_hangs_in_a_catenary():
         c = (low + high) / 2
         low, high = (c, high) if 2 * c * math.sinh(span / 2 / c) > between else (low, c)
     depth = c * (math.cosh(span / 2 / c) - 1) + steps[0]
-    assert -nodes[:, 2].min() == pytest.approx(depth, rel=5e-3)
+    assert -nodes[:, 2].min() == pytest.approx(depth, rel=2e-3)
 
 
 def test_what_a_holder_keeps_straight_stays_straight():

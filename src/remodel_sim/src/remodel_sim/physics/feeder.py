@@ -45,7 +45,7 @@ def lay(
     Return the wire, where it lies, and the fork's body.
     """
     model = discretise(wire, world.time_step)
-    laying = plan_laying(feeder, panel, wire, channel, model=model, noise=noise)
+    laying = plan_laying(feeder, panel, wire, channel, joints=len(model.lengths) - 1, noise=noise)
     fork = _make_fork(world, feeder, wire, laying)
     connectors = {c.end: connector_solids(wire, c) for c in wire.connectors}
     cable = SimulatedWire(world, model, wire.colour, connectors)

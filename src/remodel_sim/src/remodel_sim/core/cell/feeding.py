@@ -16,7 +16,6 @@ from remodel_sim.core.cell.presentation import Presentation
 from remodel_sim.core.geometry import Array, Pose
 from remodel_sim.core.workpiece.layout import FEED_LIMIT_Y_M, WORLD_FROM_PANEL, feed_direction
 from remodel_sim.core.workpiece.panel import Channel, Panel, PanelWire, WireEnd
-from remodel_sim.core.workpiece.wire_mechanics import CableModel
 
 # Around an end that is laid down again, the fork comes up so far behind the grasp.
 FORK_BEHIND_GRASP_M = 0.045
@@ -93,10 +92,10 @@ def plan_laying(
     panel: Panel,
     wire: PanelWire,
     channel: Channel,
-    model: CableModel,
+    joints: int,
     noise: np.random.Generator,
 ) -> Laying:
-    """Choose where a wire of this model lies."""
+    """Choose where a wire of `joints` + 1 links lies."""
     opening_a = WORLD_FROM_PANEL.apply(
         panel.panel_from_socket(wire.a_component, wire.a_terminal).position
     )
@@ -107,8 +106,8 @@ def plan_laying(
     start = float(opening_a[1]) - direction * feeder.overlap
     beyond = direction * start + wire.length - FEED_LIMIT_Y_M
     start -= direction * max(0.0, beyond)
-    curvature = _random_bow(model, wire, noise)
-    along, aside = _shape(curvature, model)
+    curvature = _random_bow(joints, wire, noise)
+    along, aside = _shape(curvature, wire.length)
     fork_along = float(np.interp(wire.length - feeder.fork_behind_tip, along, along))
     fork_aside = float(np.interp(fork_along, along, aside))
     centre_x = float(WORLD_FROM_PANEL.apply(np.array([channel.x, 0.0, 0.0]))[0])
@@ -118,20 +117,16 @@ def plan_laying(
     return Laying(tip_a, direction, curvature, fork)
 
 
-def _random_bow(model: CableModel, wire: PanelWire, noise: np.random.Generator) -> Array:
-    s = np.cumsum(model.lengths[:-1]) / wire.length
+def _random_bow(joints: int, wire: PanelWire, noise: np.random.Generator) -> Array:
+    s = np.linspace(0.0, 1.0, joints)
     waves = noise.uniform(0.5, 1.5) * s + noise.uniform(0.0, 1.0)
     curvature = wire.rest_curvature * (noise.standard_normal() + np.sin(2 * np.pi * waves))
-    bow = float(np.abs(_shape(curvature, model)[1]).max())
+    bow = float(np.abs(_shape(curvature, wire.length)[1]).max())
     return curvature * min(1.0, MAX_BOW_M / max(bow, 1e-9))
 
 
-def _shape(curvature: Array, model: CableModel) -> tuple[Array, Array]:
-    """Return arc length and sideways offset of the links' far ends, (n,) [m] each.
-
-    Args:
-        curvature: (n - 1,) of the joints of a slightly bent wire [1/m].
-        model: its n links.
-    """
-    yaws = np.r_[0.0, np.cumsum(curvature * model.spans)]
-    return np.cumsum(model.lengths), np.cumsum(yaws * model.lengths)
+def _shape(curvature: Array, length: float) -> tuple[Array, Array]:
+    """Return arc length and sideways offset of a slightly bent wire, (n,) [m] each."""
+    s = np.linspace(0.0, length, len(curvature))
+    step = s[1] - s[0]
+    return s, np.cumsum(np.cumsum(curvature) * step) * step

@@ -29,17 +29,10 @@ from remodel_sim.core.workpiece.panel import PanelWire, WireEnd
 GRAVITY = 9.81
 # PyBullet reports at most 31 spherical joints of one body.
 MAX_LINKS = 32
-# Of a wire of several bodies each has fewer links: a contact's cost grows with those of its body.
-LONG_WIRE_LINKS = 16
 MIN_CELLS = 8
-# Cells have the target's length for so far behind each ferrule [m]; from there they grow by so much
-# per metre, rather than that a second body is made, but never beyond the longest [m].
 CELL_TARGET_M = 0.020
-FINE_M = 0.120
-CELL_GROWTH = 0.25
-MAX_CELL_M = 0.050
-# At so many places the lengths of cells are integrated.
-PLACES = 2001
+# Up to this length cells grow rather than that a second body is made [m].
+MAX_CELL_M = 0.026
 # Joint damping c = K tau with tau = dt/4; more is unstable in an explicit step.
 DAMPING_STEPS = 0.25
 INERTIA_STEPS = 4.0
@@ -154,41 +147,18 @@ def discretise(wire: PanelWire, time_step: float) -> CableModel:
 
 
 def _cells(flexible: float) -> list[Piece]:
-    """Cut a flexible length [m] into cells, and where one body is not enough, into bodies."""
-    cells = [Piece(length, length) for length in _cell_lengths(flexible)]
-    if len(cells) <= MAX_LINKS - 2:
-        return cells
-    bodies = math.ceil((len(cells) + 1) / (LONG_WIRE_LINKS - 1))  # every cut makes one link more
+    count = max(MIN_CELLS, round(flexible / CELL_TARGET_M))
+    most = MAX_LINKS - 2
+    if count > most and flexible <= most * MAX_CELL_M:
+        count = most
+    cell = Piece(flexible / count, flexible / count)
+    pieces = [cell] * count
+    bodies = math.ceil((count + 1) / (MAX_LINKS - 1))  # every cut makes one link more
     for k in range(bodies - 1, 0, -1):
-        cut = k * len(cells) // bodies
-        span = cells[cut].span
-        cells[cut : cut + 1] = [Piece(span / 2, span), Piece(span / 2, span, bolted=True)]
-    return cells
-
-
-def _cell_lengths(flexible: float) -> Array:
-    """Return the lengths of the cells [m]: no coarser than needed for one body, else the coarsest.
-
-    Each is as long as the target near its place, by how many of them fit into the length.
-    """
-    place = np.linspace(0.0, flexible, PLACES)
-    beyond = np.minimum(place, flexible - place) - FINE_M
-    growing = CELL_TARGET_M + CELL_GROWTH * np.maximum(beyond, 0.0)
-
-    def cells_before(coarsest: float) -> Array:
-        density = 1.0 / np.minimum(growing, coarsest)
-        between = (density[:-1] + density[1:]) / 2 * np.diff(place)
-        return np.r_[0.0, np.cumsum(between)]
-
-    finest, coarsest = CELL_TARGET_M, MAX_CELL_M
-    for _ in range(20):
-        middle = (finest + coarsest) / 2
-        fits = cells_before(middle)[-1] <= MAX_LINKS - 2
-        finest, coarsest = (finest, middle) if fits else (middle, coarsest)
-    before = cells_before(coarsest)
-    count = max(MIN_CELLS, round(float(before[-1])))
-    bounds = np.interp(np.linspace(0.0, before[-1], count + 1), before, place)
-    return np.diff(bounds)
+        cut = k * count // bodies
+        half = cell.length / 2
+        pieces[cut : cut + 1] = [Piece(half, cell.span), Piece(half, cell.span, bolted=True)]
+    return pieces
 
 
 def chain(wire: PanelWire, pieces: Sequence[Piece], time_step: float) -> CableModel:

@@ -13,12 +13,10 @@ from remodel_sim.core.geometry import Array, multiply_quaternions, rotation_matr
 from remodel_sim.core.workpiece.connector_shape import Solid
 from remodel_sim.core.workpiece.panel import WireEnd
 from remodel_sim.core.workpiece.wire_colours import FERRULE_RGB, GREEN_AND_YELLOW, WIRE_RGB, Rgb
-from remodel_sim.core.workpiece.wire_mechanics import CableModel, link_frames, rotation_vectors
+from remodel_sim.core.workpiece.wire_mechanics import CableModel, link_frames
 from remodel_sim.physics.wires.cable_body import IDENTITY, CableBody
 from remodel_sim.physics.world import World
 
-# How fast a joint is bent for good [rad/s].
-TURN_RAD_S = 0.5
 # What holds the halves of a cell together [N]; more than any force in the cell.
 BOLT_FORCE_N = 1e4
 
@@ -57,36 +55,13 @@ class SimulatedWire:
             )
             for first, last in model.bodies
         ]
-        joints = len(model.spans)
-        self._rest = np.zeros((joints, 3))
-        self._plastic = np.zeros((joints, 2))
-        self._to_turn = np.zeros(joints)
-        self._turn_per_step = TURN_RAD_S * world.time_step
-        # The joints within bodies; the bolts between them do not bend.
-        self._bending = np.flatnonzero(model.spans)
         self.lay(np.zeros(3), 0.0, np.zeros(len(model.spans)))
         self._bolts = [_bolt(world, before, after) for before, after in pairwise(self._parts)]
         world.add_before_step(self._bend)
 
     def _bend(self) -> None:
-        """Let the joints yield, and apply their elastic torques for the next step."""
-        if self._to_turn.any():
-            self._turn_rest()
-        states = [state for part in self._parts for state in part.joint_states()]
-        bend, rate = np.zeros_like(self._rest), np.zeros_like(self._rest)
-        bend[self._bending] = rotation_vectors(np.array([state[0] for state in states]))
-        rate[self._bending] = [state[1] for state in states]
-        bend -= self._rest
-        self._plastic = self.model.yielded(bend[:, :2], self._plastic)
-        bend[:, :2] -= self._plastic
-        torques = self.model.torques(bend, rate)
-        for part, (first, last) in zip(self._parts, self.model.bodies, strict=True):
-            part.apply_torques(torques[first : last - 1])
-
-    def _turn_rest(self) -> None:
-        turn = np.clip(self._to_turn, -self._turn_per_step, self._turn_per_step)
-        self._rest[:, 0] += turn
-        self._to_turn -= turn
+        for part in self._parts:
+            part.bend()
 
     @property
     def bodies(self) -> tuple[int, ...]:
@@ -106,12 +81,10 @@ class SimulatedWire:
         axes = np.column_stack([np.cos(yaws), np.sin(yaws), np.zeros_like(yaws)])
         steps = self.model.lengths[:, None] * axes
         centres = tip_a + self.model.radius * axes[0] + np.cumsum(steps, axis=0) - steps / 2
-        # The links' x axis points down when the wire lies level.
-        turns = np.zeros((len(turn), 4))
-        turns[:, 0], turns[:, 3] = np.sin(-turn / 2), np.cos(-turn / 2)
-        orientation = self._world.bullet.getQuaternionFromEuler
-        quaternions = np.array([orientation([0, math.pi / 2, yaw]) for yaw in yaws])
-        self._put(centres, quaternions, turns, rest=-turn)
+        for part, (first, last) in zip(self._parts, self.model.bodies, strict=True):
+            orientation = self._world.bullet.getQuaternionFromEuler([0, math.pi / 2, yaws[first]])
+            # The links' x axis points down when the wire lies level.
+            part.place(centres[first], np.array(orientation), -turn[first : last - 1])
 
     def lay_along(self, nodes: Array) -> None:
         """Put the wire at rest into a shape that it has been bent into.
@@ -122,14 +95,8 @@ class SimulatedWire:
         centres, quaternions = link_frames(nodes, self.model.radius)
         flipped = quaternions * np.array([-1.0, -1.0, -1.0, 1.0])
         turns = np.array(list(map(multiply_quaternions, flipped[:-1], quaternions[1:])))
-        self._put(centres, quaternions, turns, rest=np.zeros(len(turns)))
-
-    def _put(self, centres: Array, quaternions: Array, turns: Array, rest: Array) -> None:
-        """Put the links at rest, without any set; `rest` (n - 1,) turns about their x axes."""
-        self._plastic[:], self._to_turn[:] = 0.0, 0.0
-        self._rest[:, 0] = rest
         for part, (first, last) in zip(self._parts, self.model.bodies, strict=True):
-            part.put(centres[first], quaternions[first], turns[first : last - 1])
+            part.place_bent(centres[first], quaternions[first], turns[first : last - 1])
 
     def link_poses(self) -> tuple[Array, Array]:
         """Return the links' centres (n, 3) [m] and quaternions (n, 4), world frame."""
@@ -164,11 +131,11 @@ class SimulatedWire:
         return last.body, len(last.model.spans) - 1
 
     def bend_ferrule(self, end: WireEnd, angle: float) -> None:
-        """Turn the joint behind an end's ferrule at rest about its x axis [rad].
-
-        So slowly that the joint follows instead of taking a set the other way.
-        """
-        self._to_turn[0 if end is WireEnd.A else -1] += angle
+        """Give the joint behind an end's ferrule another angle at rest, by so much [rad]."""
+        if end is WireEnd.A:
+            self._parts[0].bend_rest(0, angle)
+        else:
+            self._parts[-1].bend_rest(-1, angle)
 
     def tip(self, end: WireEnd) -> tuple[Array, Array]:
         """Return an end's apex (3,) [m] and the unit vector out of it (3,), world frame."""
