@@ -15,11 +15,7 @@ from remodel_production.core.imports.kbl import import_kbl
 from remodel_production.core.imports.qet import import_qet
 from remodel_production.edge.catalogue_file import read_catalogue
 from remodel_production.edge.package_files import catalogue_file
-from remodel_supervision.ros.peers.board_message import (
-    board_message,
-    branches_message,
-    panel_text,
-)
+from remodel_supervision.ros.peers.board_message import board_message, panel_text
 
 CATALOGUE = read_catalogue(catalogue_file())
 EXAMPLES = Path("/usr/share/qelectrotech/examples")
@@ -56,14 +52,3 @@ def test_the_text_of_a_panel_reads_as_the_message():
     fill_message_args(read, [yaml.safe_load(panel_text(message))])
     assert read == message
     assert message.clips or message.ducts
-
-
-def test_branches_of_a_harness_are_wires_of_a_panel_without_geometry():
-    order = board_order(loom(), find_use_case("branched_harness"), arms=1)
-    message = branches_message(order)
-    terminals = {f"{c.id}:{t.id}" for c in message.components for t in c.terminals}
-    assert [wire.id for wire in message.wires] == [task.name for task in order.tasks]
-    for wire, task in zip(message.wires, order.tasks, strict=True):
-        assert wire.length == pytest.approx(task.routes[0].length_m)
-        assert f"{wire.a_component}:{wire.a_terminal}" in terminals
-        assert f"{wire.b_component}:{wire.b_terminal}" in terminals
