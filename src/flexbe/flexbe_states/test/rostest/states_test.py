@@ -68,6 +68,8 @@ class StatesTest(unittest.TestCase):
         assert wait_until(lambda: cls.clock.get_num_connections() > 0)
         cls.logs = []
         rospy.Subscriber("flexbe/log", BehaviorLog, cls.logs.append)
+        # The first log makes the publisher; those before it is connected are lost.
+        assert wait_until(lambda: Run(LogState("is it connected?")).end() and cls.logs)
 
     def setUp(self):
         self.set_time(100.0)
