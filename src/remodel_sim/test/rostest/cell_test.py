@@ -111,9 +111,10 @@ class CellTest(CellTestCase):
             self.assertEqual(older.id, "17:look")
         feed = rospy.ServiceProxy("cell/feed_wire", srv.FeedWire)("W1", "A", 17)
         self.assertEqual((feed.success, feed.error_code), (False, ErrorCode.STALE_OWNER))
-        load = rospy.ServiceProxy("cell/load_panel", srv.LoadPanel)(msg.Panel(), False, 17)
+        load_panel = rospy.ServiceProxy("cell/load_panel", srv.LoadPanel)
+        load = load_panel(panel=msg.Panel(), owner=17)
         self.assertEqual((load.success, load.error_code), (False, ErrorCode.STALE_OWNER))
-        load = rospy.ServiceProxy("cell/load_panel", srv.LoadPanel)(msg.Panel(), False, 18)
+        load = load_panel(panel=msg.Panel(), owner=18)
         self.assertEqual((load.success, load.error_code), (False, ErrorCode.INVALID_GOAL))
         self.assertTrue(self.on["DetectCable"].do(cable_id="W1").success, "no owner: not checked")
 
