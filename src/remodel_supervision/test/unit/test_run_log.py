@@ -311,9 +311,11 @@ def test_a_product_stays_on_the_panel_of_its_use_case(log, owner, keep):
     assert begun == product(other, 1, keep_panel=True), "nothing was built for the other use case"
     state = log.append(run, PanelLoaded("house-0001"), state_after([begun]), owner)
     log.append(run, RunEnded(Ending.STOPPED, "ann stopped it"), state, owner)
-    with pytest.raises(OrderError, match="begun by use case cabinet, asked for switchgear") as told:
+    with pytest.raises(
+        OrderError, match="begun by use case cabinet, asked for switchgear"
+    ) as caught:
         log.begin(BEGUN, owner)
-    assert "--again" in str(told.value)
+    assert "--again" in str(caught.value)
     assert log.begin(other, owner)[1].serial == "house-0001"
     assert log.begin(BEGUN, owner, again=True)[1] == product(BEGUN, 2)
 

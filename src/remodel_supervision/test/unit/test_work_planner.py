@@ -37,7 +37,7 @@ WIRES = 40
 
 def cabinet_order(arms):
     """Return an order of wires between random terminals of eight devices."""
-    chance = random.Random(1)
+    chance = random.Random(3)
     ends = [(f"Q{i // 10}", f"{'TB'[i % 2]}{i}") for i in range(2 * WIRES)]
     terminals = {name: [] for name, _ in ends}
     for name, terminal in ends:
@@ -191,7 +191,7 @@ def test_what_is_left_of_a_preparation_is_what_preparing_it_gives():
         ],
     }
     whole = prepare(order, CABINET, [("preferences", preferences)])
-    chance = random.Random(5)
+    chance = random.Random(3)
     for count in (1, 2, 13, WIRES):
         names = {f"W{i}" for i in chance.sample(range(WIRES), count)}
         tasks = tuple(task for task in order.tasks if task.name in names)

@@ -134,16 +134,16 @@ class WorkPlanner:
         if previous:
             modes = {name: place.mode.number for name, place in self._places.items()}
             search_s = min(self._search_s, replan_search_s(len(wanted)))
-            plan = replan_problem(problem, previous, modes, search_s).plan
+            planned = replan_problem(problem, previous, modes, search_s)
         else:
-            plan = plan_problem(problem, self._search_s if len(wanted) > 1 else 0.0).plan
+            planned = plan_problem(problem, self._search_s if len(wanted) > 1 else 0.0)
         if not previous and not self._places.keys() >= wanted:
             # What its use case asks for in vain is reported before it begins.
-            self.demands = demands_of(task.chart for task in planned_tasks(prepared, plan))
-        listing = listing_of(problem, plan)
+            self.demands = demands_of(task.chart for task in planned_tasks(prepared, planned.plan))
+        planned_modes = listing_of(problem, planned.plan).modes
         self._tasks = {name: task for name, task in self._tasks.items() if name not in wanted}
-        self._places |= {name: _Place(base, listing.modes[name]) for name in listing.wires}
-        return listing.wires
+        self._places |= {name: _Place(base, mode) for name, mode in planned_modes.items()}
+        return planned.wires
 
     def _prepare(self, names: set[str]) -> Prepared:
         tasks = tuple(task for task in self.order.tasks if task.name in names)

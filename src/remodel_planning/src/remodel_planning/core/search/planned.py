@@ -42,6 +42,14 @@ class Planned:
     penalty: int
 
     @property
+    def wires(self) -> tuple[str, ...]:
+        """The wires' names in the list's order, which keeps to the problem's constraints.
+
+        With two arms a wire may be picked before another that precedes it in the list.
+        """
+        return tuple(self.tables.wires[i] for i in self.order)
+
+    @property
     def cost(self) -> int:
         """What the planner makes small."""
         return self.makespan + self.penalty
