@@ -24,7 +24,6 @@ from remodel_sim.core.workpiece.obstacles import (
     Solid,
     component_name,
     panel_obstacles,
-    wire_solids,
 )
 from remodel_sim.core.workpiece.panel import Duct, Rail, WireEnd
 from remodel_sim.edge.cell_file import read_cell
@@ -111,14 +110,6 @@ def test_what_is_near_at_the_beginning_may_be_left_but_not_pressed(check):
     near = at(0.5, OPEN_M / 2, 0.05 + 0.001 + ROBOT.arm.fingers.below)
     assert touch(check, near, near.at(z=0.10)) is None
     assert touch(check, near, near.at(z=0.04)).solid == "the block"
-
-
-def test_a_lying_wire_is_an_obstacle(check):
-    nodes = np.array([[0.45, -0.1, 0.02], [0.5, 0.0, 0.03], [0.55, 0.1, 0.02]])
-    wire = Obstacles(wire_solids("wire 'W9'", nodes, 0.002))
-    assert touch(check, at(0.5, 0.0, 0.10), at(0.5, 0.0, 0.045), wire) is None
-    found = touch(check, at(0.5, OPEN_M / 2, 0.10), at(0.5, OPEN_M / 2, 0.02), wire)
-    assert found.solid == "wire 'W9'"
 
 
 def test_a_panels_obstacles_stand_where_they_were_located_else_as_drawn():

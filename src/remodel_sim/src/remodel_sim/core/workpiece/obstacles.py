@@ -6,7 +6,6 @@ import math
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, replace
 from functools import cached_property
-from itertools import pairwise
 
 import numpy as np
 
@@ -84,19 +83,6 @@ def _panel_solids(panel: Panel, seen: Mapping[str, Pose]) -> Iterator[Solid]:
 def component_name(component_id: str) -> str:
     """Return the name of a component's solid."""
     return f"component {component_id!r}"
-
-
-def wire_solids(name: str, nodes: Array, radius: float) -> tuple[Solid, ...]:
-    """Return a lying wire of some radius [m] along nodes, (n, 3) [m], world frame."""
-    solids = []
-    for start, end in pairwise(nodes):
-        x, y, z = (end - start).tolist()
-        level = math.hypot(x, y)
-        size = (math.hypot(level, z) + 2 * radius, 2 * radius, 2 * radius)
-        middle = tuple(((start + end) / 2).tolist())
-        turn = (0.0, -math.atan2(z, level), math.atan2(y, x))
-        solids.append(Solid(name, Box(middle, size, FIXTURE_RGB, rpy=turn)))
-    return tuple(solids)
 
 
 def _placed(box: Box, place: Pose) -> Box:
