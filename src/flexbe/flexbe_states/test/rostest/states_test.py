@@ -70,6 +70,9 @@ class StatesTest(unittest.TestCase):
         rospy.Subscriber("flexbe/log", BehaviorLog, cls.logs.append)
         # The first log makes the publisher; those before it is connected are lost.
         assert wait_until(lambda: Run(LogState("is it connected?")).end() and cls.logs)
+        # Others may be on their way: all have arrived when the last one has.
+        Run(LogState("connected")).end()
+        assert wait_until(lambda: cls.logs[-1].text == "connected")
 
     def setUp(self):
         self.set_time(100.0)
