@@ -108,12 +108,12 @@ class WrongEngineTest(unittest.TestCase):
 
     def test_the_command_has_an_exit_code_and_a_table(self):
         self.engine.faults[topics.SYNC] = lambda message, engine: []
-        words = "--json --limit 3 --only sync --only repeat"
+        words = "--json --limit 10 --only sync --only repeat"
         done = subprocess.run(
             ["rosrun", "flexbe_testing", "engine_conformance", *words.split()],
             capture_output=True,
             text=True,
-            timeout=60,
+            timeout=120,
         )
         self.assertEqual(done.returncode, 1, done.stderr)
         found = {row["scenario"]: row["verdict"] for row in json.loads(done.stdout)}
