@@ -40,7 +40,9 @@ def test_an_eplan_like_list_in_windows_encoding_with_decimal_commas():
         ("W4", "=A1+C1-X1:7", "+M1:U", "BN", 0.75, 12.0),
     ]
     assert [(cable.name, cable.source) for cable in imported.order.cables] == [("W7", "line 5")]
-    assert imported.account.assumptions[:3] == (
+    assert imported.account.assumptions[:5] == (
+        "column 'Cross-section' states no unit: mm2 taken",
+        "column 'Length' states no unit: m taken",
         "the file is no UTF-8: read as cp1252",
         "line 4: colour 'hellblau', BK taken",
         "line 4: name 101 occurs before, at line 2; named 101#2",
@@ -135,6 +137,7 @@ def test_a_malformed_list_is_refused_with_the_line(text, said):
         ("format:", "form:", "line 2: the mapping: key form is not known"),
         ("columns:", "name2: x\n#", "key name2 is not known; allowed: format, name, columns"),
         ("section: awg", "section: mil", "line 5: unit of section: mil found; allowed: mm2, awg"),
+        ("encoding:", "synonyms: 1\nencoding:", "line 8: synonyms: 1 found; allowed: true, false"),
         ("section: awg", "length: ell", "line 5: unit of length: ell found; allowed: mm, cm"),
         ("section: awg", "weight: kg", "line 5: units: key weight is not known"),
         ("from: [Von, Start], ", "", "neither `from` nor `from_component` is given"),
@@ -179,3 +182,111 @@ def test_force_limits_that_cannot_be_are_refused_with_their_line():
     twice = LIMITED.format("7") + "K1:1;X1:3;9;"
     with pytest.raises(DesignError, match=r"line 4: force limit of K1:1: 9 N found, and 25\.5 N"):
         read(twice)
+
+
+# Headings, their separator, and the cells of section, colour and length of the same wire.
+LAYOUTS = {
+    "device and pin": (
+        "Wire,From Device,From Pin,To Device,To Pin,Gauge,Color,Length (mm)",
+        ("18", "blue", "350"),
+    ),
+    "connectors A and B": (
+        "WireNo;Connector A;Cavity A;Connector B;Cavity B;AWG;Colour;Cut Length [m]",
+        ("18", "BU", "0,35"),
+    ),
+    "headings twice": (
+        "Wire ID,From Connector,Pin,To Connector,Pin,Size (AWG),Insulation Color,Length/cm",
+        ("18", "Blue", "35"),
+    ),
+    "source and destination": (
+        "Wire Name\tSource Designator\tSource Contact\tDestination Designator\t"
+        "Destination Contact\tCross Section mm2\tWire Color\tWire Length in mm",
+        ("0.823", "blue", "350"),
+    ),
+    "snake case": (
+        "wire_id,from_component,from_pin,to_component,to_pin,gauge_awg,wire_colour,length_mm",
+        ("18", "blue", "350"),
+    ),
+    "end 1 and end 2": (
+        "Circuit;End 1 Component;End 1 Terminal;End 2 Component;End 2 Terminal;Wire mm²;Colour;"
+        "Length",
+        ("0,823", "blue", "350"),
+    ),
+    "German, von und nach": (
+        "Leitungsnummer;Von Gerät;Von Klemme;Nach Gerät;Nach Klemme;Querschnitt [mm²];Farbe;"
+        "Länge [mm]",
+        ("0,823", "blau", "350"),
+    ),
+    "German, compounds": (
+        "Draht;Quellgerät;Quellpin;Zielgerät;Zielpin;Aderquerschnitt mm2;Aderfarbe;Drahtlänge (m)",
+        ("0,823", "bl", "0,35"),
+    ),
+    "French, de and à": (
+        "Repère du fil;De connecteur;De broche;À connecteur;À broche;Section (mm²);Couleur;"
+        "Longueur (mm)",
+        ("0,823", "bleu", "350"),
+    ),
+    "French, départ and arrivée": (
+        "N° fil;Appareil départ;Borne départ;Appareil arrivée;Borne arrivée;Section du fil mm2;"
+        "Couleur du fil;Longueur en m",
+        ("0,823", "bleu", "0,35"),
+    ),
+    "Italian": (
+        "Numero filo;Da dispositivo;Da morsetto;A dispositivo;A morsetto;Sezione (mm²);Colore;"
+        "Lunghezza (cm)",
+        ("0,823", "blu", "35"),
+    ),
+    "Spanish": (
+        "Hilo;Componente origen;Borne origen;Componente destino;Borne destino;Sección (mm2);Color;"
+        "Longitud (m)",
+        ("0,823", "azul", "0,35"),
+    ),
+}
+
+
+@pytest.mark.parametrize("layout", LAYOUTS)
+def test_headings_in_five_languages_lose_no_column(layout):
+    headings, quantities = LAYOUTS[layout]
+    separator = next(sign for sign in "\t;," if sign in headings)
+    cells = ("W7", "K1", "A1", "X2", "3", *quantities)
+    imported = read(f"{headings}{separator}Remark\n{separator.join(cells)}{separator}spare\n")
+    assert rows(imported) == [("W7", "K1:A1", "X2:3", "BU", 0.823, 0.35)]
+    (unused,) = imported.account.unused_columns
+    assert str(unused).startswith("column 'Remark': left out, its heading is not known")
+
+
+def test_a_column_that_is_not_used_is_named_with_what_it_may_be():
+    imported = read("From,To,Lenght (mm),Torque,Color,Colour\nK1:1,X1:2,35,0.6,blue,red\n")
+    assert [str(column) for column in imported.account.unused_columns] == [
+        "column 'Lenght (mm)': left out, its heading is not known; similar: length",
+        "column 'Torque': left out, its heading is not known",
+        "column 'Color': left out, another column is read as colour",
+    ]
+    assert imported.order.notes[-3:] == tuple(map(str, imported.account.unused_columns))
+
+
+def test_a_mapping_of_ones_own_names_what_it_does_not_list():
+    text = "Start\tNach\tKlemme\tLength\nK/1/A1\tX1\t7\t350\n"
+    (column,) = read(text.encode("cp1252"), mapping_from(MINE)).account.unused_columns
+    assert str(column) == "column 'Length': left out, the mapping does not list its heading"
+
+
+@pytest.mark.parametrize(
+    ("heading", "cell", "section_mm2", "length_m", "unit"),
+    [
+        ("Gauge", "18", 0.823, None, "awg"),
+        ("Gauge", "0.75", 0.75, None, "mm2"),
+        ("Querschnitt", "22", 0.326, None, "awg"),
+        ("Querschnitt", "2,5", 2.5, None, "mm2"),
+        ("Leitungslänge", "350", 2.5, 0.35, "mm"),
+        ("Connection length", "350", 2.5, 0.35, "mm"),
+        ("Connection length", "3.5", 2.5, 3.5, "m"),
+    ],
+)
+def test_the_numbers_of_a_column_choose_its_unit_where_its_heading_does_not(
+    heading, cell, section_mm2, length_m, unit
+):
+    imported = read(f"Source;Target;{heading}\nK1:1;X1:2;{cell}\n")
+    (wire,) = imported.order.wires
+    assert (wire.section_mm2, wire.length_m) == (section_mm2, length_m)
+    assert f"column {heading!r} states no unit: {unit} taken" in imported.account.assumptions

@@ -107,6 +107,8 @@ def _report(imported: Imported, *, verbose: bool) -> None:
         print(f"    {account.joined} are merged into {account.wires_joined} wires")
     for reason, count in Counter(item.reason for item in account.left_out).most_common():
         print(f"    {count} left out: {reason}")
+    for column in account.unused_columns:
+        print(f"  {column}")
     if inside < len(order.wires):
         print(f"  {inside} wires lie in the cabinet, {len(order.wires) - inside} leave it")
     hint = "" if verbose else " (--verbose lists them)"

@@ -9,11 +9,21 @@ from dataclasses import dataclass, replace
 
 from remodel_production.core.catalogue import Catalogue
 from remodel_production.core.imports.shared.account import Account, Imported, LeftOut
-from remodel_production.core.imports.shared.assembly import Connection, Device, assemble
+from remodel_production.core.imports.shared.assembly import (
+    Connection,
+    Device,
+    assemble,
+    unique_name,
+)
 from remodel_production.core.imports.shared.assumptions import Assumptions
 from remodel_production.core.imports.shared.text_encoding import decode
 from remodel_production.core.imports.shared.units import length_m, number
-from remodel_production.core.imports.wire_list_mapping import Field, WireListMapping
+from remodel_production.core.imports.wire_list_headings import (
+    fields_of,
+    similar_heading,
+    unit_in,
+)
+from remodel_production.core.imports.wire_list_mapping import ENDS, Field, WireListMapping
 from remodel_production.core.production import Cable, Order, Pose, TerminalRef
 from remodel_production.errors import DesignError
 
@@ -22,6 +32,10 @@ _SEPARATORS = (";", "\t", ",", "|")
 _HEADINGS_WITHIN = 30
 _MOST_ROWS = 50_000
 _MOST_LENGTH = 50_000  # characters of a cell
+_GAUGES = frozenset(map(str, range(41)))
+# Gauges that are no sections of IEC 60228 [mm^2].
+_ONLY_GAUGES = frozenset(map(str, range(12, 31))) - {"16", "25"}
+_USUAL_LENGTH_M = (0.02, 50.0)  # shortest and longest wire of most cabinets and harnesses
 
 
 @dataclass(frozen=True)
@@ -35,14 +49,28 @@ class _Table:
     """The rows under the headings.
 
     Attributes:
+        headings: of which the second "Pin" is "Pin#2".
         columns: number of each field's column.
-        width: number of headings.
+        listed: how many of them the mapping lists.
     """
 
     mapping: WireListMapping
+    headings: tuple[str, ...]
     columns: dict[Field, int]
-    width: int
+    listed: int
     rows: tuple[_Row, ...]
+
+    def cells(self, field: Field) -> list[str]:
+        """Return the contents of a field's column."""
+        column = self.columns.get(field)
+        if column is None:
+            return []
+        return [row.cells[column] for row in self.rows if column < len(row.cells)]
+
+    def unit(self, field: Field) -> str:
+        """Return the unit that the heading of a field's column states; empty if none."""
+        column = self.columns.get(field)
+        return "" if column is None else unit_in(self.headings[column], field)
 
 
 def import_wire_list(
@@ -59,8 +87,8 @@ def import_wire_list(
         name: of the order to make.
         source: name of the file, for the record.
         catalogue: of what the list leaves unsaid.
-        mappings: of which the one is taken whose columns the list has; of several the one with
-            most columns.
+        mappings: of which the one is taken with which most columns of the list are found; of
+            several the one that lists most of them.
 
     Raises:
         DesignError: if no mapping fits, or a line cannot be read.
@@ -84,7 +112,7 @@ def fits(data: bytes, mappings: Sequence[WireListMapping]) -> bool:
 
 def _table(data: bytes, mappings: Sequence[WireListMapping]) -> tuple[_Table, str]:
     """Return the list by the mapping that fits best, and the encoding if it was assumed."""
-    best: tuple[int, _Table, str] | None = None
+    best: tuple[tuple[int, int], _Table, str] | None = None
     headings = ""
     for mapping in mappings:
         text, assumed = decode(data, mapping.encoding)
@@ -92,8 +120,11 @@ def _table(data: bytes, mappings: Sequence[WireListMapping]) -> tuple[_Table, st
         separators = (mapping.separator,) if mapping.separator else _SEPARATORS
         for separator in separators:
             table = _table_of(text, mapping, separator)
-            if table is not None and (best is None or len(table.columns) > best[0]):
-                best = len(table.columns), table, assumed
+            if table is None:
+                continue
+            fit = len(table.columns), table.listed
+            if best is None or fit > best[0]:
+                best = fit, table, assumed
     if best is None:
         wanted = "; ".join(
             f"{mapping.name}: "
@@ -111,13 +142,30 @@ def _table_of(text: str, mapping: WireListMapping, separator: str) -> _Table | N
     """Return the rows under the first line that has the mapping's headings."""
     lines = text.splitlines(keepends=True)
     for skipped, line in enumerate(lines[:_HEADINGS_WITHIN]):
-        headings = next(csv.reader([line], delimiter=separator), [])
-        columns = mapping.found_in(headings)
-        if columns is not None:
+        headings = _numbered(next(csv.reader([line], delimiter=separator), []))
+        listed = mapping.found_in(headings)
+        columns = _with_synonyms(listed, headings) if mapping.has_synonyms else listed
+        if all(whole in columns or component in columns for whole, component in ENDS):
             body = "".join(lines[skipped + 1 :])
             rows = tuple(_rows(body, separator, skipped + 1))
-            return _Table(mapping, columns, len(headings), rows)
+            return _Table(mapping, tuple(headings), columns, listed=len(listed), rows=rows)
     return None
+
+
+def _numbered(headings: Sequence[str]) -> list[str]:
+    """Return headings without repeats: the second "Pin" becomes "Pin#2"."""
+    numbered: list[str] = []
+    for heading in (each.strip() for each in headings):
+        numbered.append(unique_name(heading, numbered) if heading else "")
+    return numbered
+
+
+def _with_synonyms(listed: dict[Field, int], headings: Sequence[str]) -> dict[Field, int]:
+    """Return the columns that a mapping lists, and those that the words of others name."""
+    plain = [heading.rpartition("#")[0] or heading for heading in headings]
+    taken = set(listed.values())
+    usual = fields_of(plain)
+    return {**{field: i for field, i in usual.items() if i not in taken}, **listed}
 
 
 def _rows(text: str, separator: str, lines_before: int) -> Iterator[_Row]:
@@ -149,6 +197,8 @@ class _Reader:
         self._placed_at: dict[str, int] = {}
         self._cables: dict[str, Cable] = {}
         self._seen: dict[tuple[str, TerminalRef, TerminalRef], int] = {}
+        self._section_unit = self._unit_of_sections()
+        self._length_unit = self._unit_of_lengths()
 
     def read(self, name: str, source: str) -> Imported:
         connections = [c for row in self._table.rows if (c := self._connection(row)) is not None]
@@ -163,6 +213,7 @@ class _Reader:
             len(self._table.rows),
             (*self.assumptions.lines, *assembly.assumptions),
             tuple(self._left_out),
+            unused_columns=tuple(self._unused_columns()),
         )
         order = Order(
             name,
@@ -178,10 +229,11 @@ class _Reader:
     def _connection(self, row: _Row) -> Connection | None:
         """Return the wire of a line, or None if it is left out."""
         source = f"line {row.line}"
-        if len(row.cells) > self._table.width and any(row.cells[self._table.width :]):
+        width = len(self._table.headings)
+        if len(row.cells) > width and any(row.cells[width:]):
             raise DesignError(
-                f"{source}: {len(row.cells)} cells found; there are {self._table.width} headings: "
-                "quote cells that contain the separator"
+                f"{source}: {len(row.cells)} cells found; there are {width} headings: quote cells "
+                "that contain the separator"
             )
         a = self._end(row, Field.FROM, Field.FROM_COMPONENT, Field.FROM_TERMINAL)
         b = self._end(row, Field.TO, Field.TO_COMPONENT, Field.TO_TERMINAL)
@@ -214,6 +266,58 @@ class _Reader:
             core=self._cell(row, Field.CORE),
         )
 
+    def _unused_columns(self) -> Iterator[LeftOut]:
+        table = self._table
+        used = set(table.columns.values())
+        names = {column: field.value for field, column in fields_of(table.headings).items()}
+        for column, heading in enumerate(table.headings):
+            if column in used or not (heading or any(row.cells[column:][:1] for row in table.rows)):
+                continue
+            yield LeftOut(f"column {heading!r}", self._reason(heading, names.get(column, "")))
+
+    def _reason(self, heading: str, field: str) -> str:
+        """Return why a column is not used, and what would use it."""
+        if not self._table.mapping.has_synonyms:
+            return "the mapping does not list its heading"
+        similar = similar_heading(heading)
+        meaning = f"another column is read as {field}" if field else "its heading is not known"
+        return meaning + (f"; similar: {similar}" if similar else "")
+
+    def _unit_of_sections(self) -> str:
+        """Return the unit of sections without one."""
+        table = self._table
+        stated = table.unit(Field.SECTION)
+        if stated or Field.SECTION not in table.columns or not table.mapping.has_synonyms:
+            return stated or table.mapping.section_unit
+        bare = [text for text in table.cells(Field.SECTION) if number(text) is not None]
+        unit = table.mapping.section_unit
+        heading = table.headings[table.columns[Field.SECTION]]
+        are_gauges = bool(_ONLY_GAUGES & set(bare)) or "gauge" in heading.lower()
+        if unit == "mm2" and set(bare) <= _GAUGES and are_gauges:
+            unit = "awg"
+        elif unit == "awg" and not set(bare) <= _GAUGES:
+            unit = "mm2"
+        if bare:
+            self.assumptions.add(f"column {heading!r} states no unit: {unit} taken")
+        return unit
+
+    def _unit_of_lengths(self) -> str:
+        """Return the unit of lengths without one."""
+        table = self._table
+        stated = table.unit(Field.LENGTH)
+        if stated or Field.LENGTH not in table.columns or not table.mapping.has_synonyms:
+            return stated or table.mapping.length_unit
+        bare = sorted(v for text in table.cells(Field.LENGTH) if (v := number(text)))
+        if not bare:
+            return table.mapping.length_unit
+        least, most = _USUAL_LENGTH_M
+        units = (table.mapping.length_unit, "mm", "m")
+        middle_m = {unit: length_m(f"{bare[len(bare) // 2]:f}", unit) or 0.0 for unit in units}
+        unit = next((unit for unit in units if least <= middle_m[unit] <= most), units[0])
+        heading = table.headings[table.columns[Field.LENGTH]]
+        self.assumptions.add(f"column {heading!r} states no unit: {unit} taken")
+        return unit
+
     def _cell(self, row: _Row, field: Field) -> str:
         column = self._table.columns.get(field)
         return row.cells[column] if column is not None and column < len(row.cells) else ""
@@ -223,7 +327,9 @@ class _Reader:
     ) -> TerminalRef | None:
         name, clamp = self._cell(row, component), self._cell(row, terminal)
         text = self._cell(row, whole)
-        if not name and text:
+        if not name and clamp:
+            name = text.removesuffix(f"{self._table.mapping.terminal_separator}{clamp}")
+        elif not name and text:
             head, separator, tail = text.rpartition(self._table.mapping.terminal_separator)
             name, clamp = (head, tail) if separator and head else (text, clamp)
         name, clamp = name.strip(), clamp.strip()
@@ -240,8 +346,8 @@ class _Reader:
         known = self._devices.setdefault(end.component, Device(end.component))
         if not any(place):
             return
-        unit = self._table.mapping.position_unit
-        x_m, y_m = (_position(text, unit) for text in place)
+        units = (self._table.unit(field) or self._table.mapping.position_unit for field in (x, y))
+        x_m, y_m = map(_position, place, units)
         if x_m is None or y_m is None:
             raise DesignError(
                 f"line {row.line}: place of {end.component}: {place} found; two lengths are needed"
@@ -278,11 +384,11 @@ class _Reader:
 
     def _section(self, row: _Row, source: str) -> float:
         text = self._cell(row, Field.SECTION)
-        return self.assumptions.section(text, source, self._table.mapping.section_unit)
+        return self.assumptions.section(text, source, self._section_unit)
 
     def _length(self, row: _Row, source: str) -> float | None:
         text = self._cell(row, Field.LENGTH)
-        length = length_m(text, self._table.mapping.length_unit) if text else None
+        length = length_m(text, self._length_unit) if text else None
         if text and length is None and number(text) != 0.0:
             self.assumptions.add(f"{source}: length {text!r} not understood, none taken")
         return length

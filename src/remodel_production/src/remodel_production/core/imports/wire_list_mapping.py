@@ -14,6 +14,7 @@ units: {section: mm2, length: mm, position: mm}       # of numbers without one
 terminal_separator: ":"     # the last one in a cell separates component and terminal
 separator: ";"              # of cells; if it is not given, the one that fits the headings
 encoding: cp1252            # if it is not given: by the file's mark, else UTF-8
+synonyms: true              # further columns are found by headings in usual words of five languages
 colours: {hellblau: BU}     # names besides those of the catalogue
 """
 
@@ -53,11 +54,11 @@ class Field(Enum):
     TO_FORCE_LIMIT = "to_force_limit"
 
 
-_ENDS = (
-    (Field.FROM, Field.FROM_COMPONENT, Field.FROM_TERMINAL),
-    (Field.TO, Field.TO_COMPONENT, Field.TO_TERMINAL),
+ENDS = ((Field.FROM, Field.FROM_COMPONENT), (Field.TO, Field.TO_COMPONENT))
+_KEYS = (
+    *("format", "name", "columns", "units", "terminal_separator", "separator", "encoding"),
+    "synonyms",
 )
-_KEYS = ("format", "name", "columns", "units", "terminal_separator", "separator", "encoding")
 _SECTION_UNITS = ("mm2", "awg")
 
 
@@ -73,6 +74,7 @@ class WireListMapping:
         separator: of cells; empty if it is to be found.
         encoding: of the file; empty if it is to be found.
         colours: codes by names in lower case.
+        has_synonyms: whether a column that it does not list may be found by the usual words.
     """
 
     name: str
@@ -84,18 +86,21 @@ class WireListMapping:
     separator: str = ""
     encoding: str = ""
     colours: Mapping[str, str] | None = None
+    has_synonyms: bool = False
 
-    def found_in(self, headings: list[str]) -> dict[Field, int] | None:
-        """Return the number of each field's column, or None if an end of the wires has none."""
+    def found_in(self, headings: list[str]) -> dict[Field, int]:
+        """Return the number of each listed field's column.
+
+        Args:
+            headings: of which the second "Pin" is "Pin#2".
+        """
         lower = [heading.strip().lower() for heading in headings]
-        found = {
+        return {
             column: lower.index(name)
             for column, names in self.columns.items()
             for name in names[::-1]
             if name in lower
         }
-        has_ends = all(whole in found or component in found for whole, component, _ in _ENDS)
-        return found if has_ends else None
 
 
 def mapping_from(text: str) -> WireListMapping:
@@ -124,6 +129,7 @@ def mapping_from(text: str) -> WireListMapping:
         separator=_text(root, "separator", "").replace("tab", "\t"),
         encoding=_text(root, "encoding", ""),
         colours={name.lower(): code.text.upper() for name, code in colours.items()},
+        has_synonyms=_flag(root, "synonyms"),
     )
 
 
@@ -136,7 +142,7 @@ def _columns(value: Value) -> dict[Field, tuple[str, ...]]:
         if not names or not all(name.is_scalar and name.text.strip() for name in names):
             raise DesignError(f"{heading.where}: column {key}: give a heading, or a list of them")
         found[Field(key)] = tuple(name.text.strip().lower() for name in names)
-    for whole, component, _ in _ENDS:
+    for whole, component in ENDS:
         if whole not in found and component not in found:
             raise DesignError(
                 f"{value.where}: columns: neither `{whole.value}` nor `{component.value}` is "
@@ -160,6 +166,17 @@ def _text(entries: dict[str, Value], key: str, default: str) -> str:
     if not entries[key].is_scalar or not entries[key].text:
         raise DesignError(f"{entries[key].where}: {key}: a text is needed")
     return entries[key].text
+
+
+def _flag(entries: dict[str, Value], key: str) -> bool:
+    if key not in entries:
+        return False
+    value = entries[key].data
+    if not isinstance(value, bool):
+        raise DesignError(
+            f"{entries[key].where}: {key}: {entries[key].shown} found; allowed: true, false"
+        )
+    return value
 
 
 def _refuse_unknown(

@@ -32,6 +32,7 @@ class Account:
         assumptions: one line for each thing that the file does not say.
         left_out: the other connections.
         ignored: what is no connection, and is not in the order.
+        unused_columns: of a list, that the order has nothing of.
     """
 
     unit: str
@@ -41,11 +42,13 @@ class Account:
     ignored: tuple[LeftOut, ...] = ()
     joined: int = 0
     wires_joined: int = 0
+    unused_columns: tuple[LeftOut, ...] = ()
 
     @property
     def notes(self) -> tuple[str, ...]:
         """Assumptions and what was left out, a line each."""
-        return (*self.assumptions, *map(str, self.left_out), *map(str, self.ignored))
+        omitted = (*self.left_out, *self.ignored, *self.unused_columns)
+        return (*self.assumptions, *map(str, omitted))
 
 
 @dataclass(frozen=True)

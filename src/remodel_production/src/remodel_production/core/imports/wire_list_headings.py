@@ -1,0 +1,245 @@
+"""What the headings of a wire list mean, by the words that people use for them.
+
+A heading is split into words, German compounds into their parts ("Zielklemme": ziel, klemme). Words
+for one end and words for a component or a terminal together name a field ("From Pin", "Borne
+départ"); so do words for a colour, a section or a length alone ("Aderfarbe", "Longueur du fil").
+A heading with a word that is not listed has no meaning: better a column that the account names
+than one misread.
+"""
+
+from __future__ import annotations
+
+import re
+import unicodedata
+from collections.abc import Mapping, Sequence
+from difflib import get_close_matches
+from enum import Enum, auto
+from functools import cache
+
+from remodel_production.core.imports.wire_list_mapping import Field
+
+
+class _Kind(Enum):
+    """What a word of a heading stands for."""
+
+    FROM = auto()
+    TO = auto()
+    COMPONENT = auto()
+    TERMINAL = auto()
+    WIRE = auto()
+    COLOUR = auto()
+    SECTION = auto()
+    LENGTH = auto()
+    CABLE = auto()
+    CORE = auto()
+    FILLER = auto()
+
+
+# English; German; French; Italian; Spanish. Without accents.
+_WORDS: Mapping[_Kind, str] = {
+    _Kind.FROM: "from source start origin begin first; von quelle quell anfang herkunft; depart "
+    "depuis origine; partenza sorgente provenienza; origen desde inicio",
+    _Kind.TO: "to target destination dest second; nach ziel; vers arrivee destination; verso "
+    "destinazione arrivo; destino hacia hasta",
+    _Kind.COMPONENT: "component device connector designator equipment refdes ref plug item unit "
+    "housing; gerat geraet bauteil betriebsmittel bmk stecker komponente; composant appareil "
+    "connecteur equipement; componente dispositivo connettore apparecchio; conector equipo aparato",
+    _Kind.TERMINAL: "terminal term pin cavity contact position pos slot; klemme kammer anschluss "
+    "kontakt pol; borne broche alveole voie; morsetto cavita contatto polo; contacto cavidad "
+    "terminale",
+    _Kind.WIRE: "wire wires lead circuit connection; draht leitung leitungs litze verbindung "
+    "verbindungs; fil conducteur liaison repere; filo conduttore collegamento; hilo conductor",
+    _Kind.COLOUR: "colour color col clr; farbe; couleur; colore",
+    _Kind.SECTION: "section gauge size crosssection csa xsection; querschnitt; jauge calibre; "
+    "sezione; seccion calibre galga",
+    _Kind.LENGTH: "length len; lange laenge; longueur; lunghezza; longitud largo",
+    _Kind.CABLE: "cable; kabel; cavo",
+    _Kind.CORE: "core; ader; brin; anima",
+    _Kind.FILLER: "no nr num number id name tag code label mark the of in cross insulation cut; "
+    "nummer name bezeichnung kennzeichen in isolations zuschnitt des der; numero nom n du des le "
+    "la l en coupe repere; numero nome sigla del di in taglio; numero nombre codigo del el "
+    "en corte",
+}
+# Prepositions mean an end only beside nothing but a component or a terminal: "De borne", not
+# "Section de fil". The letter is an end's name where another heading has a B.
+_FROM_PREPOSITIONS = frozenset({"de", "da", "dal", "dalla"})
+_TO_PREPOSITIONS = frozenset({"a", "al", "alla", "au"})
+_ENDINGS = frozenset({"end", "ende", "fin", "fine"})
+_SIDES = frozenset({"side", "seite", "cote", "lato", "lado"})
+_FILLERS = _FROM_PREPOSITIONS | _TO_PREPOSITIONS | _ENDINGS | _SIDES
+_FIRST, _SECOND = frozenset({"1"}), frozenset({"2", "b"})
+
+_KINDS = {
+    word: kind for kind, words in _WORDS.items() for word in words.replace(";", " ").split()
+} | dict.fromkeys(_FILLERS, _Kind.FILLER)
+_FIELDS = {
+    (_Kind.FROM, None): Field.FROM,
+    (_Kind.FROM, _Kind.COMPONENT): Field.FROM_COMPONENT,
+    (_Kind.FROM, _Kind.TERMINAL): Field.FROM_TERMINAL,
+    (_Kind.TO, None): Field.TO,
+    (_Kind.TO, _Kind.COMPONENT): Field.TO_COMPONENT,
+    (_Kind.TO, _Kind.TERMINAL): Field.TO_TERMINAL,
+}
+_QUANTITIES = {
+    _Kind.COLOUR: Field.COLOUR,
+    _Kind.SECTION: Field.SECTION,
+    _Kind.LENGTH: Field.LENGTH,
+}
+# The innermost of several comes first: a "cable core" is a core.
+_THINGS = {_Kind.CORE: Field.CORE, _Kind.WIRE: Field.WIRE, _Kind.CABLE: Field.CABLE}
+_PARTS = (_Kind.TERMINAL, _Kind.COMPONENT)  # a "connector pin" is a pin
+
+_SECTION_UNITS = {
+    **dict.fromkeys(("mm²", "mm2", "mm^2", "qmm", "sqmm", "mmq"), "mm2"),
+    "awg": "awg",
+}
+_LENGTH_UNITS = {
+    **{unit: unit for unit in ("mm", "cm", "dm", "m", "in", "ft")},
+    **{"inch": "in", "inches": "in", "zoll": "in", '"': "in", "feet": "ft"},
+}
+_UNITS = {**_SECTION_UNITS, **_LENGTH_UNITS}
+_UNIT = re.compile(
+    r"(?:^|[\s_,/(\[<-])\s*("
+    + "|".join(sorted(map(re.escape, _UNITS), key=len, reverse=True))
+    + r")\s*[)\]>]?$",
+    re.IGNORECASE,
+)
+_LEAST_PART = 3  # letters of a word in a compound
+_SIMILAR = 0.8
+_LENGTH_FIELDS = (Field.LENGTH, Field.FROM_X, Field.FROM_Y, Field.TO_X, Field.TO_Y)
+
+
+def unit_in(heading: str, field: Field) -> str:
+    """Return the unit that a field's heading states, such as mm of "Length (mm)"; empty if none."""
+    match = _UNIT.search(heading.strip())
+    unit = match[1].lower() if match else ""
+    if field is Field.SECTION:
+        return _SECTION_UNITS.get(unit, "")
+    return _LENGTH_UNITS.get(unit, "") if field in _LENGTH_FIELDS else ""
+
+
+def fields_of(headings: Sequence[str]) -> dict[Field, int]:
+    """Return the number of each field's column, as far as the words of the headings name them.
+
+    A component or a terminal without an end belongs to the end of the heading before it, or, of two
+    such headings, the first to the one and the second to the other end. Of several columns that
+    mean the same the first is taken; a mere "No" or "Name" is a wire's if nothing else is.
+    """
+    words = [_words(_without_unit(heading)) for heading in headings]
+    has_b = any("b" in each for each in words)
+    readings = [_reading(each, has_b=has_b) for each in words]
+    found: dict[Field, int] = {}
+    end: _Kind | None = None
+    undirected = [i for i, (side, part) in enumerate(readings) if not side and part in _PARTS]
+    for column, (side, part) in enumerate(readings):
+        end = side or end
+        field = _unit_field(headings[column], words[column])
+        if field is None and side is None and part in _PARTS:
+            alike = [i for i in undirected if readings[i][1] is part]
+            if len(alike) == 2:
+                before = (_Kind.FROM, _Kind.TO)[alike.index(column)]
+                field = _FIELDS[end or before, part]
+        elif field is None and side is not None:
+            field = _FIELDS.get((side, part))
+        elif field is None and part is not None:
+            field = {**_QUANTITIES, **_THINGS}.get(part)
+        if field is not None:
+            found.setdefault(field, column)
+    fillers = (i for i, each in enumerate(words) if each and _kinds(each) == {_Kind.FILLER})
+    name = next((i for i in fillers if len(words[i]) == 1 and i not in found.values()), None)
+    if Field.WIRE not in found and name is not None:
+        found[Field.WIRE] = name
+    return found
+
+
+def similar_heading(heading: str) -> str:
+    """Return what a heading that is not known may be misspelt for; empty if it is like nothing."""
+    words = _plain(_without_unit(heading)).split()
+    nearer = []
+    for word in words:
+        near = [word] if _kinds([word]) else get_close_matches(word, _KINDS, 1, _SIMILAR)
+        if not near:
+            return ""
+        nearer.append(near[0])
+    return " ".join(nearer) if nearer != words else ""
+
+
+def _unit_field(heading: str, words: Sequence[str]) -> Field | None:
+    """Return the section if a heading names little but its unit, such as "AWG" or "Wire mm²"."""
+    match = _UNIT.search(heading.strip())
+    if match is None or match[1].lower() not in _SECTION_UNITS:
+        return None
+    kinds = _kinds(words)
+    return Field.SECTION if kinds is not None and kinds <= {_Kind.FILLER, *_THINGS} else None
+
+
+def _reading(words: Sequence[str], *, has_b: bool) -> tuple[_Kind | None, _Kind | None]:
+    """Return which end a heading is about, and what of it; None for what it does not say."""
+    number = {*words} & {"1", "2", "a", "b"}
+    kinds = _kinds([word for word in words if word not in number])
+    if kinds is None:
+        return None, None
+    sides = kinds & {_Kind.FROM, _Kind.TO}
+    rest = kinds - sides - {_Kind.FILLER}
+    quantities = rest & _QUANTITIES.keys()
+    if quantities:
+        is_of_wire = len(quantities) == 1 and not sides and rest - quantities <= _THINGS.keys()
+        return None, quantities.pop() if is_of_wire and not number & {"1", "2", "b"} else None
+    part = next((kind for kind in _PARTS if kind in rest), None)
+    if not rest <= {*_PARTS}:
+        thing = next((kind for kind in _THINGS if kind in rest), None)
+        return None, thing if rest <= _THINGS.keys() and not sides else None
+    if len(sides) > 1:
+        return None, None
+    return (sides.pop() if sides else _weak_side(words, part, has_b=has_b)), part
+
+
+def _weak_side(words: Sequence[str], part: _Kind | None, *, has_b: bool) -> _Kind | None:
+    """Return the end that a number, a letter or a preposition names."""
+    given = {*words}
+    has_part = part is not None
+    if has_part and (given & _FIRST or (has_b and "a" in given)):
+        return _Kind.FROM
+    if has_part and given & _SECOND:
+        return _Kind.TO
+    only = len(words) == 1
+    if words and words[0] in _FROM_PREPOSITIONS and (has_part or only):
+        return _Kind.FROM
+    if words and words[0] in _TO_PREPOSITIONS and not has_b and (has_part or only):
+        return _Kind.TO
+    return _Kind.TO if given & _ENDINGS and (has_part or only) else None
+
+
+def _kinds(words: Sequence[str]) -> set[_Kind] | None:
+    """Return what words stand for, or None if one is not known."""
+    kinds = {_KINDS.get(word) for word in words}
+    return None if None in kinds else {kind for kind in kinds if kind is not None}
+
+
+def _without_unit(heading: str) -> str:
+    return _UNIT.sub("", heading.strip())
+
+
+def _words(text: str) -> list[str]:
+    return [part for word in _plain(text).split() for part in _parts(word)]
+
+
+def _plain(text: str) -> str:
+    """Return the words of a text in lower case, without accents and signs."""
+    text = re.sub(r"(?<=[a-z])(?=[A-Z])", " ", text)
+    text = unicodedata.normalize("NFKD", text.replace("°", " ").replace("#", " no ")).lower()
+    text = "".join(sign for sign in text if not unicodedata.combining(sign))
+    return " ".join(re.findall(r"[^\W\d_]+|\d+", text))
+
+
+@cache
+def _parts(word: str) -> tuple[str, ...]:
+    """Return the listed words that make up a compound; the word itself if there are none."""
+    if word in _KINDS:
+        return (word,)
+    for length in range(len(word) - _LEAST_PART, _LEAST_PART - 1, -1):
+        if word[:length] in _KINDS:
+            rest = _parts(word[length:])
+            if all(part in _KINDS for part in rest):
+                return (word[:length], *rest)
+    return (word,)
