@@ -290,3 +290,23 @@ def test_the_numbers_of_a_column_choose_its_unit_where_its_heading_does_not(
     (wire,) = imported.order.wires
     assert (wire.section_mm2, wire.length_m) == (section_mm2, length_m)
     assert f"column {heading!r} states no unit: {unit} taken" in imported.account.assumptions
+
+
+@pytest.mark.parametrize(
+    ("headings", "cells", "row"),
+    [
+        ("From Conn,From Cav,To Conn,To Cav,No,Name", "K1,2,X1,3,9,W4", ("W4", "K1:2", "X1:3")),
+        ("Connector,Pin,Connector,Pin,Name", "K1,2,X1,3,W4", ("W4", "K1:2", "X1:3")),
+        ("Pin #1,Plug #1,Pin #2,Plug #2,Nr.", "2,K1,3,X1,4", ("4", "K1:2", "X1:3")),
+        ("Von,Pin,Nach,Pin,Draht", "K1,2,X1,3,W4", ("W4", "K1:2", "X1:3")),
+        ("Da,A,Filo", "K1:2,X1:3,W4", ("W4", "K1:2", "X1:3")),
+    ],
+)
+def test_headings_that_mean_something_by_what_stands_beside_them(headings, cells, row):
+    imported = read(f"{headings}\n{cells}\n")
+    assert [found[:3] for found in rows(imported)] == [row]
+
+
+def test_misspelt_headings_are_refused_with_what_they_resemble():
+    with pytest.raises(DesignError, match="similar: 'Form Device' to 'from device'; give the"):
+        read("Form Device,To Device\nK1,X1\n")

@@ -13,7 +13,11 @@ from remodel_production.core.imports.shared.account import Imported
 from remodel_production.core.imports.shared.text_encoding import decode
 from remodel_production.core.imports.shared.xml_tree import local_name, parse_xml
 from remodel_production.core.imports.terminal_access import with_access
-from remodel_production.core.imports.wire_list import fits, import_wire_list
+from remodel_production.core.imports.wire_list import (
+    fits,
+    import_wire_list,
+    similar_headings,
+)
 from remodel_production.core.imports.wire_list_mapping import WireListMapping
 from remodel_production.core.imports.wireviz import import_wireviz
 from remodel_production.errors import DesignError
@@ -52,9 +56,11 @@ def format_of(data: bytes, mappings: Sequence[WireListMapping]) -> DesignFormat:
     if fits(data, mappings):
         return DesignFormat.WIRE_LIST
     first = next((line.strip() for line in text.splitlines() if line.strip()), "")
+    similar = similar_headings(first)
+    hint = f" (similar headings are known: {similar})" if similar else ""
     raise DesignError(
         f"line 1: {first[:80]!r} begins no format that is read: {_known()}; a CSV file with other "
-        "headings needs --mapping; --format forces a format"
+        f"headings needs --mapping{hint}; --format forces a format"
     )
 
 

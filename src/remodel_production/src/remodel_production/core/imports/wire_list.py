@@ -110,6 +110,13 @@ def fits(data: bytes, mappings: Sequence[WireListMapping]) -> bool:
     return True
 
 
+def similar_headings(line: str) -> str:
+    """Return which headings of a line may be misspelt, and for what; empty if none."""
+    separator = max(_SEPARATORS, key=line.count)
+    similar = {cell.strip(): similar_heading(cell) for cell in line.split(separator)}
+    return ", ".join(f"{cell!r} to {near!r}" for cell, near in similar.items() if near)
+
+
 def _table(data: bytes, mappings: Sequence[WireListMapping]) -> tuple[_Table, str]:
     """Return the list by the mapping that fits best, and the encoding if it was assumed."""
     best: tuple[tuple[int, int], _Table, str] | None = None
@@ -126,6 +133,7 @@ def _table(data: bytes, mappings: Sequence[WireListMapping]) -> tuple[_Table, st
             if best is None or fit > best[0]:
                 best = fit, table, assumed
     if best is None:
+        similar = similar_headings(headings)
         wanted = "; ".join(
             f"{mapping.name}: "
             + ", ".join("/".join(names) for names in mapping.columns.values()).lower()
@@ -133,7 +141,9 @@ def _table(data: bytes, mappings: Sequence[WireListMapping]) -> tuple[_Table, st
         )
         raise DesignError(
             f"no line of the first {_HEADINGS_WITHIN} has the headings of a wire list; found "
-            f"{headings[:120]!r}; known headings: {wanted}; give the columns with --mapping"
+            f"{headings[:120]!r}; known headings: {wanted}"
+            + (f"; similar: {similar}" if similar else "")
+            + "; give the columns with --mapping"
         )
     return best[1], best[2]
 
@@ -142,9 +152,10 @@ def _table_of(text: str, mapping: WireListMapping, separator: str) -> _Table | N
     """Return the rows under the first line that has the mapping's headings."""
     lines = text.splitlines(keepends=True)
     for skipped, line in enumerate(lines[:_HEADINGS_WITHIN]):
-        headings = _numbered(next(csv.reader([line], delimiter=separator), []))
+        plain = next(csv.reader([line], delimiter=separator), [])
+        headings = _numbered(plain)
         listed = mapping.found_in(headings)
-        columns = _with_synonyms(listed, headings) if mapping.has_synonyms else listed
+        columns = _with_synonyms(listed, plain) if mapping.has_synonyms else listed
         if all(whole in columns or component in columns for whole, component in ENDS):
             body = "".join(lines[skipped + 1 :])
             rows = tuple(_rows(body, separator, skipped + 1))
@@ -162,9 +173,8 @@ def _numbered(headings: Sequence[str]) -> list[str]:
 
 def _with_synonyms(listed: dict[Field, int], headings: Sequence[str]) -> dict[Field, int]:
     """Return the columns that a mapping lists, and those that the words of others name."""
-    plain = [heading.rpartition("#")[0] or heading for heading in headings]
     taken = set(listed.values())
-    usual = fields_of(plain)
+    usual = fields_of(headings)
     return {**{field: i for field, i in usual.items() if i not in taken}, **listed}
 
 
@@ -269,19 +279,20 @@ class _Reader:
     def _unused_columns(self) -> Iterator[LeftOut]:
         table = self._table
         used = set(table.columns.values())
-        names = {column: field.value for field, column in fields_of(table.headings).items()}
         for column, heading in enumerate(table.headings):
             if column in used or not (heading or any(row.cells[column:][:1] for row in table.rows)):
                 continue
-            yield LeftOut(f"column {heading!r}", self._reason(heading, names.get(column, "")))
+            yield LeftOut(f"column {heading!r}", self._reason(heading))
 
-    def _reason(self, heading: str, field: str) -> str:
+    def _reason(self, heading: str) -> str:
         """Return why a column is not used, and what would use it."""
         if not self._table.mapping.has_synonyms:
             return "the mapping does not list its heading"
         similar = similar_heading(heading)
-        meaning = f"another column is read as {field}" if field else "its heading is not known"
-        return meaning + (f"; similar: {similar}" if similar else "")
+        field = next(iter(fields_of([heading])), None)
+        if field is not None:
+            return f"another column is read as {field.value}"
+        return "its heading is not known" + (f"; similar: {similar}" if similar else "")
 
     def _unit_of_sections(self) -> str:
         """Return the unit of sections without one."""

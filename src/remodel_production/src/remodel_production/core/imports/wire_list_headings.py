@@ -37,16 +37,17 @@ class _Kind(Enum):
 
 # English; German; French; Italian; Spanish. Without accents.
 _WORDS: Mapping[_Kind, str] = {
-    _Kind.FROM: "from source start origin begin first; von quelle quell anfang herkunft; depart "
-    "depuis origine; partenza sorgente provenienza; origen desde inicio",
-    _Kind.TO: "to target destination dest second; nach ziel; vers arrivee destination; verso "
+    _Kind.FROM: "from source start origin begin first src; von quelle quell anfang herkunft; "
+    "depart depuis origine; partenza sorgente provenienza; origen desde inicio",
+    _Kind.TO: "to target destination dest dst second; nach ziel; vers arrivee destination; verso "
     "destinazione arrivo; destino hacia hasta",
     _Kind.COMPONENT: "component device connector designator equipment refdes ref plug item unit "
-    "housing; gerat geraet bauteil betriebsmittel bmk stecker komponente; composant appareil "
-    "connecteur equipement; componente dispositivo connettore apparecchio; conector equipo aparato",
-    _Kind.TERMINAL: "terminal term pin cavity contact position pos slot; klemme kammer anschluss "
-    "kontakt pol; borne broche alveole voie; morsetto cavita contatto polo; contacto cavidad "
-    "terminale",
+    "housing conn comp dev; gerat geraet bauteil betriebsmittel bmk stecker komponente; "
+    "composant appareil connecteur equipement; componente dispositivo connettore apparecchio; "
+    "conector equipo aparato",
+    _Kind.TERMINAL: "terminal term pin cavity contact position pos slot cav; klemme kammer "
+    "anschluss kontakt pol; borne broche alveole voie; morsetto cavita contatto polo "
+    "terminale; contacto cavidad",
     _Kind.WIRE: "wire wires lead circuit connection; draht leitung leitungs litze verbindung "
     "verbindungs; fil conducteur liaison repere; filo conduttore collegamento; hilo conductor",
     _Kind.COLOUR: "colour color col clr; farbe; couleur; colore",
@@ -64,7 +65,7 @@ _WORDS: Mapping[_Kind, str] = {
 # "Section de fil". The letter is an end's name where another heading has a B.
 _FROM_PREPOSITIONS = frozenset({"de", "da", "dal", "dalla"})
 _TO_PREPOSITIONS = frozenset({"a", "al", "alla", "au"})
-_ENDINGS = frozenset({"end", "ende", "fin", "fine"})
+_ENDINGS = frozenset({"end", "ende", "fin", "fine", "extremite"})
 _SIDES = frozenset({"side", "seite", "cote", "lato", "lado"})
 _FILLERS = _FROM_PREPOSITIONS | _TO_PREPOSITIONS | _ENDINGS | _SIDES
 _FIRST, _SECOND = frozenset({"1"}), frozenset({"2", "b"})
@@ -80,6 +81,13 @@ _FIELDS = {
     (_Kind.TO, _Kind.COMPONENT): Field.TO_COMPONENT,
     (_Kind.TO, _Kind.TERMINAL): Field.TO_TERMINAL,
 }
+# Where a component has a column of its own, a column of the whole end says something else.
+_COMPONENT_OF = {Field.FROM: Field.FROM_COMPONENT, Field.TO: Field.TO_COMPONENT}
+_NAMES = frozenset(
+    {"name", "id", "tag", "label", "bezeichnung", "kennzeichen", "nom", "repere", "nome", "sigla"}
+    | {"nombre"}
+)
+_NUMBERS = frozenset({"no", "nr", "num", "number", "nummer", "numero", "n", "codigo", "code"})
 _QUANTITIES = {
     _Kind.COLOUR: Field.COLOUR,
     _Kind.SECTION: Field.SECTION,
@@ -105,7 +113,7 @@ _UNIT = re.compile(
     re.IGNORECASE,
 )
 _LEAST_PART = 3  # letters of a word in a compound
-_SIMILAR = 0.8
+_SIMILAR = 0.75
 _LENGTH_FIELDS = (Field.LENGTH, Field.FROM_X, Field.FROM_Y, Field.TO_X, Field.TO_Y)
 
 
@@ -145,11 +153,11 @@ def fields_of(headings: Sequence[str]) -> dict[Field, int]:
             field = {**_QUANTITIES, **_THINGS}.get(part)
         if field is not None:
             found.setdefault(field, column)
-    fillers = (i for i, each in enumerate(words) if each and _kinds(each) == {_Kind.FILLER})
-    name = next((i for i in fillers if len(words[i]) == 1 and i not in found.values()), None)
+    names = [i for names in (_NAMES, _NUMBERS) for i, each in enumerate(words) if names >= {*each}]
+    name = next((i for i in names if words[i] and i not in found.values()), None)
     if Field.WIRE not in found and name is not None:
         found[Field.WIRE] = name
-    return found
+    return {f: i for f, i in found.items() if _COMPONENT_OF.get(f) not in found}
 
 
 def similar_heading(heading: str) -> str:
@@ -189,7 +197,7 @@ def _reading(words: Sequence[str], *, has_b: bool) -> tuple[_Kind | None, _Kind 
     if not rest <= {*_PARTS}:
         thing = next((kind for kind in _THINGS if kind in rest), None)
         return None, thing if rest <= _THINGS.keys() and not sides else None
-    if len(sides) > 1:
+    if len(sides) > 1 or (part is None and not _SIDES.isdisjoint(words)):
         return None, None
     return (sides.pop() if sides else _weak_side(words, part, has_b=has_b)), part
 
