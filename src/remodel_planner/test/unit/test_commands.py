@@ -47,6 +47,27 @@ def test_a_design_is_imported_once(database, capsys):
     assert "has an order house already: give another name" in capsys.readouterr().err
 
 
+def test_a_wire_that_no_robot_can_lay_is_by_hand_and_the_rest_is_planned(
+    tmp_path, database, capsys
+):
+    file, plan_file = tmp_path / "loom.csv", tmp_path / "plan.json"
+    file.write_text("From,To,Section mm2\nK1:1,X1:1,1\nK1:2,X1:2,35\nK1:3,X1:3,0.05\n")
+    place = ["--database", database, "--use-case", "automotive_formboard"]
+    said = []
+    for command, arguments in (
+        (import_design, [str(file), "--order", "loom"]),
+        (plan, ["--order", "loom", "--output", str(plan_file), "--time-limit", "0.1"]),
+        (tasks, ["--order", "loom"]),
+    ):
+        assert command.main([*arguments, *place]) == 0
+        said.append(capsys.readouterr().out)
+    for text in said:
+        assert "  tasks for the robot: 1, by hand: 2\n" in text
+        assert "    W2: by hand, section_mm2 is 35.0, and must be a number from 0.13" in text
+        assert "    W3: by hand, section_mm2 is 0.05, and must be a number from 0.13" in text
+    assert check.main([str(plan_file), "--order", "loom", *place]) == 0
+
+
 def test_preferences_come_with_the_order_and_must_fit_it(tmp_path, database, capsys):
     file = tmp_path / "preferences.yaml"
     preference = "{name: first, pick: W1, before: %s, weight: 2}"

@@ -12,6 +12,7 @@ from flexbe_synthesizer.core.chart.chart_writer import write_chart
 from flexbe_synthesizer.core.check.check import check_chart
 from flexbe_synthesizer.edge.package_path import find_packages, read_library
 from remodel_planning.core.decomposition.preparation import prepare
+from remodel_planning.core.decomposition.triage import triaged
 from remodel_planning.core.orders.board_order import board_order, kind_of
 from remodel_planning.core.problem.defects import require_sound
 from remodel_planning.core.task_charts.planned_tasks import planned_tasks
@@ -186,6 +187,38 @@ def test_what_cannot_be_an_order_is_refused():
     thick = order(("Q1:B1", "Q2:T1"), section_mm2=400.0)
     with pytest.raises(InstanceError, match=r"task W1: section_mm2 is 400\.0, and must be"):
         problem(thick)
+
+
+def test_a_task_that_no_robot_can_do_is_by_hand_and_the_rest_is_planned():
+    made = order(("Q1:B1", "Q2:T1"), ("Q1:B2", "Q2:T2"), ("Q1:B3", "Q2:T3"))
+    wires = [replace(w, section_mm2=s) for w, s in zip(made.wires, (1.5, 400.0, 2.5), strict=True)]
+    thick = work(replace(made, wires=tuple(wires)))
+    found = triaged(thick, CABINET)
+    assert [task.name for task in found.tasks] == ["W1", "W3"]
+    assert list(map(str, found.by_hand)) == [
+        "W2: by hand, section_mm2 is 400.0, and must be a number from 0.05 to 300 "
+        "(characteristics.task.section_mm2 of use case cabinet)"
+    ]
+    planned = plan_problem(prepare(found, CABINET).preferred.problem, time_limit_s=0.05)
+    assert planned.makespan > 0
+
+
+def test_a_task_that_no_method_does_is_by_hand_with_what_rules_out_each_method():
+    made = order(("Q1:B1", "Q2:T1"), ("Q1:B2", "Q2:T2"))
+    thick = replace(made, wires=(replace(made.wires[0], section_mm2=6.0), made.wires[1]))
+    thin = replace(CABINET, methods={**CABINET.methods, "pick": CABINET.methods["pick"][:2]})
+    found = triaged(work(thick, thin), thin)
+    assert [task.name for task in found.tasks] == ["W2"]
+    assert str(found.by_hand[0]).startswith(
+        "W1: by hand, no method of use case cabinet does it: pick thin: "
+    )
+
+
+def test_an_order_without_a_task_for_the_robot_is_refused_with_the_first_reason():
+    thick = work(order(("Q1:B1", "Q2:T1"), section_mm2=400.0))
+    with pytest.raises(InstanceError, match=r"all 1 are by hand, such as W1: by hand, section_mm2"):
+        triaged(thick, CABINET)
+    assert not triaged(work(order(("Q1:B1", "Q2:T1"))), CABINET).by_hand
 
 
 def test_the_default_use_case_follows_from_the_design_and_the_users_own_come_first(

@@ -9,7 +9,11 @@ from contextlib import closing
 from pathlib import Path
 
 from remodel_planner.commands.options.database_option import add_database_option
-from remodel_planner.commands.options.design_orders import add_design_options, design_order
+from remodel_planner.commands.options.design_orders import (
+    add_design_options,
+    design_order,
+    print_by_hand,
+)
 from remodel_planner.commands.options.entry import refuses
 from remodel_planning.core.decomposition.preparation import prepare
 from remodel_planning.edge.yaml_file import read_yaml
@@ -23,7 +27,7 @@ from remodel_production.edge.catalogue_file import read_catalogue
 from remodel_production.edge.database.production_database import ProductionDatabase
 from remodel_production.edge.design_files import read_design, read_mappings
 from remodel_production.edge.package_files import catalogue_file
-from remodel_production.errors import DesignError, blamed
+from remodel_production.errors import DesignError, PlannerError, blamed
 
 
 @refuses("import", 1)
@@ -62,6 +66,7 @@ def main(arguments: list[str] | None = None) -> int:
     with closing(ProductionDatabase(options.database)) as database:
         database.add_order(order, preferences, read_abilities())
     _report(imported, verbose=options.verbose)
+    _report_triage(order, options)
     return 0
 
 
@@ -88,6 +93,16 @@ def _preferences(options: argparse.Namespace, order: Order) -> object:
     work, use_case = design_order(order, options)
     prepare(work, use_case, [(str(file), document)])
     return document
+
+
+def _report_triage(order: Order, options: argparse.Namespace) -> None:
+    """Print which wires are by hand, or why nothing of the order can be planned."""
+    try:
+        work, _ = design_order(order, options)
+    except PlannerError as error:
+        print(f"  nothing to plan: {error}")
+    else:
+        print_by_hand(work)
 
 
 def _report(imported: Imported, *, verbose: bool) -> None:

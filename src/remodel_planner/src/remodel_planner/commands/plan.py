@@ -6,6 +6,7 @@ import argparse
 import time
 from pathlib import Path
 
+from remodel_planner.commands.options.design_orders import print_by_hand
 from remodel_planner.commands.options.entry import refuses
 from remodel_planner.commands.options.limits import seconds, seed
 from remodel_planner.commands.options.problem_files import add_problem_options, read_problem
@@ -43,7 +44,8 @@ def main(arguments: list[str] | None = None) -> int:
 
 
 def _plan(options: argparse.Namespace) -> None:
-    problem = read_problem(options).problem
+    files = read_problem(options)
+    problem = files.problem
     tables = tables_of(problem)
     kernel = Kernel()
     with stop_on_signals() as stopped:
@@ -59,6 +61,8 @@ def _plan(options: argparse.Namespace) -> None:
     print(f"{problem.name}: cost {best.cost} (makespan {best.makespan}, penalty {best.penalty})")
     print(f"first plan: cost {first.cost} after {first_ms:.1f} ms")
     print(f"search: {_ending(result, limits)}; plan: {options.output}")
+    if files.prepared is not None:
+        print_by_hand(files.prepared.order)
 
 
 def _ending(result: Result, limits: Limits) -> str:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import argparse
 
+from remodel_planner.commands.options.design_orders import print_by_hand
 from remodel_planner.commands.options.entry import refuses
 from remodel_planner.commands.options.problem_files import add_problem_options, read_order
 from remodel_planning.core.decomposition.outline import outline
@@ -24,4 +25,5 @@ def main(arguments: list[str] | None = None) -> int:
     prepared = read_order(options)
     for plan in prepared.plans:
         print("\n".join(outline(plan.alone)))
+    print_by_hand(prepared.order)
     return 0

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import argparse
 
+from remodel_planning.core.decomposition.triage import triaged
 from remodel_planning.core.orders.board_order import board_order, kind_of
 from remodel_planning.core.orders.work_order import WorkOrder
 from remodel_planning.core.use_case.model import UseCase
@@ -32,12 +33,20 @@ def add_design_options(parser: argparse.ArgumentParser) -> None:
 
 
 def design_order(stored: Order, options: argparse.Namespace) -> tuple[WorkOrder, UseCase]:
-    """Return the tasks of an imported order, and the use case by which they are done.
+    """Return the robot's tasks of an imported order, and the use case by which they are done.
 
     Raises:
-        PlannerError: if the use case takes no designs, or nothing of the order is to be placed.
+        PlannerError: if the use case takes no designs, or no task of the order is for the robot.
     """
     board = board_of(stored, read_catalogue(catalogue_file()))
     asked = options.use_case
     use_case = find_use_case(asked) if asked else default_use_case(kind_of(board))
-    return board_order(board, use_case, options.arms), use_case
+    return triaged(board_order(board, use_case, options.arms), use_case), use_case
+
+
+def print_by_hand(order: WorkOrder) -> None:
+    """Print how many tasks are for the robot, and each that is by hand, if there is one."""
+    if order.by_hand:
+        print(f"  tasks for the robot: {len(order.tasks)}, by hand: {len(order.by_hand)}")
+    for task in order.by_hand:
+        print(f"    {task}")

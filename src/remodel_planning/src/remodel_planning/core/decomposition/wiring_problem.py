@@ -13,7 +13,7 @@ from dataclasses import dataclass, replace
 from remodel_planning.core.condition import Value
 from remodel_planning.core.decomposition.decomposed import Decomposition, Limits
 from remodel_planning.core.decomposition.decomposition import Decomposer
-from remodel_planning.core.orders.work_order import WorkOrder
+from remodel_planning.core.orders.work_order import Task, WorkOrder
 from remodel_planning.core.problem.problem import (
     Durations,
     End,
@@ -53,20 +53,26 @@ def decompose_order(
     """
     _require_characteristics(order, use_case)
     decomposer = decomposer_of(order, use_case, expectations)
-    plans = []
-    for task in order.tasks:
-        first = End.A if task.first is None else task.first
-        alone = decomposer.decompose(task, first, limits)
-        handed = None
-        if task.meeting_mm is not None:
-            if Macro.HAND_OVER.value not in use_case.methods:
-                raise InstanceError(
-                    f"task {task.name}: has a meeting point, and use case {use_case.name} has no "
-                    "method for hand_over"
-                )
-            handed = decomposer.decompose(task, first, limits, hands_over=True)
-        plans.append(TaskPlan(alone, handed))
-    return tuple(plans)
+    return tuple(decompose_task(task, decomposer, limits) for task in order.tasks)
+
+
+def decompose_task(task: Task, decomposer: Decomposer, limits: Limits | None = None) -> TaskPlan:
+    """Return the decompositions of a task.
+
+    Raises:
+        InstanceError: if no method does it, or none hands it over where it must be.
+    """
+    use_case = decomposer.use_case
+    first = End.A if task.first is None else task.first
+    alone = decomposer.decompose(task, first, limits)
+    if task.meeting_mm is None:
+        return TaskPlan(alone, None)
+    if Macro.HAND_OVER.value not in use_case.methods:
+        raise InstanceError(
+            f"task {task.name}: has a meeting point, and use case {use_case.name} has no method "
+            "for hand_over"
+        )
+    return TaskPlan(alone, decomposer.decompose(task, first, limits, hands_over=True))
 
 
 def decomposer_of(

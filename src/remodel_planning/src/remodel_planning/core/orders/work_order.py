@@ -144,12 +144,25 @@ class Access:
 
 
 @dataclass(frozen=True)
+class ByHand:
+    """A task that no robot does, and why."""
+
+    task: str
+    reason: str
+
+    def __str__(self) -> str:
+        """Return the line for a person."""
+        return f"{self.task}: by hand, {self.reason}"
+
+
+@dataclass(frozen=True)
 class WorkOrder:
     """Tasks, and where they are to be done.
 
     Attributes:
         components: their characteristics, by name.
         access: to terminals, by name.
+        by_hand: what the design has besides the tasks.
     """
 
     name: str
@@ -161,6 +174,7 @@ class WorkOrder:
     unders: tuple[Under, ...] = ()
     soft_constraints: tuple[SoftConstraint, ...] = ()
     access: dict[str, Access] = field(default_factory=dict)
+    by_hand: tuple[ByHand, ...] = ()
 
 
 def is_order(data: object) -> bool:

@@ -7,6 +7,7 @@ from dataclasses import dataclass, field, replace
 
 from remodel_msgs.msg import Panel
 
+from remodel_planning.core.decomposition.triage import triaged
 from remodel_planning.core.orders.board_order import board_order
 from remodel_planning.core.orders.cell_order import USE_CASE, cell_order
 from remodel_planning.core.orders.work_order import WorkOrder
@@ -120,4 +121,5 @@ def _in_cell(
             "(designs: {tasks: wires}), or plan it with `planner plan`"
         )
     panel = board_message(panel_of(board, catalogue), order)
-    return replace(order, tasks=order.tasks[: tasks or None]), panel, {}
+    first = replace(order, tasks=order.tasks[: tasks or None])
+    return triaged(first, use_case), panel, {}
