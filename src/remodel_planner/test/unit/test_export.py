@@ -100,12 +100,15 @@ def test_the_command_writes_all_files(tmp_path, capsys):
     instance.write_text(json.dumps(random_panel(5, 1, 1)))
     assert plan_command.main([str(instance), "--output", str(plan), "--time-limit=0"]) == 0
     capsys.readouterr()
-    options = ["--format", "pddl", "--output", str(tmp_path)]
+    folder = tmp_path / "out" / "pddl"
+    options = ["--format", "pddl", "--output", str(folder)]
     assert export_command.main([str(instance), str(plan), *options]) == 0
     printed = capsys.readouterr().out.split()
-    assert printed == [str(tmp_path / name) for name in ("domain.pddl", "problem.pddl", "plan.txt")]
-    cost = (tmp_path / "plan.txt").read_text().splitlines()[-1]
+    assert printed == [str(folder / name) for name in ("domain.pddl", "problem.pddl", "plan.txt")]
+    cost = (folder / "plan.txt").read_text().splitlines()[-1]
     assert cost.startswith("; cost = ")
+    assert export_command.main([str(instance), *options[:2], "--output", str(plan)]) == 3
+    assert f"{plan}: cannot be made a folder: File exists" in capsys.readouterr().err
     document = json.loads(plan.read_text())
     document["actions"].pop()
     plan.write_text(json.dumps(document))

@@ -8,6 +8,7 @@ from remodel_pddl.core.symbolic import HEAVY_ONLY, LIGHT_BEGUN, NOTHING, Ground,
 
 DOMAIN = "remodel-wiring"
 
+# Action costs may have static functions; Fast Downward refuses domains with :numeric-fluents.
 REQUIREMENTS = (
     ":strips :typing :equality :negative-preconditions :disjunctive-preconditions "
     ":universal-preconditions :action-costs"

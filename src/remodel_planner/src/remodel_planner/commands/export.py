@@ -19,6 +19,7 @@ from remodel_planning.core.problem.instance import problem_data
 from remodel_planning.core.problem.plan_form import plan_data
 from remodel_planning.core.problem.problem import Plan, Problem
 from remodel_production.edge.text_file import write_text
+from remodel_production.errors import InstanceError
 
 _SYMBOLIC = {"pddl": pddl, "hddl": hddl}
 _NUMERIC = "planbench"
@@ -39,7 +40,12 @@ def main(arguments: list[str] | None = None) -> int:
     add_problem_options(parser)
     parser.add_argument("plan", type=Path, nargs="?", help="plan of that problem")
     parser.add_argument("--format", choices=[*sorted(_SYMBOLIC), _NUMERIC], required=True)
-    parser.add_argument("--output", type=Path, default=Path(), help="folder (default: this one)")
+    parser.add_argument(
+        "--output",
+        type=Path,
+        default=Path(),
+        help="folder, made if it is missing (default: this one)",
+    )
     options = parser.parse_args(arguments)
     if options.order is not None and options.plan is None:
         # Beside --order the one file is the plan; argparse takes it for the first one wanted.
@@ -55,10 +61,18 @@ def main(arguments: list[str] | None = None) -> int:
         if options.format == _NUMERIC
         else _symbolic(problem, plan, options.format, verdict.cost if verdict else 0)
     )
+    _make_folder(options.output)
     for name, text in texts.items():
         write_text(options.output / name, text)
         print(options.output / name)
     return 0
+
+
+def _make_folder(folder: Path) -> None:
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        raise InstanceError(f"{folder}: cannot be made a folder: {error.strerror}") from error
 
 
 def _symbolic(problem: Problem, plan: Plan | None, name: str, cost: int) -> dict[str, str]:
