@@ -92,6 +92,8 @@ def test_a_list_with_headings_of_its_own_needs_its_mapping(tmp_path, database, c
     assert "a CSV file with other headings needs --mapping" in refused_import(
         file, database, capsys
     )
+    assert import_design.main([str(file), "--database", database, "--print-mapping"]) == 0
+    assert '  # not used: "Hier"\n' in capsys.readouterr().out
     mapping.write_text("format: remodel-wire-list-1\ncolumns: {from: Hier, to: Da}\n")
     arguments = [str(file), "--order", "mine", "--database", database, "--mapping", str(mapping)]
     assert import_design.main(arguments) == 1

@@ -5,7 +5,7 @@ from pathlib import Path
 
 import pytest
 
-from remodel_production.core.imports.wire_list import import_wire_list
+from remodel_production.core.imports.wire_list import import_wire_list, mapping_draft
 from remodel_production.core.imports.wire_list_mapping import mapping_from
 from remodel_production.edge.catalogue_file import read_catalogue
 from remodel_production.errors import DesignError
@@ -310,3 +310,27 @@ def test_headings_that_mean_something_by_what_stands_beside_them(headings, cells
 def test_misspelt_headings_are_refused_with_what_they_resemble():
     with pytest.raises(DesignError, match="similar: 'Form Device' to 'from device'; give the"):
         read("Form Device,To Device\nK1,X1\n")
+
+
+@pytest.mark.parametrize("layout", LAYOUTS)
+def test_the_mapping_that_is_drafted_reads_the_list_as_it_was_read(layout):
+    headings, quantities = LAYOUTS[layout]
+    separator = next(sign for sign in "\t;," if sign in headings)
+    cells = ("W7", "K1", "A1", "X2", "3", *quantities)
+    text = f"{headings}{separator}Remark\n{separator.join(cells)}{separator}spare\n"
+    draft = mapping_draft(text.encode(), CATALOGUE, MAPPINGS)
+    assert '  # not used: "Remark"\n' in draft
+    assert rows(read(text, mapping_from(draft))) == rows(read(text))
+
+
+def test_the_mapping_of_a_list_that_is_not_understood_is_drafted_as_far_as_it_goes():
+    draft = mapping_draft(
+        "Cut list\nAb;Nach;Länge [cm]\nK1:1;X1:2;7\n".encode(), CATALOGUE, MAPPINGS
+    )
+    assert '  to: "Nach"\n' in draft
+    assert "  # missing: from, or from_component\n" in draft
+    assert '  # not used: "Ab"\n' in draft
+    assert "units: {section: mm2, length: cm, position: mm}\n" in draft
+    assert 'separator: ";"\n' in draft
+    with pytest.raises(DesignError, match="no line of it has cells"):
+        mapping_draft(b"dear colleague\n", CATALOGUE, MAPPINGS)

@@ -21,6 +21,7 @@ from remodel_production.core.board.cabinet import laid_out
 from remodel_production.core.catalogue import Catalogue
 from remodel_production.core.imports.formats import DesignFormat, format_of, import_design
 from remodel_production.core.imports.shared.account import Imported
+from remodel_production.core.imports.wire_list import mapping_draft
 from remodel_production.core.production import Order
 from remodel_production.edge.ability_files import read_abilities
 from remodel_production.edge.catalogue_file import read_catalogue
@@ -52,6 +53,12 @@ def main(arguments: list[str] | None = None) -> int:
         "--mapping", type=Path, metavar="FILE", help="YAML of what the columns of a CSV file mean"
     )
     parser.add_argument(
+        "--print-mapping",
+        action="store_true",
+        help="print the mapping by which a CSV file is read, to correct it for --mapping; import "
+        "nothing",
+    )
+    parser.add_argument(
         "--preferences", type=Path, metavar="FILE", help="YAML of what a user prefers and requires"
     )
     parser.add_argument("--verbose", action="store_true", help="list every assumption and omission")
@@ -60,6 +67,11 @@ def main(arguments: list[str] | None = None) -> int:
     options = parser.parse_args(arguments)
     name = options.order or re.sub(r"\W+", "_", options.file.stem)
     catalogue = read_catalogue(catalogue_file())
+    if options.print_mapping:
+        data, mappings = read_design(options.file), read_mappings(options.mapping)
+        with blamed(options.file):
+            print(mapping_draft(data, catalogue, mappings), end="")
+        return 0
     imported = _read(options, name, catalogue)
     order = laid_out(imported.order, catalogue)
     preferences = _preferences(options, order)

@@ -60,7 +60,8 @@ def format_of(data: bytes, mappings: Sequence[WireListMapping]) -> DesignFormat:
     hint = f" (similar headings are known: {similar})" if similar else ""
     raise DesignError(
         f"line 1: {first[:80]!r} begins no format that is read: {_known()}; a CSV file with other "
-        f"headings needs --mapping{hint}; --format forces a format"
+        f"headings needs --mapping{hint}, and --print-mapping prints one to correct; "
+        "--format forces a format"
     )
 
 

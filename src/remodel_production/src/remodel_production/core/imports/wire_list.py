@@ -23,7 +23,12 @@ from remodel_production.core.imports.wire_list_headings import (
     similar_heading,
     unit_in,
 )
-from remodel_production.core.imports.wire_list_mapping import ENDS, Field, WireListMapping
+from remodel_production.core.imports.wire_list_mapping import (
+    ENDS,
+    Field,
+    WireListMapping,
+    mapping_text,
+)
 from remodel_production.core.production import Cable, Order, Pose, TerminalRef
 from remodel_production.errors import DesignError
 
@@ -59,6 +64,7 @@ class _Table:
     columns: dict[Field, int]
     listed: int
     rows: tuple[_Row, ...]
+    separator: str
 
     def cells(self, field: Field) -> list[str]:
         """Return the contents of a field's column."""
@@ -117,6 +123,43 @@ def similar_headings(line: str) -> str:
     return ", ".join(f"{cell!r} to {near!r}" for cell, near in similar.items() if near)
 
 
+def mapping_draft(data: bytes, catalogue: Catalogue, mappings: Sequence[WireListMapping]) -> str:
+    """Return the mapping by which a list is read, or as much of one as its headings give.
+
+    Raises:
+        DesignError: if it is no text of lines with cells.
+    """
+    try:
+        table, _ = _table(data, mappings)
+    except DesignError:
+        table = _unread_table(data)
+    reader = _Reader(table, catalogue)
+    used = set(table.columns.values())
+    return mapping_text(
+        {field: table.headings[column] for field, column in table.columns.items()},
+        reader.units,
+        table.separator,
+        [heading for i, heading in enumerate(table.headings) if heading and i not in used],
+    )
+
+
+def _unread_table(data: bytes) -> _Table:
+    """Return the list of a file in which no headings of both ends are found."""
+    text, _ = decode(data)
+    lines = text.splitlines(keepends=True)[:_HEADINGS_WITHIN]
+    cells, number_of_line, separator = max(
+        ((line.count(sign), -i, sign) for i, line in enumerate(lines) for sign in _SEPARATORS),
+        default=(0, 0, ""),
+    )
+    if not cells:
+        raise DesignError("no line of it has cells: a CSV file with a line of headings is needed")
+    plain = next(csv.reader([lines[-number_of_line]], delimiter=separator))
+    mapping = WireListMapping("", {}, has_synonyms=True)
+    return _Table(
+        mapping, tuple(_numbered(plain)), fields_of(plain), listed=0, rows=(), separator=separator
+    )
+
+
 def _table(data: bytes, mappings: Sequence[WireListMapping]) -> tuple[_Table, str]:
     """Return the list by the mapping that fits best, and the encoding if it was assumed."""
     best: tuple[tuple[int, int], _Table, str] | None = None
@@ -143,7 +186,7 @@ def _table(data: bytes, mappings: Sequence[WireListMapping]) -> tuple[_Table, st
             f"no line of the first {_HEADINGS_WITHIN} has the headings of a wire list; found "
             f"{headings[:120]!r}; known headings: {wanted}"
             + (f"; similar: {similar}" if similar else "")
-            + "; give the columns with --mapping"
+            + "; give the columns with --mapping, which --print-mapping drafts"
         )
     return best[1], best[2]
 
@@ -159,7 +202,14 @@ def _table_of(text: str, mapping: WireListMapping, separator: str) -> _Table | N
         if all(whole in columns or component in columns for whole, component in ENDS):
             body = "".join(lines[skipped + 1 :])
             rows = tuple(_rows(body, separator, skipped + 1))
-            return _Table(mapping, tuple(headings), columns, listed=len(listed), rows=rows)
+            return _Table(
+                mapping,
+                tuple(headings),
+                columns,
+                listed=len(listed),
+                rows=rows,
+                separator=separator,
+            )
     return None
 
 
@@ -275,6 +325,17 @@ class _Reader:
             cable=self._cable(row, source),
             core=self._cell(row, Field.CORE),
         )
+
+    @property
+    def units(self) -> dict[str, str]:
+        """The units of numbers without one."""
+        places = (Field.FROM_X, Field.FROM_Y, Field.TO_X, Field.TO_Y)
+        stated = next((unit for field in places if (unit := self._table.unit(field))), "")
+        return {
+            "section": self._section_unit,
+            "length": self._length_unit,
+            "position": stated or self._table.mapping.position_unit,
+        }
 
     def _unused_columns(self) -> Iterator[LeftOut]:
         table = self._table

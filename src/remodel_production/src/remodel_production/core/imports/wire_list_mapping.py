@@ -20,7 +20,8 @@ colours: {hellblau: BU}     # names besides those of the catalogue
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+import json
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from enum import Enum
 
@@ -131,6 +132,34 @@ def mapping_from(text: str) -> WireListMapping:
         colours={name.lower(): code.text.upper() for name, code in colours.items()},
         has_synonyms=_flag(root, "synonyms"),
     )
+
+
+def mapping_text(
+    columns: Mapping[Field, str], units: Mapping[str, str], separator: str, unused: Sequence[str]
+) -> str:
+    """Return a mapping to correct.
+
+    Args:
+        columns: heading of each field's column.
+        units: of section, length and position.
+        separator: of cells.
+        unused: headings of the other columns, which a comment lists.
+    """
+    lines = [f"format: {FORMAT}", "columns:"]
+    lines += [f"  {field.value}: {_quoted(heading)}" for field, heading in columns.items()]
+    for whole, component in ENDS:
+        if whole not in columns and component not in columns:
+            lines.append(f"  # missing: {whole.value}, or {component.value}")
+    fields = ", ".join(field.value for field in Field if field not in columns)
+    lines += [f"  # not used: {_quoted(heading)}" for heading in unused]
+    lines.append(f"  # columns without a heading yet: {fields}")
+    lines.append("units: {" + ", ".join(f"{key}: {unit}" for key, unit in units.items()) + "}")
+    lines.append(f"separator: {_quoted('tab' if separator == chr(9) else separator)}")
+    return "\n".join(lines) + "\n"
+
+
+def _quoted(text: str) -> str:
+    return json.dumps(text, ensure_ascii=False)
 
 
 def _columns(value: Value) -> dict[Field, tuple[str, ...]]:
