@@ -1,7 +1,8 @@
 """The force limit of a push holds, for what the wrist feels in every step of the physics.
 
-Every test of this folder that runs a cell checks it for each push and pull, see conftest.py; here
-are those with the highest stakes: an opening that is blocked, and the lowest and highest limits.
+Every test of this folder that runs a cell checks each push and pull for a coarse excess, see
+conftest.py; here are those with the highest stakes: an opening that is blocked, and the lowest and
+highest limits.
 """
 
 import pytest

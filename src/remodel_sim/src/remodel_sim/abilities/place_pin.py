@@ -45,7 +45,7 @@ from remodel_sim.core.errors import AbilityError
 from remodel_sim.core.geometry import Array, Pose, wrap_angle
 from remodel_sim.core.goals.pin_goal import PlacePinGoal, pin_row
 from remodel_sim.core.robot.arm import ToolPose
-from remodel_sim.core.robot.force_control import ForceControl
+from remodel_sim.core.robot.force_control import WIRE_STIFFNESS, ForceControl
 from remodel_sim.core.robot.motion import MAX_TURN_RATE, PEAK_OVER_MEAN
 from remodel_sim.core.vision.drawing import ORANGE, Drawing
 from remodel_sim.core.vision.wire_ends import trace_from
@@ -208,7 +208,8 @@ def _draw(hand: Hand) -> Steps[None]:
     """Draw an end out along the row until the wire pulls back."""
     context, out = hand.context, hand.pin.rotation[:, 0]
     yield from wait(context, STILL_S)
-    motion = ForceMotion(context, out, ForceControl(TAUT_N), context.force)
+    # Both arms pull at the wire, which is as if it were twice as stiff.
+    motion = ForceMotion(context, out, ForceControl(TAUT_N, 2 * WIRE_STIFFNESS), context.force)
     while not motion.met_limit and motion.travel < DRAW_M:
         yield from motion.advance(DRAW_SPEED)
     motion.stop()
