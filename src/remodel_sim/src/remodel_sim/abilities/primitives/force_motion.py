@@ -81,7 +81,7 @@ class ForceMotion:
         self._context.drive(self._start.moved(self._along, self.travel))
 
     def _step(self, wrist_force: Array, time_step: float) -> Array:
-        """Return the joints' angles of the next step (7,) [rad], see `Robot.drive_by`."""
+        """Return the joints of the next step, (joints,), see `Robot.drive_by`."""
         felt = float((wrist_force - self._free) @ self._along)
         force = felt - self._hand_mass * self._acceleration
         self.peak = max(self.peak, force)

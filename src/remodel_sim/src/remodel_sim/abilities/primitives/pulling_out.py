@@ -41,11 +41,12 @@ def pull_out(context: RobotContext, socket: Pose, most_n: float) -> Steps[float]
     while motion.travel < length:
         yield from motion.advance(PULL_SPEED)
         if motion.met_limit:
+            stuck_at = motion.force  # before the hand goes back and the wire relaxes
             context.drive(start)
             yield from wait(context, RELAX_S)
             raise AbilityError(
                 Code.EXTRACTION_STUCK,
-                f"it does not come out at {motion.force:.0f} N",
+                f"it does not come out at {stuck_at:.0f} N",
                 peak_force=motion.peak,
             )
     motion.stop()
