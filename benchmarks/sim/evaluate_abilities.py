@@ -3,12 +3,13 @@
 """Measure how often the abilities succeed, or refuse rightly, over seeds, and how long it takes.
 
 evaluate_abilities.py [FILE] [--seeds 0-99] [--trials NAME ...] [--panel PANEL] [--formboard PANEL]
-[--connectors PANEL] [--jobs N]; the workspace must be sourced. A seed gives a wire its curvature
-and the cameras their noise; wires of the panel take turns; the trial "route" has the formboard
-instead, those named "connector" have that of the connectors. Each trial that
-goes wrong is printed with its seed and code as it ends, and `--seeds SEED --trials NAME` runs it
-again with the same outcome. FILE (out/bench/abilities.jsonl) gets a line of JSON for each trial,
-then for each figure. Exits with 1 when a target is missed.
+[--connectors PANEL] [--rate HZ] [--jobs N]; the workspace must be sourced. A seed gives a wire its
+curvature and the cameras their noise; wires of the panel take turns; the trial "route" has the
+formboard instead, those named "connector" have that of the connectors. Every push and pull of a
+trial is recorded, and compared with its force limit. Each trial that goes wrong is printed with its
+seed and code as it ends, and `--seeds SEED --trials NAME` runs it again with the same outcome. FILE
+(out/bench/abilities.jsonl) gets a line of JSON for each trial, then for each figure. Exits with 1
+when a target is missed.
 """
 
 from __future__ import annotations
@@ -23,6 +24,10 @@ from dataclasses import asdict
 from pathlib import Path
 
 import numpy as np
+
+# The record of forces is that of the unit tests.
+sys.path.insert(0, str(Path(__file__).parents[2] / "src" / "remodel_sim" / "test" / "unit"))
+
 from row import Row, head, report
 from trials import TRIALS, Outcome, Trial, run
 
@@ -36,6 +41,8 @@ SHARES = {
     "pick": ("pick", 98.0),
     "offset": ("6 mm beside the opening: INSERTION_MISALIGNED", 98.0),
     "blocked": ("blocked socket: INSERTION_JAMMED", 98.0),
+    "push": ("pushed with 4 to 25 N: seated", 98.0),
+    "push_blocked": ("blocked, pushed with 4 to 25 N: INSERTION_JAMMED", 98.0),
     "other_component": ("wrong socket, of another component: INVALID_GOAL", 98.0),
     "neighbour": ("wrong socket, the one beside it: INVALID_GOAL", 98.0),
     "occupied": ("wrong socket, occupied: TERMINAL_OCCUPIED", 98.0),
@@ -94,6 +101,7 @@ def rows(outcomes: Outcomes) -> Iterator[Row]:
             yield from _wire_rows(done)
         if name == "connections":
             yield from _connection_rows(done)
+    yield from _force_rows([o for done in outcomes.values() for o in done])
     located = [o for name, done in outcomes.items() if name.startswith("locate") for o in done]
     for figure, (median, p90) in ERRORS.items():
         errors = [o.figures[figure] for o in located if figure in o.figures]
@@ -135,6 +143,17 @@ def _connection_rows(done: Sequence[Outcome]) -> Iterator[Row]:
     yield Row(f"CheckConnection: refused ({refused} of {asked})", 100 * refused / asked, "%")
 
 
+def _force_rows(done: Sequence[Outcome]) -> Iterator[Row]:
+    """Yield how many pushes and pulls kept to their force limit, in truth and as reported."""
+    pushes = np.array([push for outcome in done for push in outcome.pushes])
+    if not pushes.size:
+        return
+    limits, peaks, reported, allowed = pushes.T
+    yield _share("forces at the wrist within 1.15 limits + 0.5 N", list(peaks <= allowed), 99.0)
+    yield _share("the same, as the abilities report them", list(reported <= allowed), 99.0)
+    yield Row("largest force at the wrist over its limit", float(np.max(peaks / limits)), "")
+
+
 def _share(what: str, good: Sequence[bool], least: float | None) -> Row:
     return Row(f"{what} ({sum(good)} of {len(good)})", 100 * sum(good) / len(good), "%", least)
 
@@ -148,6 +167,7 @@ def main() -> int:
     parser.add_argument("--panel", type=Path, default=CONFIG / "panel.yaml")
     parser.add_argument("--formboard", type=Path, default=CONFIG / "formboard.yaml")
     parser.add_argument("--connectors", type=Path, default=CONFIG / "connectors.yaml")
+    parser.add_argument("--rate", type=float, default=240.0, help="of the physics [Hz]")
     parser.add_argument("--jobs", type=int, default=1, help="processes")
     options = parser.parse_args()
     options.file.parent.mkdir(parents=True, exist_ok=True)
@@ -159,7 +179,11 @@ def main() -> int:
             panels[name] = read_panel(options.formboard, materials)
         elif name.startswith("connector_") or name == "connector":
             panels[name] = read_panel(options.connectors, materials)
-    trials = [Trial(name, seed, panels[name]) for name in options.trials for seed in options.seeds]
+    trials = [
+        Trial(name, seed, panels[name], options.rate)
+        for name in options.trials
+        for seed in options.seeds
+    ]
     outcomes = run_all(trials, options.jobs, options.file)
     print(head())
     return 0 if report(rows(outcomes), options.file) else 1

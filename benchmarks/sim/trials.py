@@ -13,6 +13,7 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 import wire_task as task
+from force_record import recorded
 
 from remodel_sim.abilities.check_connection import check_connection
 from remodel_sim.abilities.primitives.grasping import release
@@ -42,6 +43,8 @@ PATH_Z_M = 0.050
 # blocked opening in this share of the trials.
 LEFT_ASIDE_M = (0.0, 0.003, -0.006)
 SHARE_BLOCKED = 0.5
+# Force limits of pushes, as many as are no multiple of the panel's wires [N].
+LIMITS_N = (4.0, 6.0, 8.0, 11.0, 14.0, 18.0, 25.0)
 
 
 @dataclass(frozen=True)
@@ -52,11 +55,14 @@ class Outcome:
         good: whether it went as it should: success, or the refusal that was right.
         found: the code met with its message, or "NONE"; several, divided by "; ".
         figures: what else was measured, by name.
+        pushes: of each push and pull under force control: the limit, the largest force at the
+            wrist, not filtered, the largest that the ability knows of, and what is allowed [N].
     """
 
     good: bool
     found: str
     figures: dict[str, float] = field(default_factory=dict)
+    pushes: tuple[tuple[float, float, float, float], ...] = ()
 
 
 @dataclass(frozen=True)
@@ -66,6 +72,7 @@ class Trial:
     name: str
     seed: int
     panel: Panel
+    rate_hz: float = 240.0
 
 
 def run(trial: Trial) -> Outcome:
@@ -74,7 +81,14 @@ def run(trial: Trial) -> Outcome:
     An error of an ability that the trial does not expect is a bad outcome; any other error is a
     mistake in the program, raised with the trial's name and seed.
     """
-    cell = Cell(trial.panel, seed=trial.seed)
+    with recorded() as records:
+        outcome = _run(trial)
+    pushes = tuple((r.limit, r.peak, r.motion.peak, r.allowed) for r in records)
+    return replace(outcome, pushes=pushes)
+
+
+def _run(trial: Trial) -> Outcome:
+    cell = Cell(trial.panel, seed=trial.seed, rate_hz=trial.rate_hz)
     wires = trial.panel.wires
     try:
         return TRIALS[trial.name](cell, wires[trial.seed % len(wires)])
@@ -161,6 +175,28 @@ def blocked(cell: Cell, wire: PanelWire) -> Outcome:
     cell.feed(wire.id, task.channel_of(cell, wire))
     socket = task.locate_again(cell, *terminal)
     return _refused(cell, wire, terminal, socket, Code.INSERTION_JAMMED)
+
+
+def push(cell: Cell, wire: PanelWire) -> Outcome:
+    """Insert end a with each of the limits in turn; good when it is seated, by the truth."""
+    found = _code_of(lambda: _push(cell, wire))
+    (truth,) = ground_truth(cell.plant, [wire.id])
+    return Outcome(truth.a.seated and found == Code.NONE.name, found)
+
+
+def push_blocked(cell: Cell, wire: PanelWire) -> Outcome:
+    """The same with a plug in the bore."""
+    cell.plant.block_socket(*wire.goes_to(WireEnd.A))
+    found = _code_of(lambda: _push(cell, wire))
+    return Outcome(_is(found, Code.INSERTION_JAMMED), found)
+
+
+def _push(cell: Cell, wire: PanelWire) -> None:
+    limit = LIMITS_N[cell.plant.seed % len(LIMITS_N)]
+    terminal = wire.goes_to(WireEnd.A)
+    cell.feed(wire.id, task.channel_of(cell, wire))
+    socket = cell.plant.world_from_socket(*terminal)
+    task.insert(cell, wire, WireEnd.A, terminal, socket, limit)
 
 
 def other_component(cell: Cell, wire: PanelWire) -> Outcome:
@@ -325,6 +361,8 @@ TRIALS: dict[str, Callable[[Cell, PanelWire], Outcome]] = {
     "pick": pick,
     "offset": offset,
     "blocked": blocked,
+    "push": push,
+    "push_blocked": push_blocked,
     "connector": connector,
     "connector_offset": connector_offset,
     "connector_blocked": connector_blocked,

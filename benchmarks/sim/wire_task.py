@@ -93,10 +93,15 @@ def route(cell: Cell, wire: PanelWire, path: tuple[Pose, ...]) -> None:
 
 
 def insert(
-    cell: Cell, wire: PanelWire, end: WireEnd, terminal: tuple[str, str], socket: Pose
+    cell: Cell,
+    wire: PanelWire,
+    end: WireEnd,
+    terminal: tuple[str, str],
+    socket: Pose,
+    force_limit: float = FORCE_LIMIT_N,
 ) -> None:
-    """Push an end into a terminal."""
-    goal = goals.InsertGoal(ROBOT, wire.id, end, *terminal, socket, FORCE_LIMIT_N)
+    """Push an end into a terminal, with at most so much force [N]."""
+    goal = goals.InsertGoal(ROBOT, wire.id, end, *terminal, socket, force_limit)
     do(cell, insert_cable, goal)
 
 

@@ -14,6 +14,8 @@ from remodel_sim.core.workpiece.panel import WireEnd
 from remodel_sim.physics.truth import ground_truth
 from remodel_states.core.codes import Code
 
+# Low in the channel: an end that is released high above the plate may stick to a finger.
+NEAR_PLATE = Pose.level(0.50, 0.14, 0.012, 1.5707963)
 # So low that the fingers reach down to where the feeder's fork stands.
 LOW = Pose.level(0.50, 0.11, 0.008, 1.5707963)
 
@@ -29,7 +31,7 @@ def hold_end_a_in_its_terminal(cell):
 
 def test_an_end_that_is_pushed_in_is_drawn_out_and_can_be_picked_again(cell):
     hold_end_a_in_its_terminal(cell)
-    lay_down(cell)
+    lay_down(cell, NEAR_PLATE)
     assert cell.context.belief.ends[WireEnd.A] is EndState.LOOSE
     (truth,) = ground_truth(cell.plant, ["W1"])
     assert truth.a.at == ""

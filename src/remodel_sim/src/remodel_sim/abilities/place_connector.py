@@ -93,7 +93,7 @@ def place_connector(context: RobotContext, goal: ConnectGoal) -> Steps[Connector
 def _check_latched(context: RobotContext, socket: Pose, push: Push, where: str) -> Steps[None]:
     """Pull; raises INSUFFICIENT_FORCE when the connector comes out again."""
     try:
-        yield from pull_test(context, socket, PULL_TEST_N, where)
+        yield from pull_test(context, socket, PULL_TEST_N, where, CONNECTOR.stiffness)
     except AbilityError as error:
         if error.code is not Code.PULLED_OUT:
             raise

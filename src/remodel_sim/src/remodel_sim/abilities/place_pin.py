@@ -15,6 +15,7 @@ import numpy as np
 from remodel_sim.abilities.ability import ability
 from remodel_sim.abilities.execution.robot_context import RobotContext, Steps
 from remodel_sim.abilities.primitives.concurrently import concurrently
+from remodel_sim.abilities.primitives.force_motion import ForceMotion
 from remodel_sim.abilities.primitives.grasping import (
     FLOOR_CLEARANCE_M,
     check_grip,
@@ -37,13 +38,14 @@ from remodel_sim.abilities.primitives.observing import (
     mark_end,
     observe_from_above,
 )
-from remodel_sim.abilities.primitives.pushing import BLIND_S, axial, tool_before
+from remodel_sim.abilities.primitives.pushing import tool_before
 from remodel_sim.core.belief.belief_state import Grip
 from remodel_sim.core.errors import AbilityError
 from remodel_sim.core.geometry import Array, Pose, wrap_angle
 from remodel_sim.core.goals.goal_pose import Message
 from remodel_sim.core.goals.pin_goal import PlacePinGoal, pin_row
 from remodel_sim.core.robot.arm import ToolPose
+from remodel_sim.core.robot.force_control import WIRE_STIFFNESS, ForceControl
 from remodel_sim.core.robot.motion import MAX_TURN_RATE, PEAK_OVER_MEAN
 from remodel_sim.core.vision.drawing import ORANGE, Drawing
 from remodel_sim.core.vision.wire_ends import trace_from
@@ -205,12 +207,11 @@ def _draw(hand: Hand) -> Steps[None]:
     """Draw an end out along the row until the wire pulls back."""
     context, out = hand.context, hand.pin.rotation[:, 0]
     yield from wait(context, STILL_S)
-    rest, start = context.force, context.commanded
-    for tick in range(1, math.ceil(DRAW_M / DRAW_SPEED / context.tick_s) + 1):
-        if tick * context.tick_s > BLIND_S and axial(context.force - rest, out) > TAUT_N:
-            break
-        context.drive(start.moved(out, tick * DRAW_SPEED * context.tick_s))
-        yield
+    # Both arms pull at the wire, which is as if it were twice as stiff.
+    motion = ForceMotion(context, out, ForceControl(TAUT_N, 2 * WIRE_STIFFNESS), context.force)
+    while not motion.met_limit and motion.travel < DRAW_M:
+        yield from motion.advance(DRAW_SPEED)
+    motion.stop()
     check_grip(context)
 
 

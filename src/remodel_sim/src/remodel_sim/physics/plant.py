@@ -39,7 +39,7 @@ from remodel_sim.physics.robot import Robot
 from remodel_sim.physics.static_body import add_static
 from remodel_sim.physics.wires.cable import SimulatedWire
 from remodel_sim.physics.wires.parked_wire import add_solid, draw_parked
-from remodel_sim.physics.world import World
+from remodel_sim.physics.world import CONTACT_DAMPING, CONTACT_STIFFNESS, World
 
 FILM_WIDTH_PX = 640
 # A piece of cable that was left behind, and how far above the plate it falls from.
@@ -401,7 +401,12 @@ class Plant:
         plug = Box((PLUG_FROM_M + length / 2, 0, 0), size, PLUG_RGB)
         first_bore = Pose.level(0.0, terminal.offsets[0], 0.0)
         pose = self.world_from_socket(component_id, terminal_id) @ first_bore
-        self._plugs[component_id, terminal_id] = add_static(self.world.bullet, [plug], pose)
+        body = add_static(self.world.bullet, [plug], pose)
+        # It yields like the housing; a rigid one would stop the hand's mass within a step.
+        self.world.bullet.changeDynamics(
+            body, -1, contactStiffness=CONTACT_STIFFNESS, contactDamping=CONTACT_DAMPING
+        )
+        self._plugs[component_id, terminal_id] = body
 
     def take_overhead_picture(self) -> Picture:
         """Take a colour and depth picture of the whole plate."""

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import tempfile
+from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
@@ -22,6 +23,9 @@ from remodel_sim.physics.world import CONTACT_DAMPING, CONTACT_STIFFNESS, World
 
 ARM_TORQUE = 200.0  # [N m] stiff servo: the arm follows to 0.05 mm
 ARM_GAIN = 0.3
+# A controller that steps with the physics commands where the arm is to be after one step: the
+# servo's lag of three steps would add as much to the force of a push as the ability's tick.
+STEP_GAIN = 1.0
 # The fingers close slowly and stop as soon as their motors feel the grip force; then they keep that
 # force by small, slow corrections of their position. Squeezing by a force-limited motor instead
 # loses the wire: the solver moves the light link between two heavy fingers too little per step.
@@ -42,6 +46,10 @@ PAD_SPINNING_FRICTION = 0.004
 COLLISION_GROUP = 4
 # First-order low pass of the wrist force [s]: a wrist sensor's bandwidth of 20 Hz.
 FORCE_TIME_CONSTANT = 0.008
+
+# Returns the joints, as `drive` takes them, for the next step, given the wrist force of the last
+# one, not filtered, world frame (3,) [N], and the time step [s].
+Controller = Callable[[Array, float], Array]
 
 
 class Robot:
@@ -89,6 +97,7 @@ class Robot:
         self.joint_names = [infos[i][1].decode() for i in self._joints + self._fingers]
         self.grip_force = gripper.grip_force
         self._force = np.zeros(3)
+        self._controller: Controller | None = None
         self._least, self._most = arm.fingers.shut_m / 2, arm.fingers.opening / 2
         self._opening = self._target = self._most
         self._touch_gap = TOUCH_GAP
@@ -120,14 +129,25 @@ class Robot:
         world.add_before_step(self._sense)
 
     def drive(self, joints: Array) -> None:
-        """Command the arm's joints, (joints,): an axis's position [m], then seven angles [rad]."""
+        """Command the arm's joints, and end what `drive_by` began.
+
+        They are an axis's position [m], if it stands on one, then seven angles [rad].
+        """
+        self._controller = None
+        self._drive(joints, ARM_GAIN)
+
+    def drive_by(self, controller: Controller) -> None:
+        """Let a controller command the joints before each step, until `drive`."""
+        self._controller = controller
+
+    def _drive(self, joints: Array, gain: float) -> None:
         self._bullet.setJointMotorControlArray(
             self.body,
             self._joints,
             self._bullet.POSITION_CONTROL,
             targetPositions=list(joints),
             forces=self._joint_forces,
-            positionGains=[ARM_GAIN] * len(self._joints),
+            positionGains=[gain] * len(self._joints),
             velocityGains=[1.0] * len(self._joints),
         )
 
@@ -188,9 +208,22 @@ class Robot:
 
     def _sense(self) -> None:
         self._move_fingers()
-        reading = np.array(self._bullet.getJointState(self.body, self._wrist)[2][:3])
+        reading = self.read_wrist()
         share = min(1.0, self._time_step / FORCE_TIME_CONSTANT)
         self._force += share * (reading - self._force)
+        if self._controller is not None:
+            felt = self.world_from_hand.rotation @ reading
+            self._drive(self._controller(felt, self._time_step), STEP_GAIN)
+
+    def read_wrist(self) -> Array:
+        """Read the force at the wrist in the last step, hand frame (3,) [N], not filtered."""
+        return np.array(self._bullet.getJointState(self.body, self._wrist)[2][:3])
+
+    @property
+    def hand_mass(self) -> float:
+        """What the wrist carries [kg]."""
+        parts = (self._wrist, *self._fingers)
+        return sum(self._bullet.getDynamicsInfo(self.body, part)[0] for part in parts)
 
     @property
     def wrist_force(self) -> Array:

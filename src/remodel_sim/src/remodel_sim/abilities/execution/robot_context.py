@@ -29,7 +29,7 @@ from remodel_sim.core.workpiece.obstacles import Obstacles, panel_obstacles
 from remodel_sim.core.workpiece.panel import Panel, PanelWire, WireEnd
 from remodel_sim.physics.collision_check import HeldTip, Touch
 from remodel_sim.physics.plant import Plant
-from remodel_sim.physics.robot import TOUCH_GAP, Robot
+from remodel_sim.physics.robot import TOUCH_GAP, Controller, Robot
 from remodel_states.core.codes import Code
 
 # Commands to the arm and checks of its sensors [1/s].
@@ -222,6 +222,19 @@ class RobotContext:
 
     def drive(self, tool: ToolPose) -> None:
         """Command a tool pose near contact; raises UNREACHABLE, or ROBOT_IN_THE_WAY and stops."""
+        self._check_space(tool)
+        self.follow(tool)
+
+    def drive_by(self, controller: Controller, tool: ToolPose) -> None:
+        """Let a controller drive the arm at each step of the physics, near a tool pose.
+
+        Until another command; raises UNREACHABLE or ROBOT_IN_THE_WAY.
+        """
+        self._check_space(tool)
+        self._robot.drive_by(controller)
+        self.commanded = tool
+
+    def _check_space(self, tool: ToolPose) -> None:
         if len(self.robots) > 1:
             here = volume_of(self.arm, self.arm.joints_for(tool))
             other = self._traffic.in_the_way(self.name, here)
@@ -230,7 +243,6 @@ class RobotContext:
                     Code.ROBOT_IN_THE_WAY,
                     f"{other} is in the way of {self.name}, which stands at {self.commanded}",
                 )
-        self.follow(tool)
 
     def follow(self, tool: ToolPose) -> None:
         """Command a tool pose on a path whose space is claimed; raises UNREACHABLE."""
@@ -266,6 +278,11 @@ class RobotContext:
     def finger_load(self) -> float:
         """The measured closing force of the weaker finger [N]."""
         return self._robot.finger_load
+
+    @property
+    def hand_mass(self) -> float:
+        """What the wrist carries [kg]."""
+        return self._robot.hand_mass
 
     @property
     def force(self) -> Array:

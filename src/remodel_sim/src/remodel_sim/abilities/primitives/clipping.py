@@ -13,6 +13,7 @@ import numpy as np
 
 from remodel_sim.abilities.execution.robot_context import RobotContext, Steps
 from remodel_sim.abilities.primitives.carrying import carry
+from remodel_sim.abilities.primitives.force_motion import ForceMotion
 from remodel_sim.abilities.primitives.grasping import FLOOR_CLEARANCE_M, OPEN_SPEED, grips_nothing
 from remodel_sim.abilities.primitives.motions import (
     APPROACH_SPEED,
@@ -30,7 +31,7 @@ from remodel_sim.abilities.primitives.viewpoints import camera_above
 from remodel_sim.core.errors import AbilityError
 from remodel_sim.core.geometry import Array, Pose
 from remodel_sim.core.robot.arm import ToolPose
-from remodel_sim.core.robot.motion import Line
+from remodel_sim.core.robot.force_control import ForceControl
 from remodel_sim.core.vision.colour import wire_likelihood
 from remodel_sim.core.vision.drawing import ORANGE, Drawing
 from remodel_sim.core.vision.laid_wire import wire_around
@@ -53,6 +54,9 @@ ABOVE_WIRE_M = 0.010
 MAX_PULL_N = 25.0
 SWING_SPEED = 0.15  # [m/s] with the wire in the grip
 PRESS_SPEED = 0.030
+# Near the lips slower: they let the wire go suddenly, and the pads meet them.
+LIPS_WITHIN_M = 0.008
+LIPS_SPEED = 0.006
 # From beside, the wire is pressed with so many times the clip's force.
 ENOUGH = 1.5
 # The fingers come so near to the lips; the wire's middle is then below the lips' [m].
@@ -218,18 +222,18 @@ def _fingers_still(context: RobotContext) -> Steps[None]:
         before = context.finger_gap
 
 
-def _press_to(context: RobotContext, bottom: ToolPose, limit: float) -> Steps[float]:
-    """Go down to a tool pose, or until it takes so much force [N]; return the peak force [N]."""
+def _press_to(context: RobotContext, bottom: ToolPose, limit: float) -> Steps[bool]:
+    """Go down to a tool pose, or until it takes so much force [N]; return whether it got there."""
     yield from wait(context, STILL_S)
-    line = Line(context.commanded, bottom, PRESS_SPEED)
-    free, peak = float(context.force[2]), 0.0
-    for tick in range(1, math.ceil(line.duration / context.tick_s) + 1):
-        context.drive(line.at(tick * context.tick_s))
-        yield
-        peak = max(peak, free - float(context.force[2]))
-        if peak > limit:
-            break
-    return peak
+    way = bottom.position - context.commanded.position
+    length = float(np.linalg.norm(way))
+    motion = ForceMotion(context, way / length, ForceControl(limit), context.force)
+    while not motion.met_limit and motion.travel < length - REST_M:
+        left = length - motion.travel
+        speed = PRESS_SPEED if left > LIPS_WITHIN_M else LIPS_SPEED
+        yield from motion.advance(min(speed, left / context.tick_s))
+    motion.stop()
+    return motion.travel >= length - REST_M
 
 
 def _release(context: RobotContext) -> Steps[None]:
@@ -248,7 +252,6 @@ def press_from_above(context: RobotContext, clip: PanelClip) -> Steps[bool]:
     yield from move_to(context, above, APPROACH_SPEED)
     yield from _fingers_still(context)
     bottom = above.at(z=lip_top(clip) + ABOVE_LIPS_M + context.fingers.below)
-    yield from _press_to(context, bottom, EXCESS * clip.retention_force)
-    went_in = math.isclose(context.commanded.z, bottom.z)
+    went_in = yield from _press_to(context, bottom, EXCESS * clip.retention_force)
     yield from move_to(context, above, APPROACH_SPEED)
     return went_in

@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 from remodel_sim.abilities.execution.robot_context import RobotContext, Steps
+from remodel_sim.abilities.primitives.force_motion import ForceMotion
 from remodel_sim.abilities.primitives.motions import wait
-from remodel_sim.abilities.primitives.pushing import axial
 from remodel_sim.core.errors import AbilityError
 from remodel_sim.core.geometry import Pose
+from remodel_sim.core.robot.force_control import WIRE_STIFFNESS, ForceControl
 from remodel_sim.core.workpiece.panel import unit_x
 from remodel_states.core.codes import Code
 
@@ -19,7 +20,13 @@ TAKEN_UP = 0.4
 MAX_SLIP_M = 0.0015
 
 
-def pull_test(context: RobotContext, socket: Pose, newtons: float, where: str) -> Steps[float]:
+def pull_test(
+    context: RobotContext,
+    socket: Pose,
+    newtons: float,
+    where: str,
+    stiffness: float = WIRE_STIFFNESS,
+) -> Steps[float]:
     """Pull the held end outwards until the force is reached; return the slip [m].
 
     Args:
@@ -27,27 +34,27 @@ def pull_test(context: RobotContext, socket: Pose, newtons: float, where: str) -
         socket: the opening's frame, x into the terminal.
         newtons: the force [N].
         where: the terminal's name.
+        stiffness: with which a held end takes up the pull [N/m].
 
     Raises:
         AbilityError: PULLED_OUT.
     """
     out = -unit_x(socket)
     start = context.commanded
-    travel, taken_up, force = 0.0, None, 0.0
-    while force < newtons and travel < PULL_TRAVEL_M:
-        travel += PULL_SPEED * context.tick_s
-        context.drive(start.moved(out, travel))
-        yield
-        # The push left the end under load; the pull counts from the free hand.
-        force = axial(context.force - context.free_force, out)
-        if taken_up is None and force >= TAKEN_UP * newtons:
-            taken_up = travel
-    slip = travel - (taken_up if taken_up is not None else 0.0)
-    if force < newtons or slip > MAX_SLIP_M:
+    # The push left the end under load; the pull counts from the free hand.
+    motion = ForceMotion(context, out, ForceControl(newtons, stiffness))
+    taken_up = None
+    while not motion.met_limit and motion.travel < PULL_TRAVEL_M:
+        yield from motion.advance(PULL_SPEED)
+        if taken_up is None and motion.force >= TAKEN_UP * newtons:
+            taken_up = motion.travel
+    motion.stop()
+    slip = motion.travel - (taken_up if taken_up is not None else 0.0)
+    if not motion.met_limit or slip > MAX_SLIP_M:
         raise AbilityError(
             Code.PULLED_OUT,
-            f"the end moved {slip * 1e3:.1f} mm in {where} at {force:.1f} of {newtons:.1f} N; "
-            "extract, locate again, insert again",
+            f"the end moved {slip * 1e3:.1f} mm in {where} at {motion.force:.1f} of {newtons:.1f} "
+            "N; extract, locate again, insert again",
             slip=slip,
         )
     context.drive(start)

@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-import math
-
 from remodel_sim.abilities.execution.robot_context import RobotContext, Steps
+from remodel_sim.abilities.primitives.force_motion import ForceMotion
 from remodel_sim.abilities.primitives.motions import wait
 from remodel_sim.core.errors import AbilityError
 from remodel_sim.core.geometry import Pose
+from remodel_sim.core.robot.force_control import ForceControl
 from remodel_sim.core.workpiece.panel import unit_x
 from remodel_states.core.codes import Code
 
@@ -37,17 +37,18 @@ def pull_out(context: RobotContext, socket: Pose, most_n: float) -> Steps[float]
     assert grip is not None, "the end is held"
     ahead = float((start.position - socket.position) @ -out) + grip.distance
     length = max(0.0, ahead) + CLEAR_M
-    peak = 0.0
-    for tick in range(1, math.ceil(length / PULL_SPEED / context.tick_s) + 1):
-        context.drive(start.moved(out, min(length, tick * PULL_SPEED * context.tick_s)))
-        yield
-        force = float((context.force - context.free_force) @ out)
-        peak = max(peak, force)
-        if force > most_n:
+    motion = ForceMotion(context, out, ForceControl(most_n))
+    while motion.travel < length:
+        yield from motion.advance(PULL_SPEED)
+        if motion.met_limit:
+            stuck_at = motion.force  # before the hand goes back and the wire relaxes
             context.drive(start)
             yield from wait(context, RELAX_S)
             raise AbilityError(
-                Code.EXTRACTION_STUCK, f"it does not come out at {force:.0f} N", peak_force=peak
+                Code.EXTRACTION_STUCK,
+                f"it does not come out at {stuck_at:.0f} N",
+                peak_force=motion.peak,
             )
+    motion.stop()
     context.belief.engaged = None
-    return peak
+    return motion.peak

@@ -7,12 +7,14 @@ from dataclasses import dataclass
 import numpy as np
 
 from remodel_sim.abilities.execution.robot_context import RobotContext, Steps
+from remodel_sim.abilities.primitives.force_motion import ForceMotion
 from remodel_sim.abilities.primitives.laying import carry_over
 from remodel_sim.abilities.primitives.motions import APPROACH_SPEED, move_to, wait
 from remodel_sim.core.belief.belief_state import Grip
 from remodel_sim.core.errors import AbilityError
 from remodel_sim.core.geometry import Array, Pose
 from remodel_sim.core.robot.arm import ToolPose
+from remodel_sim.core.robot.force_control import WIRE_STIFFNESS, ForceControl
 from remodel_sim.core.robot.push_monitor import PushMonitor
 from remodel_sim.core.workpiece.layout import STANDOFF_M
 from remodel_sim.core.workpiece.panel import PanelTerminal, unit_x
@@ -20,12 +22,10 @@ from remodel_states.core.codes import Code
 
 # The tip goes to the opening faster than into it [m/s]: what stops it there must not hurt it.
 APPROACH_OPENING_SPEED = 0.04
-# The push relaxes by so much once it has been stopped.
-RELAX_M = 0.0004
 # The push goes on so far beyond where the bottom should be.
 OVERTRAVEL_M = 0.008
 SLOW_BEFORE_M = 0.001
-HOME_BEFORE_M = 0.001
+HOME_BEFORE_M = 0.0015
 # Resistance so far before or beyond the bottom counts as the bottom. A turn of the hand draws the
 # wire back in the grip by up to 3 mm, so that it meets the bottom late, by the arm's measure; early
 # it does only in front of an obstacle.
@@ -33,23 +33,23 @@ SHORT_OF_BOTTOM_M = 0.003
 BEYOND_BOTTOM_M = 0.006
 # Resistance before this depth is the face's or the funnel's.
 FACE_M = 0.003
-# The arm's own start-up shakes the wrist for so long; nothing is touched yet.
-BLIND_S = 0.12
 STILL_S = 0.15
 
 
 @dataclass(frozen=True)
 class Manner:
-    """How something is pushed; so slowly that the arm stops in time once the force is felt.
+    """How something is pushed, where no force slows it down further.
 
     Attributes:
         inside: speed inside the terminal [m/s].
         home: speed near the bottom [m/s].
+        stiffness: of what is pushed against what stops it [N/m].
         buckles: whether it may give way at the bottom.
     """
 
     inside: float
     home: float
+    stiffness: float
     buckles: bool
 
     def speed_at(self, ahead: float, bottom: float) -> float:
@@ -59,9 +59,10 @@ class Manner:
         return self.inside if ahead > -SLOW_BEFORE_M else APPROACH_OPENING_SPEED
 
 
-# A wire gives; a connector and its header do not, some 200 N a millimetre.
-WIRE = Manner(inside=0.02, home=0.02, buckles=True)
-CONNECTOR = Manner(inside=0.01, home=0.002, buckles=False)
+# A wire gives; a connector and its header do not, some 200 N a millimetre. A wire slows down before
+# the bottom, or the jolt there would look like a wire that gives way.
+WIRE = Manner(inside=0.02, home=0.006, stiffness=WIRE_STIFFNESS, buckles=True)
+CONNECTOR = Manner(inside=0.01, home=0.002, stiffness=2e5, buckles=False)
 
 
 @dataclass(frozen=True)
@@ -71,7 +72,7 @@ class Push:
     Attributes:
         tip: where it brought the tip, by the arm, (3,) [m], world frame.
         depth: of the tip beyond the opening [m].
-        peak_force: [N].
+        peak_force: the largest in any step, not filtered [N].
         stopped: whether it was stopped by the force limit, or by a wire that gave way at the
             bottom.
     """
@@ -122,27 +123,20 @@ def push_in(
     """
     into, grip = unit_x(socket), _grip(context)
     context.free_force = context.force
-    monitor = PushMonitor(limit, manner.buckles)
-    ahead, ticks = -STANDOFF_M, 0
-    while ahead < bottom + OVERTRAVEL_M and not monitor.stopped:
-        ticks += 1
-        ahead += manner.speed_at(ahead, bottom) * context.tick_s
-        context.drive(tool_before(socket, grip, ahead))
-        yield
-        force = axial(context.force - context.free_force, into)
-        if ticks * context.tick_s > BLIND_S:
-            monitor = monitor.then(force, near_bottom=ahead >= bottom - SHORT_OF_BOTTOM_M)
+    monitor = PushMonitor(manner.buckles)
+    motion = ForceMotion(context, into, ForceControl(limit, manner.stiffness))
+    ahead, stopped = -STANDOFF_M, False
+    while ahead < bottom + OVERTRAVEL_M and not stopped:
+        yield from motion.advance(manner.speed_at(ahead, bottom))
+        ahead = motion.travel - STANDOFF_M
+        monitor = monitor.then(motion.force, near_bottom=ahead >= bottom - SHORT_OF_BOTTOM_M)
+        stopped = motion.met_limit or monitor.gave_way
         context.report("pushing", 0.75 + 0.2 * np.clip(ahead / bottom, 0, 1))
+    motion.stop()
     at = context.tool
-    context.drive(tool_before(socket, grip, ahead - RELAX_M))
     yield from wait(context, 0.1)
     tip = at.position + into * grip.distance + np.array([0.0, 0.0, grip.height])
-    return Push(tip, float((tip - socket.position) @ into), monitor.peak, monitor.stopped)
-
-
-def axial(force: Array, into: Array) -> float:
-    """Return how hard the hand pushes along a direction, (3,) [N] and unit vector (3,)."""
-    return float(force @ into)
+    return Push(tip, float((tip - socket.position) @ into), motion.peak, stopped)
 
 
 def judge_alignment(push: Push, mouth: Pose, terminal: PanelTerminal, where: str) -> None:

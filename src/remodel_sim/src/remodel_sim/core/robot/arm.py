@@ -46,9 +46,9 @@ class ToolPose:
         return ToolPose(self.x, self.y, z, self.yaw)
 
     def moved(self, direction: Array, distance: float) -> ToolPose:
-        """Return the pose moved by a distance [m] along a level unit vector, (3,)."""
-        x, y = self.x + distance * float(direction[0]), self.y + distance * float(direction[1])
-        return ToolPose(x, y, self.z, self.yaw)
+        """Return the pose moved by a distance [m] along a unit vector, (3,)."""
+        x, y, z = (float(v) for v in self.position + distance * direction)
+        return ToolPose(x, y, z, self.yaw)
 
     def __str__(self) -> str:
         """Show millimetres and degrees."""

@@ -1,4 +1,4 @@
-"""The forces of a push, and when to stop it: at the force limit, or when the wire gives way.
+"""The forces of a push, and whether the wire gives way.
 
 A wire that meets the bottom may buckle before the force limit, and would keep the bend. It gives
 way when the force near the bottom was great and falls. One that met something before hangs at the
@@ -21,14 +21,12 @@ class PushMonitor:
     """The forces of a push so far, along it [N].
 
     Attributes:
-        limit: at which it stops.
         buckles: whether what is pushed may give way.
         peak: the largest.
         peak_before: the largest before it came near the bottom.
         now: the last.
     """
 
-    limit: float
     buckles: bool
     peak: float = 0.0
     peak_before: float = 0.0
@@ -41,11 +39,7 @@ class PushMonitor:
         return replace(self, peak=peak, peak_before=before, now=force)
 
     @property
-    def stopped(self) -> bool:
-        """Whether to stop."""
-        return self.now >= self.limit or self._gave_way
-
-    @property
-    def _gave_way(self) -> bool:
+    def gave_way(self) -> bool:
+        """Whether the wire buckles at the bottom."""
         free = self.buckles and self.peak_before < FREE_WAY_N
         return free and self.peak >= GIVES_WAY_FROM_N and self.now < self.peak - GIVES_WAY_BY_N

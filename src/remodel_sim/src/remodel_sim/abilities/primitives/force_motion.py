@@ -1,0 +1,94 @@
+"""A straight motion of the tool under force control, as steps of an ability."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from remodel_sim.abilities.execution.robot_context import RobotContext, Steps
+from remodel_sim.core.geometry import Array
+from remodel_sim.core.robot.force_control import ForceControl
+
+# A motion that gets no further than this within this time has met its limit as well: what it rests
+# on may swing about the limit by less than the sensor's low pass lets through.
+STALLED_M = 1e-4
+STALLED_S = 0.3
+
+
+class ForceMotion:
+    """A push or pull along a line, which slows down as the force rises and keeps to its limit.
+
+    Commands at the abilities' 120 Hz would be too late: between two of them a push at 20 mm/s
+    raises the force on a terminal's bottom by 10 N, and the servo and the sensor's low pass lag by
+    two ticks more. So the ability sets the speed at each tick, and
+    the arm's controller does each step of the physics, as controllers of arms do at 1 kHz.
+
+    Attributes:
+        travel: from the start, along the line [m].
+        peak: the largest force so far, of each step, not filtered [N].
+    """
+
+    def __init__(
+        self, context: RobotContext, along: Array, control: ForceControl, free: Array | None = None
+    ) -> None:
+        """Prepare a motion from where the tool was sent.
+
+        Args:
+            context: the robot.
+            along: unit vector (3,), world frame.
+            control: its limit.
+            free: what the wrist feels of a hand that touches nothing, world frame (3,) [N]; None:
+                as kept by the context.
+        """
+        self._context, self._along, self._control = context, along, control
+        self._free = context.free_force if free is None else free
+        self._start, self._hand_mass = context.commanded, context.hand_mass
+        self._speed = self._wanted = 0.0
+        self._acceleration = 0.0
+        self.travel = self.peak = 0.0
+        self._farthest, self._stalled_s = 0.0, 0.0
+
+    @property
+    def force(self) -> float:
+        """The force against the motion, low-passed [N]."""
+        return float((self._context.force - self._free) @ self._along)
+
+    @property
+    def met_limit(self) -> bool:
+        """Whether the force has reached its limit, or lets the tool no further."""
+        return self.force >= self._control.limit or self._stalled_s > STALLED_S
+
+    def advance(self, speed: float) -> Steps[None]:
+        """Move on for one tick, at a speed [m/s] or less.
+
+        Raises:
+            AbilityError: UNREACHABLE, ROBOT_IN_THE_WAY.
+        """
+        context = self._context
+        self._wanted = speed
+        self._from = self.travel
+        self._reach = speed * context.tick_s
+        here = self._start.moved(self._along, self.travel)
+        self._joints = context.arm.joints_for(here)
+        self._turn = context.arm.joints_for(here.moved(self._along, self._reach)) - self._joints
+        context.drive_by(self._step, here)
+        yield
+        self._stalled_s += context.tick_s
+        if self.travel > self._farthest + STALLED_M:
+            self._farthest, self._stalled_s = self.travel, 0.0
+
+    def stop(self) -> None:
+        """Keep the tool where it is."""
+        self._context.drive(self._start.moved(self._along, self.travel))
+
+    def _step(self, wrist_force: Array, time_step: float) -> Array:
+        """Return the joints of the next step, (joints,), see `Robot.drive_by`."""
+        felt = float((wrist_force - self._free) @ self._along)
+        force = felt - self._hand_mass * self._acceleration
+        self.peak = max(self.peak, force)
+        speed = self._control.speed(self._wanted, force, self._speed, time_step)
+        travel = self.travel + speed * time_step
+        travel = float(np.clip(travel, self._from - self._reach, self._from + self._reach))
+        reached = (travel - self.travel) / time_step
+        self._acceleration = (reached - self._speed) / time_step
+        self.travel, self._speed = travel, reached
+        return self._joints + (travel - self._from) / self._reach * self._turn

@@ -1,0 +1,34 @@
+"""Force control of pushes and pulls: its law, on springs."""
+
+import pytest
+
+from remodel_sim.core.robot.force_control import ForceControl
+
+SPEED = 0.02
+
+
+def peak_at_a_spring(stiffness, limit, rate_hz, free_m=0.01, seconds=4.0):
+    """Return the largest force on a spring that is met at full speed, and the last one [N]."""
+    control, travel, speed, peak, force = ForceControl(limit), 0.0, 0.0, 0.0, 0.0
+    for _ in range(round(seconds * rate_hz)):
+        speed = control.speed(SPEED, force, speed, 1 / rate_hz)
+        travel += speed / rate_hz
+        force = stiffness * max(0.0, travel - free_m)
+        peak = max(peak, force)
+    return peak, force
+
+
+@pytest.mark.parametrize("rate_hz", [240.0, 500.0])
+@pytest.mark.parametrize("limit", [4.0, 8.0, 25.0])
+@pytest.mark.parametrize("stiffness", [5e3, 2e4, 6e4])
+def test_a_push_comes_to_its_limit_and_not_beyond_whatever_stops_it(stiffness, limit, rate_hz):
+    peak, last = peak_at_a_spring(stiffness, limit, rate_hz)
+    assert limit <= last <= peak <= 1.15 * limit
+
+
+def test_a_push_that_is_over_its_limit_goes_back():
+    assert ForceControl(8.0).speed(SPEED, 9.0, SPEED, 1 / 240) < 0
+
+
+def test_a_push_does_not_jerk_the_hand_forwards():
+    assert ForceControl(25.0).speed(SPEED, 0.0, 0.0, 1 / 240) <= 0.3 / 240 + 1e-12

@@ -1,0 +1,64 @@
+"""The force limit of a push holds, for what the wrist feels in every step of the physics.
+
+Every test of this folder that runs a cell checks each push and pull for a coarse excess, see
+conftest.py; here are those with the highest stakes: an opening that is blocked, and the lowest and
+highest limits.
+"""
+
+import pytest
+from panels import panel
+from place_wire import insert
+
+from remodel_sim.cell import Cell
+from remodel_sim.core.errors import AbilityError
+from remodel_sim.core.workpiece.panel import WireEnd
+from remodel_sim.physics.truth import ground_truth
+from remodel_states.core.codes import Code
+
+
+@pytest.fixture
+def cell_of():
+    cells = []
+
+    def make(rate_hz):
+        cells.append(Cell(panel(), seed=1, rate_hz=rate_hz))
+        return cells[-1]
+
+    yield make
+    for cell in cells:
+        cell.close()
+
+
+def push(cell, limit):
+    """Insert end a of the first wire."""
+    wire = cell.plant.panel.wires[0]
+    component, terminal = wire.goes_to(WireEnd.A)
+    channel = cell.plant.panel.channel_in_front_of(
+        cell.plant.panel.panel_from_socket(component, terminal).position
+    )
+    cell.feed(wire.id, channel.id)
+    socket = cell.plant.world_from_socket(component, terminal)
+    return insert(cell, wire.id, WireEnd.A, component, terminal, socket, force=limit)
+
+
+@pytest.mark.parametrize(("limit", "rate_hz"), [(4.0, 500.0), (25.0, 240.0)])
+def test_an_end_is_seated_with_the_force_that_was_allowed(cell_of, pushes, limit, rate_hz):
+    cell = cell_of(rate_hz)
+    inserted = push(cell, limit)
+    (truth,) = ground_truth(cell.plant, [cell.plant.panel.wires[0].id])
+    assert truth.a.seated
+    (record,) = pushes
+    assert limit <= inserted.peak_force <= record.allowed
+    assert record.peak == pytest.approx(inserted.peak_force, rel=0.1)
+
+
+@pytest.mark.parametrize(("limit", "rate_hz"), [(4.0, 240.0), (14.0, 500.0)])
+def test_a_blocked_opening_is_pressed_no_harder_than_allowed(cell_of, pushes, limit, rate_hz):
+    cell = cell_of(rate_hz)
+    cell.plant.block_socket(*cell.plant.panel.wires[0].goes_to(WireEnd.A))
+    with pytest.raises(AbilityError) as caught:
+        push(cell, limit)
+    assert caught.value.code is Code.INSERTION_JAMMED
+    (record,) = pushes
+    assert caught.value.found["peak_force"] <= record.allowed
+    assert record.peak <= record.allowed
