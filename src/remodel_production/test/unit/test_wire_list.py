@@ -334,3 +334,10 @@ def test_the_mapping_of_a_list_that_is_not_understood_is_drafted_as_far_as_it_go
     assert 'separator: ";"\n' in draft
     with pytest.raises(DesignError, match="no line of it has cells"):
         mapping_draft(b"dear colleague\n", CATALOGUE, MAPPINGS)
+
+
+def test_a_column_without_a_heading_is_named_by_its_number_if_it_has_content():
+    imported = read("From,To,,\nK1:1,X1:2,,spare\nK1:3,X1:4,,\n")
+    assert [str(column) for column in imported.account.unused_columns] == [
+        "column 4, without a heading: left out, its heading is not known"
+    ]

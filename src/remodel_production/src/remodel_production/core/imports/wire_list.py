@@ -341,9 +341,11 @@ class _Reader:
         table = self._table
         used = set(table.columns.values())
         for column, heading in enumerate(table.headings):
-            if column in used or not (heading or any(row.cells[column:][:1] for row in table.rows)):
+            has_content = any(any(row.cells[column : column + 1]) for row in table.rows)
+            if column in used or not (heading or has_content):
                 continue
-            yield LeftOut(f"column {heading!r}", self._reason(heading))
+            place = f"column {heading!r}" if heading else f"column {column + 1}, without a heading"
+            yield LeftOut(place, self._reason(heading))
 
     def _reason(self, heading: str) -> str:
         """Return why a column is not used, and what would use it."""
