@@ -185,7 +185,7 @@ def push(cell: Cell, wire: PanelWire) -> Outcome:
 
 
 def push_blocked(cell: Cell, wire: PanelWire) -> Outcome:
-    """The same with a plug in the bore."""
+    """The same with a plug in the terminal."""
     cell.plant.block_socket(*wire.goes_to(WireEnd.A))
     found = _code_of(lambda: _push(cell, wire))
     return Outcome(_is(found, Code.INSERTION_JAMMED), found)
