@@ -100,6 +100,26 @@ class Wire:
     def _next(self, topic):
         return yaml.safe_load(str(self._arrived[topic].get(timeout=LIMIT_S))) or {}
 
+    def play(self, transcript):
+        """Return how the first message that differs does; None if all steps are as expected."""
+        for step in transcript["steps"]:
+            if "send" in step:
+                self.send(step["send"], step["message"])
+            elif differs := self.expect(step["expect"], step["message"]):
+                return differs
+        return None
+
+    def was_overtaken(self):
+        """Return whether a status overtook the structure sent before it, and forget what came.
+
+        Two topics have no order between them. A mirror that has a behavior's structure only after
+        its start asks where the behavior is.
+        """
+        syncs = self._arrived.get("flexbe/command/sync")
+        has_asked = syncs is not None and not syncs.empty()
+        self.rest()
+        return has_asked
+
     def rest(self):
         """Return what came besides, within a while."""
         time.sleep(QUIET_S)
@@ -147,12 +167,11 @@ class TranscriptsTest(unittest.TestCase):
         wire = Wire(script)
         self.addCleanup(wire.close)
         for transcript in script["transcripts"]:
-            for step in transcript["steps"]:
-                if "send" in step:
-                    wire.send(step["send"], step["message"])
-                else:
-                    differs = wire.expect(step["expect"], step["message"])
-                    self.assertIsNone(differs, transcript["name"])
+            differs = wire.play(transcript)
+            if differs and wire.was_overtaken():
+                wire.send("flexbe/status", {"code": BEStatus.READY})
+                differs = wire.play(transcript)
+            self.assertIsNone(differs, transcript["name"])
             self.assertEqual(wire.rest(), [], transcript["name"])
 
     def test_the_mirror(self):
