@@ -197,7 +197,11 @@ def test_a_task_that_no_robot_can_do_is_by_hand_and_the_rest_is_planned():
     assert [task.name for task in found.tasks] == ["W1", "W3"]
     assert list(map(str, found.by_hand)) == [
         "W2: by hand, section_mm2 is 400.0, and must be a number from 0.05 to 300 "
-        "(characteristics.task.section_mm2 of use case cabinet)"
+        "(characteristics.task.section_mm2 in cabinet.yaml)"
+    ]
+    assert list(map(str, found.other_methods)) == [
+        "1 by methods.pick.medium in cabinet.yaml, such as W3: not thin: section_mm2 is 2.5, not "
+        "at most 1.5"
     ]
     planned = plan_problem(prepare(found, CABINET).preferred.problem, time_limit_s=0.05)
     assert planned.makespan > 0
@@ -210,7 +214,7 @@ def test_a_task_that_no_method_does_is_by_hand_with_what_rules_out_each_method()
     found = triaged(work(thick, thin), thin)
     assert [task.name for task in found.tasks] == ["W2"]
     assert str(found.by_hand[0]).startswith(
-        "W1: by hand, no method of use case cabinet does it: pick thin: "
+        "W1: by hand, no method of cabinet.yaml does it: pick thin: "
     )
 
 

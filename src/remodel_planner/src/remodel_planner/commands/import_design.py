@@ -12,7 +12,7 @@ from remodel_planner.commands.options.database_option import add_database_option
 from remodel_planner.commands.options.design_orders import (
     add_design_options,
     design_order,
-    print_by_hand,
+    print_triage,
 )
 from remodel_planner.commands.options.entry import refuses
 from remodel_planning.core.decomposition.preparation import prepare
@@ -31,7 +31,7 @@ from remodel_production.edge.package_files import catalogue_file
 from remodel_production.errors import DesignError, PlannerError, blamed
 
 
-@refuses("import", 1)
+@refuses("import")
 def main(arguments: list[str] | None = None) -> int:
     """Import, report what was read, assumed and left out, and return the exit code."""
     parser = argparse.ArgumentParser(
@@ -114,7 +114,7 @@ def _report_triage(order: Order, options: argparse.Namespace) -> None:
     except PlannerError as error:
         print(f"  nothing to plan: {error}")
     else:
-        print_by_hand(work)
+        print_triage(work)
 
 
 def _report(imported: Imported, *, verbose: bool) -> None:
