@@ -26,7 +26,10 @@ demo: build ## Wire a real cabinet in the simulated cell (WIRES=6); report in ou
 
 test: build ## Set up, then lint, unit tests and ROS tests; ends with a count
 	@rm -rf $(RESULTS)
-	@status=0; for part in lint unit rostest; do $(MAKE) --no-print-directory $$part || status=1; done; \
+	@status=0; failed=0; \
+	  $(MAKE) --no-print-directory lint || status=1; \
+	  for part in unit rostest; do $(MAKE) --no-print-directory $$part || failed=1; done; \
+	  if [ $$failed = 1 ]; then $(SOURCED) tools/run_failed_again.py $(RESULTS) || status=1; fi; \
 	  tools/count_tests.py $(RESULTS) || status=1; exit $$status
 
 generate: .venv/.ready ## Write what is generated from the tables of abilities, error codes and faults
