@@ -21,7 +21,7 @@ from remodel_planning.edge.order_planner import plan_problem
 from remodel_planning.edge.use_case_files import VARIABLE, default_use_case, find_use_case
 from remodel_planning.errors import UseCaseError
 from remodel_production.core.board.board import board_of
-from remodel_production.core.imports.formats import format_of, import_design
+from remodel_production.core.imports.formats import built_in_formats, format_of, import_design
 from remodel_production.core.imports.wire_list_mapping import mapping_from
 from remodel_production.core.production import (
     Component,
@@ -39,6 +39,7 @@ from remodel_production.errors import InstanceError, OrderError
 CONFIG = Path(__file__).parents[3] / "remodel_production" / "config"
 DESIGNS = Path(__file__).parents[3] / "remodel_production/test/unit/designs"
 MAPPINGS = tuple(mapping_from(f.read_text()) for f in sorted((CONFIG / "wire_lists").iterdir()))
+FORMATS = built_in_formats(MAPPINGS)
 CATALOGUE = read_catalogue(CONFIG / "catalogue.yaml")
 QET = Path("/usr/share/qelectrotech/examples")
 NAMES = ("industrial", "tableau_domestique", "Projet_vierge")
@@ -49,10 +50,8 @@ CABINET, FORMBOARD, BRANCHES = map(
 
 def imported(file):
     data = file.read_bytes()
-    form = format_of(data, MAPPINGS)
-    return import_design(
-        data, form, file.stem, file.name, catalogue=CATALOGUE, mappings=MAPPINGS
-    ).order
+    form = format_of(data, FORMATS)
+    return import_design(data, form, file.stem, file.name, CATALOGUE).order
 
 
 def loom():
