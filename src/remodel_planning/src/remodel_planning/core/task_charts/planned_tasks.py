@@ -80,7 +80,13 @@ class PlannedTask:
         """Return the steps that are left when the ends with these letters are connected.
 
         What earlier steps have revealed, and the remaining ones need, is observed again.
+
+        Raises:
+            ValueError: if only the end is connected that this task connects last, see
+                `continuing_from`.
         """
+        if connected and self.decomposition.first.letter not in connected:
+            raise ValueError(f"task {self.name} connects {self.decomposition.first.letter} first")
         steps = self.decomposition.steps
         done = [
             number
@@ -129,6 +135,29 @@ def planned_task(
     if mode.hands_over:
         arms.append(names[1 - mode.arm])
     return PlannedTask(prepared.use_case, decomposition, prepared.component_of, tuple(arms))
+
+
+def continuing_from(
+    prepared: Prepared, planned: PlannedTask, connected: Collection[str]
+) -> PlannedTask:
+    """Return a task that connects first what is connected already, such as by another plan.
+
+    Args:
+        prepared: the order that the task is of.
+        planned: the task.
+        connected: letters of the ends that sit in their terminals.
+
+    Raises:
+        InstanceError: if no method of the use case begins with that end.
+    """
+    first = planned.decomposition.first
+    if not connected or first.letter in connected:
+        return planned
+    hands_over = len(planned.arms) > 1
+    other = prepared.decomposer.decompose(
+        planned.decomposition.task, first.other, prepared.limits, hands_over=hands_over
+    )
+    return replace(planned, decomposition=other, arms=planned.arms[::-1])
 
 
 def with_other_method(
