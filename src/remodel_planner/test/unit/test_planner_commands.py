@@ -91,7 +91,7 @@ def test_malformed_instances_are_refused(instance, capsys, text, message):
     error = capsys.readouterr().err
     assert error.startswith(f"plan: {instance}: ")
     assert message in error
-    assert check(instance, instance, capsys)[0] == 3
+    assert check(instance, instance, capsys)[0] == 1
 
 
 def test_missing_files_are_refused(tmp_path, capsys):
@@ -221,7 +221,7 @@ def test_plans_that_are_not_valid_are_not_worked_on(instance, capsys, command):
     rest = ["--output", str(drawing)] if command is draw_command else []
     assert command.main([str(instance), str(output), *rest]) == 1
     assert "the plan is not valid:" in capsys.readouterr().out
-    assert command.main([str(output), str(output), *rest]) == 3
+    assert command.main([str(output), str(output), *rest]) == 1
     assert not drawing.exists()
 
 
@@ -253,7 +253,7 @@ def test_an_order_is_planned_checked_explained_and_charted(tmp_path, capsys):
     document["actions"].pop()
     output.write_text(json.dumps(document))
     assert charts_command.main(charts) == 1
-    assert charts_command.main([str(CABINET), str(CABINET), "--output", str(tmp_path)]) == 3
+    assert charts_command.main([str(CABINET), str(CABINET), "--output", str(tmp_path)]) == 1
 
 
 @pytest.mark.parametrize("arguments", [["check", "--help"], ["tasks", str(CABINET)]])

@@ -125,6 +125,14 @@ def test_a_run_that_stopped_early_says_why():
     assert report_data(stopped)["stopped"] == "the engine <died>"
 
 
+def test_wires_by_hand_are_listed_with_what_decides():
+    line = "W9: by hand, section_mm2 is 35.0 <thick>"
+    made = dataclasses.replace(report(attempted("W1", GOOD)), triage=(line,))
+    page = html.fromstring(render_html(TEMPLATE, made, COLOURS))
+    assert page.xpath("//h2[contains(., 'by hand')]/following-sibling::ul[1]/li")[0].text == line
+    assert report_data(made)["triage"] == [line]
+
+
 def test_the_data_says_the_same():
     data = report_data(report(attempted("W2", BAD, GOOD, placed=False)))
     assert data["complete"] is False

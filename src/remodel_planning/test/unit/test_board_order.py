@@ -21,7 +21,7 @@ from remodel_planning.edge.order_planner import plan_problem
 from remodel_planning.edge.use_case_files import VARIABLE, default_use_case, find_use_case
 from remodel_planning.errors import UseCaseError
 from remodel_production.core.board.board import board_of
-from remodel_production.core.imports.formats import format_of, import_design
+from remodel_production.core.imports.formats import built_in_formats, format_of, import_design
 from remodel_production.core.imports.wire_list_mapping import mapping_from
 from remodel_production.core.production import (
     Component,
@@ -39,6 +39,7 @@ from remodel_production.errors import InstanceError, OrderError
 CONFIG = Path(__file__).parents[3] / "remodel_production" / "config"
 DESIGNS = Path(__file__).parents[3] / "remodel_production/test/unit/designs"
 MAPPINGS = tuple(mapping_from(f.read_text()) for f in sorted((CONFIG / "wire_lists").iterdir()))
+FORMATS = built_in_formats(MAPPINGS)
 CATALOGUE = read_catalogue(CONFIG / "catalogue.yaml")
 QET = Path("/usr/share/qelectrotech/examples")
 NAMES = ("industrial", "tableau_domestique", "Projet_vierge")
@@ -49,10 +50,8 @@ CABINET, FORMBOARD, BRANCHES = map(
 
 def imported(file):
     data = file.read_bytes()
-    form = format_of(data, MAPPINGS)
-    return import_design(
-        data, form, file.stem, file.name, catalogue=CATALOGUE, mappings=MAPPINGS
-    ).order
+    form = format_of(data, FORMATS)
+    return import_design(data, form, file.stem, file.name, CATALOGUE).order
 
 
 def loom():
@@ -197,7 +196,11 @@ def test_a_task_that_no_robot_can_do_is_by_hand_and_the_rest_is_planned():
     assert [task.name for task in found.tasks] == ["W1", "W3"]
     assert list(map(str, found.by_hand)) == [
         "W2: by hand, section_mm2 is 400.0, and must be a number from 0.05 to 300 "
-        "(characteristics.task.section_mm2 of use case cabinet)"
+        "(characteristics.task.section_mm2 in cabinet.yaml)"
+    ]
+    assert list(map(str, found.other_methods)) == [
+        "1 by methods.pick.medium in cabinet.yaml, such as W3: not thin: section_mm2 is 2.5, not "
+        "at most 1.5"
     ]
     planned = plan_problem(prepare(found, CABINET).preferred.problem, time_limit_s=0.05)
     assert planned.makespan > 0
@@ -210,7 +213,7 @@ def test_a_task_that_no_method_does_is_by_hand_with_what_rules_out_each_method()
     found = triaged(work(thick, thin), thin)
     assert [task.name for task in found.tasks] == ["W2"]
     assert str(found.by_hand[0]).startswith(
-        "W1: by hand, no method of use case cabinet does it: pick thin: "
+        "W1: by hand, no method of cabinet.yaml does it: pick thin: "
     )
 
 

@@ -12,14 +12,14 @@ from remodel_planner.commands.options.database_option import add_database_option
 from remodel_planner.commands.options.design_orders import (
     add_design_options,
     design_order,
-    print_by_hand,
+    print_triage,
 )
 from remodel_planner.commands.options.entry import refuses
 from remodel_planning.core.decomposition.preparation import prepare
 from remodel_planning.edge.yaml_file import read_yaml
 from remodel_production.core.board.cabinet import laid_out
 from remodel_production.core.catalogue import Catalogue
-from remodel_production.core.imports.formats import DesignFormat, format_of, import_design
+from remodel_production.core.imports.formats import WIRE_LIST, format_of, import_design
 from remodel_production.core.imports.shared.account import Imported
 from remodel_production.core.imports.wire_list import mapping_draft
 from remodel_production.core.production import Order
@@ -27,26 +27,25 @@ from remodel_production.edge.ability_files import read_abilities
 from remodel_production.edge.catalogue_file import read_catalogue
 from remodel_production.edge.database.production_database import ProductionDatabase
 from remodel_production.edge.design_files import read_design, read_mappings
+from remodel_production.edge.importer_plug_ins import design_formats
 from remodel_production.edge.package_files import catalogue_file
 from remodel_production.errors import DesignError, PlannerError, blamed
 
 
-@refuses("import", 1)
+@refuses("import")
 def main(arguments: list[str] | None = None) -> int:
     """Import, report what was read, assumed and left out, and return the exit code."""
     parser = argparse.ArgumentParser(
         prog="planner import",
         description="Read a design file into the production database: a QElectroTech project, a "
-        "KBL or WireViz harness, or a from-to list (CSV).",
+        "KBL or WireViz harness, a from-to list (CSV), or a file of an importer plug-in's format.",
         epilog="Exit code: 0 imported, 1 refused (nothing is stored), 2 wrong usage.",
     )
     parser.add_argument("file", type=Path, help="design file")
     parser.add_argument("--order", help="name of the order; default: the file's name")
     parser.add_argument(
         "--format",
-        type=DesignFormat,
-        choices=list(DesignFormat),
-        metavar="{" + ",".join(form.value for form in DesignFormat) + "}",
+        choices=[form.name for form in design_formats(())],
         help="of the file; default: by its content",
     )
     parser.add_argument(
@@ -84,13 +83,16 @@ def main(arguments: list[str] | None = None) -> int:
 
 def _read(options: argparse.Namespace, name: str, catalogue: Catalogue) -> Imported:
     file: Path = options.file
-    mappings = read_mappings(options.mapping)
+    formats = design_formats(read_mappings(options.mapping))
     data = read_design(file)
+    chosen = options.format or (WIRE_LIST if options.mapping else None)
     try:
-        form = options.format or (
-            DesignFormat.WIRE_LIST if options.mapping else format_of(data, mappings)
+        form = (
+            next(form for form in formats if form.name == chosen)
+            if chosen
+            else format_of(data, formats)
         )
-        return import_design(data, form, name, file.name, catalogue=catalogue, mappings=mappings)
+        return import_design(data, form, name, file.name, catalogue)
     except DesignError as error:
         raise DesignError(f"{file}: {error}") from error
 
@@ -114,7 +116,7 @@ def _report_triage(order: Order, options: argparse.Namespace) -> None:
     except PlannerError as error:
         print(f"  nothing to plan: {error}")
     else:
-        print_by_hand(work)
+        print_triage(work)
 
 
 def _report(imported: Imported, *, verbose: bool) -> None:

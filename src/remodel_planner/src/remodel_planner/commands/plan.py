@@ -6,7 +6,7 @@ import argparse
 import time
 from pathlib import Path
 
-from remodel_planner.commands.options.design_orders import print_by_hand
+from remodel_planner.commands.options.design_orders import print_triage
 from remodel_planner.commands.options.entry import refuses
 from remodel_planner.commands.options.limits import seconds, seed
 from remodel_planner.commands.options.problem_files import add_problem_options, read_problem
@@ -20,7 +20,7 @@ from remodel_planning.edge.order_planner import require_valid
 from remodel_planning.edge.search_kernel import Kernel
 
 
-@refuses("plan", 1)
+@refuses("plan")
 def main(arguments: list[str] | None = None) -> int:
     """Plan, check the plan, write it, and return the exit code."""
     parser = argparse.ArgumentParser(
@@ -62,7 +62,7 @@ def _plan(options: argparse.Namespace) -> None:
     print(f"first plan: cost {first.cost} after {first_ms:.1f} ms")
     print(f"search: {_ending(result, limits)}; plan: {options.output}")
     if files.prepared is not None:
-        print_by_hand(files.prepared.order)
+        print_triage(files.prepared.order)
 
 
 def _ending(result: Result, limits: Limits) -> str:

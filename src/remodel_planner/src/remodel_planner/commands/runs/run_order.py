@@ -15,7 +15,10 @@ from remodel_planner.commands.runs.attempt_reporter import AttemptReporter
 from remodel_planner.commands.runs.run_follower import RunFollower
 from remodel_planner.core.reports.run_report import Report
 from remodel_planner.edge.report_files import write_report
+from remodel_planning.core.decomposition.triage import triaged
+from remodel_planning.core.orders.board_order import board_order
 from remodel_planning.core.orders.cell_order import USE_CASE
+from remodel_planning.edge.use_case_files import find_use_case
 from remodel_production.core.board.board import board_of
 from remodel_production.core.panel.panel_layout import PanelRules, lay_out
 from remodel_production.core.production import Order
@@ -136,8 +139,25 @@ def _report(
     done = [name for name, task in state.tasks.items() if task.stage is Stage.DONE]
     before = sum(name not in here for name in done)
     return Report(
-        order, len(state.tasks), wall_s, reports, overview=overview, stopped=stopped, before=before
+        order,
+        len(state.tasks),
+        wall_s,
+        reports,
+        overview=overview,
+        stopped=stopped,
+        before=before,
+        triage=_triage(order, state.use_case),
     )
+
+
+def _triage(order: Order, use_case: str) -> tuple[str, ...]:
+    """Return a line for each wire by hand, and for wires that are done by another method."""
+    if use_case in ("", USE_CASE):
+        return ()
+    methods = find_use_case(use_case)
+    board = board_of(order, read_catalogue(catalogue_file()))
+    found = triaged(board_order(board, methods, arms=1), methods)
+    return tuple(map(str, (*found.other_methods, *found.by_hand)))
 
 
 def _lengths(order: Order, state: RunState) -> dict[str, float]:

@@ -87,6 +87,7 @@ class Report:
         overview: pictures of the whole cell.
         stopped: why the run ended before its time; empty if it did not.
         before: number of those wires that earlier runs, or other cells, have placed.
+        triage: a line for each wire by hand, and for wires that are done by another method.
     """
 
     order: Order
@@ -96,6 +97,7 @@ class Report:
     overview: tuple[Picture, ...]
     stopped: str = ""
     before: int = 0
+    triage: tuple[str, ...] = ()
 
     @property
     def placed(self) -> int:
@@ -189,6 +191,7 @@ def report_data(report: Report) -> Mapping[str, object]:
         "wall_s": round(report.wall_s, 1),
         "cell_s": round(report.cell_s, 1),
         "wires": [_attempt_data(attempt) for attempt in report.attempts],
+        "triage": list(report.triage),
         "notes": list(report.order.notes),
     }
 

@@ -169,7 +169,7 @@ class _Run:
         if not ended:
             reasons = "; ".join(f"{t} {m}: {why}" for (t, m), why in self._rejected.items())
             raise InstanceError(
-                f"task {self._task.name}: no method of use case {self._d.use_case.name} does it: "
+                f"task {self._task.name}: no method of {self._d.use_case.file_name} does it: "
                 f"{reasons}"
             )
         route, state = min(ended, key=lambda pair: pair[1].rank)
