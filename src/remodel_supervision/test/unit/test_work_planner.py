@@ -312,5 +312,23 @@ def test_an_end_that_another_plan_has_connected_is_not_taken_for_the_last(arms):
     assert usual.left("ab") == ()
 
 
+def test_each_arm_that_has_a_part_in_a_task_is_cleared():
+    order = cabinet_order(2)
+    planner = planner_of(order)
+    handed_over = 0
+    for name in planner.plan([task.name for task in order.tasks]):
+        arms = planner.task(name).arms
+        handed_over += len(arms) > 1
+        chart = planner.chart(name, Part.CLEAR, (), ())
+        cleared = [p.value for node in chart.nodes for p in node.params if p.name == "robot_name"]
+        assert cleared == list(arms)
+        following = [*(node.id for node in chart.nodes[1:]), "finished"]
+        for node, then in zip(chart.nodes, following, strict=True):
+            targets = {each.event: each.target for each in node.transitions}
+            refused = "failed" if then == "finished" else then
+            assert targets == {"placed": then, "failed": "failed", "command_error": refused}
+    assert handed_over
+
+
 def is_insertion(step):
     return step.action.type == "InsertCableState"
