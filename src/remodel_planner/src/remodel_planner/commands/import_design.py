@@ -17,7 +17,9 @@ from remodel_planner.commands.options.design_orders import (
 from remodel_planner.commands.options.entry import refuses
 from remodel_planning.core.decomposition.preparation import prepare
 from remodel_planning.edge.yaml_file import read_yaml
+from remodel_production.core.board.board import board_of
 from remodel_production.core.board.cabinet import laid_out
+from remodel_production.core.board.wire_lengths import length_findings
 from remodel_production.core.catalogue import Catalogue
 from remodel_production.core.imports.formats import WIRE_LIST, format_of, import_design
 from remodel_production.core.imports.shared.account import Imported
@@ -38,7 +40,8 @@ def main(arguments: list[str] | None = None) -> int:
     parser = argparse.ArgumentParser(
         prog="planner import",
         description="Read a design file into the production database: a QElectroTech project, a "
-        "KBL or WireViz harness, a from-to list (CSV), or a file of an importer plug-in's format.",
+        "KBL or WireViz harness, a from-to list (CSV or XLSX), or a file of an importer plug-in's "
+        "format.",
         epilog="Exit code: 0 imported, 1 refused (nothing is stored), 2 wrong usage.",
     )
     parser.add_argument("file", type=Path, help="design file")
@@ -49,12 +52,12 @@ def main(arguments: list[str] | None = None) -> int:
         help="of the file; default: by its content",
     )
     parser.add_argument(
-        "--mapping", type=Path, metavar="FILE", help="YAML of what the columns of a CSV file mean"
+        "--mapping", type=Path, metavar="FILE", help="YAML of what the columns of a list mean"
     )
     parser.add_argument(
         "--print-mapping",
         action="store_true",
-        help="print the mapping by which a CSV file is read, to correct it for --mapping; import "
+        help="print the mapping by which a list is read, to correct it for --mapping; import "
         "nothing",
     )
     parser.add_argument(
@@ -77,6 +80,7 @@ def main(arguments: list[str] | None = None) -> int:
     with closing(ProductionDatabase(options.database)) as database:
         database.add_order(order, preferences, read_abilities())
     _report(imported, verbose=options.verbose)
+    _report_lengths(imported, order, catalogue, verbose=options.verbose)
     _report_triage(order, options)
     return 0
 
@@ -107,6 +111,29 @@ def _preferences(options: argparse.Namespace, order: Order) -> object:
     work, use_case = design_order(order, options)
     prepare(work, use_case, [(str(file), document)])
     return document
+
+
+def _report_lengths(
+    imported: Imported, order: Order, catalogue: Catalogue, *, verbose: bool
+) -> None:
+    """Print which lengths of the design do not fit the board."""
+    stated = {wire.name for wire in imported.order.wires if wire.length_m is not None}
+    if not stated:
+        return
+    findings = length_findings(board_of(order, catalogue), stated)
+    for lines, what in zip(
+        findings,
+        (
+            "wires are shorter than their routes on the board.",
+            "wires are more than three times as long as their routes; is their unit right?",
+        ),
+        strict=True,
+    ):
+        if lines and verbose:
+            print(f"  {len(lines)} {what}")
+            print("\n".join(f"    {line}" for line in lines))
+        elif lines:
+            print(f"  {len(lines)} {what} The worst: {lines[0]}")
 
 
 def _report_triage(order: Order, options: argparse.Namespace) -> None:
