@@ -14,7 +14,7 @@ from remodel_console.console import Console
 from remodel_console.core.run.run_view import Phase
 from remodel_console.desk import Journal
 from remodel_console.ros import topics
-from remodel_console.ros.camera_link import CameraLink
+from remodel_console.ros.cell.camera_link import CameraLink
 from remodel_console.ros.command_server import CommandServer
 from remodel_console.ros.engine_link import EngineLink
 from remodel_console.ros.input_server import InputServer

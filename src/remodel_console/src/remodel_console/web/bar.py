@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Callable, Mapping
+from contextlib import AbstractContextManager
 
 from nicegui import ui
 
@@ -44,7 +45,7 @@ class Bar:
         title: str,
         cookies: Mapping[str, str],
         keys: Keys,
-        dialog: Callable[[], object],
+        dialog: Callable[[str], AbstractContextManager[ui.dialog]],
         on_hidden: Callable[[bool], None],
         *,
         is_operator: bool,
@@ -55,7 +56,7 @@ class Bar:
             title: of the page.
             cookies: of the browser, which keep its settings.
             keys: those of the page, for the list.
-            dialog: opens a dialog, as a context manager.
+            dialog: opens a dialog of a name.
             on_hidden: gets whether the page is in the background, whenever that changes.
             is_operator: the user may give commands.
         """
@@ -106,7 +107,7 @@ class Bar:
         """Show which keys do what, and whether single keys do anything."""
         pages = ((f"Alt+{n}", name) for n, (name, _) in enumerate(PAGES, start=1))
         canvas = (("+  -  0", "zoom in, zoom out, show all (after a click on the drawing)"),)
-        with self._dialog():
+        with self._dialog("Keys"):
             ui.label("Keys").classes("title")
             single = ui.checkbox("Keys without Ctrl and Alt", value=self.has_single_keys)
             single.on_value_change(lambda: self._set_single_keys(bool(single.value)))
@@ -126,7 +127,7 @@ class Bar:
         _set_cookie(DARK_COOKIE, _DEEDS[bool(self._dark.value)])
 
     def _ask_name(self) -> None:
-        with self._dialog() as dialog:
+        with self._dialog("Your name") as dialog:
             ui.label("Your name").classes("title")
             ui.label("The console records your commands under this name.").classes("soft")
             entry = ui.input("Name", value=self.name).props("outlined dense autofocus")
@@ -141,7 +142,7 @@ class Bar:
             ui.button("Save", on_click=take).props("no-caps unelevated")
 
     def _ask_notifications(self) -> None:
-        with self._dialog():
+        with self._dialog("Notifications"):
             ui.label("When the cell waits for a person").classes("title")
             notify = ui.checkbox("Show a notification of the browser", value=self._notify)
             sound = ui.checkbox("Play a sound", value=self._sound)

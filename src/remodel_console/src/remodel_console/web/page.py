@@ -129,9 +129,10 @@ class Page:
         return made
 
     @contextmanager
-    def dialog(self) -> Iterator[ui.dialog]:
+    def dialog(self, name: str = "Question") -> Iterator[ui.dialog]:
         """Open a dialog; what is added inside is in it. It is gone once it is closed."""
         with self._dialogs, ui.dialog(value=True) as dialog, ui.card().classes("card"):
+            dialog.props(f'aria-label="{name}"')
             dialog.on("hide", dialog.delete)
             yield dialog
 

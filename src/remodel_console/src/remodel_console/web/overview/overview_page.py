@@ -48,15 +48,15 @@ class OverviewPage(Page):
         pictures.add_viewer(1)
         ui.context.client.on_delete(lambda: pictures.add_viewer(-1))
         with ui.element("div").classes("overview"):
-            with ui.element("section").classes("order"):
+            with ui.element("section").classes("order").props('tabindex="0" aria-label="Order"'):
                 self._head_area = ui.element("div").classes("order-head")
                 skip, retry = partial(self._do_task, "skip"), partial(self._do_task, "retry")
                 self._tasks = TaskTable(skip, retry, is_operator=self.is_operator)
-            with ui.element("section").classes("watch"):
+            with ui.element("section").classes("watch").props('tabindex="0" aria-label="Cell"'):
                 with ui.element("div").classes("cameras"):
                     self._cameras = {name: CameraView(*words) for name, *words in _CAMERAS}
                 self._figures = FigureCards()
-            with ui.element("aside").classes("panel"):
+            with ui.element("aside").classes("panel").props('tabindex="0" aria-label="Activity"'):
                 ui.label("Activity of each level").classes("heading")
                 self._levels = ui.element("div").classes("levels")
                 ui.label("Failures").classes("heading")

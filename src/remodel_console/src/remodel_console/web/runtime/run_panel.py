@@ -50,7 +50,7 @@ class RunPanel:
         self._level_before = _FIRST_LEVEL
         self._outcomes: ui.element | None = None
         self._outcomes_of = ""
-        with ui.element("aside").classes("panel"):
+        with ui.element("aside").classes("panel").props('tabindex="0" aria-label="Commands"'):
             self._area = ui.element("div").classes("run-area")
             self._stop = page.button("Stop", self._ask_stop, icon="stop", look="stop")
             self._userdata = self._build_userdata()
