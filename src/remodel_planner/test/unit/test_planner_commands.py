@@ -19,7 +19,11 @@ from remodel_planner.commands import explain as explain_command
 from remodel_planner.commands import plan as plan_command
 from remodel_planner.commands import sequence as sequence_command
 from remodel_planner.commands import tasks as tasks_command
+from remodel_planning.core.problem.instance import problem_from
 from remodel_planning.core.search import annealing
+from remodel_planning.core.search.tables import tables_of
+from remodel_planning.edge.anytime_planner import exchange
+from remodel_planning.edge.search_kernel import Kernel
 
 DATA = Path(__file__).parents[3] / "remodel_cable_tree/test/unit/data"
 WAIT_S = 20.0
@@ -368,3 +372,34 @@ def test_check_names_the_requirement_that_a_plan_breaks(tmp_path, capsys):
     assert check_command.main([str(panel), str(output), "--preferences", str(wishes)]) == 1
     violations = json.loads(capsys.readouterr().out)["violations"]
     assert any(f"routing wire {free[-1]}, as `w goes lowest` requires," in v for v in violations)
+
+
+def test_a_search_by_moves_gives_the_same_plan_whatever_the_clock_and_the_cores(
+    tmp_path, capsys, monkeypatch
+):
+    panel = tmp_path / "panel.json"
+    panel.write_text(json.dumps(random_panel(30, 3, 2)))
+    texts = []
+    for cores in ({0}, set(range(8))):
+        monkeypatch.setattr(os, "sched_getaffinity", lambda _, cores=cores: cores)
+        code, output = plan(panel, "--moves", "3000", "--time-limit", "0")
+        assert code == 0
+        assert "search: done" in capsys.readouterr().out
+        texts.append(output.read_text())
+    assert texts[0] == texts[1]
+    with pytest.raises(SystemExit) as ended:
+        plan(panel, "--moves", "0")
+    assert ended.value.code == 2
+
+
+def test_searches_go_on_from_the_best_plan_of_all():
+    problem = problem_from(random_panel(30, 3, 2))
+    loaded = Kernel().load(tables_of(problem))
+    searches = [loaded.search(seed) for seed in range(3)]
+    for search, moves in zip(searches, (10, 3000, 10), strict=True):
+        search.construct()
+        search.anneal(moves, 20.0, 1.0)
+    least = min(search.best()[0] for search in searches)
+    assert len({search.best()[0] for search in searches}) > 1
+    exchange(searches)
+    assert [search.best()[0] for search in searches] == [least] * 3

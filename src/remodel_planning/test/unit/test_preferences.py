@@ -97,8 +97,7 @@ def test_requirements_bind_the_plan(problem):
         (
             "require: [{name: x, pick: w1, before: w2}]",
             r"require\[0\]: requires nothing that is known, found name, pick, before; beside "
-            r"`name`, give one of: `route` with `before`.*`arm` with.*`avoid_segment`; `insert` "
-            r"with",
+            r"`name`, give one of: `route` with `before`.*`arm` with.*`avoid_segment`; `insert`",
         ),
         ("require: [{name: x, arm: R, x_mm: 3}]", r"x_mm: expected two integers"),
         ("require: [{name: x, arm: R, out_of: C}]", r"out_of: expected one of "),

@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 import argparse
+import math
 import time
 from pathlib import Path
 
 from remodel_planner.commands.options.design_orders import print_triage
 from remodel_planner.commands.options.entry import refuses
-from remodel_planner.commands.options.limits import seconds, seed
+from remodel_planner.commands.options.limits import moves, seconds, seed
 from remodel_planner.commands.options.problem_files import (
     ConflictError,
     add_problem_options,
@@ -41,6 +42,12 @@ def main(arguments: list[str] | None = None) -> int:
     parser.add_argument("--output", type=Path, required=True, help="file of the plan (JSON)")
     parser.add_argument(
         "--time-limit", type=seconds, default=1.0, metavar="S", help="[s] of search (default 1)"
+    )
+    parser.add_argument(
+        "--moves",
+        type=moves,
+        metavar="N",
+        help="end each search after N moves and not by the clock: the same plan on any machine",
     )
     parser.add_argument("--seed", type=seed, default=1, help="decides among equals (default 1)")
     parser.add_argument("--target", type=int, metavar="COST", help="stop at this cost")
@@ -86,7 +93,8 @@ def _plan(options: argparse.Namespace) -> None:
         first = planner.first()
         first_ms = 1e3 * (time.perf_counter() - started)
         _write(first, options.output)
-        limits = Limits(options.time_limit, options.target, stopped)
+        limit_s = options.time_limit if options.moves is None else math.inf
+        limits = Limits(limit_s, options.target, stopped, options.moves)
         result = planner.improved(limits)
     best = min(first, result.planned, key=lambda planned: planned.cost)
     _write(best, options.output)
