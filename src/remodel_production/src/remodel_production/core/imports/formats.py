@@ -10,6 +10,7 @@ from remodel_production.core.imports.design_format import DesignFile, DesignForm
 from remodel_production.core.imports.kbl import import_kbl
 from remodel_production.core.imports.qet import import_qet
 from remodel_production.core.imports.shared.account import Imported
+from remodel_production.core.imports.shared.spreadsheet import is_spreadsheet
 from remodel_production.core.imports.shared.text_encoding import decode
 from remodel_production.core.imports.shared.xml_tree import local_name, parse_xml
 from remodel_production.core.imports.terminal_access import with_access
@@ -38,8 +39,9 @@ def built_in_formats(mappings: Sequence[WireListMapping]) -> tuple[DesignFormat,
         return not file.is_markup and _WIREVIZ.search(file.text) is not None
 
     def is_wire_list(file: DesignFile) -> bool:
-        is_other = file.is_markup or not file.text or is_wireviz(file)
-        return not is_other and fits(file.data, mappings)
+        if not is_spreadsheet(file.data) and (not file.text or file.is_markup or is_wireviz(file)):
+            return False
+        return fits(file.data, mappings)
 
     def read_wire_list(data: bytes, name: str, source: str, catalogue: Catalogue) -> Imported:
         return import_wire_list(data, name, source, catalogue, mappings=mappings)
@@ -61,7 +63,7 @@ def built_in_formats(mappings: Sequence[WireListMapping]) -> tuple[DesignFormat,
             "wireviz", "WireViz harnesses (YAML with `connections`)", is_wireviz, import_wireviz
         ),
         DesignFormat(
-            WIRE_LIST, "wire lists (CSV with known headings)", is_wire_list, read_wire_list
+            WIRE_LIST, "wire lists (CSV or XLSX with known headings)", is_wire_list, read_wire_list
         ),
     )
 
@@ -102,6 +104,11 @@ def import_design(
 def _unknown(file: DesignFile, formats: Sequence[DesignFormat]) -> DesignError:
     *titles, last = (form.title for form in formats)
     known = f"{', '.join(titles)}, and {last}" if titles else last
+    if is_spreadsheet(file.data):
+        return DesignError(
+            "no sheet of the workbook has the headings of a wire list; --print-mapping prints a "
+            "mapping to correct, for --mapping"
+        )
     if file.data.startswith(b"PK\x03\x04"):
         return DesignError(f"is a ZIP archive; unpack it, and import the file in it: {known}")
     text, _ = decode(file.data)
