@@ -94,7 +94,7 @@ class CellTest(CellTestCase):
             self.assertEqual(self.on[name].client.get_state(), GoalStatus.REJECTED, name)
             self.assertEqual(result.error_code, code, name)
             self.assertIn(words, result.error_message)
-            self.assertEqual(result.id, f"test-{name}")
+            self.assertEqual(result.id, self.on[name].goal_id)
         self.assertEqual(insert.client.get_goal_status_text(), "socket_pose holds NaN or infinity")
 
     def test_goals_and_requests_of_an_older_owner_are_refused(self):
