@@ -5,7 +5,7 @@ const REST_MS = 400; // between two moves of the drawing after what is active
 
 export default {
   template: `
-    <div class="canvas-frame" tabindex="0" role="img" :aria-label="label" @keydown="key">
+    <div class="canvas-frame" tabindex="0" role="group" :aria-label="label" @keydown="key">
       <div ref="stage" class="canvas-stage" @wheel.prevent="wheel" @pointerdown="down" @pointermove="move"
            @pointerup="up" @pointercancel="up"></div>
       <div ref="map" class="canvas-map" @pointerdown="jump"></div>

@@ -12,7 +12,9 @@ import rospy
 from flexbe_core.ros.master import START_LIMIT_S, NoMasterError, join_interruptibly, require_master
 from remodel_planner.commands.options.database_option import add_database_option
 from remodel_planner.commands.runs.attempt_reporter import AttemptReporter
+from remodel_planner.commands.runs.ends_in_cell import ends_in_cell
 from remodel_planner.commands.runs.run_follower import RunFollower
+from remodel_planner.core.reports.net_list import net_list
 from remodel_planner.core.reports.run_report import Report
 from remodel_planner.edge.report_files import write_report
 from remodel_planning.core.decomposition.triage import triaged
@@ -147,6 +149,7 @@ def _report(
         stopped=stopped,
         before=before,
         triage=_triage(order, state.use_case),
+        nets=net_list(order.wires, ends_in_cell()),
     )
 
 
@@ -179,4 +182,10 @@ def _print_summary(report: Report, page: Path) -> None:
         f"failed operation; {report.failures} failed operations; "
         f"{report.cell_s:.0f} s in the cell, {report.wall_s:.0f} s on the clock"
     )
+    if report.nets:
+        wrong = [net for net in report.nets if not net.is_right]
+        right = len(report.nets) - len(wrong)
+        print(f"net list: {right} of {len(report.nets)} wires in the cell are as designed")
+        for net in wrong:
+            print(f"  {net.wire}: designed {' to '.join(map(str, net.designed))}, found {net.says}")
     print(f"report: {page}")

@@ -16,6 +16,7 @@ from dataclasses import dataclass, replace
 from flexbe_synthesizer.core.chart.chart_writer import write_chart
 from flexbe_synthesizer.core.chart.literal import Literal
 from flexbe_synthesizer.core.chart.model import (
+    AnyNode,
     Behavior,
     Chart,
     Connection,
@@ -85,7 +86,7 @@ def in_turn(charts: Sequence[Chart]) -> Chart:
 
     A state that has finished, or refused, goes on to that of the next chart.
     """
-    nodes: list[State | Behavior] = []
+    nodes: list[AnyNode] = []
     connections: list[Connection] = []
     last = len(charts) - 1
     for number, chart in enumerate(charts):
