@@ -157,9 +157,12 @@ def _triage(order: Order, use_case: str) -> tuple[str, ...]:
     """Return a line for each wire by hand, and for wires that are done by another method."""
     if use_case in ("", USE_CASE):
         return ()
-    methods = find_use_case(use_case)
-    board = board_of(order, read_catalogue(catalogue_file()))
-    found = triaged(board_order(board, methods, arms=1), methods)
+    try:
+        methods = find_use_case(use_case)
+        board = board_of(order, read_catalogue(catalogue_file()))
+        found = triaged(board_order(board, methods, arms=1), methods)
+    except PlannerError as error:  # the run is over, and its report is worth more than this part
+        return (str(error),)
     return tuple(map(str, (*found.other_methods, *found.by_hand)))
 
 
