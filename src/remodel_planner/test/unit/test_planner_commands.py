@@ -403,3 +403,17 @@ def test_searches_go_on_from_the_best_plan_of_all():
     assert len({search.best()[0] for search in searches}) > 1
     exchange(searches)
     assert [search.best()[0] for search in searches] == [least] * 3
+
+
+def test_what_only_orders_need_is_not_loaded_to_plan_and_check_a_problem(instance):
+    heavy = ("sqlalchemy", "jsonschema", "lxml", "jinja2", "openpyxl", "rospy", "alembic")
+    program = (
+        "import sys; from remodel_planner.commands import plan, check\n"
+        "file, output = sys.argv[1:]\n"
+        "assert plan.main([file, '--output', output, '--time-limit', '0']) == 0\n"
+        "assert check.main([file, output]) == 0\n"
+        f"print([name for name in {heavy} if name in sys.modules])"
+    )
+    arguments = [sys.executable, "-c", program, str(instance), str(instance.with_name("p.json"))]
+    ended = subprocess.run(arguments, capture_output=True, text=True, timeout=120)
+    assert ended.stdout.splitlines()[-1:] == ["[]"], ended.stderr

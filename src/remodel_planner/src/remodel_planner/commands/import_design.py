@@ -44,8 +44,8 @@ def main(arguments: list[str] | None = None) -> int:
     parser = argparse.ArgumentParser(
         prog="planner import",
         description="Read a design file into the production database: a QElectroTech project, a "
-        "KBL or WireViz harness, a from-to list (CSV or XLSX), or a file of an importer plug-in's "
-        "format.",
+        "KBL, VEC or WireViz harness, a from-to list (CSV or XLSX), or a file of an importer "
+        "plug-in's format.",
         epilog="Exit code: 0 imported, 1 refused (nothing is stored), 2 wrong usage.",
     )
     parser.add_argument("file", type=Path, help="design file")

@@ -7,11 +7,11 @@ from collections.abc import Callable, Sequence
 from contextlib import closing
 from dataclasses import dataclass
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from remodel_planner.commands.options.database_option import add_database_option
 from remodel_planner.commands.options.design_orders import add_design_options, design_order
-from remodel_planning.core.decomposition.preparation import Prepared, prepare
-from remodel_planning.core.orders.work_order import is_order, order_from
+from remodel_planning.core.orders.order_format import is_order
 from remodel_planning.core.problem.conflict import (
     Documents,
     Requirement,
@@ -25,9 +25,12 @@ from remodel_planning.core.problem.plan_form import plan_from
 from remodel_planning.core.problem.preferences import Preferred, apply_preferences
 from remodel_planning.core.problem.problem import Plan, Problem
 from remodel_planning.edge.json_file import read_json
-from remodel_planning.edge.use_case_files import find_use_case
 from remodel_planning.edge.yaml_file import read_yaml
 from remodel_production.errors import InfeasibleError, InstanceError, blamed
+
+# What decomposes tasks takes longer to load than a problem to plan, and problems do not need it.
+if TYPE_CHECKING:
+    from remodel_planning.core.decomposition.preparation import Prepared
 
 _YAML = (".yaml", ".yml")
 
@@ -172,6 +175,7 @@ def _read_stored(
 ) -> tuple[list[tuple[str, object]], Build]:
     """Return the documents of an order of the production database, and what makes its problem."""
     # SQLAlchemy takes longer to load than most problems to plan, and files do not need it.
+    from remodel_planning.core.decomposition.preparation import prepare
     from remodel_production.edge.database.production_database import ProductionDatabase
 
     with closing(ProductionDatabase(options.database)) as database:
@@ -194,6 +198,10 @@ def _read_file(file: Path, situations: frozenset[str]) -> Build:
     """Return what makes the problem that a file states, or that its order makes."""
     data = read_document(file)
     if is_order(data):
+        from remodel_planning.core.decomposition.preparation import prepare
+        from remodel_planning.core.orders.work_order import order_from
+        from remodel_planning.edge.use_case_files import find_use_case
+
         with blamed(file):
             order = order_from(data)
             use_case = find_use_case(order.use_case)
