@@ -23,6 +23,7 @@ from remodel_console.edge.workspace import Workspace
 from remodel_console.errors import CommandError
 from remodel_console.live import Live
 from remodel_console.pictures import Pictures
+from remodel_console.scene import Scene
 from remodel_console.session import Session
 from remodel_console.steering import Steering
 
@@ -90,6 +91,7 @@ class Console:
 
     Attributes:
         pictures: the newest ones of the cell's cameras.
+        scene: the cell in three dimensions.
         steering: commands to the engine.
         supervisor: None until ROS is running.
         recorder: None until ROS is running.
@@ -116,6 +118,7 @@ class Console:
         self.settings = settings
         self.steering = Steering(live, session, catalogue)
         self.pictures = Pictures()
+        self.scene = Scene()
         self.supervisor: Supervisor | None = None
         self.recorder: Recorder | None = None
         self.inputs: Inputs | None = None

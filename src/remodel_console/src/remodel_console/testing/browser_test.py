@@ -20,6 +20,7 @@ from playwright.sync_api import Browser, Locator, Page, expect, sync_playwright
 LIMIT_S = 60.0
 _POLL_S = 0.02
 _IN_PASSING = ".q-notifications { display: none; }"  # what a picture leaves out
+_WEBGL_WITHOUT_GPU = ("--use-angle=swiftshader", "--enable-unsafe-swiftshader")
 _OVERFLOW = "() => document.documentElement.scrollWidth - document.documentElement.clientWidth"
 
 expect.set_options(timeout=LIMIT_S * 1000)
@@ -63,7 +64,7 @@ class BrowserTest(unittest.TestCase):
         cls.addClassCleanup(driver.stop)
         cls.browser = driver.chromium.launch(
             executable_path=shutil.which("chromium"),
-            args=["--no-sandbox", "--disable-gpu", "--disable-dev-shm-usage"],
+            args=["--no-sandbox", "--disable-dev-shm-usage", *_WEBGL_WITHOUT_GPU],
         )
         cls.addClassCleanup(cls.browser.close)
 

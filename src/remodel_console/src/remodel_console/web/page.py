@@ -92,6 +92,9 @@ class Page:
         """Return the notices that only this page shows."""
         return ()
 
+    def set_in_view(self, is_in_view: bool) -> None:
+        """Stop what costs something while the page is in the background, and go on."""
+
     def press(self, key: str, *, ctrl: bool) -> None:
         """Do what a key without Alt means on this page; it commands no robot."""
 
@@ -173,6 +176,7 @@ class Page:
 
     def _set_hidden(self, is_hidden: bool) -> None:
         self._is_hidden = is_hidden
+        self.set_in_view(not is_hidden)
         self._show()
 
     async def _answer(self, card: Card, option: Option) -> None:

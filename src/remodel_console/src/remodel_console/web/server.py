@@ -11,6 +11,7 @@ from starlette.requests import Request
 from starlette.responses import RedirectResponse, Response
 
 from remodel_console.console import Console
+from remodel_console.edge.mesh_file import stl_of
 from remodel_console.errors import CommandError
 from remodel_console.web.broadcast import Broadcast
 from remodel_console.web.configuration_page import ConfigurationPage
@@ -53,6 +54,16 @@ def serve(console: Console, port: int) -> None:
         if found is None:
             return Response("no picture of this camera", 404)
         return Response(found.jpeg, media_type="image/jpeg", headers={"Cache-Control": "no-store"})
+
+    @app.get("/mesh/{robot}/{mesh}")
+    async def mesh(robot: int, mesh: int) -> Response:
+        file = console.scene.mesh_file(robot, mesh)
+        if file is None:
+            return Response("the cell has no such mesh", 404)
+        try:
+            return Response(await on_thread.io_bound(stl_of, file), media_type="model/stl")
+        except (OSError, ValueError) as error:
+            return Response(str(error), 404)
 
     @app.get("/record/{run}/{position}")
     async def recorded(run: int, position: int) -> Response:

@@ -12,7 +12,7 @@ from remodel_console.core.use_case.record_words import KIND_WORDS, entry_words
 from remodel_console.core.world import Notice, World, supervisor_notice
 from remodel_console.errors import CommandError
 from remodel_console.web.behavior_drawing import BehaviorDrawing
-from remodel_console.web.camera_view import CameraView
+from remodel_console.web.cell.camera_view import CameraView
 from remodel_console.web.page import Page
 from remodel_console.web.replay.run_list import RunList
 from remodel_console.web.replay.scrubber import Scrubber

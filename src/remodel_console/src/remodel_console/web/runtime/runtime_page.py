@@ -10,6 +10,7 @@ from remodel_console.core.run.run_view import Phase, RunView
 from remodel_console.core.run.run_words import state_words
 from remodel_console.core.world import World
 from remodel_console.web.behavior_drawing import BehaviorDrawing
+from remodel_console.web.cell.cell_panel import CellPanel
 from remodel_console.web.log_pane import LogPane
 from remodel_console.web.page import Page
 from remodel_console.web.runtime.run_panel import RunPanel
@@ -48,6 +49,8 @@ class RuntimePage(Page):
                     _ROOM,
                 )
             self._panel = RunPanel(self, self.order)
+            with self._panel.area:
+                self._cell = CellPanel(self.console)
             with ui.element("section").classes("log-area"):
                 self._log = LogPane()
 
@@ -69,6 +72,7 @@ class RuntimePage(Page):
         self._light(view)
         self._check_for_newer_version(view)
         self._panel.show(view, running, loaded, self._newer)
+        self._cell.show(world.use_case)
 
     def _draw(self, name: str) -> None:
         """Draw a behavior, unless this version of it is drawn already."""
@@ -85,6 +89,10 @@ class RuntimePage(Page):
         if cause != self._newer_for:
             self._newer_for = cause
             self._newer = self.console.steering.newer_version()
+
+    def set_in_view(self, is_in_view: bool) -> None:
+        """Draw the cell only while the page is in view."""
+        self._cell.set_shown(is_in_view)
 
     def press_with_alt(self, key: str) -> None:
         """Command the running behavior."""
