@@ -15,6 +15,7 @@ from remodel_console.core.access import Actor, Role, tidy_name
 from remodel_console.core.answer import DONE, CommandResult
 from remodel_console.core.commands import Command, Verb
 from remodel_console.core.world import Notice, World, notices
+from remodel_console.session import Session
 from remodel_console.web.broadcast import Broadcast
 from remodel_console.web.guard import role_of
 from remodel_console.web.own_thread import on_own_thread
@@ -133,9 +134,14 @@ class Page:
                 button.on_click(dialog.close)
                 ui.button("Cancel", on_click=dialog.close).props("no-caps flat")
 
+    @property
+    def session(self) -> Session:
+        """Return the session that this page loads behaviors into."""
+        return self.console.session
+
     async def load(self, name: str) -> None:
         """Load a behavior into the session; ask first if something would be lost."""
-        session = self.console.session
+        session = self.session
         command = Command(f"load {name}", Verb.LOAD, {"name": name})
 
         async def do() -> None:
