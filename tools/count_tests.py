@@ -1,5 +1,8 @@
 #!/usr/bin/env python3
-"""Print which tests failed, and how many passed, from the result files below a folder."""
+"""Print which tests failed, and how many passed, from the result files below a folder.
+
+Tests that `run_failed_again.py` ran a second time are named; they count as they ended then.
+"""
 
 import sys
 import xml.etree.ElementTree as ElementTree
@@ -50,7 +53,11 @@ def count(folder: Path) -> Count:
 
 def main() -> int:
     """Print the count and return the exit code: 0 only if there were tests and none failed."""
-    found = count(Path(sys.argv[1]))
+    results = Path(sys.argv[1])
+    found = count(results)
+    first = count(results.with_name(f"{results.name}_first"))
+    for line in first.failed:
+        print(f"failed while other tests ran, then run again alone: {line}")
     for line in found.failed:
         print(f"failed: {line}")
     skipped = f", {found.skipped} skipped" if found.skipped else ""

@@ -75,7 +75,7 @@ class ConsoleTest(BehaviorTestCase):
         held = page.locator(".held", has_text="Locked:")
 
         def is_held():
-            page.keyboard.press("l")
+            page.keyboard.press("Alt+l")
             with contextlib.suppress(AssertionError):
                 expect(held).to_be_visible(timeout=2000)
             return held.count()
@@ -100,7 +100,7 @@ class ConsoleTest(BehaviorTestCase):
         self.press(self.page, "Read")
         expect(self.page.locator("table.plain")).to_contain_text("good morning")
         self.take_picture(self.page, "runtime-request")
-        self.page.keyboard.press("c")
+        self.page.keyboard.press("Alt+c")
         expect(self.page.locator(".ending")).to_have_text("The last run ended with 'finished'.")
         commands = [json.loads(line) for line in self.record.read_text().splitlines()]
         given = [(c["who"], c["command"], c["state"]) for c in commands]
@@ -236,12 +236,14 @@ class ConsoleTest(BehaviorTestCase):
         self.choose(self.page, "Autonomy", "Low")
         self.press(self.page, "Start")
         expect(self.page.locator(".request")).to_be_visible()
+        self.page.evaluate("() => { window.isOld = true; }")
         self.kill("console")
         self.start_console()
-        self.press(self.page, "Load 'Errand'")
-        self.press(self.page, "Attach")
+        self.page.wait_for_function("() => !window.isOld")
+        expect(self.page.get_by_role("combobox", name="Autonomy")).to_have_value("Low")
+        expect(self.page.locator(".log")).to_contain_text("The errand says hello.")
         expect(self.page.locator(".request")).to_contain_text("Leave 'Report' with 'done'?")
-        self.page.keyboard.press("c")
+        self.page.keyboard.press("Alt+c")
         expect(self.page.locator(".ending")).to_have_text("The last run ended with 'finished'.")
 
     def start_master(self, port):
@@ -255,7 +257,10 @@ class ConsoleTest(BehaviorTestCase):
     def test_who_only_watches_sees_ros_come_late_go_and_come_back(self):
         port, master = free_port(), free_port()
         uri = {"ROS_MASTER_URI": f"http://127.0.0.1:{master}"}
-        self.start_console_at("late", port, "--token", "lead", "--watch-token", "look", **uri)
+        tokens = self.folder / "tokens.json"
+        tokens.write_text('{"operator": "lead", "observer": "look"}')
+        tokens.chmod(0o600)
+        self.start_console_at("late", port, "--tokens", str(tokens), **uri)
         page = self.open_page(port=port)
         expect(page.get_by_text("requires its token.")).to_be_visible()
         page.get_by_label("Token").fill("look")

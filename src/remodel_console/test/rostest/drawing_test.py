@@ -1,13 +1,14 @@
 #!/usr/bin/env python3
 """The drawing of the editor in a real browser: built by dragging, moved, copied, searched, run."""
 
+import contextlib
 import sys
 from pathlib import Path
 from typing import ClassVar
 
 import rospy
 import rostest
-from playwright.sync_api import expect
+from playwright.sync_api import Error, expect
 
 sys.path.insert(0, str(Path(__file__).parent))
 from behavior_test_case import BehaviorTestCase
@@ -73,10 +74,20 @@ class DrawingTest(BehaviorTestCase):
     def drag_outcome(self, state, event, target):
         """Drag an outcome of a state to where it leads."""
         handle = self.page.get_by_label(f"Outcome {event} of {state}", exact=True)
-        handle.hover()
+
+        def is_there():
+            self.page.mouse.move(*self.where(self.page, state))
+            with contextlib.suppress(Error):  # drawn again just now
+                handle.hover(timeout=2000)
+                return True
+            return False
+
+        self.wait_until(is_there, event)
         self.page.mouse.down()
         self.page.mouse.move(*self.where(self.page, target), steps=4)
         self.page.mouse.up()
+        edge = f".canvas-outline li.edge[data-source='{state}'][data-target='{target}']"
+        expect(self.page.locator(edge)).to_have_count(1)
 
     def xml_contains(self, text):
         self.page.get_by_role("tab", name="XML").click()
@@ -102,9 +113,9 @@ class DrawingTest(BehaviorTestCase):
         page.keyboard.press("Control+c")
         page.keyboard.press("Control+v")
         expect(page.locator(".properties").get_by_label("Name", exact=True)).to_have_value("Wait 2")
+        self.drawn("Wait 2").wait_for(state="attached")
         self.drag_outcome("Wait 2", "done", "finished")
         clicks += 1
-        page.mouse.move(*self.where(page, "Wait"))
         self.drag_outcome("Wait", "done", "Wait 2")
         clicks += 1
         expect(page.locator(".problems")).to_contain_text("No errors.")
@@ -189,7 +200,7 @@ class DrawingTest(BehaviorTestCase):
             "the inputs: greeting is read by Greet"
         )
         self.press(page, "Data flow")
-        self.assertEqual(page.evaluate(FLOWS), ["greeting"])
+        self.wait_until(lambda: page.evaluate(FLOWS) == ["greeting"], "the data flow")
         self.take_picture(page, "editor-data-flow")
         asked, free = page.evaluate(COLOUR, "done · high"), page.evaluate(COLOUR, "found")
         self.assertNotEqual(asked, free)

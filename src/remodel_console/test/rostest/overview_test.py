@@ -101,7 +101,7 @@ class OverviewTest(BehaviorTestCase):
         """Pause while the cell moves, stop it, and resume."""
         page, phase = self.page, self.page.locator(".order .state")
         supervisor.standstill.clear()
-        page.keyboard.press("p")
+        page.keyboard.press("Alt+p")
         expect(phase).to_have_text("pausing…")
         expect(page.locator(".order-head")).to_contain_text("pausing… ")
         self.press(page, "Skip W6")  # the page does not wait for the answer

@@ -85,6 +85,7 @@ def serve(console: Console, port: int) -> None:
             host=console.door.host,
             port=port,
             title="REMODEL",
+            language="en-US",
             favicon=_STATIC / "icon.svg",
             reconnect_timeout=_RECONNECT_S,
             show=False,

@@ -74,7 +74,7 @@ class EditorPage(EditingPage):
                     with ui.tab_panel("Properties"):
                         self._properties = PropertiesPanel(self)
                     with ui.tab_panel("XML").classes("xml-pane"):
-                        self.xml = XmlPane(self._take_typed, is_dark=bool(self._dark.value))
+                        self.xml = XmlPane(self._take_typed, is_dark=self.is_dark)
                     with ui.tab_panel("Changes"):
                         self._changes = ChangesPanel(self)
                     with ui.tab_panel("Certificate"):

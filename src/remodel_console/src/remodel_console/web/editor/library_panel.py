@@ -26,7 +26,7 @@ class LibraryPanel:
         self._page = page
         self._known: object = None
         self._entries: list[tuple[str, ui.element]] = []
-        with ui.element("aside").classes("library"):
+        with ui.element("aside").classes("library").props('aria-label="Library"'):
             self._search = ui.input(placeholder="Find a state", on_change=self._filter)
             self._search.props('outlined dense clearable aria-label="Find a state"')
             self._search.on("focus", self._list_again)

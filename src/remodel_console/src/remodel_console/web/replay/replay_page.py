@@ -47,7 +47,7 @@ class ReplayPage(Page):
                     "No behavior of this task has run yet.",
                 )
             self._scrubber = Scrubber(self._show_moment)
-            with ui.element("aside").classes("panel"):
+            with ui.element("aside").classes("panel").props('tabindex="0" aria-label="Moment"'):
                 self._now = ui.element("div").classes("wide")
                 self._picture = CameraView(
                     "Last camera picture", "no picture was stored up to this time"

@@ -11,7 +11,7 @@ from remodel_console.core.world import World
 from remodel_console.web.behavior_drawing import BehaviorDrawing
 from remodel_console.web.log_pane import LogPane
 from remodel_console.web.page import Page
-from remodel_console.web.runtime.run_panel import RunPanel, confirmation_of
+from remodel_console.web.runtime.run_panel import RunPanel
 
 _READABLE_S = 0.25  # between two changes of what is there to click
 
@@ -20,10 +20,10 @@ class RuntimePage(Page):
     """The page of the behavior that runs."""
 
     KEYS = (
-        ("C", "confirm the engine's request"),
-        ("P", "pause or continue"),
-        ("R", "repeat the active state"),
-        ("L", "lock or unlock the active state"),
+        ("Alt+P", "pause or continue"),
+        ("Alt+R", "repeat the active state"),
+        ("Alt+L", "lock or unlock the active state"),
+        ("Alt+S", "step mode on or off"),
     )
 
     def build(self) -> None:
@@ -82,18 +82,18 @@ class RuntimePage(Page):
             self._newer_for = cause
             self._newer = self.console.steering.newer_version()
 
-    def press(self, key: str, *, ctrl: bool) -> None:
-        """Do what a key means on this page."""
+    def press_with_alt(self, key: str) -> None:
+        """Command the running behavior."""
         view = self.console.live.world.run
-        if ctrl or not view.is_supervised:
+        if not view.is_supervised or not self.is_operator:
             return
-        orders: dict[str, Order | None] = {
-            "c": confirmation_of(view),
+        orders: dict[str, Order] = {
             "p": Resume() if view.is_paused else Pause(),
             "r": Repeat(),
             "l": Hold(view.active) if view.held is None else Release(view.held),
+            "s": self._panel.other_mode(view),
         }
-        order = orders.get(key.lower())
+        order = orders.get(key)
         if order is not None:
             background_tasks.create(self.order(order))
 

@@ -108,6 +108,7 @@ export default {
       if (turn !== this.turn) return; // another drawing has come meanwhile
       const cy = this.cy;
       const keeps = keepsView && cy.elements().nonempty() && !this.seesAll(); // what was seen whole stays so
+      const handled = cy.getElementById(this.handled || "").data("path");
       this.scopes = found.scopes;
       this.name = graph.name;
       cy.startBatch();
@@ -123,6 +124,7 @@ export default {
       this.marked = new Map();
       this.lightUp(this.active, [...this.passed], true, this.asked);
       this.select(this.wanted, false);
+      if (handled && this.byPath.has(handled)) this.showHandles(this.byPath.get(handled));
       this.drawMap();
       this.$el.dataset.drawn = String(graph.nodes.length);
       requestAnimationFrame(() => setTimeout(() => {

@@ -44,9 +44,13 @@ def design_order(stored: Order, options: argparse.Namespace) -> tuple[WorkOrder,
     return triaged(board_order(board, use_case, options.arms), use_case), use_case
 
 
-def print_by_hand(order: WorkOrder) -> None:
-    """Print how many tasks are for the robot, and each that is by hand, if there is one."""
-    if order.by_hand:
-        print(f"  tasks for the robot: {len(order.tasks)}, by hand: {len(order.by_hand)}")
-    for task in order.by_hand:
-        print(f"    {task}")
+def print_triage(order: WorkOrder) -> None:
+    """Print how many tasks are for the robot, by which other methods, and which are by hand.
+
+    Nothing is printed if all tasks are for the robot, by the preferred methods.
+    """
+    if not order.by_hand and not order.other_methods:
+        return
+    print(f"  tasks for the robot: {len(order.tasks)}, by hand: {len(order.by_hand)}")
+    for line in (*order.other_methods, *order.by_hand):
+        print(f"    {line}")

@@ -156,6 +156,25 @@ class ByHand:
 
 
 @dataclass(frozen=True)
+class OtherMethod:
+    """Tasks that are done by another method than the preferred one.
+
+    Attributes:
+        method: the key and the file that states it, such as `methods.pick.thick in cabinet.yaml`.
+        tasks: names.
+        reason: why the first of them is not done by the preferred method.
+    """
+
+    method: str
+    tasks: tuple[str, ...]
+    reason: str
+
+    def __str__(self) -> str:
+        """Return the line for a person."""
+        return f"{len(self.tasks)} by {self.method}, such as {self.tasks[0]}: not {self.reason}"
+
+
+@dataclass(frozen=True)
 class WorkOrder:
     """Tasks, and where they are to be done.
 
@@ -163,6 +182,7 @@ class WorkOrder:
         components: their characteristics, by name.
         access: to terminals, by name.
         by_hand: what the design has besides the tasks.
+        other_methods: by which some of the tasks are done.
     """
 
     name: str
@@ -175,6 +195,7 @@ class WorkOrder:
     soft_constraints: tuple[SoftConstraint, ...] = ()
     access: dict[str, Access] = field(default_factory=dict)
     by_hand: tuple[ByHand, ...] = ()
+    other_methods: tuple[OtherMethod, ...] = ()
 
 
 def is_order(data: object) -> bool:
