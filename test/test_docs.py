@@ -84,10 +84,10 @@ def broken_commands(page):
         folder = PACKAGES.get(package)
         if folder and not (folder / "nodes" / node).is_file():
             yield f"rosrun {package} {node}: no such node in {folder.relative_to(ROOT)}/nodes"
-        known = subcommands()
-        if (package, node) == ("remodel_planner", "planner") and subcommand.islower():
-            if subcommand not in known:
-                yield f"planner {subcommand}: no such subcommand; there are: {', '.join(known)}"
+        is_planner = (package, node) == ("remodel_planner", "planner") and subcommand.islower()
+        if is_planner and subcommand not in subcommands():
+            known = ", ".join(subcommands())
+            yield f"planner {subcommand}: no such subcommand; there are: {known}"
     for package, launch, arguments in ROSLAUNCH.findall(text):
         folder = PACKAGES.get(package)
         if folder is None:
@@ -144,7 +144,7 @@ def test_the_site_has_every_page_of_the_docs_once():
     # The tags of Material's settings are no values of this test.
     loader = type("Loader", (yaml.SafeLoader,), {})
     loader.add_multi_constructor("tag:yaml.org,2002:python/", lambda *_: None)
-    navigation = yaml.load(SITE.read_text(), loader)["nav"]  # noqa: S506
+    navigation = yaml.load(SITE.read_text(), loader)["nav"]
     listed = [*site_pages(navigation)]
     assert sorted(listed) == sorted(set(listed))
     pages = {str(page.relative_to(ROOT / "docs")) for page in ROOT.glob("docs/**/*.md")}

@@ -15,6 +15,7 @@ from remodel_console.core.run.run_view import Phase
 from remodel_console.desk import Journal
 from remodel_console.ros import topics
 from remodel_console.ros.cell.camera_link import CameraLink
+from remodel_console.ros.cell.scene_link import SceneLink
 from remodel_console.ros.command_server import CommandServer
 from remodel_console.ros.engine_link import EngineLink
 from remodel_console.ros.input_server import InputServer
@@ -53,7 +54,8 @@ def join_ros(console: Console, journal: Journal, end: threading.Event) -> None:
     console.recorder = RecordLink()
     console.inputs = InputServer(console.live.set_inputs)
     CameraLink(console.pictures, lambda: console.live.world.run.phase is Phase.RUNNING, end)
-    console.session.ask_server = ask_synthesis_server
+    SceneLink(console.scene, end)
+    console.sessions.connect(ask_synthesis_server)
     CommandServer(console.session, Runtime(console.steering), lambda: console.settings.now, journal)
     looking = threading.Thread(target=_check, args=(console, link, supervisor, end), daemon=True)
     looking.start()

@@ -127,7 +127,7 @@ class Bar:
         _set_cookie(DARK_COOKIE, _DEEDS[bool(self._dark.value)])
 
     def _ask_name(self) -> None:
-        with self._dialog("Your name") as dialog:
+        with self._dialog("Operator") as dialog:
             ui.label("Your name").classes("title")
             ui.label("The console records your commands under this name.").classes("soft")
             entry = ui.input("Name", value=self.name).props("outlined dense autofocus")

@@ -19,7 +19,8 @@ from remodel_console.core.use_case.use_case import (
     level_rows,
 )
 from remodel_console.core.world import Notice, World, supervisor_notice
-from remodel_console.web.camera_view import CameraView
+from remodel_console.web.cell.camera_view import CameraView
+from remodel_console.web.cell.cell_panel import CellPanel
 from remodel_console.web.overview.figure_cards import FigureCards
 from remodel_console.web.overview.order_form import OrderForm
 from remodel_console.web.overview.run_head import PAUSING, RunHead
@@ -44,15 +45,15 @@ class OverviewPage(Page):
         self._use_case: UseCase | None = None
         self._pending: list[str] = []
         self._head: RunHead | OrderForm | None = None
-        pictures = self.console.pictures
-        pictures.add_viewer(1)
-        ui.context.client.on_delete(lambda: pictures.add_viewer(-1))
+        self._wants_pictures = False
+        ui.context.client.on_delete(lambda: self._want_pictures(False))
         with ui.element("div").classes("overview"):
             with ui.element("section").classes("order").props('tabindex="0" aria-label="Order"'):
                 self._head_area = ui.element("div").classes("order-head")
                 skip, retry = partial(self._do_task, "skip"), partial(self._do_task, "retry")
                 self._tasks = TaskTable(skip, retry, is_operator=self.is_operator)
             with ui.element("section").classes("watch").props('tabindex="0" aria-label="Cell"'):
+                self._cell = CellPanel(self.console)
                 with ui.element("div").classes("cameras"):
                     self._cameras = {name: CameraView(*words) for name, *words in _CAMERAS}
                 self._figures = FigureCards()
@@ -68,6 +69,9 @@ class OverviewPage(Page):
 
     def show(self, world: World) -> None:
         """Show the parts that have changed."""
+        self._cell.show(world.use_case)
+        self._cameras["scene"].set_visibility(not self._cell.is_available)
+        self._want_pictures(not self._cell.is_available)
         for camera, view in self._cameras.items():
             picture = self.console.pictures.newest(camera)
             view.show(f"/picture/{camera}?number={picture.number}" if picture else "")
@@ -82,6 +86,18 @@ class OverviewPage(Page):
             self._show_failures(now)
         if before is None or before.tasks != now.tasks or before.failures != now.failures:
             self._figures.show(figures(now))
+
+    def set_in_view(self, is_in_view: bool) -> None:
+        """Draw the cell, and request pictures of it, only while the page is in view."""
+        self._cell.set_shown(is_in_view)
+        if not is_in_view:
+            self._want_pictures(False)
+
+    def _want_pictures(self, are_wanted: bool) -> None:
+        """Have the cell rendered for people, where it cannot be drawn here."""
+        if are_wanted != self._wants_pictures:
+            self._wants_pictures = are_wanted
+            self.console.pictures.add_viewer(1 if are_wanted else -1)
 
     def press_with_alt(self, key: str) -> None:
         """Pause the run, or resume it."""

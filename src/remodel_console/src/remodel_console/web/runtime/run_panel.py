@@ -40,6 +40,9 @@ class RunPanel:
 
     What depends on the run is rebuilt when that changes; the Stop button never is, so that no click
     on it is lost.
+
+    Attributes:
+        area: the whole panel.
     """
 
     def __init__(self, page: Page, order: Callable[[Order], Awaitable[object]]) -> None:
@@ -50,7 +53,11 @@ class RunPanel:
         self._level_before = _FIRST_LEVEL
         self._outcomes: ui.element | None = None
         self._outcomes_of = ""
-        with ui.element("aside").classes("panel").props('tabindex="0" aria-label="Commands"'):
+        with (
+            ui.element("aside")
+            .classes("panel")
+            .props('tabindex="0" aria-label="Commands"') as self.area
+        ):
             self._area = ui.element("div").classes("run-area")
             self._stop = page.button("Stop", self._ask_stop, icon="stop", look="stop")
             self._userdata = self._build_userdata()
