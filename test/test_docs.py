@@ -117,6 +117,13 @@ def subcommands():
 
 
 @pytest.mark.parametrize("page", PAGES, ids=lambda page: str(page.relative_to(ROOT)))
+def test_python_in_the_docs_compiles(page):
+    for match in FENCE.finditer(page.read_text()):
+        if match["language"] == "python":
+            compile(match["text"], str(page), "exec")
+
+
+@pytest.mark.parametrize("page", PAGES, ids=lambda page: str(page.relative_to(ROOT)))
 def test_links_anchors_and_commands_exist(page):
     assert [*broken_links(page), *broken_commands(page)] == []
 
