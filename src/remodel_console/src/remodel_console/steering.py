@@ -6,7 +6,7 @@ import contextlib
 from typing import Protocol
 
 from remodel_console.core.run.order import Attach, Order, SetAutonomy, ShowStructure, Start, Switch
-from remodel_console.core.run.run_view import Event, Ordered, Phase
+from remodel_console.core.run.run_view import EngineSeen, Event, Ordered, Phase
 from remodel_console.edge.catalogue import Catalogue
 from remodel_console.errors import CommandError
 from remodel_console.live import Live
@@ -39,6 +39,7 @@ class Steering:
         self._names: dict[int, str] = {}  # of behaviors, by the checksums of their sources
         self._unknown = 0  # checksum of what runs, once nothing installed was found to have it
         self._structure_asked = self._joined = 0  # checksums of what that was requested for
+        self._is_heard = False
 
     def take(self, event: Event) -> None:
         """Take in an event of the engine, and request what is not known of a supervised behavior.
@@ -47,11 +48,15 @@ class Steering:
         that the engine repeats what it asks.
         """
         self.live.take(event)
+        if isinstance(event, EngineSeen):
+            self._is_heard = event.is_there
         run = self.live.world.run
         if not run.is_supervised or run.level is None:
             self._structure_asked = self._joined = 0
             return
-        with contextlib.suppress(CommandError):  # the engine is not heard yet; its event follows
+        if not self._is_heard:  # what is latched arrives before the engine can be commanded
+            return
+        with contextlib.suppress(CommandError):  # it has ended meanwhile
             if run.ordered.level is None and self._joined != run.behavior_id:
                 self.order(Attach(run.level))
             self._joined = run.behavior_id

@@ -156,3 +156,9 @@ def test_a_run_that_was_supervised_before_the_console_knew_it_is_supervised():
         assert (view.is_supervised, view.level) == (True, 1)
     assert not after(READY, STARTED, LevelSeen(255)).is_supervised
     assert not after(READY, STARTED, LevelSeen(1), EngineStatus(1, 7), STARTED).is_supervised
+
+
+def test_a_request_that_overtakes_the_answer_to_the_one_before_stays():
+    view = supervised(Asked("/Box/Out", 0), Acknowledged("transition", ("In", "In")))
+    assert view.asked == Asked("/Box/Out", 0)
+    assert step(view, Acknowledged("transition", ("Out", "Out"))).asked is None

@@ -311,6 +311,8 @@ def _on_acknowledged(view: RunView, event: Acknowledged) -> RunView:
         return replace(view, held=args[0])
     if event.command == "unlock" and has_worked:
         return replace(view, held=None)
-    if event.command == "transition" and has_worked:
-        return replace(view, asked=None)
+    if event.command == "transition" and has_worked and view.asked is not None:
+        # The next state may have asked before this arrives: topics have no order.
+        is_answered = view.asked.path.rpartition("/")[2] == args[0]
+        return replace(view, asked=None) if is_answered else view
     return view
