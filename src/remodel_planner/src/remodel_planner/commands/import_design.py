@@ -23,6 +23,7 @@ from remodel_production.core.board.board import board_of
 from remodel_production.core.board.cabinet import laid_out
 from remodel_production.core.board.wire_lengths import length_findings
 from remodel_production.core.catalogue import Catalogue
+from remodel_production.core.counted import counted
 from remodel_production.core.imports.formats import WIRE_LIST, format_of, import_design
 from remodel_production.core.imports.kbl import import_kbl
 from remodel_production.core.imports.shared.account import Imported
@@ -185,17 +186,20 @@ def _report(imported: Imported, *, verbose: bool) -> None:
     order, account = imported.order, imported.account
     inside = len(order.in_cabinet().wires)
     print(f"imported order {order.name}: {order.title}")
-    print(f"  {len(order.components)} components, {len(order.wires)} wires", end="")
+    print(
+        f"  {counted(len(order.components), 'component')}, {counted(len(order.wires), 'wire')}",
+        end="",
+    )
     for things, what in (
-        (order.cables, "cables"),
-        (order.segments, "segments"),
-        (order.clips, "clips"),
+        (order.cables, "cable"),
+        (order.segments, "segment"),
+        (order.clips, "clip"),
     ):
-        print(f", {len(things)} {what}" if things else "", end="")
+        print(f", {counted(len(things), what)}" if things else "", end="")
     print(f"\n  of {account.connections} {account.unit} in the file")
     print(f"    {len(order.wires) - account.wires_joined} are wires")
     if account.joined:
-        print(f"    {account.joined} are merged into {account.wires_joined} wires")
+        print(f"    {account.joined} are merged into {counted(account.wires_joined, 'wire')}")
     for reason, count in Counter(item.reason for item in account.left_out).most_common():
         print(f"    {count} left out: {reason}")
     for column in account.unused_columns:

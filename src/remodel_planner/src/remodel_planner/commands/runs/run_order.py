@@ -22,6 +22,7 @@ from remodel_planning.core.orders.board_order import board_order
 from remodel_planning.core.orders.cell_order import USE_CASE
 from remodel_planning.edge.use_case_files import find_use_case
 from remodel_production.core.board.board import board_of
+from remodel_production.core.counted import counted
 from remodel_production.core.panel.panel_layout import PanelRules, lay_out
 from remodel_production.core.production import Order
 from remodel_production.edge.catalogue_file import read_catalogue
@@ -181,8 +182,9 @@ def _lengths(order: Order, state: RunState) -> dict[str, float]:
 def _print_summary(report: Report, page: Path) -> None:
     before = f" ({report.before} of them before)" if report.before else ""
     print(
-        f"{report.placed} of {report.planned} wires placed{before}, {report.first_pass} without a "
-        f"failed operation; {report.failures} failed operations; "
+        f"{report.placed} of {counted(report.planned, 'wire')} placed{before}, "
+        f"{report.first_pass} without a failed operation; "
+        f"{counted(report.failures, 'failed operation')}; "
         f"{report.cell_s:.0f} s in the cell, {report.wall_s:.0f} s on the clock"
     )
     if report.nets:
