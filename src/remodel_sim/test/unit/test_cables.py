@@ -72,6 +72,14 @@ def test_cables_on_a_jpeg_whose_black_table_is_cut_off_are_found_without_a_warni
         assert cable.width == pytest.approx(8, abs=1)
 
 
+def test_a_picture_with_one_cable_on_black_is_not_dark():
+    picture = np.zeros((480, 640, 3), np.uint8)
+    lay(picture, wave((100, 240), (540, 240), 50, 2000), (190, 80, 90))
+    assert (picture.max(axis=2) >= 75).mean() < 0.02
+    assert detect_cables(picture).warnings == ()
+    assert "the picture is dark" in detect_cables(picture // 4).warnings[0]
+
+
 def test_two_cables_of_one_colour_that_cross_stay_two():
     picture = table()
     lay(picture, wave((60, 240), (580, 240), 50))

@@ -22,7 +22,7 @@ SURE = 0.5
 # A picture is overexposed when this share of it is at the top of the scale, and dark when that
 # share of it stays below a level.
 CLIPPED, TOP = 0.18, 250
-DARK_SHARE, DARK = 0.98, 75
+DARK_SHARE, DARK = 0.995, 75
 # A tip beyond which this share of the contrast is left may be none: true ones leave up to 0.19,
 # ends that noise cut 0.36 to 1.05.
 GOES_ON = 0.28
