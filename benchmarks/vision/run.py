@@ -21,7 +21,7 @@ import cv2
 import numpy as np
 from row import Row, report, start
 from scenes import Kind, make_scene
-from scoring import Score, score
+from scoring import Score, auc, score
 
 from remodel_sim.core.vision.cables import detect_cables
 
@@ -167,6 +167,12 @@ def main() -> None:
             everything += scores
             report(honesty(name, scores))
         report(honesty("all conditions", everything))
+        cables = [cable for s in everything for cable in s.cables]
+        report(Row("all conditions: confidence, AUC", auc(cables), "", at_least=0.95))
+        alone = [ok for s in everything for ok in s.unwarned]
+        report(Row("all conditions: cables without own warnings, right", _percent(alone), "%"))
+        offered = [ok for confidence, ok in cables if confidence >= 0.9]
+        report(Row("all conditions: right from confidence 0.9 on", _percent(offered), "%", 90.0))
 
 
 if __name__ == "__main__":

@@ -92,7 +92,7 @@ def add_sheets(random: np.random.Generator, surface: Image, sheets: int) -> None
 
 
 def add_rails(random: np.random.Generator, surface: Image, rails: int) -> None:
-    """Lay mounting rails across a table top: straight strips of metal, with folded edges."""
+    """Lay mounting rails across a table top: straight strips of metal, with bent edges."""
     height, width = surface.shape[:2]
     for _ in range(rails):
         turn = random.choice([0.0, np.pi / 2]) + random.normal(0, 0.03)
@@ -101,8 +101,8 @@ def add_rails(random: np.random.Generator, surface: Image, rails: int) -> None:
         away = (x - middle[0]) * np.sin(turn) + (y - middle[1]) * np.cos(turn)
         half = random.uniform(12, 24)
         inside = np.clip(half - np.abs(away) + 0.5, 0, 1)[..., None]
-        fold = np.abs(np.abs(away) / half - 0.7) < 0.06
-        shade = 1 + 0.15 * away / half - 0.3 * fold
+        bend = np.abs(np.abs(away) / half - 0.7) < 0.06
+        shade = 1 + 0.15 * away / half - 0.3 * bend
         metal = (RAIL * shade[..., None]).astype(np.float32)
         surface *= (1 - inside).astype(np.float32)
         surface += (inside * metal).astype(np.float32)
