@@ -2,7 +2,7 @@
 SHELL := /bin/bash
 .SHELLFLAGS := -euo pipefail -c
 .DEFAULT_GOAL := help
-.PHONY: help build demo test install generate behaviors unit rostest lint bench-engine bench-planner bench-synthesis bench-console bench-sim bench-vision bench-learning bench-pause bench-replan bench-scale docs evaluate-abilities schedules chaos campaign clean
+.PHONY: help build demo test install generate behaviors unit rostest lint bench-engine bench-planner bench-synthesis bench-console bench-drawing bench-sim bench-vision bench-learning bench-pause bench-replan bench-scale docs evaluate-abilities schedules chaos campaign clean
 
 # The workspace's own Python first, whatever else the shell has on its path; no other workspace.
 export PATH := $(CURDIR)/.venv/bin:/usr/local/sbin:/usr/local/bin:/usr/sbin:/usr/bin:/sbin:/bin
@@ -113,6 +113,9 @@ build/docs-venv/.ready: requirements-docs.txt
 	@/usr/bin/python3 -m venv build/docs-venv
 	@build/docs-venv/bin/pip install -qq --disable-pip-version-check -r $<
 	@touch $@
+
+bench-drawing: build ## Time to draw 1,000 states in the editor (BENCH="--pages 10")
+	@$(SOURCED) benchmarks/console/drawing.py $(BENCH)
 
 build/bench-venv/.ready: requirements-bench.txt | build
 	@/usr/bin/python3 -m venv build/bench-venv

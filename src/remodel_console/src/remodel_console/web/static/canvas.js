@@ -21,6 +21,7 @@ const widthOf = (text) => {
   if (!widths.has(text)) widths.set(text, Math.max(...text.split("\n").map((line) => pen.measureText(line).width)));
   return widths.get(text);
 };
+cytoscape.warnings(false); // of arrows that cannot be drawn before all has its place
 const pathsOf = (elements) => elements.map((one) => one.data("path"));
 
 export default {
