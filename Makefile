@@ -2,7 +2,7 @@
 SHELL := /bin/bash
 .SHELLFLAGS := -euo pipefail -c
 .DEFAULT_GOAL := help
-.PHONY: help build demo test install generate behaviors unit rostest lint bench-engine bench-planner bench-synthesis bench-console bench-sim bench-vision bench-learning bench-pause bench-replan bench-scale evaluate-abilities schedules chaos campaign clean
+.PHONY: help build demo test install generate behaviors unit rostest lint bench-engine bench-planner bench-synthesis bench-console bench-sim bench-vision bench-learning bench-pause bench-replan bench-scale docs evaluate-abilities schedules chaos campaign clean
 
 # The workspace's own Python first, whatever else the shell has on its path; no other workspace.
 export PATH := $(CURDIR)/.venv/bin:/usr/local/sbin:/usr/local/bin:/usr/sbin:/usr/bin:/sbin:/bin
@@ -104,6 +104,15 @@ evaluate-abilities: build ## Measure the abilities over seeds, against their tar
 
 bench-console: build ## Load of the console at 50 transitions a second, 5 minutes (BENCH="--seconds 30 --pages 10")
 	@$(SOURCED) benchmarks/console/load.py $(BENCH)
+
+docs: build/docs-venv/.ready ## Build the site of the documentation: build/site/index.html
+	@NO_MKDOCS_2_WARNING=1 build/docs-venv/bin/mkdocs build --strict --quiet
+	@echo "site: build/site/index.html"
+
+build/docs-venv/.ready: requirements-docs.txt
+	@/usr/bin/python3 -m venv build/docs-venv
+	@build/docs-venv/bin/pip install -qq --disable-pip-version-check -r $<
+	@touch $@
 
 build/bench-venv/.ready: requirements-bench.txt | build
 	@/usr/bin/python3 -m venv build/bench-venv

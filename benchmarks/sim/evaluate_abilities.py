@@ -50,6 +50,7 @@ SHARES = {
     "connector_offset": ("connector 6 mm aside: INSERTION_MISALIGNED", 98.0),
     "connector_blocked": ("connector, one opening blocked: INSERTION_JAMMED", 98.0),
     "route": ("six clips, the whole wire in them after release", 95.0),
+    "discard": ("wires discarded, placed or half placed", 98.0),
     "connections": ("trials of CheckConnection without a wrong answer", None),
     "locate": ("located", None),
     "locate_moved": ("located, moved by up to 10 mm and 8 deg", None),

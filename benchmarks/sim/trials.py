@@ -16,6 +16,7 @@ import wire_task as task
 from force_record import recorded
 
 from remodel_sim.abilities.check_connection import check_connection
+from remodel_sim.abilities.discard_cable import discard_cable
 from remodel_sim.abilities.primitives.grasping import release
 from remodel_sim.abilities.primitives.motions import HAND_OPEN_M, rise
 from remodel_sim.cell import Cell
@@ -246,6 +247,22 @@ def _over_clips(panel: Panel) -> tuple[Pose, ...]:
     return tuple(way @ Pose.level(0.0, 0.0, PATH_Z_M) for way in ways)
 
 
+def discard(cell: Cell, wire: PanelWire) -> Outcome:
+    """Place a wire and discard it; good when none of it is left on the panel, by the truth.
+
+    In every second trial only end a was placed, and b lies loose.
+    """
+    with suppress(AbilityError):
+        if cell.plant.seed % 2:
+            task.place(cell, wire, task.History())
+        else:
+            cell.feed(wire.id, task.channel_of(cell, wire))
+            task.connect(cell, wire, WireEnd.A, task.History())
+    found = _code_of(lambda: task.do(cell, discard_cable, goals.DiscardGoal(task.ROBOT, wire.id)))
+    is_gone = not ground_truth(cell.plant, [wire.id])
+    return Outcome(is_gone and found == Code.NONE.name, found)
+
+
 def connections(cell: Cell, wire: PanelWire) -> Outcome:
     """Ask what sits in terminals while a wire is placed; good when no answer contradicts the truth.
 
@@ -370,6 +387,7 @@ TRIALS: dict[str, Callable[[Cell, PanelWire], Outcome]] = {
     "neighbour": neighbour,
     "occupied": occupied,
     "route": route,
+    "discard": discard,
     "connections": connections,
     "locate": located(lambda *_: None),
     "locate_moved": located(_move),

@@ -1,13 +1,19 @@
-"""What the pages share: the session, the live system, and the ways to command both."""
+"""What the pages share: the sessions, the live system, and the ways to command both."""
 
 from __future__ import annotations
 
+import contextlib
+import threading
 from collections.abc import Callable
 from typing import Protocol
 
 from flexbe_synthesizer.core.chart.model import Chart
 from remodel_console.core.access import Door
 from remodel_console.core.editor.drawing import opened
+from remodel_console.core.inbox import Card, Option
+from remodel_console.core.run.decision import Decisions, decisions_of
+from remodel_console.core.run.order import FULL, Attach
+from remodel_console.core.run.run_view import Event, Phase
 from remodel_console.core.use_case.record import Record, Summary
 from remodel_console.core.use_case.use_case import Choice
 from remodel_console.desk import Desk
@@ -17,7 +23,9 @@ from remodel_console.edge.workspace import Workspace
 from remodel_console.errors import CommandError
 from remodel_console.live import Live
 from remodel_console.pictures import Pictures
+from remodel_console.scene import Scene
 from remodel_console.session import Session
+from remodel_console.sessions import Sessions
 from remodel_console.steering import Steering
 
 
@@ -53,6 +61,16 @@ class Supervisor(Protocol):
         """Answer a question by its number."""
 
 
+class Inputs(Protocol):
+    """The values that states ask for; both calls raise CommandError if one is no longer open."""
+
+    def answer(self, number: int, literal: str) -> None:
+        """Send the text of a literal."""
+
+    def refuse(self, number: int) -> None:
+        """Enter no value."""
+
+
 class Recorder(Protocol):
     """Access to recorded runs; each call raises CommandError if no node serves them."""
 
@@ -74,9 +92,11 @@ class Console:
 
     Attributes:
         pictures: the newest ones of the cell's cameras.
+        scene: the cell in three dimensions.
         steering: commands to the engine.
         supervisor: None until ROS is running.
         recorder: None until ROS is running.
+        inputs: None until ROS is running.
     """
 
     def __init__(
@@ -84,7 +104,7 @@ class Console:
         door: Door,
         desk: Desk,
         live: Live,
-        session: Session,
+        sessions: Sessions,
         workspace: Workspace,
         catalogue: Catalogue,
         settings: SettingsFile,
@@ -93,14 +113,22 @@ class Console:
         self.door = door
         self.desk = desk
         self.live = live
-        self.session = session
+        self.sessions = sessions
         self.workspace = workspace
         self.catalogue = catalogue
         self.settings = settings
-        self.steering = Steering(live, session, catalogue)
+        self.steering = Steering(live, sessions.commands, catalogue)
         self.pictures = Pictures()
+        self.scene = Scene()
         self.supervisor: Supervisor | None = None
         self.recorder: Recorder | None = None
+        self.inputs: Inputs | None = None
+        self._decisions_of = 0  # checksum of the behavior whose decisions were searched for last
+
+    @property
+    def session(self) -> Session:
+        """Return the session of `/flexbe/uicommand`, whose behavior Runtime control offers."""
+        return self.sessions.commands
 
     def command(self, deed: Callable[[Supervisor], str]) -> str:
         """Command the use case supervisor, and return its answer.
@@ -111,6 +139,51 @@ class Console:
         if self.supervisor is None:
             raise CommandError("ROS is not running; start it: roscore")
         return deed(self.supervisor)
+
+    def take(self, event: Event) -> None:
+        """Take in an event of the engine; find the decisions of a new behavior."""
+        self.steering.take(event)
+        run = self.live.world.run
+        if run.phase is Phase.RUNNING and run.behavior_id != self._decisions_of:
+            self._decisions_of = run.behavior_id
+            find = threading.Thread(target=self._find_decisions, args=(run.behavior_id,))
+            find.daemon = True
+            find.start()
+
+    def _find_decisions(self, behavior_id: int) -> None:
+        found = Decisions(behavior_id)
+        with contextlib.suppress(CommandError):  # no chart says what it does
+            chart = self.chart_to_watch(self.steering.running_name())
+            found = decisions_of(chart, behavior_id)
+        self.live.set_decisions(found)
+
+    def answer(self, card: Card, option: Option, by: str) -> str:
+        """Give an answer to what waits for a person, and return the answer to that.
+
+        Raises:
+            CommandError: if it can no longer be given.
+        """
+        act = option.act
+        if card.question is not None:
+            number = card.question.number
+            return self.command(lambda supervisor: supervisor.answer(number, act, by))
+        if card.must_attach:
+            self.steering.order(Attach(FULL))
+        self.steering.order(act)
+        return ""
+
+    def enter(self, number: int, literal: str | None) -> None:
+        """Enter the text of a literal that a state asks for, or None to enter no value.
+
+        Raises:
+            CommandError: if the state no longer waits for it, or ROS is not running.
+        """
+        if self.inputs is None:
+            raise CommandError("ROS is not running; start it: roscore")
+        if literal is None:
+            self.inputs.refuse(number)
+        else:
+            self.inputs.answer(number, literal)
 
     def chart_to_watch(self, name: str) -> Chart:
         """Return the saved chart of a behavior, with the behaviors in it drawn open.

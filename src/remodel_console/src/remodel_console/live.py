@@ -6,24 +6,38 @@ import threading
 from collections import deque
 from collections.abc import Callable
 from dataclasses import replace
+from typing import Protocol
 
+from remodel_console.core.run.decision import Decisions
 from remodel_console.core.run.log_line import LogLine
 from remodel_console.core.run.run_view import Event, step
 from remodel_console.core.use_case.use_case import UseCase
-from remodel_console.core.world import World
+from remodel_console.core.world import InputRequest, World
 
 _KEPT_LINES = 500  # of the log; a page that opens shows them
+
+
+class LogKeeper(Protocol):
+    """Keeps the log for the next start."""
+
+    @property
+    def lines(self) -> tuple[LogLine, ...]:
+        """Return the last lines."""
+
+    def write(self, line: LogLine) -> None:
+        """Keep a line."""
 
 
 class Live:
     """Holds the newest world and the last lines of the log."""
 
-    def __init__(self) -> None:
-        """Begin with nothing there."""
+    def __init__(self, log: LogKeeper | None = None) -> None:
+        """Begin with nothing there but the lines of a log that was kept."""
         self._lock = threading.Lock()
         self._world = World()
-        self._lines: deque[LogLine] = deque(maxlen=_KEPT_LINES)
-        self._line_count = 0
+        self._log = log
+        self._lines: deque[LogLine] = deque(log.lines if log else (), maxlen=_KEPT_LINES)
+        self._line_count = len(self._lines)
         self._wake: Callable[[], None] = lambda: None
 
     @property
@@ -46,6 +60,8 @@ class Live:
         with self._lock:
             self._lines.append(line)
             self._line_count += 1
+        if self._log is not None:
+            self._log.write(line)
         self._wake()
 
     def set_master(self, is_there: bool) -> None:
@@ -73,6 +89,18 @@ class Live:
         """Take in the state of the use case supervisor."""
         with self._lock:
             self._world = replace(self._world, use_case=use_case)
+        self._wake()
+
+    def set_inputs(self, inputs: tuple[InputRequest, ...]) -> None:
+        """Set the values that states wait for."""
+        with self._lock:
+            self._world = replace(self._world, inputs=inputs)
+        self._wake()
+
+    def set_decisions(self, decisions: Decisions) -> None:
+        """Set what an operator can decide in the running behavior."""
+        with self._lock:
+            self._world = replace(self._world, decisions=decisions)
         self._wake()
 
     def lines_since(self, count: int) -> tuple[tuple[LogLine, ...], int]:

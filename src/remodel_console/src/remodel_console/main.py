@@ -7,7 +7,6 @@ from __future__ import annotations
 
 import argparse
 import os
-import secrets
 import sys
 import threading
 from collections.abc import Sequence
@@ -21,17 +20,23 @@ from remodel_console.core.access import Door, is_local
 from remodel_console.desk import Desk
 from remodel_console.edge.catalogue import Catalogue
 from remodel_console.edge.journal import Journal
+from remodel_console.edge.log_file import LogFile
 from remodel_console.edge.settings_file import SettingsFile
+from remodel_console.edge.token_file import read_tokens
 from remodel_console.edge.workspace import OUTPUT, Workspace
 from remodel_console.errors import CommandError
 from remodel_console.live import Live
 from remodel_console.ros.presence import join_ros
 from remodel_console.session import Session
+from remodel_console.sessions import Sessions
 from remodel_console.web.server import serve
 
 _PORT = 8765
 _JOURNAL = "~/.ros/remodel_console/commands.jsonl"
 _SETTINGS = "~/.ros/remodel_console/settings.json"
+_LOG = "~/.ros/remodel_console/log.jsonl"
+_TOKENS = "~/.ros/remodel_console/tokens.json"
+_KEY_VARIABLE = "REMODEL_CONSOLE_KEY"  # other users see a command line, but no environment
 
 
 def main(arguments: Sequence[str]) -> int:
@@ -39,7 +44,7 @@ def main(arguments: Sequence[str]) -> int:
     options = _read_options(arguments)
     try:
         door, journal = _door(options), Journal(Path(options.record).expanduser())
-        settings = _settings(options)
+        log, settings = LogFile(Path(options.log).expanduser()), _settings(options)
     except (ValueError, OSError, CommandError) as error:
         sys.stderr.write(f"console: {error}\n")
         return 2
@@ -50,12 +55,12 @@ def main(arguments: Sequence[str]) -> int:
         lambda: (user_charts, *map(Path, settings.now.chart_folders)),
         options.output,
     )
-    session = Session(workspace, lambda: settings.now)
+    sessions = Sessions(lambda: Session(workspace, lambda: settings.now))
     console = Console(
         door,
         Desk(journal),
-        live=Live(),
-        session=session,
+        live=Live(log),
+        sessions=sessions,
         workspace=workspace,
         catalogue=Catalogue(package_path),
         settings=settings,
@@ -75,26 +80,33 @@ def _read_options(arguments: Sequence[str]) -> argparse.Namespace:
         "--host", default="127.0.0.1", help="address to bind to; others need a token"
     )
     parser.add_argument("--port", type=int, default=_PORT, help="port of the pages")
-    parser.add_argument("--token", default="", help="token of operators; generated if needed")
-    parser.add_argument("--watch-token", default="", help="token of observers, who may not command")
     parser.add_argument(
-        "--key", default="", help="key that every command of /flexbe/uicommand must contain"
+        "--tokens",
+        default="",
+        help="file with the tokens that grant access, written if it is not there; "
+        f"on another address than 127.0.0.1: {_TOKENS}",
+    )
+    parser.add_argument(
+        "--key",
+        default=os.environ.get(_KEY_VARIABLE, ""),
+        help="key that every command of /flexbe/uicommand must contain; "
+        f"by default that in the environment, {_KEY_VARIABLE}",
     )
     parser.add_argument("--user-charts", default="~/remodel_charts", help="one more chart folder")
     parser.add_argument(
         "--output", default=OUTPUT, help="package for the behaviors of charts outside any package"
     )
     parser.add_argument("--settings", default=_SETTINGS, help="file that keeps the configuration")
+    parser.add_argument("--log", default=_LOG, help="file that keeps the last lines of the log")
     parser.add_argument("--record", default=_JOURNAL, help="file in which commands are recorded")
     given = [word for word in arguments[1:] if ":=" not in word]  # what roslaunch adds
     return parser.parse_args(given)
 
 
 def _door(options: argparse.Namespace) -> Door:
-    token = options.token
-    if not token and not is_local(options.host):
-        token = secrets.token_urlsafe(24)
-    return Door(options.host, token, options.watch_token)
+    if not options.tokens and is_local(options.host):
+        return Door(options.host)
+    return Door(options.host, *read_tokens(Path(options.tokens or _TOKENS).expanduser()))
 
 
 def _settings(options: argparse.Namespace) -> SettingsFile:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 from typing import Protocol
 
 from remodel_console.core.run.order import Attach, Order, SetAutonomy, ShowStructure, Start, Switch
@@ -37,17 +38,26 @@ class Steering:
         self.engine: Engine | None = None
         self._names: dict[int, str] = {}  # of behaviors, by the checksums of their sources
         self._unknown = 0  # checksum of what runs, once nothing installed was found to have it
-        self._structure_asked = 0
+        self._structure_asked = self._joined = 0  # checksums of what that was requested for
 
     def take(self, event: Event) -> None:
-        """Take in an event of the engine, and request the structure of a supervised behavior."""
+        """Take in an event of the engine, and request what is not known of a supervised behavior.
+
+        A run that was supervised before this console knew it is attached to at its own level, so
+        that the engine repeats what it asks.
+        """
         self.live.take(event)
         run = self.live.world.run
-        if not run.is_supervised:
-            self._structure_asked = 0
-        elif not run.has_structure and self._structure_asked != run.behavior_id:
-            self._structure_asked = run.behavior_id
-            self.order(ShowStructure())
+        if not run.is_supervised or run.level is None:
+            self._structure_asked = self._joined = 0
+            return
+        with contextlib.suppress(CommandError):  # the engine is not heard yet; its event follows
+            if run.ordered.level is None and self._joined != run.behavior_id:
+                self.order(Attach(run.level))
+            self._joined = run.behavior_id
+            if not run.has_structure and self._structure_asked != run.behavior_id:
+                self.order(ShowStructure())
+                self._structure_asked = run.behavior_id
 
     def order(self, order: Order) -> None:
         """Send an order to the engine.

@@ -101,7 +101,7 @@ class OverviewTest(BehaviorTestCase):
         """Pause while the cell moves, stop it, and resume."""
         page, phase = self.page, self.page.locator(".order .state")
         supervisor.standstill.clear()
-        page.keyboard.press("p")
+        page.keyboard.press("Alt+p")
         expect(phase).to_have_text("pausing…")
         expect(page.locator(".order-head")).to_contain_text("pausing… ")
         self.press(page, "Skip W6")  # the page does not wait for the answer
@@ -129,8 +129,8 @@ class OverviewTest(BehaviorTestCase):
         expect(page.locator(".entry-words")).to_have_text(
             "failure: Insertion jammed: 22 N at 6 mm of 14 mm"
         )
-        expect(page.locator("g.node.active[data-path='Search/Look closer']").first).to_be_visible()
-        expect(page.locator("g.node.passed[data-path='Greet']").first).to_be_visible()
+        expect(page.locator("li.node.active[data-path='Search/Look closer']").first).to_be_visible()
+        expect(page.locator("li.node.passed[data-path='Greet']").first).to_be_visible()
         expect(page.get_by_role("img", name="Last camera picture")).to_be_visible()
         page.get_by_role("button", name="Next reason (N)").click()
         expect(page.locator(".failures")).to_contain_text(

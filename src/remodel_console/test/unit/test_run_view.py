@@ -11,6 +11,7 @@ from remodel_console.core.run.run_view import (
     EngineStatus,
     Entered,
     Left,
+    LevelSeen,
     Ordered,
     Phase,
     RunView,
@@ -147,3 +148,11 @@ def test_what_follows_an_outcome(path, outcome, following):
 
 def test_levels_that_can_be_locked():
     assert supervised().holdable() == ("/Box/In", "/Box")
+
+
+def test_a_run_that_was_supervised_before_the_console_knew_it_is_supervised():
+    for events in ((STARTED, LevelSeen(1)), (LevelSeen(1), STARTED)):
+        view = after(READY, *events)
+        assert (view.is_supervised, view.level) == (True, 1)
+    assert not after(READY, STARTED, LevelSeen(255)).is_supervised
+    assert not after(READY, STARTED, LevelSeen(1), EngineStatus(1, 7), STARTED).is_supervised

@@ -65,7 +65,7 @@ class OperatorTest(BrowserTest):
             expect(page.get_by_role("img", name=name)).to_be_visible()
         self.take_picture(page, "overview")
         self.take_picture(
-            self.open_tablet_in_the_dark("/overview", "img[alt='The cell']"), "overview-dark-1024"
+            self.open_tablet_in_the_dark("/overview", ".cell-view"), "overview-dark-1024"
         )
         self.disturb("socket_cleared", bore)
         page.get_by_role("button", name="I have fixed it").click()
@@ -83,7 +83,7 @@ class OperatorTest(BrowserTest):
         expect(page.locator(".headline .title")).to_contain_text("Place Wire W1", timeout=WORK_MS)
         expect(page.locator(".where")).to_contain_text("Connect a", timeout=WORK_MS)
         expect(page.locator(".state")).to_have_text("running unattended")
-        expect(page.locator("g.node.active").first).to_be_visible()
+        expect(page.locator("li.node.active").first).to_be_visible()
         self.take_picture(page, "runtime")
 
     def replay(self):

@@ -43,7 +43,7 @@ def test_an_old_name_does_the_same_and_prints_the_new_one(tmp_path):
     missing = f"{tmp_path}/missing.json"
     old = run(NODES / "check", missing, missing)
     new = run(NODES / "planner", "check", missing, missing)
-    assert old.returncode == new.returncode == 3
+    assert old.returncode == new.returncode == 1
     first, *rest = old.stderr.splitlines()
     assert "`rosrun remodel_planner planner check`" in first
     assert rest == new.stderr.splitlines() != []

@@ -21,17 +21,21 @@ from remodel_planning.edge.order_planner import plan_problem
 from remodel_planning.edge.use_case_files import VARIABLE, default_use_case, find_use_case
 from remodel_planning.errors import UseCaseError
 from remodel_production.core.board.board import board_of
-from remodel_production.core.imports.formats import format_of, import_design
+from remodel_production.core.imports.formats import built_in_formats, format_of, import_design
 from remodel_production.core.imports.wire_list_mapping import mapping_from
 from remodel_production.core.production import (
+    TWISTED,
+    Cable,
     Component,
     Mount,
     Node,
     Order,
+    Role,
     Side,
     Terminal,
     TerminalRef,
     Wire,
+    sealed_kind,
 )
 from remodel_production.edge.catalogue_file import read_catalogue
 from remodel_production.errors import InstanceError, OrderError
@@ -39,6 +43,7 @@ from remodel_production.errors import InstanceError, OrderError
 CONFIG = Path(__file__).parents[3] / "remodel_production" / "config"
 DESIGNS = Path(__file__).parents[3] / "remodel_production/test/unit/designs"
 MAPPINGS = tuple(mapping_from(f.read_text()) for f in sorted((CONFIG / "wire_lists").iterdir()))
+FORMATS = built_in_formats(MAPPINGS)
 CATALOGUE = read_catalogue(CONFIG / "catalogue.yaml")
 QET = Path("/usr/share/qelectrotech/examples")
 NAMES = ("industrial", "tableau_domestique", "Projet_vierge")
@@ -49,10 +54,8 @@ CABINET, FORMBOARD, BRANCHES = map(
 
 def imported(file):
     data = file.read_bytes()
-    form = format_of(data, MAPPINGS)
-    return import_design(
-        data, form, file.stem, file.name, catalogue=CATALOGUE, mappings=MAPPINGS
-    ).order
+    form = format_of(data, FORMATS)
+    return import_design(data, form, file.stem, file.name, CATALOGUE).order
 
 
 def loom():
@@ -197,7 +200,11 @@ def test_a_task_that_no_robot_can_do_is_by_hand_and_the_rest_is_planned():
     assert [task.name for task in found.tasks] == ["W1", "W3"]
     assert list(map(str, found.by_hand)) == [
         "W2: by hand, section_mm2 is 400.0, and must be a number from 0.05 to 300 "
-        "(characteristics.task.section_mm2 of use case cabinet)"
+        "(characteristics.task.section_mm2 in cabinet.yaml)"
+    ]
+    assert list(map(str, found.other_methods)) == [
+        "1 by methods.pick.medium in cabinet.yaml, such as W3: not thin: section_mm2 is 2.5, not "
+        "at most 1.5"
     ]
     planned = plan_problem(prepare(found, CABINET).preferred.problem, time_limit_s=0.05)
     assert planned.makespan > 0
@@ -210,7 +217,7 @@ def test_a_task_that_no_method_does_is_by_hand_with_what_rules_out_each_method()
     found = triaged(work(thick, thin), thin)
     assert [task.name for task in found.tasks] == ["W2"]
     assert str(found.by_hand[0]).startswith(
-        "W1: by hand, no method of use case cabinet does it: pick thin: "
+        "W1: by hand, no method of cabinet.yaml does it: pick thin: "
     )
 
 
@@ -270,3 +277,28 @@ def test_the_synthesizer_accepts_the_charts_of_every_format(file, use_case, arms
     for task in tasks[:5]:
         text = write_chart(task.chart)
         assert check_chart(parse_chart(text, "x.xml"), library, {}).problems == ()
+
+
+def test_seals_and_twisted_wires_are_known_to_tasks_and_an_end_in_a_splice_is_not_pulled():
+    made = order(("X1:1", "X2:1"), ("X1:2", "X2:2"), ("X1:3", "S1:1"), section_mm2=0.5)
+    kinds = {"X1": Role.CONNECTOR, "X2": Role.CONNECTOR, "S1": Role.JOINT}
+    components = [replace(c, role=kinds[c.name]) for c in made.components]
+    first, *rest = components[0].terminals
+    sealed = replace(first, kind=sealed_kind("T-1", "S-9"))
+    components[0] = replace(components[0], terminals=(sealed, *rest))
+    wires = [replace(w, cable="TW" if w.name != "W3" else "") for w in made.wires]
+    cables = (Cable("TW", TWISTED, None, shielded=False, source="line 1"),)
+    made = replace(made, components=tuple(components), wires=tuple(wires), cables=cables)
+    formboard = find_use_case("automotive_formboard")
+    found = work(made, formboard)
+    said = {t.name: (t.characteristics["seal"], t.characteristics["twisted"]) for t in found.tasks}
+    assert said == {"W1": (True, True), "W2": (False, True), "W3": (False, False)}
+    slots = {t.name: t.slot_mm for t in found.tasks}
+    assert sorted(slots, key=slots.get) in (["W1", "W2", "W3"], ["W3", "W1", "W2"])
+    assert len({t.preferred_arm for t in found.tasks if t.name != "W3"}) == 1
+    steps = {
+        plan.alone.task.name: [(step.title, step.action.name) for step in plan.alone.steps]
+        for plan in prepare(found, formboard).plans
+    }
+    assert ("Release b", "release_end") in steps["W3"]
+    assert ("Pull b", "pull_test") in steps["W2"]

@@ -15,7 +15,7 @@ from remodel_planning.core.decomposition.preparation import prepare
 from remodel_planning.core.orders.board_order import board_order
 from remodel_planning.edge.use_case_files import find_use_case
 from remodel_production.core.board.board import board_of
-from remodel_production.core.imports.formats import DesignFormat, format_of, import_design
+from remodel_production.core.imports.formats import built_in_formats, format_of, import_design
 from remodel_production.core.imports.kbl_routes import ordered_route
 from remodel_production.core.imports.wire_list_mapping import mapping_from
 from remodel_production.core.production import Segment, TerminalRef
@@ -27,6 +27,8 @@ CONFIG = Path(__file__).parents[3] / "remodel_production" / "config"
 CATALOGUE = read_catalogue(CONFIG / "catalogue.yaml")
 CABINET = find_use_case("cabinet")
 MAPPINGS = tuple(mapping_from(f.read_text()) for f in sorted((CONFIG / "wire_lists").iterdir()))
+FORMATS = built_in_formats(MAPPINGS)
+BY_NAME = {form.name: form for form in FORMATS}
 DESIGNS = Path(__file__).parents[3] / "remodel_production/test/unit/designs"
 QET = Path("/usr/share/qelectrotech/examples/schema_indus.qet")
 SEEDS = [file.read_bytes() for file in (*sorted(DESIGNS.iterdir()), QET)]
@@ -37,7 +39,7 @@ terminals = st.tuples(words, st.sampled_from(["1", "2", "A1", "13", "PE"]))
 
 
 def read(data, form, name="x"):
-    return import_design(data, form, name, "file", catalogue=CATALOGUE, mappings=MAPPINGS)
+    return import_design(data, form, name, "file", CATALOGUE)
 
 
 def require_whole(imported):
@@ -65,7 +67,7 @@ def test_a_list_loses_no_line_and_keeps_every_name(rows):
     writer.writerow(["From Tag", "From Terminal", "To Tag", "To Terminal", "Wire No"])
     writer.writerows([*a, *b, name] for a, b, name in rows)
     try:
-        imported = read(text.getvalue().encode(), DesignFormat.WIRE_LIST)
+        imported = read(text.getvalue().encode(), BY_NAME["csv"])
     except DesignError as error:
         assert "names both ends" in str(error)
         assert all(a == b for a, b, _ in rows)
@@ -88,7 +90,7 @@ def test_a_harness_connects_what_its_sets_say(data):
     for n, lane in enumerate(lanes[1:]):
         chain += [{f"W{n}": [f"1-{pins}"]}, {f"X{n + 1}": list(lane)}]
     text = yaml.safe_dump({"connectors": parts, "cables": cables, "connections": [chain]})
-    imported = read(text.encode(), DesignFormat.WIREVIZ)
+    imported = read(text.encode(), BY_NAME["wireviz"])
     require_whole(imported)
     found = {
         (wire.cable, wire.core, wire.a.terminal.split(".")[0], wire.b.terminal.split(".")[0])
@@ -124,7 +126,7 @@ def test_a_missing_element_of_a_harness_is_named_where_it_is_referred_to(key):
     broken = text.replace(f' id="{key}"', f' id="{key}_gone"')
     is_referred_to = re.search(rf"[> ]{re.escape(key)}[ <]", text)
     try:
-        imported = read(broken.encode(), DesignFormat.KBL)
+        imported = read(broken.encode(), BY_NAME["kbl"])
     except DesignError as error:
         assert is_referred_to
         assert re.search(rf"^line \d+: .* refers to {re.escape(key)}, and no element", str(error))
@@ -138,7 +140,7 @@ def test_a_doubled_element_of_a_harness_is_named_with_both_places(key):
     text = (DESIGNS / "loom.kbl").read_text()
     broken = text.replace("<Harness ", f'<Unit id="{key}"/><Harness ')
     with pytest.raises(DesignError, match=rf"line \d+: id {re.escape(key)} .* before, at line \d+"):
-        read(broken.encode(), DesignFormat.KBL)
+        read(broken.encode(), BY_NAME["kbl"])
 
 
 @settings(fixed, max_examples=300)
@@ -151,7 +153,7 @@ def test_a_damaged_file_is_read_whole_or_refused_and_never_breaks_the_program(se
         piece = bytes(data[start:stop])
         data[start:stop] = rng.choice([b"", piece * 2, bytes(rng.choices(range(256), k=3))])
     try:
-        imported = read(bytes(data), format_of(bytes(data), MAPPINGS))
+        imported = read(bytes(data), format_of(bytes(data), FORMATS))
     except DesignError as error:
         assert str(error)
         return
@@ -161,7 +163,7 @@ def test_a_damaged_file_is_read_whole_or_refused_and_never_breaks_the_program(se
 
 @settings(fixed, max_examples=100)
 @given(
-    st.sampled_from(list(DesignFormat)),
+    st.sampled_from(FORMATS),
     st.one_of(st.binary(max_size=200), st.text().map(str.encode)),
 )
 def test_any_bytes_are_refused_by_every_format(form, data):
@@ -171,7 +173,7 @@ def test_any_bytes_are_refused_by_every_format(form, data):
 
 @pytest.mark.parametrize("seed", SEEDS, ids=len)
 def test_every_design_comes_back_equal_from_the_database(seed, url):
-    order = board_of(read(seed, format_of(seed, MAPPINGS)).order, CATALOGUE).order
+    order = board_of(read(seed, format_of(seed, FORMATS)).order, CATALOGUE).order
     database = ProductionDatabase(url)
     database.add_order(order)
     assert database.order("x") == order

@@ -2,6 +2,7 @@
 
 import math
 from collections import Counter
+from dataclasses import replace
 from itertools import pairwise
 from pathlib import Path
 
@@ -13,6 +14,7 @@ from remodel_production.core.board.cabinet import laid_out
 from remodel_production.core.board.drawing import draw_board
 from remodel_production.core.board.duct_graph import DuctGraph
 from remodel_production.core.board.formboard import flattened, limbs
+from remodel_production.core.board.wire_lengths import length_findings
 from remodel_production.core.imports.kbl import import_kbl
 from remodel_production.core.imports.qet import import_qet
 from remodel_production.core.production import (
@@ -252,3 +254,34 @@ def test_a_cabinet_is_drawn_to_scale():
     )
     rails = [float(line.get("stroke-width")) for line in lines if line.get("stroke") == "#c9c9c0"]
     assert rails == pytest.approx([RULES.rail.width * scale] * 2, abs=0.1)
+
+
+def test_lengths_of_the_design_that_do_not_fit_the_board_are_found():
+    made = order(("Q1:B1", "Q2:T1"), ("Q1:B2", "Q2:T2"), ("Q1:B3", "Q2:T3"), ("Q1:B4", "Q2:T4"))
+    lengths = (0.01, 90.0, None, 0.9)
+    wires = (replace(w, length_m=m) for w, m in zip(made.wires, lengths, strict=True))
+    board = board_of(replace(made, wires=tuple(wires)), CATALOGUE)
+    needed = route_length(board.routes["W4"])
+    board = replace(
+        board,
+        order=replace(
+            board.order,
+            wires=tuple(
+                replace(w, length_m=needed) if w.name == "W4" else w for w in board.order.wires
+            ),
+        ),
+    )
+    short, long = length_findings(board, {"W1", "W2", "W4"})
+    assert [line.split(",")[0] for line in short] == ["W1: 0.01 m"]
+    assert [line.split(",")[0] for line in long] == ["W2: 90 m"]
+    assert length_findings(board, set()) == ((), ())
+
+
+def test_a_wire_of_a_harness_must_be_as_long_as_its_segments():
+    made = loom()
+    for length_m, short in ((0.72, []), (0.71, ["11"])):  # of segments of 0.4 m and 0.32 m
+        wire = replace(made.wires[0], length_m=length_m)
+        board = board_of(replace(made, wires=(wire, *made.wires[1:])), CATALOGUE)
+        found = length_findings(board, {wire.name})
+        assert [line.split(":")[0] for line in found[0]] == short
+        assert found[1] == ()

@@ -5,7 +5,7 @@ from pathlib import Path
 
 import pytest
 
-from remodel_production.core.imports.formats import DesignFormat, format_of, import_design
+from remodel_production.core.imports.formats import built_in_formats, format_of, import_design
 from remodel_production.core.imports.shared.assembly import Connection, Device, assemble
 from remodel_production.core.imports.shared.colours import colour_code
 from remodel_production.core.imports.shared.units import awg_mm2, length_m, number, section_mm2
@@ -18,15 +18,16 @@ CONFIG = Path(__file__).parents[2] / "config"
 CATALOGUE = read_catalogue(CONFIG / "catalogue.yaml")
 MAPPINGS = tuple(mapping_from(f.read_text()) for f in sorted((CONFIG / "wire_lists").iterdir()))
 DESIGNS = Path(__file__).parent / "designs"
-FORMATS = {".kbl": DesignFormat.KBL, ".yml": DesignFormat.WIREVIZ, ".csv": DesignFormat.WIRE_LIST}
+FORMATS = built_in_formats(MAPPINGS)
+NAMES = {".kbl": "kbl", ".vec": "vec", ".yml": "wireviz", ".csv": "csv"}
 
 
 @pytest.mark.parametrize("file", sorted(DESIGNS.iterdir()), ids=lambda file: file.name)
 def test_every_example_is_recognised_and_accounted_for(file):
     data = file.read_bytes()
-    form = format_of(data, MAPPINGS)
-    assert form is FORMATS[file.suffix]
-    imported = import_design(data, form, "x", file.name, catalogue=CATALOGUE, mappings=MAPPINGS)
+    form = format_of(data, FORMATS)
+    assert form.name == NAMES[file.suffix]
+    imported = import_design(data, form, "x", file.name, CATALOGUE)
     account = imported.account
     direct = len(imported.order.wires) - account.wires_joined
     assert account.connections == direct + account.joined + len(account.left_out)
@@ -35,7 +36,7 @@ def test_every_example_is_recognised_and_accounted_for(file):
 def test_a_qelectrotech_project_is_recognised_in_any_encoding():
     text = '<?xml version="1.0" encoding="{}"?>\n<project><diagram/></project>'
     for encoding in ("utf-8", "utf-16"):
-        assert format_of(text.format(encoding).encode(encoding), ()) is DesignFormat.QET
+        assert format_of(text.format(encoding).encode(encoding), FORMATS).name == "qet"
 
 
 @pytest.mark.parametrize(
@@ -51,7 +52,7 @@ def test_a_qelectrotech_project_is_recognised_in_any_encoding():
 )
 def test_what_is_none_of_the_formats_is_refused_with_what_was_found(data, said):
     with pytest.raises(DesignError, match=re.escape(said)):
-        format_of(data, MAPPINGS)
+        format_of(data, FORMATS)
 
 
 @pytest.mark.parametrize(

@@ -1,9 +1,13 @@
 """The importer of from-to lists, with the mappings that come with the package."""
 
+import io
 import re
+import zipfile
+from datetime import date
 from pathlib import Path
 
 import pytest
+from openpyxl import Workbook
 
 from remodel_production.core.imports.wire_list import import_wire_list, mapping_draft
 from remodel_production.core.imports.wire_list_mapping import mapping_from
@@ -341,3 +345,75 @@ def test_a_column_without_a_heading_is_named_by_its_number_if_it_has_content():
     assert [str(column) for column in imported.account.unused_columns] == [
         "column 4, without a heading: left out, its heading is not known"
     ]
+
+
+def workbook(**sheets):
+    book = Workbook()
+    book.remove(book.active)
+    for title, lines in sheets.items():
+        sheet = book.create_sheet(title)
+        for line in lines:
+            sheet.append(line)
+    data = io.BytesIO()
+    book.save(data)
+    return data.getvalue()
+
+
+HEADINGS = ["Wire", "From Device", "From Pin", "To Device", "To Pin", "Section mm²", "Length (mm)"]
+
+
+def test_the_sheet_of_a_workbook_with_headings_is_read_and_the_others_are_named():
+    lines = [["List of 2026"], [], HEADINGS, ["W1", "K1", 13.0, "K2", "A\n2", 0.75, 200]]
+    imported = read(workbook(Cover=[["by hand"]], Wires=lines, Empty=[]))
+    assert rows(imported) == [("W1", "K1:13", "K2:A 2", "BK", 0.75, 0.2)]
+    assert imported.order.wires[0].source == "line 4"
+    assert "sheet 'Wires' is read" in imported.account.assumptions
+    assert [column.source for column in imported.account.unused_columns] == ["sheet 'Cover'"]
+
+
+def test_a_date_in_a_workbook_is_refused_since_it_was_a_terminal():
+    lines = [HEADINGS, ["W1", "K1", date(2026, 2, 1), "K2", 1, 1, 1]]
+    with pytest.raises(DesignError, match=r"sheet Wires, line 2: a cell is the date 2026-02-01"):
+        read(workbook(Wires=lines))
+
+
+def test_a_workbook_that_is_damaged_or_declares_entities_is_refused():
+    data = workbook(Wires=[HEADINGS, ["W1", "K1", 1, "K2", 1, 1, 1]])
+    whole = zipfile.ZipFile(io.BytesIO(data))
+    for name, content, reason in (
+        ("xl/workbook.xml", b"<!DOCTYPE a [<!ENTITY b 'c'>]><a/>", "has a document type"),
+        ("xl/worksheets/sheet1.xml", b"<worksheet><sheetData><row>", "is a damaged XLSX workbook"),
+    ):
+        changed = io.BytesIO()
+        with zipfile.ZipFile(changed, "w") as archive:
+            for part in whole.namelist():
+                archive.writestr(part, content if part == name else whole.read(part))
+        with pytest.raises(DesignError, match=reason):
+            read(changed.getvalue())
+
+
+@pytest.mark.parametrize(
+    "headings",
+    [
+        # EPLAN
+        "Source;Target;Connection designation;Connection color / number;Cross-section / diameter",
+        "Quelle;Ziel;Verbindung: Bezeichnung;Verbindung: Farbe / Nummer;Querschnitt / Durchmesser",
+        "Source DT;Source connection point;Target DT;Target connection point;Color;Cross-section",
+        # E3.series
+        "Device designation from;Pin name from;Device designation to;Pin name to;Conductor",
+        "Ader;Von Gerät;Von Pin;Nach Gerät;Nach Pin;Kabel;Farbe;Querschnitt [mm²];Länge [mm]",
+        # Zuken's harness tools
+        "Wire Number;From Ref Des;From Pin;To Ref Des;To Pin;Gauge;Color;Length",
+        "From Reference;From Pin;To Reference;To Pin;Wire Size;Wire Color",
+        # Inventor
+        "Wire ID;RefDes1;Pin1;RefDes2;Pin2;Length;Color",
+        "Wire ID;From: RefDes;From: Pin;To: RefDes;To: Pin;Wire Length;Gauge;Color",
+        # Elecdes
+        "Wire No;From Tag;From Terminal;To Tag;To Terminal;Wire Size;Colour;Cable No;Core",
+    ],
+)
+def test_the_headings_of_exports_lose_no_column(headings):
+    cells = ";".join(str(number) for number in range(1, headings.count(";") + 2))
+    imported = read(f"{headings}\n{cells}\n")
+    assert [str(column) for column in imported.account.unused_columns] == []
+    assert len(imported.order.wires) == 1

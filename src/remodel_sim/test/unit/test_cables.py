@@ -57,6 +57,21 @@ def test_a_cable_is_found_with_its_tips_and_width():
     assert found.warnings == ()
 
 
+def test_cables_on_a_jpeg_whose_black_table_is_cut_off_are_found_without_a_warning():
+    dark = np.random.default_rng(5).normal(-1, 1.2, (480, 640, 3))
+    picture = np.clip(dark, 0, 255).astype(np.uint8)
+    first, second = wave((60, 240), (580, 240), 50, 2000), wave((320, 40), (300, 440), 20, 2000)
+    lay(picture, first, (190, 80, 90))
+    lay(picture, second, (150, 170, 60))
+    _, data = cv2.imencode(".jpg", cv2.GaussianBlur(picture, (0, 0), 0.8))
+    found = detect_cables(cv2.imdecode(data, cv2.IMREAD_COLOR))
+    assert found.warnings == ()
+    assert len(found.crossings) == 1
+    for cable, true in zip(found.cables, (first, second), strict=True):
+        assert errors(cable.centreline, true).mean() < 0.5
+        assert cable.width == pytest.approx(8, abs=1)
+
+
 def test_two_cables_of_one_colour_that_cross_stay_two():
     picture = table()
     lay(picture, wave((60, 240), (580, 240), 50))

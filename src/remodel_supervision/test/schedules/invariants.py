@@ -239,8 +239,13 @@ class Invariants:
         fixed = {f"{entry.wire}/a", f"{entry.wire}/b"} & self._fixed
         if len(fixed) == 2:
             self.simulation.violated(f"{entry.wire} was discarded, though both ends were fixed")
-        if entry.wire not in self._discards:
+        if entry.wire not in self._discards and not self._is_discard_kept(entry.wire):
             self.simulation.violated(f"{entry.wire} was discarded, though no run had decided so")
+
+    def _is_discard_kept(self, wire: str) -> bool:
+        """Return whether the log has a discard whose commit was not answered."""
+        tasks = (self.log.state(head.number).tasks.get(wire) for head in self.log.heads())
+        return any(task is not None and task.part is Part.DISCARD for task in tasks)
 
     def _is_placed(self, state: RunState, name: str) -> bool:
         world = self.site.world

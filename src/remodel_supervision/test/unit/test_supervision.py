@@ -208,6 +208,22 @@ def test_a_feeder_that_refuses_is_a_failure_of_the_task_and_the_hand_is_emptied(
     assert run.clear("W1") == Execute("W1", Part.WHOLE), "nothing was presented, or is discarded"
 
 
+@pytest.mark.parametrize("codes", [(200, 0), (200, Code.NOTHING_HELD)])
+def test_the_hands_are_empty_when_each_of_them_is(run, codes):
+    run.begin("W1")
+    run.add(Interrupted("killed"))
+    run.begin("W1", Part.CLEAR)
+    for code in codes:
+        run.add(OperationEnded("W1", replace(operation(code), ability="PlaceCable")))
+    run.end("W1", "failed" if codes[-1] else "finished")
+    assert run.next == Execute("W1", Part.CLEAR), "the first hand may hold something"
+    run.begin("W1", Part.CLEAR)
+    for code in (Code.NOTHING_HELD, Code.NOTHING_HELD):
+        run.add(OperationEnded("W1", replace(operation(code), ability="PlaceCable")))
+    run.end("W1", "failed")
+    assert run.next == Settle("W1")
+
+
 def test_a_hand_that_cannot_be_emptied_needs_a_person(run):
     run.begin("W1")
     run.add(Interrupted("killed"))

@@ -290,3 +290,45 @@ def test_the_chart_that_discards_is_a_part_of_a_task():
     chart = planner_of(order).chart("W4", Part.DISCARD, (), ())
     assert chart.name == "Wire W4 Discard"
     assert [node.type for node in chart.nodes] == ["DiscardCableState"]
+
+
+@pytest.mark.parametrize("arms", [1, 2])
+def test_an_end_that_another_plan_has_connected_is_not_taken_for_the_last(arms):
+    order = cabinet_order(arms)
+    planner = planner_of(order)
+    for name in planner.plan([task.name for task in order.tasks]):
+        first = planner.task(name).decomposition.first
+        usual = planner.task(name, connected=first.letter)
+        assert usual == planner.task(name)
+        turned = planner.task(name, connected=first.other.letter)
+        assert turned.arms == usual.arms[::-1]
+        (inserted,) = (step.end for step in turned.left(first.other.letter) if is_insertion(step))
+        assert inserted is first, f"{name}: {first.letter} is left"
+        chart = planner.chart(name, Part.REST, first.other.letter, ())
+        pushed = [node.id for node in chart.nodes if node.type == "InsertCableState"]
+        assert pushed == [f"Insert {first.letter}"]
+        with pytest.raises(ValueError, match=f"{name} connects {first.letter} first"):
+            usual.left(first.other.letter)
+    assert usual.left("ab") == ()
+
+
+def test_each_arm_that_has_a_part_in_a_task_is_cleared():
+    order = cabinet_order(2)
+    planner = planner_of(order)
+    handed_over = 0
+    for name in planner.plan([task.name for task in order.tasks]):
+        arms = planner.task(name).arms
+        handed_over += len(arms) > 1
+        chart = planner.chart(name, Part.CLEAR, (), ())
+        cleared = [p.value for node in chart.nodes for p in node.params if p.name == "robot_name"]
+        assert cleared == list(arms)
+        following = [*(node.id for node in chart.nodes[1:]), "finished"]
+        for node, then in zip(chart.nodes, following, strict=True):
+            targets = {each.event: each.target for each in node.transitions}
+            refused = "failed" if then == "finished" else then
+            assert targets == {"placed": then, "failed": "failed", "command_error": refused}
+    assert handed_over
+
+
+def is_insertion(step):
+    return step.action.type == "InsertCableState"

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import dataclass, field
 
+from remodel_console.core.run.decision import Decisions
 from remodel_console.core.run.run_view import Phase, RunView
 from remodel_console.core.use_case.use_case import UseCase
 
@@ -19,6 +20,14 @@ class Notice:
 
 
 @dataclass(frozen=True)
+class InputRequest:
+    """A value that a state waits for; `number` counts the requests of this console."""
+
+    number: int
+    text: str
+
+
+@dataclass(frozen=True)
 class World:
     """Which nodes are running, and the run.
 
@@ -29,6 +38,8 @@ class World:
         has_cell: the cameras of a cell are there.
         has_supervisor: a use case supervisor is there.
         use_case: what it published last; None before that, and when it is not running.
+        inputs: values that states wait for, the oldest first.
+        decisions: states of the running behavior in which an operator chooses the outcome.
     """
 
     run: RunView = field(default_factory=RunView)
@@ -38,6 +49,8 @@ class World:
     has_cell: bool = False
     has_supervisor: bool = False
     use_case: UseCase | None = None
+    inputs: tuple[InputRequest, ...] = ()
+    decisions: Decisions = field(default_factory=Decisions)
 
     @property
     def has_engine(self) -> bool:

@@ -30,6 +30,7 @@ from remodel_console.core.run.run_view import (
     Entered,
     Event,
     Left,
+    LevelSeen,
 )
 from remodel_console.core.run.structure import Level, Structure
 from remodel_console.errors import CommandError
@@ -71,6 +72,7 @@ class EngineLink:
         subscribe = partial(rospy.Subscriber, tcp_nodelay=True)
         self._heartbeat = subscribe(topics.HEARTBEAT, Empty)
         self._updates = subscribe(topics.UPDATE, String, lambda m: report(Entered(m.data)))
+        subscribe(topics.AUTONOMY_IN_FORCE, UInt8, lambda m: report(LevelSeen(m.data)))
         subscribe(topics.LEFT, String, lambda m: report(_left(m)))
         subscribe(topics.STATUS, BEStatus, self._take_status)
         subscribe(topics.REQUEST, OutcomeRequest, lambda m: report(Asked(m.target, m.outcome)))

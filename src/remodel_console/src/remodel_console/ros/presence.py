@@ -14,9 +14,11 @@ from remodel_console.console import Console
 from remodel_console.core.run.run_view import Phase
 from remodel_console.desk import Journal
 from remodel_console.ros import topics
-from remodel_console.ros.camera_link import CameraLink
+from remodel_console.ros.cell.camera_link import CameraLink
+from remodel_console.ros.cell.scene_link import SceneLink
 from remodel_console.ros.command_server import CommandServer
 from remodel_console.ros.engine_link import EngineLink
+from remodel_console.ros.input_server import InputServer
 from remodel_console.ros.master import MasterWatch
 from remodel_console.ros.record_link import RecordLink
 from remodel_console.ros.runtime import Runtime
@@ -45,13 +47,15 @@ def join_ros(console: Console, journal: Journal, end: threading.Event) -> None:
         _end_process(end, f"could not join ROS: {error}")
         return
     rospy.on_shutdown(lambda: _end_process(end, "ROS has shut this node down"))
-    link = EngineLink(console.steering.take, console.live.take_line)
+    link = EngineLink(console.take, console.live.take_line)
     console.steering.engine = link
     supervisor = UseCaseLink(console.live.take_use_case)
     console.supervisor = supervisor
     console.recorder = RecordLink()
+    console.inputs = InputServer(console.live.set_inputs)
     CameraLink(console.pictures, lambda: console.live.world.run.phase is Phase.RUNNING, end)
-    console.session.ask_server = ask_synthesis_server
+    SceneLink(console.scene, end)
+    console.sessions.connect(ask_synthesis_server)
     CommandServer(console.session, Runtime(console.steering), lambda: console.settings.now, journal)
     looking = threading.Thread(target=_check, args=(console, link, supervisor, end), daemon=True)
     looking.start()

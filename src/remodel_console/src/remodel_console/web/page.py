@@ -1,41 +1,34 @@
-"""What all pages have: navigation, notices, the operator's name, keys, and commands."""
+"""What all pages have: the bar, the inbox, notices, keys, and commands."""
 
 from __future__ import annotations
 
-import json
 from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager
 
-from nicegui import ui
+from nicegui import background_tasks, ui
 from nicegui.events import KeyEventArguments
 from starlette.requests import Request
 
 from remodel_console.console import Console
-from remodel_console.core.access import Actor, Role, tidy_name
+from remodel_console.core.access import Actor, Role
 from remodel_console.core.answer import DONE, CommandResult
 from remodel_console.core.commands import Command, Verb
+from remodel_console.core.inbox import Card, Kind, Option, cards
 from remodel_console.core.world import Notice, World, notices
+from remodel_console.session import Session
+from remodel_console.web.bar import Bar
 from remodel_console.web.broadcast import Broadcast
 from remodel_console.web.guard import role_of
+from remodel_console.web.inbox import Inbox
 from remodel_console.web.own_thread import on_own_thread
 
-NAME_COOKIE = "remodel_name"
-DARK_COOKIE = "remodel_dark"
 _ACCENT = "#0f5ea8"  # as in console.css
-_YEAR_S = 365 * 24 * 3600
-_DEEDS = {True: "dark", False: "light"}
+_CONFIRM = ("Alt+C", "confirm the engine's request")
 
 
 class Page:
     """One open page."""
 
-    PAGES = (
-        ("Overview", "/overview"),
-        ("Runtime control", "/runtime"),
-        ("Editor", "/editor"),
-        ("Replay", "/replay"),
-        ("Configuration", "/configuration"),
-    )
     KEYS: tuple[tuple[str, str], ...] = ()
 
     def __init__(
@@ -46,16 +39,27 @@ class Page:
         self.role = role_of(request.scope)
         self.query = request.query_params
         self._address = request.client.host if request.client else "?"
-        self._name = tidy_name(request.cookies.get(NAME_COOKIE, ""))
-        self._dark = ui.dark_mode(value=request.cookies.get(DARK_COOKIE) == "dark")
+        self._is_hidden = False
+        self._cards: tuple[Card, ...] = ()
         self._shown_notices: tuple[object, ...] = ("not shown yet",)
         ui.page_title(f"{title} · REMODEL")
         ui.run_javascript("watchConnection()")
         ui.colors(primary=_ACCENT)
-        self._bar(title)
+        self._bar = Bar(
+            title,
+            request.cookies,
+            (*self.KEYS, _CONFIRM),
+            self.dialog,
+            self._set_hidden,
+            is_operator=self.is_operator,
+        )
+        self._inbox = Inbox(self.button, self._answer, self._enter)
+        ui.skip_link("To what waits for you", target=self._inbox.area)
         self._notices = ui.column().classes("notices")
         self._dialogs = ui.element("div")  # what is asked stays, whatever the page shows next
-        with ui.element("main").classes("page"):
+        with ui.element("div").classes("page"):
+            with ui.element("h1").classes("hidden-heading"):
+                ui.label(title)
             self.build()
         typed_in = ["input", "select", "textarea"]
         ui.keyboard(on_key=self._on_key, repeating=False, ignore=typed_in)
@@ -65,12 +69,17 @@ class Page:
     @property
     def actor(self) -> Actor:
         """Return who uses the page, for the record."""
-        return Actor(self._name or self.role.value, self._address, self.role)
+        return Actor(self._bar.name or self.role.value, self._address, self.role)
 
     @property
     def is_operator(self) -> bool:
         """Return whether the user of the page may give commands."""
         return self.role is Role.OPERATOR
+
+    @property
+    def is_dark(self) -> bool:
+        """Return whether the dark theme is shown."""
+        return self._bar.is_dark
 
     def build(self) -> None:
         """Build what this page has of its own."""
@@ -84,8 +93,14 @@ class Page:
         """Return the notices that only this page shows."""
         return ()
 
+    def set_in_view(self, is_in_view: bool) -> None:
+        """Stop what costs something while the page is in the background, and go on."""
+
     def press(self, key: str, *, ctrl: bool) -> None:
-        """Do what a key means on this page."""
+        """Do what a key without Alt means on this page; it commands no robot."""
+
+    def press_with_alt(self, key: str) -> None:
+        """Do what Alt and a key mean on this page, such as a command to the robot."""
 
     async def give(self, command: str, deed: Callable[[], str | None]) -> CommandResult:
         """Execute a command, show its error if it fails, and return the answer.
@@ -118,9 +133,10 @@ class Page:
         return made
 
     @contextmanager
-    def dialog(self) -> Iterator[ui.dialog]:
+    def dialog(self, name: str = "Question") -> Iterator[ui.dialog]:
         """Open a dialog; what is added inside is in it. It is gone once it is closed."""
         with self._dialogs, ui.dialog(value=True) as dialog, ui.card().classes("card"):
+            dialog.props(f'aria-label="{name}"')
             dialog.on("hide", dialog.delete)
             yield dialog
 
@@ -133,9 +149,14 @@ class Page:
                 button.on_click(dialog.close)
                 ui.button("Cancel", on_click=dialog.close).props("no-caps flat")
 
+    @property
+    def session(self) -> Session:
+        """Return the session that this page loads behaviors into."""
+        return self.console.session
+
     async def load(self, name: str) -> None:
         """Load a behavior into the session; ask first if something would be lost."""
-        session = self.console.session
+        session = self.session
         command = Command(f"load {name}", Verb.LOAD, {"name": name})
 
         async def do() -> None:
@@ -148,13 +169,32 @@ class Page:
             self.ask(question, "Discard and load", do)
 
     def _show(self) -> None:
+        """Show what has changed; a page in the background only draws attention to what waits."""
         world = self.console.live.world
+        self._cards = cards(world)
+        self._bar.show_waiting(self._cards)
+        if self._is_hidden:
+            return
+        self._inbox.show(self._cards, world)
+        self._bar.show(world)
         self._show_notices(world)
-        for chip, is_there in zip(
-            self._chips, (world.has_master, world.has_engine, world.has_cell), strict=True
-        ):
-            chip.classes(replace=f"presence {'there' if is_there else 'gone'}")
         self.show(world)
+
+    def _set_hidden(self, is_hidden: bool) -> None:
+        self._is_hidden = is_hidden
+        self.set_in_view(not is_hidden)
+        self._show()
+
+    async def _answer(self, card: Card, option: Option) -> None:
+        by = self.actor.name
+        await self.give(card.record(option), lambda: self.console.answer(card, option, by))
+
+    async def _enter(self, card: Card, literal: str | None) -> None:
+        what = "no value" if literal is None else literal
+        number = int(card.about)
+        await self.give(
+            f"enter {what} for '{card.text}'", lambda: self.console.enter(number, literal)
+        )
 
     def _show_notices(self, world: World) -> None:
         found = (*notices(world), *self.more_notices(world))
@@ -169,60 +209,24 @@ class Page:
                     ui.label(f"{notice.meaning}. Start it with:")
                     ui.label(notice.remedy).classes("code")
 
-    def _bar(self, title: str) -> None:
-        with ui.header().classes("bar"):
-            ui.label("REMODEL").classes("brand")
-            with ui.element("nav").props('aria-label="Pages"'):
-                for number, (name, address) in enumerate(self.PAGES, start=1):
-                    link = ui.link(name, address).classes("tab")
-                    link.props(f'title="Alt+{number}" accesskey="{number}"')
-                    if name == title:
-                        link.classes("here").props('aria-current="page"')
-            ui.space()
-            self._chips = [_chip(name) for name in ("ROS", "Engine", "Cell")]
-            if not self.is_operator:
-                ui.label("read-only").classes("watching")
-            self._who = ui.button(self._name or "Your name", on_click=self._ask_name, color=None)
-            self._who.props('flat dense no-caps title="Your name, for the record of commands"')
-            _icon("contrast", "Dark or light", self._toggle_dark)
-            _icon("keyboard", "Keys (?)", self._show_keys)
-
-    def _toggle_dark(self) -> None:
-        self._dark.value = not self._dark.value
-        _set_cookie(DARK_COOKIE, _DEEDS[bool(self._dark.value)])
-
-    def _ask_name(self) -> None:
-        with self.dialog() as dialog:
-            ui.label("Your name").classes("title")
-            ui.label("The console records your commands under this name.").classes("soft")
-            entry = ui.input("Name", value=self._name).props("outlined dense autofocus")
-
-            def take() -> None:
-                self._name = tidy_name(entry.value or "")
-                self._who.text = self._name or "Your name"
-                _set_cookie(NAME_COOKIE, self._name)
-                dialog.close()
-
-            entry.on("keydown.enter", take)
-            ui.button("Save", on_click=take).props("no-caps unelevated")
-
-    def _show_keys(self) -> None:
-        pages = ((f"Alt+{n}", name) for n, (name, _) in enumerate(self.PAGES, start=1))
-        canvas = (("+  -  0", "zoom in, zoom out, show all (after a click on the drawing)"),)
-        with self.dialog():
-            ui.label("Keys").classes("title")
-            with ui.element("dl").classes("keys"):
-                for key, meaning in (*self.KEYS, *canvas, *pages, ("?", "this list")):
-                    _text("dt", key)
-                    _text("dd", meaning)
-
     def _on_key(self, event: KeyEventArguments) -> None:
-        if not event.action.keydown or event.modifiers.alt or event.modifiers.meta:
+        if not event.action.keydown or event.modifiers.meta:
             return
-        if event.key == "?":
-            self._show_keys()
-        else:
-            self.press(str(event.key), ctrl=event.modifiers.ctrl)
+        if event.modifiers.alt:
+            self._on_alt(event.key.code.removeprefix("Key").lower())
+        elif event.modifiers.ctrl or self._bar.has_single_keys:
+            if event.key == "?":
+                self._bar.show_keys()
+            else:
+                self.press(str(event.key), ctrl=event.modifiers.ctrl)
+
+    def _on_alt(self, key: str) -> None:
+        asked = (card for card in self._cards if card.kind is Kind.CONFIRMATION and card.options)
+        card = next(asked, None)
+        if key != "c":
+            self.press_with_alt(key)
+        elif card is not None and self.is_operator:
+            background_tasks.create(self._answer(card, card.options[0]))
 
 
 def table(head: Iterable[str], rows: Iterable[Iterable[str]]) -> None:
@@ -240,20 +244,3 @@ def table(head: Iterable[str], rows: Iterable[Iterable[str]]) -> None:
 def _text(tag: str, text: str) -> None:
     with ui.element(tag):
         ui.label(text)
-
-
-def _chip(name: str) -> ui.label:
-    return ui.label(name).classes("presence")
-
-
-def _icon(icon: str, title: str, deed: Callable[[], None]) -> None:
-    ui.button(icon=icon, on_click=deed, color=None).props(
-        f'flat dense round title="{title}" aria-label="{title}"'
-    )
-
-
-def _set_cookie(name: str, value: str) -> None:
-    ui.run_javascript(
-        f"document.cookie = '{name}=' + encodeURIComponent({json.dumps(value)}) "
-        f"+ '; path=/; max-age={_YEAR_S}; SameSite=Strict'"
-    )

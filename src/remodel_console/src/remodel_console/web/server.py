@@ -11,9 +11,11 @@ from starlette.requests import Request
 from starlette.responses import RedirectResponse, Response
 
 from remodel_console.console import Console
+from remodel_console.edge.mesh_file import stl_of
 from remodel_console.errors import CommandError
 from remodel_console.web.broadcast import Broadcast
 from remodel_console.web.configuration_page import ConfigurationPage
+from remodel_console.web.editor.editing_page import SESSION, released
 from remodel_console.web.editor.editor_page import EditorPage
 from remodel_console.web.guard import Guard
 from remodel_console.web.overview.overview_page import OverviewPage
@@ -39,7 +41,7 @@ def serve(console: Console, port: int) -> None:
     app.on_startup(_ping_often)
     console.live.on_change(broadcast.wake)
     console.pictures.on_change(broadcast.wake)
-    console.session.on_change = broadcast.wake
+    console.sessions.on_change(broadcast.wake)
     console.settings.on_change = broadcast.wake
     ui.add_head_html(_HEAD, shared=True)
 
@@ -53,6 +55,16 @@ def serve(console: Console, port: int) -> None:
         if found is None:
             return Response("no picture of this camera", 404)
         return Response(found.jpeg, media_type="image/jpeg", headers={"Cache-Control": "no-store"})
+
+    @app.get("/mesh/{robot}/{mesh}")
+    async def mesh(robot: int, mesh: int) -> Response:
+        file = console.scene.mesh_file(robot, mesh)
+        if file is None:
+            return Response("the cell has no such mesh", 404)
+        try:
+            return Response(await on_thread.io_bound(stl_of, file), media_type="model/stl")
+        except (OSError, ValueError) as error:
+            return Response(str(error), 404)
 
     @app.get("/record/{run}/{position}")
     async def recorded(run: int, position: int) -> Response:
@@ -71,7 +83,8 @@ def serve(console: Console, port: int) -> None:
         RuntimePage(console, broadcast, request, "Runtime control")
 
     @ui.page("/editor")
-    def editor(request: Request) -> None:
+    async def editor(request: Request) -> None:
+        await released(console.sessions, request.query_params.get(SESSION, ""))
         EditorPage(console, broadcast, request, "Editor")
 
     @ui.page("/configuration")
@@ -83,6 +96,7 @@ def serve(console: Console, port: int) -> None:
             host=console.door.host,
             port=port,
             title="REMODEL",
+            language="en-US",
             favicon=_STATIC / "icon.svg",
             reconnect_timeout=_RECONNECT_S,
             show=False,

@@ -10,7 +10,7 @@ from remodel_planner.commands.options.entry import refuses
 from remodel_production.edge.database.database_backup import back_up
 
 
-@refuses("backup", 1)
+@refuses("backup")
 def main(arguments: list[str] | None = None) -> int:
     """Write the backup, and return the exit code."""
     parser = argparse.ArgumentParser(

@@ -16,15 +16,15 @@ from remodel_planning.core.task_charts.planned_tasks import planned_tasks
 from remodel_planning.edge.chart_folder import keep_chart
 
 
-@refuses("charts", 3)
+@refuses("charts")
 def main(arguments: list[str] | None = None) -> int:
     """Write the charts, print one line a task, and return the exit code."""
     parser = argparse.ArgumentParser(
         prog="planner charts",
         description="Write the state chart of each task, in the order of a plan. A chart that is "
         "there already, unchanged, is left alone.",
-        epilog="Exit code: 0 written, 1 the plan is not valid, 2 wrong usage, 3 a file is "
-        "malformed or cannot be written.",
+        epilog="Exit code: 0 written, 1 the plan is not valid, or refused (a file is malformed "
+        "or cannot be written), 2 wrong usage.",
     )
     add_problem_options(parser)
     parser.add_argument("plan", type=Path, help="plan of that order")

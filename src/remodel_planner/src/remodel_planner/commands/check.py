@@ -15,13 +15,13 @@ from remodel_planner.commands.options.problem_files import (
 from remodel_planning.core.plan.checker import Verdict, check
 
 
-@refuses("check", 3)
+@refuses("check")
 def main(arguments: list[str] | None = None) -> int:
     """Check the plan, print the verdict as JSON, and return the exit code."""
     parser = argparse.ArgumentParser(
         prog="planner check",
         description="Check a plan against its problem with code that the search does not share.",
-        epilog="Exit code: 0 valid, 1 not valid, 2 wrong usage, 3 a file is malformed.",
+        epilog="Exit code: 0 valid, 1 not valid, or refused (a file is malformed), 2 wrong usage.",
     )
     add_problem_options(parser)
     parser.add_argument("plan", type=Path, help="plan with a start for every action")

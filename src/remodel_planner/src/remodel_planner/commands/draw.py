@@ -16,14 +16,14 @@ from remodel_planning.core.plan.drawing import draw_plan
 from remodel_production.edge.text_file import write_text
 
 
-@refuses("draw", 3)
+@refuses("draw")
 def main(arguments: list[str] | None = None) -> int:
     """Write the drawing, and return the exit code."""
     parser = argparse.ArgumentParser(
         prog="planner draw",
         description="Draw what each arm does when, and the panel with its wires in their order.",
-        epilog="Exit code: 0 drawn, 1 the plan is not valid, 2 wrong usage, 3 a file is malformed "
-        "or cannot be written.",
+        epilog="Exit code: 0 drawn, 1 the plan is not valid, or refused (a file is malformed "
+        "or cannot be written), 2 wrong usage.",
     )
     add_problem_options(parser)
     parser.add_argument("plan", type=Path, help="plan of that problem")

@@ -23,7 +23,7 @@ from remodel_planning.edge.anytime_planner import AnytimePlanner
 from remodel_planning.edge.search_kernel import Kernel
 
 
-@refuses("explain", 3)
+@refuses("explain")
 def main(arguments: list[str] | None = None) -> int:
     """Print the explanation of a plan, or of a run, and return the exit code."""
     words = sys.argv[1:] if arguments is None else arguments
@@ -38,8 +38,8 @@ def main(arguments: list[str] | None = None) -> int:
         usage="planner explain RUN [--database URL]\n"
         "       planner explain [OPTIONS] [INSTANCE] PLAN",
         epilog="With the number of a run, print what was done in it, what failed, what was decided "
-        "and why. Exit code: 0 explained, 1 the plan is not valid, 2 wrong usage, 3 a file is "
-        "malformed.",
+        "and why. Exit code: 0 explained, 1 the plan is not valid, or refused (a file is "
+        "malformed), 2 wrong usage.",
     )
     add_problem_options(parser)
     parser.add_argument("plan", type=Path, help="plan of that problem")

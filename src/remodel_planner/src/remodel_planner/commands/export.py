@@ -25,7 +25,7 @@ _SYMBOLIC = {"pddl": pddl, "hddl": hddl}
 _NUMERIC = "planbench"
 
 
-@refuses("export", 3)
+@refuses("export")
 def main(arguments: list[str] | None = None) -> int:
     """Write the files, name them, and return the exit code."""
     parser = argparse.ArgumentParser(
@@ -34,8 +34,8 @@ def main(arguments: list[str] | None = None) -> int:
         "or as HDDL, a problem of one arm: domain.FORMAT, problem.FORMAT, plan.txt; costs of plans "
         "are equal, to the unit. As planbench, any problem in the form of docs/planning.md: "
         "problem.json, plan.json.",
-        epilog="Exit code: 0 written, 1 the plan is not valid, 2 wrong usage, 3 a file is "
-        "malformed or cannot be written, or the format cannot express the problem.",
+        epilog="Exit code: 0 written, 1 the plan is not valid, or refused (a file is malformed "
+        "or cannot be written, or the format cannot express the problem), 2 wrong usage.",
     )
     add_problem_options(parser)
     parser.add_argument("plan", type=Path, nargs="?", help="plan of that problem")

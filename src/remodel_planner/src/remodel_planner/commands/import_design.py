@@ -6,58 +6,80 @@ import argparse
 import re
 from collections import Counter
 from contextlib import closing
+from dataclasses import replace
+from functools import partial
 from pathlib import Path
 
 from remodel_planner.commands.options.database_option import add_database_option
 from remodel_planner.commands.options.design_orders import (
     add_design_options,
     design_order,
-    print_by_hand,
+    print_triage,
 )
 from remodel_planner.commands.options.entry import refuses
 from remodel_planning.core.decomposition.preparation import prepare
 from remodel_planning.edge.yaml_file import read_yaml
+from remodel_production.core.board.board import board_of
 from remodel_production.core.board.cabinet import laid_out
+from remodel_production.core.board.wire_lengths import length_findings
 from remodel_production.core.catalogue import Catalogue
 from remodel_production.core.counted import counted
-from remodel_production.core.imports.formats import DesignFormat, format_of, import_design
+from remodel_production.core.imports.formats import WIRE_LIST, format_of, import_design
+from remodel_production.core.imports.kbl import import_kbl
 from remodel_production.core.imports.shared.account import Imported
 from remodel_production.core.imports.wire_list import mapping_draft
+from remodel_production.core.imports.wireviz import lines_of, prepended
 from remodel_production.core.production import Order
 from remodel_production.edge.ability_files import read_abilities
 from remodel_production.edge.catalogue_file import read_catalogue
 from remodel_production.edge.database.production_database import ProductionDatabase
 from remodel_production.edge.design_files import read_design, read_mappings
+from remodel_production.edge.importer_plug_ins import design_formats
 from remodel_production.edge.package_files import catalogue_file
 from remodel_production.errors import DesignError, PlannerError, blamed
 
 
-@refuses("import", 1)
+@refuses("import")
 def main(arguments: list[str] | None = None) -> int:
     """Import, report what was read, assumed and left out, and return the exit code."""
     parser = argparse.ArgumentParser(
         prog="planner import",
         description="Read a design file into the production database: a QElectroTech project, a "
-        "KBL or WireViz harness, or a from-to list (CSV).",
+        "KBL, VEC or WireViz harness, a from-to list (CSV or XLSX), or a file of an importer "
+        "plug-in's format.",
         epilog="Exit code: 0 imported, 1 refused (nothing is stored), 2 wrong usage.",
     )
     parser.add_argument("file", type=Path, help="design file")
     parser.add_argument("--order", help="name of the order; default: the file's name")
     parser.add_argument(
         "--format",
-        type=DesignFormat,
-        choices=list(DesignFormat),
-        metavar="{" + ",".join(form.value for form in DesignFormat) + "}",
+        choices=[form.name for form in design_formats(())],
         help="of the file; default: by its content",
     )
     parser.add_argument(
-        "--mapping", type=Path, metavar="FILE", help="YAML of what the columns of a CSV file mean"
+        "--mapping", type=Path, metavar="FILE", help="YAML of what the columns of a list mean"
     )
     parser.add_argument(
         "--print-mapping",
         action="store_true",
-        help="print the mapping by which a CSV file is read, to correct it for --mapping; import "
+        help="print the mapping by which a list is read, to correct it for --mapping; import "
         "nothing",
+    )
+    parser.add_argument(
+        "--prepend",
+        type=Path,
+        metavar="FILE",
+        action="append",
+        default=[],
+        help="WireViz file to read before the harness, such as of templates; may be repeated",
+    )
+    parser.add_argument(
+        "--module",
+        metavar="NAME",
+        action="append",
+        default=[],
+        help="part number of a module or of a harness configuration of a KBL file, whose wires are "
+        "imported, with those of no module; may be repeated (default: all modules)",
     )
     parser.add_argument(
         "--preferences", type=Path, metavar="FILE", help="YAML of what a user prefers and requires"
@@ -79,21 +101,40 @@ def main(arguments: list[str] | None = None) -> int:
     with closing(ProductionDatabase(options.database)) as database:
         database.add_order(order, preferences, read_abilities())
     _report(imported, verbose=options.verbose)
+    _report_lengths(imported, order, catalogue, verbose=options.verbose)
     _report_triage(order, options)
     return 0
 
 
 def _read(options: argparse.Namespace, name: str, catalogue: Catalogue) -> Imported:
     file: Path = options.file
-    mappings = read_mappings(options.mapping)
+    formats = design_formats(read_mappings(options.mapping))
     data = read_design(file)
+    chosen = options.format or (WIRE_LIST if options.mapping else None)
+    before = [(each.name, read_design(each)) for each in options.prepend]
     try:
-        form = options.format or (
-            DesignFormat.WIRE_LIST if options.mapping else format_of(data, mappings)
+        if before:
+            data = prepended(before, data)
+        form = (
+            next(form for form in formats if form.name == chosen)
+            if chosen
+            else format_of(data, formats)
         )
-        return import_design(data, form, name, file.name, catalogue=catalogue, mappings=mappings)
+        if before and form.name != "wireviz":
+            raise DesignError(f"--prepend is for WireViz files; this is one of format {form.name}")
+        if options.module and form.name != "kbl":
+            raise DesignError(f"--module is for KBL files; this is one of format {form.name}")
+        if options.module:
+            form = replace(form, read=partial(import_kbl, modules=options.module))
+        imported = import_design(data, form, name, file.name, catalogue)
     except DesignError as error:
-        raise DesignError(f"{file}: {error}") from error
+        raise DesignError(f"{file}: {error}{lines_of(before)}") from error
+    if not before:
+        return imported
+    account = imported.account
+    note = f"the file is read after others{lines_of(before)}"
+    account = replace(account, assumptions=(note, *account.assumptions))
+    return Imported(replace(imported.order, notes=account.notes), account)
 
 
 def _preferences(options: argparse.Namespace, order: Order) -> object:
@@ -108,6 +149,29 @@ def _preferences(options: argparse.Namespace, order: Order) -> object:
     return document
 
 
+def _report_lengths(
+    imported: Imported, order: Order, catalogue: Catalogue, *, verbose: bool
+) -> None:
+    """Print which lengths of the design do not fit the board."""
+    stated = {wire.name for wire in imported.order.wires if wire.length_m is not None}
+    if not stated:
+        return
+    findings = length_findings(board_of(order, catalogue), stated)
+    for lines, what in zip(
+        findings,
+        (
+            "wires are shorter than their routes on the board.",
+            "wires are more than three times as long as their routes; is their unit right?",
+        ),
+        strict=True,
+    ):
+        if lines and verbose:
+            print(f"  {len(lines)} {what}")
+            print("\n".join(f"    {line}" for line in lines))
+        elif lines:
+            print(f"  {len(lines)} {what} The worst: {lines[0]}")
+
+
 def _report_triage(order: Order, options: argparse.Namespace) -> None:
     """Print which wires are by hand, or why nothing of the order can be planned."""
     try:
@@ -115,7 +179,7 @@ def _report_triage(order: Order, options: argparse.Namespace) -> None:
     except PlannerError as error:
         print(f"  nothing to plan: {error}")
     else:
-        print_by_hand(work)
+        print_triage(work)
 
 
 def _report(imported: Imported, *, verbose: bool) -> None:

@@ -21,7 +21,7 @@ from remodel_production.edge.text_file import write_text
 from remodel_supervision.ros.peers.board_message import board_message, panel_text
 
 
-@refuses("layout", 1)
+@refuses("layout")
 def main(arguments: list[str] | None = None) -> int:
     """Write the drawing, and return the exit code."""
     parser = argparse.ArgumentParser(

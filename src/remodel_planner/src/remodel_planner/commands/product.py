@@ -21,7 +21,7 @@ from remodel_production.edge.text_file import write_text
 from remodel_supervision.edge.run_log import RunLog
 
 
-@refuses("product", 1)
+@refuses("product")
 def main(arguments: list[str] | None = None) -> int:
     """Write the record of a product, and return the exit code."""
     parser = argparse.ArgumentParser(

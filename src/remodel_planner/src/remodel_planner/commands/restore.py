@@ -10,7 +10,7 @@ from remodel_planner.commands.options.entry import refuses
 from remodel_production.edge.database.database_backup import restore
 
 
-@refuses("restore", 1)
+@refuses("restore")
 def main(arguments: list[str] | None = None) -> int:
     """Restore the backup, and return the exit code."""
     parser = argparse.ArgumentParser(

@@ -4,13 +4,13 @@ from __future__ import annotations
 
 import argparse
 
-from remodel_planner.commands.options.design_orders import print_by_hand
+from remodel_planner.commands.options.design_orders import print_triage
 from remodel_planner.commands.options.entry import refuses
 from remodel_planner.commands.options.problem_files import add_problem_options, read_order
 from remodel_planning.core.decomposition.outline import outline
 
 
-@refuses("tasks", 1)
+@refuses("tasks")
 def main(arguments: list[str] | None = None) -> int:
     """Print the decompositions, and return the exit code."""
     parser = argparse.ArgumentParser(
@@ -25,5 +25,5 @@ def main(arguments: list[str] | None = None) -> int:
     prepared = read_order(options)
     for plan in prepared.plans:
         print("\n".join(outline(plan.alone)))
-    print_by_hand(prepared.order)
+    print_triage(prepared.order)
     return 0

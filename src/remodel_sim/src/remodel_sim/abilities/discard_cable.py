@@ -9,7 +9,7 @@ import numpy as np
 
 from remodel_sim.abilities.ability import ability
 from remodel_sim.abilities.execution.robot_context import RobotContext, Steps
-from remodel_sim.abilities.extract_cable import extract_cable, put_away
+from remodel_sim.abilities.extract_cable import draw_out, put_away
 from remodel_sim.abilities.locate_gearbox_component import locate_gearbox_component
 from remodel_sim.abilities.primitives.carrying import carry
 from remodel_sim.abilities.primitives.grasping import (
@@ -79,21 +79,19 @@ def discard_cable(context: RobotContext, goal: DiscardGoal) -> Steps[CableDiscar
 
 
 def _release_ends(context: RobotContext) -> Steps[None]:
-    """Extract each end of the live wire that is in a terminal."""
+    """Draw each end of the live wire out of its terminal; the last one stays in the hand."""
     belief, wire_id = context.belief, context.wire.id
     if belief.engaged is not None:
-        yield from _extract(
+        yield from _draw_out(
             context, nearest_terminal(belief.engaged.position, context.panel, belief.seen)
         )
-    connected = [key for key, (wire, _) in belief.occupied.items() if wire == wire_id]
-    if connected and belief.grip is not None:
+    for key in [key for key, (wire, _) in belief.occupied.items() if wire == wire_id]:
         yield from put_away(context, (0.1, 0.2))
-    for key in connected:
-        yield from _extract(context, key)
+        yield from _draw_out(context, key)
 
 
-def _extract(context: RobotContext, terminal: TerminalKey) -> Steps[None]:
-    """Extract the end in a terminal; raises EXTRACTION_STUCK, the hand empty and the end there."""
+def _draw_out(context: RobotContext, terminal: TerminalKey) -> Steps[None]:
+    """Draw an end out of a terminal; raises EXTRACTION_STUCK, the hand empty and the end there."""
     belief = context.belief
     component_id, terminal_id = terminal
     if belief.engaged is None and component_id not in belief.seen:
@@ -107,7 +105,7 @@ def _extract(context: RobotContext, terminal: TerminalKey) -> Steps[None]:
         socket=socket,
     )
     try:
-        yield from extract_cable(context, goal)
+        yield from draw_out(context, goal)
     except AbilityError as error:
         grip = belief.grip
         if error.code is not Code.EXTRACTION_STUCK or grip is None:

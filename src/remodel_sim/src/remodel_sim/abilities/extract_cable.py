@@ -69,6 +69,23 @@ def _goal(message: Message) -> ExtractGoal:
 @ability("ExtractCable", _goal)
 def extract_cable(context: RobotContext, goal: ExtractGoal) -> Steps[CableExtracted]:
     """Bring the wire back to where its end lies loose in the channel, from wherever it is."""
+    end, peak = yield from draw_out(context, goal)
+    where = f"'{goal.component_id}/{goal.terminal_id}'"
+    if context.belief.grip is None:
+        context.report("clearing the hand", 0.5)
+        yield from clear_hand(context)
+        return CableExtracted(f"nothing to pull out of {where}: end {end.value} lies loose", 0.0)
+    yield from put_away(context, (0.6, 1.0))
+    return CableExtracted(f"end {end.value} of {goal.cable_id} out of {where}, laid down", peak)
+
+
+def draw_out(context: RobotContext, goal: ExtractGoal) -> Steps[tuple[WireEnd, float]]:
+    """Draw an end out of its terminal, and keep it in the hand.
+
+    Returns:
+        Which end, and the largest axial force at the wrist [N]. The hand is empty if the end was
+        neither in the hand nor in the terminal: it lies loose.
+    """
     belief = context.belief
     context.make_live(goal.cable_id)
     end = _end_at(context, goal)
@@ -76,23 +93,19 @@ def extract_cable(context: RobotContext, goal: ExtractGoal) -> Steps[CableExtrac
     if belief.grip is not None and not holds(context):
         belief.grip = None  # it slipped out; the end may sit in the terminal
     in_opening = belief.engaged is not None or belief.ends[end] is not EndState.LOOSE
-    context.report(f"opening {where}", 0.05)
-    context.open_clamp(goal.component_id, goal.terminal_id)
     if belief.grip is None and in_opening:
-        in_opening = yield from _regrasp(context, end, goal)
-    if belief.grip is None and not in_opening:
-        context.report("clearing the hand", 0.5)
-        yield from clear_hand(context)
-        belief.engaged = None
-        belief.loosen(end)
-        return CableExtracted(f"nothing to pull out of {where}: end {end.value} lies loose", 0.0)
+        # Before the terminal opens: a bent wire springs out of one that is open.
+        yield from _regrasp(context, end, goal)
+    context.report(f"opening {where}", 0.3)
+    context.open_clamp(goal.component_id, goal.terminal_id)
     peak = 0.0
-    if belief.engaged is not None:
+    if belief.grip is None:
+        belief.engaged = None
+    elif belief.engaged is not None:
         context.report(f"pulling end {end.value} out of {where}", 0.4)
         peak = yield from _pull_out(context, belief.engaged, where)
     belief.loosen(end)
-    yield from put_away(context, (0.6, 1.0))
-    return CableExtracted(f"end {end.value} of {goal.cable_id} out of {where}, laid down", peak)
+    return end, peak
 
 
 def put_away(context: RobotContext, shares: tuple[float, float]) -> Steps[None]:
@@ -133,8 +146,8 @@ def _end_at(context: RobotContext, goal: ExtractGoal) -> WireEnd:
     return WireEnd.B if belongs else WireEnd.A
 
 
-def _regrasp(context: RobotContext, end: WireEnd, goal: ExtractGoal) -> Steps[bool]:
-    """Grasp the wire at the opening; return whether it is there."""
+def _regrasp(context: RobotContext, end: WireEnd, goal: ExtractGoal) -> Steps[None]:
+    """Grasp the wire at the opening; the hand stays empty if it is not there."""
     context.report("grasping the wire at the opening", 0.1)
     terminal = context.panel.component(goal.component_id).terminal(goal.terminal_id)
     connector = context.wire.connector_at(end)
@@ -144,8 +157,6 @@ def _regrasp(context: RobotContext, end: WireEnd, goal: ExtractGoal) -> Steps[bo
     except AbilityError as error:
         if error.code is not Code.GRASP_MISSED:
             raise
-        return False
-    return True
 
 
 def _grasp_at_opening(

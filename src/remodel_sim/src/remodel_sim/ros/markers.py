@@ -15,8 +15,9 @@ from remodel_sim.core.workpiece.wire_colours import WIRE_RGB, Rgb
 from remodel_sim.physics.plant import Plant
 from remodel_sim.ros.sim_clock import SimClock
 
-# Markers are published this often [s of simulated time].
-PERIOD_S = 0.2
+# [s] of simulated time: how often the wire under way is published, and everything at least.
+PERIOD_S = 0.05
+WHOLE_PERIOD_S = 1.0
 
 
 class Markers:
@@ -26,18 +27,25 @@ class Markers:
         """Advertise the topic."""
         self._plant = plant
         self._clock = clock
-        self._published_s = 0.0
+        self._published_s = self._whole_s = 0.0
+        self._shown: object = None
         self._publisher = rospy.Publisher("cell/markers", MarkerArray, queue_size=2)
 
     def __call__(self) -> None:
         """Publish when it is time and there is a subscriber."""
-        if (
-            self._clock.now_s - self._published_s < PERIOD_S
-            or not self._publisher.get_num_connections()
-        ):
+        viewers = self._publisher.get_num_connections()
+        if self._clock.now_s - self._published_s < PERIOD_S or not viewers:
             return
         self._published_s = self._clock.now_s
         plant = self._plant
+        live = plant.live.wire.id if plant.live else ""
+        shown = (viewers, live, id(plant.panel), frozenset(plant.parked))
+        if shown == self._shown and self._clock.now_s - self._whole_s < WHOLE_PERIOD_S:
+            if plant.live is not None:
+                line = self._line(plant.live.wire, plant.live.cable.nodes())
+                self._publisher.publish(MarkerArray([line]))
+            return
+        self._shown, self._whole_s = shown, self._clock.now_s
         markers = [Marker(action=Marker.DELETEALL)]
         markers += [self._box(component) for component in plant.panel.components]
         markers += [

@@ -11,13 +11,19 @@ from sensor_msgs.msg import CameraInfo, Image, JointState
 from tf2_ros import StaticTransformBroadcaster, TransformBroadcaster
 
 from remodel_sim.core.camera import Picture
-from remodel_sim.core.cell.cell_design import CellDesign
+from remodel_sim.core.cell.cell_design import CellDesign, RobotDesign
 from remodel_sim.core.geometry import Pose
 from remodel_sim.core.goals.goal_pose import PANEL, WORLD
 from remodel_sim.core.robot.arm import Arm
 from remodel_sim.core.workpiece.layout import WORLD_FROM_PANEL
 from remodel_sim.physics.plant import Plant
-from remodel_sim.physics.robot_description import BASE_LINKS, CAMERA_MOUNT, HAND, RAIL
+from remodel_sim.physics.robot_description import (
+    BASE_LINKS,
+    CAMERA_MOUNT,
+    HAND,
+    RAIL,
+    robot_description,
+)
 from remodel_sim.ros.conversions import camera_info, image
 from remodel_sim.ros.sim_clock import SimClock
 
@@ -80,6 +86,8 @@ class RobotState:
         self._plant = plant
         self._clock = clock
         self._published_s = 0.0
+        robots = {robot.name: _described(robot) for robot in plant.design.robots}
+        rospy.set_param("cell/robots", robots)
         self._joints = rospy.Publisher("/joint_states", JointState, queue_size=5)
         self._wrenches = {
             robot.name: rospy.Publisher(
@@ -119,6 +127,11 @@ class RobotState:
                 [_transform(WORLD, frame, pose, self._clock.now) for frame, pose in moving.items()]
             )
         self._joints.publish(message)
+
+
+def _described(robot: RobotDesign) -> dict[str, str]:
+    """Return what a viewer draws a robot by: its URDF, and what precedes its names elsewhere."""
+    return {"description": robot_description(robot.arm), "prefix": robot.prefix}
 
 
 def _foot(arm: Arm) -> str:

@@ -139,7 +139,8 @@ class RunningGoal:
         Args:
             code: number of the error code; PREEMPTED ends it as cancelled.
             text: what was asked, found, and what to do.
-            found: fields of the result.
+            found: fields of the result. Those that it does not have are left out: they are of
+                another ability, of which this one made use.
             message: short, for a person.
         """
         result = self._result(
@@ -147,7 +148,8 @@ class RunningGoal:
         )
         is_cancelled = code == ErrorCode.PREEMPTED
         end = self._handle.set_canceled if is_cancelled else self._handle.set_aborted
-        end(self._filled(result, found), text)
+        own = {name: value for name, value in found.items() if name in result.__slots__}
+        end(self._filled(result, own), text)
 
     def _filled(self, result: Message, found: Mapping[str, Any]) -> Message:
         result.elapsed_time = self.elapsed_s

@@ -16,6 +16,7 @@ from remodel_planning.core.task_charts.demands import Demands, demands_of
 from remodel_planning.core.task_charts.escalation import escalating
 from remodel_planning.core.task_charts.planned_tasks import (
     PlannedTask,
+    continuing_from,
     planned_task,
     planned_tasks,
     with_other_method,
@@ -152,8 +153,16 @@ class WorkPlanner:
             order, self.use_case, self._documents, expectations=self.experience.expectations
         )
 
-    def task(self, name: str, decisions: Sequence[Decided] = ()) -> PlannedTask:
+    def task(
+        self, name: str, decisions: Sequence[Decided] = (), connected: Collection[str] = ()
+    ) -> PlannedTask:
         """Return a task as it is planned, by the methods that are left after some decisions.
+
+        Args:
+            name: of the task.
+            decisions: about it so far.
+            connected: letters of its ends that sit in their terminals. An earlier plan may have
+                connected the end that comes last in this one; then that end comes first.
 
         Raises:
             InstanceError: if there is no plan for it.
@@ -162,6 +171,7 @@ class WorkPlanner:
         if task is None:
             place = self._place(name)
             task = self._tasks[name] = planned_task(place.prepared, name, place.mode)
+        task = continuing_from(self._place(name).prepared, task, connected)
         for decision in decisions:
             if decision.do is Do.OTHER_METHOD:
                 task = self._otherwise(task, decision.state_path) or task
@@ -240,7 +250,7 @@ class WorkPlanner:
             decisions: about the task so far; they outdo what was chosen.
             chosen: parameters.
         """
-        task = self.task(name, decisions)
+        task = self.task(name, decisions, connected)
         if part is Part.CLEAR:
             return task.clear()
         if part is Part.DISCARD:

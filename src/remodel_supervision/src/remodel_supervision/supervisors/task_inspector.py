@@ -44,7 +44,8 @@ class TaskInspector:
         """
         self._gates.update()
         gate = self._gates.gate
-        planned = self._planner.task(name, self._record.state.tasks[name].decisions)
+        decisions = self._record.state.tasks[name].decisions
+        planned = self._planner.task(name, decisions)
         connected: list[str] = []
         self._gates.enter(SUPERVISOR, f"inspecting {name}")
         try:
@@ -64,7 +65,8 @@ class TaskInspector:
             self._keep(Settled(name, tuple(connected), 1, error.code, unseen=str(error)))
             self._gates.tasks.note_stop(error.goal_id)
             return
-        self._keep(Settled(name, tuple(connected), len(planned.left(connected))))
+        left = self._planner.task(name, decisions, connected).left(connected)
+        self._keep(Settled(name, tuple(connected), len(left)))
 
     def _is_connected(self, name: str, end: End, component: str, terminal: str) -> bool:
         if self._gates.gate.halt:

@@ -48,7 +48,7 @@ class TaskSupervisor:
         gate: Gate,
         report_stop: Keep,
         owner: int = 0,
-        disowned: Callable[[], str] = lambda: "",
+        superseded: Callable[[], str] = lambda: "",
     ) -> None:
         """Take the ports, and the gate that its operations pass.
 
@@ -60,13 +60,14 @@ class TaskSupervisor:
             report_stop: keeps an operation of a behavior that was given up, after which a person
                 is to answer first; raises PlannerError if it cannot.
             owner: token by which this supervisor owns the cell.
-            disowned: returns why it does not own the cell any more; empty if it does.
+            superseded: returns why another supervisor may be at work, since this one has lost the
+                cell or its task; empty if it has not.
         """
         self.behavior = ""
         self.halted = ""
         self._owner = owner
         self._report_stop = report_stop
-        self._disowned = disowned
+        self._superseded = superseded
         self._has_started = False
         self._loop = loop
         self._engine = engine
@@ -334,8 +335,11 @@ class TaskSupervisor:
         return PREEMPTED if is_stopped else end.text
 
     def _halted(self) -> BehaviorEnd:
-        """Stop the behavior, and return how it ended when nothing moves any more."""
-        owner = self._owner if self._disowned() else None
+        """Stop what runs, and return how the behavior ended when nothing moves any more.
+
+        What a supervisor has begun that has superseded this one goes on.
+        """
+        owner = self._owner if self._superseded() else None
         self._engine.cancel(own_only=owner is not None)
         self._abilities.cancel(owner)
         late_s = self._loop.wall_s() + STOP_LIMIT_S

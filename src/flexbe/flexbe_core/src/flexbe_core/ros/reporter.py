@@ -46,7 +46,7 @@ _SAME_ERROR_S = 10.0
 def advertise() -> None:
     """Advertise what runs publish."""
     ProxyPublisher(topics.PUBLISHED)
-    ProxyPublisher({topics.ACTIVE_STATE: String}, _latch=True)
+    ProxyPublisher({topics.ACTIVE_STATE: String, topics.AUTONOMY_IN_FORCE: UInt8}, _latch=True)
 
 
 class Reporter:
@@ -79,6 +79,10 @@ class Reporter:
             topics.MIRROR_STRUCTURE,
             ContainerStructure(behavior_id=self._behavior_id(), containers=containers),
         )
+
+    def autonomy(self, level: int) -> None:
+        """Publish the autonomy level that is in force."""
+        self._send(topics.AUTONOMY_IN_FORCE, UInt8(level))
 
     @singledispatchmethod
     def _publish(self, event: Event) -> None:

@@ -62,6 +62,7 @@ class Session:
         self._assignment = 0
         self._reporter = Reporter(root)
         self._has_level = type(root).__kind__ is not Kind.STATE and hasattr(root, "autonomy_level")
+        self._published_level: int | None = None
 
     @classmethod
     def assign_priority(cls, path: str | None) -> None:
@@ -107,6 +108,8 @@ class Session:
         self._refresh()
         # Before the first state is executed: a behavior that was paused meanwhile begins paused.
         self._take_commands()
+        self._published_level = None
+        self._publish_level()
         self.engine.begin(userdata)
         self._driver = Driver(
             self.engine, self._inbox, self._command, self._refresh, report=self._reporter.report
@@ -229,6 +232,7 @@ class Session:
         if isinstance(command, SetAutonomy | Attach) and self._has_level:
             self._root.autonomy_level = command.level
         self.engine.handle(command)
+        self._publish_level()
 
     def _refresh(self) -> None:
         """Read what users and operators may have set since the last time."""
@@ -237,6 +241,14 @@ class Session:
         points = breakpoints.current() if self._root._is_controlled else supervision.breakpoints
         if (level, points) != (supervision.autonomy_level, supervision.breakpoints):
             self.engine.supervision = replace(supervision, autonomy_level=level, breakpoints=points)
+            self._publish_level()
+
+    def _publish_level(self) -> None:
+        """Publish the autonomy level of a behavior if it has changed, for operators who join."""
+        is_behavior = self._has_level and getattr(self._root, "id", None) is not None
+        if is_behavior and self._root.autonomy_level != self._published_level:
+            self._published_level = self._root.autonomy_level
+            self._reporter.autonomy(self._published_level)
 
 
 def connect() -> None:

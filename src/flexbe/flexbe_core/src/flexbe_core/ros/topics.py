@@ -14,6 +14,8 @@ MIRROR_SYNC = "flexbe/mirror/sync"
 MIRROR_OUTCOME = "flexbe/mirror/outcome"
 # Not stock FlexBE's: the path of the active state of a supervised run, empty after it.
 ACTIVE_STATE = "flexbe/mirror/active_state"
+# Not stock FlexBE's: the autonomy level of the run, 255 without supervision.
+AUTONOMY_IN_FORCE = "flexbe/mirror/autonomy"
 OUTCOME_REQUEST = "flexbe/outcome_request"
 CURRENT_STATE = "flexbe/debug/current_state"
 BEHAVIOR_UPDATE = "flexbe/behavior_update"

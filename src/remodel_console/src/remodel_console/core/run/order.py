@@ -5,8 +5,9 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TypeAlias
 
+STEP, FULL = 0, 3  # autonomy levels: the engine asks before each transition, or as good as none
 UNATTENDED = 255  # the autonomy level that asks no operator, from FlexBE's wire protocol
-LEVELS = {0: "off", 1: "low", 2: "high", 3: "full", UNATTENDED: "unattended"}
+LEVELS = {STEP: "off", 1: "low", 2: "high", FULL: "full", UNATTENDED: "unattended"}
 
 Pairs: TypeAlias = tuple[tuple[str, str], ...]
 

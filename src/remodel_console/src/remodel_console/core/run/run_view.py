@@ -86,6 +86,13 @@ class Left:
 
 
 @dataclass(frozen=True)
+class LevelSeen:
+    """The autonomy level in force; only engines of this workspace publish it."""
+
+    level: int
+
+
+@dataclass(frozen=True)
 class Ordered:
     """This console has ordered a start or a level; it counts once the engine confirms it."""
 
@@ -94,7 +101,15 @@ class Ordered:
 
 
 Event: TypeAlias = (
-    EngineSeen | EngineStatus | Entered | Left | Asked | Acknowledged | Structure | Ordered
+    EngineSeen
+    | EngineStatus
+    | Entered
+    | Left
+    | Asked
+    | Acknowledged
+    | LevelSeen
+    | Structure
+    | Ordered
 )
 
 
@@ -108,7 +123,8 @@ class RunView:
         visited: paths that this run has entered.
         entries: how many states it has entered.
         asked: the request that waits for the operator.
-        level: the autonomy level that this console set; None if another client started the run.
+        level: the autonomy level, as the engine publishes it, or as this console set it; None if
+            neither is known.
         attached_name: name that the engine gave when it was attached to.
         held: path that is locked; None if nothing is.
         structure: its containers and states, once the engine has published them.
@@ -118,6 +134,7 @@ class RunView:
         is_ending_bad: and it did not end by itself or on command.
         left: what was left last; its structure may arrive later.
         announced: path of a state published before the start of its run; topics have no order.
+        announced_level: the same of an autonomy level; None if none was.
         ordered: what this console ordered last about starting and levels.
     """
 
@@ -137,6 +154,7 @@ class RunView:
     is_ending_bad: bool = False
     left: Left | None = None
     announced: str = ""
+    announced_level: int | None = None
     ordered: Ordered = Ordered(None)
 
     @property
@@ -176,6 +194,10 @@ def step(view: RunView, event: Event) -> RunView:
         return _on_asked(view, event)
     if isinstance(event, Acknowledged):
         return _on_acknowledged(view, event)
+    if isinstance(event, LevelSeen):
+        if view.phase is Phase.RUNNING:
+            return replace(view, level=event.level)
+        return replace(view, announced_level=event.level)
     if isinstance(event, Structure):
         view = replace(view, structure=event)
         return view if view.left is None else _after_left(view, view.left)
@@ -195,7 +217,8 @@ def _on_status(view: RunView, event: EngineStatus) -> RunView:
         return RunView(
             phase=Phase.RUNNING,
             behavior_id=event.behavior_id,
-            level=view.ordered.level if is_ours else None,
+            level=view.ordered.level if is_ours else view.announced_level,
+            ordered=view.ordered if is_ours else Ordered(None),
             held=event.args[0] if event.args else None,  # a switch leaves its state locked
             structure=view.structure,
             active=view.announced,

@@ -11,9 +11,7 @@ from remodel_console.console import Supervisor
 from remodel_console.core.answer import DONE
 from remodel_console.core.use_case.production import figures
 from remodel_console.core.use_case.use_case import (
-    Choice,
     Phase,
-    Question,
     UseCase,
     decision_words,
     duration_words,
@@ -21,7 +19,8 @@ from remodel_console.core.use_case.use_case import (
     level_rows,
 )
 from remodel_console.core.world import Notice, World, supervisor_notice
-from remodel_console.web.camera_view import CameraView
+from remodel_console.web.cell.camera_view import CameraView
+from remodel_console.web.cell.cell_panel import CellPanel
 from remodel_console.web.overview.figure_cards import FigureCards
 from remodel_console.web.overview.order_form import OrderForm
 from remodel_console.web.overview.run_head import PAUSING, RunHead
@@ -39,28 +38,26 @@ _SHOWN_FAILURES = 20  # the latest; the record has all
 class OverviewPage(Page):
     """The page of the order that the cell works on (Deliverable 5.1, T3.2)."""
 
-    KEYS = (("P", "pause or resume the run"),)
+    KEYS = (("Alt+P", "pause or resume the run"),)
 
     def build(self) -> None:
         """Build the order on the left, the cameras in the middle, what happens on the right."""
         self._use_case: UseCase | None = None
         self._pending: list[str] = []
-        self._time_left: ui.label | None = None
         self._head: RunHead | OrderForm | None = None
-        pictures = self.console.pictures
-        pictures.add_viewer(1)
-        ui.context.client.on_delete(lambda: pictures.add_viewer(-1))
+        self._wants_pictures = False
+        ui.context.client.on_delete(lambda: self._want_pictures(False))
         with ui.element("div").classes("overview"):
-            with ui.element("section").classes("order"):
+            with ui.element("section").classes("order").props('tabindex="0" aria-label="Order"'):
                 self._head_area = ui.element("div").classes("order-head")
                 skip, retry = partial(self._do_task, "skip"), partial(self._do_task, "retry")
                 self._tasks = TaskTable(skip, retry, is_operator=self.is_operator)
-            with ui.element("section").classes("watch"):
+            with ui.element("section").classes("watch").props('tabindex="0" aria-label="Cell"'):
+                self._cell = CellPanel(self.console)
                 with ui.element("div").classes("cameras"):
                     self._cameras = {name: CameraView(*words) for name, *words in _CAMERAS}
                 self._figures = FigureCards()
-            with ui.element("aside").classes("panel"):
-                self._question = ui.element("div").classes("wide")
+            with ui.element("aside").classes("panel").props('tabindex="0" aria-label="Activity"'):
                 ui.label("Activity of each level").classes("heading")
                 self._levels = ui.element("div").classes("levels")
                 ui.label("Failures").classes("heading")
@@ -72,6 +69,9 @@ class OverviewPage(Page):
 
     def show(self, world: World) -> None:
         """Show the parts that have changed."""
+        self._cell.show(world.use_case)
+        self._cameras["scene"].set_visibility(not self._cell.is_available)
+        self._want_pictures(not self._cell.is_available)
         for camera, view in self._cameras.items():
             picture = self.console.pictures.newest(camera)
             view.show(f"/picture/{camera}?number={picture.number}" if picture else "")
@@ -81,19 +81,28 @@ class OverviewPage(Page):
         before, self._use_case = self._use_case, now
         self._show_head()
         self._tasks.show(now.tasks, is_under_way=now.is_under_way)
-        if before is None or before.question != now.question:
-            self._show_question(now.question)
-        self._show_time_left(now)
         self._show_levels(now)
         if before is None or before.failures != now.failures:
             self._show_failures(now)
         if before is None or before.tasks != now.tasks or before.failures != now.failures:
             self._figures.show(figures(now))
 
-    def press(self, key: str, *, ctrl: bool) -> None:
+    def set_in_view(self, is_in_view: bool) -> None:
+        """Draw the cell, and request pictures of it, only while the page is in view."""
+        self._cell.set_shown(is_in_view)
+        if not is_in_view:
+            self._want_pictures(False)
+
+    def _want_pictures(self, are_wanted: bool) -> None:
+        """Have the cell rendered for people, where it cannot be drawn here."""
+        if are_wanted != self._wants_pictures:
+            self._wants_pictures = are_wanted
+            self.console.pictures.add_viewer(1 if are_wanted else -1)
+
+    def press_with_alt(self, key: str) -> None:
         """Pause the run, or resume it."""
         now = self._use_case
-        if key.lower() != "p" or ctrl or now is None or not now.is_under_way:
+        if key != "p" or now is None or not now.is_under_way or not self.is_operator:
             return
         deed = self._resume if now.is_held else self._pause
         with self._dialogs:
@@ -119,31 +128,6 @@ class OverviewPage(Page):
         return RunHead(self.button, *deeds)
 
     # What happens
-
-    def _show_question(self, question: Question | None) -> None:
-        """Show what the run asks, and a button for each answer."""
-        self._question.clear()
-        self._time_left = None
-        if question is None:
-            return
-        with self._question, ui.element("div").classes("request").props('role="alert"'):
-            ui.label(f"{question.task}: the cell needs your answer").classes("question")
-            ui.label(question.text)
-            if question.timeout_s:
-                self._time_left = ui.label().classes("soft")
-            for place, choice in enumerate(question.choices):
-                look = "main" if place == 0 else "quiet"
-                made = self.button(choice.words, partial(self._answer, question, choice), look=look)
-                with made.classes("choice"):
-                    ui.label(choice.meaning).classes("meaning")
-
-    def _show_time_left(self, now: UseCase) -> None:
-        left_s = now.question.left_s(now.stamp_s) if now.question else None
-        if self._time_left is not None and left_s is not None:
-            self._time_left.text = (
-                f"{duration_words(left_s)} left to answer; after that the question escalates, and "
-                "the run goes on without an answer."
-            )
 
     def _show_levels(self, now: UseCase) -> None:
         self._levels.clear()
@@ -250,10 +234,3 @@ class OverviewPage(Page):
 
         pending = f"skipping {task}" if word == "skip" else ""
         await self._give(f"{word} task {task}", deed, pending)
-
-    async def _answer(self, question: Question, choice: Choice) -> None:
-        number = question.number
-        await self._give(
-            f"answer question {number} about {question.task}: {choice.words}",
-            lambda supervisor, by: supervisor.answer(number, choice, by),
-        )

@@ -7,14 +7,9 @@ from functools import partial
 
 from nicegui import ui
 
+from remodel_console.core.cell.wire_history import PHASE_WORDS
 from remodel_console.core.use_case.use_case import Task, TaskPhase, duration_words, shown_tasks
 
-_WORDS = {
-    TaskPhase.WAITING: "waiting",
-    TaskPhase.RUNNING: "running",
-    TaskPhase.DONE: "done",
-    TaskPhase.SET_ASIDE: "skipped",
-}
 _OPEN = (TaskPhase.WAITING, TaskPhase.RUNNING)
 
 Deed = Callable[[str], object]
@@ -32,9 +27,9 @@ class TaskTable:
             ui.element("table").classes("plain") as self._table,
             ui.element("tr"),
         ):
-            for head in ("Task", "State", "Attempts", "Time", ""):
+            for head in ("Task", "State", "Attempts", "Time", "Commands"):
                 with ui.element("th"):
-                    ui.label(head)
+                    ui.label(head).classes("unseen" if head == "Commands" else "")
         self._more = ui.label().classes("soft")
         self._rows: dict[str, _Row] = {}
 
@@ -91,7 +86,7 @@ class _Row:
         self._shown = (task, is_under_way)
         self._description.text = task.description
         self.element.classes(replace=f"task {task.phase.value}")
-        self._phase.text = _WORDS[task.phase]
+        self._phase.text = PHASE_WORDS[task.phase]
         self._attempts.text = str(task.attempts or "")
         self._time.text = _time_words(task)
         self._skip.set_visibility(is_under_way and task.phase in _OPEN)

@@ -12,13 +12,12 @@ from remodel_console.core.use_case.record_words import KIND_WORDS, entry_words
 from remodel_console.core.world import Notice, World, supervisor_notice
 from remodel_console.errors import CommandError
 from remodel_console.web.behavior_drawing import BehaviorDrawing
-from remodel_console.web.camera_view import CameraView
+from remodel_console.web.cell.camera_view import CameraView
 from remodel_console.web.page import Page
 from remodel_console.web.replay.run_list import RunList
 from remodel_console.web.replay.scrubber import Scrubber
 from remodel_console.web.replay.value_plots import ValuePlots
 
-_ROOM = (700.0, 420.0)  # for the drawing on a common screen [pixels]
 _SHOWN_REASONS = 20  # the latest until the moment
 
 
@@ -46,10 +45,9 @@ class ReplayPage(Page):
                     self.console,
                     "State machine of the behavior",
                     "No behavior of this task has run yet.",
-                    _ROOM,
                 )
             self._scrubber = Scrubber(self._show_moment)
-            with ui.element("aside").classes("panel"):
+            with ui.element("aside").classes("panel").props('tabindex="0" aria-label="Moment"'):
                 self._now = ui.element("div").classes("wide")
                 self._picture = CameraView(
                     "Last camera picture", "no picture was stored up to this time"

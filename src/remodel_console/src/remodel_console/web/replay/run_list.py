@@ -23,7 +23,7 @@ class RunList:
         """Build an empty list; `open_run` is called with the run that is chosen."""
         self._console = console
         self._open = open_run
-        with ui.element("aside").classes("runs"):
+        with ui.element("aside").classes("runs").props('tabindex="0" aria-label="Runs"'):
             with ui.row().classes("runs-head"):
                 ui.label("Runs").classes("title")
                 again = ui.button(icon="refresh", on_click=self.list, color=None)

@@ -9,6 +9,7 @@ from nicegui import run, ui
 
 from remodel_console.core.run.order import (
     LEVELS,
+    STEP,
     UNATTENDED,
     Hold,
     Order,
@@ -21,21 +22,27 @@ from remodel_console.core.run.order import (
     Switch,
     TakeOutcome,
 )
-from remodel_console.core.run.run_view import Asked, Phase, RunView
+from remodel_console.core.run.run_view import Phase, RunView
 from remodel_console.core.run.run_words import count_words, path_words
 from remodel_console.errors import CommandError
 from remodel_console.web.page import Page, table
 from remodel_console.web.runtime.start_form import StartForm
 
-_ATTACHED_LEVELS = {level: word for level, word in LEVELS.items() if level != UNATTENDED}
+_ATTACHED_LEVELS = {
+    level: word.capitalize() for level, word in LEVELS.items() if level != UNATTENDED
+}
+_STEP_HINT = "Step mode: the engine asks before every transition; Alt+C takes it."
 _FIRST_LEVEL = 1  # low, as in the FlexBE App
 
 
 class RunPanel:
-    """Shows the engine's requests, and sends it orders.
+    """Shows what can be done with the run, and sends the engine orders.
 
     What depends on the run is rebuilt when that changes; the Stop button never is, so that no click
     on it is lost.
+
+    Attributes:
+        area: the whole panel.
     """
 
     def __init__(self, page: Page, order: Callable[[Order], Awaitable[object]]) -> None:
@@ -43,9 +50,14 @@ class RunPanel:
         self._page = page
         self._order = order
         self._shown: object = None
+        self._level_before = _FIRST_LEVEL
         self._outcomes: ui.element | None = None
         self._outcomes_of = ""
-        with ui.element("aside").classes("panel"):
+        with (
+            ui.element("aside")
+            .classes("panel")
+            .props('tabindex="0" aria-label="Commands"') as self.area
+        ):
             self._area = ui.element("div").classes("run-area")
             self._stop = page.button("Stop", self._ask_stop, icon="stop", look="stop")
             self._userdata = self._build_userdata()
@@ -91,8 +103,6 @@ class RunPanel:
         StartForm(self._page, self._order)
 
     def _show_running(self, view: RunView, running: str, loaded: str, newer: Switch | None) -> None:
-        if view.asked is not None:
-            self._show_request(view)
         if view.is_supervised:
             if view.ending:
                 ui.label(f"The behavior {view.ending}.").classes("ending bad")
@@ -100,22 +110,6 @@ class RunPanel:
             self._show_controls(view)
         else:
             self._show_attach(running, loaded)
-
-    def _show_request(self, view: RunView) -> None:
-        """Show what the engine asks, with the button that answers it."""
-        confirmation = confirmation_of(view)
-        with ui.element("div").classes("request").props('role="alert"'):
-            ui.label("The engine asks for confirmation").classes("soft")
-            label = view.asked.path.rpartition("/")[2] if view.asked else ""
-            if confirmation is None:
-                ui.label(f"Leave '{label}'? Its outcomes are not known here; attach first.")
-                return
-            ui.label(f"Leave '{label}' with '{confirmation.outcome}'?").classes("question")
-            self._page.button(
-                f"Confirm '{confirmation.outcome}'",
-                partial(self._order, confirmation),
-                icon="check",
-            ).classes("confirm").props("autofocus")
 
     def _show_newer_version(self, newer: Switch | None) -> None:
         """Offer the version that has been saved while this one runs."""
@@ -160,6 +154,12 @@ class RunPanel:
             on_change=lambda event: self._order(SetAutonomy(int(event.value))),
         )
         level.props("outlined dense").classes("wide").set_enabled(self._page.is_operator)
+        if view.level == STEP:
+            ui.label(_STEP_HINT).classes("held")
+            self._control("Leave step mode", self.other_mode(view), "fast_forward")
+        else:
+            self._level_before = view.level or _FIRST_LEVEL
+            self._control("Step mode", self.other_mode(view), "skip_next")
         with ui.row().classes("controls"):
             if view.is_paused:
                 self._control("Continue", Resume(), "play_arrow")
@@ -176,6 +176,10 @@ class RunPanel:
         self._outcomes = ui.element("div").classes("wide")
         self._outcomes_of = ""
         self._show_outcomes(view)
+
+    def other_mode(self, view: RunView) -> SetAutonomy:
+        """Return the order that begins step mode, or ends it at the level of before."""
+        return SetAutonomy(self._level_before if view.level == STEP else STEP)
 
     def _show_levels(self) -> None:
         """Fill the menu of what can be locked now."""
@@ -229,21 +233,10 @@ class RunPanel:
         )
 
 
-def confirmation_of(view: RunView) -> TakeOutcome | None:
-    """Return the answer to what the engine asks; None if it asks nothing that is known."""
-    if not isinstance(view.asked, Asked):
-        return None
-    outcomes = view.outcomes(view.asked.path)
-    index = view.asked.index
-    if index >= len(outcomes):
-        return None
-    return TakeOutcome(view.asked.path, index, outcomes[index], is_forced=False)
-
-
 def _without_path(view: RunView) -> tuple[object, ...]:
     """Return what the panel depends on: all but what changes with each state."""
     return (
-        view.phase, view.behavior_id, view.asked, view.level,
+        view.phase, view.behavior_id, view.level,
         view.is_paused, view.held, view.has_structure, view.ending,
     )  # fmt: skip
 

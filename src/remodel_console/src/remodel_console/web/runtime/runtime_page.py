@@ -4,17 +4,16 @@ from __future__ import annotations
 
 from nicegui import background_tasks, ui
 
-from flexbe_synthesizer.core.chart.model import Chart
 from remodel_console.core.run.order import Hold, Order, Pause, Release, Repeat, Resume, Switch
 from remodel_console.core.run.run_view import Phase, RunView
 from remodel_console.core.run.run_words import state_words
 from remodel_console.core.world import World
 from remodel_console.web.behavior_drawing import BehaviorDrawing
+from remodel_console.web.cell.cell_panel import CellPanel
 from remodel_console.web.log_pane import LogPane
 from remodel_console.web.page import Page
-from remodel_console.web.runtime.run_panel import RunPanel, confirmation_of
+from remodel_console.web.runtime.run_panel import RunPanel
 
-_ROOM = (900.0, 520.0)  # for the drawing on a common screen [pixels]
 _READABLE_S = 0.25  # between two changes of what is there to click
 
 
@@ -22,15 +21,15 @@ class RuntimePage(Page):
     """The page of the behavior that runs."""
 
     KEYS = (
-        ("C", "confirm the engine's request"),
-        ("P", "pause or continue"),
-        ("R", "repeat the active state"),
-        ("L", "lock or unlock the active state"),
+        ("Alt+P", "pause or continue"),
+        ("Alt+R", "repeat the active state"),
+        ("Alt+L", "lock or unlock the active state"),
+        ("Alt+S", "step mode on or off"),
     )
 
     def build(self) -> None:
         """Build the drawing, the panel beside it, and the log below."""
-        self._drawn_chart: Chart | None = None
+        self._drawn_version = 0  # how often charts had been saved when it was drawn
         self._newer: Switch | None = None
         self._newer_for: object = None
         self._ran = ""  # name of the behavior that runs, or ran last; empty if it is not known
@@ -45,9 +44,10 @@ class RuntimePage(Page):
                     self.console,
                     "State machine of the behavior",
                     "Choose a behavior on the right to draw its state machine here.",
-                    _ROOM,
                 )
             self._panel = RunPanel(self, self.order)
+            with self._panel.area:
+                self._cell = CellPanel(self.console)
             with ui.element("section").classes("log-area"):
                 self._log = LogPane()
 
@@ -69,35 +69,39 @@ class RuntimePage(Page):
         self._light(view)
         self._check_for_newer_version(view)
         self._panel.show(view, running, loaded, self._newer)
+        self._cell.show(world.use_case)
 
     def _draw(self, name: str) -> None:
         """Draw a behavior, unless this version of it is drawn already."""
-        session = self.console.session
-        has_new_version = session.is_saved and session.chart is not self._drawn_chart
-        if name != self._drawing.name or has_new_version:
-            self._drawing.name, self._drawn_chart = name, session.chart
+        version = self.console.sessions.save_count
+        if name != self._drawing.name or version != self._drawn_version:
+            self._drawing.name, self._drawn_version = name, version
             background_tasks.create(self._drawing.draw(name))
 
     def _check_for_newer_version(self, view: RunView) -> None:
         """Check whether the running behavior was saved again, only when that can have changed."""
-        session = self.console.session
-        cause = (view.behavior_id, view.is_supervised, session.chart, session.is_saved)
+        version = self.console.sessions.save_count
+        cause = (view.behavior_id, view.is_supervised, version)
         if cause != self._newer_for:
             self._newer_for = cause
             self._newer = self.console.steering.newer_version()
 
-    def press(self, key: str, *, ctrl: bool) -> None:
-        """Do what a key means on this page."""
+    def set_in_view(self, is_in_view: bool) -> None:
+        """Draw the cell only while the page is in view."""
+        self._cell.set_shown(is_in_view)
+
+    def press_with_alt(self, key: str) -> None:
+        """Command the running behavior."""
         view = self.console.live.world.run
-        if ctrl or not view.is_supervised:
+        if not view.is_supervised or not self.is_operator:
             return
-        orders: dict[str, Order | None] = {
-            "c": confirmation_of(view),
+        orders: dict[str, Order] = {
             "p": Resume() if view.is_paused else Pause(),
             "r": Repeat(),
             "l": Hold(view.active) if view.held is None else Release(view.held),
+            "s": self._panel.other_mode(view),
         }
-        order = orders.get(key.lower())
+        order = orders.get(key)
         if order is not None:
             background_tasks.create(self.order(order))
 

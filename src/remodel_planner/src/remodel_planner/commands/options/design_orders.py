@@ -3,16 +3,12 @@
 from __future__ import annotations
 
 import argparse
+from typing import TYPE_CHECKING
 
-from remodel_planning.core.decomposition.triage import triaged
-from remodel_planning.core.orders.board_order import board_order, kind_of
-from remodel_planning.core.orders.work_order import WorkOrder
-from remodel_planning.core.use_case.model import UseCase
-from remodel_planning.edge.use_case_files import default_use_case, find_use_case
-from remodel_production.core.board.board import board_of
-from remodel_production.core.production import Order
-from remodel_production.edge.catalogue_file import read_catalogue
-from remodel_production.edge.package_files import catalogue_file
+if TYPE_CHECKING:
+    from remodel_planning.core.orders.work_order import WorkOrder
+    from remodel_planning.core.use_case.model import UseCase
+    from remodel_production.core.production import Order
 
 
 def add_design_options(parser: argparse.ArgumentParser) -> None:
@@ -38,15 +34,27 @@ def design_order(stored: Order, options: argparse.Namespace) -> tuple[WorkOrder,
     Raises:
         PlannerError: if the use case takes no designs, or no task of the order is for the robot.
     """
+    # They take longer to load than most problems to plan, and the commands of files need none.
+    from remodel_planning.core.decomposition.triage import triaged
+    from remodel_planning.core.orders.board_order import board_order, kind_of
+    from remodel_planning.edge.use_case_files import default_use_case, find_use_case
+    from remodel_production.core.board.board import board_of
+    from remodel_production.edge.catalogue_file import read_catalogue
+    from remodel_production.edge.package_files import catalogue_file
+
     board = board_of(stored, read_catalogue(catalogue_file()))
     asked = options.use_case
     use_case = find_use_case(asked) if asked else default_use_case(kind_of(board))
     return triaged(board_order(board, use_case, options.arms), use_case), use_case
 
 
-def print_by_hand(order: WorkOrder) -> None:
-    """Print how many tasks are for the robot, and each that is by hand, if there is one."""
-    if order.by_hand:
-        print(f"  tasks for the robot: {len(order.tasks)}, by hand: {len(order.by_hand)}")
-    for task in order.by_hand:
-        print(f"    {task}")
+def print_triage(order: WorkOrder) -> None:
+    """Print how many tasks are for the robot, by which other methods, and which are by hand.
+
+    Nothing is printed if all tasks are for the robot, by the preferred methods.
+    """
+    if not order.by_hand and not order.other_methods:
+        return
+    print(f"  tasks for the robot: {len(order.tasks)}, by hand: {len(order.by_hand)}")
+    for line in (*order.other_methods, *order.by_hand):
+        print(f"    {line}")

@@ -14,6 +14,7 @@ Main = Callable[[list[str] | None], int]
 
 # What a shell reports of a process that SIGPIPE has ended.
 _CLOSED_PIPE = 128 + 13
+_REFUSED = 1
 
 
 def run(main: Callable[[], int]) -> NoReturn:
@@ -30,12 +31,11 @@ def run(main: Callable[[], int]) -> NoReturn:
     sys.exit(code)
 
 
-def refuses(name: str, code: int) -> Callable[[Main], Main]:
-    """Let a command print an error of the planner as a line, and return an exit code then.
+def refuses(name: str) -> Callable[[Main], Main]:
+    """Let a command print an error of the planner as a line, and return 1 then, as all commands.
 
     Args:
         name: of the command, which the line begins with.
-        code: exit code of a refusal.
     """
 
     def decorate(main: Main) -> Main:
@@ -45,7 +45,7 @@ def refuses(name: str, code: int) -> Callable[[Main], Main]:
                 return main(arguments)
             except PlannerError as error:
                 print(f"{name}: {error}", file=sys.stderr)
-                return code
+                return _REFUSED
 
         return guarded
 

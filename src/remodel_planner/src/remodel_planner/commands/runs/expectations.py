@@ -17,7 +17,7 @@ from remodel_supervision.core.learning.learned_parameters import LearnedParamete
 from remodel_supervision.edge.recorded_lessons import ability_calls
 
 
-@refuses("expectations", 1)
+@refuses("expectations")
 def main(arguments: list[str] | None = None) -> int:
     """Print a line for each ability and section, and return the exit code."""
     parser = argparse.ArgumentParser(

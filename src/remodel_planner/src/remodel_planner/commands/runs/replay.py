@@ -17,15 +17,15 @@ from remodel_supervision.edge.nested_charts import nested_charts
 from remodel_supervision.edge.run_log import KeptEvent, kept_run
 
 
-@refuses("replay", 3)
+@refuses("replay")
 def main(arguments: list[str] | None = None) -> int:
     """Print each event with what came next, and return the exit code."""
     parser = argparse.ArgumentParser(
         prog="planner replay",
         description="Play a recorded run back: every event with the states that were entered and "
         "what came next, and whether all of it follows from what was before.",
-        epilog="Exit code: 0 played back identically, 1 something differs, 2 wrong usage, 3 no "
-        "such run or database.",
+        epilog="Exit code: 0 played back identically, 1 something differs, or no such run or "
+        "database, 2 wrong usage.",
     )
     parser.add_argument("run", type=int, metavar="RUN", help="number of the run")
     parser.add_argument("--quiet", action="store_true", help="print the differences only")

@@ -12,10 +12,15 @@ import rospy
 from flexbe_core.ros.master import START_LIMIT_S, NoMasterError, join_interruptibly, require_master
 from remodel_planner.commands.options.database_option import add_database_option
 from remodel_planner.commands.runs.attempt_reporter import AttemptReporter
+from remodel_planner.commands.runs.ends_in_cell import ends_in_cell
 from remodel_planner.commands.runs.run_follower import RunFollower
+from remodel_planner.core.reports.net_list import net_list
 from remodel_planner.core.reports.run_report import Report
 from remodel_planner.edge.report_files import write_report
+from remodel_planning.core.decomposition.triage import triaged
+from remodel_planning.core.orders.board_order import board_order
 from remodel_planning.core.orders.cell_order import USE_CASE
+from remodel_planning.edge.use_case_files import find_use_case
 from remodel_production.core.board.board import board_of
 from remodel_production.core.counted import counted
 from remodel_production.core.panel.panel_layout import PanelRules, lay_out
@@ -137,8 +142,26 @@ def _report(
     done = [name for name, task in state.tasks.items() if task.stage is Stage.DONE]
     before = sum(name not in here for name in done)
     return Report(
-        order, len(state.tasks), wall_s, reports, overview=overview, stopped=stopped, before=before
+        order,
+        len(state.tasks),
+        wall_s,
+        reports,
+        overview=overview,
+        stopped=stopped,
+        before=before,
+        triage=_triage(order, state.use_case),
+        nets=net_list(order.wires, ends_in_cell()),
     )
+
+
+def _triage(order: Order, use_case: str) -> tuple[str, ...]:
+    """Return a line for each wire by hand, and for wires that are done by another method."""
+    if use_case in ("", USE_CASE):
+        return ()
+    methods = find_use_case(use_case)
+    board = board_of(order, read_catalogue(catalogue_file()))
+    found = triaged(board_order(board, methods, arms=1), methods)
+    return tuple(map(str, (*found.other_methods, *found.by_hand)))
 
 
 def _lengths(order: Order, state: RunState) -> dict[str, float]:
@@ -161,4 +184,10 @@ def _print_summary(report: Report, page: Path) -> None:
         f"{counted(report.failures, 'failed operation')}; "
         f"{report.cell_s:.0f} s in the cell, {report.wall_s:.0f} s on the clock"
     )
+    if report.nets:
+        wrong = [net for net in report.nets if not net.is_right]
+        right = len(report.nets) - len(wrong)
+        print(f"net list: {right} of {len(report.nets)} wires in the cell are as designed")
+        for net in wrong:
+            print(f"  {net.wire}: designed {' to '.join(map(str, net.designed))}, found {net.says}")
     print(f"report: {page}")

@@ -1,7 +1,8 @@
-"""Which tasks of an order a robot does, and which are left to a person, with the reason.
+"""Which tasks of an order a robot does, by which method, and which are left to a person.
 
 A task is by hand if its use case does not allow one of its characteristics, or if no method does
-it. The others are planned as if the task were not there.
+it. The others are planned as if the task were not there. Of those, the tasks are noted that are
+done by another method than the preferred one.
 """
 
 from __future__ import annotations
@@ -10,9 +11,9 @@ from collections.abc import Mapping
 from dataclasses import replace
 
 from remodel_planning.core.condition import Value
-from remodel_planning.core.decomposition.decomposition import Decomposer
+from remodel_planning.core.decomposition.decomposed import Decomposition
 from remodel_planning.core.decomposition.wiring_problem import decompose_task, decomposer_of
-from remodel_planning.core.orders.work_order import ByHand, Task, WorkOrder
+from remodel_planning.core.orders.work_order import ByHand, OtherMethod, WorkOrder
 from remodel_planning.core.use_case.model import UseCase
 from remodel_production.errors import InstanceError
 
@@ -24,34 +25,47 @@ def triaged(order: WorkOrder, use_case: UseCase) -> WorkOrder:
         InstanceError: if a robot can do none of them, with the reason for the first.
     """
     decomposer = decomposer_of(order, use_case)
-    reasons = {task.name: _reason(task, decomposer) for task in order.tasks}
-    by_hand = tuple(ByHand(name, why) for name, why in reasons.items() if why)
-    if not by_hand:
-        return order
-    if len(by_hand) == len(order.tasks):
+    others: dict[str, OtherMethod] = {}
+    by_hand: list[ByHand] = []
+    for task in order.tasks:
+        try:
+            refused = _refused_characteristic(task.characteristics, use_case)
+            plan = None if refused else decompose_task(task, decomposer)
+        except InstanceError as error:
+            plan, refused = None, str(error).removeprefix(f"task {task.name}: ")
+        if plan is None:
+            by_hand.append(ByHand(task.name, refused))
+        else:
+            _note_methods(others, plan.alone, use_case)
+    if by_hand and len(by_hand) == len(order.tasks):
         raise InstanceError(
             f"no task is for the robot: all {len(by_hand)} are by hand, such as {by_hand[0]}"
         )
-    done = {task for task, why in reasons.items() if not why}
+    done = {task.name for task in order.tasks} - {task.task for task in by_hand}
     return replace(
         order,
         tasks=tuple(task for task in order.tasks if task.name in done),
         unders=tuple(under for under in order.unders if {under.before, under.after} <= done),
         soft_constraints=tuple(s for s in order.soft_constraints if {s.before, s.after} <= done),
         by_hand=(*order.by_hand, *by_hand),
+        other_methods=tuple(others.values()),
     )
 
 
-def _reason(task: Task, decomposer: Decomposer) -> str:
-    """Return why a task is by hand; empty if a robot can do it."""
-    refused = _refused_characteristic(task.characteristics, decomposer.use_case)
-    if refused:
-        return refused
-    try:
-        decompose_task(task, decomposer)
-    except InstanceError as error:
-        return str(error).removeprefix(f"task {task.name}: ")
-    return ""
+def _note_methods(
+    others: dict[str, OtherMethod], decomposition: Decomposition, use_case: UseCase
+) -> None:
+    """Add a task to the methods that it is done by, as far as they are not the preferred ones."""
+    rejected = {(each.task, each.method): each.reason for each in decomposition.rejected}
+    taken = dict.fromkeys(pair for step in decomposition.steps for pair in step.methods)
+    for name, method in taken:
+        preferred = use_case.methods[name][0].name
+        if method != preferred:
+            why = rejected.get((name, preferred))
+            reason = f"{preferred}: {why}" if why else f"{preferred} at one of its ends"
+            key = f"methods.{name}.{method} in {use_case.file_name}"
+            known = others.get(key, OtherMethod(key, (), reason))
+            others[key] = replace(known, tasks=(*known.tasks, decomposition.task.name))
 
 
 def _refused_characteristic(stated: Mapping[str, Value], use_case: UseCase) -> str:
@@ -60,7 +74,7 @@ def _refused_characteristic(stated: Mapping[str, Value], use_case: UseCase) -> s
         wrong = characteristic.objection(value) if characteristic else ""
         if wrong:
             return (
-                f"{name} is {value}, and must be {wrong} (characteristics.task.{name} of use case "
-                f"{use_case.name})"
+                f"{name} is {value}, and must be {wrong} (characteristics.task.{name} in "
+                f"{use_case.file_name})"
             )
     return ""

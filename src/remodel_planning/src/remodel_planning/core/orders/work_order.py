@@ -11,6 +11,7 @@ from functools import cached_property
 from itertools import pairwise
 
 from remodel_planning.core.condition import Features, Value, is_number
+from remodel_planning.core.orders.order_format import FORMAT
 from remodel_planning.core.problem.fields import Fields
 from remodel_planning.core.problem.instance import arm_from, characteristics_of, terminal_from
 from remodel_planning.core.problem.problem import (
@@ -22,8 +23,6 @@ from remodel_planning.core.problem.problem import (
     Under,
 )
 from remodel_planning.core.use_case.context import terminal_features
-
-FORMAT = "remodel-order-1"
 
 # Of the length of a direction, for what rounding leaves.
 _UNIT_TOLERANCE = 1e-3
@@ -156,6 +155,25 @@ class ByHand:
 
 
 @dataclass(frozen=True)
+class OtherMethod:
+    """Tasks that are done by another method than the preferred one.
+
+    Attributes:
+        method: the key and the file that states it, such as `methods.pick.thick in cabinet.yaml`.
+        tasks: names.
+        reason: why the first of them is not done by the preferred method.
+    """
+
+    method: str
+    tasks: tuple[str, ...]
+    reason: str
+
+    def __str__(self) -> str:
+        """Return the line for a person."""
+        return f"{len(self.tasks)} by {self.method}, such as {self.tasks[0]}: not {self.reason}"
+
+
+@dataclass(frozen=True)
 class WorkOrder:
     """Tasks, and where they are to be done.
 
@@ -163,6 +181,7 @@ class WorkOrder:
         components: their characteristics, by name.
         access: to terminals, by name.
         by_hand: what the design has besides the tasks.
+        other_methods: by which some of the tasks are done.
     """
 
     name: str
@@ -175,11 +194,7 @@ class WorkOrder:
     soft_constraints: tuple[SoftConstraint, ...] = ()
     access: dict[str, Access] = field(default_factory=dict)
     by_hand: tuple[ByHand, ...] = ()
-
-
-def is_order(data: object) -> bool:
-    """Return whether a parsed document is meant as an order."""
-    return isinstance(data, dict) and data.get("format") == FORMAT
+    other_methods: tuple[OtherMethod, ...] = ()
 
 
 def order_from(data: object) -> WorkOrder:

@@ -12,7 +12,7 @@ from remodel_planning.core.plan.listing import listing_of
 from remodel_planning.core.problem.modes import Mode
 from remodel_planning.core.problem.problem import Plan
 from remodel_planning.core.task_charts.state_path import step_of
-from remodel_planning.core.task_charts.task_chart import task_chart
+from remodel_planning.core.task_charts.task_chart import in_turn, task_chart
 from remodel_planning.core.use_case.model import Action, Macro, UseCase
 from remodel_planning.errors import UseCaseError
 from remodel_production.errors import InstanceError
@@ -57,10 +57,15 @@ class PlannedTask:
         return self._part(self.left(connected), " Rest")
 
     def clear(self) -> Chart:
-        """Return the chart that lays down whatever part the hand holds."""
+        """Return the chart that lays down whatever part the hand of each arm holds.
+
+        An arm that refuses, such as one whose hand is empty, does not keep the other from it.
+        """
         give_up = self.use_case.actions[self.use_case.give_up]
         inputs = tuple((key, "" if value == "$task" else value) for key, value in give_up.inputs)
-        return self._alone(replace(give_up, inputs=inputs), " Clear")
+        action = replace(give_up, inputs=inputs)
+        charts = [replace(self, arms=(arm,))._alone(action, " Clear") for arm in self.arms]
+        return charts[0] if len(charts) == 1 else in_turn(charts)
 
     def discard(self) -> Chart:
         """Return the chart that takes the task's part off the panel into the scrap bin.
@@ -80,7 +85,13 @@ class PlannedTask:
         """Return the steps that are left when the ends with these letters are connected.
 
         What earlier steps have revealed, and the remaining ones need, is observed again.
+
+        Raises:
+            ValueError: if only the end is connected that this task connects last, see
+                `continuing_from`.
         """
+        if connected and self.decomposition.first.letter not in connected:
+            raise ValueError(f"task {self.name} connects {self.decomposition.first.letter} first")
         steps = self.decomposition.steps
         done = [
             number
@@ -129,6 +140,29 @@ def planned_task(
     if mode.hands_over:
         arms.append(names[1 - mode.arm])
     return PlannedTask(prepared.use_case, decomposition, prepared.component_of, tuple(arms))
+
+
+def continuing_from(
+    prepared: Prepared, planned: PlannedTask, connected: Collection[str]
+) -> PlannedTask:
+    """Return a task that connects first what is connected already, such as by another plan.
+
+    Args:
+        prepared: the order that the task is of.
+        planned: the task.
+        connected: letters of the ends that sit in their terminals.
+
+    Raises:
+        InstanceError: if no method of the use case begins with that end.
+    """
+    first = planned.decomposition.first
+    if not connected or first.letter in connected:
+        return planned
+    hands_over = len(planned.arms) > 1
+    other = prepared.decomposer.decompose(
+        planned.decomposition.task, first.other, prepared.limits, hands_over=hands_over
+    )
+    return replace(planned, decomposition=other, arms=planned.arms[::-1])
 
 
 def with_other_method(

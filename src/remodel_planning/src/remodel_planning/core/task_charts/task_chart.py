@@ -16,6 +16,7 @@ from dataclasses import dataclass, replace
 from flexbe_synthesizer.core.chart.chart_writer import write_chart
 from flexbe_synthesizer.core.chart.literal import Literal
 from flexbe_synthesizer.core.chart.model import (
+    AnyNode,
     Behavior,
     Chart,
     Connection,
@@ -78,6 +79,33 @@ def marked(chart: Chart) -> Chart:
     plain = replace(chart, description="\n".join(said))
     digest = hashlib.sha256(write_chart(plain).encode()).hexdigest()[:_HASH_DIGITS]
     return replace(chart, description="\n".join([*said, f"{_MARK} {digest}."]))
+
+
+def in_turn(charts: Sequence[Chart]) -> Chart:
+    """Return a chart of charts of one state each, whose inputs are the same.
+
+    A state that has finished, or refused, goes on to that of the next chart.
+    """
+    nodes: list[AnyNode] = []
+    connections: list[Connection] = []
+    last = len(charts) - 1
+    for number, chart in enumerate(charts):
+        (node,) = chart.nodes
+        new_id = node.id if number == 0 else f"{node.id} {number + 1}"
+        following = f"{node.id} {number + 2}"
+        goes_on = (FINISHED, _COMMAND_ERROR) if number < last else ()
+        transitions = tuple(
+            replace(each, target=following)
+            if each.target in goes_on or each.event in goes_on
+            else each
+            for each in node.transitions
+        )
+        nodes.append(replace(node, id=new_id, transitions=transitions))
+        connections += [
+            replace(each, input_state_id=new_id) if each.input_state_id == node.id else each
+            for each in chart.connections
+        ]
+    return marked(replace(charts[0], nodes=tuple(nodes), connections=tuple(connections)))
 
 
 def content_mark(chart: Chart) -> str:

@@ -210,3 +210,8 @@ class UseCase:
     preferences: dict[str, object]
     recovery: Policy
     designs: Designs | None
+
+    @property
+    def file_name(self) -> str:
+        """The name of the file that states it."""
+        return f"{self.name}.yaml"

@@ -1,18 +1,20 @@
-"""Which formats are read, and which one a file has by its content."""
+"""The design formats of this package, and which format a file has by its content."""
 
 from __future__ import annotations
 
 import re
 from collections.abc import Sequence
-from enum import Enum
 
 from remodel_production.core.catalogue import Catalogue
+from remodel_production.core.imports.design_format import DesignFile, DesignFormat
 from remodel_production.core.imports.kbl import import_kbl
 from remodel_production.core.imports.qet import import_qet
 from remodel_production.core.imports.shared.account import Imported
+from remodel_production.core.imports.shared.spreadsheet import is_spreadsheet
 from remodel_production.core.imports.shared.text_encoding import decode
 from remodel_production.core.imports.shared.xml_tree import local_name, parse_xml
 from remodel_production.core.imports.terminal_access import with_access
+from remodel_production.core.imports.vec.vec import ROOT, import_vec
 from remodel_production.core.imports.wire_list import (
     fits,
     import_wire_list,
@@ -22,87 +24,106 @@ from remodel_production.core.imports.wire_list_mapping import WireListMapping
 from remodel_production.core.imports.wireviz import import_wireviz
 from remodel_production.errors import DesignError
 
+WIRE_LIST = "csv"
+
 _WIREVIZ = re.compile(r"^(connectors|cables|connections)\s*:", re.MULTILINE)
 
 
-class DesignFormat(Enum):
-    """A format of design files; the value is the word of the command line."""
+def built_in_formats(mappings: Sequence[WireListMapping]) -> tuple[DesignFormat, ...]:
+    """Return the formats of this package.
 
-    QET = "qet"
-    KBL = "kbl"
-    WIREVIZ = "wireviz"
-    WIRE_LIST = "csv"
+    Args:
+        mappings: of the wire lists that are known.
+    """
+
+    def is_wireviz(file: DesignFile) -> bool:
+        return not file.is_markup and _WIREVIZ.search(file.text) is not None
+
+    def is_wire_list(file: DesignFile) -> bool:
+        if not is_spreadsheet(file.data) and (not file.text or file.is_markup or is_wireviz(file)):
+            return False
+        return fits(file.data, mappings)
+
+    def read_wire_list(data: bytes, name: str, source: str, catalogue: Catalogue) -> Imported:
+        return import_wire_list(data, name, source, catalogue, mappings=mappings)
+
+    return (
+        DesignFormat(
+            "qet",
+            "QElectroTech projects (<project>)",
+            lambda file: file.xml_root == "project",
+            import_qet,
+        ),
+        DesignFormat(
+            "kbl",
+            "KBL harnesses (<KBL_container>)",
+            lambda file: file.xml_root.lower() == "kbl_container",
+            import_kbl,
+        ),
+        DesignFormat(
+            "vec", "VEC harnesses (<VecContent>)", lambda file: file.xml_root == ROOT, import_vec
+        ),
+        DesignFormat(
+            "wireviz", "WireViz harnesses (YAML with `connections`)", is_wireviz, import_wireviz
+        ),
+        DesignFormat(
+            WIRE_LIST, "wire lists (CSV or XLSX with known headings)", is_wire_list, read_wire_list
+        ),
+    )
 
 
-def format_of(data: bytes, mappings: Sequence[WireListMapping]) -> DesignFormat:
+def format_of(data: bytes, formats: Sequence[DesignFormat]) -> DesignFormat:
     """Return the format of a file by its content.
 
     Args:
         data: content of the file.
-        mappings: of the wire lists that are known.
+        formats: that are known.
 
     Raises:
-        DesignError: if it is none that is read, with what was found.
+        DesignError: if it has none of them, with what was found, or several.
     """
     if not data.strip():
         raise DesignError("the file is empty")
-    if data.startswith(b"PK\x03\x04"):
-        raise DesignError(f"is a ZIP archive; unpack it, and import the file in it: {_known()}")
-    text, _ = decode(data)
-    if text.lstrip("\N{ZERO WIDTH NO-BREAK SPACE} \t\r\n").startswith("<"):
-        return _format_of_xml(data)
-    if _WIREVIZ.search(text):
-        return DesignFormat.WIREVIZ
-    if fits(data, mappings):
-        return DesignFormat.WIRE_LIST
-    first = next((line.strip() for line in text.splitlines() if line.strip()), "")
-    similar = similar_headings(first)
-    hint = f" (similar headings are known: {similar})" if similar else ""
-    raise DesignError(
-        f"line 1: {first[:80]!r} begins no format that is read: {_known()}; a CSV file with other "
-        f"headings needs --mapping{hint}, and --print-mapping prints one to correct; "
-        "--format forces a format"
-    )
+    file = DesignFile(data)
+    fitting = [form for form in formats if form.fits(file)]
+    if not fitting:
+        raise _unknown(file, formats)
+    if len(fitting) > 1:
+        names = " or ".join(f"--format {form.name}" for form in fitting)
+        raise DesignError(f"several formats recognise the file; choose one: {names}")
+    return fitting[0]
 
 
 def import_design(
-    data: bytes,
-    form: DesignFormat,
-    name: str,
-    source: str,
-    catalogue: Catalogue,
-    mappings: Sequence[WireListMapping],
+    data: bytes, form: DesignFormat, name: str, source: str, catalogue: Catalogue
 ) -> Imported:
     """Read a design file, and fill in by the catalogue what it does not say of its terminals.
 
     Raises:
         DesignError: if it is refused, with the place, what was found, and what is needed.
     """
-    if form is DesignFormat.WIRE_LIST:
-        imported = import_wire_list(data, name, source, catalogue, mappings=mappings)
-    else:
-        imported = _IMPORTERS[form](data, name, source, catalogue)
-    return with_access(imported, catalogue)
+    return with_access(form.read(data, name, source, catalogue), catalogue)
 
 
-_IMPORTERS = {
-    DesignFormat.QET: import_qet,
-    DesignFormat.KBL: import_kbl,
-    DesignFormat.WIREVIZ: import_wireviz,
-}
-
-
-def _format_of_xml(data: bytes) -> DesignFormat:
-    root = local_name(parse_xml(data))
-    if root == "project":
-        return DesignFormat.QET
-    if root.lower() == "kbl_container":
-        return DesignFormat.KBL
-    raise DesignError(f"the root element is <{root}>; what is read: {_known()}")
-
-
-def _known() -> str:
-    return (
-        "QElectroTech projects (<project>), KBL harnesses (<KBL_container>), WireViz harnesses "
-        "(YAML with `connections`), and wire lists (CSV with known headings)"
+def _unknown(file: DesignFile, formats: Sequence[DesignFormat]) -> DesignError:
+    *titles, last = (form.title for form in formats)
+    known = f"{', '.join(titles)}, and {last}" if titles else last
+    if is_spreadsheet(file.data):
+        return DesignError(
+            "no sheet of the workbook has the headings of a wire list; --print-mapping prints a "
+            "mapping to correct, for --mapping"
+        )
+    if file.data.startswith(b"PK\x03\x04"):
+        return DesignError(f"is a ZIP archive; unpack it, and import the file in it: {known}")
+    text, _ = decode(file.data)
+    if file.is_markup:
+        root = local_name(parse_xml(file.data))
+        return DesignError(f"the root element is <{root}>; what is read: {known}")
+    first = next((line.strip() for line in text.splitlines() if line.strip()), "")
+    similar = similar_headings(first)
+    hint = f" (similar headings are known: {similar})" if similar else ""
+    return DesignError(
+        f"line 1: {first[:80]!r} begins no format that is read: {known}; a CSV file with other "
+        f"headings needs --mapping{hint}, and --print-mapping prints one to correct; "
+        "--format forces a format"
     )

@@ -1,4 +1,4 @@
-"""Import a from-to list: a CSV file with one wire a line, and a mapping of its columns."""
+"""Import a from-to list: a CSV file or a sheet with a wire a line, and a mapping of its columns."""
 
 from __future__ import annotations
 
@@ -16,6 +16,11 @@ from remodel_production.core.imports.shared.assembly import (
     unique_name,
 )
 from remodel_production.core.imports.shared.assumptions import Assumptions
+from remodel_production.core.imports.shared.spreadsheet import (
+    SEPARATOR,
+    is_spreadsheet,
+    sheets_of,
+)
 from remodel_production.core.imports.shared.text_encoding import decode
 from remodel_production.core.imports.shared.units import length_m, number
 from remodel_production.core.imports.wire_list_headings import (
@@ -79,6 +84,22 @@ class _Table:
         return "" if column is None else unit_in(self.headings[column], field)
 
 
+@dataclass(frozen=True)
+class _Source:
+    """The text of a list.
+
+    Attributes:
+        assumed: of the file; empty if nothing was.
+        separators: of its cells; empty if they are to be found.
+        others: sheets beside it.
+    """
+
+    text: str
+    assumed: str
+    separators: tuple[str, ...] = ()
+    others: tuple[LeftOut, ...] = ()
+
+
 def import_wire_list(
     data: bytes,
     name: str,
@@ -99,12 +120,12 @@ def import_wire_list(
     Raises:
         DesignError: if no mapping fits, or a line cannot be read.
     """
-    table, assumed_encoding = _table(data, mappings)
+    table, text = _table(data, mappings)
     names = {**catalogue.colour_names, **(table.mapping.colours or {})}
     reader = _Reader(table, replace(catalogue, colour_names=names))
-    if assumed_encoding:
-        reader.assumptions.add(f"the file is no UTF-8: read as {assumed_encoding}")
-    return reader.read(name, source)
+    if text.assumed:
+        reader.assumptions.add(text.assumed)
+    return reader.read(name, source, text.others)
 
 
 def fits(data: bytes, mappings: Sequence[WireListMapping]) -> bool:
@@ -145,7 +166,7 @@ def mapping_draft(data: bytes, catalogue: Catalogue, mappings: Sequence[WireList
 
 def _unread_table(data: bytes) -> _Table:
     """Return the list of a file in which no headings of both ends are found."""
-    text, _ = decode(data)
+    text = next(_sources(data, "")).text
     lines = text.splitlines(keepends=True)[:_HEADINGS_WITHIN]
     cells, number_of_line, separator = max(
         ((line.count(sign), -i, sign) for i, line in enumerate(lines) for sign in _SEPARATORS),
@@ -160,21 +181,22 @@ def _unread_table(data: bytes) -> _Table:
     )
 
 
-def _table(data: bytes, mappings: Sequence[WireListMapping]) -> tuple[_Table, str]:
-    """Return the list by the mapping that fits best, and the encoding if it was assumed."""
-    best: tuple[tuple[int, int], _Table, str] | None = None
+def _table(data: bytes, mappings: Sequence[WireListMapping]) -> tuple[_Table, _Source]:
+    """Return the list by the mapping that fits best, and the text that it is in."""
+    best: tuple[tuple[int, int], _Table, _Source] | None = None
     headings = ""
     for mapping in mappings:
-        text, assumed = decode(data, mapping.encoding)
-        headings = headings or next((line for line in text.splitlines() if line.strip()), "")
-        separators = (mapping.separator,) if mapping.separator else _SEPARATORS
-        for separator in separators:
-            table = _table_of(text, mapping, separator)
-            if table is None:
-                continue
-            fit = len(table.columns), table.listed
-            if best is None or fit > best[0]:
-                best = fit, table, assumed
+        for source in _sources(data, mapping.encoding):
+            lines = (line for line in source.text.splitlines() if line.strip())
+            headings = headings or next(lines, "")
+            own = (mapping.separator,) if mapping.separator else _SEPARATORS
+            for separator in source.separators or own:
+                table = _table_of(source.text, mapping, separator)
+                if table is None:
+                    continue
+                fit = len(table.columns), table.listed
+                if best is None or fit > best[0]:
+                    best = fit, table, source
     if best is None:
         similar = similar_headings(headings)
         wanted = "; ".join(
@@ -189,6 +211,24 @@ def _table(data: bytes, mappings: Sequence[WireListMapping]) -> tuple[_Table, st
             + "; give the columns with --mapping, which --print-mapping drafts"
         )
     return best[1], best[2]
+
+
+def _sources(data: bytes, encoding: str) -> Iterator[_Source]:
+    """Yield the text of a file, or of each sheet of a workbook."""
+    if not is_spreadsheet(data):
+        text, assumed = decode(data, encoding)
+        yield _Source(text, f"the file is no UTF-8: read as {assumed}" if assumed else "")
+        return
+    sheets = sheets_of(data)
+    for title, text in sheets.items():
+        others = tuple(
+            LeftOut(
+                f"sheet {other!r}", f"sheet {title!r} is read: give the others files of their own"
+            )
+            for other in sheets
+            if other != title and sheets[other].strip()
+        )
+        yield _Source(text, f"sheet {title!r} is read", (SEPARATOR,), others)
 
 
 def _table_of(text: str, mapping: WireListMapping, separator: str) -> _Table | None:
@@ -260,7 +300,7 @@ class _Reader:
         self._section_unit = self._unit_of_sections()
         self._length_unit = self._unit_of_lengths()
 
-    def read(self, name: str, source: str) -> Imported:
+    def read(self, name: str, source: str, sheets: tuple[LeftOut, ...]) -> Imported:
         connections = [c for row in self._table.rows if (c := self._connection(row)) is not None]
         if not connections:
             raise DesignError(
@@ -273,7 +313,7 @@ class _Reader:
             len(self._table.rows),
             (*self.assumptions.lines, *assembly.assumptions),
             tuple(self._left_out),
-            unused_columns=tuple(self._unused_columns()),
+            unused_columns=(*sheets, *self._unused_columns()),
         )
         order = Order(
             name,

@@ -37,12 +37,16 @@ class _Kind(Enum):
 
 # English; German; French; Italian; Spanish. Without accents.
 _WORDS: Mapping[_Kind, str] = {
-    _Kind.FROM: "from source start origin begin first src; von quelle quell anfang herkunft; "
+    _Kind.FROM: "from source start origin begin first src startpoint; von quelle quell anfang "
+    "herkunft "
+    "startpunkt anfangspunkt; "
     "depart depuis origine; partenza sorgente provenienza; origen desde inicio",
-    _Kind.TO: "to target destination dest dst second; nach ziel; vers arrivee destination; verso "
+    _Kind.TO: "to target destination dest dst second endpoint; nach ziel endpunkt zielpunkt; "
+    "vers arrivee destination; verso "
     "destinazione arrivo; destino hacia hasta",
-    _Kind.COMPONENT: "component device connector designator equipment refdes ref plug item unit "
-    "housing conn comp dev; gerat geraet bauteil betriebsmittel bmk stecker komponente; "
+    _Kind.COMPONENT: "component device connector designator equipment refdes ref reference plug "
+    "item unit "
+    "housing conn comp dev strip; gerat geraet bauteil betriebsmittel bmk stecker komponente; "
     "composant appareil connecteur equipement; componente dispositivo connettore apparecchio; "
     "conector equipo aparato",
     _Kind.TERMINAL: "terminal term pin cavity contact position pos slot cav; klemme kammer "
@@ -56,8 +60,11 @@ _WORDS: Mapping[_Kind, str] = {
     _Kind.LENGTH: "length len; lange laenge; longueur; lunghezza; longitud largo",
     _Kind.CABLE: "cable; kabel; cavo",
     _Kind.CORE: "core; ader; brin; anima",
-    _Kind.FILLER: "no nr num number id name tag code label mark the of in cross insulation cut; "
-    "nummer name bezeichnung kennzeichen in isolations zuschnitt des der; numero nom n du des le "
+    _Kind.FILLER: "no nr num number id name tag code label mark the of in cross insulation cut "
+    "dt full "
+    "designation diameter complete; "
+    "nummer name bezeichnung kennzeichen in isolations zuschnitt des der durchmesser "
+    "vollstandig; numero nom n du des le "
     "la l en coupe repere; numero nome sigla del di in taglio; numero nombre codigo del el "
     "en corte",
 }
@@ -73,6 +80,15 @@ _FIRST, _SECOND = frozenset({"1"}), frozenset({"2", "b"})
 _KINDS = {
     word: kind for kind, words in _WORDS.items() for word in words.replace(";", " ").split()
 } | dict.fromkeys(_FILLERS, _Kind.FILLER)
+# Words that mean something else together than each alone.
+_PHRASES = {
+    "connection point": "terminal",
+    "anschlusspunkt": "klemme",
+    "ref des": "refdes",
+    "start point": "startpoint",
+    "end point": "endpoint",
+    "terminal strip": "strip",
+}
 _FIELDS = {
     (_Kind.FROM, None): Field.FROM,
     (_Kind.FROM, _Kind.COMPONENT): Field.FROM_COMPONENT,
@@ -229,7 +245,10 @@ def _without_unit(heading: str) -> str:
 
 
 def _words(text: str) -> list[str]:
-    return [part for word in _plain(text).split() for part in _parts(word)]
+    plain = f" {_plain(text)} "
+    for phrase, word in _PHRASES.items():
+        plain = plain.replace(f" {phrase} ", f" {word} ")
+    return [part for word in plain.split() for part in _parts(word)]
 
 
 def _plain(text: str) -> str:

@@ -340,18 +340,25 @@ _GIVES_PIECE_UP = (Do.NEW_PART, Do.REPLAN, Do.SET_ASIDE)
 
 
 def _may_hold_something(task: TaskProgress) -> bool:
-    """Return whether the hand may hold something after the behavior that ended."""
+    """Return whether a hand may hold something after the behavior that ended."""
     if task.outcome == PREEMPTED:
         return True
     if not task.operations:
         return task.part is Part.CLEAR and task.outcome != FINISHED
     if task.needs_person:
         return True  # it was not allowed to lay down what it held
-    last = task.operations[-1]
-    if last.error_code in NOTHING_TO_LAY_DOWN or not last.error_code:
+    # Each operation that clears is of a hand of its own.
+    telling = task.operations if task.part is Part.CLEAR else task.operations[-1:]
+    return any(_may_have_left_something(each) for each in telling)
+
+
+def _may_have_left_something(operation: Operation) -> bool:
+    """Return whether the hand may hold something after an operation."""
+    code = operation.error_code
+    if code in NOTHING_TO_LAY_DOWN or not code:
         return False
-    in_trouble = last.error_code in SERVER_TROUBLE or last.error_code == Code.OTHER_CABLE_HELD
-    return in_trouble or last.ability in _EMPTYING
+    in_trouble = code in SERVER_TROUBLE or code == Code.OTHER_CABLE_HELD
+    return in_trouble or operation.ability in _EMPTYING
 
 
 def _failed(state: RunState, task: TaskProgress) -> RunState:

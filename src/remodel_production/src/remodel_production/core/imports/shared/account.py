@@ -32,7 +32,7 @@ class Account:
         assumptions: one line for each thing that the file does not say.
         left_out: the other connections.
         ignored: what is no connection, and is not in the order.
-        unused_columns: of a list, that the order has nothing of.
+        unused_columns: of a list, and sheets of a workbook, that the order has nothing of.
     """
 
     unit: str

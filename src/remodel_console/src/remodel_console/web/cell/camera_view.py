@@ -5,7 +5,7 @@ from __future__ import annotations
 from nicegui.element import Element
 
 
-class CameraView(Element, component="static/camera.js"):
+class CameraView(Element, component="../static/camera.js"):
     """Shows a picture; the browser fetches it, so that pages are not slowed down."""
 
     def __init__(self, label: str, none: str) -> None:

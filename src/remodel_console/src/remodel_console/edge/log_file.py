@@ -1,0 +1,68 @@
+"""The last lines of the engine's log, kept for a console that restarts."""
+
+from __future__ import annotations
+
+import json
+import threading
+from collections import deque
+from pathlib import Path
+
+from remodel_console.core.run.log_line import LogLine
+
+_KEPT = 500  # lines; as many as a page shows
+_LONGEST = 20 * _KEPT  # lines of the file, before it is written again with those kept
+
+
+class LogFile:
+    """Appends each line to a file; several threads may write."""
+
+    def __init__(self, path: Path) -> None:
+        """Read the lines that are there, and keep the last ones.
+
+        Raises:
+            OSError: if it cannot be read or written.
+        """
+        self._path = path
+        self._lock = threading.Lock()
+        path.parent.mkdir(parents=True, exist_ok=True)
+        self._lines = deque(_lines(path), maxlen=_KEPT)
+        self._write_again()
+
+    @property
+    def lines(self) -> tuple[LogLine, ...]:
+        """Return the last lines."""
+        return tuple(self._lines)
+
+    def write(self, line: LogLine) -> None:
+        """Keep a line."""
+        with self._lock:
+            self._lines.append(line)
+            if self._count >= _LONGEST:
+                self._write_again()
+                return
+            with self._path.open("a", encoding="utf-8") as file:
+                file.write(_text(line))
+            self._count += 1
+
+    def _write_again(self) -> None:
+        draft = self._path.with_suffix(".new")
+        draft.write_text("".join(map(_text, self._lines)), encoding="utf-8")
+        draft.replace(self._path)
+        self._count = len(self._lines)
+
+
+def _text(line: LogLine) -> str:
+    return json.dumps([line.time_s, line.code, line.text]) + "\n"
+
+
+def _lines(path: Path) -> list[LogLine]:
+    """Return the lines of a file; one that was cut off when the console was killed is left out."""
+    if not path.exists():
+        return []
+    found = []
+    for text in path.read_text(encoding="utf-8").splitlines()[-_KEPT:]:
+        try:
+            found.append(LogLine(*json.loads(text)))
+        except (ValueError, TypeError):
+            continue
+    return found

@@ -1,0 +1,174 @@
+"""The bar of a page: navigation, what waits, which nodes are running, the operator and settings."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable, Mapping
+from contextlib import AbstractContextManager
+
+from nicegui import ui
+
+from remodel_console.core.access import tidy_name
+from remodel_console.core.inbox import Card
+from remodel_console.core.world import World
+from remodel_console.web.attention import Attention
+
+NAME_COOKIE = "remodel_name"
+DARK_COOKIE = "remodel_dark"
+NOTIFY_COOKIE = "remodel_notify"
+SOUND_COOKIE = "remodel_sound"
+KEYS_COOKIE = "remodel_keys"
+_YEAR_S = 365 * 24 * 3600
+_DEEDS = {True: "dark", False: "light"}
+
+PAGES = (
+    ("Overview", "/overview"),
+    ("Runtime control", "/runtime"),
+    ("Editor", "/editor"),
+    ("Replay", "/replay"),
+    ("Configuration", "/configuration"),
+)
+Keys = tuple[tuple[str, str], ...]
+
+
+class Bar:
+    """Built once for each page.
+
+    Attributes:
+        name: of the operator, for the record of commands.
+        is_dark: which of the two themes is shown.
+        has_single_keys: keys without Ctrl or Alt do something on this page.
+    """
+
+    def __init__(
+        self,
+        title: str,
+        cookies: Mapping[str, str],
+        keys: Keys,
+        dialog: Callable[[str], AbstractContextManager[ui.dialog]],
+        on_hidden: Callable[[bool], None],
+        *,
+        is_operator: bool,
+    ) -> None:
+        """Build the bar.
+
+        Args:
+            title: of the page.
+            cookies: of the browser, which keep its settings.
+            keys: those of the page, for the list.
+            dialog: opens a dialog of a name.
+            on_hidden: gets whether the page is in the background, whenever that changes.
+            is_operator: the user may give commands.
+        """
+        self.name = tidy_name(cookies.get(NAME_COOKIE, ""))
+        self.has_single_keys = cookies.get(KEYS_COOKIE) != "off"
+        self._keys = keys
+        self._dialog = dialog
+        self._notify = cookies.get(NOTIFY_COOKIE) == "on"
+        self._sound = cookies.get(SOUND_COOKIE) == "on"
+        self._dark = ui.dark_mode(value=cookies.get(DARK_COOKIE) == "dark")
+        with ui.header().classes("bar"):
+            ui.label("REMODEL").classes("brand")
+            with ui.element("nav").props('aria-label="Pages"'):
+                for number, (name, address) in enumerate(PAGES, start=1):
+                    link = ui.link(name, address).classes("tab")
+                    link.props(f'title="Alt+{number}" accesskey="{number}"')
+                    if name == title:
+                        link.classes("here").props('aria-current="page"')
+            ui.space()
+            settings = {"notify": self._notify, "sound": self._sound}
+            self._attention = Attention(f"{title} · REMODEL", on_hidden, **settings)
+            self._chips = [_chip(name) for name in ("ROS", "Engine", "Cell")]
+            if not is_operator:
+                ui.label("read-only").classes("watching")
+            self._who = ui.button(self.name or "Your name", on_click=self._ask_name, color=None)
+            self._who.props('flat dense no-caps title="Your name, for the record of commands"')
+            self._who.classes("who")
+            _icon("notifications", "Notifications", self._ask_notifications)
+            _icon("contrast", "Dark or light", self._toggle_dark)
+            _icon("keyboard", "Keys (?)", self.show_keys)
+
+    @property
+    def is_dark(self) -> bool:
+        """Return whether the dark theme is shown."""
+        return bool(self._dark.value)
+
+    def show(self, world: World) -> None:
+        """Show which nodes are running."""
+        there = (world.has_master, world.has_engine, world.has_cell)
+        for chip, is_there in zip(self._chips, there, strict=True):
+            chip.classes(replace=f"presence {'there' if is_there else 'gone'}")
+
+    def show_waiting(self, cards: tuple[Card, ...]) -> None:
+        """Draw attention to what waits for a person."""
+        self._attention.show(cards)
+
+    def show_keys(self) -> None:
+        """Show which keys do what, and whether single keys do anything."""
+        pages = ((f"Alt+{n}", name) for n, (name, _) in enumerate(PAGES, start=1))
+        canvas = (("+  -  0", "zoom in, zoom out, show all (after a click on the drawing)"),)
+        with self._dialog("Keys"):
+            ui.label("Keys").classes("title")
+            single = ui.checkbox("Keys without Ctrl and Alt", value=self.has_single_keys)
+            single.on_value_change(lambda: self._set_single_keys(bool(single.value)))
+            with ui.element("dl").classes("keys"):
+                for key, meaning in (*self._keys, *canvas, *pages, ("?", "this list")):
+                    with ui.element("dt"):
+                        ui.label(key)
+                    with ui.element("dd"):
+                        ui.label(meaning)
+
+    def _set_single_keys(self, on: bool) -> None:
+        self.has_single_keys = on
+        _set_cookie(KEYS_COOKIE, "on" if on else "off")
+
+    def _toggle_dark(self) -> None:
+        self._dark.value = not self._dark.value
+        _set_cookie(DARK_COOKIE, _DEEDS[bool(self._dark.value)])
+
+    def _ask_name(self) -> None:
+        with self._dialog("Operator") as dialog:
+            ui.label("Your name").classes("title")
+            ui.label("The console records your commands under this name.").classes("soft")
+            entry = ui.input("Name", value=self.name).props("outlined dense autofocus")
+
+            def take() -> None:
+                self.name = tidy_name(entry.value or "")
+                self._who.text = self.name or "Your name"
+                _set_cookie(NAME_COOKIE, self.name)
+                dialog.close()
+
+            entry.on("keydown.enter", take)
+            ui.button("Save", on_click=take).props("no-caps unelevated")
+
+    def _ask_notifications(self) -> None:
+        with self._dialog("Notifications"):
+            ui.label("When the cell waits for a person").classes("title")
+            notify = ui.checkbox("Show a notification of the browser", value=self._notify)
+            sound = ui.checkbox("Play a sound", value=self._sound)
+
+            def take() -> None:
+                self._notify, self._sound = bool(notify.value), bool(sound.value)
+                _set_cookie(NOTIFY_COOKIE, "on" if self._notify else "off")
+                _set_cookie(SOUND_COOKIE, "on" if self._sound else "off")
+                self._attention.configure(notify=self._notify, sound=self._sound)
+
+            notify.on_value_change(take)
+            sound.on_value_change(take)
+
+
+def _chip(name: str) -> ui.label:
+    return ui.label(name).classes("presence")
+
+
+def _icon(icon: str, title: str, deed: Callable[[], None]) -> None:
+    ui.button(icon=icon, on_click=deed, color=None).props(
+        f'flat dense round title="{title}" aria-label="{title}"'
+    )
+
+
+def _set_cookie(name: str, value: str) -> None:
+    ui.run_javascript(
+        f"document.cookie = '{name}=' + encodeURIComponent({json.dumps(value)}) "
+        f"+ '; path=/; max-age={_YEAR_S}; SameSite=Strict'"
+    )

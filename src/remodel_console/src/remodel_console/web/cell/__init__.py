@@ -1,0 +1,1 @@
+"""The cell on pages: in three dimensions, and as its cameras see it."""

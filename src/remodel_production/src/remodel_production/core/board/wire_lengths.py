@@ -1,0 +1,41 @@
+"""Check the lengths that a design gives against the routes of its wires on the board."""
+
+from __future__ import annotations
+
+from collections.abc import Collection
+
+from remodel_production.core.board.board import Board, route_length
+
+# A wire so much longer than its route is more likely a wrong unit than slack.
+_MOST_TIMES = 3.0
+_SLACK_M = 0.5
+# Lengths are rounded to the millimetre.
+_TOLERANCE_M = 0.001
+
+
+def length_findings(board: Board, stated: Collection[str]) -> tuple[tuple[str, ...], ...]:
+    """Return the wires that are too short for their routes, and those that are much too long.
+
+    Args:
+        board: with the routes.
+        stated: names of the wires whose lengths are the design's.
+
+    Returns:
+        For each of the two kinds a line for a person about each wire, the worst first.
+    """
+    lengths = {segment.name: segment.length_m for segment in board.order.segments}
+    short: list[tuple[float, str]] = []
+    long: list[tuple[float, str]] = []
+    for wire in board.order.wires:
+        route = board.routes.get(wire.name)
+        if wire.name not in stated or route is None or wire.length_m is None:
+            continue
+        # The segments of a harness are its own; connectors add less than the layout draws.
+        own = [] if board.is_cabinet else [lengths[name] for name in wire.route]
+        needed = sum(own) if own else route_length(route)
+        line = f"{wire.name}: {wire.length_m:.3g} m, its route {needed:.3g} m ({wire.source})"
+        if wire.length_m < needed - _TOLERANCE_M:
+            short.append((needed / wire.length_m, line))
+        elif wire.length_m > _MOST_TIMES * needed + _SLACK_M:
+            long.append((wire.length_m / max(needed, _TOLERANCE_M), line))
+    return tuple(tuple(line for _, line in sorted(found, reverse=True)) for found in (short, long))
