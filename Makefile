@@ -21,7 +21,8 @@ help: ## List the commands
 
 build: .venv/.ready ## Set up the machine and build the workspace
 	@tools/build.sh
-	@$(if $(filter build,$(MAKECMDGOALS)),echo "Next: make demo, or, to run nodes by hand: source devel/setup.bash")
+	@case " $(MAKECMDGOALS) " in *" build "*) \
+	  echo "Next: make demo, or, to run nodes by hand: source devel/setup.bash";; esac
 
 install: .venv/.ready ## Install the workspace, to run without these sources (PREFIX=/opt/remodel)
 	@tools/install.sh $(abspath $(PREFIX))
