@@ -23,6 +23,7 @@ PAGES = {
     "/runtime": "g.node",
     "/editor": ".canvas-stage g.node",
     "/replay?run=12": ".clock",
+    "/statistics": ".statistics td",
     "/configuration": ".matter",
 }
 
