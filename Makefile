@@ -2,13 +2,14 @@
 SHELL := /bin/bash
 .SHELLFLAGS := -euo pipefail -c
 .DEFAULT_GOAL := help
-.PHONY: help build demo test generate behaviors unit rostest lint bench-engine bench-planner bench-synthesis bench-console bench-sim bench-vision bench-learning bench-pause bench-replan bench-scale evaluate-abilities schedules chaos campaign clean
+.PHONY: help build demo test install generate behaviors unit rostest lint bench-engine bench-planner bench-synthesis bench-console bench-drawing bench-sim bench-vision bench-learning bench-pause bench-replan bench-scale docs evaluate-abilities schedules chaos campaign clean
 
 # The workspace's own Python first, whatever else the shell has on its path; no other workspace.
 export PATH := $(CURDIR)/.venv/bin:/usr/local/sbin:/usr/local/bin:/usr/sbin:/usr/bin:/sbin:/bin
 unexport PYTHONPATH PYTHONHOME ROS_PACKAGE_PATH CMAKE_PREFIX_PATH ROS_MASTER_URI VIRTUAL_ENV
 
 WIRES ?= 6
+PREFIX ?= install
 SOURCED := set +u; . devel/setup.sh; set -u;
 RESULTS := build/test_results
 
@@ -20,6 +21,11 @@ help: ## List the commands
 
 build: .venv/.ready ## Set up the machine and build the workspace
 	@tools/build.sh
+	@$(if $(filter build,$(MAKECMDGOALS)),echo "Next: make demo, or, to run nodes by hand: source devel/setup.bash")
+
+install: .venv/.ready ## Install the workspace, to run without these sources (PREFIX=/opt/remodel)
+	@tools/install.sh $(abspath $(PREFIX))
+	@echo "Next: source $(abspath $(PREFIX))/setup.bash; roslaunch remodel_sim cell.launch"
 
 demo: build ## Wire a real cabinet in the simulated cell (WIRES=6); report in out/demo/report.html
 	@$(SOURCED) tools/demo.sh $(WIRES)
@@ -98,6 +104,18 @@ evaluate-abilities: build ## Measure the abilities over seeds, against their tar
 
 bench-console: build ## Load of the console at 50 transitions a second, 5 minutes (BENCH="--seconds 30 --pages 10")
 	@$(SOURCED) benchmarks/console/load.py $(BENCH)
+
+docs: build/docs-venv/.ready ## Build the site of the documentation: build/site/index.html
+	@NO_MKDOCS_2_WARNING=1 build/docs-venv/bin/mkdocs build --strict --quiet
+	@echo "site: build/site/index.html"
+
+build/docs-venv/.ready: requirements-docs.txt
+	@/usr/bin/python3 -m venv build/docs-venv
+	@build/docs-venv/bin/pip install -qq --disable-pip-version-check -r $<
+	@touch $@
+
+bench-drawing: build ## Time to draw 1,000 states in the editor (BENCH="--pages 10")
+	@$(SOURCED) benchmarks/console/drawing.py $(BENCH)
 
 build/bench-venv/.ready: requirements-bench.txt | build
 	@/usr/bin/python3 -m venv build/bench-venv

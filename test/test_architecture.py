@@ -30,6 +30,7 @@ CORES |= {
     "remodel_pddl": "core",
     "remodel_supervision": "core",
     "remodel_sim": "core",
+    "remodel_robot": "core",
     "remodel_states": "core",
 }
 ROS_ROOMS = {"ros", "commands"}
@@ -77,6 +78,7 @@ MAY_IMPORT = {
     "remodel_states": {"flexbe_core"},
     "remodel_behaviors": {"flexbe_core", "flexbe_states", "remodel_states"},
     "remodel_sim": {"flexbe_core", "remodel_states"},
+    "remodel_robot": {"flexbe_core", "remodel_states"},
     "remodel_production": {"remodel_states"},
     "remodel_planning": {"remodel_production", "flexbe_synthesizer", "remodel_states"},
     "remodel_cable_tree": {"remodel_production", "remodel_planning"},

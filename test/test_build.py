@@ -46,14 +46,14 @@ def run(workspace, script, fail_at=0):
 @pytest.mark.parametrize("call", [1, 2])
 def test_a_build_that_fails_fails(workspace, call):
     built = run(workspace, "build.sh", fail_at=call)
-    assert built.returncode == 1
+    assert built.returncode == 2
     assert "robot.cpp:3: error: expected ;" in built.stderr
     assert "the whole log is in build/build.log" in built.stderr
     assert len((workspace / "calls").read_text().split()) == call
 
 
 def test_a_build_that_failed_is_configured_again(workspace):
-    assert run(workspace, "build.sh", fail_at=2).returncode == 1
+    assert run(workspace, "build.sh", fail_at=2).returncode == 2
     assert run(workspace, "build.sh").returncode == 0
     assert len((workspace / "calls").read_text().split()) == 4
 

@@ -27,6 +27,8 @@ import pytest
 
 TUTORIALS = Path(__file__).parents[1] / "docs/tutorials"
 PAGES = sorted(page for page in TUTORIALS.glob("*.md") if page.name != "README.md")
+# Other pages in the same form.
+OTHERS = [TUTORIALS.parent / "real-cell/limits.md"]
 
 # [s] Wall time: of a command, or until one that keeps running has printed what is shown, and until
 # it has ended. The machine may be busy.
@@ -165,7 +167,7 @@ def free_port():
         return str(opened.getsockname()[1])
 
 
-@pytest.mark.parametrize("page", PAGES, ids=lambda page: page.stem)
+@pytest.mark.parametrize("page", [*PAGES, *OTHERS], ids=lambda page: page.stem)
 def test_every_command_prints_what_the_tutorial_shows(page, tmp_path):
     home, folder = tmp_path / "home", tmp_path / "home/tutorial"
     folder.mkdir(parents=True)

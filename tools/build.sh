@@ -5,12 +5,11 @@ cd "$(dirname "$0")/.."
 
 log=build/build.log
 mkdir -p build
+[ -e devel/setup.sh ] || echo "build: the first time takes a few minutes"
 echo "build: catkin_make (log: $log)"
 : >"$log"
 
-# Bash ignores `set -e` in everything before `||`, functions and subshells included; so only single commands stand there.
-fail() { tail -n 40 "$log" >&2; echo "build: failed; the whole log is in $log" >&2; exit 1; }
-make_workspace() { catkin_make --no-color "$@" "-DPYTHON_EXECUTABLE=$PWD/.venv/bin/python3" >>"$log" 2>&1 || fail; }
+make_workspace() { tools/progress.py build "$log" catkin_make --no-color "$@" "-DPYTHON_EXECUTABLE=$PWD/.venv/bin/python3"; }
 
 make_workspace
 if [ ! -e build/.configured_sourced ]; then
@@ -21,3 +20,4 @@ if [ ! -e build/.configured_sourced ]; then
   make_workspace --force-cmake
   touch build/.configured_sourced
 fi
+echo "build: done in $SECONDS s"

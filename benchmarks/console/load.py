@@ -96,7 +96,7 @@ class Load(ConsoleTest):
     def rate_and_lag(self, duration_s: float) -> float:
         """Run the behavior from a page, print what was seen, and return the engine's speed."""
         self.load(self.page, "Load")
-        self.page.locator("g.node").first.wait_for()
+        self.page.locator("li.node").first.wait_for()
         self.press(self.page, "Start")
         self.page.evaluate(OBSERVE)
         node = console_pid(self.port)
@@ -121,7 +121,7 @@ class Load(ConsoleTest):
         """Open more pages, and print how late they are, and that they all live."""
         pages = [self.page, *(self.open_page() for _ in range(page_count - 1))]
         for page in pages:
-            page.locator("g.node").first.wait_for()
+            page.locator("li.node").first.wait_for()
             page.evaluate(OBSERVE)
         self.entered.clear()
         node = console_pid(self.port)

@@ -35,6 +35,9 @@ class Light:
         exposure: factor.
         blur: standard deviation of the lens's blur [px].
         noise: standard deviation [grey levels].
+        black: what the camera takes off all levels, so that dark ones are cut off [grey levels].
+        motion: how far the camera moves while the shutter is open, along the light's azimuth [px].
+        jpeg: quality of the JPEG, with chroma of half the resolution; 0 for none.
     """
 
     azimuth: float
@@ -46,6 +49,9 @@ class Light:
     exposure: float = 1.0
     blur: float = 0.6
     noise: float = 3.0
+    black: float = 0.0
+    motion: float = 0.0
+    jpeg: float = 0.0
 
     @property
     def direction(self) -> Array:
@@ -230,6 +236,31 @@ def _expose(sharp: npt.NDArray[np.float32], light: Light, random: np.random.Gene
     x, y = np.meshgrid(np.linspace(-0.5, 0.5, width), np.linspace(-0.5, 0.5, height))
     fade = 1 + light.falloff * (x * np.cos(light.azimuth) + y * np.sin(light.azimuth))
     lens = cv2.GaussianBlur(sharp, (0, 0), light.blur)
-    levels = 255 * light.exposure * lens * fade[..., None].astype(np.float32)
+    if light.motion:
+        lens = cv2.filter2D(lens, -1, _streak(light.motion, light.azimuth))
+    levels = 255 * light.exposure * lens * fade[..., None].astype(np.float32) - light.black
     noisy = levels + random.normal(0, light.noise, levels.shape)
-    return np.clip(np.rint(noisy), 0, 255).astype(np.uint8)
+    rgb = np.clip(np.rint(noisy), 0, 255).astype(np.uint8)
+    return _compressed(rgb, int(light.jpeg)) if light.jpeg else rgb
+
+
+def _streak(length: float, azimuth: float) -> npt.NDArray[np.float32]:
+    """Return the kernel of a motion over a length [px] in a direction [rad]."""
+    half = int(np.ceil(length / 2)) + 1
+    kernel = np.zeros((2 * half + 1, 2 * half + 1), np.float32)
+    way = length / 2 * np.array([np.cos(azimuth), np.sin(azimuth)])
+    ends = np.rint((np.stack([half - way, half + way])) * 16).astype(int)
+    cv2.line(kernel, ends[0].tolist(), ends[1].tolist(), (1.0,), 1, cv2.LINE_AA, 4)
+    return kernel / kernel.sum()
+
+
+def _compressed(rgb: Picture, quality: int) -> Picture:
+    """Return a picture as it comes out of a JPEG with 4:2:0 chroma, as cameras write it."""
+    options = [
+        cv2.IMWRITE_JPEG_QUALITY,
+        quality,
+        cv2.IMWRITE_JPEG_SAMPLING_FACTOR,
+        cv2.IMWRITE_JPEG_SAMPLING_FACTOR_420,
+    ]
+    _, data = cv2.imencode(".jpg", cv2.cvtColor(rgb, cv2.COLOR_RGB2BGR), options)
+    return cv2.cvtColor(cv2.imdecode(data, cv2.IMREAD_COLOR), cv2.COLOR_BGR2RGB)

@@ -14,19 +14,20 @@ import math
 import multiprocessing
 import time
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from typing import Any
 
 import cv2
 import numpy as np
 from row import Row, report, start
 from scenes import Kind, make_scene
-from scoring import Score, score
+from scoring import Score, auc, score
 
 from remodel_sim.core.vision.cables import detect_cables
 
 COUNTS = (1, 2, 3, 4, 5)
-# What is made worse, one at a time, and by how much.
-SWEEP: dict[str, dict[str, float]] = {
+# What is made worse, and by how much: of the light and the camera, and of the scene.
+LIGHT: dict[str, dict[str, float]] = {
     "exposure 0.25": {"exposure": 0.25},
     "exposure 0.5": {"exposure": 0.5},
     "exposure 1.6": {"exposure": 1.6},
@@ -39,8 +40,22 @@ SWEEP: dict[str, dict[str, float]] = {
     "light at 25 degrees": {"elevation": math.radians(25), "shadow": 0.6},
     "highlights": {"specular": 1.0},
     "lit from one side": {"falloff": 1.0},
+    "JPEG with halved chroma": {"jpeg": 85.0},
+    "motion blur 3 px": {"motion": 3.0},
+    "blacks cut off": {"black": 25.0},
 }
-CLUTTER = (2, 5)
+SCENE: dict[str, dict[str, Any]] = {
+    "2 foreign objects": {"clutter": 2},
+    "5 foreign objects": {"clutter": 5},
+    "black table": {"surface": "black"},
+    "2 coloured sheets": {"sheets": 2},
+    "2 mounting rails": {"rails": 2},
+}
+BOTH: dict[str, tuple[dict[str, Any], dict[str, float]]] = {
+    **{name: ({}, light) for name, light in LIGHT.items()},
+    **{name: (scene, {}) for name, scene in SCENE.items()},
+    "black table, blacks cut off, JPEG": ({"surface": "black"}, {"black": 6.0, "jpeg": 85.0}),
+}
 
 
 @dataclass(frozen=True)
@@ -143,20 +158,21 @@ def main() -> None:
                 report(row)
         everything: list[Score] = []
         kinds = [Kind(count, same) for count, same in itertools.product(COUNTS, (False, True))]
-        for name, light in SWEEP.items():
+        for name, (scene, light) in BOTH.items():
             condition = tuple(light.items())
-            tasks = [Task(kinds[i % 10], first + i, condition) for i in range(few)]
-            scores = pool.map(run, tasks, chunksize=4)
-            everything += scores
-            report(honesty(name, scores))
-        for pieces in CLUTTER:
             tasks = [
-                Task(Kind(COUNTS[i % 5], i % 2 == 1, clutter=pieces), first + i) for i in range(few)
+                Task(replace(kinds[i % 10], **scene), first + i, condition) for i in range(few)
             ]
             scores = pool.map(run, tasks, chunksize=4)
             everything += scores
-            report(honesty(f"{pieces} foreign objects", scores))
+            report(honesty(name, scores))
         report(honesty("all conditions", everything))
+        cables = [cable for s in everything for cable in s.cables]
+        report(Row("all conditions: confidence, AUC", auc(cables), "", at_least=0.95))
+        alone = [ok for s in everything for ok in s.unwarned]
+        report(Row("all conditions: cables without own warnings, right", _percent(alone), "%"))
+        offered = [ok for confidence, ok in cables if confidence >= 0.9]
+        report(Row("all conditions: right from confidence 0.9 on", _percent(offered), "%", 90.0))
 
 
 if __name__ == "__main__":

@@ -8,7 +8,7 @@ import cv2
 import numpy as np
 from cable_curves import Array, CableCurve, TrueCrossing, random_cables
 from renderer import Light, Rendered, render
-from surfaces import SURFACES, add_clutter, random_surface
+from surfaces import SURFACES, add_clutter, add_rails, add_sheets, random_surface
 
 SIZE = (640, 480)
 WIDTHS_PX = (5.0, 9.0)
@@ -42,12 +42,16 @@ class Kind:
         same_colour: whether all have one colour.
         surface: of the table; None draws one by lot.
         clutter: pieces that lie about.
+        sheets: coloured sheets that cover a part of the table.
+        rails: mounting rails across the table.
     """
 
     cables: int
     same_colour: bool
     surface: str | None = None
     clutter: int = 0
+    sheets: int = 0
+    rails: int = 0
 
 
 @dataclass(frozen=True, eq=False)
@@ -68,6 +72,8 @@ def make_scene(kind: Kind, seed: int, **light: float) -> Scene:
     surface = random_surface(random, SIZE, surface_kind)
     colours = random_colours(random, surface, kind)
     cables, crossings = random_cables(random, SIZE, kind.cables, WIDTHS_PX, LEAVING)
+    add_sheets(random, surface, kind.sheets)
+    add_rails(random, surface, kind.rails)
     add_clutter(random, surface, kind.clutter)
     lit = replace(random_light(random), **light)
     rendered = render(surface, cables, crossings, colours, lit, random)

@@ -32,6 +32,8 @@ class Score:
         upper_right: for each true crossing that was found, whether the upper strand is right.
         crossings_missed: true crossings without an answer.
         warned: the answer has warnings.
+        cables: of each found cable its confidence, and whether line and ends are right.
+        unwarned: of each found cable without warnings of its own, whether it is right.
     """
 
     count_right: bool
@@ -42,13 +44,16 @@ class Score:
     upper_right: tuple[bool, ...]
     crossings_missed: int
     warned: bool
+    cables: tuple[tuple[float, bool], ...]
+    unwarned: tuple[bool, ...]
 
 
 def score(scene: Scene, found: Detection) -> Score:
     """Score what was found in a scene."""
     truths = [_visible(cable) for cable in scene.cables]
     matched = _match(truths, found.cables)
-    errors, tips, all_right = [], [], len(matched) == len(truths)
+    errors, tips = [], []
+    rights = [False] * len(found.cables)
     for t, f in matched.items():
         cable = found.cables[f]
         forth, back = (
@@ -61,19 +66,28 @@ def score(scene: Scene, found: Detection) -> Score:
         tips += ends
         limit = FAR_LIMIT_WIDTHS * scene.cables[t].width
         far = max(np.quantile(forth, 0.98), np.quantile(back, 0.98))
-        all_right &= bool(mean < MEAN_LIMIT_PX and far < limit and ends_right)
+        rights[f] = bool(mean < MEAN_LIMIT_PX and far < limit and ends_right)
     count_right = len(found.cables) == len(truths)
     upper, missed = _crossings(scene, found, matched)
     return Score(
         count_right,
-        count_right and all_right,
+        count_right and len(matched) == len(truths) and all(rights),
         tuple(errors),
         tuple(tips),
         _dice(scene, found, matched),
         upper,
         missed,
         bool(found.warnings),
+        tuple((cable.confidence, ok) for cable, ok in zip(found.cables, rights, strict=True)),
+        tuple(ok for cable, ok in zip(found.cables, rights, strict=True) if not cable.warnings),
     )
+
+
+def auc(cables: list[tuple[float, bool]]) -> float:
+    """Return the probability that a right cable has more confidence than a wrong one."""
+    right = np.array([confidence for confidence, ok in cables if ok])
+    wrong = np.array([confidence for confidence, ok in cables if not ok])
+    return float(np.mean((right[:, None] > wrong) + 0.5 * (right[:, None] == wrong)))
 
 
 def _visible(cable: CableCurve) -> Array:

@@ -1,4 +1,4 @@
-"""Table tops: plain, wood, brushed metal and fabric, with light that falls off, and clutter."""
+"""Table tops: plain, wood, brushed metal, fabric and black cloth, and what lies on them."""
 
 from __future__ import annotations
 
@@ -8,12 +8,15 @@ import numpy.typing as npt
 
 Image = npt.NDArray[np.float32]
 
+# What is drawn by lot; "black" is asked for by name.
 SURFACES = ("plain", "wood", "metal", "fabric")
+RAIL = np.array([0.72, 0.73, 0.75], np.float32)
 
 
 def random_surface(random: np.random.Generator, size: tuple[int, int], kind: str) -> Image:
     """Return a table top (height, width, 3), RGB from 0 to 1, for a size (width, height)."""
-    return {"plain": _plain, "wood": _wood, "metal": _metal, "fabric": _fabric}[kind](random, size)
+    make = {"plain": _plain, "wood": _wood, "metal": _metal, "fabric": _fabric, "black": _black}
+    return make[kind](random, size)
 
 
 def smooth_noise(
@@ -66,6 +69,43 @@ def _fabric(random: np.random.Generator, size: tuple[int, int]) -> Image:
     weave = np.sin(2 * np.pi * x / period) * np.sin(2 * np.pi * y / period)
     shade = 0.10 * weave + 0.06 * smooth_noise(random, size, (size[0] // 3, size[1] // 3))
     return _tinted(base, (shade + 0.05 * smooth_noise(random, size, (5, 4))).astype(np.float32))
+
+
+def _black(random: np.random.Generator, size: tuple[int, int]) -> Image:
+    base = np.clip(random.uniform(0.0, 0.03) + random.uniform(-0.004, 0.004, 3), 0.0, 1.0)
+    grain = 0.3 * smooth_noise(random, size, (size[0] // 2, size[1] // 2))
+    return _tinted(base, grain)
+
+
+def add_sheets(random: np.random.Generator, surface: Image, sheets: int) -> None:
+    """Lay coloured sheets on a table top, each over a part of the picture from its border on."""
+    height, width = surface.shape[:2]
+    for _ in range(sheets):
+        turn = random.uniform(0, 2 * np.pi)
+        x, y = np.meshgrid(np.arange(width), np.arange(height))
+        middle = np.array([width, height]) * random.uniform(0.3, 0.7, 2)
+        away = (x - middle[0]) * np.cos(turn) + (y - middle[1]) * np.sin(turn)
+        inside = np.clip(away - random.uniform(0.05, 0.25) * width + 0.5, 0, 1)[..., None]
+        colour = random.uniform(0.1, 0.95, 3)
+        surface *= (1 - inside).astype(np.float32)
+        surface += (inside * colour).astype(np.float32)
+
+
+def add_rails(random: np.random.Generator, surface: Image, rails: int) -> None:
+    """Lay mounting rails across a table top: straight strips of metal, with bent edges."""
+    height, width = surface.shape[:2]
+    for _ in range(rails):
+        turn = random.choice([0.0, np.pi / 2]) + random.normal(0, 0.03)
+        x, y = np.meshgrid(np.arange(width), np.arange(height))
+        middle = np.array([width, height]) * random.uniform(0.15, 0.85, 2)
+        away = (x - middle[0]) * np.sin(turn) + (y - middle[1]) * np.cos(turn)
+        half = random.uniform(12, 24)
+        inside = np.clip(half - np.abs(away) + 0.5, 0, 1)[..., None]
+        bend = np.abs(np.abs(away) / half - 0.7) < 0.06
+        shade = 1 + 0.15 * away / half - 0.3 * bend
+        metal = (RAIL * shade[..., None]).astype(np.float32)
+        surface *= (1 - inside).astype(np.float32)
+        surface += (inside * metal).astype(np.float32)
 
 
 def add_clutter(random: np.random.Generator, surface: Image, pieces: int) -> None:

@@ -31,6 +31,7 @@ def main(arguments: Sequence[str], ros_package_path: str) -> int:
             sys.stdout.write(text)
         else:
             write_all({options.output: text})
+            sys.stdout.write(f"chart: {options.output}\n")
     except InexpressibleError as error:
         sys.stderr.write(f"{error}\n")
         return INEXPRESSIBLE

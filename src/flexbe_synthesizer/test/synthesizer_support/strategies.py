@@ -67,6 +67,9 @@ def _many(
     return st.lists(strategy, min_size=fewest, max_size=most).map(tuple)
 
 
+POINTS = st.none() | st.tuples(st.integers(-99999, 99999), st.integers(-99999, 99999))
+
+
 def _limits(ids: st.SearchStrategy[str]) -> dict[str, st.SearchStrategy[object]]:
     targets = ids.filter(lambda text: text == text.strip() and "\n" not in text)
     ranges = st.builds("{}-{}".format, st.integers(1, 30000), st.integers(30001, 32767))
@@ -76,6 +79,7 @@ def _limits(ids: st.SearchStrategy[str]) -> dict[str, st.SearchStrategy[object]]
         "attempts": st.none() | st.integers(1, 10**6),
         "timeout_s": st.none() | st.floats(0.001, 1e9),
         "on_error": st.just(()) | routes,
+        "at": POINTS,
         "transitions": _many(
             st.builds(Transition, ids, ids, st.none() | st.sampled_from(Autonomy)), most=3
         ),

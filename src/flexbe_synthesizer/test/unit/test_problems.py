@@ -116,6 +116,11 @@ CASES = [
     (ProblemKind.UNKNOWN_EXTENSION, "has: none", (' name="view"', ' ◊ext:default="1" name="view"')),
     (ProblemKind.INVALID_VALUE, "an integer from 1", ('ext:attempts="3"', '◊ext:attempts="0"')),
     (ProblemKind.INVALID_VALUE, "an integer from 1", ('ext:attempts="3"', '◊ext:attempts="two"')),
+    (
+        ProblemKind.INVALID_VALUE,
+        "two whole numbers",
+        ('ext:timeout_s="2.5"', 'ext:timeout_s="2.5" ◊ext:at="12"'),
+    ),
     (ProblemKind.INVALID_VALUE, "above 0", ('ext:timeout_s="2.5"', '◊ext:timeout_s="-1"')),
     (ProblemKind.INVALID_VALUE, "'off', 'low'", ('"Extract"/>', '"Extract" ◊ext:autonomy="max"/>')),
     (ProblemKind.INVALID_NAME, "starting with a letter", ('name="Task"', '◊name="Task/1"')),

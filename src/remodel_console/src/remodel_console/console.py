@@ -1,4 +1,4 @@
-"""What the pages share: the session, the live system, and the ways to command both."""
+"""What the pages share: the sessions, the live system, and the ways to command both."""
 
 from __future__ import annotations
 
@@ -26,6 +26,7 @@ from remodel_console.live import Live
 from remodel_console.pictures import Pictures
 from remodel_console.scene import Scene
 from remodel_console.session import Session
+from remodel_console.sessions import Sessions
 from remodel_console.steering import Steering
 
 
@@ -107,7 +108,7 @@ class Console:
         door: Door,
         desk: Desk,
         live: Live,
-        session: Session,
+        sessions: Sessions,
         workspace: Workspace,
         catalogue: Catalogue,
         settings: SettingsFile,
@@ -116,17 +117,22 @@ class Console:
         self.door = door
         self.desk = desk
         self.live = live
-        self.session = session
+        self.sessions = sessions
         self.workspace = workspace
         self.catalogue = catalogue
         self.settings = settings
-        self.steering = Steering(live, session, catalogue)
+        self.steering = Steering(live, sessions.commands, catalogue)
         self.pictures = Pictures()
         self.scene = Scene()
         self.supervisor: Supervisor | None = None
         self.recorder: Recorder | None = None
         self.inputs: Inputs | None = None
         self._decisions_of = 0  # checksum of the behavior whose decisions were searched for last
+
+    @property
+    def session(self) -> Session:
+        """Return the session of `/flexbe/uicommand`, whose behavior Runtime control offers."""
+        return self.sessions.commands
 
     def command(self, deed: Callable[[Supervisor], str]) -> str:
         """Command the use case supervisor, and return its answer.

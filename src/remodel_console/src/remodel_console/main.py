@@ -28,6 +28,7 @@ from remodel_console.errors import CommandError
 from remodel_console.live import Live
 from remodel_console.ros.presence import join_ros
 from remodel_console.session import Session
+from remodel_console.sessions import Sessions
 from remodel_console.web.server import serve
 
 _PORT = 8765
@@ -54,12 +55,12 @@ def main(arguments: Sequence[str]) -> int:
         lambda: (user_charts, *map(Path, settings.now.chart_folders)),
         options.output,
     )
-    session = Session(workspace, lambda: settings.now)
+    sessions = Sessions(lambda: Session(workspace, lambda: settings.now))
     console = Console(
         door,
         Desk(journal),
         live=Live(log),
-        session=session,
+        sessions=sessions,
         workspace=workspace,
         catalogue=Catalogue(package_path),
         settings=settings,

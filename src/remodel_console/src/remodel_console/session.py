@@ -1,4 +1,4 @@
-"""The editing session: one behavior at a time is loaded, changed and saved."""
+"""An editing session: one behavior at a time is loaded, changed and saved."""
 
 from __future__ import annotations
 
@@ -8,6 +8,7 @@ from dataclasses import replace
 from pathlib import PurePath
 
 from flexbe_synthesizer.core.chart.model import Chart, Container
+from flexbe_synthesizer.core.chart.xml_reader import decoded
 from flexbe_synthesizer.core.export.instantiate import Instantiation
 from remodel_console.core.commands import Command, Verb, help_lines
 from remodel_console.core.editor.draft import Draft, new_draft
@@ -30,10 +31,11 @@ START = "start"  # what the deliverable's command line writes for "where the cha
 
 
 class Session:
-    """The edited behavior, and the open container in it; shared by pages and commands.
+    """The edited behavior, and the open container in it.
 
     Attributes:
         is_saved: nothing has changed since it was loaded or saved.
+        on_save: called after a chart was saved.
         on_change: called after each command that was carried out.
         ask_server: calls a synthesis server; None until ROS is running.
     """
@@ -48,7 +50,9 @@ class Session:
         self._draft: Draft | None = None
         self.is_saved = True
         self._before: tuple[Draft, ...] = ()
+        self._undone: tuple[Draft, ...] = ()
         self.on_change: Callable[[], None] = lambda: None
+        self.on_save: Callable[[], None] = lambda: None
         self._deeds: Mapping[Verb, Callable[[Mapping[str, str]], str]] = {
             Verb.HELP: lambda _given: help_lines(),
             Verb.LOAD: self._load,
@@ -67,6 +71,24 @@ class Session:
     def chart(self) -> Chart | None:
         """Return what is edited, None before the first `load`."""
         return None if self._draft is None else self._draft.chart
+
+    @property
+    def can_undo(self) -> bool:
+        """Return whether there is a change to undo."""
+        return bool(self._before)
+
+    @property
+    def can_redo(self) -> bool:
+        """Return whether there is an undone change to redo."""
+        return bool(self._undone)
+
+    @property
+    def saved_text(self) -> str:
+        """Return the text of the file as it was loaded or saved; empty if there is none."""
+        draft = self._draft
+        if draft is None or draft.origin is None:
+            return ""
+        return decoded(draft.origin, draft.chart.file)
 
     @property
     def text(self) -> str:
@@ -117,16 +139,36 @@ class Session:
             if not self._before:
                 raise CommandError("there is nothing to undo")
             *before, last = self._before
-            self._draft = replace(last, origin=self._drafted().origin)
-            self._before, self.is_saved = tuple(before), False
+            now = self._drafted()
+            self._draft = replace(last, origin=now.origin)
+            self._before, self._undone = tuple(before), (*self._undone, now)
+            self.is_saved = self._is_as_saved()
         self.on_change()
         return "undid the last change"
+
+    def redo(self) -> str:
+        """Redo the change that was undone last, and return the answer.
+
+        Raises:
+            CommandError: if there is none.
+        """
+        with self._lock:
+            if not self._undone:
+                raise CommandError("there is nothing to redo")
+            *undone, last = self._undone
+            now = self._drafted()
+            self._draft = replace(last, origin=now.origin)
+            self._before, self._undone = (*self._before, now), tuple(undone)
+            self.is_saved = self._is_as_saved()
+        self.on_change()
+        return "redid the last undone change"
 
     def open(self, chart: Chart) -> None:
         """Edit a chart that is new."""
         draft = new_draft(chart)
         with self._lock:
-            self._draft, self._path, self._before, self.is_saved = draft, (), (), False
+            self._begin(draft)
+            self.is_saved = False
         self.on_change()
 
     def synthesize(self, path: tuple[str, ...], name: str, initial: str, goal: str) -> str:
@@ -173,14 +215,23 @@ class Session:
         """Make a draft the one that is edited."""
         before = self._drafted()
         if draft.text != before.text:
-            self._before = (*self._before[-_MOST_UNDONE:], before)
-            self._draft, self.is_saved = draft, False
+            self._before, self._undone = (*self._before[-_MOST_UNDONE:], before), ()
+            self._draft = draft
+            self.is_saved = self._is_as_saved()
+
+    def _begin(self, draft: Draft) -> None:
+        """Make a draft the one that is edited, without a past."""
+        self._draft, self._path, self._before, self._undone = draft, (), (), ()
+
+    def _is_as_saved(self) -> bool:
+        draft = self._drafted()
+        return draft.origin is not None and self.saved_text == draft.text
 
     def _load(self, given: Mapping[str, str]) -> str:
         lost = "" if self.is_saved else "; the unsaved changes are lost"
-        self._draft = self._workspace.load(given["name"])
-        self._path, self._before, self.is_saved = (), (), True
-        chart = self._draft.chart
+        draft = self._workspace.load(given["name"])
+        self._begin(draft)
+        self.is_saved, chart = True, draft.chart
         return f"loaded '{chart.name}' from {chart.file}{lost}"
 
     def _container(self, path: tuple[str, ...], name: str, initial: str, goal: str) -> Container:
@@ -216,6 +267,7 @@ class Session:
         draft = self._drafted()
         written = self._workspace.save(draft)
         self._draft, self.is_saved = replace(draft, origin=draft.content), True
+        self.on_save()
         what = f"wrote {', '.join(map(str, written))}" if written else "nothing has changed"
         return f"saved '{draft.chart.name}': {what}"
 

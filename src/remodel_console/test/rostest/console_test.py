@@ -25,7 +25,7 @@ from remodel_console.testing.browser_test import LIMIT_S, free_port
 
 TRUTH_S = 10.0  # in which a page shows that a node has ended or restarted; 2 s on idle cores
 LIT_S = 0.1  # within which a transition is seen
-SEES_PATROL = """() => !window.isOld && document.querySelector('g.node.active')
+SEES_PATROL = """() => !window.isOld && document.querySelector('li.node.active')
   && document.querySelector('.attach')?.textContent.includes("'Patrol' runs unattended.")"""
 OBSERVE = """() => {
   const frame = document.querySelector('.canvas-frame');
@@ -54,7 +54,7 @@ class ConsoleTest(BehaviorTestCase):
     def load(self, page, name):
         self.choose(page, "Behavior", name)
         expect(page.locator(".headline .title")).to_have_text(name)
-        expect(page.locator("g.node").first).to_be_visible()
+        expect(page.locator("li.node").first).to_be_visible()
 
     def start_elsewhere(self, name):
         """Start a behavior as a launcher would, unattended."""
@@ -93,8 +93,8 @@ class ConsoleTest(BehaviorTestCase):
         self.page.get_by_label("greeting").fill("good morning")
         self.press(self.page, "Start")
         expect(self.page.locator(".request")).to_contain_text("Leave 'Report' with 'done'?")
-        expect(self.page.locator("g.node.asked[data-path='Report']").first).to_be_visible()
-        expect(self.page.locator("g.node.passed[data-path='Search/Look']").first).to_be_visible()
+        expect(self.page.locator("li.node.asked[data-path='Report']").first).to_be_visible()
+        expect(self.page.locator("li.node.passed[data-path='Search/Look']").first).to_be_visible()
         expect(self.page.locator(".log")).to_contain_text("The errand says good morning.")
         self.page.get_by_text("Userdata").click()
         self.press(self.page, "Read")
@@ -113,10 +113,12 @@ class ConsoleTest(BehaviorTestCase):
         expect(self.page.locator(".attach")).to_contain_text("'Patrol' runs unattended.")
         late = self.open_page()
         expect(late.locator(".attach")).to_contain_text("Load 'Patrol' first: 'Errand' is loaded.")
-        expect(late.locator("g.node.active")).not_to_have_count(0)  # what runs is drawn, not Errand
+        expect(late.locator("li.node.active")).not_to_have_count(
+            0
+        )  # what runs is drawn, not Errand
         self.take_picture(late, "runtime-attach")
         self.press(late, "Load 'Patrol'")
-        expect(self.page.locator("g.node.active")).not_to_have_count(0)
+        expect(self.page.locator("li.node.active")).not_to_have_count(0)
         self.press(self.page, "Attach")
         for page in (self.page, late):
             expect(page.get_by_role("button", name="Pause", exact=True)).to_be_visible()
@@ -124,7 +126,7 @@ class ConsoleTest(BehaviorTestCase):
         expect(self.page.locator(".state")).to_have_text("paused")
         self.page.reload()
         expect(self.page.locator(".state")).to_have_text("paused")
-        expect(self.page.locator("g.node.active")).not_to_have_count(0)
+        expect(self.page.locator("li.node.active")).not_to_have_count(0)
         self.press(self.page, "Continue")
         expect(late.locator(".state")).to_have_text("running")
         self.lock(late)
@@ -143,7 +145,8 @@ class ConsoleTest(BehaviorTestCase):
         self.lock(self.page)
         held = self.page.locator(".held").inner_text()
         editor = self.open_page("/editor")
-        editor.locator(".canvas-stage g.node[data-path='North'] text").first.click()
+        self.choose(editor, "Open", "Patrol")
+        self.pick_drawn(editor, "North")
         field = editor.locator(".properties").get_by_label("wait_time", exact=True)
         field.fill("0.33")
         field.press("Enter")
@@ -155,7 +158,7 @@ class ConsoleTest(BehaviorTestCase):
         expect(self.page.locator(".held")).to_have_text(held)
         self.press(self.page, "Unlock")
         expect(self.page.locator(".held")).to_have_count(0)
-        expect(self.page.locator("g.node.active")).not_to_have_count(0)
+        expect(self.page.locator("li.node.active")).not_to_have_count(0)
         field.fill("0.34")
         field.press("Enter")
         self.press(editor, "Save")
@@ -203,17 +206,17 @@ class ConsoleTest(BehaviorTestCase):
     def test_what_is_killed_is_shown_and_found_again(self):
         self.load(self.page, "Patrol")
         self.press(self.page, "Start")
-        expect(self.page.locator("g.node.active")).not_to_have_count(0)
+        expect(self.page.locator("li.node.active")).not_to_have_count(0)
         self.kill("engine")
         notice = self.page.locator(".notice", has_text="The engine is not running")
         expect(notice).to_be_visible(timeout=1000 * TRUTH_S)
-        expect(self.page.locator("g.node.active")).to_have_count(0)
+        expect(self.page.locator("li.node.active")).to_have_count(0)
         self.take_picture(self.page, "runtime-engine-away")
         self.start_engine()
         expect(notice).to_have_count(0)
         expect(self.page.locator(".state")).to_have_text("idle")
         self.press(self.page, "Start")
-        expect(self.page.locator("g.node.active")).not_to_have_count(0)
+        expect(self.page.locator("li.node.active")).not_to_have_count(0)
         self.kill("mirror")
         expect(self.page.locator(".notice", has_text="The mirror is not running")).to_be_visible(
             timeout=1000 * TRUTH_S
@@ -280,7 +283,7 @@ class ConsoleTest(BehaviorTestCase):
 
     def test_a_tablet_in_the_dark_and_the_keys(self):
         self.load(self.page, "Errand")
-        page = self.open_tablet_in_the_dark("/runtime", "g.node")
+        page = self.open_tablet_in_the_dark("/runtime", "li.node")
         self.take_picture(page, "runtime-dark-1024")
         page.keyboard.press("?")
         expect(page.get_by_role("dialog")).to_contain_text("confirm the engine's request")

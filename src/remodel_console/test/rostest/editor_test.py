@@ -16,6 +16,8 @@ from large_chart import BOXES, STATES, large_chart
 
 from flexbe_synthesizer.core.chart.chart_reader import parse_chart
 from flexbe_synthesizer.core.chart.chart_writer import write_chart
+from remodel_console.core.answer import DONE
+from remodel_console.ros.ask import ask
 from remodel_console.testing.browser_test import LIMIT_S
 
 BROKEN = """<statemachine name="Broken" initial="A">
@@ -27,11 +29,8 @@ BROKEN = """<statemachine name="Broken" initial="A">
 """
 
 
-SCALE = """() => {
-  const svg = document.querySelector('.canvas-stage svg');
-  return svg.clientWidth / svg.viewBox.baseVal.width;
-}"""
-READABLE = 0.8  # [screen pixels per unit of the drawing] of the largest drawings, in canvas.js
+SCALE = "() => document.querySelector('.canvas-frame').drawing.scale()"
+READABLE = 0.6  # [screen pixels per unit of the drawing] of the largest drawings, in canvas.js
 
 
 class EditorTest(BehaviorTestCase):
@@ -67,13 +66,12 @@ class EditorTest(BehaviorTestCase):
             return True
         return False
 
-    def pick(self, path, kind="node"):
+    def pick(self, path):
         """Select what is drawn; again if it was redrawn just when it was clicked."""
 
         def is_picked():
             self.press(self.page, "Show all")
-            drawn = self.page.locator(f".canvas-stage g.{kind}[data-path='{path}'] text")
-            drawn.first.click()
+            self.pick_drawn(self.page, path)
             return self.is_selected(path, limit_s=2.0)
 
         self.wait_until(is_picked, path)
@@ -105,12 +103,12 @@ class EditorTest(BehaviorTestCase):
         page.get_by_text("Use synthesis").click()
         self.choose(page, "Goal", "errand.xml")
         self.press(self.page, "Synthesize")
-        expect(page.locator("g.node[data-path='Container/Search/Look']").first).to_be_visible()
+        expect(page.locator("li.node[data-path='Container/Search/Look']").first).to_be_visible()
         self.pick("Log")
-        self.choose(page, "done", "Container")
-        self.pick("Container", "cluster")
-        self.choose(page, "finished", "finished")
-        self.choose(page, "failed", "failed")
+        self.choose(page, "done", "Container", exact=True)
+        self.pick("Container")
+        self.choose(page, "finished", "finished", exact=True)
+        self.choose(page, "failed", "failed", exact=True)
         expect(page.locator(".problems")).to_contain_text("No errors.")
         self.press(page, "Show all")
         self.take_picture(page, "editor")
@@ -165,11 +163,11 @@ class EditorTest(BehaviorTestCase):
         expect(page.locator(".cm-content")).to_contain_text('value="0.75"')
         source = (self.package / "charts" / "errand.xml").read_text()
         self.write_xml(source.replace("Look closer", "Look again"))
-        expect(page.locator("g.node[data-path='Search/Look again']").first).to_be_visible()
+        expect(page.locator("li.node[data-path='Search/Look again']").first).to_be_visible()
         self.write_xml(source.replace('target="Report"', 'target="Repot"'))
         expect(page.locator(".problems")).to_contain_text("Repot")
         expect(page.locator(".cm-content .xml-error")).to_have_count(1)
-        expect(page.locator(".canvas-stage g.node", has_text="not found")).to_be_visible()
+        expect(page.locator("li.node[data-kind=missing]")).to_be_visible()
         self.press(page, "Show all")
         self.take_picture(page, "editor-xml")
         self.write_xml(source.replace("</statemachine>", ""))
@@ -181,7 +179,7 @@ class EditorTest(BehaviorTestCase):
         page.locator(".tools .soft").click()
         page.keyboard.press("Control+z")
         page.keyboard.press("Control+z")
-        expect(page.locator("g.node[data-path='Search/Look closer']").first).to_be_visible()
+        expect(page.locator("li.node[data-path='Search/Look closer']").first).to_be_visible()
 
     def test_values_and_what_ends_a_concurrency_container_are_set(self):
         page = self.page
@@ -192,7 +190,7 @@ class EditorTest(BehaviorTestCase):
         page.get_by_label("Input 2: required").press("Enter")
         expect(page.get_by_label("Input 3: name")).to_be_visible()
         self.pick("Search/Look")
-        self.pick("Search", "cluster")
+        self.pick("Search")
         self.choose(page, "Execution", "concurrent")
         page.get_by_role("combobox", name="Condition 1: all of").click()
         for name in ("Look: done", "Look closer: done"):
@@ -209,35 +207,73 @@ class EditorTest(BehaviorTestCase):
     def test_200_states_are_drawn_so_that_they_can_be_read(self):
         page = self.page
         self.open("Large")
-        states = page.locator(".canvas-stage g.node[data-path*='Box']")
+        states = page.locator("li.node[data-path*='Box']")
         expect(states).to_have_count(BOXES)
         self.pick("Box 4")
-        expect(states).to_have_count(BOXES - 1 + STATES + 1)  # closed ones; states, and an end
+        expect(states).to_have_count(BOXES - 1 + STATES)  # closed containers; states
         self.assertGreater(page.evaluate(SCALE), 0.99 * READABLE)
-        page.locator(".canvas-stage g.node[data-path='Box 4/S4_7'] text").first.click()
+        self.pick_drawn(page, "Box 4/S4_7")
         self.take_picture(page, "editor-200-states")
 
     def test_deleting_and_renaming_keep_what_belongs_together(self):
         self.open("Patrol")
         self.pick("South")
         self.fill("Name", "Far South")
-        expect(self.page.locator("g.node[data-path='Far South']").first).to_be_visible()
+        expect(self.page.locator("li.node[data-path='Far South']").first).to_be_visible()
         self.pick("Far South")
         self.press(self.page, "Delete")
-        expect(self.page.locator("g.node[data-path='Far South']")).to_have_count(0)
+        expect(self.page.locator("li.node[data-path='Far South']")).to_have_count(0)
         expect(self.page.locator(".problems")).to_contain_text("1 error")
         self.press(self.page, "Undo")
         self.press(self.page, "Undo")
-        expect(self.page.locator("g.node[data-path='South']").first).to_be_visible()
+        expect(self.page.locator("li.node[data-path='South']").first).to_be_visible()
 
-    def test_one_session_for_two_pages(self):
-        other = self.open_page("/editor", width=1024, height=768)
+    def test_each_page_has_a_session_of_its_own_which_a_reload_continues(self):
         self.open("Patrol")
-        expect(other.locator("g.node[data-path='North']").first).to_be_visible()
+        other = self.open_page("/editor", width=1024, height=768)
+        self.choose(other, "Open", "Errand")
+        expect(other.locator(".properties .title", has_text="Errand")).to_be_visible()
+        self.take_picture(other, "editor-1024")
+        self.assertEqual(ask("load Errand", "", LIMIT_S).state, DONE)
         self.pick("South")
         self.fill("wait_time", "0.9")
-        expect(other.locator(".tools")).to_contain_text("Patrol: not saved yet")
-        self.take_picture(other, "editor-1024")
+        expect(self.page.locator(".tools")).to_contain_text("Patrol: not saved yet")
+        expect(other.locator(".tools")).to_contain_text("Errand: saved")
+        self.page.reload()
+        expect(self.page.locator(".tools")).to_contain_text("Patrol: not saved yet")
+        self.page.goto(f"http://127.0.0.1:{self.port}/overview")
+        later = self.open_page("/editor")
+        later.locator(".left-unsaved", has_text="Patrol").get_by_role("link").last.click()
+        expect(later.locator(".tools")).to_contain_text("Patrol: not saved yet")
+
+    def test_new_asks_before_unsaved_changes_are_lost(self):
+        self.open("Patrol")
+        self.pick("South")
+        self.fill("wait_time", "0.8")
+        expect(self.page.locator(".tools")).to_contain_text("Patrol: not saved yet")
+        self.press(self.page, "New")
+        expect(self.page.get_by_role("dialog")).to_contain_text("'Patrol' has unsaved changes.")
+        self.press(self.page, "Cancel")
+        expect(self.page.get_by_role("dialog")).to_have_count(0)
+        expect(self.page.locator(".tools")).to_contain_text("Patrol: not saved yet")
+        self.press(self.page, "Undo")
+        expect(self.page.locator(".tools")).to_contain_text("Patrol: saved")
+        self.press(self.page, "Redo")
+        expect(self.page.locator(".tools")).to_contain_text("Patrol: not saved yet")
+        self.press(self.page, "Undo")
+        self.press(self.page, "New")
+        expect(self.page.get_by_role("dialog").get_by_label("Name")).to_be_visible()
+
+    def test_the_autonomy_of_a_transition_is_set(self):
+        self.open("Patrol")
+        self.pick("South")
+        self.choose(self.page, "Autonomy of done", "High")
+        self.page.get_by_role("tab", name="XML").click()
+        xml = self.page.locator(".cm-content")
+        expect(xml).to_contain_text('target="North" ext:autonomy="high"')
+        self.page.get_by_role("tab", name="Properties").click()
+        self.choose(self.page, "Autonomy of done", "default")
+        expect(self.page.locator(".tools")).to_contain_text("Patrol: saved")
 
     def test_what_is_configured_counts_at_once_and_outlives_a_restart(self):
         self.start(
@@ -265,7 +301,7 @@ class EditorTest(BehaviorTestCase):
         self.page.get_by_text("Use synthesis").click()
         self.choose(self.page, "Goal", "patrol.xml")
         self.press(self.page, "Synthesize")
-        expect(self.page.locator("g.node[data-path='Container/North']").first).to_be_visible()
+        expect(self.page.locator("li.node[data-path='Container/North']").first).to_be_visible()
         self.kill("console")
         self.start_console()
         page = self.open_page("/configuration", width=1024, height=768)

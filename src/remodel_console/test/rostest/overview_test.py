@@ -145,8 +145,8 @@ class OverviewTest(BehaviorTestCase):
         expect(page.locator(".entry-words")).to_have_text(
             "failure: Insertion jammed: 22 N at 6 mm of 14 mm"
         )
-        expect(page.locator("g.node.active[data-path='Search/Look closer']").first).to_be_visible()
-        expect(page.locator("g.node.passed[data-path='Greet']").first).to_be_visible()
+        expect(page.locator("li.node.active[data-path='Search/Look closer']").first).to_be_visible()
+        expect(page.locator("li.node.passed[data-path='Greet']").first).to_be_visible()
         expect(page.get_by_role("img", name="Last camera picture")).to_be_visible()
         page.get_by_role("button", name="Next reason (N)").click()
         expect(page.locator(".failures")).to_contain_text(

@@ -222,7 +222,7 @@ def test_changes_are_taken_back_one_by_one(session, give):
     assert session.chart.description == "One."
     session.undo()
     assert session.chart == loaded
-    assert not session.is_saved
+    assert session.is_saved  # as its file is
     with pytest.raises(CommandError, match="nothing to undo"):
         session.undo()
     session.open(replace(loaded, name="Other"))

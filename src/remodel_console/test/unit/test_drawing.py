@@ -8,9 +8,9 @@ from flexbe_synthesizer.core.chart.chart_reader import parse_chart
 from flexbe_synthesizer.core.chart.model import Chart, Container, Outcome, State, Transition
 from remodel_console.core.editor.collapse import collapsed
 from remodel_console.core.editor.drawing import drawn_path, drawn_paths, opened
+from remodel_console.core.editor.graph import chart_graph
 from remodel_console.core.run.run_view import EngineStatus, RunView, step
 from remodel_console.core.world import World, notices
-from remodel_console.edge.picture import picture
 
 ERRAND = parse_chart((Path(__file__).parents[1] / "charts" / "errand.xml").read_bytes())
 OUTER = """<statemachine name="Outer" initial="Go"><datamodel><outcome name="finished"/></datamodel>
@@ -18,15 +18,28 @@ OUTER = """<statemachine name="Outer" initial="Go"><datamodel><outcome name="fin
 <transition event="failed" target="finished"/></behavior></statemachine>"""
 
 
-def test_a_drawing_says_what_each_part_stands_for():
-    svg = picture(ERRAND, (900, 500))
-    assert svg.startswith("<svg")
-    assert 'data-path="Search/Look closer"' in svg
-    assert 'data-path="Search"' in svg
-    assert 'data-source="Greet" data-target="Search"' in svg
-    assert "<title>" not in svg.split("<g", 2)[2]
-    assert 'fill="var(--state-fill)"' in svg
-    assert 'fill="#' not in svg
+def test_a_graph_has_a_node_for_each_state_and_outcome_and_an_arrow_for_each_transition():
+    graph = chart_graph(ERRAND)
+    nodes = {node["id"]: node for node in graph["nodes"]}
+    assert nodes["n:Search/Look closer"]["parent"] == "n:Search"
+    assert nodes["n:Search"]["container"]
+    assert nodes["o:failed"]["failure"]
+    ends = {(edge["from"], edge["label"], edge["to"]): edge for edge in graph["edges"]}
+    assert ("Search", "found", "Report") in ends
+    assert ends["Report", "done · high", "finished"]["autonomy"] == "high"
+    assert ends["Report", "exhausted", "failed"]["failure"]
+    assert {edge[end] for edge in graph["edges"] for end in ("source", "target")} <= nodes.keys()
+
+
+def test_a_graph_of_a_chart_with_errors_has_no_id_twice_and_no_arrow_to_nothing():
+    led = (Transition("done", "gone"), Transition("failed", "A"))
+    twice = (State("A", "WaitState", led), State("A", "WaitState"), State("end", "WaitState"))
+    graph = chart_graph(Chart("Wrong", "lost", (Outcome("end"),), twice))
+    ids = [node["id"] for node in graph["nodes"]]
+    assert len(ids) == len(set(ids))
+    missing = {node["name"] for node in graph["nodes"] if node["kind"] == "missing"}
+    assert missing == {"gone", "lost"}
+    assert {edge["target"] for edge in graph["edges"]} <= set(ids)
 
 
 @pytest.mark.parametrize(

@@ -83,7 +83,7 @@ class OperatorTest(BrowserTest):
         expect(page.locator(".headline .title")).to_contain_text("Place Wire W1", timeout=WORK_MS)
         expect(page.locator(".where")).to_contain_text("Connect a", timeout=WORK_MS)
         expect(page.locator(".state")).to_have_text("running unattended")
-        expect(page.locator("g.node.active").first).to_be_visible()
+        expect(page.locator("li.node.active").first).to_be_visible()
         self.take_picture(page, "runtime")
 
     def replay(self):

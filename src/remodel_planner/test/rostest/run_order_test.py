@@ -58,6 +58,7 @@ class RunOrderTest(unittest.TestCase):
             printed, _ = run.communicate(timeout=LIMIT_S)
         self.assertEqual(run.returncode, 0, printed)
         self.assertIn("2 of 2 wires placed", printed)
+        self.assertIn("net list: 2 of 2 wires in the cell are as designed", printed)
         wires = rospy.ServiceProxy("cell/ground_truth", GetGroundTruth)().wires
         self.assertEqual([wire.placed for wire in wires], [True, True], "the first one stayed")
         self.check_report()
@@ -66,6 +67,10 @@ class RunOrderTest(unittest.TestCase):
     def check_report(self):
         report = json.loads((OUTPUT / "report.json").read_text())
         self.assertTrue(report["complete"])
+        nets = report["net_list"]
+        self.assertEqual(
+            [(net["cell"], net["right"]) for net in nets], [(net["design"], True) for net in nets]
+        )
         first = report["wires"][0]
         abilities = [operation["ability"] for operation in first["operations"]]
         self.assertEqual(abilities[0], "DetectCable")

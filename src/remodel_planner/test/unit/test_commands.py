@@ -240,3 +240,27 @@ def test_no_wires_is_wrong_usage(database, capsys):
         run_order.main(["house", "--wires", "0", "--database", database])
     assert exit_info.value.code == 2
     assert "--wires must be at least 1, found 0" in capsys.readouterr().err
+
+
+def test_files_before_a_harness_and_modules_are_read_for_the_formats_that_have_them(
+    tmp_path, database, capsys
+):
+    common, main, wires = (tmp_path / name for name in ("common.yml", "main.yml", "list.csv"))
+    common.write_text("templates: [&wire {wirecount: 1, gauge: 1 mm2}]\n")
+    main.write_text(
+        "connectors: {X: {pincount: 1}}\ncables: {W1: *wire}\n"
+        "connections: [[{X.A: 1}, {W1: 1}, {X.B: 1}]]\n"
+    )
+    wires.write_text("From,To\nA:1,B:1\n")
+    place = ["--database", database, "--verbose"]
+    assert import_design.main([str(main), "--prepend", str(common), *place]) == 0
+    said = capsys.readouterr().out
+    assert "lines 1 to 1 are those of common.yml; its own begin at line 2" in said
+    assert import_design.main([str(wires), "--prepend", str(common), *place]) == 1
+    assert import_design.main([str(wires), "--module", "M1", *place]) == 1
+    assert import_design.main([str(DESIGNS / "loom.kbl"), "--module", "M1", *place]) == 1
+    said = capsys.readouterr().err.splitlines()
+    assert [line.rsplit(": ", 1)[-1] for line in said[1:2]] == [
+        "--module is for KBL files; this is one of format csv"
+    ]
+    assert "no module or harness configuration M1; there are none" in said[2]

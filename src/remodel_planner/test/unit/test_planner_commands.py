@@ -19,7 +19,11 @@ from remodel_planner.commands import explain as explain_command
 from remodel_planner.commands import plan as plan_command
 from remodel_planner.commands import sequence as sequence_command
 from remodel_planner.commands import tasks as tasks_command
+from remodel_planning.core.problem.instance import problem_from
 from remodel_planning.core.search import annealing
+from remodel_planning.core.search.tables import tables_of
+from remodel_planning.edge.anytime_planner import exchange
+from remodel_planning.edge.search_kernel import Kernel
 
 DATA = Path(__file__).parents[3] / "remodel_cable_tree/test/unit/data"
 WAIT_S = 20.0
@@ -324,3 +328,92 @@ def test_requirements_of_an_order_change_how_its_tasks_are_done(tmp_path, capsys
         assert f"`: {task} done by another method or route" in capsys.readouterr().out
         assert tasks_command.main([file, *wanted]) == 0
         assert requirement.split(",")[0].removeprefix("{name: ") in capsys.readouterr().out
+
+
+def test_an_infeasible_order_is_explained_by_a_smallest_conflict_and_relaxed(tmp_path, capsys):
+    panel, output = tmp_path / "panel.json", tmp_path / "plan.json"
+    data = json.loads((EXAMPLES / "panel.json").read_text())
+    panel.write_text(json.dumps({**data, "precedence": []}))
+    wishes, more = tmp_path / "wishes.yaml", tmp_path / "more.yaml"
+    head = "format: remodel-preferences-1\nrequire:\n"
+    wishes.write_text(
+        f"{head}  - {{name: blue first, route: w0, before: w6}}\n"
+        "  - {name: other, route: w7, before: w8}\n"
+    )
+    more.write_text(f"{head}  - {{name: tidy, route: w6, before: w4}}\n"
+                    "  - {name: last, route: w4, before: w0}\n")  # fmt: skip
+    arguments = [str(panel), "--preferences", str(wishes), "--preferences", str(more)]
+    arguments += ["--output", str(output), "--time-limit", "0.05"]
+    assert plan_command.main(arguments) == 1
+    error = capsys.readouterr().err
+    assert "  no plan keeps all of these 3 requirements:\n" in error
+    assert f"    `blue first` ({wishes}, require[0]): route: w0, before: w6\n" in error
+    assert f"    `last` ({more}, require[1]): route: w4, before: w0\n" in error
+    assert "`other`" not in error
+    assert plan_command.main([*arguments, "--relax"]) == 1
+    said = capsys.readouterr().out
+    for name in ("blue first", "tidy", "last"):
+        assert f"without `{name}`: cost " in said
+    assert not output.exists()
+
+
+def test_check_names_the_requirement_that_a_plan_breaks(tmp_path, capsys):
+    panel, output = EXAMPLES / "panel.json", tmp_path / "plan.json"
+    arguments = [str(panel), "--output", str(output), "--time-limit", "0.05"]
+    assert plan_command.main(arguments) == 0
+    picked = [a["wire"] for a in json.loads(output.read_text())["actions"] if a["a"] == "pick"]
+    free = [w for w in picked if w in ("w3", "w7", "w13")]
+    wishes = tmp_path / "wishes.yaml"
+    wishes.write_text(
+        "format: remodel-preferences-1\nrequire:\n"
+        f"  - {{name: w goes lowest, route: {free[-1]}, before: {free[0]}}}\n"
+    )
+    capsys.readouterr()
+    assert check_command.main([str(panel), str(output), "--preferences", str(wishes)]) == 1
+    violations = json.loads(capsys.readouterr().out)["violations"]
+    assert any(f"routing wire {free[-1]}, as `w goes lowest` requires," in v for v in violations)
+
+
+def test_a_search_by_moves_gives_the_same_plan_whatever_the_clock_and_the_cores(
+    tmp_path, capsys, monkeypatch
+):
+    panel = tmp_path / "panel.json"
+    panel.write_text(json.dumps(random_panel(30, 3, 2)))
+    texts = []
+    for cores in ({0}, set(range(8))):
+        monkeypatch.setattr(os, "sched_getaffinity", lambda _, cores=cores: cores)
+        code, output = plan(panel, "--moves", "3000", "--time-limit", "0")
+        assert code == 0
+        assert "search: done" in capsys.readouterr().out
+        texts.append(output.read_text())
+    assert texts[0] == texts[1]
+    with pytest.raises(SystemExit) as ended:
+        plan(panel, "--moves", "0")
+    assert ended.value.code == 2
+
+
+def test_searches_go_on_from_the_best_plan_of_all():
+    problem = problem_from(random_panel(30, 3, 2))
+    loaded = Kernel().load(tables_of(problem))
+    searches = [loaded.search(seed) for seed in range(3)]
+    for search, moves in zip(searches, (10, 3000, 10), strict=True):
+        search.construct()
+        search.anneal(moves, 20.0, 1.0)
+    least = min(search.best()[0] for search in searches)
+    assert len({search.best()[0] for search in searches}) > 1
+    exchange(searches)
+    assert [search.best()[0] for search in searches] == [least] * 3
+
+
+def test_what_only_orders_need_is_not_loaded_to_plan_and_check_a_problem(instance):
+    heavy = ("sqlalchemy", "jsonschema", "lxml", "jinja2", "openpyxl", "rospy", "alembic")
+    program = (
+        "import sys; from remodel_planner.commands import plan, check\n"
+        "file, output = sys.argv[1:]\n"
+        "assert plan.main([file, '--output', output, '--time-limit', '0']) == 0\n"
+        "assert check.main([file, output]) == 0\n"
+        f"print([name for name in {heavy} if name in sys.modules])"
+    )
+    arguments = [sys.executable, "-c", program, str(instance), str(instance.with_name("p.json"))]
+    ended = subprocess.run(arguments, capture_output=True, text=True, timeout=120)
+    assert ended.stdout.splitlines()[-1:] == ["[]"], ended.stderr

@@ -5,6 +5,7 @@ from pathlib import Path
 
 from lxml import html
 
+from remodel_planner.core.reports.net_list import net_list
 from remodel_planner.core.reports.run_report import (
     AttemptReport,
     Drawing,
@@ -147,3 +148,37 @@ def test_bars_lie_where_the_operations_were():
     assert (first.x, first.width, first.failed) == (10.0, 30.0, True)
     assert (second.x, second.width, second.failed) == (50.0, 20.0, False)
     assert first.colour == "#ffb703"
+
+
+def test_a_wrong_connection_is_shown_in_the_net_list():
+    one = attempted("W1", GOOD)
+    wires = [dataclasses.replace(one.wire, name=name) for name in ("W1", "W2", "W3", "W4")]
+    nets = net_list(
+        wires,
+        {
+            "W1": ("Q1/B1", "Q2/T1", True),
+            "W2": ("Q2/T1", "Q1/B1", True),
+            "W3": ("Q1/B1", "", False),
+        },
+    )
+    assert [(net.wire, net.is_right) for net in nets] == [
+        ("W1", True),
+        ("W2", False),
+        ("W3", False),
+    ]
+    made = dataclasses.replace(report(one), nets=nets)
+    cells = html.fromstring(render_html(TEMPLATE, made, COLOURS)).xpath(
+        "//h2[.='Net list']/following-sibling::table[1]//tr[td]"
+    )
+    assert [[td.text_content() for td in row.xpath("td")] for row in cells] == [
+        ["W1", "Q1:B1 to Q2:T1", "Q1:B1 to Q2:T1", "as designed"],
+        ["W2", "Q1:B1 to Q2:T1", "Q2:T1 to Q1:B1", "wrong"],
+        ["W3", "Q1:B1 to Q2:T1", "Q1:B1 to nowhere, not fixed", "wrong"],
+    ]
+    assert report_data(made)["net_list"][1] == {
+        "wire": "W2",
+        "design": ["Q1:B1", "Q2:T1"],
+        "cell": ["Q2:T1", "Q1:B1"],
+        "fixed": True,
+        "right": False,
+    }

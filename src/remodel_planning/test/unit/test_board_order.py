@@ -24,14 +24,18 @@ from remodel_production.core.board.board import board_of
 from remodel_production.core.imports.formats import built_in_formats, format_of, import_design
 from remodel_production.core.imports.wire_list_mapping import mapping_from
 from remodel_production.core.production import (
+    TWISTED,
+    Cable,
     Component,
     Mount,
     Node,
     Order,
+    Role,
     Side,
     Terminal,
     TerminalRef,
     Wire,
+    sealed_kind,
 )
 from remodel_production.edge.catalogue_file import read_catalogue
 from remodel_production.errors import InstanceError, OrderError
@@ -273,3 +277,28 @@ def test_the_synthesizer_accepts_the_charts_of_every_format(file, use_case, arms
     for task in tasks[:5]:
         text = write_chart(task.chart)
         assert check_chart(parse_chart(text, "x.xml"), library, {}).problems == ()
+
+
+def test_seals_and_twisted_wires_are_known_to_tasks_and_an_end_in_a_splice_is_not_pulled():
+    made = order(("X1:1", "X2:1"), ("X1:2", "X2:2"), ("X1:3", "S1:1"), section_mm2=0.5)
+    kinds = {"X1": Role.CONNECTOR, "X2": Role.CONNECTOR, "S1": Role.JOINT}
+    components = [replace(c, role=kinds[c.name]) for c in made.components]
+    first, *rest = components[0].terminals
+    sealed = replace(first, kind=sealed_kind("T-1", "S-9"))
+    components[0] = replace(components[0], terminals=(sealed, *rest))
+    wires = [replace(w, cable="TW" if w.name != "W3" else "") for w in made.wires]
+    cables = (Cable("TW", TWISTED, None, shielded=False, source="line 1"),)
+    made = replace(made, components=tuple(components), wires=tuple(wires), cables=cables)
+    formboard = find_use_case("automotive_formboard")
+    found = work(made, formboard)
+    said = {t.name: (t.characteristics["seal"], t.characteristics["twisted"]) for t in found.tasks}
+    assert said == {"W1": (True, True), "W2": (False, True), "W3": (False, False)}
+    slots = {t.name: t.slot_mm for t in found.tasks}
+    assert sorted(slots, key=slots.get) in (["W1", "W2", "W3"], ["W3", "W1", "W2"])
+    assert len({t.preferred_arm for t in found.tasks if t.name != "W3"}) == 1
+    steps = {
+        plan.alone.task.name: [(step.title, step.action.name) for step in plan.alone.steps]
+        for plan in prepare(found, formboard).plans
+    }
+    assert ("Release b", "release_end") in steps["W3"]
+    assert ("Pull b", "pull_test") in steps["W2"]

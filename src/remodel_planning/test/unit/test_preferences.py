@@ -94,6 +94,11 @@ def test_requirements_bind_the_plan(problem):
         ("prefer: [{name: x, pick: {colour: pink}, before: w1, weight: 1}]", "at least one wire"),
         ("prefer: [{name: x, pick: {size: 1}, before: w1, weight: 1}]", "size: no such field"),
         ("require: [{name: x, route: w1, over: w2}]", r"require\[0\].over: no such field"),
+        (
+            "require: [{name: x, pick: w1, before: w2}]",
+            r"require\[0\]: requires nothing that is known, found name, pick, before; beside "
+            r"`name`, give one of: `route` with `before`.*`arm` with.*`avoid_segment`; `insert`",
+        ),
         ("require: [{name: x, arm: R, x_mm: 3}]", r"x_mm: expected two integers"),
         ("require: [{name: x, arm: R, out_of: C}]", r"out_of: expected one of "),
         (

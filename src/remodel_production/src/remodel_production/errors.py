@@ -46,6 +46,10 @@ class InstanceError(PlannerError):
     """A planning problem or a plan is malformed, or the problem has no plan."""
 
 
+class InfeasibleError(InstanceError):
+    """A problem has no plan: what it requires contradicts itself, or the design."""
+
+
 @contextlib.contextmanager
 def blamed(where: object) -> Iterator[None]:
     """Put the name of a file or document before what is said to be wrong inside."""

@@ -275,3 +275,13 @@ def test_lengths_of_the_design_that_do_not_fit_the_board_are_found():
     assert [line.split(",")[0] for line in short] == ["W1: 0.01 m"]
     assert [line.split(",")[0] for line in long] == ["W2: 90 m"]
     assert length_findings(board, set()) == ((), ())
+
+
+def test_a_wire_of_a_harness_must_be_as_long_as_its_segments():
+    made = loom()
+    for length_m, short in ((0.72, []), (0.71, ["11"])):  # of segments of 0.4 m and 0.32 m
+        wire = replace(made.wires[0], length_m=length_m)
+        board = board_of(replace(made, wires=(wire, *made.wires[1:])), CATALOGUE)
+        found = length_findings(board, {wire.name})
+        assert [line.split(":")[0] for line in found[0]] == short
+        assert found[1] == ()

@@ -19,7 +19,7 @@ CATALOGUE = read_catalogue(CONFIG / "catalogue.yaml")
 MAPPINGS = tuple(mapping_from(f.read_text()) for f in sorted((CONFIG / "wire_lists").iterdir()))
 DESIGNS = Path(__file__).parent / "designs"
 FORMATS = built_in_formats(MAPPINGS)
-NAMES = {".kbl": "kbl", ".yml": "wireviz", ".csv": "csv"}
+NAMES = {".kbl": "kbl", ".vec": "vec", ".yml": "wireviz", ".csv": "csv"}
 
 
 @pytest.mark.parametrize("file", sorted(DESIGNS.iterdir()), ids=lambda file: file.name)

@@ -16,13 +16,13 @@ CATALOGUE = read_catalogue(Path(__file__).parents[2] / "config" / "catalogue.yam
 TEXT = (Path(__file__).parent / "designs" / "loom.kbl").read_text()
 
 
-def read(*changes):
+def read(*changes, modules=()):
     """Read the loom with (old, new) pieces of its text exchanged."""
     text = TEXT
     for old, new in changes:
         assert old in text
         text = text.replace(old, new)
-    return import_kbl(text.encode(), "loom", "loom.kbl", CATALOGUE)
+    return import_kbl(text.encode(), "loom", "loom.kbl", CATALOGUE, modules)
 
 
 def test_connections_become_wires_by_their_references():
@@ -190,3 +190,78 @@ def test_segments_in_any_order_are_one_way(order):
     names = [segment.name for segment in ordered_route(segments, ["A"], ["D"])]
     assert names == ["S1", "S2", "S3"]
     assert ordered_route(segments, (), ["A"]) == tuple(SEGMENTS[::-1])
+
+
+HARNESS = '<Harness id="h"><Part_number>L-100</Part_number><Description>Loom</Description>'
+
+
+def module(name, *parts):
+    return (
+        f'<Module id="m_{name}"><Part_number>{name}</Part_number><Module_configuration '
+        f'id="mc_{name}"><Controlled_components>{" ".join(parts)}</Controlled_components>'
+        "</Module_configuration></Module>"
+    )
+
+
+def test_a_module_selects_its_wires_and_those_of_no_module():
+    variant = (
+        '<Harness_configuration id="v"><Part_number>V-1</Part_number><Modules>m_M2</Modules>'
+        "</Harness_configuration>"
+    )
+    modules = (HARNESS, HARNESS + module("M1", "w1", "x1") + module("M2", "s1", "x1") + variant)
+    whole = read(modules)
+    assert [wire.name for wire in whole.order.wires] == ["11", "SL1.31"]
+    assert any(
+        line.endswith("as of one harness; --module chooses of M1, M2, V-1")
+        for line in whole.account.assumptions
+    )
+    assert [wire.name for wire in read(modules, modules=["M1"]).order.wires] == ["11"]
+    for name in ("M2", "V-1"):
+        some = read(modules, modules=[name])
+        assert [wire.name for wire in some.order.wires] == ["SL1.31"]
+        assert "its wire is in none of the modules asked for" in [
+            item.reason for item in some.account.left_out
+        ]
+    both = read(modules, modules=["M1", "M2"])
+    assert [wire.name for wire in both.order.wires] == ["11", "SL1.31"]
+    with pytest.raises(DesignError, match="no module or harness configuration M9; there are M1"):
+        read(modules, modules=["M9"])
+
+
+def test_a_splice_is_a_joint_by_its_usage_or_its_housing():
+    by_usage = read(("<Usage>ring terminal</Usage>", "<Usage>Splice</Usage>"))
+    roles = {c.name: c.role for c in by_usage.order.components}
+    assert roles == {"X1": Role.CONNECTOR, "X2": Role.JOINT, "X3": Role.CONNECTOR}
+    by_housing = read(
+        ("<Description>two cavities</Description>", "<Description>Spleiß</Description>")
+    )
+    assert by_housing.order.components[0].role is Role.JOINT
+
+
+def test_a_seal_is_of_the_wire_end_and_parts_that_no_task_mounts_are_listed():
+    parts = (
+        '<Cavity_seal id="seal"><Part_number>S-9</Part_number></Cavity_seal>'
+        '<Cavity_seal_occurrence id="s_1"><Id>D1</Id><Part>seal</Part></Cavity_seal_occurrence>'
+        '<Cavity_seal_occurrence id="s_2"><Id>D2</Id><Part>seal</Part></Cavity_seal_occurrence>'
+        '<Wire_protection_occurrence id="p_1"><Id>T1</Id></Wire_protection_occurrence>'
+        '<Fixing_occurrence id="f9"><Id>CL9</Id><Part>clip_part</Part></Fixing_occurrence>'
+    )
+    imported = read(
+        (HARNESS, HARNESS + parts),
+        ("<Associated_parts>t1</Associated_parts>", "<Associated_parts>t1 s_1</Associated_parts>"),
+    )
+    terminals = {t.name: t for t in imported.order.components[0].terminals}
+    assert (terminals["1"].kind, terminals["1"].is_sealed) == ("T-063 with seal S-9", True)
+    assert not terminals["2"].is_sealed
+    assert [str(item).split(", ", 1)[1] for item in imported.account.ignored] == [
+        "cavity seal D2: left out, no contact point refers to it",
+        "wire protection T1: left out, no task wraps wires",
+        "fixing CL9: left out, it is on no segment and at no node",
+    ]
+
+
+def test_the_wires_of_a_twisted_group_are_cores_of_it():
+    group = '<Wiring_group id="g"><Id>TW1</Id><Assigned_wires>w1 w2</Assigned_wires></Wiring_group>'
+    order = read((HARNESS, HARNESS + group)).order
+    assert (order.wires[0].cable, order.wires[0].core) == ("TW1", "11")
+    assert ("TW1", "twisted wires") in [(cable.name, cable.kind) for cable in order.cables]

@@ -5,7 +5,7 @@ from pathlib import Path
 
 import pytest
 
-from remodel_production.core.imports.wireviz import import_wireviz
+from remodel_production.core.imports.wireviz import import_wireviz, lines_of, prepended
 from remodel_production.core.imports.wireviz_colours import COLOUR_CODES, core_colours
 from remodel_production.core.production import Role
 from remodel_production.edge.catalogue_file import read_catalogue
@@ -169,3 +169,25 @@ def test_colour_codes_begin_again():
     assert core_colours("TEL", 3) == ["BUWH", "WHBU", "OGWH"]
     assert core_colours("TELALT", 12)[-2:] == ["RDBU", "BURD"]
     assert all(core_colours(code, 70) for code in COLOUR_CODES)
+
+
+def test_a_file_is_read_after_others_whose_anchors_it_uses():
+    common = (
+        b"templates:\n  - &pair {wirecount: 2, gauge: 0.25 mm2, length: 1}\n"
+        b"connectors:\n  X: {pincount: 2}"
+    )
+    main = (
+        "cables:\n  W1: {<<: *pair}\n"
+        "connections:\n  - [{X.X1: [1, 2]}, {W1: [1, 2]}, {X.X2: [2, 1]}]\n"
+    )
+    before = [("common.yml", common)]
+    assert ends(read(prepended(before, main.encode()).decode())) == {
+        "W1.1": ("X1:1", "X2:2"),
+        "W1.2": ("X1:2", "X2:1"),
+    }
+    assert lines_of(before) == " (lines 1 to 4 are those of common.yml; its own begin at line 5)"
+    assert lines_of([]) == ""
+    with pytest.raises(DesignError, match="line 2, column 12: is no YAML: found undefined alias"):
+        read(main)
+    with pytest.raises(DesignError, match=r"line 5: key connectors is given before, at line 4"):
+        read(prepended(before, b"connectors: {Y: {pincount: 1}}\nconnections: []\n").decode())

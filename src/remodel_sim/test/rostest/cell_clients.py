@@ -28,18 +28,39 @@ class Client:
 
     def __init__(self, name):
         self.name = name
-        self.client = actionlib.SimpleActionClient(
-            f"remodel_abilities/{name.lower()}", getattr(msg, f"{name}Action")
-        )
+        topic = f"remodel_abilities/{name.lower()}"
+        self.client = actionlib.SimpleActionClient(topic, getattr(msg, f"{name}Action"))
         self.feedback = []
+        self.sent = 0
+        # Not the client's own, which drops feedback that the result has overtaken.
+        kind = getattr(msg, f"{name}ActionFeedback")
+        rospy.Subscriber(f"{topic}/feedback", kind, self._on_feedback)
         assert wait_until(lambda: self.client.wait_for_server(rospy.Duration(0.1)))
 
     def send(self, **fields):
-        goal = getattr(msg, f"{self.name}Goal")(id=f"test-{self.name}", timeout=120.0)
+        self.sent += 1
+        goal = getattr(msg, f"{self.name}Goal")(id=self.goal_id, timeout=120.0)
         for key, value in fields.items():
             setattr(goal, key, value)
         self.feedback = []
-        self.client.send_goal(goal, feedback_cb=self.feedback.append)
+        self.client.send_goal(goal)
+
+    @property
+    def goal_id(self):
+        return f"test-{self.name}-{self.sent}"
+
+    def _on_feedback(self, message):
+        if message.feedback.id == self.goal_id:
+            self.feedback.append(message.feedback)
+
+    def whole_progress(self):
+        """Return the percentages of a goal that succeeded, up to the last one."""
+
+        def shares():
+            return [each.completed_percentage for each in self.feedback]
+
+        assert wait_until(lambda: 100.0 in shares(), 10.0), shares()
+        return shares()
 
     def ended(self):
         # The goal's status may arrive before its result; this is when the result is there.

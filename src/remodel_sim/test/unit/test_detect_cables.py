@@ -28,6 +28,27 @@ def test_json_holds_the_spline_as_fitpack_writes_it(photograph, capsys):
     assert {tip["end"] for tip in cable["tips"]} == {"tip"}
 
 
+def test_colours_widths_a_mask_and_a_background_limit_what_is_found(photograph, tmp_path, capsys):
+    def found(*options):
+        main([str(photograph), "--json", *options])
+        return len(json.loads(capsys.readouterr().out)["cables"])
+
+    empty, black = tmp_path / "empty.png", tmp_path / "black.png"
+    cv2.imwrite(str(empty), np.full((240, 320, 3), 160, np.uint8))
+    cv2.imwrite(str(black), np.zeros((240, 320, 3), np.uint8))
+    assert found("--colour", "200,40,40", "--width", "8", "--background", str(empty)) == 1
+    assert found("--colour", "40,40,200") == 0
+    assert found("--width", "20") == 0
+    assert found("--mask", str(black)) == 0
+    assert found("--background", str(photograph)) == 0
+
+
+def test_a_colour_that_is_none_is_refused(photograph, capsys):
+    with pytest.raises(SystemExit):
+        main([str(photograph), "--colour", "red"])
+    assert "write red, green and blue" in capsys.readouterr().err
+
+
 def test_a_drawing_is_written(photograph, tmp_path, capsys):
     drawn = tmp_path / "drawn.png"
     assert main([str(photograph), "--draw", str(drawn)]) == 0

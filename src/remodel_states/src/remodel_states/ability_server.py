@@ -14,6 +14,7 @@
 What it does with a goal (first row that holds):
 
     an empty id, no timeout, NaN or infinity       rejected   INVALID_GOAL
+    a field beyond the limits of the cell          rejected   INVALID_GOAL
     a newer supervisor owns the robot              rejected   STALE_OWNER
     the robot is doing another goal                rejected   BUSY
     `check` raises an AbilityError                 rejected   its code
@@ -43,6 +44,7 @@ from remodel_msgs.msg import ErrorCode
 from flexbe_core.ros.steady_action_server import SteadyActionServer
 from remodel_states.core.ability_error import AbilityError
 from remodel_states.core.ability_tables import Ability
+from remodel_states.core.goal_limits import beyond_limit, limits_of
 from remodel_states.core.goal_owner import owner_of
 from remodel_states.edge.exported_tables import read_abilities
 from remodel_states.errors import TableError
@@ -66,7 +68,11 @@ class Done:
 
 
 class AbilityServer:
-    """Serves one ability."""
+    """Serves one ability.
+
+    Attributes:
+        limits: of the cell for this ability, by name: parameter /remodel/limits when it started.
+    """
 
     def __init__(
         self, ability: str | Ability = "", robot: Robot | None = None, topic: str = ""
@@ -79,9 +85,11 @@ class AbilityServer:
             topic: of the action; the usual one by default.
 
         Raises:
-            TableError: if there is no such ability, or its messages are not built.
+            TableError: if there is no such ability, or its messages are not built; or if the limits
+                are malformed.
         """
         self.ability = _row(ability or type(self).__name__)
+        self.limits = limits_of(self.ability.name, rospy.get_param("/remodel/limits", {}))
         self._robot = robot or Robot()
         self._result = message_class(self.ability, "Result")
         self._running: dict[str, RunningGoal] = {}
@@ -149,7 +157,7 @@ class AbilityServer:
             handle.set_canceled(self._refusal(goal, ErrorCode.PREEMPTED, "cancelled"), "cancelled")
             return
         try:
-            if reason := why_invalid(goal):
+            if reason := why_invalid(goal) or beyond_limit(goal, self.limits):
                 raise AbilityError(ErrorCode.INVALID_GOAL, reason)
             prepared = self.prepare(goal)
         except AbilityError as error:

@@ -149,7 +149,8 @@ class Server:
             if goal_id in self.cancelled:
                 self.end_cancelled(handle, goal, took)
                 break
-            if took > goal.timeout and not self.has("ignores its timeout"):
+            ignores = self.has("ignores its timeout") or self.has("knows no timeout")
+            if took > goal.timeout and not ignores:
                 code = 400 if self.has("ends at its timeout with another code") else 1
                 text = "out of time"
                 handle.set_aborted(
@@ -284,6 +285,20 @@ class ConformanceTest(unittest.TestCase):
         with ThreadPoolExecutor(4) as pool:
             found = list(pool.map(lambda seed: broken_rules("", seed), range(4)))
         self.assertEqual(found, [set()] * 4)
+
+    def test_a_timeout_that_a_quick_server_may_ignore_is_not_judged(self):
+        topic = "conformance/quick"
+        server = Server(topic, "knows no timeout")
+        probe = Probe(topic, PlaceCableAction)
+        found = list(Trials(probe, good_goal(), CODES).run())
+        probe.close()
+        self.assertEqual([fault for trial in found for fault in trial.faults], [])
+        unjudged = {trial.name: trial.unjudged for trial in found if trial.unjudged}
+        self.assertIn(
+            "a server that ignores timeouts does the same",
+            unjudged["a timeout shorter than the ability takes"],
+        )
+        self.assertEqual(server.flaw, "knows no timeout")
 
     def test_the_base_of_servers_keeps_the_contract(self):
         topic = "conformance/base"

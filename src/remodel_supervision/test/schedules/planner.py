@@ -126,7 +126,9 @@ class SimulatedPlanner:
         """Return tasks in the order of their names."""
         return tuple(sorted(names))
 
-    def task(self, name: str, decisions: Sequence[Decided] = ()) -> PlannedTask:
+    def task(
+        self, name: str, decisions: Sequence[Decided] = (), connected: Collection[str] = ()
+    ) -> PlannedTask:
         """Return a task."""
         return plant().tasks[name]
 

@@ -48,6 +48,17 @@ def test_fixed_seeds(pool):
     assert not failures(pool, 0, FIXED)
 
 
+@pytest.mark.parametrize(
+    "seed",
+    [
+        192484090,  # a supervisor that had lost its task stopped its successor's behavior
+        192485149,  # a discard was kept by a commit that was not answered
+    ],
+)
+def test_seeds_that_failed_once(seed):
+    assert not schedules().run(seed).violation
+
+
 def test_fresh_seeds(pool):
     first = SystemRandom().randrange(10**6, 10**9)
     assert not failures(pool, first, FRESH), f"fresh seeds from {first} on"

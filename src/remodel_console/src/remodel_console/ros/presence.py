@@ -55,7 +55,7 @@ def join_ros(console: Console, journal: Journal, end: threading.Event) -> None:
     console.inputs = InputServer(console.live.set_inputs)
     CameraLink(console.pictures, lambda: console.live.world.run.phase is Phase.RUNNING, end)
     SceneLink(console.scene, end)
-    console.session.ask_server = ask_synthesis_server
+    console.sessions.connect(ask_synthesis_server)
     CommandServer(console.session, Runtime(console.steering), lambda: console.settings.now, journal)
     looking = threading.Thread(target=_check, args=(console, link, supervisor, end), daemon=True)
     looking.start()

@@ -21,6 +21,7 @@ LIMIT_S = 60.0
 _POLL_S = 0.02
 _IN_PASSING = ".q-notifications { display: none; }"  # what a picture leaves out
 _WEBGL_WITHOUT_GPU = ("--use-angle=swiftshader", "--enable-unsafe-swiftshader")
+_WHERE = "(path) => document.querySelector('.canvas-frame').drawing.where(path)"
 _OVERFLOW = "() => document.documentElement.scrollWidth - document.documentElement.clientWidth"
 
 expect.set_options(timeout=LIMIT_S * 1000)
@@ -119,9 +120,19 @@ class BrowserTest(unittest.TestCase):
         """Press a button."""
         page.get_by_role("button", name=name, exact=True).click()
 
-    def choose(self, page: Page, label: str, option: str) -> None:
+    def where(self, page: Page, path: str) -> tuple[float, float]:
+        """Return where a state is drawn on a page, `Search/Look`, once it is [pixels]."""
+        page.locator(f".canvas-outline [data-path='{path}']").first.wait_for(state="attached")
+        found = page.evaluate(_WHERE, path)
+        return found["x"], found["y"]
+
+    def pick_drawn(self, page: Page, path: str) -> None:
+        """Click a state in a drawing."""
+        page.mouse.click(*self.where(page, path))
+
+    def choose(self, page: Page, label: str, option: str, *, exact: bool = False) -> None:
         """Choose an option of a select."""
-        page.get_by_role("combobox", name=label).click()
+        page.get_by_role("combobox", name=label, exact=exact).click()
         page.get_by_role("option", name=option, exact=True).click()
         expect(page.get_by_role("option")).to_have_count(0)
 

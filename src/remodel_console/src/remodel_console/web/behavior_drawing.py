@@ -9,9 +9,11 @@ from remodel_console.console import Console
 from remodel_console.core.editor.collapse import collapsed
 from remodel_console.core.editor.drawing import drawn_path, drawn_paths
 from remodel_console.core.editor.editing import Path
-from remodel_console.edge.picture import picture
+from remodel_console.core.editor.graph import Json, chart_graph
 from remodel_console.errors import CommandError
 from remodel_console.web.canvas import Canvas
+
+_NOTHING: Json = {"name": "", "nodes": [], "edges": [], "flows": []}
 
 
 class BehaviorDrawing:
@@ -21,21 +23,17 @@ class BehaviorDrawing:
         name: of the behavior that is drawn, or is going to be; None before the first.
     """
 
-    def __init__(
-        self, console: Console, label: str, nothing: str, room: tuple[float, float]
-    ) -> None:
+    def __init__(self, console: Console, label: str, nothing: str) -> None:
         """Draw nothing yet.
 
         Args:
             console: knows the charts.
             label: what the drawing is.
             nothing: what stands where no behavior is drawn.
-            room: width and height for it on a common screen [pixels].
         """
         self.name: str | None = None
         self._console = console
         self._nothing = nothing
-        self._room = room
         self._canvas = Canvas(label)
         self._empty = ui.label(nothing).classes("empty")
         self._chart: Chart | None = None
@@ -89,19 +87,12 @@ class BehaviorDrawing:
         self._open = path
         if chart is None:
             self._drawn = frozenset()
-            self._canvas.draw("")
+            self._canvas.draw(_NOTHING)
             return
         part = collapsed(chart, path)
-        try:
-            svg = await run.io_bound(picture, part, self._room)
-        except CommandError as error:
-            self._empty.text = str(error)
-            self._empty.set_visibility(True)
-            return
-        if (chart, path) == (self._chart, self._open):
-            self._drawn = drawn_paths(part)
-            self._canvas.draw(svg)
-            self.light(self._active, self._visited, is_asked=self._is_asked)
+        self._drawn = drawn_paths(part)
+        self._canvas.draw(chart_graph(part))
+        self.light(self._active, self._visited, is_asked=self._is_asked)
 
     def _active_container(self) -> Path:
         """Return the container that the active state lies in."""

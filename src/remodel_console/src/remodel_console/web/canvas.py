@@ -3,13 +3,32 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Callable
-from typing import NamedTuple
+from collections.abc import Sequence
+from typing import NamedTuple, Protocol, TypeAlias
 
 from nicegui.element import Element
-from nicegui.events import GenericEventArguments
 
-Pick = Callable[[str], None]
+from remodel_console.core.editor.graph import Json
+
+Places: TypeAlias = dict[str, list[int]]
+
+
+class Editor(Protocol):
+    """Takes what a person does in a drawing."""
+
+    def pick(self, paths: tuple[str, ...]) -> None:
+        """Select the states of these paths; none: the chart."""
+
+    async def connect(self, path: str, event: str, target: str) -> None:
+        """Lead an outcome of a state to a target beside it."""
+
+    async def move(self, scope: str, states: Places, outcomes: Places) -> None:
+        """Keep where what is in a container was put, by name."""
+
+    async def drop(self, what: str, scope: str, at: list[int] | None) -> None:
+        """Add an entry of the library to a container; at a place, if what is in it has places."""
+
+
 _LOST_S = (
     2.0  # after which a page that has not painted, or cannot report it, is sent the change again
 )
@@ -24,22 +43,35 @@ class _Lit(NamedTuple):
 
 
 class Canvas(Element, component="static/canvas.js"):
-    """Shows an SVG of `core.drawing`."""
+    """Shows a graph of `core.editor.graph`."""
 
-    def __init__(self, label: str, on_pick: Pick | None = None) -> None:
-        """Show nothing yet; `on_pick` gets the path of what is clicked, empty for the ground."""
+    def __init__(
+        self, label: str, editor: Editor | None = None, *, is_editable: bool = False
+    ) -> None:
+        """Show nothing yet.
+
+        Args:
+            label: what the drawing is.
+            editor: takes what a person does in the drawing.
+            is_editable: states can be moved, connected and dropped.
+        """
         super().__init__()
         self._props["label"] = label
+        self._props["editable"] = is_editable
         self._wanted = self._sent = _Lit()
         self._sent_s: float | None = None  # None once the page has painted what was sent
         self.classes("canvas")
         self.on("painted", self._on_painted)
-        if on_pick is not None:
-            self.on("pick", lambda event: on_pick(_path_of(event)))
+        if editor is not None:
+            self.on("pick", lambda event: editor.pick(tuple(map(str, event.args))))
+        if editor is not None and is_editable:
+            self.on("connect", lambda event: editor.connect(**event.args))
+            self.on("moved", lambda event: editor.move(**event.args))
+            self.on("dropped", lambda event: editor.drop(**event.args))
 
-    def draw(self, svg: str, *, keeps_view: bool = False) -> None:
-        """Show another drawing."""
-        self.run_method("draw", svg, keeps_view)
+    def draw(self, graph: Json, *, keeps_view: bool = False) -> None:
+        """Show another graph."""
+        self.run_method("draw", graph, keeps_view)
 
     def light(self, active: str, passed: frozenset[str], asked: bool) -> None:
         """Light the path that is active, dimly those that were; `asked`: it waits for an operator.
@@ -64,15 +96,10 @@ class Canvas(Element, component="static/canvas.js"):
         self._sent_s = None
         self._send()
 
-    def select(self, path: str) -> None:
+    def select(self, paths: Sequence[str]) -> None:
         """Mark what is being edited."""
-        self.run_method("select", path)
+        self.run_method("select", list(paths))
 
     def fit(self) -> None:
         """Show the whole drawing."""
         self.run_method("fit")
-
-
-def _path_of(event: GenericEventArguments) -> str:
-    path = event.args
-    return path if isinstance(path, str) else ""

@@ -15,6 +15,7 @@ from remodel_console.core.answer import DONE, CommandResult
 from remodel_console.core.commands import Command, Verb
 from remodel_console.core.inbox import Card, Kind, Option, cards
 from remodel_console.core.world import Notice, World, notices
+from remodel_console.session import Session
 from remodel_console.web.bar import Bar
 from remodel_console.web.broadcast import Broadcast
 from remodel_console.web.guard import role_of
@@ -148,9 +149,14 @@ class Page:
                 button.on_click(dialog.close)
                 ui.button("Cancel", on_click=dialog.close).props("no-caps flat")
 
+    @property
+    def session(self) -> Session:
+        """Return the session that this page loads behaviors into."""
+        return self.console.session
+
     async def load(self, name: str) -> None:
         """Load a behavior into the session; ask first if something would be lost."""
-        session = self.console.session
+        session = self.session
         command = Command(f"load {name}", Verb.LOAD, {"name": name})
 
         async def do() -> None:

@@ -15,6 +15,7 @@ from remodel_console.edge.mesh_file import stl_of
 from remodel_console.errors import CommandError
 from remodel_console.web.broadcast import Broadcast
 from remodel_console.web.configuration_page import ConfigurationPage
+from remodel_console.web.editor.editing_page import SESSION, released
 from remodel_console.web.editor.editor_page import EditorPage
 from remodel_console.web.guard import Guard
 from remodel_console.web.overview.overview_page import OverviewPage
@@ -41,7 +42,7 @@ def serve(console: Console, port: int) -> None:
     app.on_startup(_ping_often)
     console.live.on_change(broadcast.wake)
     console.pictures.on_change(broadcast.wake)
-    console.session.on_change = broadcast.wake
+    console.sessions.on_change(broadcast.wake)
     console.settings.on_change = broadcast.wake
     ui.add_head_html(_HEAD, shared=True)
 
@@ -87,7 +88,8 @@ def serve(console: Console, port: int) -> None:
         RuntimePage(console, broadcast, request, "Runtime control")
 
     @ui.page("/editor")
-    def editor(request: Request) -> None:
+    async def editor(request: Request) -> None:
+        await released(console.sessions, request.query_params.get(SESSION, ""))
         EditorPage(console, broadcast, request, "Editor")
 
     @ui.page("/configuration")

@@ -36,4 +36,5 @@ def main(arguments: list[str] | None = None) -> int:
         print("\n".join(("the plan is not valid:", *verdict.violations)))
         return 1
     write_text(options.output, draw_plan(problem, plan, verdict))
+    print(f"drawing: {options.output}")
     return 0

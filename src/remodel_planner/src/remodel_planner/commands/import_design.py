@@ -6,6 +6,8 @@ import argparse
 import re
 from collections import Counter
 from contextlib import closing
+from dataclasses import replace
+from functools import partial
 from pathlib import Path
 
 from remodel_planner.commands.options.database_option import add_database_option
@@ -21,9 +23,12 @@ from remodel_production.core.board.board import board_of
 from remodel_production.core.board.cabinet import laid_out
 from remodel_production.core.board.wire_lengths import length_findings
 from remodel_production.core.catalogue import Catalogue
+from remodel_production.core.counted import counted
 from remodel_production.core.imports.formats import WIRE_LIST, format_of, import_design
+from remodel_production.core.imports.kbl import import_kbl
 from remodel_production.core.imports.shared.account import Imported
 from remodel_production.core.imports.wire_list import mapping_draft
+from remodel_production.core.imports.wireviz import lines_of, prepended
 from remodel_production.core.production import Order
 from remodel_production.edge.ability_files import read_abilities
 from remodel_production.edge.catalogue_file import read_catalogue
@@ -40,8 +45,8 @@ def main(arguments: list[str] | None = None) -> int:
     parser = argparse.ArgumentParser(
         prog="planner import",
         description="Read a design file into the production database: a QElectroTech project, a "
-        "KBL or WireViz harness, a from-to list (CSV or XLSX), or a file of an importer plug-in's "
-        "format.",
+        "KBL, VEC or WireViz harness, a from-to list (CSV or XLSX), or a file of an importer "
+        "plug-in's format.",
         epilog="Exit code: 0 imported, 1 refused (nothing is stored), 2 wrong usage.",
     )
     parser.add_argument("file", type=Path, help="design file")
@@ -59,6 +64,22 @@ def main(arguments: list[str] | None = None) -> int:
         action="store_true",
         help="print the mapping by which a list is read, to correct it for --mapping; import "
         "nothing",
+    )
+    parser.add_argument(
+        "--prepend",
+        type=Path,
+        metavar="FILE",
+        action="append",
+        default=[],
+        help="WireViz file to read before the harness, such as of templates; may be repeated",
+    )
+    parser.add_argument(
+        "--module",
+        metavar="NAME",
+        action="append",
+        default=[],
+        help="part number of a module or of a harness configuration of a KBL file, whose wires are "
+        "imported, with those of no module; may be repeated (default: all modules)",
     )
     parser.add_argument(
         "--preferences", type=Path, metavar="FILE", help="YAML of what a user prefers and requires"
@@ -90,15 +111,30 @@ def _read(options: argparse.Namespace, name: str, catalogue: Catalogue) -> Impor
     formats = design_formats(read_mappings(options.mapping))
     data = read_design(file)
     chosen = options.format or (WIRE_LIST if options.mapping else None)
+    before = [(each.name, read_design(each)) for each in options.prepend]
     try:
+        if before:
+            data = prepended(before, data)
         form = (
             next(form for form in formats if form.name == chosen)
             if chosen
             else format_of(data, formats)
         )
-        return import_design(data, form, name, file.name, catalogue)
+        if before and form.name != "wireviz":
+            raise DesignError(f"--prepend is for WireViz files; this is one of format {form.name}")
+        if options.module and form.name != "kbl":
+            raise DesignError(f"--module is for KBL files; this is one of format {form.name}")
+        if options.module:
+            form = replace(form, read=partial(import_kbl, modules=options.module))
+        imported = import_design(data, form, name, file.name, catalogue)
     except DesignError as error:
-        raise DesignError(f"{file}: {error}") from error
+        raise DesignError(f"{file}: {error}{lines_of(before)}") from error
+    if not before:
+        return imported
+    account = imported.account
+    note = f"the file is read after others{lines_of(before)}"
+    account = replace(account, assumptions=(note, *account.assumptions))
+    return Imported(replace(imported.order, notes=account.notes), account)
 
 
 def _preferences(options: argparse.Namespace, order: Order) -> object:
@@ -150,17 +186,20 @@ def _report(imported: Imported, *, verbose: bool) -> None:
     order, account = imported.order, imported.account
     inside = len(order.in_cabinet().wires)
     print(f"imported order {order.name}: {order.title}")
-    print(f"  {len(order.components)} components, {len(order.wires)} wires", end="")
+    print(
+        f"  {counted(len(order.components), 'component')}, {counted(len(order.wires), 'wire')}",
+        end="",
+    )
     for things, what in (
-        (order.cables, "cables"),
-        (order.segments, "segments"),
-        (order.clips, "clips"),
+        (order.cables, "cable"),
+        (order.segments, "segment"),
+        (order.clips, "clip"),
     ):
-        print(f", {len(things)} {what}" if things else "", end="")
+        print(f", {counted(len(things), what)}" if things else "", end="")
     print(f"\n  of {account.connections} {account.unit} in the file")
     print(f"    {len(order.wires) - account.wires_joined} are wires")
     if account.joined:
-        print(f"    {account.joined} are merged into {account.wires_joined} wires")
+        print(f"    {account.joined} are merged into {counted(account.wires_joined, 'wire')}")
     for reason, count in Counter(item.reason for item in account.left_out).most_common():
         print(f"    {count} left out: {reason}")
     for column in account.unused_columns:

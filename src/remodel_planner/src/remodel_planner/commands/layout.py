@@ -13,6 +13,7 @@ from remodel_planning.edge.use_case_files import default_use_case
 from remodel_production.core.board.board import board_of
 from remodel_production.core.board.drawing import draw_board
 from remodel_production.core.board.panel import panel_of
+from remodel_production.core.counted import counted
 from remodel_production.edge.catalogue_file import read_catalogue
 from remodel_production.edge.database.production_database import ProductionDatabase
 from remodel_production.edge.package_files import catalogue_file
@@ -50,7 +51,8 @@ def main(arguments: list[str] | None = None) -> int:
         write_text(options.panel, panel_text(message))
     wires = [wire for wire in board.order.wires if wire.name in board.routes]
     total = sum(map(board.length_of, wires))
-    print(f"{order.name}: {len(board.devices)} components and {len(wires)} wires, {total:.1f} m")
+    things = f"{counted(len(board.devices), 'component')} and {counted(len(wires), 'wire')}"
+    print(f"{order.name}: {things}, {total:.1f} m")
     if options.output:
         print(f"drawing: {options.output}")
     if options.panel:

@@ -3,21 +3,28 @@
 from __future__ import annotations
 
 import argparse
+import math
 import time
 from pathlib import Path
 
 from remodel_planner.commands.options.design_orders import print_triage
 from remodel_planner.commands.options.entry import refuses
-from remodel_planner.commands.options.limits import seconds, seed
-from remodel_planner.commands.options.problem_files import add_problem_options, read_problem
+from remodel_planner.commands.options.limits import moves, seconds, seed
+from remodel_planner.commands.options.problem_files import (
+    ConflictError,
+    add_problem_options,
+    read_problem,
+)
 from remodel_planner.commands.options.stop_signals import stop_on_signals
+from remodel_planning.core.problem.conflict import keeping, requirements_in
 from remodel_planning.core.problem.plan_form import plan_data
 from remodel_planning.core.search.planned import Planned
 from remodel_planning.core.search.tables import tables_of
 from remodel_planning.edge.anytime_planner import AnytimePlanner, Limits, Result
 from remodel_planning.edge.json_file import write_json
-from remodel_planning.edge.order_planner import require_valid
+from remodel_planning.edge.order_planner import plan_problem, require_valid
 from remodel_planning.edge.search_kernel import Kernel
+from remodel_production.errors import InfeasibleError
 
 
 @refuses("plan")
@@ -36,11 +43,43 @@ def main(arguments: list[str] | None = None) -> int:
     parser.add_argument(
         "--time-limit", type=seconds, default=1.0, metavar="S", help="[s] of search (default 1)"
     )
+    parser.add_argument(
+        "--moves",
+        type=moves,
+        metavar="N",
+        help="end each search after N moves and not by the clock: the same plan on any machine",
+    )
     parser.add_argument("--seed", type=seed, default=1, help="decides among equals (default 1)")
     parser.add_argument("--target", type=int, metavar="COST", help="stop at this cost")
+    parser.add_argument(
+        "--relax",
+        action="store_true",
+        help="if there is no plan, print what it would cost to drop each requirement of the "
+        "smallest set that contradicts; write no plan then",
+    )
     options = parser.parse_args(arguments)
-    _plan(options)
+    try:
+        _plan(options)
+    except ConflictError as error:
+        if options.relax and error.conflict:
+            print(f"plan: {error}")
+            _relax(error, options)
+            return 1
+        raise
     return 0
+
+
+def _relax(error: ConflictError, options: argparse.Namespace) -> None:
+    """Print the cost of a plan without each of the requirements that contradict."""
+    all_required = requirements_in(error.documents)
+    for dropped in error.conflict:
+        kept = [each for each in all_required if each != dropped]
+        try:
+            problem = error.build(keeping(error.documents, kept)).problem
+            cost = f"cost {plan_problem(problem, options.time_limit).cost}"
+        except InfeasibleError as other:
+            cost = f"no plan, {str(other).splitlines()[0]}"
+        print(f"without `{dropped.name}`: {cost}")
 
 
 def _plan(options: argparse.Namespace) -> None:
@@ -54,7 +93,8 @@ def _plan(options: argparse.Namespace) -> None:
         first = planner.first()
         first_ms = 1e3 * (time.perf_counter() - started)
         _write(first, options.output)
-        limits = Limits(options.time_limit, options.target, stopped)
+        limit_s = options.time_limit if options.moves is None else math.inf
+        limits = Limits(limit_s, options.target, stopped, options.moves)
         result = planner.improved(limits)
     best = min(first, result.planned, key=lambda planned: planned.cost)
     _write(best, options.output)

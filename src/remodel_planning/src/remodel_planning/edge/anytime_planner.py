@@ -1,24 +1,35 @@
 """Plan: a first plan at once, a better one until the time is over, or an old one patched.
 
-Two searches with their own seeds run in threads, since the kernel releases Python's lock.
+Several searches with their own seeds run in threads, as the kernel releases Python's lock: one for
+each core, or, where the work is counted in moves, as many on any machine. After each round, those
+that are behind go on from the best plan of all. They wait for each other there, so that what they
+find does not depend on how fast each of them runs.
 """
 
 from __future__ import annotations
 
+import os
 import threading
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
+from functools import partial
 
 import numpy as np
 
-from remodel_planning.core.search.annealing import first_slice, slices
+from remodel_planning.core.search.annealing import Slice, first_slice, slices, slices_of
 from remodel_planning.core.search.planned import Planned
 from remodel_planning.core.search.tables import Integers, Tables
 from remodel_planning.edge.search_kernel import Kernel, KernelProblem, KernelSearch
 
-_THREADS = 2
+# Of searches by moves, for as many cores as most machines of a cell have.
+_SEARCHES_BY_MOVES = 4
+# Shorter searches begin and exchange plans longer than they search.
+_LEAST_SHARED_S = 0.2
+_LEAST_SEARCHES = 2
+# Of one planner, so that no two planners of neighbouring seeds search alike.
+_SEEDS = 1000
 
 
 @dataclass(frozen=True)
@@ -26,14 +37,30 @@ class Limits:
     """When to stop improving.
 
     Attributes:
-        time_s: at the latest after this time.
+        time_s: at the latest after this time; infinite for a search by moves.
         target: once a plan costs no more than this; None: no target.
         stopped: asked again and again; true to stop now.
+        moves: of each search, after which it ends whatever the time; None: as time allows.
     """
 
     time_s: float
     target: int | None = None
     stopped: Callable[[], bool] = lambda: False
+    moves: int | None = None
+
+    @property
+    def searches(self) -> int:
+        """How many searches run at the same time."""
+        if self.moves is not None:
+            return _SEARCHES_BY_MOVES
+        cores = len(os.sched_getaffinity(0))
+        return max(_LEAST_SEARCHES, cores) if self.time_s >= _LEAST_SHARED_S else _LEAST_SEARCHES
+
+    def slices(self, wires: int, arms: int) -> Iterator[Slice]:
+        """Yield what each search does."""
+        if self.moves is not None:
+            return slices_of(wires, arms, self.moves)
+        return slices(wires, arms, self.time_s)
 
 
 @dataclass(frozen=True)
@@ -77,11 +104,12 @@ class AnytimePlanner:
     def improved(self, limits: Limits, start: Planned | None = None) -> Result:
         """Return the best plan found within the limits, from a plan or from the first plan.
 
-        Both searches do all their moves in the threads, their first ones too: at the same time.
+        The searches do all their moves in the threads, their first ones too: at the same time.
         """
         deadline = time.monotonic() + limits.time_s
-        with ThreadPoolExecutor(_THREADS) as pool:
-            searches = list(pool.map(lambda i: self._started(i, start), range(_THREADS)))
+        count = limits.searches
+        with ThreadPoolExecutor(count) as pool:
+            searches = list(pool.map(lambda i: self._started(i, start), range(count)))
             shown = self._shown(searches[0])
             offset = shown.cost - searches[0].best()[0]
             best = shown if start is None else start
@@ -92,25 +120,18 @@ class AnytimePlanner:
                     reached.set()
                 return reached.is_set() or limits.stopped() or time.monotonic() >= deadline
 
-            complete = list(
-                pool.map(lambda search: self._run(search, limits.time_s, over), searches)
-            )
+            complete = True
+            for parts in _rounds(limits.slices(self._problem.size, self._arms)):
+                exchange(searches)
+                work = partial(_run, parts=parts, over=over)
+                complete = complete and all(list(pool.map(work, searches)))
+                if not complete:
+                    break
         found = min(map(self._shown, searches), key=lambda planned: planned.cost)
-        return Result(min(best, found, key=lambda planned: planned.cost), all(complete))
-
-    def _run(self, search: KernelSearch, limit_s: float, over: Callable[[int], bool]) -> bool:
-        """Search until the work is done (true) or it is over."""
-        cost = search.best()[0]
-        for part in slices(self._problem.size, self._arms, limit_s):
-            if over(cost):
-                return False
-            if part.opens_round:
-                search.return_to_best()
-            cost = search.anneal(part.moves, part.start_temperature, part.end_temperature)
-        return True
+        return Result(min(best, found, key=lambda planned: planned.cost), complete)
 
     def _started(self, index: int, start: Planned | None = None) -> KernelSearch:
-        search = self._problem.search(self._seed * _THREADS + index)
+        search = self._problem.search(self._seed * _SEEDS + index)
         if start is None:
             search.construct()
         else:
@@ -140,3 +161,37 @@ class AnytimePlanner:
             makespan=decoded.makespan,
             penalty=decoded.penalty,
         )
+
+
+def _rounds(parts: Iterator[Slice]) -> Iterator[list[Slice]]:
+    """Yield the slices of each round."""
+    together: list[Slice] = []
+    for part in parts:
+        if part.opens_round and together:
+            yield together
+            together = []
+        together.append(part)
+    if together:
+        yield together
+
+
+def _run(search: KernelSearch, parts: Sequence[Slice], over: Callable[[int], bool]) -> bool:
+    """Search a round until its work is done (true) or the search is over."""
+    cost = search.best()[0]
+    for part in parts:
+        if over(cost):
+            return False
+        cost = search.anneal(part.moves, part.start_temperature, part.end_temperature)
+    return True
+
+
+def exchange(searches: Sequence[KernelSearch]) -> None:
+    """Let every search go on from the best plan of all, the first of equals."""
+    costs = [search.best()[0] for search in searches]
+    leader = searches[costs.index(min(costs))]
+    _, order, modes = leader.best()
+    for search, cost in zip(searches, costs, strict=True):
+        if cost > min(costs):
+            search.adopt(order, modes)
+        else:
+            search.return_to_best()

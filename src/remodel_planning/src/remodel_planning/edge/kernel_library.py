@@ -21,7 +21,8 @@ def load_library(name: str) -> ctypes.CDLL:
         return ctypes.CDLL(name)
     except OSError as error:
         raise KernelError(
-            f"{name} cannot be loaded ({error}): run `make build` and source devel/setup.bash"
+            f"{name} cannot be loaded ({error}): run `make build`, which compiles it with g++, and "
+            "source devel/setup.bash"
         ) from error
 
 

@@ -32,6 +32,10 @@ _PLACES_OF_LINK_TYPES = {
 }
 
 
+# Roles without rows of their own, and the role whose rows they have.
+_LISTED = {Role.JOINT: Role.CONNECTOR}
+
+
 @dataclass(frozen=True)
 class WireType:
     """Properties of a wire of one section.
@@ -201,7 +205,11 @@ class Catalogue:
         return Place.PLATE
 
     def terminal_rule(self, role: Role, part_number: str) -> TerminalRule:
-        """Return the first rule that fits a component; the last one of each role fits all."""
+        """Return the first rule that fits a component; the last one of each role fits all.
+
+        A joint has the rules of connectors.
+        """
+        role = _LISTED.get(role, role)
         return next(
             rule
             for rule in self.terminals
@@ -209,7 +217,11 @@ class Catalogue:
         )
 
     def device_class(self, role: Role, part_number: str, kind: str) -> DeviceClass:
-        """Return the first class that fits a component; the last one of each role fits all."""
+        """Return the first class that fits a component; the last one of each role fits all.
+
+        A joint has the classes of connectors.
+        """
+        role = _LISTED.get(role, role)
         return next(
             row
             for row in self.devices
@@ -262,7 +274,7 @@ def catalogue_from(data: Mapping[str, Any]) -> Catalogue:
         )
         for row in data["devices"]
     )
-    for role in Role:
+    for role in (Role.DEVICE, Role.CONNECTOR):
         if not any(rule.role is role and rule.part == "*" for rule in terminals):
             raise CatalogueError(
                 f"terminals: no rule with part '*' for role {role.value}: add one at the end"

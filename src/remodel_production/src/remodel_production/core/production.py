@@ -21,6 +21,10 @@ from functools import cached_property
 
 Vector = tuple[float, float, float]
 
+# Kind of what holds twisted wires together without a sheath.
+TWISTED = "twisted wires"
+_WITH_SEAL = " with seal"
+
 
 class Side(Enum):
     """The side of a component, as drawn, on which a terminal opens."""
@@ -37,10 +41,11 @@ class Mount(Enum):
 
 
 class Role(Enum):
-    """What a component is to its wires: a device with clamps, or a connector with cavities."""
+    """What a component is to its wires: clamps, cavities, or a splice that joins their ends."""
 
     DEVICE = "device"
     CONNECTOR = "connector"
+    JOINT = "joint"
 
 
 class SegmentKind(Enum):
@@ -99,6 +104,21 @@ class Terminal:
     approach: Vector | None = None
     clearance_m: float | None = None
     insertion_force_limit_n: float | None = None
+
+    @property
+    def is_sealed(self) -> bool:
+        """Whether its wire end bears a seal."""
+        return _WITH_SEAL in self.kind
+
+
+def sealed_kind(kind: str, seal: str) -> str:
+    """Return the type of a terminal whose wire end bears a seal: ends with and without differ.
+
+    Args:
+        kind: of the terminal alone.
+        seal: article of the seal.
+    """
+    return f"{kind}{_WITH_SEAL} {seal}".strip()
 
 
 @dataclass(frozen=True)

@@ -26,10 +26,31 @@ def main(arguments: list[str]) -> int:
     parser.add_argument("image", type=Path, help="PNG, JPEG, BMP, TIFF, WebP")
     parser.add_argument("--json", action="store_true", help="print JSON")
     parser.add_argument("--draw", type=Path, metavar="OUT.png", help="write what was found")
+    known = parser.add_argument_group("what is known of the picture")
+    known.add_argument(
+        "--colour",
+        type=_colour,
+        action="append",
+        default=[],
+        metavar="R,G,B",
+        help="of the cables, 0 to 255; again for another colour",
+    )
+    known.add_argument(
+        "--width",
+        type=float,
+        action="append",
+        default=[],
+        metavar="PX",
+        help="of the cables; again for another width",
+    )
+    known.add_argument("--mask", type=Path, help="picture, black where no cable can be")
+    known.add_argument("--background", type=Path, help="the same view without the cables")
     options = parser.parse_args(arguments)
     try:
         rgb = read_picture(options.image)
-        found = detect_cables(rgb)
+        mask = read_picture(options.mask).max(axis=2) if options.mask else None
+        background = read_picture(options.background) if options.background else None
+        found = detect_cables(rgb, mask, options.colour, options.width, background)
     except PictureFileError as error:
         return _refuse(str(error))
     except ValueError as error:
@@ -44,6 +65,15 @@ def main(arguments: list[str]) -> int:
             return _refuse(f"{options.draw} cannot be written; name a .png in a folder that exists")
     print(json.dumps(as_dict(found)) if options.json else as_text(found))
     return 1 if found.warnings else 0
+
+
+def _colour(text: str) -> tuple[float, ...]:
+    try:
+        return tuple(float(level) for level in text.split(","))
+    except ValueError:
+        raise argparse.ArgumentTypeError(
+            f"{text!r} is no colour; write red, green and blue from 0 to 255, such as 200,30,30"
+        ) from None
 
 
 def _refuse(why: str) -> int:
@@ -77,6 +107,7 @@ def _cable(cable: DetectedCable) -> dict[str, Any]:
         "width": cable.width,
         "colour": cable.colour,
         "confidence": cable.confidence,
+        "warnings": list(cable.warnings),
     }
 
 

@@ -32,6 +32,7 @@ from remodel_sim.ros.owner import Owner
 from remodel_sim.ros.publishers import FixedFrames, Pictures, RobotState
 from remodel_sim.ros.services import Services
 from remodel_sim.ros.sim_clock import SimClock
+from remodel_states.core.ability_choice import chosen_abilities
 from remodel_states.edge.exported_tables import read_abilities
 
 # The owner's thread computes without pause; rospy's threads get their turn this often [s].
@@ -45,14 +46,17 @@ def main() -> int:
     sys.setswitchinterval(SWITCH_INTERVAL_S)
     with ExitStack() as closing:
         try:
+            rows, abilities = read_abilities(), cell_abilities()
+            served = chosen_abilities(
+                list(abilities), rospy.get_param("~abilities", ""), rospy.get_param("~except", "")
+            )
             materials = read_wire_materials()
             owner = _build(materials, closing)
         except (CellError, OSError, ValueError, yaml.YAMLError, MessageException) as error:
             rospy.logfatal("the cell does not start: %s", error)
             return 1
-        rows = read_abilities()
-        for name, steps in cell_abilities().items():
-            CellAbilityServer(rows[name], steps, owner)
+        for name in served:
+            CellAbilityServer(rows[name], abilities[name], owner)
         Services(owner, materials)
         rospy.loginfo("the cell is ready")
         return spin(owner.spin)

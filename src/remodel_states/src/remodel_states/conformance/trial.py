@@ -142,7 +142,16 @@ class Trials:
         self._finish(exchange)
         if exchange.is_refused:
             return Trial(name, unjudged=f"the server refuses it: {exchange.result.reason}")
-        return self._judged(name, [exchange])
+        trial = self._judged(name, [exchange])
+        if trial.faults or not exchange.is_done:
+            return trial
+        timeout_s = exchange.goal.timeout
+        return Trial(
+            name,
+            unjudged=f"the goal succeeded after {exchange.took_s:.2f} s, with a timeout of "
+            f"{timeout_s:.2f} s and {GRACE_S:g} s of grace: a server that ignores timeouts does "
+            f"the same. Give a goal that takes at least {2 * GRACE_S + 1:g} s, see --goal",
+        )
 
     def _cancel(self) -> Trial:
         name = "a cancel while the ability works"

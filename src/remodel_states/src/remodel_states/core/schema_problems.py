@@ -4,9 +4,10 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
-import jsonschema
+if TYPE_CHECKING:
+    import jsonschema
 
 _ALLOWED = {
     "type": "a value of type {}",
@@ -22,6 +23,8 @@ _ALLOWED = {
 
 def schema_problems(parsed: object, schema: dict[str, Any]) -> Iterator[str]:
     """Yield each problem: its place in the document, what was found and what is allowed."""
+    import jsonschema  # loads a web client, and most commands check no document
+
     errors = jsonschema.Draft7Validator(schema).iter_errors(parsed)
     for error in sorted(errors, key=lambda error: [str(part) for part in error.absolute_path]):
         # Of alternatives (anyOf), the one that fits best.

@@ -35,13 +35,20 @@ _VALUES = ("nth", "times", "at_least")
 class CellServices:
     """Answers the services below the namespace `cell`."""
 
-    def __init__(self, site: Site, read_faults: Callable[[], Sequence[dict[str, Any]]]) -> None:
+    def __init__(
+        self,
+        site: Site,
+        read_faults: Callable[[], Sequence[dict[str, Any]]],
+        *,
+        truth: bool = True,
+    ) -> None:
         """Advertise them all.
 
         Args:
             site: see Site.
             read_faults: returns those to be caused, whenever a panel is loaded: arguments of
                 FaultTable.fault.
+            truth: whether to offer the ground truth, too, which a real cell does not have.
         """
         self._site = site
         self._lock = RobotLock(site.lock_path)
@@ -55,6 +62,8 @@ class CellServices:
             ("inject_fault", srv.InjectFault, self._inject_fault),
             ("mend_faults", Trigger, self._mend_faults),
         ):
+            if name == "ground_truth" and not truth:
+                continue
             rospy.Service(f"cell/{name}", kind, answer)
 
     def _load_panel(self, request: srv.LoadPanelRequest) -> srv.LoadPanelResponse:

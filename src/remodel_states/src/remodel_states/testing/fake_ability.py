@@ -14,6 +14,7 @@ from genpy import Message
 from remodel_msgs.msg import ErrorCode
 
 from remodel_states.ability_server import AbilityServer
+from remodel_states.core.ability_choice import chosen_abilities
 from remodel_states.core.ability_error import AbilityError
 from remodel_states.core.ability_tables import Ability
 from remodel_states.edge.exported_tables import read_abilities
@@ -94,22 +95,27 @@ def _reason(code: int) -> str:
     return f"scripted to answer error {code}"
 
 
-def serve_all(codes: dict[str, list[int]]) -> list[FakeAbility]:
-    """Serve every ability.
+def serve_all(
+    codes: dict[str, list[int]], abilities: object = "", others: object = ""
+) -> list[FakeAbility]:
+    """Serve abilities.
 
     Args:
         codes: for some abilities, the error codes of successive goals; 0 succeeds.
+        abilities: names of those to serve, see chosen_abilities; empty: all.
+        others: names of those of them not to serve.
 
     Raises:
-        ValueError: if codes names no ability.
+        ValueError: if one of them names no ability.
     """
-    abilities = read_abilities()
-    unknown = sorted(set(codes) - set(abilities))
+    rows = read_abilities()
+    unknown = sorted(set(codes) - set(rows))
     if unknown:
-        raise ValueError(f"no such ability: {', '.join(unknown)}; there are {', '.join(abilities)}")
+        raise ValueError(f"no such ability: {', '.join(unknown)}; there are {', '.join(rows)}")
+    names = chosen_abilities(list(rows), abilities, others)
     fakes = [
-        FakeAbility(row, [FakeAnswer(code) for code in codes.get(name, [0])])
-        for name, row in abilities.items()
+        FakeAbility(rows[name], [FakeAnswer(code) for code in codes.get(name, [0])])
+        for name in names
     ]
-    rospy.loginfo("fake abilities serve: %s", ", ".join(abilities))
+    rospy.loginfo("fake abilities serve: %s", ", ".join(names))
     return fakes

@@ -17,7 +17,9 @@ from flexbe_synthesizer.core.chart.model import (
     ContainerKind,
     Element,
     Input,
+    Outcome,
     Output,
+    Point,
     State,
     Transition,
 )
@@ -58,7 +60,7 @@ def chart_part(chart: Chart) -> Part:
 def _body(chart: Chart) -> Iterator[Part]:
     """Yield what is in a chart or container: datamodel, nodes, conditions, connections."""
     model = Part("datamodel", {})
-    model.children += (_part("outcome", outcome, name=outcome.name) for outcome in chart.outcomes)
+    model.children += map(_outcome, chart.outcomes)
     for port in chart.inputs:
         part = _port("input", port)
         if port.default is not None:
@@ -69,6 +71,17 @@ def _body(chart: Chart) -> Iterator[Part]:
     yield from map(_node, chart.nodes)
     yield from map(_condition, chart.conditions)
     yield from map(_connection, chart.connections)
+
+
+def _outcome(outcome: Outcome) -> Part:
+    part = _part("outcome", outcome, name=outcome.name)
+    if outcome.at is not None:
+        part.attributes["ext:at"] = _point_text(outcome.at)
+    return part
+
+
+def _point_text(point: Point) -> str:
+    return f"{point[0]} {point[1]}"
 
 
 def _node(node: AnyNode) -> Part:
@@ -83,6 +96,7 @@ def _node(node: AnyNode) -> Part:
         "ext:attempts": None if node.attempts is None else str(node.attempts),
         "ext:timeout_s": None if node.timeout_s is None else format_literal(node.timeout_s),
         "ext:on_error": format_routes(node.on_error) if node.on_error else None,
+        "ext:at": None if node.at is None else _point_text(node.at),
     }
     part.attributes |= {name: value for name, value in limits.items() if value is not None}
     if isinstance(node, Container):

@@ -7,6 +7,7 @@ attribute that is missing reads as the empty string, which the checks skip.
 from __future__ import annotations
 
 import math
+import re
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from sys import intern
@@ -47,6 +48,7 @@ from flexbe_synthesizer.core.chart.model import (
     Outcome,
     Output,
     Param,
+    Point,
     Source,
     State,
     Transition,
@@ -68,8 +70,9 @@ _NODES = {"state": "state", "behavior": "behavior"} | {
 }
 _PARAM, _CONNECTION = NODE["param"], STATEMACHINE.children["connection"]
 _LEVELS = f"one of {names.quoted(level.value for level in Autonomy)}"
-_Limits: TypeAlias = "tuple[int | None, float | None, tuple[ErrorRoute, ...]]"
-_UNLIMITED: _Limits = (None, None, ())
+_Limits: TypeAlias = "tuple[int | None, float | None, tuple[ErrorRoute, ...], Point | None]"
+_POINT = re.compile(r"\s*(-?[0-9]{1,5})\s+(-?[0-9]{1,5})\s*\Z")
+_UNLIMITED: _Limits = (None, None, (), None)
 _Value = TypeVar("_Value")
 
 
@@ -207,8 +210,9 @@ class _ChartReader:
             self._elements.report(self._tree.place(element), ProblemKind.MISSING_ELEMENT, message)
 
     def _outcome(self, element: Element) -> Outcome:
-        given, _extensions = self._elements.leaf(element, OUTCOME)
-        return Outcome(given.get("name", ""), source=(self._tree, element))
+        given, extensions = self._elements.leaf(element, OUTCOME)
+        at = self._point(element, extensions) if extensions else None
+        return Outcome(given.get("name", ""), at, source=(self._tree, element))
 
     def _input(self, element: Element, shape: Shape) -> Input:
         given, extensions = self._elements.leaf(element, shape)
@@ -316,7 +320,7 @@ class _ChartReader:
         return State(*given, topic=fields.text("topic") or None, source=source)
 
     def _limits(self, element: Element, extensions: Mapping[str, str]) -> _Limits:
-        """Return the attempts, the timeout and the error routes of a node."""
+        """Return the attempts, the timeout, the error routes and the place of a node."""
         attempts = self._convert(
             element,
             extensions,
@@ -338,7 +342,13 @@ class _ChartReader:
             allowed=ROUTES_RULE,
             instead=no_routes,
         )
-        return attempts, timeout_s, on_error or no_routes
+        return attempts, timeout_s, on_error or no_routes, self._point(element, extensions)
+
+    def _point(self, element: Element, extensions: Mapping[str, str]) -> Point | None:
+        rule = "two whole numbers of at most 5 digits, right and down, such as '120 40'"
+        return self._convert(
+            element, extensions, name="at", convert=_read_point, allowed=rule, instead=(0, 0)
+        )
 
     def _container_body(self, element: Element, fields: Fields, shape: Shape) -> Chart:
         """Return what a container holds; nothing of one that lies too deep."""
@@ -397,6 +407,13 @@ def _nodes(element: Element) -> list[tuple[str, Element]]:
 def _has_outcome(model: Element) -> bool:
     """Return whether a datamodel holds an outcome, directly or in a wrapper."""
     return model.find("outcome") is not None or model.find("outcomes/outcome") is not None
+
+
+def _read_point(text: str) -> Point:
+    found = _POINT.match(text)
+    if found is None:
+        raise ValueError(text)
+    return int(found[1]), int(found[2])
 
 
 def _at_least_one(text: str) -> int:

@@ -32,9 +32,9 @@ class Shape:
         return self.required + self.optional
 
 
-LIMITS = ("attempts", "timeout_s", "on_error")
+LIMITS = ("attempts", "timeout_s", "on_error", "at")
 PORT = Shape(("name",), ("type",))
-OUTCOME = Shape(("name",))
+OUTCOME = Shape(("name",), (), ("at",))
 TRANSITION = Shape(("event", "target"), (), ("autonomy",))
 WHEN = Shape(("state", "event"))
 CONDITION = Shape(("outcome",), children={"ext:when": WHEN})

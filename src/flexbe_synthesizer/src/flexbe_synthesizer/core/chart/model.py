@@ -52,12 +52,17 @@ class Autonomy(Enum):
     FULL = "full"
 
 
+Point: TypeAlias = tuple[int, int]
+"""Where the upper left corner of something is drawn: right and down from that of what it is in."""
+
+
 @quick
 @dataclass(frozen=True, slots=True)
 class Outcome(Element):
-    """One way in which the chart ends."""
+    """One way in which the chart ends; `at` is where it is drawn, None: anywhere."""
 
     name: str
+    at: Point | None = None
 
 
 @quick
@@ -151,6 +156,7 @@ class Node(Element):
         timeout_s: how long one visit may take [s].
         on_error: where the event `failed` leads for some values of the output `error_code`: the
             first route that has the code; for all others its transition says so.
+        at: where it is drawn; None: anywhere.
     """
 
     id: str
@@ -162,6 +168,7 @@ class Node(Element):
     attempts: int | None = None
     timeout_s: float | None = None
     on_error: tuple[ErrorRoute, ...] = ()
+    at: Point | None = None
 
     @property
     def kind(self) -> str:

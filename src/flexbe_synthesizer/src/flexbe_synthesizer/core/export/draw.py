@@ -180,7 +180,7 @@ def _condition(condition: Condition, number: int, prefix: str, run: _Run) -> Ite
         yield f'  {bar} -> {end} [color="{_INK}"];'
         end = bar
     for when in condition.all_of:
-        color = _FAILURE if _is_failure(when.event) else _INK
+        color = _FAILURE if is_failure_name(when.event) else _INK
         yield (
             f"  {_id(f'{prefix}{when.state}')} -> {end} "
             f'[label=<<font color="{color}"> {escape(when.event)} </font>>, color="{color}"];'
@@ -253,7 +253,7 @@ def _end(name: str, chart: Chart, prefix: str, run: _Run) -> str:
     """Return the end node of an outcome; one that only failures lead to is one itself."""
     events = [event for node in chart.nodes for event, target in _leads(node) if target == name]
     events += [w.event for c in chart.conditions if c.outcome == name for w in c.all_of]
-    is_failure = _is_failure(name) or (bool(events) and all(map(_is_failure, events)))
+    is_failure = is_failure_name(name) or (bool(events) and all(map(is_failure_name, events)))
     fill, color = _FAILURE_END if is_failure else _SUCCESS_END
     path = f"{prefix}{name}"
     if run.is_faint(path):
@@ -274,7 +274,7 @@ def _arrows(chart: Chart, prefix: str, run: _Run) -> Iterator[_Arrow]:
         for event, target in _leads(node):
             is_taken = (f"{prefix}{node.id}", event) in run.steps
             end = event if event in ends else ""
-            key = (node.id, target, _is_failure(event), is_taken, end)
+            key = (node.id, target, is_failure_name(event), is_taken, end)
             groups.setdefault(key, []).append(event)
     order = {node.id: index for index, node in enumerate(chart.nodes)}
     for (source, target, is_failure, *_), events in groups.items():
@@ -328,7 +328,8 @@ def _lines(events: Sequence[str], source: AnyNode) -> Iterator[str]:
         yield word + ", ".join(codes[first : first + _CODES_IN_LINE])
 
 
-def _is_failure(name: str) -> bool:
+def is_failure_name(name: str) -> bool:
+    """Return whether the name of an event or outcome says that something failed."""
     return _FAILURE_WORDS.search(name.lower()) is not None
 
 

@@ -13,6 +13,7 @@ from flexbe_synthesizer.core.chart.error_routes import ROUTES_RULE, parse_routes
 from flexbe_synthesizer.core.chart.literal import parse_literal
 from flexbe_synthesizer.core.chart.model import (
     AnyNode,
+    Autonomy,
     Chart,
     Connection,
     Container,
@@ -151,6 +152,16 @@ def led(scope: Chart, node_id: str, event: str, target: str) -> Chart:
         return _with_transitions(node, changed)
 
     return _changed(scope, node_id, lead)
+
+
+def with_autonomy(scope: Chart, node_id: str, event: str, level: Autonomy | None) -> Chart:
+    """Return the scope with another autonomy that the transition of an outcome needs."""
+
+    def put(node: AnyNode) -> AnyNode:
+        changed = (replace(t, autonomy=level) if t.event == event else t for t in node.transitions)
+        return _with_transitions(node, tuple(changed))
+
+    return _changed(scope, node_id, put)
 
 
 def with_parameter(scope: Chart, node_id: str, name: str, text: str) -> Chart:

@@ -7,6 +7,7 @@ from dataclasses import replace
 from flexbe_synthesizer.core.chart.model import AnyNode, Chart, Container, State, walk_nodes
 from remodel_console.core.editor.editing import Path
 
+CLOSED = "states inside"  # with their number, the type of a container that is drawn closed
 _MOST_OPEN = 40  # states and containers that are readable in one drawing
 
 
@@ -29,9 +30,10 @@ def _closed(node: AnyNode, path: Path) -> AnyNode:
     count = sum(not isinstance(inner, Container) for inner in walk_nodes(node.body))
     return State(
         id=node.id,
-        type=f"{count} states inside",
+        type=f"{count} {CLOSED}",
         transitions=node.transitions,
         attempts=node.attempts,
         timeout_s=node.timeout_s,
         on_error=node.on_error,
+        at=node.at,
     )

@@ -1,61 +1,13 @@
-"""A drawing for the page: Graphviz's picture of a chart, which the page colours and lights.
-
-Graphviz names each node, box and arrow in a `<title>`; here each gets the path that it stands for
-as `data-path` (arrows: `data-source` and `data-target`), and the colours become those of the page.
-"""
+"""Which part of a drawing an active state is, and behaviors that are drawn open."""
 
 from __future__ import annotations
 
-import re
 from collections.abc import Iterable
 from dataclasses import dataclass, replace
-from html import escape, unescape
 
 from flexbe_synthesizer.core.chart.model import AnyNode, Behavior, Chart, Container, walk_nodes
 
-# Colours of flexbe_synthesizer's drawings, and the variables of console.css in their place.
-_COLOURS = {
-    "#263238": "ink",
-    "#b0bec5": "faint",
-    "#c62828": "failure",
-    "#1565c0": "taken",
-    "#fff8e1": "state-fill",
-    "#f9a825": "state-line",
-    "#ede7f6": "behavior-fill",
-    "#7e57c2": "behavior-line",
-    "#607d8b": "soft",
-    "#e8f5e9": "success-fill",
-    "#2e7d32": "success-line",
-    "#ffebee": "failure-fill",
-    "black": "ink",
-    "white": "box-fill",
-}
-_COLOUR = re.compile(rf'(fill|stroke)="({"|".join(_COLOURS)})"')
-_BACKGROUND = re.compile(r'<polygon fill="white"[^>]*/>', re.DOTALL)
-_TITLED = re.compile(r'(<g id="[^"]*" class="(node|cluster|edge)")>\s*<title>([^<]*)</title>')
-_ARROW = re.compile(r"(?:n|start)(?: (?P<source>.*?))?->(?:n|start)(?: (?P<target>.*))?\Z")
 _DEEPEST = 4  # behaviors inside behaviors that are drawn open
-
-
-def page_svg(svg: str) -> str:
-    """Return Graphviz's picture as an element for the page."""
-    picture = svg[svg.index("<svg") :]
-    picture = _BACKGROUND.sub("", picture, count=1)
-    picture = _COLOUR.sub(lambda m: f'{m[1]}="var(--{_COLOURS[m[2]]})"', picture)
-    return _TITLED.sub(_named, picture)
-
-
-def _named(found: re.Match[str]) -> str:
-    """Return the head of a group with what it stands for as attributes, without its title."""
-    head, kind, title = found[1], found[2], unescape(found[3])
-    if kind == "edge":
-        ends = _ARROW.match(title)
-        source, target = (ends["source"] or "", ends["target"] or "") if ends else ("", "")
-        return f'{head} data-source="{escape(source)}" data-target="{escape(target)}">'
-    word, _, path = title.partition(" ")
-    if word not in ("n", "cluster"):
-        return f"{head}>"
-    return f'{head} data-path="{escape(path)}">'
 
 
 def drawn_path(engine_path: str, drawn: frozenset[str]) -> str:
@@ -114,6 +66,7 @@ class Opened:
             attempts=node.attempts,
             timeout_s=node.timeout_s,
             on_error=node.on_error,
+            at=node.at,
             body=body,
         )
 

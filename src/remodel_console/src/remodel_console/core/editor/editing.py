@@ -59,6 +59,31 @@ def node_paths(chart: Chart) -> tuple[Path, ...]:
     return tuple(paths)
 
 
+def matches(chart: Chart, word: str) -> tuple[Path, ...]:
+    """Return the paths of the nodes that have a word in their id, type or a parameter."""
+    word = word.lower()
+    found = []
+    for path in node_paths(chart):
+        nodes = container_at(chart, path[:-1]).nodes
+        node = next(node for node in nodes if node.id == path[-1])
+        texts = (node.id, node.type, *(param.text for param in node.params))
+        if any(word in text.lower() for text in texts):
+            found.append(path)
+    return tuple(found)
+
+
+def unplaced(scope: Chart) -> Chart:
+    """Return a chart without the places where its parts are drawn, those in containers too."""
+    nodes: list[AnyNode] = []
+    for node in scope.nodes:
+        bare = replace(node, at=None)
+        nodes.append(
+            replace(bare, body=unplaced(bare.body)) if isinstance(bare, Container) else bare
+        )
+    outcomes = tuple(replace(outcome, at=None) for outcome in scope.outcomes)
+    return replace(scope, nodes=tuple(nodes), outcomes=outcomes)
+
+
 def change_at(chart: Chart, path: Path, change: Callable[[Chart], Chart]) -> Chart:
     """Return the chart with the content of a container changed.
 

@@ -2,19 +2,37 @@
 
 from __future__ import annotations
 
+import asyncio
+import time
 from collections.abc import Callable
+from functools import partial
 
 from nicegui import run, ui
 
 from flexbe_synthesizer.core.chart.model import Chart
 from remodel_console.core.answer import DONE
 from remodel_console.core.editor import chart_edit
+from remodel_console.core.editor.copying import Copied, outermost
 from remodel_console.core.editor.editing import Path, change_at, container_at
+from remodel_console.core.editor.fixes import Fix, Found
 from remodel_console.core.editor.inspection import Inspection
 from remodel_console.errors import CommandError
-from remodel_console.web.editor.problem_list import show_refusal
+from remodel_console.session import Session
+from remodel_console.sessions import Sessions
+from remodel_console.web.editor.refusal import show_refusal
 from remodel_console.web.editor.xml_pane import XmlPane
 from remodel_console.web.page import Page
+
+SESSION = "session"  # in the page's address: the key of its session
+_RELOAD_S = 2.0  # within which a page that is reloaded says so
+_POLL_S = 0.02
+
+
+async def released(sessions: Sessions, key: str) -> None:
+    """Wait while the page of a session is being reloaded, so that the session is free again."""
+    end_s = time.monotonic() + _RELOAD_S
+    while sessions.is_shown(key) and time.monotonic() < end_s:
+        await asyncio.sleep(_POLL_S)
 
 
 class EditingPage(Page):
@@ -23,7 +41,10 @@ class EditingPage(Page):
     Attributes:
         chart: as it is shown; None before one is open.
         inspection: what the checks found in the chart `inspected`.
-        selected: path of the selected node; empty for the chart.
+        selected: path of the node whose properties are shown; empty for the chart.
+        selection: paths of all selected nodes.
+        wants_value: the first value that the selected state needs is to be entered next.
+        found: the problems of the chart, with the state that each is at.
         xml: the pane of the chart's text.
     """
 
@@ -35,6 +56,27 @@ class EditingPage(Page):
         self.inspection = Inspection()
         self.inspected: Chart | None = None
         self.selected: Path = ()
+        self.selection: tuple[Path, ...] = ()
+        self.wants_value = False
+        self.found: tuple[Found, ...] = ()
+        client = ui.context.client
+        given = self.query.get(SESSION, "")
+        self._is_left = False
+        ui.on("editor-left", self._leave)
+        key, self._session = self.console.sessions.take(
+            given, lambda: client.has_socket_connection and not self._is_left
+        )
+        if key != given:  # a reload of the page continues the session
+            ui.run_javascript(f"history.replaceState(null, '', '?{SESSION}={key}')")
+
+    def _leave(self) -> None:
+        """Free the session: the browser closes the page, or shows another one in its place."""
+        self._is_left = True
+
+    @property
+    def session(self) -> Session:
+        """Return this page's own session."""
+        return self._session
 
     @property
     def scope_path(self) -> Path:
@@ -50,7 +92,7 @@ class EditingPage(Page):
 
     async def change(self, what: str, path: Path, change: Callable[[Chart], Chart]) -> bool:
         """Change the container at a path; return whether that was possible."""
-        session = self.console.session
+        session = self.session
 
         def deed() -> None:
             session.change(lambda chart: change_at(chart, path, change))
@@ -58,22 +100,42 @@ class EditingPage(Page):
         self.xml.is_typing = False
         return (await self.give(f"edit: {what}", deed)).state == DONE
 
-    def select(self, path: Path) -> None:
-        """Select a node, or nothing."""
+    def paste_path(self, what: Copied) -> Path:
+        """Return the container that copies go into.
+
+        That is the one they were copied from while they are selected, else the selected one.
+        """
+        if self.selection and {p[-1] for p in self.selection} >= {n.id for n in what.nodes}:
+            return self.selection[0][:-1]
+        return self.scope_path
+
+    def select(self, *paths: Path) -> None:
+        """Select nodes, or the chart; the properties are those of the first."""
         raise NotImplementedError
+
+    async def fix(self, fix: Fix) -> None:
+        """Make the change that corrects a problem."""
+        await self.change(fix.words, fix.path, fix.change)
 
     async def delete(self) -> None:
         """Delete what is selected."""
-        if not self.selected:
+        paths = outermost(self.selection)
+        if not paths:
             return
-        path, (*_, node_id) = self.selected[:-1], self.selected
-        what = f"delete '{'/'.join(self.selected)}'"
-        if await self.change(what, path, lambda scope: chart_edit.without_node(scope, node_id)):
+
+        def change(chart: Chart) -> Chart:
+            for path in paths:
+                without = partial(chart_edit.without_node, node_id=path[-1])
+                chart = change_at(chart, path[:-1], without)
+            return chart
+
+        names = ", ".join(f"'{'/'.join(path)}'" for path in paths)
+        if await self.change(f"delete {names}", (), change):
             self.select(())
 
     async def synthesize(self, path: Path, initial: str, goal: str) -> None:
         """Fill a container with the chart of a file, or show what is wrong with that."""
-        session = self.console.session
+        session = self.session
         self.xml.is_typing = False
         answer = await run.io_bound(
             self.console.desk.give,

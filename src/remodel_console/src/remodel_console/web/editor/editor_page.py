@@ -8,15 +8,17 @@ from functools import partial
 
 from nicegui import background_tasks, run, ui
 
-from remodel_console.core.editor import chart_edit
 from remodel_console.core.editor.collapse import collapsed
-from remodel_console.core.editor.editing import Path, node_paths
+from remodel_console.core.editor.editing import Path, container_at, node_paths
+from remodel_console.core.editor.fixes import counts, located
+from remodel_console.core.editor.graph import Marks, chart_graph
 from remodel_console.core.world import World
 from remodel_console.edge.inspect_chart import inspect_text
-from remodel_console.edge.picture import picture
-from remodel_console.errors import CommandError
 from remodel_console.web.canvas import Canvas
 from remodel_console.web.editor.certificate_panel import CertificatePanel
+from remodel_console.web.editor.changes_panel import ChangesPanel
+from remodel_console.web.editor.clipboard import Clipboard
+from remodel_console.web.editor.drawing_editor import DrawingEditor
 from remodel_console.web.editor.editing_page import EditingPage
 from remodel_console.web.editor.editor_tools import EditorTools
 from remodel_console.web.editor.library_panel import LibraryPanel
@@ -24,38 +26,48 @@ from remodel_console.web.editor.problem_list import ProblemList
 from remodel_console.web.editor.properties_panel import PropertiesPanel
 from remodel_console.web.editor.xml_pane import XmlPane
 
-_ROOM = (640.0, 620.0)  # for the drawing on a common screen [pixels]
-_OWN_SAVE = """<script>document.addEventListener("keydown", (event) => {
-  if (event.ctrlKey && event.key === "s") event.preventDefault();
-});</script>"""
+_SCRIPT = """<script>document.addEventListener("keydown", (event) => {
+  const isIn = (selector) => event.target.closest(selector);
+  const ours = isIn(".cm-editor") ? "s" : isIn("input, textarea") ? "sf" : "sfay";
+  if (!event.ctrlKey || !ours.includes(event.key)) return;
+  event.preventDefault();
+  if (event.key === "f") document.querySelector(".finder input").focus();
+});
+addEventListener("beforeunload", () => emitEvent("editor-left"));</script>"""
 
 
 class EditorPage(EditingPage):
-    """The page of the chart that is edited; all pages and /flexbe/uicommand share it."""
+    """The page of a chart that is edited, with a session of its own."""
 
     KEYS = (
         ("Ctrl+S", "save"),
-        ("Ctrl+Z", "undo"),
+        ("Ctrl+Z  Ctrl+Y", "undo, redo"),
         ("B  N", "select the previous or the next state"),
-        ("Del", "delete the selected state"),
+        ("Del", "delete the selected states"),
+        ("Ctrl+C  Ctrl+X  Ctrl+V", "copy, cut and paste states"),
+        ("Shift+click, Shift+drag", "select several states"),
+        ("Ctrl+A  Ctrl+F", "select all states of the container, find a state"),
         ("Esc", "clear the selection"),
     )
 
     def build(self) -> None:
         """Build the tools, the library, the drawing, and the panel beside it."""
-        ui.add_head_html(_OWN_SAVE)
+        ui.add_head_html(_SCRIPT)
         super().build()
         self._open_path: Path = ()
+        self.clipboard = Clipboard(self)
         with ui.element("div").classes("editor"):
             self._tools = EditorTools(self)
             self._library = LibraryPanel(self)
             with ui.element("section").classes("stage"):
-                self._canvas = Canvas("Edited state machine", self._pick)
+                editor = DrawingEditor(self, self._library.add)
+                self._canvas = Canvas("Edited state machine", editor, is_editable=self.is_operator)
                 self._empty = ui.label("Open a behavior, or create a new one.").classes("empty")
             with ui.element("aside").classes("panel side"):
                 with ui.tabs().props("no-caps dense align=left").classes("wide") as tabs:
                     ui.tab("Properties")
                     ui.tab("XML")
+                    ui.tab("Changes")
                     ui.tab("Certificate")
                 panels = ui.tab_panels(tabs, value="Properties", on_change=self._certify)
                 with panels.classes("wide panes") as self._tabs:
@@ -63,22 +75,24 @@ class EditorPage(EditingPage):
                         self._properties = PropertiesPanel(self)
                     with ui.tab_panel("XML").classes("xml-pane"):
                         self.xml = XmlPane(self._take_typed, is_dark=self.is_dark)
+                    with ui.tab_panel("Changes"):
+                        self._changes = ChangesPanel(self)
                     with ui.tab_panel("Certificate"):
                         self._certificate = CertificatePanel()
-                self._problems = ProblemList(self._reveal)
+                self._problems = ProblemList(self, self._reveal)
 
     def show(self, world: World) -> None:
-        """Show the chart if it has changed, also by another page."""
-        session = self.console.session
+        """Show the chart if it has changed."""
+        session = self.session
         chart = session.chart
-        self._tools.show_saved(chart, is_saved=session.is_saved)
+        self._tools.show_saved(session)
         if chart is self.chart:
             self._properties.show()
             return
         is_other = self.chart is None or chart is None or chart.file != self.chart.file
         self.chart = chart
         if is_other:
-            self.selected = ()
+            self.selected, self.selection = (), ()
             self.xml.is_typing = False
             self._tools.show_other(chart)
         background_tasks.create(self._refresh(is_other))
@@ -92,8 +106,14 @@ class EditorPage(EditingPage):
         deeds: dict[tuple[str, bool], Callable[[], object]] = {
             ("s", True): self._tools.save,
             ("z", True): self._tools.undo,
+            ("y", True): self._tools.redo,
+            ("Z", True): self._tools.redo,
             ("Delete", False): self.delete,
-            ("Escape", False): partial(self._pick, ""),
+            ("Escape", False): partial(self.select, ()),
+            ("c", True): self.clipboard.copy,
+            ("x", True): self.clipboard.cut,
+            ("v", True): self.clipboard.paste,
+            ("a", True): self._select_all,
         }
         deed = deeds.get((key, ctrl))
         if deed is not None and self.is_operator:
@@ -102,13 +122,15 @@ class EditorPage(EditingPage):
                 if asyncio.iscoroutine(made):
                     background_tasks.create(made)
 
-    def select(self, path: Path) -> None:
-        """Select a node, or nothing."""
+    def select(self, *paths: Path) -> None:
+        """Select nodes, or the chart; the properties are those of the first."""
+        self.selection = paths if paths and paths[0] else ()
+        path = self.selection[0] if self.selection else ()
         self.selected = path
         is_open = self._open_path[: len(self.scope_path)] == self.scope_path
         if self.chart is not None and not is_open and collapsed(self.chart, ()) is not self.chart:
             background_tasks.create(self._draw(True))
-        self._canvas.select("/".join(path))
+        self._canvas.select(["/".join(one) for one in self.selection])
         self._properties.show()
 
     # The chart, shown
@@ -118,7 +140,7 @@ class EditorPage(EditingPage):
         self._empty.set_visibility(self.chart is None)
         if self.chart is None:
             return
-        self.xml.show(self.console.session.text)
+        self.xml.show(self.session.text)
         await self._inspect()
         await self._draw(is_other)
 
@@ -131,6 +153,7 @@ class EditorPage(EditingPage):
         )
         self.inspected = chart
         self._show_problems()
+        self._changes.show()
         self._properties.show()
 
     async def _draw(self, is_other: bool) -> None:
@@ -138,18 +161,17 @@ class EditorPage(EditingPage):
         if chart is None:
             return
         self._open_path = self.scope_path
-        try:
-            svg = await run.io_bound(picture, collapsed(chart, self._open_path), _ROOM)
-        except CommandError as error:
-            ui.notify(str(error), type="negative")
-            return
+        part = collapsed(chart, self._open_path)
+        marks = Marks(self.inspection, counts(self.found))
+        graph = await run.io_bound(chart_graph, part, marks)
         if chart is self.chart:
-            self._canvas.draw(svg, keeps_view=not is_other)
-            self._canvas.select("/".join(self.selected))
+            self._canvas.draw(graph, keeps_view=not is_other)
+            self._canvas.select(["/".join(path) for path in self.selection])
 
     def _show_problems(self) -> None:
         own = self.chart.file if self.chart else ""
-        self._problems.show(self.inspection, own)
+        self.found = located(self.inspection)
+        self._problems.show(self.inspection, own, self.found)
         self.xml.mark(self.inspection, own)
         self._certify()
 
@@ -172,15 +194,15 @@ class EditorPage(EditingPage):
             inspect_text, self.console.workspace, text, old.file
         )
         if chart is not None:
-            await self.give("edit: the XML", lambda: self.console.session.retype(text))
+            await self.give("edit: the XML", lambda: self.session.retype(text))
         self._show_problems()
 
-    def _pick(self, text: str) -> None:
-        """Select what was clicked in the drawing; a start or an end selects what is around it."""
-        path = tuple(filter(None, text.split("/")))
-        while path and self.chart and chart_edit.node_at(self.chart, path) is None:
-            path = path[:-1]
-        self.select(path)
+    def _select_all(self) -> None:
+        """Select all states of the container that is selected, or around the selected state."""
+        if self.chart is not None:
+            path = self.scope_path
+            nodes = container_at(self.chart, path).nodes
+            self.select(*((*path, node.id) for node in nodes))
 
     def _step(self, step: int) -> None:
         """Select the next state or container, or the one before; of none, the first or last."""

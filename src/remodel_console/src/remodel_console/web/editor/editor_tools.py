@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import logging
+from functools import partial
 from pathlib import Path as FilePath
 
 from nicegui import background_tasks, run, ui
@@ -12,9 +13,10 @@ from flexbe_synthesizer.core.chart.names import behavior_file, is_behavior_name,
 from remodel_console.core.answer import DONE
 from remodel_console.core.commands import Command, Verb
 from remodel_console.core.editor import chart_edit
-from remodel_console.core.editor.editing import container_at
+from remodel_console.core.editor.editing import Path, container_at, matches, unplaced
 from remodel_console.errors import CommandError
-from remodel_console.web.editor.editing_page import EditingPage
+from remodel_console.session import Session
+from remodel_console.web.editor.editing_page import SESSION, EditingPage
 
 _LOG = logging.getLogger(__name__)
 
@@ -32,16 +34,41 @@ class EditorTools:
             self._open.props("outlined dense").classes("opener")
             self._open.on("focus", self._list)
             background_tasks.create(self._list())
-            page.button("New", self._ask_new, icon="add", look="quiet")
+            page.button("New", self._new, icon="add", look="quiet")
             page.button("Container", self._add_container, icon="select_all", look="quiet")
-            page.button("Undo", self.undo, icon="undo", look="quiet")
+            self._undo = page.button("Undo", self.undo, icon="undo", look="quiet")
+            self._redo = page.button("Redo", self.redo, icon="redo", look="quiet")
+            page.button("Arrange", self._arrange, icon="auto_fix_high", look="quiet").tooltip(
+                "Lay the states out again; places given by hand are dropped"
+            )
             page.button("Save", self.save, icon="save")
+            page.button("Run", self._run, icon="play_arrow", look="quiet").tooltip(
+                "Save, and open Runtime control to start it"
+            )
+            self._find = ui.input(placeholder="Find in the chart", on_change=self._count)
+            self._find.props('outlined dense clearable aria-label="Find in the chart"')
+            self._find.classes("finder").on("keydown.enter", self._next)
+            self._matches = ui.label().classes("matches").props('role="status"')
             self._saved = ui.label().classes("soft")
+            ui.space()
+            for key, left in page.console.sessions.left_unsaved().items():
+                with ui.row().classes("left-unsaved") as row:
+                    ui.label(f"A closed page has unsaved changes of '{left}'.")
+                    ui.link("Continue", f"/editor?{SESSION}={key}")
+                    discard = partial(self._discard, key, row)
+                    page.button("Discard", discard, look="quiet")
 
-    def show_saved(self, chart: Chart | None, *, is_saved: bool) -> None:
-        """Show whether the chart is saved."""
-        state = "saved" if is_saved else "not saved yet"
+    def _discard(self, key: str, row: ui.row) -> None:
+        self._page.console.sessions.discard(key)
+        row.delete()
+
+    def show_saved(self, session: Session) -> None:
+        """Show whether the chart is saved, and what can be undone and redone."""
+        chart, state = session.chart, "saved" if session.is_saved else "not saved yet"
         self._saved.text = f"{chart.name}: {state}" if chart else ""
+        is_operator = self._page.is_operator
+        self._undo.set_enabled(is_operator and session.can_undo)
+        self._redo.set_enabled(is_operator and session.can_redo)
 
     def show_other(self, chart: Chart | None) -> None:
         """Show that another chart is open."""
@@ -51,16 +78,65 @@ class EditorTools:
 
     async def save(self) -> None:
         """Save the chart, or show why it cannot be saved."""
-        session = self._page.console.session
+        session = self._page.session
         command = Command("save", Verb.SAVE)
         answer = await self._page.give("save", lambda: session.carry_out(command))
         if answer.state == DONE:
             ui.notify(answer.words.partition(":")[0], type="positive")
 
+    async def _run(self) -> None:
+        """Save the chart if it has changed, and open Runtime control with it."""
+        page, session = self._page, self._page.session
+        if session.chart is None:
+            ui.notify("Open a behavior first.", type="warning")
+            return
+        if not session.is_saved:
+            await self.save()
+        if session.is_saved:
+            name, shared = session.chart.name, page.console.session
+            command = Command(f"load {name}", Verb.LOAD, {"name": name})
+
+            async def show() -> None:
+                answer = await page.give(command.text, lambda: shared.carry_out(command))
+                if answer.state == DONE:
+                    ui.navigate.to("/runtime")
+
+            if shared.is_saved or shared.chart is None:
+                await show()
+            else:
+                question = f"Commands have left unsaved changes of '{shared.chart.name}'."
+                page.ask(question, f"Discard and load '{name}'", show)
+
+    async def _arrange(self) -> None:
+        """Have everything laid out again."""
+        await self._page.change("lay out again", (), unplaced)
+
+    def _found(self) -> tuple[Path, ...]:
+        chart, word = self._page.chart, (self._find.value or "").strip()
+        return matches(chart, word) if chart and word else ()
+
+    def _count(self) -> None:
+        found = len(self._found())
+        words = f"{found} found" if found else "nothing found"
+        self._matches.text = words if (self._find.value or "").strip() else ""
+
+    def _next(self) -> None:
+        """Select the next state that fits what is to be found."""
+        found, selected = self._found(), self._page.selected
+        if found:
+            place = (found.index(selected) + 1) % len(found) if selected in found else 0
+            self._page.select(found[place])
+            self._matches.text = f"{place + 1} of {len(found)}"
+
     async def undo(self) -> None:
         """Take the last change back."""
         self._page.xml.is_typing = False
-        await self._page.give("undo", self._page.console.session.undo)
+        await self._page.give("undo", self._page.session.undo)
+
+    async def redo(self) -> None:
+        """Make the change again that was taken back last."""
+        self._page.xml.is_typing = False
+        await self._page.give("redo", self._page.session.redo)
 
     async def _list(self) -> None:
         """Offer all charts and behaviors."""
@@ -78,7 +154,7 @@ class EditorTools:
             return behaviors
 
     async def _load(self, name: str | None) -> None:
-        chart = self._page.console.session.chart
+        chart = self._page.session.chart
         if name and (chart is None or chart.name != name):
             await self._page.load(name)
 
@@ -94,12 +170,22 @@ class EditorTools:
         if await page.change(what, path, lambda scope: chart_edit.with_node(scope, node)):
             page.select((*path, node_id))
 
+    def _new(self) -> None:
+        """Create a behavior; ask first if something would be lost."""
+        session = self._page.session
+        if session.is_saved or session.chart is None:
+            self._ask_new()
+        else:
+            question = f"'{session.chart.name}' has unsaved changes."
+            self._page.ask(question, "Discard and create", self._ask_new)
+
     def _ask_new(self) -> None:
         """Ask how a new behavior is called, and where it goes."""
         folders = [str(folder) for folder in self._page.console.workspace.chart_folders]
         with self._page.dialog() as dialog:
             ui.label("New behavior").classes("title")
             name = ui.input("Name").props("outlined dense autofocus").classes("wide")
+            name.on("keydown.enter", lambda: make())
             folder = ui.select(folders, value=folders[0], label="Chart folder")
             folder.props("outlined dense").classes("wide")
 
@@ -122,5 +208,5 @@ class EditorTools:
             ui.notify(f"{file} exists already.", type="warning")
             return False
         chart = chart_edit.new_chart(name, str(file))
-        session = self._page.console.session
+        session = self._page.session
         return (await self._page.give(f"new '{name}'", lambda: session.open(chart))).state == DONE

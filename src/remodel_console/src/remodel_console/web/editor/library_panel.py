@@ -2,16 +2,20 @@
 
 from __future__ import annotations
 
+import json
 from collections.abc import Callable
+from dataclasses import replace
 from functools import partial
 
-from nicegui import ui
+from nicegui import background_tasks, run, ui
 
-from flexbe_synthesizer.core.chart.model import AnyNode, Behavior, State
+from flexbe_synthesizer.core.chart.model import AnyNode, Behavior, Point, State
 from flexbe_synthesizer.core.library.signature import StateClass
 from remodel_console.core.editor import chart_edit
-from remodel_console.core.editor.editing import container_at
+from remodel_console.core.editor.editing import Path, container_at
 from remodel_console.web.editor.editing_page import EditingPage
+
+_NODE_TYPE = "application/x-remodel-node"  # as static/canvas.js takes it
 
 
 class LibraryPanel:
@@ -25,15 +29,16 @@ class LibraryPanel:
         with ui.element("aside").classes("library").props('aria-label="Library"'):
             self._search = ui.input(placeholder="Find a state", on_change=self._filter)
             self._search.props('outlined dense clearable aria-label="Find a state"')
-            self._search.on("focus", self._list_anew)
+            self._search.on("focus", self._list_again)
             self._list = ui.element("div").classes("library-list")
-        self._list_anew()
+        background_tasks.create(self._list_again())
 
-    def _list_anew(self) -> None:
+    async def _list_again(self) -> None:
         """List what is installed, if that has changed."""
         catalogue = self._page.console.catalogue
-        states, behaviors = catalogue.states(), [one.name for one in catalogue.behaviors()]
-        if (states, behaviors) == self._known:
+        states = await run.io_bound(catalogue.states)
+        behaviors = [one.name for one in await run.io_bound(catalogue.behaviors)]
+        if (states, behaviors) == self._known or self._list.is_deleted:
             return
         self._known = (states, behaviors)
         self._list.clear()
@@ -44,11 +49,15 @@ class LibraryPanel:
                 self._add_group(package, " ".join(state.name for state in own))
                 for state in own:
                     label = state.name.removesuffix("State")
-                    entry = _entry(label, partial(self._show_state, state))
+                    entry = _entry(
+                        label, f"state {package}/{state.name}", partial(self._show_state, state)
+                    )
                     self._entries.append((f"{package} {state.name}", entry))
             self._add_group("Behaviors", " ".join(behaviors))
             for name in behaviors:
-                entry = _entry(name, partial(self._add, Behavior(name, name), name))
+                entry = _entry(
+                    name, f"behavior {name}", partial(self._add, Behavior(name, name), name)
+                )
                 self._entries.append((name, entry))
         self._filter()
 
@@ -76,21 +85,41 @@ class LibraryPanel:
 
             self._page.button(f"Add {state.name.removesuffix('State')}", add, icon="add")
 
-    async def _add(self, node: AnyNode, wanted: str) -> None:
-        """Add a node to the container that is selected, or to the chart."""
+    async def add(self, what: str, path: Path, at: Point | None = None) -> None:
+        """Add an entry to a container.
+
+        Args:
+            what: `state PACKAGE/CLASS` or `behavior NAME`.
+            path: of the container.
+            at: where it is drawn.
+        """
+        kind, _, name = what.partition(" ")
+        if kind == "behavior":
+            await self._add(Behavior(name, name, at=at), name, path)
+        else:
+            wanted = name.rpartition("/")[2].removesuffix("State")
+            await self._add(State(wanted, name, at=at), wanted, path)
+
+    async def _add(self, node: AnyNode, wanted: str, path: Path | None = None) -> None:
+        """Add a node to a container, else to the one that is selected, or to the chart."""
         page = self._page
         if page.chart is None:
             ui.notify("Open a behavior first.", type="warning")
             return
-        path = page.scope_path
+        path = page.scope_path if path is None else path
         node_id = chart_edit.unused_id(container_at(page.chart, path), wanted)
-        named = type(node)(id=node_id, type=node.type)
+        named = replace(node, id=node_id)
         what = f"add '{node_id}' to /{'/'.join(path)}"
+        page.wants_value = True  # before the checks have shown what it needs
         if await page.change(what, path, lambda scope: chart_edit.with_node(scope, named)):
             page.select((*path, node_id))
+        else:
+            page.wants_value = False
 
 
-def _entry(text: str, deed: Callable[[], object]) -> ui.element:
+def _entry(text: str, what: str, deed: Callable[[], object]) -> ui.element:
+    """Return an entry that can be clicked, and dragged into the drawing."""
     with ui.element("button").classes("entry").on("click", deed) as entry:
         ui.label(text)
-    return entry
+    drag = f"(event) => event.dataTransfer.setData('{_NODE_TYPE}', {json.dumps(what)})"
+    return entry.props("draggable=true").on("dragstart", js_handler=drag)

@@ -3,12 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable
+from functools import partial
 from pathlib import PurePath
 
 from nicegui import ui
 
 from flexbe_synthesizer.core.chart.problem import Problem, Severity
+from remodel_console.core.editor.fixes import Found
 from remodel_console.core.editor.inspection import Inspection
+from remodel_console.web.editor.editing_page import EditingPage
 
 Reveal = Callable[[int], None]
 
@@ -16,12 +19,13 @@ Reveal = Callable[[int], None]
 class ProblemList:
     """Shows what the checks have found, each a button that leads to its line."""
 
-    def __init__(self, reveal: Reveal) -> None:
+    def __init__(self, page: EditingPage, reveal: Reveal) -> None:
         """Build an empty list; `reveal` shows a line of the XML."""
+        self._page = page
         self._reveal = reveal
         self._area = ui.element("div").classes("problems").props('role="status"')
 
-    def show(self, inspection: Inspection, own: str) -> None:
+    def show(self, inspection: Inspection, own: str, found: Iterable[Found]) -> None:
         """Show the problems of the chart in the file `own`."""
         self._area.clear()
         with self._area:
@@ -31,31 +35,21 @@ class ProblemList:
                 words = f"Not checked: {inspection.unchecked}"
             is_fine = not count and not inspection.unchecked
             ui.label(words).classes("soft" if is_fine else "bad-count")
-            for problem in inspection.problems:
-                _problem_line(problem, own, self._reveal)
+            for one in found:
+                self._line(one, own)
 
+    def _line(self, one: Found, own: str) -> None:
+        """Add a problem: a button that shows its line, and one for each change that corrects it."""
+        _problem_line(one.problem, own, partial(self._show, one))
+        if one.fixes:
+            with ui.row().classes("fixes"):
+                for fix in one.fixes:
+                    self._page.button(fix.words, partial(self._page.fix, fix), look="quiet")
 
-def show_refusal(goal: str, text: str, words: str, close: Callable[[], None]) -> None:
-    """Add the errors of a chart that cannot be used, beside its lines.
-
-    Args:
-        goal: path of the chart's file.
-        text: its content.
-        words: the answer of the checks, a line for each error.
-        close: called by the button at the end.
-    """
-    ui.label(f"{goal} cannot be used").classes("title")
-    with ui.element("div").classes("refusal"):
-        wrong = frozenset(_error_lines(words))
-        with ui.element("pre").classes("source"):
-            for number, line in enumerate(text.splitlines(), start=1):
-                row = ui.label(f"{number:4}  {line}")
-                if number in wrong:
-                    row.classes("xml-error")
-        with ui.element("div").classes("errors"):
-            for line in words.splitlines():
-                ui.label(_without_file(line))
-    ui.button("Close", on_click=close).props("no-caps flat autofocus")
+    def _show(self, one: Found, line: int) -> None:
+        if one.path:
+            self._page.select(one.path)
+        self._reveal(line)
 
 
 def _problem_line(problem: Problem, own: str, reveal: Reveal) -> None:
@@ -66,16 +60,3 @@ def _problem_line(problem: Problem, own: str, reveal: Reveal) -> None:
     with ui.element("button").classes(f"problem {style}").on("click", lambda: reveal(line)):
         ui.label(where).classes("place")
         ui.label(problem.message)
-
-
-def _without_file(line: str) -> str:
-    """Return a line of an answer without the file, which stands above it."""
-    parts = line.split(":", 3)
-    return f"Line {parts[1]}:{parts[3]}" if len(parts) > 3 and parts[1].isdigit() else line
-
-
-def _error_lines(words: str) -> Iterable[int]:
-    """Yield the lines that an answer of the checks names, `file:line:column: [code] message`."""
-    for parts in (line.split(":") for line in words.splitlines()):
-        if len(parts) > 3 and parts[1].isdigit():
-            yield int(parts[1])

@@ -8,7 +8,13 @@ from functools import partial
 from nicegui import ui
 
 from flexbe_synthesizer.core.chart.error_routes import FAILED_EVENT, format_routes
-from flexbe_synthesizer.core.chart.model import AnyNode, Chart, Container, ContainerKind
+from flexbe_synthesizer.core.chart.model import (
+    AnyNode,
+    Autonomy,
+    Chart,
+    Container,
+    ContainerKind,
+)
 from remodel_console.core.editor import chart_edit
 from remodel_console.core.editor.concurrency_edit import kind_at
 from remodel_console.core.editor.editing import Path
@@ -18,6 +24,7 @@ from remodel_console.web.editor.interface_panel import InterfacePanel
 
 _BY_NAME = "by name"  # an input without a connection gets the value of its name
 _NOWHERE = "not connected"
+_ANY_AUTONOMY = "default"  # the chart says nothing about it
 
 
 class PropertiesPanel:
@@ -66,6 +73,7 @@ class PropertiesPanel:
         if len(path) > 1:
             ui.label(" / ".join(path[:-1])).classes("soft")
         self._name_entry(node, path)
+        self._problems(path)
         if isinstance(node, Container):
             ui.label("container").classes("soft")
             self._outcomes_entry(node.body, path)
@@ -89,6 +97,17 @@ class PropertiesPanel:
                 deed = partial(self._change, f"start at '{node.id}'", path[:-1], start)
                 self._page.button("Start here", deed, icon="flag", look="quiet")
             self._page.button("Delete", self._page.delete, icon="delete", look="quiet")
+
+    def _problems(self, path: Path) -> None:
+        """Show what is wrong with the state, and what corrects it."""
+        for found in self._page.found:
+            if found.path == path:
+                style = found.problem.code.severity.value
+                with ui.element("div").classes(f"problem {style}"):
+                    ui.label(found.problem.message)
+                    with ui.row().classes("fixes"):
+                        for fix in found.fixes:
+                            self._page.button(fix.words, partial(self._page.fix, fix), look="quiet")
 
     def _name_entry(self, node: AnyNode, path: Path) -> None:
         async def rename(text: str) -> None:
@@ -123,7 +142,10 @@ class PropertiesPanel:
                 change = partial(chart_edit.with_parameter, node_id=node.id, name=name, text=text)
                 await self._change(f"{node.id}: {name} = {text}", path[:-1], change)
 
-            self._entry(name, given.get(name, ""), put, hint)
+            entry = self._entry(name, given.get(name, ""), put, hint)
+            if parameter.required and name not in given and self._page.wants_value:
+                self._page.wants_value = False
+                entry.run_method("focus")
 
     def _limits(self, node: AnyNode, path: Path) -> None:
         attempts = "" if node.attempts is None else str(node.attempts)
@@ -167,17 +189,30 @@ class PropertiesPanel:
         if not events:
             return
         ui.label("Transitions").classes("heading")
-        led = {transition.event: transition.target for transition in node.transitions}
+        known_transitions = {transition.event: transition for transition in node.transitions}
+        levels = {None: _ANY_AUTONOMY} | {level: level.value.capitalize() for level in Autonomy}
         choices = {"": _NOWHERE} | {name: name for name in chart_edit.targets(scope)}
         for event in events:
-            target = led.get(event, "")
+            transition = known_transitions.get(event)
+            target = transition.target if transition else ""
             known = choices if target in choices else choices | {target: f"{target} (missing)"}
 
             async def put(target: str, event: str = event) -> None:
                 change = partial(chart_edit.led, node_id=node.id, event=event, target=target)
                 await self._change(f"{node.id}: '{event}' leads to '{target}'", path[:-1], change)
 
-            self._choice(event, known, target, put)
+            async def put_level(level: Autonomy | None, event: str = event) -> None:
+                change = partial(
+                    chart_edit.with_autonomy, node_id=node.id, event=event, level=level
+                )
+                what = f"{node.id}: autonomy of '{event}' {levels[level]}"
+                await self._change(what, path[:-1], change)
+
+            with ui.element("div").classes("pair"):
+                self._choice(event, known, target, put)
+                if transition is not None:
+                    level = transition.autonomy
+                    self._choice(f"Autonomy of {event}", levels, level, put_level)
         if node.on_error or FAILED_EVENT in events:
             self._error_routes(node, path)
 
@@ -206,7 +241,9 @@ class PropertiesPanel:
     async def _change(self, what: str, path: Path, change: Callable[[Chart], Chart]) -> bool:
         return await self._page.change(what, path, change)
 
-    def _entry(self, label: str, value: str, put: Callable[[str], object], hint: str = "") -> None:
+    def _entry(
+        self, label: str, value: str, put: Callable[[str], object], hint: str = ""
+    ) -> ui.input:
         """Add a text that is taken when it is left or Enter is pressed."""
         entry = ui.input(label, value=value, placeholder=hint)
         entry.props("outlined dense stack-label").classes("wide")
@@ -221,6 +258,7 @@ class PropertiesPanel:
 
         entry.on("blur", take)
         entry.on("keydown.enter", take)
+        return entry
 
     def _choice(
         self, label: str, choices: dict, value: object, put: Callable[[object], object]

@@ -169,7 +169,9 @@ class OverviewPage(Page):
             tasks: how many of its tasks, from the first; 0 for all.
             again: repeat finished tasks, on an empty panel.
         """
-        what = f"run order '{order}'" + (f", its first {tasks} tasks" if tasks else "")
+        what = f"run order '{order}'" + (
+            f", its first {tasks} task{'' if tasks == 1 else 's'}" if tasks else ""
+        )
         what += ", on an empty panel" if again else ""
         return await self._give(
             what, lambda supervisor, by: supervisor.run(order, tasks, by, again=again)

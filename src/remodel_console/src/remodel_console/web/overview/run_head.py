@@ -94,7 +94,7 @@ class RunHead:
 def _progress_words(now: UseCase) -> str:
     if not now.run:
         return ""
-    words = f"{now.done} of {now.total} tasks done"
+    words = f"{now.done} of {now.total} task{'' if now.total == 1 else 's'} done"
     words += f", {now.set_aside} skipped" if now.set_aside else ""
     words += f"; {duration_words(now.stamp_s - now.started_s)} so far"
     return words + (f", about {duration_words(now.left_s)} left" if now.left_s else "")

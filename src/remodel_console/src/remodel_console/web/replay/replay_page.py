@@ -18,7 +18,6 @@ from remodel_console.web.replay.run_list import RunList
 from remodel_console.web.replay.scrubber import Scrubber
 from remodel_console.web.replay.value_plots import ValuePlots
 
-_ROOM = (700.0, 420.0)  # for the drawing on a common screen [pixels]
 _SHOWN_REASONS = 20  # the latest until the moment
 
 
@@ -46,7 +45,6 @@ class ReplayPage(Page):
                     self.console,
                     "State machine of the behavior",
                     "No behavior of this task has run yet.",
-                    _ROOM,
                 )
             self._scrubber = Scrubber(self._show_moment)
             with ui.element("aside").classes("panel").props('tabindex="0" aria-label="Moment"'):

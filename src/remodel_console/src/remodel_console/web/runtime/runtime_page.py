@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from nicegui import background_tasks, ui
 
-from flexbe_synthesizer.core.chart.model import Chart
 from remodel_console.core.run.order import Hold, Order, Pause, Release, Repeat, Resume, Switch
 from remodel_console.core.run.run_view import Phase, RunView
 from remodel_console.core.run.run_words import state_words
@@ -15,7 +14,6 @@ from remodel_console.web.log_pane import LogPane
 from remodel_console.web.page import Page
 from remodel_console.web.runtime.run_panel import RunPanel
 
-_ROOM = (900.0, 520.0)  # for the drawing on a common screen [pixels]
 _READABLE_S = 0.25  # between two changes of what is there to click
 
 
@@ -31,7 +29,7 @@ class RuntimePage(Page):
 
     def build(self) -> None:
         """Build the drawing, the panel beside it, and the log below."""
-        self._drawn_chart: Chart | None = None
+        self._drawn_version = 0  # how often charts had been saved when it was drawn
         self._newer: Switch | None = None
         self._newer_for: object = None
         self._ran = ""  # name of the behavior that runs, or ran last; empty if it is not known
@@ -46,7 +44,6 @@ class RuntimePage(Page):
                     self.console,
                     "State machine of the behavior",
                     "Choose a behavior on the right to draw its state machine here.",
-                    _ROOM,
                 )
             self._panel = RunPanel(self, self.order)
             with self._panel.area:
@@ -76,16 +73,15 @@ class RuntimePage(Page):
 
     def _draw(self, name: str) -> None:
         """Draw a behavior, unless this version of it is drawn already."""
-        session = self.console.session
-        has_new_version = session.is_saved and session.chart is not self._drawn_chart
-        if name != self._drawing.name or has_new_version:
-            self._drawing.name, self._drawn_chart = name, session.chart
+        version = self.console.sessions.save_count
+        if name != self._drawing.name or version != self._drawn_version:
+            self._drawing.name, self._drawn_version = name, version
             background_tasks.create(self._drawing.draw(name))
 
     def _check_for_newer_version(self, view: RunView) -> None:
         """Check whether the running behavior was saved again, only when that can have changed."""
-        session = self.console.session
-        cause = (view.behavior_id, view.is_supervised, session.chart, session.is_saved)
+        version = self.console.sessions.save_count
+        cause = (view.behavior_id, view.is_supervised, version)
         if cause != self._newer_for:
             self._newer_for = cause
             self._newer = self.console.steering.newer_version()

@@ -1,83 +1,272 @@
-// The drawing of a chart. `draw` gets an SVG that the server made; all else only changes classes and the view box.
-const READABLE = 0.8; // [screen pixels per unit of the drawing] below this, text is too small to read
+// The drawing of a chart, by cytoscape: `draw` gets the parts of it, see core/editor/graph.py; layout.js places them.
+import cytoscape from "/console/vendor/cytoscape.esm.min.mjs";
+import { layOut, HEADER, PADDING } from "/console/layout.js";
+
+const READABLE = 0.6; // [screen pixels per unit of the drawing] below this, text is too small to read
 const LARGEST = 3.0;
 const REST_MS = 400; // between two moves of the drawing after what is active
+const LINGER_MS = 300; // for which the outcomes of a state stay after the pointer has left it
+const FONT = "12px Helvetica, Arial, sans-serif";
+const LINE = 15; // height of a line of text
+const GRID = 10; // on which states are placed by hand
+const NODE_TYPE = "application/x-remodel-node"; // of what is dragged from the library
+const BADGE = (colour, text) => `data:image/svg+xml;utf8,${encodeURIComponent(
+  `<svg xmlns="http://www.w3.org/2000/svg" width="18" height="18"><circle cx="9" cy="9" r="8" fill="${colour}"/>`
+  + `<text x="9" y="13" font-family="Helvetica,Arial" font-size="12" font-weight="bold" fill="#fff" text-anchor="middle">${text}</text></svg>`)}`;
+
+const pen = document.createElement("canvas").getContext("2d");
+pen.font = FONT;
+const widths = new Map();
+const widthOf = (text) => {
+  if (!widths.has(text)) widths.set(text, Math.max(...text.split("\n").map((line) => pen.measureText(line).width)));
+  return widths.get(text);
+};
+cytoscape.warnings(false); // of arrows that cannot be drawn before all has its place
+const pathsOf = (elements) => elements.map((one) => one.data("path"));
 
 export default {
   template: `
     <div class="canvas-frame" tabindex="0" role="group" :aria-label="label" @keydown="key">
-      <div ref="stage" class="canvas-stage" @wheel.prevent="wheel" @pointerdown="down" @pointermove="move"
-           @pointerup="up" @pointercancel="up"></div>
-      <div ref="map" class="canvas-map" @pointerdown="jump"></div>
+      <div ref="stage" class="canvas-stage" @dragover="over" @drop="drop"></div>
+      <svg class="canvas-rubber" aria-hidden="true"><line ref="rubber"/></svg>
+      <div ref="handles" class="canvas-handles" @pointerenter="linger" @pointerleave="leave"></div>
+      <div ref="map" class="canvas-map" aria-hidden="true" @pointerdown="jump"><img ref="small" alt=""><i ref="window"></i></div>
       <div class="canvas-tools">
+        <button v-if="editable" type="button" title="Data flow" aria-label="Data flow" aria-pressed="false" ref="flow" @click="showFlow">⇢</button>
+        <button type="button" title="Download the picture" aria-label="Download the picture" @click="picture">⤓</button>
         <button type="button" title="Zoom in (+)" aria-label="Zoom in" @click="zoom(1.25)">+</button>
         <button type="button" title="Zoom out (−)" aria-label="Zoom out" @click="zoom(0.8)">−</button>
         <button type="button" title="Show all (0)" aria-label="Show all" @click="fit">⤢</button>
       </div>
+      <ul ref="outline" class="canvas-outline" aria-label="States and transitions"></ul>
     </div>`,
-  props: { label: String },
+  props: { label: String, editable: Boolean },
   mounted() {
-    this.pointers = new Map();
     this.active = "";
     this.passed = new Set();
     this.asked = false;
+    this.wanted = [];
     this.restsUntil = 0;
+    this.turn = 0;
+    this.dragged = new Set(); // containers in which something was moved
+    this.cy = cytoscape({
+      container: this.$refs.stage, style: this.style(), minZoom: 0.04, maxZoom: LARGEST, autoungrabify: !this.editable,
+      boxSelectionEnabled: this.editable, selectionType: "single", textureOnViewport: false,
+    });
+    this.$el.drawing = this; // for tests, which look up where something is drawn
+    this.watch();
     this.resized = new ResizeObserver(() => this.resize());
     this.resized.observe(this.$refs.stage);
+    this.themed = new MutationObserver(() => this.cy.style(this.style()));
+    this.themed.observe(document.body, { attributes: true, attributeFilter: ["class"] });
   },
   beforeUnmount() {
     this.resized.disconnect();
+    this.themed.disconnect();
     clearTimeout(this.later);
+    clearTimeout(this.leaving);
+    this.cy.destroy();
   },
   methods: {
-    draw(svg, keepsView) {
-      const stage = this.$refs.stage;
-      const before = this.view;
-      stage.innerHTML = svg;
-      this.svg = stage.querySelector("svg");
-      if (!this.svg) {
-        this.$refs.map.replaceChildren();
-        this.groups = undefined;
-        return;
+    watch() {
+      const cy = this.cy;
+      cy.on("tap", (event) => {
+        if (event.target === cy) cy.$(":selected").unselect();
+        setTimeout(() => this.picked(event.target === cy ? "" : event.target.data("pick")));
+      });
+      cy.on("boxend", () => setTimeout(() => this.picked()));
+      if (!this.editable) return;
+      cy.on("mouseover", "node", (event) => this.showHandles(event.target));
+      cy.on("mouseout", "node", () => this.leave());
+      cy.on("pan zoom", () => this.placeHandles());
+      cy.on("drag", "node", (event) => {
+        event.target.union(event.target.descendants()).connectedEdges(".routed").removeClass("routed");
+        this.placeHandles();
+      });
+      cy.on("dragfreeon", "node", (event) => {
+        this.dragged.add(event.target.data("parent"));
+        clearTimeout(this.freed);
+        this.freed = setTimeout(() => this.moved()); // once, if several were moved
+      });
+    },
+    picked(around) { // what is selected now; a start or an end means what is around it
+      const chosen = pathsOf(this.cy.$("node:selected").filter((one) => one.data("selectable")));
+      this.wanted = chosen;
+      this.$emit("pick", chosen.length ? chosen : around ? [around] : []);
+    },
+
+    // Drawing
+
+    async draw(graph, keepsView) {
+      const began = performance.now();
+      const turn = (this.turn += 1);
+      for (const node of graph.nodes) this.measure(node);
+      for (const edge of graph.edges) {
+        edge.width = edge.label ? widthOf(edge.label) + 8 : 0;
+        edge.height = edge.label ? edge.label.split("\n").length * LINE : 0;
       }
-      const [, , width, height] = this.svg.getAttribute("viewBox").split(" ").map(Number);
-      this.size = { width, height };
-      this.svg.removeAttribute("width");
-      this.svg.removeAttribute("height");
-      this.svg.setAttribute("preserveAspectRatio", "xMidYMid meet");
-      this.centre();
-      const map = this.svg.cloneNode(true);
-      this.$refs.map.replaceChildren(map);
-      this.frame = document.createElementNS("http://www.w3.org/2000/svg", "rect");
-      this.frame.setAttribute("class", "canvas-view");
-      map.append(this.frame);
-      this.groups = new Map();
-      for (const group of this.$el.querySelectorAll("g[data-path]")) {
-        const path = group.dataset.path;
-        if (!this.groups.has(path)) this.groups.set(path, []);
-        this.groups.get(path).push(group);
-      }
-      if (keepsView && before) {
-        this.view = before;
-        this.show();
-      } else {
-        this.open();
-      }
+      const found = await layOut(graph);
+      if (turn !== this.turn) return; // another drawing has come meanwhile
+      const cy = this.cy;
+      const keeps = keepsView && cy.elements().nonempty() && !this.seesAll(); // what was seen whole stays so
+      const handled = cy.getElementById(this.handled || "").data("path");
+      this.scopes = found.scopes;
+      this.name = graph.name;
+      cy.startBatch();
+      cy.elements().remove();
+      this.hideHandles();
+      cy.add(this.elements(graph, found.boxes));
+      cy.endBatch();
+      this.route(graph, found.routes);
+      if (graph.nodes.length && !keeps) this.open();
+      this.byPath = new Map();
+      for (const node of cy.nodes()) this.byPath.set(node.data("path"), node);
+      this.outline(graph);
       this.marked = new Map();
-      this.select(this.selected || "");
       this.lightUp(this.active, [...this.passed], true, this.asked);
-      if (this.active) this.reveal(this.active);
+      this.select(this.wanted, false);
+      if (handled && this.byPath.has(handled)) this.showHandles(this.byPath.get(handled));
+      this.drawMap();
+      this.$el.dataset.drawn = String(graph.nodes.length);
+      requestAnimationFrame(() => setTimeout(() => {
+        this.$el.dataset.drawnMs = (performance.now() - began).toFixed(0);
+      }));
     },
-    centre() { // Graphviz only estimates the width of texts
-      for (const node of this.svg.querySelectorAll("g.node")) {
-        const shape = node.querySelector("path, polygon, ellipse");
-        const { x, width } = shape.getBBox();
-        for (const text of node.querySelectorAll("text")) {
-          text.setAttribute("text-anchor", "middle");
-          text.setAttribute("x", x + width / 2);
-        }
+    measure(node) {
+      const text = node.kind === "outcome" || node.kind === "missing" ? node.name : `${node.name}\n${node.type}`;
+      node.label = node.kind === "start" ? "" : node.container ? `${node.name}${node.type ? `  (${node.type})` : ""}` : text.trim();
+      const lines = node.label.split("\n").length;
+      node.width = node.kind === "start" ? 14 : Math.ceil(widthOf(node.label)) + 28;
+      node.height = node.kind === "start" ? 14 : lines * LINE + 14;
+    },
+    elements(graph, boxes) {
+      const nodes = graph.nodes.map((node) => {
+        const { x, y, width, height } = boxes.get(node.id);
+        const isState = !["start", "outcome", "missing"].includes(node.kind);
+        return {
+          group: "nodes",
+          data: { ...node, parent: node.parent ?? undefined, width, height, selectable: isState, at: undefined },
+          position: { x: x + width / 2, y: y + height / 2 },
+          selectable: isState, grabbable: node.kind !== "start" && node.kind !== "missing",
+          classes: [node.kind, node.container ? "container" : "", node.failure ? "failure" : "",
+            node.errors ? "error" : node.warnings ? "warning" : ""].filter(Boolean).join(" "),
+        };
+      });
+      const edges = graph.edges.map((edge) => ({
+        group: "edges", selectable: false, data: { ...edge, width: undefined, height: undefined },
+        classes: [edge.failure ? "failure" : "", edge.autonomy ? `autonomy-${edge.autonomy}` : ""].filter(Boolean).join(" "),
+      }));
+      const flows = (graph.flows || []).map((flow, place) => ({
+        group: "edges", selectable: false, data: { ...flow, id: `f${place}`, pick: "" }, classes: this.flowing ? "flow" : "flow hidden",
+      }));
+      return [...nodes, ...edges, ...flows];
+    },
+    route(graph, routes) { // the arrows as the layout has led them
+      const middles = new Map(this.cy.nodes(":parent").map((node) => {
+        const { x1, y1, x2, y2 } = node.boundingBox({ includeLabels: false, includeOverlays: false });
+        return [node.id(), { x: (x1 + x2) / 2, y: (y1 + y2) / 2 }];
+      }));
+      const middle = (node) => middles.get(node.id()) || node.position();
+      this.cy.startBatch();
+      for (const edge of graph.edges) {
+        const points = routes.get(edge.id);
+        if (!points) continue;
+        const one = this.cy.getElementById(edge.id);
+        const from = middle(one.source());
+        const to = middle(one.target());
+        const [first, last] = [points[0], points.at(-1)];
+        const [dx, dy] = [last.x - first.x, last.y - first.y];
+        const length2 = dx * dx + dy * dy;
+        if (!length2) continue;
+        const length = Math.sqrt(length2);
+        const bends = points.slice(1, -1).map(({ x, y }) => [x - first.x, y - first.y]);
+        one.data({
+          from: `${first.x - from.x}px ${first.y - from.y}px`, to: `${last.x - to.x}px ${last.y - to.y}px`,
+          weights: bends.map(([x, y]) => (x * dx + y * dy) / length2).join(" ") || "0.5",
+          distances: bends.map(([x, y]) => (x * -dy + y * dx) / length).join(" ") || "0",
+        });
+        one.addClass("routed");
       }
+      this.cy.endBatch();
     },
+    outline(graph) { // the drawing in words, for who cannot see it
+      const item = document.createElement("li");
+      this.items = new Map();
+      this.$refs.outline.replaceChildren(...graph.nodes.filter((node) => node.kind !== "start").map((node) => {
+        const line = item.cloneNode();
+        line.className = node.container ? "cluster" : node.kind === "outcome" ? "end" : "node";
+        line.dataset.path = node.path;
+        line.dataset.kind = node.kind;
+        line.dataset.problems = String((node.errors || 0) + (node.warnings || 0));
+        line.textContent = `${node.path}${node.type ? `: ${node.type}` : ""}`;
+        if (node.kind !== "outcome") this.items.set(node.path, line);
+        return line;
+      }), ...graph.edges.filter((edge) => edge.label).map((edge) => {
+        const line = item.cloneNode();
+        line.className = "edge";
+        Object.assign(line.dataset, { source: edge.from, target: edge.to, autonomy: edge.autonomy || "" });
+        line.textContent = `${edge.from}: ${edge.label.replaceAll("\n", ", ")} leads to ${edge.to}`;
+        return line;
+      }), ...(graph.flows || []).map((flow) => {
+        const line = item.cloneNode();
+        line.className = "flow";
+        line.textContent = `${flow.from}: ${flow.label} is read by ${flow.to}`;
+        return line;
+      }));
+    },
+    style() {
+      const of = getComputedStyle(document.body);
+      const colour = (name) => of.getPropertyValue(`--${name}`).trim();
+      const autonomy = { low: colour("autonomy-low"), high: colour("autonomy-high"), full: colour("autonomy-full") };
+      const edge = (line, more) => ({ "line-color": line, "target-arrow-color": line, color: line, ...more });
+      const box = (fill, line, width = 1.4) => ({ "background-color": fill, "border-color": line, "border-width": width });
+      return [
+        { selector: "node", style: {
+          shape: "round-rectangle", width: "data(width)", height: "data(height)", label: "data(label)", color: colour("ink"), "font-family": "Helvetica, Arial, sans-serif",
+          "font-size": 12, "line-height": 1.25, "text-wrap": "wrap", "text-valign": "center", "min-zoomed-font-size": 4, "overlay-opacity": 0,
+          ...box(colour("state-fill"), colour("state-line")),
+        } },
+        { selector: "node.behavior", style: box(colour("behavior-fill"), colour("behavior-line")) },
+        { selector: "node.closed", style: { ...box(colour("box-fill"), colour("soft")), "border-style": "double", "border-width": 3 } },
+        { selector: "node.missing", style: { ...box(colour("bad-fill"), colour("bad")), "border-style": "dashed" } },
+        { selector: "node.outcome", style: { ...box(colour("success-fill"), colour("success-line")), "corner-radius": 18 } },
+        { selector: "node.outcome.failure", style: box(colour("failure-fill"), colour("failure")) },
+        { selector: "node.start", style: { shape: "ellipse", "background-color": colour("ink"), "border-width": 0 } },
+        { selector: "node.container", style: {
+          ...box(colour("box-fill"), colour("soft"), 1.2), padding: PADDING, "text-valign": "top", "text-margin-y": -2, "font-weight": "bold",
+          "compound-sizing-wrt-labels": "exclude", width: 40, height: 20,
+        } },
+        { selector: "node.concurrency", style: { "border-style": "dashed" } },
+        { selector: "node.priority", style: { "border-style": "double", "border-width": 3 } },
+        { selector: "edge", style: {
+          width: 1.3, "curve-style": "bezier", "target-arrow-shape": "triangle", "arrow-scale": 0.9, label: "data(label)", "font-size": 11, "line-height": 1.2,
+          "text-wrap": "wrap", "font-family": "Helvetica, Arial, sans-serif", "text-background-color": colour("ground"), "text-background-opacity": 0.85,
+          "text-background-padding": 1, "min-zoomed-font-size": 5, "overlay-opacity": 0, "control-point-step-size": 36, ...edge(colour("ink")),
+        } },
+        { selector: "edge.failure", style: edge(colour("failure"), { "line-style": "dashed" }) },
+        ...Object.entries(autonomy).map(([level, line]) => ({ selector: `edge.autonomy-${level}`, style: edge(line, { width: 2.4 }) })),
+        { selector: "edge.routed", style: {
+          "curve-style": "round-segments", "edge-distances": "endpoints", "segment-weights": "data(weights)", "segment-distances": "data(distances)",
+          "segment-radii": 8, "source-endpoint": "data(from)", "target-endpoint": "data(to)",
+        } },
+        { selector: "edge.flow", style: edge(colour("flow"), { "line-style": "dotted", width: 2, "curve-style": "unbundled-bezier", "control-point-distances": 40, "control-point-weights": 0.5 }) },
+        { selector: ".hidden", style: { display: "none" } },
+        ...[["error", colour("bad"), "!"], ["warning", colour("warn-line"), "?"]].map(([kind, line, text]) => ({ selector: `node.${kind}`, style: {
+          "border-color": line, "border-width": 2, "background-image": BADGE(line, text), "background-width": 18, "background-height": 18, "background-fit": "none",
+          "background-position-x": "100%", "background-position-y": "0%", "background-offset-x": 7, "background-offset-y": -7, "background-clip": "none",
+          "background-image-containment": "over", "bounds-expansion": 8,
+        } })),
+        { selector: "node.passed", style: box(colour("passed-fill"), colour("lit")) },
+        { selector: "node.around", style: { "border-color": colour("lit"), "border-width": 2 } },
+        { selector: "node.active", style: box(colour("lit-fill"), colour("lit"), 3) },
+        { selector: "node.asked", style: box(colour("asked-fill"), colour("asked-line"), 3) },
+        { selector: "node.target", style: { "border-color": colour("good"), "border-width": 3 } },
+        { selector: "node:selected", style: { "border-color": colour("accent"), "border-width": 3 } },
+      ];
+    },
+
+    // What is active, what is selected
+
     light(active, passed, isNewRun, asked) {
       this.lightUp(active, passed, isNewRun, asked);
       requestAnimationFrame(() => setTimeout(() => this.$emit("painted"))); // a hidden page paints nothing
@@ -87,150 +276,128 @@ export default {
       const hasMoved = active && active !== this.active;
       this.active = active;
       this.asked = asked;
-      if (!this.groups) return;
+      if (!this.byPath) return;
       const parts = active ? active.split("/") : [];
       const around = parts.slice(0, -1).map((_, end) => parts.slice(0, end + 1).join("/"));
-      this.mark("active", active ? [active] : []);
-      this.mark("around", around);
-      this.mark("asked", active && asked ? [active] : []);
-      if (isNewRun) this.mark("passed", passed);
-      else for (const path of passed) this.add("passed", path);
+      this.cy.batch(() => {
+        this.mark("active", active ? [active] : []);
+        this.mark("around", around);
+        this.mark("asked", active && asked ? [active] : []);
+        if (isNewRun) this.mark("passed", passed);
+        else for (const path of passed) this.add("passed", path);
+      });
       this.$el.dataset.active = active;
       if (hasMoved) this.reveal(active);
     },
-    select(path) {
-      this.selected = path;
-      if (!this.groups) return;
-      this.mark("selected", path ? [path] : []);
-      if (path) this.reveal(path);
+    select(paths, reveals = true) {
+      this.wanted = paths;
+      if (!this.byPath) return;
+      const chosen = new Set(paths);
+      this.cy.batch(() => {
+        for (const node of this.cy.$("node:selected")) if (!chosen.has(node.data("path"))) node.unselect();
+        for (const path of paths) this.byPath.get(path)?.select();
+      });
+      this.mark("selected", paths);
+      if (paths.length && reveals) this.reveal(paths[0]);
+      const only = paths.length === 1 && this.byPath.get(paths[0]);
+      if (only && this.editable) this.showHandles(only);
+      else this.hideHandles();
     },
     mark(name, paths) {
-      for (const group of this.marked.get(name) || []) group.classList.remove(name);
+      for (const path of this.marked.get(name) || []) {
+        this.byPath.get(path)?.removeClass(name);
+        this.items.get(path)?.classList.remove(name);
+      }
       this.marked.set(name, []);
       for (const path of paths) this.add(name, path);
     },
     add(name, path) {
-      for (const group of this.groups.get(path) || []) {
-        group.classList.add(name);
-        this.marked.get(name).push(group);
-      }
+      if (!this.byPath.has(path)) return;
+      this.byPath.get(path).addClass(name);
+      this.items.get(path)?.classList.add(name);
+      this.marked.get(name).push(path);
     },
-    scale() {
-      return this.$refs.stage.clientWidth / this.view.width;
-    },
+
+    // The view
+
     resize() {
-      if (!this.svg || !this.$refs.stage.clientWidth) return;
-      const { clientWidth, clientHeight } = this.$refs.stage;
-      if (this.view && this.ratio) this.view.height = (this.view.width * clientHeight) / clientWidth;
-      else this.open();
-      this.show();
+      this.cy.resize();
+      if (this.cy.elements().nonempty() && !this.isOpen) this.open();
+      this.drawMap();
     },
-    open() { // whole if that can be read, else the top of it
-      const { clientWidth, clientHeight } = this.$refs.stage;
-      if (!clientWidth) return;
-      const whole = Math.min(clientWidth / this.size.width, clientHeight / this.size.height, 1.25);
-      const scale = Math.max(whole, READABLE);
-      const width = clientWidth / scale;
-      const height = clientHeight / scale;
-      const start = this.svg.querySelector("g.node");
-      const box = start ? this.boxOf(start) : { x: this.size.width / 2, y: 0, width: 0, height: 0 };
-      const within = (middle, part, all) => (part >= all ? (all - part) / 2 : Math.min(Math.max(middle - part / 2, 0), all - part));
-      const x = within(box.x + box.width / 2, width, this.size.width);
-      const y = within(box.y + box.height / 2, height, this.size.height);
-      this.view = { x, y, width, height };
-      this.ratio = true;
-      this.show();
+    open() { // whole if that can be read, else its beginning
+      const cy = this.cy;
+      if (!cy.width() || cy.elements().empty()) return;
+      this.isOpen = true;
+      cy.fit(undefined, 24);
+      if (cy.zoom() > 1.25) cy.zoom({ level: 1.25, renderedPosition: { x: cy.width() / 2, y: cy.height() / 2 } });
+      if (cy.zoom() < READABLE) {
+        cy.zoom(READABLE);
+        const box = cy.elements().boundingBox();
+        const start = cy.$("node.start").first();
+        const middle = start.nonempty() ? start.position() : { x: box.x1, y: box.y1 };
+        const within = (at, from, to, size) => (to - from < size ? (size - from - to) / 2 : Math.min(24 - from, Math.max(size - 24 - to, size / 2 - at)));
+        cy.pan({
+          x: within(middle.x * READABLE, box.x1 * READABLE, box.x2 * READABLE, cy.width()),
+          y: within(middle.y * READABLE, box.y1 * READABLE, box.y2 * READABLE, cy.height()),
+        });
+      }
+      this.showMap();
     },
     fit() {
-      if (!this.svg) return;
-      const { clientWidth, clientHeight } = this.$refs.stage;
-      const scale = Math.min(clientWidth / this.size.width, clientHeight / this.size.height, 1.25);
-      const width = clientWidth / scale;
-      const height = clientHeight / scale;
-      this.view = { x: (this.size.width - width) / 2, y: (this.size.height - height) / 2, width, height };
-      this.show();
-    },
-    show() {
-      const { x, y, width, height } = this.view;
-      this.svg.setAttribute("viewBox", `${x} ${y} ${width} ${height}`);
-      const covers = x <= 0 && y <= 0 && x + width >= this.size.width && y + height >= this.size.height;
-      this.$refs.map.style.display = covers ? "none" : "";
-      for (const [name, value] of Object.entries(this.view)) this.frame.setAttribute(name, value);
-    },
-    zoom(factor, at) {
-      if (!this.svg) return;
-      const now = this.scale();
-      const whole = Math.min(this.$refs.stage.clientWidth / this.size.width, this.$refs.stage.clientHeight / this.size.height);
-      const next = Math.min(LARGEST, Math.max(Math.min(whole, 1) * 0.8, now * factor));
-      const { x, y, width, height } = this.view;
-      const to = at || { x: x + width / 2, y: y + height / 2 };
-      const ratio = now / next;
-      this.view = { x: to.x - (to.x - x) * ratio, y: to.y - (to.y - y) * ratio, width: width * ratio, height: height * ratio };
-      this.show();
-    },
-    point(event) { // of the screen, in units of the drawing
-      const box = this.$refs.stage.getBoundingClientRect();
-      return { x: this.view.x + (event.clientX - box.x) / this.scale(), y: this.view.y + (event.clientY - box.y) / this.scale() };
-    },
-    wheel(event) {
-      if (this.svg) this.zoom(Math.exp(-event.deltaY / 400), this.point(event));
-    },
-    down(event) {
-      this.pointers.set(event.pointerId, { x: event.clientX, y: event.clientY });
-      this.travelled = 0;
-    },
-    move(event) {
-      const last = this.pointers.get(event.pointerId);
-      if (!last || !this.svg) return;
-      const now = { x: event.clientX, y: event.clientY };
-      if (this.pointers.size === 2) {
-        const other = [...this.pointers].find(([id]) => id !== event.pointerId)[1];
-        const spread = (a) => Math.hypot(a.x - other.x, a.y - other.y) || 1;
-        this.zoom(spread(now) / spread(last), this.point({ clientX: other.x, clientY: other.y }));
-      } else {
-        this.travelled += Math.hypot(now.x - last.x, now.y - last.y);
-        if (this.travelled > 4) this.$refs.stage.setPointerCapture(event.pointerId);
-        this.view.x -= (now.x - last.x) / this.scale();
-        this.view.y -= (now.y - last.y) / this.scale();
-        this.show();
+      this.cy.fit(undefined, 24);
+      if (this.cy.zoom() > 1.25) {
+        this.cy.zoom(1.25);
+        this.cy.center();
       }
-      this.pointers.set(event.pointerId, now);
+      this.showMap();
     },
-    up(event) {
-      const was = this.pointers.delete(event.pointerId);
-      if (!was || event.type === "pointercancel" || this.travelled > 4) return;
-      const group = event.target.closest("g[data-path]");
-      this.$emit("pick", group ? group.dataset.path : "");
+    zoom(factor) {
+      this.cy.zoom({ level: this.cy.zoom() * factor, renderedPosition: { x: this.cy.width() / 2, y: this.cy.height() / 2 } });
+    },
+    drawMap() {
+      if (!this.isOpen || this.cy.elements().empty()) {
+        this.$refs.map.style.display = "none";
+        return;
+      }
+      clearTimeout(this.mapping);
+      this.mapping = setTimeout(() => {
+        this.$refs.small.src = this.cy.png({ full: true, maxWidth: 260, maxHeight: 260 });
+        this.showMap();
+      }, REST_MS);
+      this.cy.off("pan zoom", this.showMap).on("pan zoom", this.showMap);
+    },
+    seesAll() {
+      const box = this.cy.elements().boundingBox();
+      const view = this.cy.extent();
+      return view.x1 <= box.x1 && view.y1 <= box.y1 && view.x2 >= box.x2 && view.y2 >= box.y2;
+    },
+    showMap() { // where the view is in the whole; not if all is seen
+      const box = this.cy.elements().boundingBox();
+      const view = this.cy.extent();
+      this.$refs.map.style.display = this.seesAll() ? "none" : "block";
+      const share = (at, from, to) => Math.min(100, Math.max(0, (100 * (at - from)) / (to - from)));
+      const [left, top] = [share(view.x1, box.x1, box.x2), share(view.y1, box.y1, box.y2)];
+      Object.assign(this.$refs.window.style, {
+        left: `${left}%`, top: `${top}%`, width: `${share(view.x2, box.x1, box.x2) - left}%`, height: `${share(view.y2, box.y1, box.y2) - top}%`,
+      });
     },
     jump(event) {
-      const box = this.$refs.map.firstChild.getBoundingClientRect();
-      const scale = this.size.width / box.width;
-      this.view.x = (event.clientX - box.x) * scale - this.view.width / 2;
-      this.view.y = (event.clientY - box.y) * scale - this.view.height / 2;
-      this.show();
+      const frame = this.$refs.map.getBoundingClientRect();
+      const box = this.cy.elements().boundingBox();
+      const x = box.x1 + ((event.clientX - frame.x) / frame.width) * box.w;
+      const y = box.y1 + ((event.clientY - frame.y) / frame.height) * box.h;
+      this.cy.pan({ x: this.cy.width() / 2 - x * this.cy.zoom(), y: this.cy.height() / 2 - y * this.cy.zoom() });
     },
     key(event) {
-      if (!this.svg) return;
-      const step = this.view.width / 10;
+      const move = (x, y) => this.cy.panBy({ x, y });
       const deeds = {
         "+": () => this.zoom(1.25), "=": () => this.zoom(1.25), "-": () => this.zoom(0.8), 0: () => this.fit(),
-        ArrowLeft: () => (this.view.x -= step), ArrowRight: () => (this.view.x += step),
-        ArrowUp: () => (this.view.y -= step), ArrowDown: () => (this.view.y += step),
+        ArrowLeft: () => move(60, 0), ArrowRight: () => move(-60, 0), ArrowUp: () => move(0, 60), ArrowDown: () => move(0, -60),
       };
       if (!deeds[event.key] || event.ctrlKey || event.altKey || event.metaKey) return;
       event.preventDefault();
       deeds[event.key]();
-      this.show();
-    },
-    boxOf(group) { // in units of the view box; Graphviz moves its whole graph
-      const box = group.getBBox();
-      const graph = this.svg.querySelector("g.graph").transform.baseVal;
-      let x = 0, y = 0;
-      for (let index = 0; index < graph.numberOfItems; index += 1) {
-        x += graph.getItem(index).matrix.e;
-        y += graph.getItem(index).matrix.f;
-      }
-      return { x: box.x + x, y: box.y + y, width: box.width, height: box.height };
     },
     reveal(path) { // not so often that an operator cannot follow; the last one always
       clearTimeout(this.later);
@@ -240,18 +407,177 @@ export default {
         return;
       }
       this.restsUntil = now + REST_MS;
-      const group = (this.groups.get(path) || []).find((one) => this.svg.contains(one));
-      if (!group) return;
-      const box = this.boxOf(group);
-      const { x, y, width, height } = this.view;
-      const nearest = (start, length, from, size) => { // the least move that shows it, with some room around it
-        const room = Math.min(30, Math.max(0, (length - size) / 2));
-        if (from < start + room) return from - room;
-        return Math.max(start, from + size + room - length);
+      const node = this.byPath.get(path);
+      if (!node) return;
+      const box = node.renderedBoundingBox();
+      const nearest = (from, to, size) => { // the least move that shows it, with some room around it
+        const room = Math.min(40, Math.max(0, (size - (to - from)) / 2));
+        return from < room ? room - from : to > size - room ? Math.max(size - room - to, room - from) : 0;
       };
-      this.view.x = nearest(x, width, box.x, box.width);
-      this.view.y = nearest(y, height, box.y, box.height);
-      this.show();
+      this.cy.panBy({ x: nearest(box.x1, box.x2, this.cy.width()), y: nearest(box.y1, box.y2, this.cy.height()) });
+    },
+    where(path) { // on the page
+      const node = this.byPath?.get(path);
+      if (!node) return null;
+      const box = this.$refs.stage.getBoundingClientRect();
+      const own = node.renderedBoundingBox({ includeLabels: false, includeOverlays: false });
+      const top = node.isParent() ? own.y1 + 6 : (own.y1 + own.y2) / 2;
+      return { x: box.x + (node.isParent() ? own.x1 + 8 : (own.x1 + own.x2) / 2), y: box.y + top };
+    },
+    scale() {
+      return this.cy.zoom();
+    },
+    showFlow() {
+      this.flowing = !this.flowing;
+      this.$refs.flow.setAttribute("aria-pressed", String(this.flowing));
+      this.cy.edges(".flow").toggleClass("hidden", !this.flowing);
+    },
+    async picture() {
+      const ground = getComputedStyle(document.body).getPropertyValue("--ground").trim();
+      const blob = await this.cy.png({ full: true, scale: 2, bg: ground, maxWidth: 8000, maxHeight: 8000, output: "blob-promise" });
+      const link = document.createElement("a");
+      link.href = URL.createObjectURL(blob);
+      link.download = `${this.name || "chart"}.png`;
+      link.click();
+      setTimeout(() => URL.revokeObjectURL(link.href), 1000);
+    },
+
+    // Editing: outcomes to drag, states to move, states from the library
+
+    showHandles(node) {
+      this.linger();
+      const events = node.data("events") || [];
+      if (this.pulled || this.handled === node.id()) return;
+      this.handled = node.id();
+      this.$refs.handles.replaceChildren(...events.map(({ event, target }) => {
+        const handle = document.createElement("button");
+        handle.type = "button";
+        handle.textContent = event;
+        handle.className = target ? "handle" : "handle open";
+        handle.title = target ? `'${event}' leads to '${target}'; drag it to lead it elsewhere` : `Drag '${event}' to where it leads`;
+        handle.setAttribute("aria-label", `Outcome ${event} of ${node.data("name")}`);
+        handle.onpointerdown = (down) => this.pull(down, node, event, handle);
+        return handle;
+      }));
+      this.placeHandles();
+    },
+    placeHandles() {
+      const node = this.handled && this.cy.getElementById(this.handled);
+      const isShown = Boolean(node && node.nonempty() && this.$refs.handles.childElementCount);
+      this.$refs.handles.style.display = isShown ? "block" : "none";
+      if (!isShown) return;
+      const box = node.renderedBoundingBox({ includeLabels: false, includeOverlays: false });
+      Object.assign(this.$refs.handles.style, { left: `${(box.x1 + box.x2) / 2}px`, top: `${box.y2}px` });
+    },
+    hideHandles() {
+      this.handled = undefined;
+      this.$refs.handles.replaceChildren();
+      this.$refs.handles.style.display = "none";
+    },
+    linger() {
+      clearTimeout(this.leaving);
+    },
+    leave() { // the outcomes of the selected state stay
+      clearTimeout(this.leaving);
+      this.leaving = setTimeout(() => {
+        if (this.pulled) return;
+        const selected = this.cy.$("node:selected");
+        this.hideHandles();
+        if (selected.length === 1) this.showHandles(selected[0]);
+      }, LINGER_MS);
+    },
+    pull(down, node, event, handle) { // an outcome to where it leads
+      down.preventDefault();
+      handle.setPointerCapture(down.pointerId);
+      this.pulled = true;
+      const frame = this.$refs.stage.getBoundingClientRect();
+      const line = this.$refs.rubber;
+      const [x1, y1] = [down.clientX - frame.x, down.clientY - frame.y];
+      let target;
+      handle.onpointermove = (move) => {
+        const [x2, y2] = [move.clientX - frame.x, move.clientY - frame.y];
+        for (const [name, value] of Object.entries({ x1, y1, x2, y2 })) line.setAttribute(name, value);
+        line.style.display = "block";
+        const found = this.targetAt(x2, y2, node);
+        if (found?.id() !== target?.id()) {
+          target?.removeClass("target");
+          found?.addClass("target");
+          target = found;
+        }
+      };
+      const end = () => {
+        handle.onpointermove = handle.onpointerup = handle.onpointercancel = null;
+        line.style.display = "none";
+        target?.removeClass("target");
+        this.pulled = false;
+      };
+      handle.onpointercancel = end;
+      handle.onpointerup = () => {
+        end();
+        if (target) this.$emit("connect", { path: node.data("path"), event, target: target.data("name") });
+        this.leave();
+      };
+    },
+    at(x, y) { // the innermost node at a point of the stage
+      const { x: left, y: top } = this.cy.pan();
+      const [mx, my] = [(x - left) / this.cy.zoom(), (y - top) / this.cy.zoom()];
+      let found;
+      for (const node of this.cy.nodes()) {
+        const box = this.boxOf(node);
+        const isIn = mx >= box.x1 && mx <= box.x2 && my >= box.y1 && my <= box.y2;
+        if (isIn && (!found || (box.x2 - box.x1) * (box.y2 - box.y1) < found.area)) found = { node, area: (box.x2 - box.x1) * (box.y2 - box.y1) };
+      }
+      return { node: found?.node, x: mx, y: my };
+    },
+    targetAt(x, y, source) { // a state or an outcome beside the source
+      let { node } = this.at(x, y);
+      const parent = source.data("parent");
+      while (node && node.nonempty() && node.data("parent") !== parent) node = node.parent();
+      return node && node.nonempty() && !["start", "missing"].includes(node.data("kind")) ? node : undefined;
+    },
+    boxOf(node) { // with the title of a container
+      if (!node.isParent()) {
+        const { x, y } = node.position();
+        const [w, h] = [node.data("width") / 2, node.data("height") / 2];
+        return { x1: x - w, y1: y - h, x2: x + w, y2: y + h };
+      }
+      const { x1, y1, x2, y2 } = node.boundingBox({ includeLabels: false, includeOverlays: false });
+      return { x1, y1: y1 - HEADER, x2, y2 };
+    },
+    moved() { // where all stands in each container in which something was moved
+      for (const parent of this.dragged) this.emitPlaces(parent);
+      this.dragged.clear();
+    },
+    emitPlaces(parent) {
+      const nodes = this.cy.nodes().filter((node) => node.data("parent") === parent && !["start", "missing"].includes(node.data("kind")));
+      const boxes = nodes.map((node) => [node, this.boxOf(node)]);
+      const left = Math.min(...boxes.map(([, box]) => box.x1));
+      const top = Math.min(...boxes.map(([, box]) => box.y1));
+      const places = { states: {}, outcomes: {} };
+      for (const [node, box] of boxes) {
+        const kind = node.data("kind") === "outcome" ? places.outcomes : places.states;
+        kind[node.data("name")] = [snap(box.x1 - left), snap(box.y1 - top)];
+      }
+      this.$emit("moved", { scope: parent ? this.cy.getElementById(parent).data("path") : "", ...places });
+    },
+    over(event) {
+      if (!this.editable || !event.dataTransfer.types.includes(NODE_TYPE)) return;
+      event.preventDefault();
+      event.dataTransfer.dropEffect = "copy";
+    },
+    drop(event) {
+      const what = event.dataTransfer.getData(NODE_TYPE);
+      if (!what || !this.editable) return;
+      event.preventDefault();
+      const frame = this.$refs.stage.getBoundingClientRect();
+      let { node, x, y } = this.at(event.clientX - frame.x, event.clientY - frame.y);
+      while (node && node.nonempty() && !node.data("container")) node = node.parent();
+      const parent = node && node.nonempty() ? node : undefined;
+      const scope = this.scopes?.get(parent?.id() ?? null);
+      const at = scope?.isPlaced ? [snap(x + scope.shift.x - 50), snap(y + scope.shift.y - 20)] : null;
+      this.$emit("dropped", { what, scope: parent?.data("path") || "", at });
     },
   },
 };
+
+const snap = (value) => Math.round(value / GRID) * GRID;

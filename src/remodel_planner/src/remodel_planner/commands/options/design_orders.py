@@ -3,16 +3,12 @@
 from __future__ import annotations
 
 import argparse
+from typing import TYPE_CHECKING
 
-from remodel_planning.core.decomposition.triage import triaged
-from remodel_planning.core.orders.board_order import board_order, kind_of
-from remodel_planning.core.orders.work_order import WorkOrder
-from remodel_planning.core.use_case.model import UseCase
-from remodel_planning.edge.use_case_files import default_use_case, find_use_case
-from remodel_production.core.board.board import board_of
-from remodel_production.core.production import Order
-from remodel_production.edge.catalogue_file import read_catalogue
-from remodel_production.edge.package_files import catalogue_file
+if TYPE_CHECKING:
+    from remodel_planning.core.orders.work_order import WorkOrder
+    from remodel_planning.core.use_case.model import UseCase
+    from remodel_production.core.production import Order
 
 
 def add_design_options(parser: argparse.ArgumentParser) -> None:
@@ -38,6 +34,14 @@ def design_order(stored: Order, options: argparse.Namespace) -> tuple[WorkOrder,
     Raises:
         PlannerError: if the use case takes no designs, or no task of the order is for the robot.
     """
+    # They take longer to load than most problems to plan, and the commands of files need none.
+    from remodel_planning.core.decomposition.triage import triaged
+    from remodel_planning.core.orders.board_order import board_order, kind_of
+    from remodel_planning.edge.use_case_files import default_use_case, find_use_case
+    from remodel_production.core.board.board import board_of
+    from remodel_production.edge.catalogue_file import read_catalogue
+    from remodel_production.edge.package_files import catalogue_file
+
     board = board_of(stored, read_catalogue(catalogue_file()))
     asked = options.use_case
     use_case = find_use_case(asked) if asked else default_use_case(kind_of(board))

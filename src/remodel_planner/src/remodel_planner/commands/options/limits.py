@@ -18,3 +18,11 @@ def seed(text: str) -> int:
     if not 0 <= value < 2**31:
         raise argparse.ArgumentTypeError(f"expected an integer from 0 to 2^31 - 1, found {text}")
     return value
+
+
+def moves(text: str) -> int:
+    """Read a number of moves."""
+    value = int(text)
+    if value < 1:
+        raise argparse.ArgumentTypeError(f"expected a number of moves of at least 1, found {text}")
+    return value

@@ -3,23 +3,34 @@
 from __future__ import annotations
 
 import argparse
+from collections.abc import Callable, Sequence
 from contextlib import closing
 from dataclasses import dataclass
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from remodel_planner.commands.options.database_option import add_database_option
 from remodel_planner.commands.options.design_orders import add_design_options, design_order
-from remodel_planning.core.decomposition.preparation import Prepared, prepare
-from remodel_planning.core.orders.work_order import is_order, order_from
+from remodel_planning.core.orders.order_format import is_order
+from remodel_planning.core.problem.conflict import (
+    Documents,
+    Requirement,
+    keeping,
+    requirements_in,
+    smallest_conflict,
+)
 from remodel_planning.core.problem.defects import require_sound
 from remodel_planning.core.problem.instance import problem_from
 from remodel_planning.core.problem.plan_form import plan_from
 from remodel_planning.core.problem.preferences import Preferred, apply_preferences
 from remodel_planning.core.problem.problem import Plan, Problem
 from remodel_planning.edge.json_file import read_json
-from remodel_planning.edge.use_case_files import find_use_case
 from remodel_planning.edge.yaml_file import read_yaml
-from remodel_production.errors import InstanceError, blamed
+from remodel_production.errors import InfeasibleError, InstanceError, blamed
+
+# What decomposes tasks takes longer to load than a problem to plan, and problems do not need it.
+if TYPE_CHECKING:
+    from remodel_planning.core.decomposition.preparation import Prepared
 
 _YAML = (".yaml", ".yml")
 
@@ -35,6 +46,51 @@ class ProblemFiles:
     def problem(self) -> Problem:
         """The problem with the preferences in it."""
         return self.preferred.problem
+
+
+Build = Callable[[Documents], ProblemFiles]
+
+
+class ConflictError(InfeasibleError):
+    """A problem has no plan; it names requirements that contradict each other or the design.
+
+    Attributes:
+        conflict: a smallest set of requirements that no plan keeps; empty if the design alone has
+            no plan.
+        documents: the preferences of the problem.
+        build: makes the problem with preferences.
+    """
+
+    def __init__(
+        self, text: str, conflict: Sequence[Requirement], documents: Documents, build: Build
+    ) -> None:
+        """Take what the attributes are."""
+        super().__init__(text)
+        self.conflict = tuple(conflict)
+        self.documents = documents
+        self.build = build
+
+    @classmethod
+    def of(cls, error: InfeasibleError, documents: Documents, build: Build) -> ConflictError:
+        """Return the error with a smallest set of requirements that explains it."""
+
+        def has_plan(kept: Sequence[Requirement]) -> bool:
+            try:
+                build(keeping(documents, kept))
+            except InfeasibleError:
+                return False
+            return True
+
+        conflict = smallest_conflict(requirements_in(documents), has_plan)
+        text = str(error)
+        if len(conflict) == 1:
+            text += f"\n  the design contradicts this requirement:\n    {conflict[0]}"
+        elif conflict:
+            lines = "".join(f"\n    {each}" for each in conflict)
+            text += f"\n  no plan keeps all of these {len(conflict)} requirements:{lines}"
+        if conflict:
+            text += "\n  drop one of them; `plan --relax` prints what each would cost"
+        return cls(text, conflict, documents, build)
 
 
 def add_problem_options(parser: argparse.ArgumentParser) -> None:
@@ -74,6 +130,7 @@ def read_problem(options: argparse.Namespace) -> ProblemFiles:
 
     Raises:
         PlannerError: naming the file or the order, and what is wrong where.
+        ConflictError: if it has no plan, with a smallest set of requirements that contradict.
     """
     if (options.instance is None) == (options.order is None):
         raise InstanceError("give either the file of a problem or order, or --order NAME")
@@ -82,9 +139,13 @@ def read_problem(options: argparse.Namespace) -> ProblemFiles:
     documents = [(str(file), read_document(file)) for file in options.preferences]
     situations = frozenset(options.situations)
     if options.order is not None:
-        files = _read_stored(options, documents, situations)
+        documents, build = _read_stored(options, documents, situations)
     else:
-        files = _read_file(options.instance, documents, situations)
+        build = _read_file(options.instance, situations)
+    try:
+        files = build(documents)
+    except InfeasibleError as error:
+        raise ConflictError.of(error, documents, build) from error
     unknown = sorted(situations - files.preferred.situations)
     if unknown:
         known = ", ".join(sorted(files.preferred.situations)) or "none"
@@ -111,9 +172,10 @@ def _read_stored(
     options: argparse.Namespace,
     documents: list[tuple[str, object]],
     situations: frozenset[str],
-) -> ProblemFiles:
-    """Return the problem that an order of the production database makes."""
+) -> tuple[list[tuple[str, object]], Build]:
+    """Return the documents of an order of the production database, and what makes its problem."""
     # SQLAlchemy takes longer to load than most problems to plan, and files do not need it.
+    from remodel_planning.core.decomposition.preparation import prepare
     from remodel_production.edge.database.production_database import ProductionDatabase
 
     with closing(ProductionDatabase(options.database)) as database:
@@ -123,30 +185,42 @@ def _read_stored(
         documents = [(f"preferences of order {stored.name}", preferences), *documents]
     with blamed(f"order {stored.name}"):
         order, use_case = design_order(stored, options)
-        prepared = prepare(order, use_case, documents, situations)
-    return ProblemFiles(prepared.preferred, prepared)
+
+    def build(preferences: Documents) -> ProblemFiles:
+        with blamed(f"order {stored.name}"):
+            prepared = prepare(order, use_case, preferences, situations)
+        return ProblemFiles(prepared.preferred, prepared)
+
+    return documents, build
 
 
-def _read_file(
-    file: Path, documents: list[tuple[str, object]], situations: frozenset[str]
-) -> ProblemFiles:
-    """Return the problem that a file states, or that its order makes."""
+def _read_file(file: Path, situations: frozenset[str]) -> Build:
+    """Return what makes the problem that a file states, or that its order makes."""
     data = read_document(file)
     if is_order(data):
+        from remodel_planning.core.decomposition.preparation import prepare
+        from remodel_planning.core.orders.work_order import order_from
+        from remodel_planning.edge.use_case_files import find_use_case
+
         with blamed(file):
             order = order_from(data)
             use_case = find_use_case(order.use_case)
-            prepared = prepare(order, use_case, documents, situations)
-        return ProblemFiles(prepared.preferred, prepared)
+
+        def build_order(documents: Documents) -> ProblemFiles:
+            with blamed(file):
+                prepared = prepare(order, use_case, documents, situations)
+            return ProblemFiles(prepared.preferred, prepared)
+
+        return build_order
     with blamed(file):
         problem = problem_from(data)
-    return ProblemFiles(_preferred(file, problem, documents, situations), None)
+    return lambda documents: ProblemFiles(_preferred(file, problem, documents, situations), None)
 
 
 def _preferred(
     source: Path | str,
     problem: Problem,
-    documents: list[tuple[str, object]],
+    documents: Documents,
     situations: frozenset[str],
 ) -> Preferred:
     """Return a problem that is sound, with preferences."""

@@ -12,6 +12,7 @@ from tqdm import tqdm
 
 from remodel_planner.core.reports.run_report import failure_line
 from remodel_planning.core.use_case.fault import Do
+from remodel_production.core.counted import counted
 from remodel_production.core.production import Order, Wire
 from remodel_supervision.core.run import Execution
 from remodel_supervision.core.runs.attempts import Attempt, Attempts
@@ -179,7 +180,7 @@ def _event_lines(event: Event) -> list[str]:
         case RunBegun():
             return [
                 f"order {event.order}, use case {event.use_case}, product {event.serial}: "
-                f"{len(event.tasks)} tasks"
+                f"{counted(len(event.tasks), 'task')}"
             ]
         case Planned():
             return [f"plan: {' '.join(event.tasks)}"]
@@ -189,6 +190,8 @@ def _event_lines(event: Event) -> list[str]:
 def _line(attempt: Attempt, wires: dict[str, Wire]) -> str:
     execution = attempt.execution
     result = "placed" if execution.placed else f"NOT placed ({execution.outcome})"
+    if execution.outcome == "finished" and not execution.placed:
+        result = "finished, not confirmed by the cell's ground truth"
     if attempt.because:
         result = f"interrupted ({attempt.because})"
     if attempt.part is Part.CLEAR:
@@ -208,5 +211,4 @@ def _line(attempt: Attempt, wires: dict[str, Wire]) -> str:
 
 
 def _insertions(execution: Execution) -> str:
-    count = execution.tries("InsertCable")
-    return f"{count} insertion" + ("" if count == 1 else "s")
+    return counted(execution.tries("InsertCable"), "insertion")

@@ -12,7 +12,9 @@ import rospy
 from flexbe_core.ros.master import START_LIMIT_S, NoMasterError, join_interruptibly, require_master
 from remodel_planner.commands.options.database_option import add_database_option
 from remodel_planner.commands.runs.attempt_reporter import AttemptReporter
+from remodel_planner.commands.runs.ends_in_cell import ends_in_cell
 from remodel_planner.commands.runs.run_follower import RunFollower
+from remodel_planner.core.reports.net_list import net_list
 from remodel_planner.core.reports.run_report import Report
 from remodel_planner.edge.report_files import write_report
 from remodel_planning.core.decomposition.triage import triaged
@@ -20,6 +22,7 @@ from remodel_planning.core.orders.board_order import board_order
 from remodel_planning.core.orders.cell_order import USE_CASE
 from remodel_planning.edge.use_case_files import find_use_case
 from remodel_production.core.board.board import board_of
+from remodel_production.core.counted import counted
 from remodel_production.core.panel.panel_layout import PanelRules, lay_out
 from remodel_production.core.production import Order
 from remodel_production.edge.catalogue_file import read_catalogue
@@ -147,6 +150,7 @@ def _report(
         stopped=stopped,
         before=before,
         triage=_triage(order, state.use_case),
+        nets=net_list(order.wires, ends_in_cell()),
     )
 
 
@@ -154,9 +158,12 @@ def _triage(order: Order, use_case: str) -> tuple[str, ...]:
     """Return a line for each wire by hand, and for wires that are done by another method."""
     if use_case in ("", USE_CASE):
         return ()
-    methods = find_use_case(use_case)
-    board = board_of(order, read_catalogue(catalogue_file()))
-    found = triaged(board_order(board, methods, arms=1), methods)
+    try:
+        methods = find_use_case(use_case)
+        board = board_of(order, read_catalogue(catalogue_file()))
+        found = triaged(board_order(board, methods, arms=1), methods)
+    except PlannerError as error:  # the run is over, and its report is worth more than this part
+        return (str(error),)
     return tuple(map(str, (*found.other_methods, *found.by_hand)))
 
 
@@ -175,8 +182,15 @@ def _lengths(order: Order, state: RunState) -> dict[str, float]:
 def _print_summary(report: Report, page: Path) -> None:
     before = f" ({report.before} of them before)" if report.before else ""
     print(
-        f"{report.placed} of {report.planned} wires placed{before}, {report.first_pass} without a "
-        f"failed operation; {report.failures} failed operations; "
+        f"{report.placed} of {counted(report.planned, 'wire')} placed{before}, "
+        f"{report.first_pass} without a failed operation; "
+        f"{counted(report.failures, 'failed operation')}; "
         f"{report.cell_s:.0f} s in the cell, {report.wall_s:.0f} s on the clock"
     )
+    if report.nets:
+        wrong = [net for net in report.nets if not net.is_right]
+        right = len(report.nets) - len(wrong)
+        print(f"net list: {right} of {len(report.nets)} wires in the cell are as designed")
+        for net in wrong:
+            print(f"  {net.wire}: designed {' to '.join(map(str, net.designed))}, found {net.says}")
     print(f"report: {page}")

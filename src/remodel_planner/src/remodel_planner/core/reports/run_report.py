@@ -10,6 +10,7 @@ from dataclasses import asdict, dataclass
 
 from jinja2 import Environment, StrictUndefined
 
+from remodel_planner.core.reports.net_list import Connection
 from remodel_production.core.production import Order, Wire
 from remodel_supervision.core.run import Execution, Operation
 
@@ -88,6 +89,7 @@ class Report:
         stopped: why the run ended before its time; empty if it did not.
         before: number of those wires that earlier runs, or other cells, have placed.
         triage: a line for each wire by hand, and for wires that are done by another method.
+        nets: what the cell connects, as it says itself; empty if it cannot say.
     """
 
     order: Order
@@ -98,6 +100,7 @@ class Report:
     stopped: str = ""
     before: int = 0
     triage: tuple[str, ...] = ()
+    nets: tuple[Connection, ...] = ()
 
     @property
     def placed(self) -> int:
@@ -192,7 +195,18 @@ def report_data(report: Report) -> Mapping[str, object]:
         "cell_s": round(report.cell_s, 1),
         "wires": [_attempt_data(attempt) for attempt in report.attempts],
         "triage": list(report.triage),
+        "net_list": [_net_data(net) for net in report.nets],
         "notes": list(report.order.notes),
+    }
+
+
+def _net_data(net: Connection) -> Mapping[str, object]:
+    return {
+        "wire": net.wire,
+        "design": [f"{ref}" for ref in net.designed],
+        "cell": [at.replace("/", ":") for at in net.found],
+        "fixed": net.is_fixed,
+        "right": net.is_right,
     }
 
 

@@ -23,7 +23,7 @@ from remodel_planning.core.orders.work_order import Access, Route, RouteClip, Ta
 from remodel_planning.core.problem.problem import End
 from remodel_planning.core.use_case.expectation import NOTHING, Expectation, Expectations
 from remodel_planning.core.use_case.model import Action, Macro, Method, Scope, Subtask, UseCase
-from remodel_production.errors import InstanceError
+from remodel_production.errors import InfeasibleError
 
 
 @dataclass(frozen=True)
@@ -92,7 +92,7 @@ class Decomposer:
         """Return the cheapest decomposition of a task whose `first` end is inserted first.
 
         Raises:
-            InstanceError: if there is none, with what rules out each method.
+            InfeasibleError: if there is none, with what rules out each method.
         """
         run = _Run(self, task, first, limits or Limits())
         return run.best(hands_over=hands_over)
@@ -168,7 +168,7 @@ class _Run:
                 ended += [(route, state) for state in states]
         if not ended:
             reasons = "; ".join(f"{t} {m}: {why}" for (t, m), why in self._rejected.items())
-            raise InstanceError(
+            raise InfeasibleError(
                 f"task {self._task.name}: no method of {self._d.use_case.file_name} does it: "
                 f"{reasons}"
             )

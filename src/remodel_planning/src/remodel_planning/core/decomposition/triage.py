@@ -61,7 +61,8 @@ def _note_methods(
     for name, method in taken:
         preferred = use_case.methods[name][0].name
         if method != preferred:
-            reason = f"{preferred}: {rejected.get((name, preferred), 'at the other end')}"
+            why = rejected.get((name, preferred))
+            reason = f"{preferred}: {why}" if why else f"{preferred} at one of its ends"
             key = f"methods.{name}.{method} in {use_case.file_name}"
             known = others.get(key, OtherMethod(key, (), reason))
             others[key] = replace(known, tasks=(*known.tasks, decomposition.task.name))

@@ -1,8 +1,10 @@
 """A laid-out design as an order of a use case, which says what its tasks are: wires, or branches.
 
 Lengths are in mm in the board's frame. Of what the design says, a task states what the use case has
-a characteristic for: `section_mm2`, `colour`, `cable`, `core`, `length_mm` and `left_end_mm` (the
-least x of its ends) of a wire, `role` and `part_number` of a component.
+a characteristic for: `section_mm2`, `colour`, `cable`, `core`, `seal`, `twisted`, `length_mm` and
+`left_end_mm` (the least x of its ends) of a wire, `role` and `part_number` of a component. Cores
+of a cable and the wires of a twisted group lie side by side in the magazine, and the same arm is
+preferred for them.
 """
 
 from __future__ import annotations
@@ -63,7 +65,17 @@ class _Wiring:
         self._use_case = use_case
         self._around = surroundings
         self._wires = [wire for wire in board.order.wires if wire.name in board.routes]
+        self._cores: dict[str, list[Wire]] = {}
+        for wire in self._wires:
+            if wire.cable:
+                self._cores.setdefault(wire.cable, []).append(wire)
         self._names = self._terminal_names()
+        self._sealed = {
+            TerminalRef(component.name, terminal.name): terminal.is_sealed
+            for component in board.order.components
+            for terminal in component.terminals
+        }
+        self._twisted = {c.name for c in board.order.cables if "twisted" in c.kind.lower()}
         taken: set[str] = set()
         self._task_names = {wire.name: take_name(wire.name, taken) for wire in self._wires}
 
@@ -101,10 +113,17 @@ class _Wiring:
 
     def _slots(self) -> dict[str, int]:
         """Return x of each wire's slot [mm]: the magazine holds the wires by their middles."""
-        middle = {wire.name: sum(self._ends_x(wire)) for wire in self._wires}
-        ranked = sorted(middle, key=lambda name: middle[name])
+        ranked = [
+            wire.name
+            for wire in sorted(self._wires, key=lambda wire: (sum(self._middle(wire)), wire.cable))
+        ]
         left, pitch = self._around.left, (self._around.right - self._around.left) / len(ranked)
         return {name: round(left + (i + 0.5) * pitch) for i, name in enumerate(ranked)}
+
+    def _middle(self, wire: Wire) -> tuple[int, ...]:
+        """Return the mean x of the ends [mm] of a wire, or of all cores of its cable."""
+        ends = [self._ends_x(core) for core in self._cores.get(wire.cable, (wire,))]
+        return tuple(round(sum(xs) / len(ends)) for xs in zip(*ends, strict=True))
 
     def _ends_x(self, wire: Wire) -> tuple[int, int]:
         a, b = (in_mm(self._board.openings[ref])[0] for ref in (wire.a, wire.b))
@@ -118,7 +137,7 @@ class _Wiring:
         high = max((reach[1] for reach in able), default=arms[0].reach_mm[1])
         path = tuple(map(in_mm, self._board.routes[wire.name]))
         clips = order.clips_of(wire) if wire.route else ()
-        nearer = self._around.nearer(*ends)
+        nearer = self._around.nearer(*self._middle(wire))
         return Task(
             name=self._task_names[wire.name],
             terminals=(self._names[wire.a], self._names[wire.b]),
@@ -143,6 +162,8 @@ class _Wiring:
             "colour": wire.colour,
             "cable": wire.cable,
             "core": wire.core,
+            "seal": any(self._sealed[ref] for ref in (wire.a, wire.b)),
+            "twisted": wire.cable in self._twisted,
             "length_mm": round(1e3 * self._board.length_of(wire)),
             "left_end_mm": min(self._ends_x(wire)),
         }

@@ -11,6 +11,7 @@ from functools import cached_property
 from itertools import pairwise
 
 from remodel_planning.core.condition import Features, Value, is_number
+from remodel_planning.core.orders.order_format import FORMAT
 from remodel_planning.core.problem.fields import Fields
 from remodel_planning.core.problem.instance import arm_from, characteristics_of, terminal_from
 from remodel_planning.core.problem.problem import (
@@ -22,8 +23,6 @@ from remodel_planning.core.problem.problem import (
     Under,
 )
 from remodel_planning.core.use_case.context import terminal_features
-
-FORMAT = "remodel-order-1"
 
 # Of the length of a direction, for what rounding leaves.
 _UNIT_TOLERANCE = 1e-3
@@ -196,11 +195,6 @@ class WorkOrder:
     access: dict[str, Access] = field(default_factory=dict)
     by_hand: tuple[ByHand, ...] = ()
     other_methods: tuple[OtherMethod, ...] = ()
-
-
-def is_order(data: object) -> bool:
-    """Return whether a parsed document is meant as an order."""
-    return isinstance(data, dict) and data.get("format") == FORMAT
 
 
 def order_from(data: object) -> WorkOrder:

@@ -116,9 +116,10 @@ class _Simulation:
         self.violations: list[str] = []
         self._index = 0
         self.durations: list[int] = []
-        self._unders: dict[str, list[str]] = {}
+        self._unders: dict[str, list[tuple[str, str]]] = {}
         for under in problem.unders:
-            self._unders.setdefault(under.after, []).append(under.before)
+            required = f", as `{under.reason}` requires," if under.reason else ""
+            self._unders.setdefault(under.after, []).append((under.before, required))
         self._pins: dict[tuple[str, End], list[tuple[str, End]]] = {}
         for pin in problem.pins:
             self._pins.setdefault((pin.after, pin.after_end), []).append(
@@ -170,7 +171,10 @@ class _Simulation:
         """
         arm: PlannedArm = self.arm[action.arm]
         for point in (at, to or at):
-            self._require(arm.reaches(point), f"x = {point[0]} is out of reach of arm {arm.name}")
+            limits = "".join(f", limited by `{name}`" for name in arm.limited_by)
+            self._require(
+                arm.reaches(point), f"x = {point[0]} is out of reach of arm {arm.name}{limits}"
+            )
         return self._spend(action, ticks, at, *taken, to=to)
 
     def _spend(
@@ -255,8 +259,8 @@ class _Simulation:
         wire, state = self._held(action, arm)
         if state.first is None or action.end is state.first:
             raise _RefusedError(f"wire {wire.name} cannot be routed to that end")
-        for name in self._unders.get(wire.name, ()):
-            self._after(action, self.wires[name].routed_at, f"routing wire {name}")
+        for name, required in self._unders.get(wire.name, ()):
+            self._after(action, self.wires[name].routed_at, f"routing wire {name}{required}")
         ducts = [f"duct {segment}" for segment in wire.segments]
         first = self.problem.end_terminal(wire, state.first).position_mm
         second = self.problem.end_terminal(wire, state.first.other).position_mm

@@ -15,7 +15,7 @@ from remodel_planning.core.problem.modes import possible_modes
 from remodel_planning.core.problem.opening import opening_of
 from remodel_planning.core.problem.order import wire_order
 from remodel_planning.core.problem.problem import End, PlannedWire, Problem, Stage
-from remodel_production.errors import InstanceError
+from remodel_production.errors import InfeasibleError, InstanceError
 
 _MOST_ARMS = 2
 _MOST_SHOWN = 20
@@ -28,13 +28,15 @@ def require_sound(problem: Problem) -> None:
 
     Raises:
         InstanceError: with all findings, a line each.
+        InfeasibleError: likewise, if it is well formed, but has no plan.
     """
     for find in _PASSES:
         found = list(find(problem))
         if found:
             more = len(found) - _MOST_SHOWN
             lines = found[:_MOST_SHOWN] + ([f"and {more} more"] if more > 0 else [])
-            raise InstanceError(f"{problem.name}: " + "\n  ".join(lines))
+            kind = InfeasibleError if find in _NO_PLAN else InstanceError
+            raise kind(f"{problem.name}: " + "\n  ".join(lines))
     opening_of(problem)
 
 
@@ -145,12 +147,23 @@ def find_cycles(problem: Problem) -> Iterator[str]:
         after[before].append(later)
     cycle = cycle_in(after)
     if cycle:
-        yield "cyclic precedence: " + " before ".join(cycle)
+        yield "cyclic precedence: " + " before ".join(cycle) + _reasons(problem, cycle)
     own = {(pin.after, pin.after_end) for pin in problem.pins if pin.before == pin.after}
     pinned_first = Counter(wire for wire, _ in own)
     for name, count in pinned_first.items():
         if count > 1:
             yield f"cyclic precedence: the pins of wire {name} put each of its ends first"
+
+
+def _reasons(problem: Problem, cycle: list[str]) -> str:
+    """Return the names of the requirements that a cycle is made of; empty if it has none."""
+    names = {(under.before, under.after): under.reason for under in problem.unders if under.reason}
+    steps = [
+        f"{before} before {after}: " + (f"`{names[pair]}`" if pair in names else "the design")
+        for before, after in itertools.pairwise(cycle)
+        for pair in [(before, after)]
+    ]
+    return f" ({'; '.join(steps)})" if names.keys() & {*itertools.pairwise(cycle)} else ""
 
 
 def find_overweight(problem: Problem) -> Iterator[str]:
@@ -191,7 +204,9 @@ def find_unreachable(problem: Problem) -> Iterator[str]:
                 else "no arm reaches its slot and both terminals, and no handover is possible"
             )
             reaches = ", ".join(f"{a.name} {a.reach_mm[0]}..{a.reach_mm[1]}" for a in problem.arms)
-            yield f"wire {name} is unreachable: {why}; reach in x [mm]: {reaches}"
+            limits = ", ".join(f"`{name}`" for a in problem.arms for name in a.limited_by)
+            by = f", limited by {limits}" if limits else ""
+            yield f"wire {name} is unreachable: {why}; reach in x [mm]: {reaches}{by}"
 
 
 def _listed(names: Iterable[str]) -> str:
@@ -207,3 +222,5 @@ _PASSES: tuple[Callable[[Problem], Iterator[str]], ...] = (
     find_overweight,
     find_unreachable,
 )
+# What a well-formed problem without a plan has.
+_NO_PLAN = (find_cycles, find_unreachable)

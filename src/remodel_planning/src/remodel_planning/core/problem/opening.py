@@ -13,7 +13,7 @@ from graphlib import CycleError, TopologicalSorter
 from remodel_planning.core.problem.modes import Mode, possible_modes
 from remodel_planning.core.problem.order import wire_order
 from remodel_planning.core.problem.problem import Problem
-from remodel_production.errors import InstanceError
+from remodel_production.errors import InfeasibleError
 
 
 @dataclass(frozen=True)
@@ -28,7 +28,7 @@ def opening_of(problem: Problem) -> Opening:
     """Return the opening of a problem whose order constraints have no cycle.
 
     Raises:
-        InstanceError: if the arms would wait for each other.
+        InfeasibleError: if the arms would wait for each other.
     """
     modes = possible_modes(problem)
     holders = {arm.holding: i for i, arm in enumerate(problem.arms) if arm.holding is not None}
@@ -51,9 +51,9 @@ def opening_of(problem: Problem) -> Opening:
     try:
         order = tuple(TopologicalSorter(graph).static_order())
     except CycleError as error:
-        raise InstanceError(deadlock(problem)) from error
+        raise InfeasibleError(deadlock(problem)) from error
     if not all(modes[wire] for wire in order):
-        raise InstanceError(deadlock(problem))
+        raise InfeasibleError(deadlock(problem))
     return Opening(order, modes)
 
 

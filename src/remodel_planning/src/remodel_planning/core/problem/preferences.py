@@ -41,10 +41,15 @@ from remodel_planning.core.problem.problem import (
     SoftConstraint,
     Under,
 )
-from remodel_production.errors import InstanceError
+from remodel_production.errors import InfeasibleError, InstanceError
 
 FORMAT = "remodel-preferences-1"
 
+_REQUIREMENTS = (
+    "`route` with `before`, or with `in_order_of` and `from`; `arm` with `x_mm` or `out_of`; "
+    "`avoid_segment`; `insert` with `force_n`; each may have `while`, and one that chooses wires "
+    "`if_any` (`pick` stands under `prefer`)"
+)
 _WEIGHTS = ("colour", "zone", "start", "tool", "heavy", "arm")
 _SHOWN = 5
 
@@ -147,8 +152,13 @@ def _require(preferred: Preferred, item: Fields, zones: Fields) -> Preferred:
         problem = _in_order(problem, item, name)
     elif item.has("insert"):
         _limit_force(problem, item, name)
-    else:
+    elif item.has("arm"):
         problem = _limit_reach(problem, item, zones)
+    else:
+        raise InstanceError(
+            f"{item.where}: requires nothing that is known, found {', '.join(item.keys())}; beside "
+            f"`name`, give one of: {_REQUIREMENTS}"
+        )
     return replace(preferred, problem=problem)
 
 
@@ -168,12 +178,12 @@ def _limit_force(problem: Problem, item: Fields, name: str) -> None:
     limit = item.number("force_n", least=1)
     for wire in choose(problem, item, "insert"):
         if wire.insert_force_n is None:
-            raise InstanceError(
+            raise InfeasibleError(
                 f"requirement `{name}`: the insertion force of wire {wire.name} is not "
                 "known: give its insert_force_n, or drop the requirement"
             )
         if wire.insert_force_n > limit:
-            raise InstanceError(
+            raise InfeasibleError(
                 f"requirement `{name}`: wire {wire.name} is pushed in with "
                 f"{wire.insert_force_n:g} N, over {limit} N: offer a gentler method, or drop the "
                 "requirement"
@@ -190,8 +200,8 @@ def _limit_reach(problem: Problem, item: Fields, zones: Fields) -> Problem:
     else:
         least, greatest = item.pair("x_mm")
         limited = (max(least, arm.reach_mm[0]), min(greatest, arm.reach_mm[1]))
-    arms = (replace(a, reach_mm=limited) if a is arm else a for a in problem.arms)
-    return replace(problem, arms=tuple(arms))
+    less = replace(arm, reach_mm=limited, limited_by=(*arm.limited_by, item.text("name")))
+    return replace(problem, arms=tuple(less if a is arm else a for a in problem.arms))
 
 
 def _outside(problem: Problem, arm: PlannedArm, zone: tuple[int, int]) -> tuple[int, int]:
@@ -211,7 +221,7 @@ def _avoid(preferred: Preferred, segment: str, name: str) -> Preferred:
     through = [w.name for w, other in zip(problem.wires, wires, strict=True) if other is None]
     if through:
         shown = ", ".join(through[:_SHOWN]) + (", ..." if len(through) > _SHOWN else "")
-        raise InstanceError(
+        raise InfeasibleError(
             f"requirement `{name}`: {len(through)} wires are routed through segment {segment} and "
             f"have no detour ({shown}): offer them one, or drop the requirement"
         )

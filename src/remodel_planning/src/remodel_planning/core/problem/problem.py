@@ -55,6 +55,7 @@ class PlannedArm:
     Attributes:
         station_mm: where its tool is changed.
         reach_mm: the least and the greatest x of its working positions.
+        limited_by: names of the requirements that have made its reach smaller.
     """
 
     name: str
@@ -63,6 +64,7 @@ class PlannedArm:
     position_mm: Point
     tool: str
     holding: str | None
+    limited_by: tuple[str, ...] = ()
 
     def reaches(self, point: Point) -> bool:
         """Return whether the arm can work at a position."""

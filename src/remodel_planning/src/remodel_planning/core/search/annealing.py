@@ -2,8 +2,8 @@
 
 A search is a chain of rounds. Each round anneals from the best plan so far; each is longer than the
 one before, up to a length beyond which another round brings more than a longer one. The work is
-counted in moves and depends on the limit of time only, so that the same seed and limit give the
-same plan on any machine that is not too slow for them; a slow machine is stopped by its clock.
+counted in moves: as many as were asked for, or as follow from the limit of time; a machine too slow
+for those is stopped by its clock.
 """
 
 from __future__ import annotations
@@ -35,6 +35,8 @@ _LONGEST_ROUND_PER_PAIR = 200
 _MOST_MOVES_PER_WIRE = {1: 500_000, 2: 50_000}
 _GROWTH = 4
 _SLICE_S = 0.02
+# Of a search by moves, so that a signal can stop it.
+_SLICES = 200
 # Of a short search, so that the clock can stop it in time.
 _LEAST_SLICES = 10
 
@@ -62,14 +64,22 @@ def moves_per_second(wires: int, arms: int) -> float:
 
 
 def slices(wires: int, arms: int, limit_s: float) -> Iterator[Slice]:
-    """Yield the slices of a search of that length, the next round's after the last one's."""
-    if wires < 2:
-        return
+    """Yield the slices of a search of that length [s], the next round's after the last one's."""
     allotted = int(limit_s * moves_per_second(wires, arms))
-    left = min(allotted, _MOST_MOVES_PER_WIRE[arms] * wires)
-    longest = _LONGEST_ROUND_PER_PAIR * wires * wires
     slice_s = min(_SLICE_S, limit_s / _LEAST_SLICES)
     slice_moves = max(1, int(slice_s * moves_per_second(wires, arms)))
+    yield from _rounds(wires, arms, min(allotted, _MOST_MOVES_PER_WIRE[arms] * wires), slice_moves)
+
+
+def slices_of(wires: int, arms: int, moves: int) -> Iterator[Slice]:
+    """Yield the slices of a search of so many moves, which are the same on any machine."""
+    yield from _rounds(wires, arms, moves, max(1, moves // _SLICES))
+
+
+def _rounds(wires: int, arms: int, left: int, slice_moves: int) -> Iterator[Slice]:
+    if wires < 2:
+        return
+    longest = _LONGEST_ROUND_PER_PAIR * wires * wires
     length = min(max(_SHORTEST_ROUND_PER_WIRE[arms] * wires, left // _GROWTH**3), longest)
     turn = 0
     while left > 0:

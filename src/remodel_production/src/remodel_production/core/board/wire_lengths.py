@@ -23,13 +23,16 @@ def length_findings(board: Board, stated: Collection[str]) -> tuple[tuple[str, .
     Returns:
         For each of the two kinds a line for a person about each wire, the worst first.
     """
+    lengths = {segment.name: segment.length_m for segment in board.order.segments}
     short: list[tuple[float, str]] = []
     long: list[tuple[float, str]] = []
     for wire in board.order.wires:
         route = board.routes.get(wire.name)
         if wire.name not in stated or route is None or wire.length_m is None:
             continue
-        needed = route_length(route)
+        # The segments of a harness are its own; connectors add less than the layout draws.
+        own = [] if board.is_cabinet else [lengths[name] for name in wire.route]
+        needed = sum(own) if own else route_length(route)
         line = f"{wire.name}: {wire.length_m:.3g} m, its route {needed:.3g} m ({wire.source})"
         if wire.length_m < needed - _TOLERANCE_M:
             short.append((needed / wire.length_m, line))

@@ -14,6 +14,7 @@ from remodel_production.core.imports.shared.spreadsheet import is_spreadsheet
 from remodel_production.core.imports.shared.text_encoding import decode
 from remodel_production.core.imports.shared.xml_tree import local_name, parse_xml
 from remodel_production.core.imports.terminal_access import with_access
+from remodel_production.core.imports.vec.vec import ROOT, import_vec
 from remodel_production.core.imports.wire_list import (
     fits,
     import_wire_list,
@@ -58,6 +59,9 @@ def built_in_formats(mappings: Sequence[WireListMapping]) -> tuple[DesignFormat,
             "KBL harnesses (<KBL_container>)",
             lambda file: file.xml_root.lower() == "kbl_container",
             import_kbl,
+        ),
+        DesignFormat(
+            "vec", "VEC harnesses (<VecContent>)", lambda file: file.xml_root == ROOT, import_vec
         ),
         DesignFormat(
             "wireviz", "WireViz harnesses (YAML with `connections`)", is_wireviz, import_wireviz

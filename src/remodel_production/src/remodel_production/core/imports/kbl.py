@@ -10,12 +10,18 @@ The structure is that of the recommendation's model (ecad-wiki.prostep.org, spec
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Collection, Iterator
 from itertools import pairwise
 
 from lxml import etree
 
 from remodel_production.core.catalogue import Catalogue
+from remodel_production.core.imports.kbl_parts.modules import ModuleChoice
+from remodel_production.core.imports.kbl_parts.other_parts import (
+    is_splice,
+    twisted_groups,
+    unused_parts,
+)
 from remodel_production.core.imports.kbl_pose import placed_pose
 from remodel_production.core.imports.kbl_routes import Topology, ends_of, ordered_route
 from remodel_production.core.imports.kbl_tree import KblTree, children, shown, text_of
@@ -29,7 +35,16 @@ from remodel_production.core.imports.shared.assembly import (
 from remodel_production.core.imports.shared.assumptions import Assumptions
 from remodel_production.core.imports.shared.units import number
 from remodel_production.core.imports.shared.xml_tree import line_of, local_name
-from remodel_production.core.production import Cable, Order, Pose, Role, Segment, TerminalRef
+from remodel_production.core.production import (
+    TWISTED,
+    Cable,
+    Order,
+    Pose,
+    Role,
+    Segment,
+    TerminalRef,
+    sealed_kind,
+)
 from remodel_production.errors import DesignError
 
 _VERSIONS = ("2.3", "2.4", "2.5")
@@ -40,7 +55,9 @@ _LENGTH_TYPES = ("production", "cutting", "physical", "dmu")
 _BASE_COLOURS = ("grundfarbe", "base color", "base colour", "base", "basiccolor")
 
 
-def import_kbl(text: bytes, name: str, source: str, catalogue: Catalogue) -> Imported:
+def import_kbl(
+    text: bytes, name: str, source: str, catalogue: Catalogue, modules: Collection[str] = ()
+) -> Imported:
     """Read a harness.
 
     Args:
@@ -48,18 +65,22 @@ def import_kbl(text: bytes, name: str, source: str, catalogue: Catalogue) -> Imp
         name: of the order to make.
         source: name of the file, for the record.
         catalogue: of what the file leaves unsaid.
+        modules: part numbers of modules or harness configurations, whose wires are read, and those
+            of no module; none: all modules are read as one harness.
 
     Raises:
         DesignError: if it is no KBL container, refers to what is not there, or has no connection.
     """
-    return _Reader(KblTree(text), catalogue).read(name, source)
+    tree = KblTree(text)
+    return _Reader(tree, catalogue, ModuleChoice(tree, modules)).read(name, source)
 
 
 class _Reader:
     """Reads one container."""
 
-    def __init__(self, tree: KblTree, catalogue: Catalogue) -> None:
+    def __init__(self, tree: KblTree, catalogue: Catalogue, modules: ModuleChoice) -> None:
         self._tree = tree
+        self._modules = modules
         self._assumptions = Assumptions(catalogue)
         self._left_out: list[LeftOut] = []
         self._ignored: list[LeftOut] = []
@@ -70,12 +91,14 @@ class _Reader:
         self._kinds: dict[str, dict[str, str]] = {}
         self._terminal_names: dict[etree._Element, dict[etree._Element, str]] = {}
         self._joined = self._wires_joined = 0
+        self._twisted = twisted_groups(tree)
 
     def read(self, name: str, source: str) -> Imported:
         self._name_connectors()
         routings = self._routings()
         found = self._tree.all("Connection")
         self._note_unconnected(found)
+        self._ignored += unused_parts(self._tree)
         connections = [c for element in found for c in self._connections(element, routings)]
         if not connections:
             raise DesignError(
@@ -110,9 +133,8 @@ class _Reader:
         version = self._tree.root.get("version_id", "")
         if not version.startswith(_VERSIONS):
             self._assumptions.add(f"line 1: KBL version {version or 'not given'}, read as 2.5")
-        modules = len(self._tree.all("Module"))
-        if modules > 1:
-            self._assumptions.add(f"the parts of all {modules} modules are read, as of one harness")
+        if self._modules.note:
+            self._assumptions.add(self._modules.note)
 
     def _title(self) -> str:
         for harness in self._tree.all("Harness"):
@@ -169,6 +191,9 @@ class _Reader:
         if len(ends) < 2:
             self._left_out.append(LeftOut(source, f"{len(ends)} of its ends have a contact point"))
             return
+        if not self._modules.has(wires):
+            self._left_out.append(LeftOut(source, "its wire is in none of the modules asked for"))
+            return
         if len(wires) != 1:
             self._left_out.append(LeftOut(source, f"it has {len(wires)} wires; one is needed"))
             return
@@ -219,9 +244,12 @@ class _Reader:
         ref = TerminalRef(self._names[connector], self._terminal_name(cavity, connector))
         parts = [self._tree.part(p) for p in self._tree.referred(contact, "Associated_parts")]
         terminals = [p for p in parts if p is not None and local_name(p) == "General_terminal"]
-        if terminals:
+        seals = [p for p in parts if p is not None and local_name(p) == "Cavity_seal"]
+        if terminals or seals:
             kinds = self._kinds.setdefault(ref.component, {})
-            kinds.setdefault(ref.terminal, text_of(terminals[0], "Part_number"))
+            kind = text_of(terminals[0], "Part_number") if terminals else ""
+            seal = text_of(seals[0], "Part_number") if seals else None
+            kinds.setdefault(ref.terminal, kind if seal is None else sealed_kind(kind, seal))
         return ref
 
     def _terminal_name(self, cavity: etree._Element, connector: etree._Element) -> str:
@@ -290,6 +318,7 @@ class _Reader:
             section = "" if area is None else f"{area * 1e6:.6g}"
             colour = _colour(part)
         cable = self._cable_of(occurrence)
+        group = self._twisted.get(occurrence, "")
         return Connection(
             a,
             b,
@@ -300,8 +329,8 @@ class _Reader:
             if cable is None
             else f"{_cable_name(cable)}.{_wire_name(occurrence)}",
             length_m=length,
-            cable="" if cable is None else _cable_name(cable),
-            core="" if cable is None else _wire_name(occurrence),
+            cable=group if cable is None else _cable_name(cable),
+            core=_wire_name(occurrence) if cable is not None or group else "",
             route=tuple(segment.name for segment in route),
         )
 
@@ -334,6 +363,9 @@ class _Reader:
 
     def _cables(self, connections: list[Connection]) -> Iterator[Cable]:
         used = {connection.cable for connection in connections}
+        for group in dict.fromkeys(self._twisted.values()):
+            if group in used:
+                yield Cable(group, TWISTED, None, shielded=False, source=f"wire group {group}")
         for occurrence in self._tree.all(*_WIRES):
             name = _cable_name(occurrence)
             has_cores = next(children(occurrence, "Core_occurrence"), None) is not None
@@ -354,7 +386,7 @@ class _Reader:
             yield Device(
                 name,
                 " ".join(filter(None, (text_of(owner, "Description") or described, usage))),
-                role=Role.CONNECTOR,
+                role=Role.JOINT if is_splice(owner, part) else Role.CONNECTOR,
                 part_number="" if part is None else text_of(part, "Part_number"),
                 pose=self._pose(owner),
                 node=self._node_of(owner),

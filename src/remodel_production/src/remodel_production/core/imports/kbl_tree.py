@@ -1,11 +1,13 @@
-"""The elements of a KBL container by their ids, and the values that elements hold.
+"""The elements of a KBL or VEC container by their ids, and the values that elements hold.
 
-Names are compared without namespace and case: containers of different makers differ in both.
+Names are compared without namespace, case and `_`: containers of different makers differ in the
+first two, and VEC writes StartNode where KBL writes Start_node.
 """
 
 from __future__ import annotations
 
 from collections.abc import Iterator
+from functools import cache
 
 from lxml import etree
 
@@ -14,7 +16,6 @@ from remodel_production.core.imports.shared.xml_tree import line_of, local_name,
 from remodel_production.core.production import Vector
 from remodel_production.errors import DesignError
 
-_ROOT = "kbl_container"
 _ASSEMBLY = "assembly_part"
 _PREFIXES = {"milli": 1e-3, "centi": 1e-2, "deci": 0.1, "micro": 1e-6, "kilo": 1e3, "": 1.0}
 # Units that are named, instead of built of SI ones.
@@ -25,23 +26,23 @@ _MM = 1e-3  # coordinates have no unit; the recommendation's drawings are in mm
 class KblTree:
     """A container, indexed."""
 
-    def __init__(self, text: bytes) -> None:
-        """Read a container.
+    def __init__(self, text: bytes, root: str = "KBL_container") -> None:
+        """Read a container whose root element has a name.
 
         Raises:
-            DesignError: if it is no KBL container, or an id stands for two elements.
+            DesignError: if it is no such container, or an id stands for two elements.
         """
         self.root = parse_xml(text)
-        if local_name(self.root).lower() != _ROOT:
+        if _key(local_name(self.root)) != _key(root):
             raise DesignError(
-                f"the root element is <{local_name(self.root)}>; a KBL file has a <KBL_container>"
+                f"the root element is <{local_name(self.root)}>; a <{root}> is needed"
             )
         self._by_id: dict[str, etree._Element] = {}
         self._by_name: dict[str, list[etree._Element]] = {}
         inside = {e for part in children(self.root, _ASSEMBLY) for e in part.iter()}
         for element in self.root.iter():
             if element not in inside:
-                self._by_name.setdefault(local_name(element).lower(), []).append(element)
+                self._by_name.setdefault(_key(local_name(element)), []).append(element)
             key = element.get("id")
             if key is None or element is self.root:
                 continue
@@ -59,7 +60,7 @@ class KblTree:
 
         What an assembly part is made of, its parts list repeats, and the harness has again.
         """
-        return [element for name in names for element in self._by_name.get(name.lower(), [])]
+        return [element for name in names for element in self._by_name.get(_key(name), [])]
 
     def referred(self, element: etree._Element, name: str) -> list[etree._Element]:
         """Return the elements to which a child's ids refer; none if there is no such child.
@@ -108,9 +109,15 @@ class KblTree:
 
 def children(element: etree._Element, name: str) -> Iterator[etree._Element]:
     """Yield the children of that name."""
+    wanted = _key(name)
     for child in element:
-        if local_name(child).lower() == name.lower():
+        if _key(local_name(child)) == wanted:
             yield child
+
+
+@cache
+def _key(name: str) -> str:
+    return name.lower().replace("_", "")
 
 
 def text_of(element: etree._Element, name: str) -> str:

@@ -18,6 +18,7 @@ The syntax is WireViz' own (docs/syntax.md of version 0.4).
 from __future__ import annotations
 
 import re
+from collections.abc import Sequence
 from dataclasses import dataclass
 from difflib import get_close_matches
 
@@ -84,6 +85,33 @@ def import_wireviz(data: bytes, name: str, source: str, catalogue: Catalogue) ->
     if assumed_encoding:
         reader.assumptions.add(f"the file is no UTF-8: read as {assumed_encoding}")
     return reader.read(name, source)
+
+
+def prepended(before: Sequence[tuple[str, bytes]], data: bytes) -> bytes:
+    """Return a file after others, as one text: anchors of the first are known in the next ones.
+
+    Args:
+        before: name and content of the other files, in their order.
+        data: content of the file.
+
+    Raises:
+        DesignError: if one of them is no text.
+    """
+    return "".join(_ended(decode(each)[0]) for each in (*(d for _, d in before), data)).encode()
+
+
+def lines_of(before: Sequence[tuple[str, bytes]]) -> str:
+    """Return which lines of a file after others are those of the others; empty for none."""
+    parts, last = [], 0
+    for name, data in before:
+        first, last = last + 1, last + _ended(decode(data)[0]).count("\n")
+        parts.append(f"lines {first} to {last} are those of {name}")
+    return f" ({'; '.join(parts)}; its own begin at line {last + 1})" if parts else ""
+
+
+def _ended(text: str) -> str:
+    """Return a text whose last line has an end."""
+    return text if text.endswith("\n") else f"{text}\n"
 
 
 class _Reader:

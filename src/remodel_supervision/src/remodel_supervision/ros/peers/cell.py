@@ -26,6 +26,8 @@ _SERVICES = {
     "ground_truth": GetGroundTruth,
     "take_picture": TakePicture,
 }
+# Those that a cell need not have: only a simulated one knows the truth.
+_OPTIONAL = frozenset({"ground_truth"})
 
 
 T = TypeVar("T")
@@ -41,6 +43,7 @@ class Cell:
     def __init__(self, background: Callable[[Callable[[], T]], T] = _directly) -> None:
         """Call the services through `background`, which may do other things meanwhile."""
         self._background = background
+        self._has_truth = False
 
     def wait(self, limit_s: float) -> None:
         """Wait for all services, up to a limit of wall time [s].
@@ -97,8 +100,16 @@ class Cell:
         self._ask("feed_wire", what, wire_id=wire, channel_id=channel, owner=owner)
 
     def placed(self, wire: str) -> bool | None:
-        """Return whether a wire is placed, by ground truth; None if there is none of it."""
-        truths = self._call("ground_truth", "ask for the ground truth").wires
+        """Return whether a wire is placed, by ground truth; None if there is none of it.
+
+        A cell without the service has none; one that had it is lost while it does not answer.
+        """
+        what = "ask for the ground truth"
+        if not self._has_truth:
+            self._has_truth = self._background(lambda: _is_registered("ground_truth", what))
+        if not self._has_truth:
+            return None
+        truths = self._call("ground_truth", what).wires
         return next((truth.placed for truth in truths if truth.wire_id == wire), None)
 
     def picture(self, camera: str) -> Image:
@@ -119,21 +130,34 @@ class Cell:
 def _wait(limit_s: float) -> None:
     # rospy.wait_for_service counts ROS time, which does not pass until the cell runs.
     end = time.monotonic() + limit_s
-    for name in _SERVICES:
+    for name in (name for name in _SERVICES if name not in _OPTIONAL):
         while not _address(name):
             if time.monotonic() > end or rospy.is_shutdown():
                 raise LostError(
                     f"service {rospy.resolve_name(f'cell/{name}')} is not there after "
-                    f"{limit_s:.0f} s: start the cell (roslaunch remodel_sim cell.launch)"
+                    f"{limit_s:.0f} s: start the cell (roslaunch remodel_sim cell.launch), "
+                    "or your own, which offers it"
                 )
             time.sleep(_CHECK_S)
+
+
+def _registered(name: str) -> str:
+    """Return the address of a service as the master remembers it; empty if it knows none."""
+    code, _, uri = rospy.get_master().lookupService(rospy.resolve_name(f"cell/{name}"))
+    return uri.partition("://")[2] if code == 1 else ""
+
+
+def _is_registered(name: str, what: str) -> bool:
+    try:
+        return bool(_registered(name))
+    except OSError as error:
+        raise LostError(f"cannot {what}: the ROS master does not answer: {error}") from error
 
 
 def _address(name: str) -> str:
     """Return where a service answers; empty if it does not: the master remembers dead nodes."""
     try:
-        uri = rospy.get_master().lookupService(rospy.resolve_name(f"cell/{name}"))[2]
-        _, _, address = uri.partition("://")
+        address = _registered(name)
         host, _, port = address.rpartition(":")
         with socket.create_connection((host, int(port)), timeout=1.0):
             return address

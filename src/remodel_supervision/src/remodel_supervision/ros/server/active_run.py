@@ -8,6 +8,7 @@ import actionlib
 import rospy
 from remodel_msgs.msg import ErrorCode, RunUseCaseFeedback, RunUseCaseGoal, RunUseCaseResult
 
+from remodel_production.core.counted import counted
 from remodel_supervision.core.runs.events import Ending
 from remodel_supervision.core.runs.state import RunState, Stage
 from remodel_supervision.ros.server.run_messages import RunView, levels
@@ -75,7 +76,7 @@ class ActiveRun:
         done = list(state.in_stage(Stage.DONE))
         return RunUseCaseResult(
             id=self.handle.get_goal().id,
-            message=f"{len(done)} of {len(state.tasks)} tasks done",
+            message=f"{len(done)} of {counted(len(state.tasks), 'task')} done",
             elapsed_time=(rospy.Time.now() - self.begun).to_sec(),
             run=self.supervisor.run,
             done=done,

@@ -12,6 +12,7 @@ from functools import singledispatchmethod
 import rospy
 from remodel_msgs.msg import RunEntry
 
+from remodel_production.core.counted import counted
 from remodel_supervision.core.run import Operation
 from remodel_supervision.core.runs.events import (
     Answered,
@@ -84,7 +85,7 @@ class _Writer:
 
     @_of.register
     def _of_run_begun(self, event: RunBegun) -> Iterable[RunEntry]:
-        return [RunEntry(kind=RunEntry.RUN, text=f"begun: {len(event.tasks)} tasks")]
+        return [RunEntry(kind=RunEntry.RUN, text=f"begun: {counted(len(event.tasks), 'task')}")]
 
     @_of.register
     def _of_planned(self, event: Planned) -> Iterable[RunEntry]:

@@ -7,6 +7,7 @@ to a fraction of a pixel. What is not certain causes a warning.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import cv2
@@ -16,19 +17,29 @@ from remodel_sim.core.vision.cables.crossings import find_crossings
 from remodel_sim.core.vision.cables.curves.polyline import arc_lengths
 from remodel_sim.core.vision.cables.curves.robust_statistics import median_colour
 from remodel_sim.core.vision.cables.curves.spline import fit
-from remodel_sim.core.vision.cables.edges.confidence import Evidence, ramp, weigh
+from remodel_sim.core.vision.cables.edges.confidence import Evidence, confidence, weigh
 from remodel_sim.core.vision.cables.edges.refining import Refined, refine
 from remodel_sim.core.vision.cables.ends import AXIS_FROM, find_end
-from remodel_sim.core.vision.cables.model import CableEnding, DetectedCable, Detection, Tip
+from remodel_sim.core.vision.cables.model import (
+    CableEnding,
+    Crossing,
+    DetectedCable,
+    Detection,
+    Tip,
+)
 from remodel_sim.core.vision.cables.strands.foreground import Foreground, find_foreground
 from remodel_sim.core.vision.cables.strands.joining import rough_cables
+from remodel_sim.core.vision.cables.strands.prior import Prior, checked_prior
 from remodel_sim.core.vision.cables.warnings import (
     CLUTTERED,
     NOTHING,
     SURE,
+    Notice,
     cable_warnings,
     exposure_warnings,
+    over_foreign_objects,
     remainder_warnings,
+    surrounding_terms,
 )
 from remodel_sim.core.vision.pixels import Pixels
 
@@ -47,29 +58,44 @@ NO_CABLE = 0.15
 # What is shorter than this share of the longest sure cable is a scrap of the table's grain, unless
 # it is sure and its contrast at least this share of the faintest long cable's.
 SCRAP_LENGTH, SCRAP_CONTRAST = 0.25, 0.5
-# Joinings whose second best pairing is dearer by this are sure.
-SURE_MARGIN = (0.0, 0.25)
+# A second best pairing that is dearer than this is none.
+SURE_MARGIN = 0.5
 
 
-def detect_cables(rgb: Pixels) -> Detection:
+def detect_cables(
+    rgb: Pixels,
+    mask: Pixels | None = None,
+    colours: Sequence[Sequence[float]] = (),
+    widths: Sequence[float] = (),
+    background: Pixels | None = None,
+) -> Detection:
     """Find the cables in a picture (height, width, 3), RGB.
 
+    Args:
+        rgb: the picture.
+        mask: (height, width), not 0 where a cable may be seen; without it everywhere.
+        colours: RGB of the cables from 0 to 255; without any, cables of all colours are found.
+        widths: of the cables [px]; without any, cables of all widths are found.
+        background: (height, width, 3), RGB, the same view without the cables.
+
     Raises:
-        ValueError: for another shape or type, or a picture of less than 64 px.
+        ValueError: for another shape or type, a picture of less than 64 px, or prior knowledge
+            that does not fit the picture.
     """
     if rgb.dtype != np.uint8 or rgb.ndim != 3 or rgb.shape[2] != 3 or min(rgb.shape[:2]) < MIN_SIDE:
         raise ValueError(
             f"a picture of shape {rgb.shape} and type {rgb.dtype}; it must be (height, width, 3), "
             f"uint8, and {MIN_SIDE} px or more each way"
         )
+    prior = checked_prior(rgb.shape, mask, colours, widths, background)
     _keep_memory()
     for columns in WORKING_COLUMNS:
         scale = max(1, round(max(rgb.shape[:2]) / columns))
         small = cv2.resize(rgb, None, fx=1 / scale, fy=1 / scale, interpolation=cv2.INTER_AREA)
-        foreground = find_foreground(small)
+        foreground = find_foreground(small, prior.smaller(scale))
         if scale == 1 or foreground.half_width > THIN:
             break
-    return _detect(rgb, scale, small, foreground)
+    return _detect(rgb, scale, small, foreground, prior)
 
 
 def _keep_memory() -> None:
@@ -82,30 +108,67 @@ def _keep_memory() -> None:
     del block
 
 
-def _detect(rgb: Pixels, scale: int, small: Pixels, foreground: Foreground) -> Detection:
+def _detect(
+    rgb: Pixels, scale: int, small: Pixels, foreground: Foreground, prior: Prior
+) -> Detection:
     """Find the cables, given the foreground of a picture made `scale` times smaller."""
     rough = rough_cables(small, foreground)
     if not rough:
-        why = CLUTTERED if rough is None else NOTHING
-        return Detection((), (), (*exposure_warnings(small), why))
+        why = Notice(CLUTTERED if rough is None else NOTHING)
+        return _detection([], (), [*exposure_warnings(small), why])
     lines = [(r.line + 0.5) * scale - 0.5 for r in rough]
     refined = refine(rgb, lines, [r.width * scale for r in rough])
     candidates = [
-        _Candidate(line, weigh(line, foreground.spread), ramp(r.margin, SURE_MARGIN))
+        _Candidate(line, weigh(line, foreground.spread), min(r.margin, SURE_MARGIN))
         for r, line in zip(rough, refined, strict=True)
-        if line is not None
+        if line is not None and prior.fits(line.width)
     ]
+    kept = sorted(_without_scraps(candidates), key=lambda c: -len(c.line.points))
     cables = []
-    for found in _without_scraps(candidates):
-        cable = _cable(rgb, found.line, found.confidence)
+    for found in kept:
+        cable = _cable(rgb, found.line)
         cables.append(replace(cable, tips=_not_over(foreground.foreign_objects, cable, scale)))
-    cables.sort(key=lambda c: -len(c.centreline))
-    warnings = (
+    cables = [
+        replace(cable, confidence=confidence(terms))
+        for cable, terms in zip(cables, _terms(rgb, kept, cables, foreground, scale), strict=True)
+    ]
+    notices = [
         *exposure_warnings(small),
         *cable_warnings(rgb, cables),
         *remainder_warnings(foreground, cables, scale),
+    ]
+    return _detection(cables, find_crossings(rgb, cables), notices)
+
+
+def _terms(
+    rgb: Pixels,
+    candidates: list[_Candidate],
+    cables: list[DetectedCable],
+    foreground: Foreground,
+    scale: int,
+) -> list[dict[str, float]]:
+    """Return the terms of each cable's confidence."""
+    return [
+        {
+            **candidate.evidence.terms,
+            "margin": candidate.margin,
+            "over foreign objects": over_foreign_objects(foreground, cables[i], scale),
+            **surrounding_terms(rgb, cables, i),
+        }
+        for i, candidate in enumerate(candidates)
+    ]
+
+
+def _detection(
+    cables: list[DetectedCable], crossings: tuple[Crossing, ...], notices: list[Notice]
+) -> Detection:
+    """Return the result, each warning also with the cables that it is about."""
+    own = [tuple(n.text for n in notices if i in n.cables) for i in range(len(cables))]
+    return Detection(
+        tuple(replace(cable, warnings=w) for cable, w in zip(cables, own, strict=True)),
+        crossings,
+        tuple(notice.text for notice in notices),
     )
-    return Detection(tuple(cables), find_crossings(rgb, cables), warnings)
 
 
 @dataclass(frozen=True, eq=False)
@@ -114,12 +177,7 @@ class _Candidate:
 
     line: Refined
     evidence: Evidence
-    joined: float
-
-    @property
-    def confidence(self) -> float:
-        """That it is one cable, and all of it."""
-        return self.evidence.total * self.evidence.trust * self.joined
+    margin: float
 
 
 def _without_scraps(candidates: list[_Candidate]) -> list[_Candidate]:
@@ -149,7 +207,7 @@ def _not_over(foreign_objects: Pixels, cable: DetectedCable, scale: int) -> tupl
     return tips[0], tips[1]
 
 
-def _cable(rgb: Pixels, refined: Refined, confidence: float) -> DetectedCable:
+def _cable(rgb: Pixels, refined: Refined) -> DetectedCable:
     """Find the ends and fit the spline."""
     width = refined.width
     first = find_end(rgb, refined.points, width)
@@ -168,5 +226,5 @@ def _cable(rgb: Pixels, refined: Refined, confidence: float) -> DetectedCable:
         tips=(first, last),
         width=width,
         colour=(red, green, blue),
-        confidence=confidence,
+        confidence=0.0,
     )

@@ -42,7 +42,8 @@ class DetectedCable:
         tips: the first and the last.
         width: [px].
         colour: mean, RGB 0 to 255.
-        confidence: 0 to 1: how sure it is that this is one cable and all of it.
+        confidence: 0 to 1: the probability that this is one cable and all of it.
+        warnings: the reasons why this cable may be wrong.
     """
 
     centreline: Array
@@ -51,6 +52,7 @@ class DetectedCable:
     width: float
     colour: tuple[float, float, float]
     confidence: float
+    warnings: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True, eq=False)
@@ -76,7 +78,8 @@ class Crossing:
 class Detection:
     """All cables of a picture.
 
-    `warnings` are the reasons why the result may be wrong. A result without any is reliable.
+    `warnings` are the reasons why the result may be wrong, those of its cables included. A result
+    without any is reliable.
 
     Attributes:
         cables: the longest first.

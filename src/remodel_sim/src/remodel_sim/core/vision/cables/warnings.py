@@ -5,6 +5,7 @@ from __future__ import annotations
 import itertools
 import math
 from collections.abc import Iterator
+from dataclasses import dataclass
 
 import cv2
 import numpy as np
@@ -21,7 +22,7 @@ SURE = 0.5
 # A picture is overexposed when this share of it is at the top of the scale, and dark when that
 # share of it stays below a level.
 CLIPPED, TOP = 0.18, 250
-DARK_SHARE, DARK = 0.98, 75
+DARK_SHARE, DARK = 0.995, 75
 # A tip beyond which this share of the contrast is left may be none: true ones leave up to 0.19,
 # ends that noise cut 0.36 to 1.05.
 GOES_ON = 0.28
@@ -29,6 +30,8 @@ GOES_ON = 0.28
 BESIDE_WIDTHS = 1.7
 # A line that leaves its chord by less is straight [widths].
 STRAIGHT_WIDTHS = 0.5
+# Farther than this from another cable an end may be at any distance [widths].
+NEAR_WIDTHS = 6.0
 # Two ends of like colours [grey levels], this near [widths], that face each other [cosine], may
 # be one cable, with something hidden between them.
 SAME_COLOUR, FACING_WIDTHS, FACING = 60.0, 12.0, 0.8
@@ -44,39 +47,54 @@ CLEAR = 8.0
 OVER_FOREIGN_OBJECT = 0.02
 
 
-def exposure_warnings(rgb: Pixels) -> Iterator[str]:
+@dataclass(frozen=True)
+class Notice:
+    """A reason why a result may be wrong, and the indices of the cables that it is about."""
+
+    text: str
+    cables: tuple[int, ...] = ()
+
+
+def exposure_warnings(rgb: Pixels) -> Iterator[Notice]:
     """Yield what is wrong with the light of a picture (height, width, 3)."""
     some = rgb[::2, ::2]
     brightest = np.maximum(np.maximum(some[..., 0], some[..., 1]), some[..., 2])
     clipped = float(np.mean(brightest >= TOP))
     if clipped > CLIPPED:
-        yield f"{clipped:.0%} of the picture is overexposed; take it with a shorter exposure"
+        yield Notice(
+            f"{clipped:.0%} of the picture is overexposed; take it with a shorter exposure"
+        )
     if np.mean(brightest < DARK) > DARK_SHARE:
-        yield "the picture is dark; take it with more light or a longer exposure"
+        yield Notice("the picture is dark; take it with more light or a longer exposure")
 
 
-def cable_warnings(rgb: Pixels, cables: list[DetectedCable]) -> Iterator[str]:
+def cable_warnings(rgb: Pixels, cables: list[DetectedCable]) -> Iterator[Notice]:
     """Yield what is odd about cables in a picture (height, width, 3)."""
     if not cables:
-        yield NOTHING
+        yield Notice(NOTHING)
     for i, cable in enumerate(cables):
         if cable.confidence < SURE:
-            yield f"cable {i} may be none, or not one: confidence {cable.confidence:.2f}"
+            text = f"cable {i} may be none, or not one: confidence {cable.confidence:.2f}"
+            yield Notice(text, (i,))
         if _is_ruled(cable):
-            yield f"cable {i} is straight from border to border: it may be an edge or a seam"
+            text = f"cable {i} is straight from border to border: it may be an edge or a seam"
+            yield Notice(text, (i,))
         for tip in cable.tips:
             column, row = tip.point
             if tip.end is CableEnding.HIDDEN:
-                yield (
+                yield Notice(
                     f"cable {i} may go on beyond ({column:.0f}, {row:.0f}), where a foreign object "
-                    "lies"
+                    "lies",
+                    (i,),
                 )
             elif tip.end is CableEnding.TIP and goes_on(rgb, tip, cable.width) > GOES_ON:
-                yield f"cable {i} may go on beyond ({column:.0f}, {row:.0f}), fainter"
+                text = f"cable {i} may go on beyond ({column:.0f}, {row:.0f}), fainter"
+                yield Notice(text, (i,))
             for j, other in enumerate(cables):
                 gap = np.hypot(*(other.centreline - tip.point).T).min()
                 if i != j and gap < BESIDE_WIDTHS * max(cable.width, other.width):
-                    yield f"cable {i} ends at ({column:.0f}, {row:.0f}) on cable {j}"
+                    text = f"cable {i} ends at ({column:.0f}, {row:.0f}) on cable {j}"
+                    yield Notice(text, (i, j))
     for (i, one), (j, other) in itertools.combinations(enumerate(cables), 2):
         if np.linalg.norm(np.subtract(one.colour, other.colour)) > SAME_COLOUR:
             continue
@@ -86,20 +104,51 @@ def cable_warnings(rgb: Pixels, cables: list[DetectedCable]) -> Iterator[str]:
             if length < FACING_WIDTHS * (one.width + other.width) / 2:
                 facing = min(gap @ a.outward, -gap @ b.outward) / max(length, 1e-6)
                 if facing > FACING:
-                    yield f"cables {i} and {j} may be one: their ends face each other"
+                    text = f"cables {i} and {j} may be one: their ends face each other"
+                    yield Notice(text, (i, j))
 
 
 def _is_ruled(cable: DetectedCable) -> bool:
     """Return whether a cable enters and leaves the picture and is straight in between."""
+    truncated = all(tip.end is CableEnding.TRUNCATED for tip in cable.tips)
+    return truncated and _bend(cable) < STRAIGHT_WIDTHS
+
+
+def _bend(cable: DetectedCable) -> float:
+    """Return how far a cable leaves the chord between its tips [widths]."""
     chord = cable.tips[1].point - cable.tips[0].point
     away = (cable.centreline - cable.tips[0].point) @ np.array([-chord[1], chord[0]])
-    straight = np.abs(away).max() < STRAIGHT_WIDTHS * cable.width * math.hypot(*chord.tolist())
-    return bool(straight and all(tip.end is CableEnding.TRUNCATED for tip in cable.tips))
+    return float(np.abs(away).max()) / (max(math.hypot(*chord.tolist()), 1.0) * cable.width)
+
+
+def surrounding_terms(rgb: Pixels, cables: list[DetectedCable], index: int) -> dict[str, float]:
+    """Return the terms of the confidence that the ends and the other cables give."""
+    cable = cables[index]
+    loose = [tip for tip in cable.tips if tip.end is CableEnding.TIP]
+    left = [limited_to(goes_on(rgb, tip, cable.width), (-0.5, 1.5)) for tip in loose]
+    gaps = [
+        float(np.hypot(*(other.centreline - tip.point).T).min()) / cable.width
+        for tip in cable.tips
+        for other in cables
+        if other is not cable
+    ]
+    return {
+        "goes on": max(left, default=0.0),
+        "hidden ends": float(sum(tip.end is CableEnding.HIDDEN for tip in cable.tips)),
+        "truncated ends": float(sum(tip.end is CableEnding.TRUNCATED for tip in cable.tips)),
+        "bend [log widths]": math.log(_bend(cable) + 0.1),
+        "end near another [widths]": min(min(gaps, default=NEAR_WIDTHS), NEAR_WIDTHS),
+    }
+
+
+def limited_to(value: float, limits: tuple[float, float]) -> float:
+    """Return a value within limits."""
+    return min(max(value, limits[0]), limits[1])
 
 
 def remainder_warnings(
     foreground: Foreground, cables: list[DetectedCable], scale: int
-) -> Iterator[str]:
+) -> Iterator[Notice]:
     """Yield what is odd about cables in a mask made `scale` times smaller than the picture."""
     left = (foreground.distance > CLEAR).astype(np.uint8) & foreground.mask
     if foreground.foreign_objects.any():
@@ -107,13 +156,10 @@ def remainder_warnings(
     for i, cable in enumerate(cables):
         line = (cable.centreline + 0.5) / scale - 0.5
         _wipe(left, line, cable.width / scale)
-        columns, rows = np.rint(line).astype(int).T
-        height, width = left.shape
-        at = foreground.foreign_objects[
-            np.clip(rows, 0, height - 1), np.clip(columns, 0, width - 1)
-        ]
-        if at.mean() > OVER_FOREIGN_OBJECT:
-            yield f"cable {i} lies on a foreign object for {at.mean():.0%} of its length"
+        share = over_foreign_objects(foreground, cable, scale)
+        if share > OVER_FOREIGN_OBJECT:
+            text = f"cable {i} lies on a foreign object for {share:.0%} of its length"
+            yield Notice(text, (i,))
     if not cables:
         return
     typical = float(np.median([cable.width for cable in cables])) / scale
@@ -123,7 +169,16 @@ def remainder_warnings(
     for label in range(1, count):
         if stats[label, cv2.CC_STAT_AREA] > REST * typical**2:
             column, row = (centres[label] + 0.5) * scale - 0.5
-            yield f"what lies at ({column:.0f}, {row:.0f}) is part of no cable found"
+            yield Notice(f"what lies at ({column:.0f}, {row:.0f}) is part of no cable found")
+
+
+def over_foreign_objects(foreground: Foreground, cable: DetectedCable, scale: int) -> float:
+    """Return the share of a cable that lies on foreign objects."""
+    objects = foreground.foreign_objects
+    columns, rows = np.rint((cable.centreline + 0.5) / scale - 0.5).astype(int).T
+    height, width = objects.shape
+    at = objects[np.clip(rows, 0, height - 1), np.clip(columns, 0, width - 1)]
+    return float(at.mean())
 
 
 def _wipe(mask: Pixels, line: Pixels, width: float) -> None:

@@ -60,6 +60,10 @@ DISTINCT_SINE, DISTINCT_LEVELS = 0.12, 30.0
 SHADOW = (0.35, 1.0)
 # Hues are the same when that much of the difference of two colours is left without shades.
 SAME_HUE = 0.3
+# A camera's black: shades are compared as if each colour had a fourth channel of this level [grey
+# levels]. So what noise shows on a black table has no hue and is no shade of a cable; on a lit
+# table it changes nothing. Photographs on black do as well with 10 as with 80.
+BLACK = 20.0
 
 
 @dataclass(frozen=True, eq=False)
@@ -167,7 +171,8 @@ def _lit(left: Pixels, right: Pixels) -> tuple[Pixels, Pixels, Pixels]:
     """Return surroundings (3, n), the lit side for one in shadow, and how bright the shadow is."""
     left_lit = left.sum(axis=0) > right.sum(axis=0)
     light, dark = np.where(left_lit, left, right), np.where(left_lit, right, left)
-    shade = limited(_dot(dark, light) / np.maximum(_dot(light, light), 1.0), *SHADOW)
+    black = BLACK**2
+    shade = limited((_dot(dark, light) + black) / (_dot(light, light) + black), *SHADOW)
     hue, whole = dark - shade * light, light - dark
     is_shadow = _dot(hue, hue) < SAME_HUE**2 * _dot(whole, whole)
     return (
@@ -183,11 +188,13 @@ def _shares(colours: Pixels, beside: Pixels, own: Pixels) -> tuple[Pixels, npt.N
     A colour is taken for a s + b o with the surroundings s and the cable's own colour o (3, n); the
     share is b / (a + b), by least squares.
     """
-    ss, oo, so = _dot(beside, beside) + 1.0, _dot(own, own) + 1.0, _dot(beside, own)
+    black = BLACK**2
+    ss, oo = _dot(beside, beside) + black, _dot(own, own) + black
+    so = _dot(beside, own) + black
     determinant = np.maximum(ss * oo - so**2, 1.0)
     distinct = determinant > np.maximum(DISTINCT_SINE**2 * oo, DISTINCT_LEVELS**2) * ss
-    cs = _dot(colours, beside[:, :, None])
-    co = _dot(colours, own[:, :, None])
+    cs = _dot(colours, beside[:, :, None]) + black
+    co = _dot(colours, own[:, :, None]) + black
     # The common factor 1 / determinant falls out of the share.
     a = np.maximum(oo[:, None] * cs - so[:, None] * co, 0.0)
     b = np.maximum(ss[:, None] * co - so[:, None] * cs, 0.0)

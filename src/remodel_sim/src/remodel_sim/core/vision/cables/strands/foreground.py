@@ -16,6 +16,7 @@ import numpy as np
 
 from remodel_sim.core.geometry import Array
 from remodel_sim.core.vision.cables.curves.robust_statistics import limited, median
+from remodel_sim.core.vision.cables.strands.prior import Prior
 from remodel_sim.core.vision.pixels import Pixels
 
 # The table is sampled at every sixth pixel, and its median taken over this many samples: a third
@@ -64,18 +65,22 @@ class Foreground:
     distance: Pixels
 
 
-def find_foreground(rgb: Pixels) -> Foreground:
+def find_foreground(rgb: Pixels, prior: Prior) -> Foreground:
     """Separate cables from the table in a picture (height, width, 3) of some 320 columns."""
     pixels = rgb.astype(np.float32)
-    table = _table(rgb)
+    known = prior.background
+    table = _table(rgb) if known is None else known.astype(np.float32)
+    allowed = prior.allowed(rgb)
     whiten, spread = _whitening(pixels[1::SPARSE, 1::SPARSE] - table[1::SPARSE, 1::SPARSE])
     covered = _distance(pixels, table, whiten)
     lit = _unlike_any_shade(pixels, table, whiten)
     distance = covered
-    mask = _cables_without_shadows(distance, lit)
+    things = _cables_without_shadows(distance, lit)
+    mask = things if allowed is None else things & allowed
     reach = _reach(mask)
-    half_width = _typical_half_width(reach)
-    foreign_objects = _foreign_objects(reach, half_width)
+    half_width = max(1.0, max(prior.widths) / 2) if prior.widths else _typical_half_width(reach)
+    thick = reach if allowed is None else _reach(things)
+    foreign_objects = _foreign_objects(thick, half_width)
     if foreign_objects.any():
         near = _table_nearby(rgb, half_width)
         other = _distance(pixels, near, whiten)
@@ -85,7 +90,11 @@ def find_foreground(rgb: Pixels) -> Foreground:
         lit = np.where(on_foreign_object, lit & other_lit, lit)
         mask = _cables_without_shadows(distance, lit)
         mask[_foreign_objects(_reach(mask), half_width) > 0] = 0
+        if allowed is not None:
+            mask &= allowed
         reach = _reach(mask)
+    if allowed is not None:
+        distance = np.where(allowed > 0, distance, 0.0)
     return Foreground(
         mask=mask,
         reach=reach,

@@ -1,0 +1,65 @@
+"""What a person does in the drawing of the editor, as changes of the chart."""
+
+from __future__ import annotations
+
+from collections.abc import Awaitable, Callable
+from dataclasses import replace
+from functools import partial
+from typing import TypeAlias
+
+from flexbe_synthesizer.core.chart.model import Chart, Point
+from remodel_console.core.editor import chart_edit
+from remodel_console.core.editor.editing import Path, read_path
+from remodel_console.web.canvas import Places
+from remodel_console.web.editor.editing_page import EditingPage
+
+Add: TypeAlias = Callable[[str, Path, Point | None], Awaitable[None]]
+
+
+class DrawingEditor:
+    """Takes what the drawing reports."""
+
+    def __init__(self, page: EditingPage, add: Add) -> None:
+        """Change the chart of a page; `add` adds an entry of the library to a container."""
+        self._page = page
+        self._add = add
+
+    def pick(self, paths: tuple[str, ...]) -> None:
+        """Select what was clicked; a start or an end selects what is around it."""
+        page = self._page
+        chosen: list[Path] = []
+        for text in paths:
+            path = read_path(text)
+            while path and page.chart and chart_edit.node_at(page.chart, path) is None:
+                path = path[:-1]
+            chosen.append(path)
+        page.select(*filter(None, chosen))
+
+    async def connect(self, path: str, event: str, target: str) -> None:
+        """Lead an outcome of a state to a target beside it."""
+        *around, node_id = read_path(path)
+        change = partial(chart_edit.led, node_id=node_id, event=event, target=target)
+        await self._page.change(f"{node_id}: '{event}' leads to '{target}'", tuple(around), change)
+
+    async def move(self, scope: str, states: Places, outcomes: Places) -> None:
+        """Keep where what is in a container was put."""
+        change = partial(_placed, states=states, outcomes=outcomes)
+        await self._page.change(f"place what is in /{scope}", read_path(scope), change)
+
+    async def drop(self, what: str, scope: str, at: list[int] | None) -> None:
+        """Add an entry of the library to a container."""
+        await self._add(what, read_path(scope), None if at is None else (at[0], at[1]))
+
+
+def _placed(scope: Chart, states: Places, outcomes: Places) -> Chart:
+    """Return the scope with its parts drawn at these places."""
+
+    def place(places: Places, name: str, before: tuple[int, int] | None) -> tuple[int, int] | None:
+        found = places.get(name)
+        return before if found is None else (int(found[0]), int(found[1]))
+
+    return replace(
+        scope,
+        nodes=tuple(replace(n, at=place(states, n.id, n.at)) for n in scope.nodes),
+        outcomes=tuple(replace(o, at=place(outcomes, o.name, o.at)) for o in scope.outcomes),
+    )

@@ -1,0 +1,240 @@
+#!/usr/bin/env python3
+"""The drawing of the editor in a real browser: built by dragging, moved, copied, searched, run."""
+
+import contextlib
+import sys
+from pathlib import Path
+from typing import ClassVar
+
+import rospy
+import rostest
+from playwright.sync_api import Error, expect
+
+sys.path.insert(0, str(Path(__file__).parent))
+from behavior_test_case import BehaviorTestCase
+
+from flexbe_synthesizer.core.chart.chart_reader import parse_chart
+from flexbe_synthesizer.core.chart.chart_writer import write_chart
+from flexbe_synthesizer.core.chart.model import Chart, Outcome, Param, State, Transition
+
+FLAT = 1000  # states
+DRAWN_S = 30.0  # within which they are drawn; 1 s on idle cores, by `make bench-drawing`
+MOST_CLICKS, MOST_FIELDS = 8, 2
+DATASET = "(name) => document.querySelector('.canvas-frame').dataset[name]"
+CENTRE = """(path) => {
+  const { x, y } = document.querySelector('.canvas-frame').drawing.byPath.get(path).position();
+  return [x, y];
+}"""
+COLOUR = """(event) => {
+  const edges = document.querySelector('.canvas-frame').drawing.cy.edges();
+  return edges.filter((edge) => edge.data('label').startsWith(event)).first().style('line-color');
+}"""
+FLOWS = """() => document.querySelector('.canvas-frame').drawing.cy.edges('.flow')
+  .filter((edge) => edge.visible()).map((edge) => edge.data('label'))"""
+
+
+def flat_chart(count):
+    """Return a chart of so many states in a row, each of which can also fail."""
+    ids = [f"Step {number}" for number in range(count)]
+    nodes = tuple(
+        State(
+            one,
+            "WaitState",
+            (Transition("done", following),),
+            params=(Param("wait_time", 0.0),),
+        )
+        for one, following in zip(ids, (*ids[1:], "finished"), strict=True)
+    )
+    return Chart("Flat", ids[0], (Outcome("finished"),), nodes)
+
+
+class DrawingTest(BehaviorTestCase):
+    first_page = "/editor"
+    more_charts: ClassVar = {"flat.xml": write_chart(flat_chart(FLAT))}
+
+    def setUp(self):
+        super().setUp()
+        expect(self.page.get_by_role("button", name="Save", exact=True)).to_be_visible()
+
+    def chart(self, name):
+        return parse_chart((self.package / "charts" / f"{name}.xml").read_bytes())
+
+    def open(self, name):
+        self.choose(self.page, "Open", name)
+        expect(self.page.locator(".properties .title", has_text=name)).to_be_visible()
+
+    def drawn(self, path):
+        """Return the entry of what is drawn among the words for it."""
+        return self.page.locator(f".canvas-outline [data-path='{path}']").first
+
+    def drag_from_library(self, name):
+        entry = self.page.locator(".library").get_by_role("button", name=name, exact=True)
+        entry.drag_to(self.page.locator(".canvas-stage"), target_position={"x": 120, "y": 300})
+
+    def drag_outcome(self, state, event, target):
+        """Drag an outcome of a state to where it leads."""
+        handle = self.page.get_by_label(f"Outcome {event} of {state}", exact=True)
+
+        def is_there():
+            self.page.mouse.move(*self.where(self.page, state))
+            with contextlib.suppress(Error):  # drawn again just now
+                handle.hover(timeout=2000)
+                return True
+            return False
+
+        self.wait_until(is_there, event)
+        self.page.mouse.down()
+        self.page.mouse.move(*self.where(self.page, target), steps=4)
+        self.page.mouse.up()
+        edge = f".canvas-outline li.edge[data-source='{state}'][data-target='{target}']"
+        expect(self.page.locator(edge)).to_have_count(1)
+
+    def xml_contains(self, text):
+        self.page.get_by_role("tab", name="XML").click()
+        expect(self.page.locator(".cm-content")).to_contain_text(text)
+
+    def test_two_states_and_a_connection_run_after_8_clicks_and_2_fields(self):
+        page, clicks, fields = self.page, 0, 0
+        self.press(page, "New")
+        clicks += 1
+        page.get_by_role("dialog").get_by_label("Name").fill("Two Steps")
+        fields += 1
+        page.keyboard.press("Enter")
+        expect(page.locator(".tools")).to_contain_text("Two Steps: not saved yet")
+        self.drag_from_library("Wait")
+        clicks += 1
+        wait_time = page.locator(".properties").get_by_label("wait_time", exact=True)
+        expect(wait_time).to_be_focused()
+        page.keyboard.type("0.1")
+        fields += 1
+        page.keyboard.press("Enter")
+        self.wait_until(lambda: not wait_time.evaluate("(one) => one === document.activeElement"))
+        expect(page.get_by_label("Outcome done of Wait", exact=True)).to_be_visible()
+        page.keyboard.press("Control+c")
+        page.keyboard.press("Control+v")
+        expect(page.locator(".properties").get_by_label("Name", exact=True)).to_have_value("Wait 2")
+        self.drawn("Wait 2").wait_for(state="attached")
+        self.drag_outcome("Wait 2", "done", "finished")
+        clicks += 1
+        self.drag_outcome("Wait", "done", "Wait 2")
+        clicks += 1
+        expect(page.locator(".problems")).to_contain_text("No errors.")
+        self.take_picture(page, "editor-dragged")
+        self.press(page, "Run")
+        clicks += 1
+        self.press(page, "Start")
+        clicks += 1
+        expect(page.locator(".ending")).to_have_text("The last run ended with 'finished'.")
+        self.assertLessEqual((clicks, fields), (MOST_CLICKS, MOST_FIELDS))
+        first, second = self.chart("two_steps").nodes
+        self.assertEqual(first.transitions, (Transition("done", "Wait 2"),))
+        self.assertEqual(second.params[0].value, 0.1)
+
+    def test_where_a_state_is_put_is_kept_in_the_chart(self):
+        page = self.page
+        self.open("Patrol")
+        x, y = self.where(page, "South")
+        page.mouse.move(x, y)
+        page.mouse.down()
+        page.mouse.move(x + 120, y + 60, steps=5)
+        page.mouse.up()
+        expect(page.locator(".tools")).to_contain_text("Patrol: not saved yet")
+        self.xml_contains("ext:at=")
+        page.get_by_role("tab", name="Changes").click()
+        expect(page.locator(".changes .added").first).to_contain_text("ext:at=")
+        expect(page.locator(".changes .removed").first).not_to_contain_text("ext:at=")
+        self.take_picture(page, "editor-changes")
+        placed = page.evaluate(CENTRE, "South")
+        page.reload()
+        expect(page.locator(".tools")).to_contain_text("Patrol: not saved yet")
+        self.where(page, "South")
+        self.assertEqual(page.evaluate(CENTRE, "North")[0] < placed[0], True)
+        self.press(page, "Arrange")
+        expect(page.locator(".tools")).to_contain_text("Patrol: saved")
+
+    def test_several_states_are_copied_with_what_connects_them_and_deleted(self):
+        page = self.page
+        self.open("Patrol")
+        self.pick_drawn(page, "North")
+        page.keyboard.down("Shift")
+        self.pick_drawn(page, "South")
+        page.keyboard.up("Shift")
+        expect(page.locator(".canvas-outline li.selected")).to_have_count(2)
+        page.keyboard.press("Control+c")
+        page.keyboard.press("Control+v")
+        expect(self.drawn("South 2")).to_have_class("node selected")
+        edge = ".canvas-outline li.edge[data-source='North 2'][data-target='South 2']"
+        expect(page.locator(edge)).to_have_count(1)
+        page.keyboard.press("Delete")
+        expect(self.drawn("South 2")).to_have_count(0)
+        expect(self.drawn("North 2")).to_have_count(0)
+        page.keyboard.press("Control+z")
+        expect(self.drawn("North 2")).to_have_count(1)
+        page.keyboard.press("Control+y")
+        expect(self.drawn("North 2")).to_have_count(0)
+
+    def test_states_are_found_by_id_type_and_parameter(self):
+        self.open("Errand")
+        self.page.keyboard.press("Control+f")
+        find = self.page.get_by_label("Find in the chart")
+        expect(find).to_be_focused()
+        for word, paths in (
+            ("look", ("Search/Look", "Search/Look closer")),
+            ("done.", ("Report",)),
+        ):
+            find.fill(word)
+            for path in paths:
+                find.press("Enter")
+                expect(self.drawn(path)).to_have_class("node selected")
+        find.fill("LogKeyState")
+        expect(self.page.locator(".matches")).to_have_text("1 found")
+        find.fill("nowhere")
+        expect(self.page.locator(".matches")).to_have_text("nothing found")
+
+    def test_data_flow_and_autonomy_are_drawn(self):
+        page = self.page
+        self.open("Errand")
+        self.where(page, "Greet")
+        self.assertEqual(page.evaluate(FLOWS), [])
+        expect(page.locator(".canvas-outline li.flow")).to_have_text(
+            "the inputs: greeting is read by Greet"
+        )
+        self.press(page, "Data flow")
+        self.wait_until(lambda: page.evaluate(FLOWS) == ["greeting"], "the data flow")
+        self.take_picture(page, "editor-data-flow")
+        asked, free = page.evaluate(COLOUR, "done · high"), page.evaluate(COLOUR, "found")
+        self.assertNotEqual(asked, free)
+
+    def test_a_problem_is_shown_at_its_state_and_corrected_by_a_click(self):
+        page = self.page
+        self.open("Patrol")
+        page.get_by_role("tab", name="XML").click()
+        source = (self.package / "charts" / "patrol.xml").read_text()
+        page.locator(".cm-content").fill(source.replace('target="South"', 'target="Sout"'))
+        expect(page.locator(".problems")).to_contain_text("errors")
+        expect(self.drawn("North")).not_to_have_attribute("data-problems", "0")
+        expect(page.locator("li.node[data-kind=missing]")).to_have_count(1)
+        self.take_picture(page, "editor-problems")
+        self.press(page, "Connect 'done' to 'South'")
+        expect(page.locator(".problems")).to_contain_text("No errors.")
+        expect(self.drawn("North")).to_have_attribute("data-problems", "0")
+
+    def test_the_drawing_is_downloaded_as_a_picture(self):
+        self.open("Errand")
+        self.where(self.page, "Greet")
+        with self.page.expect_download() as download:
+            self.press(self.page, "Download the picture")
+        self.assertEqual(download.value.suggested_filename, "Errand.png")
+        self.assertEqual(Path(download.value.path()).read_bytes()[:4], b"\x89PNG")
+
+    def test_1000_states_are_drawn(self):
+        self.open("Flat")
+        self.drawn(f"Step {FLAT - 1}").wait_for(state="attached")
+        self.wait_until(lambda: self.page.evaluate(DATASET, "drawnMs"))
+        self.assertLess(float(self.page.evaluate(DATASET, "drawnMs")), 1000 * DRAWN_S)
+        self.take_picture(self.page, "editor-1000-states")
+
+
+if __name__ == "__main__":
+    rospy.init_node("test_drawing")
+    rostest.rosrun("remodel_console", "test_drawing", DrawingTest)

@@ -1,0 +1,1 @@
+"""What a KBL harness has besides its wires and their connectors."""

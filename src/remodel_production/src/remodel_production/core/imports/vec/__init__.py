@@ -1,0 +1,1 @@
+"""Import harnesses of the Vehicle Electric Container."""

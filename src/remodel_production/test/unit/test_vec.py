@@ -1,0 +1,82 @@
+"""The importer of VEC harnesses: roles, contacts, routes, and what is refused."""
+
+from pathlib import Path
+
+import pytest
+
+from remodel_production.core.imports.formats import built_in_formats, format_of
+from remodel_production.core.imports.vec.vec import import_vec
+from remodel_production.core.production import Clip, Role
+from remodel_production.edge.catalogue_file import read_catalogue
+from remodel_production.errors import DesignError
+
+CATALOGUE = read_catalogue(Path(__file__).parents[2] / "config" / "catalogue.yaml")
+TEXT = (Path(__file__).parent / "designs" / "loom.vec").read_text()
+
+
+def read(*changes):
+    """Read the loom with (old, new) pieces of its text exchanged."""
+    text = TEXT
+    for old, new in changes:
+        assert old in text
+        text = text.replace(old, new)
+    return import_vec(text.encode(), "loom", "loom.vec", CATALOGUE)
+
+
+def test_wire_elements_become_wires_by_their_contacts_and_cores_of_their_cables():
+    order = read().order
+    assert order.title == "L-200"
+    assert [(w.name, str(w.a), str(w.b), w.cable, w.core) for w in order.wires] == [
+        ("W1", "X1:1", "X2:1", "", ""),
+        ("W2.A", "X1:2", "X2:2", "W2", "A"),
+        ("W2.B", "X1:3", "S1:k6.1", "W2", "B"),
+        ("W3", "S1:k6.2", "X2:3", "", ""),
+    ]
+    assert {(w.colour, w.section_mm2) for w in order.wires} == {("RDYE", 0.5)}
+    assert [w.length_m for w in order.wires] == [0.72, 0.7, 0.4, 0.3]
+    assert [(cable.name, cable.kind) for cable in order.cables] == [("W2", "LiYY")]
+
+
+def test_components_have_roles_nodes_contacts_and_seals():
+    x1, x2, s1 = read().order.components
+    assert (x1.name, x1.role, x1.part_number, x1.node) == ("X1", Role.CONNECTOR, "H-3", "N1")
+    assert (x2.node, s1.name, s1.role) == ("N3", "S1", Role.JOINT)
+    assert [(t.name, t.is_sealed) for t in x1.terminals] == [
+        ("1", True),
+        ("2", False),
+        ("3", False),
+    ]
+    assert x1.terminals[0].kind == "T-063 with seal S-9"
+
+
+def test_routes_are_ordered_from_end_a_and_fixings_are_clips():
+    order = read().order
+    assert order.wires[0].route == ("S12", "S23")
+    assert [(s.name, s.length_m) for s in order.segments] == [("S12", 0.4), ("S23", 0.3)]
+    assert order.clips == (Clip("CL1", "F-1", "S23", 0.75),)
+
+
+def test_a_wire_element_without_two_contacts_is_left_out_and_lengths_may_be_missing():
+    imported = read(
+        ("<ReferencedWireEnd>w1_b</ReferencedWireEnd>", ""),
+        ("<ValueComponent>400</ValueComponent></Length>", "</Length>"),
+    )
+    (left,) = imported.account.left_out
+    assert left.reason == "1 of its ends have a contact point; two are needed"
+    assert imported.account.connections == 4
+    assert any("length of segment S12 not given" in line for line in imported.account.assumptions)
+
+
+def test_versions_differ_in_nothing_that_is_read_and_the_format_is_recognised():
+    assert read(("1.2.0", "2.1.0")).order == read().order
+    form = format_of(TEXT.encode(), built_in_formats(()))
+    assert form.name == "vec"
+
+
+def test_what_is_no_vec_or_refers_to_nothing_is_refused():
+    with pytest.raises(DesignError, match="the root element is <KBL_container>; a <VecContent> is"):
+        read(("vec:VecContent", "vec:KBL_container"))
+    with pytest.raises(DesignError, match="refers to we, and no element has that id"):
+        read(('<WireElement id="we">', '<WireElement id="other">'))
+    with pytest.raises(DesignError, match="none of its 4 wire elements joins two contact points"):
+        read(("EquippedCavityRef>", "Other>"), ("<MountedTerminal>s1_r</MountedTerminal>", ""))

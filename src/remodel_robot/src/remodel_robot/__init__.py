@@ -1,0 +1,1 @@
+"""What a cell with a real robot needs."""

@@ -1,0 +1,1 @@
+"""Commands for a cell with a real robot."""

@@ -1,0 +1,1 @@
+"""Computations without disk or ROS."""
