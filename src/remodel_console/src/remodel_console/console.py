@@ -14,6 +14,7 @@ from remodel_console.core.inbox import Card, Option
 from remodel_console.core.run.decision import Decisions, decisions_of
 from remodel_console.core.run.order import FULL, Attach
 from remodel_console.core.run.run_view import Event, Phase
+from remodel_console.core.use_case.production import Statistics
 from remodel_console.core.use_case.record import Record, Summary
 from remodel_console.core.use_case.use_case import Choice
 from remodel_console.desk import Desk
@@ -79,6 +80,9 @@ class Recorder(Protocol):
 
     def orders(self) -> tuple[str, ...]:
         """Return the names of all orders."""
+
+    def statistics(self, order: str) -> Statistics:
+        """Return the statistics of an order's runs; of an empty name: of all runs."""
 
     def record(self, run: int) -> Record:
         """Return the record of a run, without its pictures."""

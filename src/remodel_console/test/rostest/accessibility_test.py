@@ -23,6 +23,7 @@ PAGES = {
     "/runtime": "li.node",
     "/editor": "li.node",
     "/replay?run=12": ".clock",
+    "/statistics": ".statistics td",
     "/configuration": ".matter",
 }
 

@@ -35,6 +35,7 @@ from remodel_supervision.core.runs.events import (
 )
 from remodel_supervision.core.runs.fold import state_after
 from remodel_supervision.core.runs.state import FINISHED
+from remodel_supervision.core.runs.statistics import joined, statistics_of_run
 from remodel_supervision.ros.server.state_publisher import RunView, StatePublisher
 from remodel_supervision.supervisors.ports import Doing
 
@@ -75,7 +76,7 @@ def attempt(task, number, took_s, *codes):
                 ended_s=0.0,
                 elapsed_s=0.0,
                 goal_id="",
-                parameters=(),
+                parameters=(("component_id", "K1"), ("terminal_id", "A1")),
                 measurements=(),
             ),
         )
@@ -333,6 +334,7 @@ class FakeRecords:
         self._services = [
             rospy.Service("remodel/use_case/runs", srv.ListRuns, self._list),
             rospy.Service("remodel/use_case/record", srv.GetRun, self._get),
+            rospy.Service("remodel/use_case/statistics", srv.GetStatistics, self._statistics),
         ]
 
     def _list(self, _request):
@@ -341,6 +343,20 @@ class FakeRecords:
             ended=True, done=0, tasks=2,
         )  # fmt: skip
         return srv.ListRunsResponse(True, "", [run], ["cabinet 7", "cabinet 8"])
+
+    def _statistics(self, request):
+        """Answer by the supervisor's own code, of two runs whose fourth task is under way."""
+        orders = {12: "cabinet 7", 13: "cabinet 8"}
+        runs = [
+            statistics_of_run(run, state_after(events), events)
+            for run, order in orders.items()
+            if request.order in ("", order)
+            for events in (half_way(order),)
+        ]
+        found = joined(runs)
+        parts = (found.yields, found.terminals, found.wires)
+        columns = [column for part in parts for column in zip(*part, strict=True)]
+        return srv.GetStatisticsResponse(True, "", *columns)
 
     def _get(self, request):
         if request.run != 12:

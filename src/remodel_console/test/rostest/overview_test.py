@@ -119,6 +119,22 @@ class OverviewTest(BehaviorTestCase):
         expect(banner).to_be_hidden()
         expect(phase).to_have_text("running")
 
+    def see_statistics(self):
+        """Compare all runs with those of one order."""
+        page = self.open_page("/statistics")
+        page.get_by_role("button", name="Reload").click()
+        terminals = page.locator("section", has_text="Terminals").locator("tr")
+        expect(terminals.last).to_have_text("K1/A18" + "8" + "100%")
+        expect(page.get_by_role("img", name="First-pass yield over runs")).to_contain_text("run 13")
+        wires = page.locator("section", has_text="Time per wire").locator("tr")
+        expect(wires.nth(1)).to_have_text("W278 s")
+        self.take_picture(page, "statistics")
+        self.choose(page, "Order", "cabinet 8")
+        expect(terminals.last).to_have_text("K1/A14" + "4" + "100%")
+        yields = page.get_by_role("img", name="First-pass yield over runs")
+        expect(yields).not_to_contain_text("run 12")
+        self.open_tablet_in_the_dark("/statistics", ".statistics")
+
     def test_the_record_of_a_run_is_scrubbed_through(self):
         _records = FakeRecords()
         page = self.page = self.open_page("/replay")
@@ -148,6 +164,7 @@ class OverviewTest(BehaviorTestCase):
         self.choose(page, "Speed", "20 x")
         page.get_by_role("button", name="Play (P)").click()
         expect(page.locator(".clock")).to_contain_text("entry 23 of 23")
+        self.see_statistics()
 
 
 if __name__ == "__main__":

@@ -6,6 +6,7 @@ from collections.abc import Iterator
 
 from remodel_msgs import msg, srv
 
+from remodel_console.core.use_case.production import Statistics
 from remodel_console.core.use_case.record import Entry, Kind, Record, Summary
 from remodel_console.errors import CommandError
 from remodel_console.ros import topics
@@ -24,6 +25,23 @@ class RecordLink:
     def orders(self) -> tuple[str, ...]:
         """Return the names of all orders; see `call_service` for errors."""
         return tuple(self._list().orders)
+
+    def statistics(self, order: str) -> Statistics:
+        """Return the statistics of an order's runs; of an empty name: of all runs.
+
+        Raises:
+            CommandError: if no node serves them.
+        """
+        name = f"{topics.RUN_COMMANDS}/statistics"
+        answer = call_service(name, srv.GetStatistics, srv.GetStatisticsRequest(order))
+        if not answer.success:
+            raise CommandError(f"the statistics cannot be read: {answer.message}")
+        terminals = zip(answer.terminals, answer.insertions, answer.failures, strict=True)
+        return Statistics(
+            tuple(zip(answer.runs, answer.yields, strict=True)),
+            tuple(terminals),
+            tuple(zip(answer.wires, answer.wire_s, strict=True)),
+        )
 
     def record(self, run: int) -> Record:
         """Return the record of a run, without its pictures.

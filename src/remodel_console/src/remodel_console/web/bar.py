@@ -26,6 +26,7 @@ PAGES = (
     ("Runtime control", "/runtime"),
     ("Editor", "/editor"),
     ("Replay", "/replay"),
+    ("Statistics", "/statistics"),
     ("Configuration", "/configuration"),
 )
 Keys = tuple[tuple[str, str], ...]

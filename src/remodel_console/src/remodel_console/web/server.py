@@ -21,6 +21,7 @@ from remodel_console.web.guard import Guard
 from remodel_console.web.overview.overview_page import OverviewPage
 from remodel_console.web.replay.replay_page import ReplayPage
 from remodel_console.web.runtime.runtime_page import RuntimePage
+from remodel_console.web.statistics_page import StatisticsPage
 
 _STATIC = Path(__file__).parent / "static"
 _HEAD = (
@@ -77,6 +78,10 @@ def serve(console: Console, port: int) -> None:
     @ui.page("/overview")
     def overview(request: Request) -> None:
         OverviewPage(console, broadcast, request, "Overview")
+
+    @ui.page("/statistics")
+    def statistics(request: Request) -> None:
+        StatisticsPage(console, broadcast, request, "Statistics")
 
     @ui.page("/runtime")
     def runtime(request: Request) -> None:

@@ -35,6 +35,21 @@ class Figures:
         return sum(self.cycles_s) / len(self.cycles_s) if self.cycles_s else None
 
 
+@dataclass(frozen=True)
+class Statistics:
+    """Across the recorded runs of one order, or of all.
+
+    Attributes:
+        yields: (number of the run, share of first passes), the oldest first.
+        terminals: (terminal, insertions, failures), those with most failures first.
+        wires: (wire, mean time that it took [s]), the slowest first.
+    """
+
+    yields: tuple[tuple[int, float], ...] = ()
+    terminals: tuple[tuple[str, int, int], ...] = ()
+    wires: tuple[tuple[str, float], ...] = ()
+
+
 def figures(use_case: UseCase) -> Figures:
     """Return the figures of a run.
 

@@ -1,4 +1,4 @@
-"""Serve the records of runs to consoles: remodel/use_case/runs and remodel/use_case/record."""
+"""Serve the records of runs to consoles: remodel/use_case/runs, record and statistics."""
 
 from __future__ import annotations
 
@@ -7,7 +7,16 @@ from pathlib import Path
 
 import rospy
 from remodel_msgs.msg import RunEntry, RunSummary
-from remodel_msgs.srv import GetRun, GetRunRequest, GetRunResponse, ListRuns, ListRunsResponse
+from remodel_msgs.srv import (
+    GetRun,
+    GetRunRequest,
+    GetRunResponse,
+    GetStatistics,
+    GetStatisticsRequest,
+    GetStatisticsResponse,
+    ListRuns,
+    ListRunsResponse,
+)
 from sensor_msgs.msg import CompressedImage
 
 from remodel_production.edge.database.production_database import ProductionDatabase
@@ -15,6 +24,7 @@ from remodel_production.errors import PlannerError
 from remodel_supervision.core.runs.events import Ending
 from remodel_supervision.core.runs.fold import state_after
 from remodel_supervision.core.runs.state import RunState, Stage
+from remodel_supervision.core.runs.statistics import RunStatistics, joined, statistics_of_run
 from remodel_supervision.edge.run_log import KeptEvent, RunHead, RunLog
 from remodel_supervision.ros.server.run_entries import entries_of
 
@@ -39,8 +49,10 @@ class RecordServer:
         # Of runs that have ended: they never change.
         self._summaries: dict[int, RunSummary] = {}
         self._entries: dict[int, list[RunEntry]] = {}
+        self._statistics: dict[int, RunStatistics] = {}
         rospy.Service("remodel/use_case/runs", ListRuns, self._on_list)
         rospy.Service("remodel/use_case/record", GetRun, self._on_get)
+        rospy.Service("remodel/use_case/statistics", GetStatistics, self._on_statistics)
 
     def _on_list(self, _: object) -> ListRunsResponse:
         try:
@@ -61,6 +73,33 @@ class RecordServer:
         except PlannerError as error:
             return GetRunResponse(success=False, message=str(error))
         return GetRunResponse(True, "", wanted, len(entries))
+
+    def _on_statistics(self, request: GetStatisticsRequest) -> GetStatisticsResponse:
+        try:
+            heads = [head for head in self._log.heads() if request.order in ("", head.order)]
+            found = joined(map(self._statistics_of, heads))
+        except PlannerError as error:
+            return GetStatisticsResponse(success=False, message=str(error))
+        return GetStatisticsResponse(
+            success=True,
+            runs=[run for run, _ in found.yields],
+            yields=[share for _, share in found.yields],
+            terminals=[terminal for terminal, _, _ in found.terminals],
+            insertions=[count for _, count, _ in found.terminals],
+            failures=[count for _, _, count in found.terminals],
+            wires=[wire for wire, _ in found.wires],
+            wire_s=[time_s for _, time_s in found.wires],
+        )
+
+    def _statistics_of(self, head: RunHead) -> RunStatistics:
+        if head.number in self._statistics:
+            return self._statistics[head.number]
+        events = [each.event for each in self._log.events(head.number, charts=False)]
+        state = state_after(events)
+        found = statistics_of_run(head.number, state, events)
+        if state.ended is not None:
+            self._statistics[head.number] = found
+        return found
 
     def _summary(self, head: RunHead) -> RunSummary:
         if head.number in self._summaries:

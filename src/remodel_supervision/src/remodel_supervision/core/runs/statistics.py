@@ -1,0 +1,100 @@
+"""Statistics across runs: first-pass yield, terminals that jam, and time for each wire. Pure."""
+
+from __future__ import annotations
+
+from collections import Counter, defaultdict
+from collections.abc import Iterable
+from dataclasses import dataclass
+
+from remodel_supervision.core.runs.events import Event, OperationEnded
+from remodel_supervision.core.runs.state import RunState, Stage
+
+_INSERTION = "InsertCable"
+
+
+@dataclass(frozen=True)
+class RunStatistics:
+    """What a run adds to the statistics.
+
+    Attributes:
+        run: its number.
+        ended: tasks that are done or skipped.
+        first_passes: those that were done at once, and nothing of them failed.
+        insertions: of each "component/terminal": operations that inserted an end there.
+        failures: those of them that ended with an error.
+        done_s: of each task that is done: [s] ROS time that it took.
+    """
+
+    run: int
+    ended: int
+    first_passes: int
+    insertions: Counter[str]
+    failures: Counter[str]
+    done_s: dict[str, float]
+
+
+@dataclass(frozen=True)
+class Statistics:
+    """Of several runs.
+
+    Attributes:
+        yields: (run, share of first passes) of the runs in which a task has ended, oldest first.
+        terminals: (terminal, insertions, failures), those with most failures first.
+        wires: (wire, mean time [s]), the slowest first.
+    """
+
+    yields: tuple[tuple[int, float], ...]
+    terminals: tuple[tuple[str, int, int], ...]
+    wires: tuple[tuple[str, float], ...]
+
+
+def statistics_of_run(run: int, state: RunState, events: Iterable[Event]) -> RunStatistics:
+    """Return what a run adds.
+
+    Args:
+        run: its number.
+        state: after its events.
+        events: of the run, in order.
+    """
+    insertions: Counter[str] = Counter()
+    failures: Counter[str] = Counter()
+    for event in events:
+        if not isinstance(event, OperationEnded) or event.operation.ability != _INSERTION:
+            continue
+        given = dict(event.operation.parameters)
+        terminal = f"{given.get('component_id', '?')}/{given.get('terminal_id', '?')}"
+        insertions[terminal] += 1
+        failures[terminal] += event.operation.error_code != 0
+    ended = [task for task in state.tasks.values() if task.stage.is_lasting]
+    return RunStatistics(
+        run,
+        ended=len(ended),
+        first_passes=sum(task.first_pass for task in ended),
+        insertions=insertions,
+        failures=failures,
+        done_s={task.name: task.cell_s for task in ended if task.stage is Stage.DONE},
+    )
+
+
+def joined(runs: Iterable[RunStatistics]) -> Statistics:
+    """Return the statistics of several runs."""
+    insertions: Counter[str] = Counter()
+    failures: Counter[str] = Counter()
+    times: defaultdict[str, list[float]] = defaultdict(list)
+    yields = []
+    for each in sorted(runs, key=lambda one: one.run):
+        insertions.update(each.insertions)
+        failures.update(each.failures)
+        for wire, time_s in each.done_s.items():
+            times[wire].append(time_s)
+        if each.ended:
+            yields.append((each.run, each.first_passes / each.ended))
+    means = [(wire, sum(found) / len(found)) for wire, found in times.items()]
+    return Statistics(
+        tuple(yields),
+        tuple(
+            (terminal, insertions[terminal], failures[terminal])
+            for terminal in sorted(insertions, key=lambda name: (-failures[name], name))
+        ),
+        tuple(sorted(means, key=lambda mean: (-mean[1], mean[0]))),
+    )
