@@ -32,7 +32,7 @@ def test_pages_do_not_share_a_session_while_they_are_shown(sessions):
 
 def test_a_reload_continues_the_session_and_unsaved_work_outlives_its_page(sessions):
     first = Browser(sessions)
-    first.session.open(new_chart("Mine", "/tmp/mine.xml"))
+    first.session.open(new_chart("Mine", "/charts/mine.xml"))
     assert sessions.left_unsaved() == {}
     first.is_open = False
     assert sessions.left_unsaved() == {first.key: "Mine"}
@@ -52,14 +52,14 @@ def test_every_session_reports_changes_and_asks_the_server_once_it_is_connected(
     sessions.connect(lambda _request: ())
     after = Browser(sessions)
     for session in (before.session, after.session, sessions.commands):
-        session.open(new_chart("Mine", "/tmp/mine.xml"))
+        session.open(new_chart("Mine", "/charts/mine.xml"))
         assert session.ask_server is not None
     assert len(changes) == 3
 
 
 def test_undo_and_redo_go_back_and_forth_until_a_new_change(sessions):
     session = Browser(sessions).session
-    session.open(new_chart("Mine", "/tmp/mine.xml"))
+    session.open(new_chart("Mine", "/charts/mine.xml"))
     for name in ("A", "B"):
         session.change(lambda chart, name=name: started_at(chart, name))
     session.undo()

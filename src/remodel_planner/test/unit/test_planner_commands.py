@@ -334,20 +334,20 @@ def test_an_infeasible_order_is_explained_by_a_smallest_conflict_and_relaxed(tmp
     panel, output = tmp_path / "panel.json", tmp_path / "plan.json"
     data = json.loads((EXAMPLES / "panel.json").read_text())
     panel.write_text(json.dumps({**data, "precedence": []}))
-    wishes, more = tmp_path / "wishes.yaml", tmp_path / "more.yaml"
+    wanted, more = tmp_path / "wanted.yaml", tmp_path / "more.yaml"
     head = "format: remodel-preferences-1\nrequire:\n"
-    wishes.write_text(
+    wanted.write_text(
         f"{head}  - {{name: blue first, route: w0, before: w6}}\n"
         "  - {name: other, route: w7, before: w8}\n"
     )
     more.write_text(f"{head}  - {{name: tidy, route: w6, before: w4}}\n"
                     "  - {name: last, route: w4, before: w0}\n")  # fmt: skip
-    arguments = [str(panel), "--preferences", str(wishes), "--preferences", str(more)]
+    arguments = [str(panel), "--preferences", str(wanted), "--preferences", str(more)]
     arguments += ["--output", str(output), "--time-limit", "0.05"]
     assert plan_command.main(arguments) == 1
     error = capsys.readouterr().err
     assert "  no plan keeps all of these 3 requirements:\n" in error
-    assert f"    `blue first` ({wishes}, require[0]): route: w0, before: w6\n" in error
+    assert f"    `blue first` ({wanted}, require[0]): route: w0, before: w6\n" in error
     assert f"    `last` ({more}, require[1]): route: w4, before: w0\n" in error
     assert "`other`" not in error
     assert plan_command.main([*arguments, "--relax"]) == 1
@@ -363,13 +363,13 @@ def test_check_names_the_requirement_that_a_plan_breaks(tmp_path, capsys):
     assert plan_command.main(arguments) == 0
     picked = [a["wire"] for a in json.loads(output.read_text())["actions"] if a["a"] == "pick"]
     free = [w for w in picked if w in ("w3", "w7", "w13")]
-    wishes = tmp_path / "wishes.yaml"
-    wishes.write_text(
+    wanted = tmp_path / "wanted.yaml"
+    wanted.write_text(
         "format: remodel-preferences-1\nrequire:\n"
         f"  - {{name: w goes lowest, route: {free[-1]}, before: {free[0]}}}\n"
     )
     capsys.readouterr()
-    assert check_command.main([str(panel), str(output), "--preferences", str(wishes)]) == 1
+    assert check_command.main([str(panel), str(output), "--preferences", str(wanted)]) == 1
     violations = json.loads(capsys.readouterr().out)["violations"]
     assert any(f"routing wire {free[-1]}, as `w goes lowest` requires," in v for v in violations)
 

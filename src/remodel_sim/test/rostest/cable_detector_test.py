@@ -71,7 +71,7 @@ class CableDetectorTest(unittest.TestCase):
         images.publish(message(photograph(), "rgb8"))
         answers = []
         listener = rospy.Subscriber("/cable_detector/cables", ImageCables, answers.append)
-        # The node answers only while somebody listens: the image is repeated until then.
+        # The node answers only while a node listens; the image is repeated until then.
         limit = rospy.Time.now() + rospy.Duration(WAIT_S)
         while not answers and rospy.Time.now() < limit:
             images.publish(message(photograph(), "rgb8"))
