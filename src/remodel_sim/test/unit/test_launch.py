@@ -1,15 +1,15 @@
 """What the launch file offers reaches the cell."""
 
+import subprocess
+import sys
 import xml.etree.ElementTree as ElementTree
 from pathlib import Path
 
-import pybullet
 import pytest
 from panels import panel
-from pybullet_utils.bullet_client import BulletClient
 
 from remodel_sim.cell import Cell
-from remodel_sim.physics import world
+from remodel_sim.physics import bullet, world
 from remodel_sim.ros import node
 
 LAUNCH = ElementTree.parse(Path(__file__).parents[2] / "launch/cell.launch").getroot()
@@ -31,14 +31,20 @@ def test_each_argument_is_a_parameter_that_the_node_reads(name):
     assert f'"~{name}"' in Path(node.__file__).read_text()
 
 
-@pytest.mark.parametrize(("gui", "mode"), [(True, pybullet.GUI), (False, pybullet.DIRECT)])
-def test_gui_asks_pybullet_for_its_window(monkeypatch, gui, mode):
+@pytest.mark.parametrize("gui", [True, False])
+def test_gui_asks_pybullet_for_its_window(monkeypatch, gui):
     asked = []
 
-    def connect(wanted):
-        asked.append(wanted)
-        return BulletClient(pybullet.DIRECT)
+    def connect(*, gui):
+        asked.append(gui)
+        return bullet.connect()
 
-    monkeypatch.setattr(world, "BulletClient", connect)
+    monkeypatch.setattr(world, "connect", connect)
     Cell(panel(), gui=gui).close()
-    assert asked == [mode]
+    assert asked == [gui]
+
+
+def test_pybullet_prints_nothing_by_itself():
+    made = "from remodel_sim.physics.bullet import connect; connect(); print('ready')"
+    done = subprocess.run([sys.executable, "-c", made], capture_output=True, text=True, check=True)
+    assert done.stdout == "ready\n"

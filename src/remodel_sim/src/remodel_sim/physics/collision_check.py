@@ -14,12 +14,11 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-import pybullet
-from pybullet_utils.bullet_client import BulletClient
 
 from remodel_sim.core.geometry import Pose, turn_between
 from remodel_sim.core.robot.arm import Arm, ToolPose
 from remodel_sim.core.workpiece.obstacles import Obstacles
+from remodel_sim.physics.bullet import connect
 from remodel_sim.physics.robot_description import FINGERS, HAND, robot_description
 from remodel_sim.physics.static_body import add_static
 
@@ -84,7 +83,7 @@ class CollisionCheck:
 
     def __init__(self, arm: Arm, clearance: float) -> None:
         """Load the shadow; `clearance` is kept to every obstacle [m]."""
-        self._bullet = BulletClient(pybullet.DIRECT)
+        self._bullet = connect()
         self._arm, self._clearance = arm, clearance
         base = arm.world_from_base
         with tempfile.TemporaryDirectory() as folder:

@@ -4,10 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
-import pybullet
-from pybullet_utils.bullet_client import BulletClient
-
 from remodel_sim.core.workpiece.wire_mechanics import GRAVITY
+from remodel_sim.physics.bullet import connect
 
 # A wire's link of half a gram between two fingers makes the contact solver converge a thousand
 # times too slowly. Wires get this many times their mass, and gravity is as many times weaker:
@@ -36,7 +34,7 @@ class World:
 
     def __init__(self, rate_hz: float, *, gui: bool = False) -> None:
         """Connect; `gui` opens PyBullet's window."""
-        self.bullet = BulletClient(pybullet.GUI if gui else pybullet.DIRECT)
+        self.bullet = connect(gui=gui)
         self.time_step = 1.0 / rate_hz
         self.steps = 0
         self._before_step: list[Callable[[], None]] = []
