@@ -140,6 +140,15 @@ def test_every_kind_of_mistake_is_found(tmp_path):
     assert len([*broken_commands(page)]) == 6
 
 
+def test_each_difference_from_flexbe_has_its_test():
+    rows = (ROOT / "docs/compatibility.md").read_text().split("|---|---|---|\n")[1].splitlines()
+    named = [re.search(r"\[(test_\w+)\]\(\.\./(.+)\) \|$", row) for row in rows]
+    assert len(rows) > 5
+    assert all(named), rows
+    for name, file in (match.groups() for match in named):
+        assert f"def {name}(" in (ROOT / file).read_text(), f"{file} has no {name}"
+
+
 def site_pages(entries):
     """Yield the files of the site's navigation."""
     for entry in entries:
