@@ -2,7 +2,7 @@
 SHELL := /bin/bash
 .SHELLFLAGS := -euo pipefail -c
 .DEFAULT_GOAL := help
-.PHONY: help build demo test install generate behaviors unit rostest lint bench-engine bench-planner bench-synthesis bench-console bench-drawing bench-sim bench-vision bench-learning bench-pause bench-replan bench-scale docs evaluate-abilities schedules chaos campaign clean
+.PHONY: help build demo test install docker generate behaviors unit rostest lint bench-engine bench-planner bench-synthesis bench-console bench-drawing bench-sim bench-vision bench-learning bench-pause bench-replan bench-scale docs evaluate-abilities schedules chaos campaign clean
 
 # The workspace's own Python first, whatever else the shell has on its path; no other workspace.
 export PATH := $(CURDIR)/.venv/bin:/usr/local/sbin:/usr/local/bin:/usr/sbin:/usr/bin:/sbin:/bin
@@ -27,6 +27,11 @@ build: .venv/.ready ## Set up the machine and build the workspace
 install: .venv/.ready ## Install the workspace, to run without these sources (PREFIX=/opt/remodel)
 	@tools/install.sh $(abspath $(PREFIX))
 	@echo "Next: source $(abspath $(PREFIX))/setup.bash; roslaunch remodel_sim cell.launch"
+
+docker: ## Make a container image of Debian 12 with the built workspace, by docker or podman
+	@tool=$$(command -v docker || command -v podman) || { echo "make docker: install docker or podman" >&2; exit 1; }; \
+	  $$tool build --tag remodel --file Containerfile .
+	@echo "Next: docker run -it --rm --network host remodel make demo"
 
 demo: build ## Wire a real cabinet in the simulated cell (WIRES=6); report in out/demo/report.html
 	@$(SOURCED) tools/demo.sh $(WIRES)
