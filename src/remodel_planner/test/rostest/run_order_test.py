@@ -58,7 +58,7 @@ class RunOrderTest(unittest.TestCase):
             printed, _ = run.communicate(timeout=LIMIT_S)
         self.assertEqual(run.returncode, 0, printed)
         self.assertIn("2 of 2 wires placed", printed)
-        self.assertIn("net list: 2 of 2 wires in the cell are as designed", printed)
+        self.assertIn("net list: 2 of 2 wires as designed", printed)
         wires = rospy.ServiceProxy("cell/ground_truth", GetGroundTruth)().wires
         self.assertEqual([wire.placed for wire in wires], [True, True], "the first one stayed")
         self.check_report()

@@ -50,7 +50,7 @@ def install(tmp_path, monkeypatch, request):
 def test_a_format_of_another_package_is_recognised_and_read(install):
     install(PLUG_IN)
     formats = design_formats(())
-    assert [form.name for form in formats] == ["qet", "kbl", "wireviz", "csv", "pair"]
+    assert [form.name for form in formats] == ["qet", "kbl", "vec", "wireviz", "csv", "pair"]
     form = format_of(b"PAIR X1:1 K1:A1", formats)
     imported = import_design(
         b"PAIR X1:1 K1:A1", form, "x", "file", read_catalogue(catalogue_file())

@@ -190,7 +190,7 @@ def _print_summary(report: Report, page: Path) -> None:
     if report.nets:
         wrong = [net for net in report.nets if not net.is_right]
         right = len(report.nets) - len(wrong)
-        print(f"net list: {right} of {len(report.nets)} wires in the cell are as designed")
+        print(f"net list: {right} of {counted(len(report.nets), 'wire')} as designed")
         for net in wrong:
             print(f"  {net.wire}: designed {' to '.join(map(str, net.designed))}, found {net.says}")
     print(f"report: {page}")
