@@ -44,7 +44,10 @@ class Judge:
         """
         self.bench = Bench(EngineWire(limit_s), behavior_package(), limit_s, quiet_s)
         self._stuck = ""
-        if self.bench.wire.tape.is_running:
+        # The latched one; an engine that has just started publishes it after it can be found.
+        tape = self.bench.wire.tape
+        tape.wait(lambda: bool(tape.statuses), limit_s)
+        if tape.is_running:
             raise NoEngineError("the engine runs a behavior; stop it first")
 
     def judge(self, scenarios: Iterable[Scenario]) -> Iterator[Finding]:
