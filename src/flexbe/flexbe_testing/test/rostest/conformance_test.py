@@ -54,7 +54,8 @@ class ConformanceTest(unittest.TestCase):
         rospy.wait_for_message("/whole/flexbe/start_behavior", BehaviorSelection, 20.0)
         running.send_signal(signal.SIGINT)
         _, errors = running.communicate(timeout=30)
-        self.assertEqual((running.returncode, errors), (130, ""))
+        self.assertEqual(errors, "")
+        self.assertEqual(running.returncode, 130)
         last = rospy.wait_for_message("/whole/flexbe/status", BEStatus, 10.0)
         self.assertNotEqual(last.code, BEStatus.STARTED)
 

@@ -72,6 +72,8 @@ class Judge:
                 self.bench.recover()
         except StuckError as error:
             self._stuck = f"the engine is stuck since {scenario.name}: {error}"
+            if isinstance(error.__context__, KeyboardInterrupt):
+                raise error.__context__ from None
         if verdict is Verdict.FAIL:
             self.bench.drain()
         return Finding(scenario, verdict, reason, time.monotonic() - begun)
