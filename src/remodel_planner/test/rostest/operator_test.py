@@ -97,6 +97,7 @@ class OperatorTest(BrowserTest):
         expect(page.locator(".where")).to_contain_text("InsertCable")
         expect(page.get_by_role("img", name="Last camera picture")).to_be_visible()
         expect(page.get_by_role("img", name="peak force [N]")).to_be_visible()
+        expect(page.locator("li.node.active").first).to_be_visible()
         self.take_picture(page, "replay")
 
 
