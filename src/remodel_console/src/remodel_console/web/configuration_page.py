@@ -11,7 +11,7 @@ from nicegui.elements.mixins.value_element import ValueElement
 from remodel_console.core.answer import DONE
 from remodel_console.core.settings import Settings, difference
 from remodel_console.core.world import World
-from remodel_console.web.page import Page
+from remodel_console.web.page import Page, card
 
 
 class ConfigurationPage(Page):
@@ -22,7 +22,7 @@ class ConfigurationPage(Page):
         self._fields: list[tuple[ValueElement, Callable[[Settings], object]]] = []
         self._shown: Settings | None = None
         with ui.element("div").classes("configuration"):
-            with _card(
+            with card(
                 "Synthesis", "Containers are filled from charts, in the editor or by command."
             ):
                 self._box("Enable synthesis", "is_synthesis_enabled")
@@ -33,12 +33,12 @@ class ConfigurationPage(Page):
                     "Empty: the console synthesizes by itself.",
                 )
                 self._text("System", "system", "Name of the robot system, if the server needs it.")
-            with _card(
+            with card(
                 "ROS commands", "The console executes the commands sent to /flexbe/uicommand."
             ):
                 self._box("Allow ROS commands", "are_commands_allowed")
                 self._key()
-            with _card(
+            with card(
                 "Chart folders", "The console searches these folders for charts, first to last."
             ):
                 self._always = ui.element("ul").classes("folders")
@@ -120,11 +120,3 @@ class ConfigurationPage(Page):
         kept = self.console.settings
         answer = await self.give(what, lambda: kept.change(lambda now: replace(now, **changed)))
         self._status.text = "Saved." if answer.state == DONE else "Not saved; the message says why."
-
-
-def _card(title: str, hint: str) -> ui.element:
-    card = ui.element("section").classes("card matter")
-    with card:
-        ui.label(title).classes("title")
-        ui.label(hint).classes("soft")
-    return card

@@ -229,6 +229,15 @@ class Page:
             background_tasks.create(self._answer(card, card.options[0]))
 
 
+def card(title: str, hint: str) -> ui.element:
+    """Return a part of a page with a title and a hint, to be filled."""
+    made = ui.element("section").classes("card matter")
+    with made:
+        ui.label(title).classes("title")
+        ui.label(hint).classes("soft")
+    return made
+
+
 def table(head: Iterable[str], rows: Iterable[Iterable[str]]) -> None:
     """Add a plain table."""
     with ui.element("table").classes("plain"):

@@ -11,7 +11,7 @@ from remodel_console.core.use_case.production import Statistics
 from remodel_console.core.use_case.use_case import duration_words
 from remodel_console.core.world import Notice, World, supervisor_notice
 from remodel_console.errors import CommandError
-from remodel_console.web.page import Page, table
+from remodel_console.web.page import Page, card, table
 from remodel_console.web.plot import Plot
 
 _ALL = "all orders"
@@ -32,12 +32,12 @@ class StatisticsPage(Page):
                 reload = ui.button(icon="refresh", on_click=self._load, color=None)
                 reload.props('flat dense round title="Reload" aria-label="Reload"')
                 self._message = ui.label().classes("soft").props('role="status"')
-            with _card("First-pass yield", "Share of the tasks of each run done at once."):
+            with card("First-pass yield", "Share of the tasks of each run done at once."):
                 self._yields = Plot("First-pass yield over runs")
-            with _card("Time per wire", "Mean of all runs, the slowest first."):
+            with card("Time per wire", "Mean of all runs, the slowest first."):
                 self._times = Plot("Mean time of the slowest wires")
                 self._wires = ui.element("div").classes("wide")
-            with _card("Terminals", "Insertions that ended with an error, most first."):
+            with card("Terminals", "Insertions that ended with an error, most first."):
                 self._terminals = ui.element("div").classes("wide")
 
     def more_notices(self, world: World) -> Iterable[Notice]:
@@ -83,11 +83,3 @@ class StatisticsPage(Page):
 def _terminal_row(terminal: tuple[str, int, int]) -> tuple[str, str, str, str]:
     name, insertions, failures = terminal
     return name, str(insertions), str(failures), f"{failures / insertions:.0%}"
-
-
-def _card(title: str, hint: str) -> ui.element:
-    card = ui.element("section").classes("card matter")
-    with card:
-        ui.label(title).classes("title")
-        ui.label(hint).classes("soft")
-    return card
