@@ -22,7 +22,7 @@ from remodel_planning.edge.use_case_files import VARIABLE, default_use_case, fin
 from remodel_planning.errors import UseCaseError
 from remodel_production.core.board.board import board_of
 from remodel_production.core.imports.formats import built_in_formats, format_of, import_design
-from remodel_production.core.imports.wire_list_mapping import mapping_from
+from remodel_production.core.imports.wire_lists.mapping import mapping_from
 from remodel_production.core.production import (
     TWISTED,
     Cable,

@@ -17,7 +17,7 @@ from remodel_planning.edge.use_case_files import find_use_case
 from remodel_production.core.board.board import board_of
 from remodel_production.core.imports.formats import built_in_formats, format_of, import_design
 from remodel_production.core.imports.kbl_routes import ordered_route
-from remodel_production.core.imports.wire_list_mapping import mapping_from
+from remodel_production.core.imports.wire_lists.mapping import mapping_from
 from remodel_production.core.production import Segment, TerminalRef
 from remodel_production.edge.catalogue_file import read_catalogue
 from remodel_production.edge.database.production_database import ProductionDatabase

@@ -9,7 +9,7 @@ from remodel_production.core.imports.formats import built_in_formats, format_of,
 from remodel_production.core.imports.shared.assembly import Connection, Device, assemble
 from remodel_production.core.imports.shared.colours import colour_code
 from remodel_production.core.imports.shared.units import awg_mm2, length_m, number, section_mm2
-from remodel_production.core.imports.wire_list_mapping import mapping_from
+from remodel_production.core.imports.wire_lists.mapping import mapping_from
 from remodel_production.core.production import Side, TerminalRef
 from remodel_production.edge.catalogue_file import read_catalogue
 from remodel_production.errors import DesignError

@@ -9,8 +9,8 @@ from pathlib import Path
 import pytest
 from openpyxl import Workbook
 
-from remodel_production.core.imports.wire_list import import_wire_list, mapping_draft
-from remodel_production.core.imports.wire_list_mapping import mapping_from
+from remodel_production.core.imports.wire_lists.mapping import mapping_from
+from remodel_production.core.imports.wire_lists.wire_list import import_wire_list, mapping_draft
 from remodel_production.edge.catalogue_file import read_catalogue
 from remodel_production.errors import DesignError
 

@@ -27,7 +27,7 @@ from remodel_production.core.counted import counted
 from remodel_production.core.imports.formats import WIRE_LIST, format_of, import_design
 from remodel_production.core.imports.kbl import import_kbl
 from remodel_production.core.imports.shared.account import Imported
-from remodel_production.core.imports.wire_list import mapping_draft
+from remodel_production.core.imports.wire_lists.wire_list import mapping_draft
 from remodel_production.core.imports.wireviz import lines_of, prepended
 from remodel_production.core.production import Order
 from remodel_production.edge.ability_files import read_abilities

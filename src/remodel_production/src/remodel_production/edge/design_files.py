@@ -5,7 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 
 from remodel_production.core.imports.shared.text_encoding import decode
-from remodel_production.core.imports.wire_list_mapping import WireListMapping, mapping_from
+from remodel_production.core.imports.wire_lists.mapping import WireListMapping, mapping_from
 from remodel_production.edge.package_files import wire_list_mappings
 from remodel_production.errors import DesignError
 

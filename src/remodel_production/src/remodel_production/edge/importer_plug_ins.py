@@ -17,7 +17,7 @@ from remodel_production.core.catalogue import Catalogue
 from remodel_production.core.imports.design_format import DesignFile, DesignFormat
 from remodel_production.core.imports.formats import built_in_formats
 from remodel_production.core.imports.shared.account import Imported
-from remodel_production.core.imports.wire_list_mapping import WireListMapping
+from remodel_production.core.imports.wire_lists.mapping import WireListMapping
 from remodel_production.errors import DesignError, PlannerError, blamed
 
 GROUP = "remodel_production.importers"

@@ -15,12 +15,12 @@ from remodel_production.core.imports.shared.text_encoding import decode
 from remodel_production.core.imports.shared.xml_tree import local_name, parse_xml
 from remodel_production.core.imports.terminal_access import with_access
 from remodel_production.core.imports.vec.vec import ROOT, import_vec
-from remodel_production.core.imports.wire_list import (
+from remodel_production.core.imports.wire_lists.mapping import WireListMapping
+from remodel_production.core.imports.wire_lists.wire_list import (
     fits,
     import_wire_list,
     similar_headings,
 )
-from remodel_production.core.imports.wire_list_mapping import WireListMapping
 from remodel_production.core.imports.wireviz import import_wireviz
 from remodel_production.errors import DesignError
 

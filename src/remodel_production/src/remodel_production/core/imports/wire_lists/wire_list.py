@@ -23,12 +23,12 @@ from remodel_production.core.imports.shared.spreadsheet import (
 )
 from remodel_production.core.imports.shared.text_encoding import decode
 from remodel_production.core.imports.shared.units import length_m, number
-from remodel_production.core.imports.wire_list_headings import (
+from remodel_production.core.imports.wire_lists.headings import (
     fields_of,
     similar_heading,
     unit_in,
 )
-from remodel_production.core.imports.wire_list_mapping import (
+from remodel_production.core.imports.wire_lists.mapping import (
     ENDS,
     Field,
     WireListMapping,

@@ -16,7 +16,7 @@ from difflib import get_close_matches
 from enum import Enum, auto
 from functools import cache
 
-from remodel_production.core.imports.wire_list_mapping import Field
+from remodel_production.core.imports.wire_lists.mapping import Field
 
 
 class _Kind(Enum):

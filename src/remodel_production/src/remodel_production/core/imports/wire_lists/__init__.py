@@ -1,0 +1,1 @@
+"""From-to lists: tables with a wire a line, and what their columns mean."""
