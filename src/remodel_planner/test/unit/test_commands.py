@@ -97,7 +97,7 @@ def test_a_list_with_headings_of_its_own_needs_its_mapping(tmp_path, database, c
     mapping.write_text("format: remodel-wire-list-1\ncolumns: {from: Hier, to: Da}\n")
     arguments = [str(file), "--order", "mine", "--database", database, "--mapping", str(mapping)]
     assert import_design.main(arguments) == 1
-    assert "known headings: wire list: hier, da" in capsys.readouterr().err
+    assert "the mapping's headings: wire list: hier, da" in capsys.readouterr().err
     mapping.write_text("format: remodel-wire-list-1\ncolumns: {from: Hier, to: Dort}\n")
     assert import_design.main(arguments) == 0
     mapping.write_text("columns: {}")

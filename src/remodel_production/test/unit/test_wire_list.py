@@ -8,30 +8,13 @@ from pathlib import Path
 
 import pytest
 from openpyxl import Workbook
+from wire_lists import CATALOGUE, MAPPINGS, read, rows
 
 from remodel_production.core.imports.wire_lists.mapping import mapping_from
-from remodel_production.core.imports.wire_lists.wire_list import import_wire_list, mapping_draft
-from remodel_production.edge.catalogue_file import read_catalogue
+from remodel_production.core.imports.wire_lists.wire_list import mapping_draft
 from remodel_production.errors import DesignError
 
-CONFIG = Path(__file__).parents[2] / "config"
-CATALOGUE = read_catalogue(CONFIG / "catalogue.yaml")
-MAPPINGS = tuple(
-    mapping_from(file.read_text()) for file in sorted((CONFIG / "wire_lists").glob("*.yaml"))
-)
 DESIGNS = Path(__file__).parent / "designs"
-
-
-def read(data, *mappings):
-    data = data if isinstance(data, bytes) else data.encode()
-    return import_wire_list(data, "test", "test.csv", CATALOGUE, mappings=mappings or MAPPINGS)
-
-
-def rows(imported):
-    return [
-        (w.name, str(w.a), str(w.b), w.colour, w.section_mm2, w.length_m)
-        for w in imported.order.wires
-    ]
 
 
 def test_an_eplan_like_list_in_windows_encoding_with_decimal_commas():
@@ -115,7 +98,7 @@ def test_a_mapping_of_ones_own():
     ("text", "said"),
     [
         ("", "no line of the first 30 has the headings of a wire list; found ''"),
-        ("a,b\n1,2\n", "found 'a,b'; known headings: AutoCAD Electrical"),
+        ("a,b\n1,2\n", "found 'a,b'; needed are headings such as From Device"),
         ("From,To\n", "none of its 0 lines names both ends"),
         ("From,To\nK1:1,\n", "none of its 1 lines names both ends of a wire; the first: line 2"),
         ("From,To\nK1:1,K1:1\n", "both its ends are at K1:1"),
@@ -373,7 +356,7 @@ def test_the_sheet_of_a_workbook_with_headings_is_read_and_the_others_are_named(
 
 def test_a_date_in_a_workbook_is_refused_since_it_was_a_terminal():
     lines = [HEADINGS, ["W1", "K1", date(2026, 2, 1), "K2", 1, 1, 1]]
-    with pytest.raises(DesignError, match=r"sheet Wires, line 2: a cell is the date 2026-02-01"):
+    with pytest.raises(DesignError, match=r"line 2: from_terminal: a cell is the date 2026-02-01"):
         read(workbook(Wires=lines))
 
 

@@ -10,17 +10,14 @@ from remodel_production.core.imports.design_format import DesignFile, DesignForm
 from remodel_production.core.imports.kbl import import_kbl
 from remodel_production.core.imports.qet import import_qet
 from remodel_production.core.imports.shared.account import Imported
-from remodel_production.core.imports.shared.spreadsheet import is_spreadsheet
+from remodel_production.core.imports.shared.spreadsheet import is_spreadsheet, sheets_of
 from remodel_production.core.imports.shared.text_encoding import decode
 from remodel_production.core.imports.shared.xml_tree import local_name, parse_xml
 from remodel_production.core.imports.terminal_access import with_access
 from remodel_production.core.imports.vec.vec import ROOT, import_vec
 from remodel_production.core.imports.wire_lists.mapping import WireListMapping
-from remodel_production.core.imports.wire_lists.wire_list import (
-    fits,
-    import_wire_list,
-    similar_headings,
-)
+from remodel_production.core.imports.wire_lists.table import has_headings, without_ends
+from remodel_production.core.imports.wire_lists.wire_list import import_wire_list
 from remodel_production.core.imports.wireviz import import_wireviz
 from remodel_production.errors import DesignError
 
@@ -42,7 +39,7 @@ def built_in_formats(mappings: Sequence[WireListMapping]) -> tuple[DesignFormat,
     def is_wire_list(file: DesignFile) -> bool:
         if not is_spreadsheet(file.data) and (not file.text or file.is_markup or is_wireviz(file)):
             return False
-        return fits(file.data, mappings)
+        return has_headings(file.data, mappings)
 
     def read_wire_list(data: bytes, name: str, source: str, catalogue: Catalogue) -> Imported:
         return import_wire_list(data, name, source, catalogue, mappings=mappings)
@@ -109,9 +106,11 @@ def _unknown(file: DesignFile, formats: Sequence[DesignFormat]) -> DesignError:
     *titles, last = (form.title for form in formats)
     known = f"{', '.join(titles)}, and {last}" if titles else last
     if is_spreadsheet(file.data):
+        sheets_of(file.data)  # a workbook that cannot be read is refused for that reason
         return DesignError(
-            "no sheet of the workbook has the headings of a wire list; --print-mapping prints a "
-            "mapping to correct, for --mapping"
+            "no sheet of the workbook has the headings of a wire list"
+            + without_ends(file.data)
+            + "; --print-mapping prints a mapping to correct, for --mapping"
         )
     if file.data.startswith(b"PK\x03\x04"):
         return DesignError(f"is a ZIP archive; unpack it, and import the file in it: {known}")
@@ -120,10 +119,8 @@ def _unknown(file: DesignFile, formats: Sequence[DesignFormat]) -> DesignError:
         root = local_name(parse_xml(file.data))
         return DesignError(f"the root element is <{root}>; what is read: {known}")
     first = next((line.strip() for line in text.splitlines() if line.strip()), "")
-    similar = similar_headings(first)
-    hint = f" (similar headings are known: {similar})" if similar else ""
     return DesignError(
         f"line 1: {first[:80]!r} begins no format that is read: {known}; a CSV file with other "
-        f"headings needs --mapping{hint}, and --print-mapping prints one to correct; "
-        "--format forces a format"
+        f"headings needs --mapping{without_ends(file.data)}; --print-mapping prints a mapping to "
+        "correct, and --format forces a format"
     )

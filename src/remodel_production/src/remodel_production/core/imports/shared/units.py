@@ -14,7 +14,10 @@ _LENGTH_UNITS_M = {
     **{"in": 0.0254, '"': 0.0254, "inch": 0.0254, "ft": 0.3048, "'": 0.3048},
 }
 _NUMBER = r"[-+]?[\d.,]*\d"
-_AWG = re.compile(r"(?:awg\s*#?\s*(\d+(?:/0)?)|#?\s*(\d+(?:/0)?)\s*(?:awg|ga))", re.IGNORECASE)
+_AWG = re.compile(
+    r"awg\s*#?\s*(\d+(?:/0)?)|#?\s*(\d+(?:/0)?)\s*(?:awg|ga)|^\s*#\s*(\d+(?:/0)?)\s*$",
+    re.IGNORECASE,
+)
 _MM2 = re.compile(rf"({_NUMBER})\s*(?:mm\s*(?:2|²|\^2)?|qmm|sqmm)(?![a-z])", re.IGNORECASE)
 _LENGTH = re.compile(rf"({_NUMBER})\s*([a-z]+|\"|')?", re.IGNORECASE)
 
@@ -40,11 +43,11 @@ def section_mm2(text: str, unit: str = "mm2") -> float | None:
     """Return the section [mm^2] that a text gives, or None if it gives none.
 
     Args:
-        text: such as "1,5 mm²", "AWG 14" or "0.75".
+        text: such as "1,5 mm²", "AWG 14", "#14" or "0.75".
         unit: of a number without one, "mm2" or "awg".
     """
     if match := _AWG.search(text):
-        return awg_mm2(match[1] or match[2])
+        return awg_mm2(match[1] or match[2] or match[3])
     if match := _MM2.search(text):
         return _within(number(match[1]), _MOST_SECTION_MM2)
     if unit == "awg":

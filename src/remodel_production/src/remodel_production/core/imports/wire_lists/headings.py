@@ -3,8 +3,9 @@
 A heading is split into words, German compounds into their parts ("Zielklemme": ziel, klemme). Words
 for one end and words for a component or a terminal together name a field ("From Pin", "Borne
 départ"); so do words for a colour, a section or a length alone ("Aderfarbe", "Longueur du fil").
-A heading with a word that is not listed has no meaning: better a column that the account names
-than one misread.
+An abbreviation with a point stands for the words that begin like it ("Querschn.", "Lungh."). A
+heading with a word that is not listed has no meaning: better a column that the account names than
+one misread.
 """
 
 from __future__ import annotations
@@ -14,7 +15,7 @@ import unicodedata
 from collections.abc import Mapping, Sequence
 from difflib import get_close_matches
 from enum import Enum, auto
-from functools import cache
+from functools import cache, lru_cache
 
 from remodel_production.core.imports.wire_lists.mapping import Field
 
@@ -37,32 +38,32 @@ class _Kind(Enum):
 
 # English; German; French; Italian; Spanish. Without accents.
 _WORDS: Mapping[_Kind, str] = {
-    _Kind.FROM: "from source start origin begin first src startpoint; von quelle quell anfang "
-    "herkunft "
-    "startpunkt anfangspunkt; "
-    "depart depuis origine; partenza sorgente provenienza; origen desde inicio",
-    _Kind.TO: "to target destination dest dst second endpoint; nach ziel endpunkt zielpunkt; "
-    "vers arrivee destination; verso "
-    "destinazione arrivo; destino hacia hasta",
+    _Kind.FROM: "from source start starting origin begin first src startpoint left; von quelle "
+    "quell anfang herkunft startpunkt anfangspunkt links linke linker linkes; "
+    "depart depuis origine tenant gauche; partenza sorgente provenienza sinistra sinistro; "
+    "origen desde inicio izquierda izquierdo",
+    _Kind.TO: "to target destination dest dst second ending endpoint right; nach ziel endpunkt "
+    "zielpunkt rechts rechte rechter rechtes; vers arrivee destination aboutissant droite droit; "
+    "verso destinazione arrivo destra destro; destino hacia hasta derecha derecho",
     _Kind.COMPONENT: "component device connector designator equipment refdes ref reference plug "
-    "item unit "
-    "housing conn comp dev strip; gerat geraet bauteil betriebsmittel bmk stecker komponente; "
-    "composant appareil connecteur equipement; componente dispositivo connettore apparecchio; "
-    "conector equipo aparato",
+    "item unit node termination "
+    "housing conn comp dev strip equip; gerat geraet bauteil betriebsmittel bmk stecker "
+    "komponente; composant appareil connecteur equipement; "
+    "componente dispositivo connettore apparecchio; conector equipo aparato",
     _Kind.TERMINAL: "terminal term pin cavity contact position pos slot cav; klemme kammer "
-    "anschluss kontakt pol; borne broche alveole voie; morsetto cavita contatto polo "
-    "terminale; contacto cavidad",
-    _Kind.WIRE: "wire wires lead circuit connection; draht leitung leitungs litze verbindung "
+    "anschluss kontakt pol; borne broche alveole voie; morsetto cavita contatto polo terminale; "
+    " contacto cavidad",
+    _Kind.WIRE: "wire wires lead circuit connection; draht leitung leitungs ltg litze verbindung "
     "verbindungs; fil conducteur liaison repere; filo conduttore collegamento; hilo conductor",
     _Kind.COLOUR: "colour color col clr; farbe; couleur; colore",
-    _Kind.SECTION: "section gauge size crosssection csa xsection; querschnitt; jauge calibre; "
+    _Kind.SECTION: "section gauge size crosssection csa xsection; querschnitt qs; jauge calibre; "
     "sezione; seccion calibre galga",
     _Kind.LENGTH: "length len; lange laenge; longueur; lunghezza; longitud largo",
-    _Kind.CABLE: "cable; kabel; cavo",
+    _Kind.CABLE: "cable multicore; kabel mehraderleitung; cavo multipolare; multipolar",
     _Kind.CORE: "core; ader; brin; anima",
     _Kind.FILLER: "no nr num number id name tag code label mark the of in cross insulation cut "
-    "dt full "
-    "designation diameter complete; "
+    "dt full data info point designation diameter complete est estimated total nominal; daten "
+    "angaben gesamt; donnees; dati; datos; "
     "nummer name bezeichnung kennzeichen in isolations zuschnitt des der durchmesser "
     "vollstandig; numero nom n du des le "
     "la l en coupe repere; numero nome sigla del di in taglio; numero nombre codigo del el "
@@ -76,6 +77,19 @@ _ENDINGS = frozenset({"end", "ende", "fin", "fine", "extremite"})
 _SIDES = frozenset({"side", "seite", "cote", "lato", "lado"})
 _FILLERS = _FROM_PREPOSITIONS | _TO_PREPOSITIONS | _ENDINGS | _SIDES
 _FIRST, _SECOND = frozenset({"1"}), frozenset({"2", "b"})
+# What a harness has in a cavity, beside its pin; in a cabinet it is the terminal itself.
+_CONTACTS = frozenset(
+    {"terminal", "term", "contact", "kontakt", "contatto", "contacto", "terminale"}
+)
+# On machines that cut and crimp, the ends of a wire are its left and its right one.
+_LEFT_AND_RIGHT = (
+    "left right links linke linker linkes rechts rechte rechter rechtes gauche droite droit "
+    "sinistra sinistro destra destro izquierda izquierdo derecha derecho"
+)
+_OF_MACHINES = frozenset(_LEFT_AND_RIGHT.split())
+# Alone they are the number of a line, or say nothing of an end.
+_LONE = frozenset({("item",), ("unit",), ("pos",), ("position",)})
+_CONNECTIONS = frozenset({"connection"})
 
 _KINDS = {
     word: kind for kind, words in _WORDS.items() for word in words.replace(";", " ").split()
@@ -128,14 +142,16 @@ _UNIT = re.compile(
     + r")\s*[)\]>]?$",
     re.IGNORECASE,
 )
-_LEAST_PART = 3  # letters of a word in a compound
+_LEAST_PART = 3  # letters of a word in a compound, but for
+_SHORT_PARTS = frozenset({"nr"})
+_ABBREVIATION = re.compile(r"([^\W\d_]{3,})\.")
 _SIMILAR = 0.75
 _LENGTH_FIELDS = (Field.LENGTH, Field.FROM_X, Field.FROM_Y, Field.TO_X, Field.TO_Y)
 
 
 def unit_in(heading: str, field: Field) -> str:
     """Return the unit that a field's heading states, such as mm of "Length (mm)"; empty if none."""
-    match = _UNIT.search(heading.strip())
+    match = _UNIT.search(_spaced(heading))
     unit = match[1].lower() if match else ""
     if field is Field.SECTION:
         return _SECTION_UNITS.get(unit, "")
@@ -149,31 +165,81 @@ def fields_of(headings: Sequence[str]) -> dict[Field, int]:
     such headings, the first to the one and the second to the other end. Of several columns that
     mean the same the first is taken; a mere "No" or "Name" is a wire's if nothing else is.
     """
-    words = [_words(_without_unit(heading)) for heading in headings]
+    words = _apart([_words(_without_unit(heading)) for heading in headings])
     has_b = any("b" in each for each in words)
     readings = [_reading(each, has_b=has_b) for each in words]
     found: dict[Field, int] = {}
     end: _Kind | None = None
-    undirected = [i for i, (side, part) in enumerate(readings) if not side and part in _PARTS]
+    undirected = [
+        i
+        for i, (side, part) in enumerate(readings)
+        if not side and part in _PARTS and words[i] not in _LONE
+    ]
     for column, (side, part) in enumerate(readings):
         end = side or end
         field = _unit_field(headings[column], words[column])
         if field is None and side is None and part in _PARTS:
             alike = [i for i in undirected if readings[i][1] is part]
-            if len(alike) == 2:
+            if len(alike) == 2 and column in alike:
                 before = (_Kind.FROM, _Kind.TO)[alike.index(column)]
                 field = _FIELDS[end or before, part]
         elif field is None and side is not None:
             field = _FIELDS.get((side, part))
         elif field is None and part is not None:
             field = {**_QUANTITIES, **_THINGS}.get(part)
-        if field is not None:
+        if field in found and not _is_weak(words[column]) and _is_weak(words[found[field]]):
+            found[field] = column
+        elif field is not None:
             found.setdefault(field, column)
     names = [i for names in (_NAMES, _NUMBERS) for i, each in enumerate(words) if names >= {*each}]
     name = next((i for i in names if words[i] and i not in found.values()), None)
     if Field.WIRE not in found and name is not None:
         found[Field.WIRE] = name
     return {f: i for f, i in found.items() if _COMPONENT_OF.get(f) not in found}
+
+
+def is_unit(text: str) -> bool:
+    """Return whether a text is the unit of a section or a length, with or without brackets."""
+    return text.strip("[]()<> ").lower() in _UNITS
+
+
+def has_meaning(text: str) -> bool:
+    """Return whether a text has no words but those of headings, or names a unit."""
+    words = _words(_without_unit(text))
+    return _kinds(words) is not None if words else is_unit(text)
+
+
+def names_contact(heading: str) -> bool:
+    """Return whether a heading may be about a wire end's contact rather than a cavity or a pin."""
+    return _is_contact(_words(_without_unit(heading)))
+
+
+def _is_contact(words: Sequence[str]) -> bool:
+    parts = {word for word in words if _KINDS.get(word) is _Kind.TERMINAL}
+    return bool(parts) and parts <= _CONTACTS
+
+
+def _is_weak(words: Sequence[str]) -> bool:
+    """Return whether a heading gives way to another one of the same field."""
+    return _is_contact(words) or "termination" in words
+
+
+def _apart(words: list[tuple[str, ...]]) -> list[tuple[str, ...]]:
+    """Return the words of headings, without a side that all of them have, such as "Ziel 1, Ziel 2".
+
+    The number tells the ends apart then.
+    """
+    sides = {
+        (_KINDS[word], number)
+        for each in words
+        for word in each
+        if _KINDS.get(word) in (_Kind.FROM, _Kind.TO)
+        for number in {*each} & {"1", "2"} or {""}
+    }
+    kinds = {kind for kind, _ in sides}
+    if len(kinds) != 1 or {number for _, number in sides} != {"1", "2"}:
+        return words
+    return [tuple("component" if _KINDS.get(w) in kinds else w for w in each) for each in words]
 
 
 def similar_heading(heading: str) -> str:
@@ -190,7 +256,7 @@ def similar_heading(heading: str) -> str:
 
 def _unit_field(heading: str, words: Sequence[str]) -> Field | None:
     """Return the section if a heading names little but its unit, such as "AWG" or "Wire mm²"."""
-    match = _UNIT.search(heading.strip())
+    match = _UNIT.search(_spaced(heading))
     if match is None or match[1].lower() not in _SECTION_UNITS:
         return None
     kinds = _kinds(words)
@@ -209,7 +275,11 @@ def _reading(words: Sequence[str], *, has_b: bool) -> tuple[_Kind | None, _Kind 
     if quantities:
         is_of_wire = len(quantities) == 1 and not sides and rest - quantities <= _THINGS.keys()
         return None, quantities.pop() if is_of_wire and not number & {"1", "2", "b"} else None
+    if sides and _Kind.WIRE in rest and not _CONNECTIONS.isdisjoint(words):
+        rest = rest - {_Kind.WIRE} | {_Kind.TERMINAL}
     part = next((kind for kind in _PARTS if kind in rest), None)
+    if part is _Kind.TERMINAL and _is_contact(words) and not _OF_MACHINES.isdisjoint(words):
+        return None, None
     if not rest <= {*_PARTS}:
         thing = next((kind for kind in _THINGS if kind in rest), None)
         return None, thing if rest <= _THINGS.keys() and not sides else None
@@ -221,7 +291,7 @@ def _reading(words: Sequence[str], *, has_b: bool) -> tuple[_Kind | None, _Kind 
 def _weak_side(words: Sequence[str], part: _Kind | None, *, has_b: bool) -> _Kind | None:
     """Return the end that a number, a letter or a preposition names."""
     given = {*words}
-    has_part = part is not None
+    has_part = part is not None or not _ENDINGS.isdisjoint(given)
     if has_part and (given & _FIRST or (has_b and "a" in given)):
         return _Kind.FROM
     if has_part and given & _SECOND:
@@ -241,19 +311,35 @@ def _kinds(words: Sequence[str]) -> set[_Kind] | None:
 
 
 def _without_unit(heading: str) -> str:
-    return _UNIT.sub("", heading.strip())
+    return _UNIT.sub("", _spaced(heading))
 
 
-def _words(text: str) -> list[str]:
-    plain = f" {_plain(text)} "
+def _spaced(heading: str) -> str:
+    """Return a heading with the words of "LengthMM" apart."""
+    return re.sub(r"(?<=[a-z])(?=[A-Z])", " ", heading.strip())
+
+
+@lru_cache(10_000)
+def _words(text: str) -> tuple[str, ...]:
+    plain = f" {_plain(_ABBREVIATION.sub(_in_full, text))} "
     for phrase, word in _PHRASES.items():
         plain = plain.replace(f" {phrase} ", f" {word} ")
-    return [part for word in plain.split() for part in _parts(word)]
+    return tuple(part for word in plain.split() for part in _parts(word))
+
+
+def _in_full(abbreviation: re.Match[str]) -> str:
+    """Return a word that begins like an abbreviation, if all of them have the same meaning."""
+    start = _plain(abbreviation[1])
+    if start in _KINDS:
+        return f"{start} "
+    words = [word for word in _KINDS if word.startswith(start)]
+    alike = len({_KINDS[word] for word in words}) == 1
+    return f"{min(words, key=len)} " if alike else abbreviation[0]
 
 
 def _plain(text: str) -> str:
     """Return the words of a text in lower case, without accents and signs."""
-    text = re.sub(r"(?<=[a-z])(?=[A-Z])", " ", text)
+    text = _spaced(text)
     text = unicodedata.normalize("NFKD", text.replace("°", " ").replace("#", " no ")).lower()
     text = "".join(sign for sign in text if not unicodedata.combining(sign))
     return " ".join(re.findall(r"[^\W\d_]+|\d+", text))
@@ -264,9 +350,10 @@ def _parts(word: str) -> tuple[str, ...]:
     """Return the listed words that make up a compound; the word itself if there are none."""
     if word in _KINDS:
         return (word,)
-    for length in range(len(word) - _LEAST_PART, _LEAST_PART - 1, -1):
+    for length in range(len(word) - 2, _LEAST_PART - 1, -1):
         if word[:length] in _KINDS:
             rest = _parts(word[length:])
-            if all(part in _KINDS for part in rest):
+            is_long = len(word) - length >= _LEAST_PART or word[length:] in _SHORT_PARTS
+            if is_long and all(part in _KINDS for part in rest):
                 return (word[:length], *rest)
     return (word,)

@@ -135,7 +135,11 @@ def mapping_from(text: str) -> WireListMapping:
 
 
 def mapping_text(
-    columns: Mapping[Field, str], units: Mapping[str, str], separator: str, unused: Sequence[str]
+    columns: Mapping[Field, str],
+    units: Mapping[str, str],
+    separator: str,
+    terminal_separator: str,
+    unused: Sequence[str],
 ) -> str:
     """Return a mapping to correct.
 
@@ -143,6 +147,7 @@ def mapping_text(
         columns: heading of each field's column.
         units: of section, length and position.
         separator: of cells.
+        terminal_separator: of the component and the terminal in a cell.
         unused: headings of the other columns, which a comment lists.
     """
     lines = [f"format: {FORMAT}", "columns:"]
@@ -155,6 +160,7 @@ def mapping_text(
     lines.append(f"  # columns without a heading yet: {fields}")
     lines.append("units: {" + ", ".join(f"{key}: {unit}" for key, unit in units.items()) + "}")
     lines.append(f"separator: {_quoted('tab' if separator == chr(9) else separator)}")
+    lines.append(f"terminal_separator: {_quoted(terminal_separator)}")
     return "\n".join(lines) + "\n"
 
 

@@ -1,0 +1,294 @@
+"""Read a from-to list as a table: the rows under its headings, and which column means what."""
+
+from __future__ import annotations
+
+import csv
+import io
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, replace
+
+from remodel_production.core.imports.shared.account import LeftOut
+from remodel_production.core.imports.shared.assembly import unique_name
+from remodel_production.core.imports.shared.spreadsheet import (
+    SEPARATOR,
+    is_spreadsheet,
+    sheets_of,
+)
+from remodel_production.core.imports.shared.text_encoding import decode
+from remodel_production.core.imports.wire_lists.header_rows import headings_at
+from remodel_production.core.imports.wire_lists.headings import (
+    fields_of,
+    names_contact,
+    similar_heading,
+    unit_in,
+)
+from remodel_production.core.imports.wire_lists.mapping import ENDS, Field, WireListMapping
+from remodel_production.errors import DesignError
+
+_SEPARATORS = (";", "\t", ",", "|")
+# Reports begin with titles; below that many lines, no headings are searched.
+_HEADINGS_WITHIN = 30
+_MOST_ROWS = 50_000
+_MOST_LENGTH = 50_000  # characters of a cell
+# What a cut list has, which states no ends.
+_CUT = (Field.SECTION, Field.LENGTH)
+
+
+@dataclass(frozen=True)
+class Row:
+    """A line of a list.
+
+    Attributes:
+        line: number of its first line in the file.
+    """
+
+    line: int
+    cells: list[str]
+
+    def cell(self, column: int | None) -> str:
+        """Return what is in a column; empty if the row has none or ends before it."""
+        return self.cells[column] if column is not None and column < len(self.cells) else ""
+
+
+@dataclass(frozen=True)
+class Table:
+    """The rows under the headings.
+
+    Attributes:
+        headings: of which the second "Pin" is "Pin#2".
+        columns: number of each field's column.
+        listed: those fields of them that the mapping lists.
+        first_line: of the rows, from 1.
+        separator: of cells.
+    """
+
+    mapping: WireListMapping
+    headings: tuple[str, ...]
+    columns: dict[Field, int]
+    listed: frozenset[Field]
+    first_line: int
+    separator: str
+    rows: tuple[Row, ...] = ()
+
+    @property
+    def names_both_ends(self) -> bool:
+        """Whether there is a column of each end's component."""
+        return all(whole in self.columns or part in self.columns for whole, part in ENDS)
+
+    def cells(self, field: Field) -> list[str]:
+        """Return the contents of a field's column."""
+        column = self.columns.get(field)
+        return [] if column is None else [row.cell(column) for row in self.rows]
+
+    def unit(self, field: Field) -> str:
+        """Return the unit that the heading of a field's column states; empty if none."""
+        column = self.columns.get(field)
+        return "" if column is None else unit_in(self.headings[column], field)
+
+
+@dataclass(frozen=True)
+class Source:
+    """The text of a list.
+
+    Attributes:
+        assumed: of the file; empty if nothing was.
+        separators: of its cells; empty if they are to be found.
+        others: sheets beside it.
+    """
+
+    text: str
+    assumed: str
+    separators: tuple[str, ...] = ()
+    others: tuple[LeftOut, ...] = ()
+
+
+def has_headings(data: bytes, mappings: Sequence[WireListMapping]) -> bool:
+    """Return whether the data is a list with the headings of one of the mappings."""
+    try:
+        _headed(data, mappings)
+    except DesignError:
+        return False
+    return True
+
+
+def read_table(data: bytes, mappings: Sequence[WireListMapping]) -> tuple[Table, Source]:
+    """Return the list by the mapping that fits best, and the text that it is in.
+
+    Raises:
+        DesignError: if no mapping fits, or the rows cannot be read.
+    """
+    table, source = _headed(data, mappings)
+    return replace(table, rows=tuple(_rows(source.text, table))), source
+
+
+def headings_table(data: bytes) -> Table:
+    """Return the headings with the most meaning of a file in which not both ends are found.
+
+    Raises:
+        DesignError: if no line of it has cells.
+    """
+    mapping = WireListMapping("", {}, has_synonyms=True)
+    source = next(_sources(data, ""))
+    tables = [
+        table
+        for separator in source.separators or _SEPARATORS
+        for table in _tables(source.text, mapping, separator)
+        if len(table.headings) > 1
+    ]
+    if not tables:
+        raise DesignError("no line of it has cells: a CSV file with a line of headings is needed")
+    return max(tables, key=lambda table: (len(table.columns), len(table.headings)))
+
+
+def similar_headings(headings: Sequence[str]) -> str:
+    """Return which headings may be misspelt, and for what; empty if none."""
+    similar = {heading: similar_heading(heading) for heading in headings}
+    return ", ".join(f"{heading!r} to {near!r}" for heading, near in similar.items() if near)
+
+
+def without_ends(data: bytes) -> str:
+    """Return why a file that is no wire list is none; empty if it has nothing of one."""
+    try:
+        table = headings_table(data)
+    except DesignError:
+        return ""
+    known = {field.value: table.headings[column] for field, column in table.columns.items()}
+    similar = similar_headings([h for i, h in enumerate(table.headings) if h])
+    text = ""
+    if known:
+        found = ", ".join(f"{heading!r} as {field}" for field, heading in known.items())
+        missing = [
+            f"{whole.value} or {part.value}"
+            for whole, part in ENDS
+            if whole not in table.columns and part not in table.columns
+        ]
+        text = f"; read as headings: {found}; missing: {' and '.join(missing)}"
+        if len(missing) == len(ENDS) and any(field in table.columns for field in _CUT):
+            text += (
+                "; a cut list states how wires are cut, not where they end: import the list of the "
+                "connections"
+            )
+    return text + (f"; similar: {similar}" if similar else "")
+
+
+def _headed(data: bytes, mappings: Sequence[WireListMapping]) -> tuple[Table, Source]:
+    """Return the list, without its rows, by the mapping that fits best."""
+    best: tuple[tuple[int, ...], Table, Source] | None = None
+    headings = ""
+    for mapping in mappings:
+        for source in _sources(data, mapping.encoding):
+            lines = (line for line in source.text.splitlines() if line.strip())
+            headings = headings or next(lines, "")
+            own = (mapping.separator,) if mapping.separator else _SEPARATORS
+            for separator in source.separators or own:
+                tables = _tables(source.text, mapping, separator)
+                table = next((each for each in tables if each.names_both_ends), None)
+                if table is None:
+                    continue
+                fit = len(table.columns), *_known(table)
+                if best is None or fit > best[0]:
+                    best = fit, table, source
+    if best is None:
+        raise DesignError(
+            f"no line of the first {_HEADINGS_WITHIN} has the headings of a wire list; found "
+            f"{headings[:120]!r}; {_wanted(mappings)}{without_ends(data)}; give the columns with "
+            "--mapping, which --print-mapping drafts"
+        )
+    return best[1], best[2]
+
+
+def _known(table: Table) -> tuple[int, int, bool]:
+    """Return how much of a list a mapping lists: ends above all, by which programs differ most.
+
+    Of mappings that list none, one with metric units is the better one.
+    """
+    ends = sum(bool({whole, part} & {*table.listed}) for whole, part in ENDS)
+    is_metric = table.mapping.section_unit == "mm2" and table.mapping.length_unit == "mm"
+    return ends, len(table.listed) if ends else 0, is_metric
+
+
+def _wanted(mappings: Sequence[WireListMapping]) -> str:
+    if any(mapping.has_synonyms for mapping in mappings):
+        return "needed are headings such as From Device, From Pin, To Device, To Pin"
+    own = "; ".join(
+        f"{mapping.name}: " + ", ".join("/".join(names) for names in mapping.columns.values())
+        for mapping in mappings
+    )
+    return f"the mapping's headings: {own}"
+
+
+def _sources(data: bytes, encoding: str) -> Iterator[Source]:
+    """Yield the text of a file, or of each sheet of a workbook."""
+    if not is_spreadsheet(data):
+        text, assumed = decode(data, encoding)
+        yield Source(text, f"the file is no UTF-8: read as {assumed}" if assumed else "")
+        return
+    sheets = sheets_of(data)
+    for title, text in sheets.items():
+        others = tuple(
+            LeftOut(
+                f"sheet {other!r}", f"sheet {title!r} is read: give the others files of their own"
+            )
+            for other in sheets
+            if other != title and sheets[other].strip()
+        )
+        yield Source(text, f"sheet {title!r} is read", (SEPARATOR,), others)
+
+
+def _tables(text: str, mapping: WireListMapping, separator: str) -> Iterator[Table]:
+    """Yield a table, without its rows, for each line that may be the headings."""
+    lines = text.splitlines(keepends=True)
+    for skipped in range(min(_HEADINGS_WITHIN, len(lines))):
+        plain, taken = headings_at(lines, skipped, separator)
+        headings = _numbered(plain)
+        listed = mapping.found_in(headings)
+        columns = _with_synonyms(listed, plain) if mapping.has_synonyms else listed
+        yield Table(
+            mapping,
+            tuple(headings),
+            columns,
+            listed=frozenset(listed),
+            first_line=skipped + taken + 1,
+            separator=separator,
+        )
+
+
+def _numbered(headings: Sequence[str]) -> list[str]:
+    """Return headings without repeats: the second "Pin" becomes "Pin#2"."""
+    numbered: list[str] = []
+    for heading in (each.strip() for each in headings):
+        numbered.append(unique_name(heading, numbered) if heading else "")
+    return numbered
+
+
+def _with_synonyms(listed: dict[Field, int], headings: Sequence[str]) -> dict[Field, int]:
+    """Return the columns that a mapping lists, and those that the words of others name.
+
+    A pin or a cavity is a terminal rather than what a list calls one, which is the contact there.
+    """
+    usual = fields_of(headings)
+    for field in (Field.FROM_TERMINAL, Field.TO_TERMINAL):
+        if field in listed and field in usual and names_contact(headings[listed[field]]):
+            listed = {**listed, field: usual[field]}
+    taken = set(listed.values())
+    return {**{field: i for field, i in usual.items() if i not in taken}, **listed}
+
+
+def _rows(text: str, table: Table) -> Iterator[Row]:
+    lines_before = table.first_line - 1
+    body = "".join(text.splitlines(keepends=True)[lines_before:])
+    reader = csv.reader(io.StringIO(body, newline=""), delimiter=table.separator, strict=True)
+    line = table.first_line
+    try:
+        for count, cells in enumerate(reader, start=1):
+            if count > _MOST_ROWS:
+                raise DesignError(f"line {line}: more than {_MOST_ROWS} lines: split the list")
+            if any(len(cell) > _MOST_LENGTH for cell in cells):
+                raise DesignError(f"line {line}: a cell is longer than {_MOST_LENGTH} characters")
+            if any(cell.strip() for cell in cells):
+                yield Row(line, [" ".join(cell.split()) for cell in cells])
+            line = lines_before + reader.line_num + 1
+    except csv.Error as error:
+        raise DesignError(
+            f"line {line}: is no CSV: {error}; a cell with a quote is quoted, with the quote twice"
+        ) from error

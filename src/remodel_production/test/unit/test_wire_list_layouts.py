@@ -1,0 +1,232 @@
+"""Wire lists with the headings of many programs and people: nothing is lost without a word."""
+
+import io
+from datetime import date
+
+import pytest
+from openpyxl import Workbook
+from wire_lists import CATALOGUE, MAPPINGS, read, rows
+
+from remodel_production.core.imports.wire_lists.mapping import mapping_from
+from remodel_production.core.imports.wire_lists.wire_list import mapping_draft
+from remodel_production.errors import DesignError
+
+# Name: list, its wires, and its columns that are not used.
+LAYOUTS = {
+    "a machine that cuts and crimps": (
+        "Schneidliste;;;;;;;;;\nPos.;Leitungsnr.;Querschnitt [mm²];Farbe;Länge [mm];Kontakt links;"
+        "Abisolierlänge rechts;Kontakt rechts;Von;Nach\n"
+        "1;W101;0,75;sw;1.250,5;AEH 0,75;6;AEH 0,75;-K1:A1;-X1:12\n",
+        [("W101", "-K1:A1", "-X1:12", "BK", 0.75, 1.2505)],
+        ["Pos.", "Kontakt links", "Abisolierlänge rechts", "Kontakt rechts"],
+    ),
+    "left and right": (
+        "Job;Wire;CSA;Color;Length;Left Connector;Left Cavity;Left Terminal;Right Connector;"
+        "Right Cavity;Right Terminal\nJ1;W1;0.5;red;300;P1;1;T9;P2;2;T8\n",
+        [("W1", "P1:1", "P2:2", "RD", 0.5, 0.3)],
+        ["Job", "Left Terminal", "Right Terminal"],
+    ),
+    "a row of groups above the headings": (
+        "Wire,From,,To,,Conductor,,\nNo.,Device,Pin,Device,Pin,Color,AWG,Length [in]\n"
+        "101,PS1,+,TB1,1,RED,14,12.5\n",
+        [("101", "PS1:+", "TB1:1", "RD", 2.08, 0.3175)],
+        [],
+    ),
+    "groups, and a column without one": (
+        "Wire No,From,,To,,Colour,,Remark\n,Device,Pin,Device,Pin,,Section,\n1,K1,A1,X1,3,BU,1,x\n",
+        [("1", "K1:A1", "X1:3", "BU", 1.0, None)],
+        ["Remark"],
+    ),
+    "a row of units below the headings": (
+        "Wire,From,To,Section,Colour,Length\n,,,(mm²),-,cm\nW1,K1:A1,X1:1,0.75,BU,35\n",
+        [("W1", "K1:A1", "X1:1", "BU", 0.75, 0.35)],
+        [],
+    ),
+    "headings with line breaks below a comment": (
+        '# exported\n"Wire\nNumber","From\nConnector","From\nPin","To\nConnector","To\nPin",'
+        '"Size\n(AWG)","Length\n(in)"\n1,J1,1,J2,1,22,10\n',
+        [("1", "J1:1", "J2:1", "BK", 0.326, 0.254)],
+        [],
+    ),
+    "French harness": (
+        "Repère du fil;Tenant (appareil);Tenant (borne);Aboutissant (appareil);Aboutissant (borne);"
+        "Section (mm²);Couleur;Longueur (m)\n1;KM1;1/L1;QF1;2/T1;2,5;noir;0,85\n",
+        [("1", "KM1:1/L1", "QF1:2/T1", "BK", 2.5, 0.85)],
+        [],
+    ),
+    "Italian abbreviations, with the units that are usual there": (
+        "Filo;Da;Morsetto;A;Morsetto;Sez.;Col.;Lungh.;Note\n1;QF1;2;KM1;1;4;nero;600;\n",
+        [("1", "QF1:2", "KM1:1", "BK", 4.0, 0.6)],
+        ["Note"],
+    ),
+    "Spanish, whose cables are wires": (
+        "Cable,Desde,Terminal,Hasta,Terminal,Calibre AWG,Color,Longitud m\n"
+        "C1,TB1,1,K1,13,16,rojo,0.9\nC2,TB1,2,K1,14,16,negro,0.9\n",
+        [
+            ("C1", "TB1:1", "K1:13", "RD", 1.31, 0.9),
+            ("C2", "TB1:2", "K1:14", "BK", 1.31, 0.9),
+        ],
+        [],
+    ),
+    "two targets": (
+        "Ader;Ziel 1;Anschluss 1;Ziel 2;Anschluss 2;Farbe;QS;Seite\n7;-K1;A1;-X1;1;BU;1.5;4\n",
+        [("7", "-K1:A1", "-X1:1", "BU", 1.5, None)],
+        ["Seite"],
+    ),
+    "connections as terminals": (
+        "Wire number;From component;From connection;To component;To connection;Wire size;Folio\n"
+        "1;-K1;A1;-X1;1;1.5;3\n",
+        [("1", "-K1:A1", "-X1:1", "BK", 1.5, None)],
+        ["Folio"],
+    ),
+    "pins beside contacts": (
+        "Wire Name,From Device,From Pin,To Device,To Pin,Wire CSA,From Terminal,To Terminal\n"
+        "1,J1,1,J2,2,0.5,T9,T8\n",
+        [("1", "J1:1", "J2:2", "BK", 0.5, None)],
+        ["From Terminal", "To Terminal"],
+    ),
+    "whole ends beside contacts": (
+        "Wire,From,From Terminal,To,To Terminal\n1,J1:1,T9,J2:2,T8\n2,J1:2,T9,J2:1,T8\n",
+        [("1", "J1:1", "J2:2", "BK", 2.5, None), ("2", "J1:2", "J2:1", "BK", 2.5, None)],
+        ["From Terminal", "To Terminal"],
+    ),
+    "whole ends under the heading of a component": (
+        "Wire ID,Starting Point,Ending Point,AWG\n1,J1:1,J2:1,22\n",
+        [("1", "J1:1", "J2:1", "BK", 0.326, None)],
+        [],
+    ),
+    "numbered ends and gauges with a sign": (
+        "Wire Label;End 1;End 1 Pin;End 2;End 2 Pin;Size\nA1;P1;A;P2;B;#22\n",
+        [("A1", "P1:A", "P2:B", "BK", 0.326, None)],
+        [],
+    ),
+    "terminations, of which terminals follow a hyphen": (
+        "Wire #,Termination 1,Termination 2,Wire Gauge,Length (inches)\n"
+        "1,J1-1,J2-1,22,10\n2,J1-2,J2-2,22,10\n",
+        [("1", "J1:1", "J2:1", "BK", 0.326, 0.254), ("2", "J1:2", "J2:2", "BK", 0.326, 0.254)],
+        [],
+    ),
+    "ends in columns of the same name behind the number of the line": (
+        "Item,Location,Device,Terminal,Location,Device,Terminal,Wire No,Size\n"
+        "1,+A1,K1,13,+A2,X1,1,101,1.5\n",
+        [("101", "K1:13", "X1:1", "BK", 1.5, None)],
+        ["Item", "Location", "Location#2"],
+    ),
+    "words without blanks": (
+        "SourceRefDes,SourcePin,DestRefDes,DestPin,WireGaugeAWG,LengthMM\nJ1,1,J2,1,22,100\n",
+        [("W1", "J1:1", "J2:1", "BK", 0.326, 0.1)],
+        [],
+    ),
+    "abbreviations with points": (
+        "Ltg.-Nr.;Von Stecker;Von Kammer;Nach Stecker;Nach Kammer;Querschn. (mm²);Est. Length mm\n"
+        "L1;X1;1;X2;1;0,35;450\n",
+        [("L1", "X1:1", "X2:1", "BK", 0.35, 0.45)],
+        [],
+    ),
+    "Excel's line about the separator, and points between thousands": (
+        "sep=;\nWire;From;To;Length [mm]\n1;-K1:13;-X1:4;1.250\n2;-K1:14;-X1:5;830\n",
+        [
+            ("1", "-K1:13", "-X1:4", "BK", 2.5, 1.25),
+            ("2", "-K1:14", "-X1:5", "BK", 2.5, 0.83),
+        ],
+        [],
+    ),
+    "gauges with lengths that are inches only": (
+        "Connector,Pin,Color,AWG,Connector,Pin,Length\nJ1,1,RD,22,J2,1,12.5\n",
+        [("W1", "J1:1", "J2:1", "RD", 0.326, 0.3175)],
+        [],
+    ),
+    "empty columns around": (
+        ";;;;;\n;Wire;From;To;;Color\n;1;K1:1;X1:1;;RD\n",
+        [("1", "K1:1", "X1:1", "RD", 2.5, None)],
+        [],
+    ),
+}
+
+
+@pytest.mark.parametrize("layout", LAYOUTS)
+def test_a_layout_is_read_whole(layout):
+    text, wires, unused = LAYOUTS[layout]
+    imported = read(text)
+    assert rows(imported) == wires
+    omitted = [line.source for line in imported.account.unused_columns]
+    assert omitted == [f"column {heading!r}" for heading in unused]
+    assert imported.account.left_out == ()
+
+
+# A mapping means what it says, and none of it says that a point is between thousands.
+@pytest.mark.parametrize("layout", [name for name in LAYOUTS if "thousands" not in name])
+def test_the_mapping_that_is_printed_reads_the_list_alike(layout):
+    text, wires, _ = LAYOUTS[layout]
+    mapping = mapping_from(mapping_draft(text.encode(), CATALOGUE, MAPPINGS))
+    assert rows(read(text, mapping)) == wires
+
+
+@pytest.mark.parametrize(
+    ("ends", "component"),
+    [
+        (("TB-1", "MTR-1"), "TB-1"),  # tags of devices, not terminals
+        (("K1", "X1"), "K1"),
+        (("J1-1", "J2-POWER"), "J1-1"),
+    ],
+)
+def test_tags_with_hyphens_stay_whole_unless_all_ends_have_terminals(ends, component):
+    imported = read(f"Wire,From,To\n1,{','.join(ends)}\n2,{','.join(ends)}\n")
+    assert imported.order.wires[0].a.component == component
+    assert f"line 2: no terminal of {component} is given, 1 taken" in imported.account.assumptions
+
+
+def test_a_cut_list_is_refused_with_what_it_lacks():
+    with pytest.raises(
+        DesignError,
+        match="missing: from or from_component and to or to_component; "
+        "a cut list states how wires are cut, not where they end",
+    ):
+        read("Wire;Section mm2;Colour;Length mm;Terminal left;Terminal right\nW1;0.5;red;300;A;B\n")
+
+
+def workbook(*lines, merged=()):
+    book = Workbook()
+    for line in lines:
+        book.active.append(line)
+    for span in merged:
+        book.active.merge_cells(span)
+    data = io.BytesIO()
+    book.save(data)
+    return data.getvalue()
+
+
+HEADINGS = ["Wire", "From", "From Pin", "To", "To Pin", "mm²"]
+
+
+def test_a_date_beside_the_list_is_no_reason_to_refuse_it():
+    data = workbook(["Drawn", date(2024, 3, 1)], HEADINGS, ["W1", "K1", 1, "X1", 1, 0.75])
+    assert rows(read(data)) == [("W1", "K1:1", "X1:1", "BK", 0.75, None)]
+
+
+def test_cells_that_span_others_stand_for_all_of_them():
+    data = workbook(
+        ["Wires of rack 1"],
+        [],
+        ["Wire", "From", None, "To", None, "mm²"],
+        ["ID", "Device", "Pin", "Device", "Pin", None],
+        ["W1", "K1", 1, "X1", 1, 0.75],
+        ["W2", None, 2, "X1", 2, 0.75],
+        merged=("A1:F1", "B3:C3", "D3:E3", "B5:B6"),
+    )
+    assert rows(read(data)) == [
+        ("W1", "K1:1", "X1:1", "BK", 0.75, None),
+        ("W2", "K1:2", "X1:2", "BK", 0.75, None),
+    ]
+
+
+@pytest.mark.parametrize(
+    ("cell", "said"),
+    [
+        ("=1+1", r"sheet Sheet, line 2: =1\+1 has no value: open the workbook"),
+        ("#REF!", "line 2: from_terminal: #REF! found, the error of a formula"),
+    ],
+)
+def test_formulas_without_a_value_are_refused(cell, said):
+    with pytest.raises(DesignError, match=said):
+        read(workbook(HEADINGS, ["W1", "K1", cell, "X1", 1, 0.75]))

@@ -1,0 +1,27 @@
+"""Wire lists, read with the mappings that come with the package."""
+
+from pathlib import Path
+
+from remodel_production.core.imports.wire_lists.mapping import mapping_from
+from remodel_production.core.imports.wire_lists.wire_list import import_wire_list
+from remodel_production.edge.catalogue_file import read_catalogue
+
+CONFIG = Path(__file__).parents[1] / "config"
+CATALOGUE = read_catalogue(CONFIG / "catalogue.yaml")
+MAPPINGS = tuple(
+    mapping_from(file.read_text()) for file in sorted((CONFIG / "wire_lists").glob("*.yaml"))
+)
+
+
+def read(data, *mappings):
+    """Return the import of a list by those mappings, or by the package's."""
+    data = data if isinstance(data, bytes) else data.encode()
+    return import_wire_list(data, "test", "test.csv", CATALOGUE, mappings=mappings or MAPPINGS)
+
+
+def rows(imported):
+    """Return the wires of an import as tuples."""
+    return [
+        (w.name, str(w.a), str(w.b), w.colour, w.section_mm2, w.length_m)
+        for w in imported.order.wires
+    ]
