@@ -8,12 +8,13 @@ import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
+from remodel_cable_tree.core.constraint import constraints_of, with_constraints
 from remodel_cable_tree.core.dzn import parse_cable_tree
 from remodel_cable_tree.core.order import cost_of, violations
 from remodel_cable_tree.core.problem import CableTree
 from remodel_cable_tree.core.rounds import rounds
 from remodel_cable_tree.edge.cable_tree_kernel import Feasibility, KernelCableTree
-from remodel_cable_tree.edge.cable_tree_planner import sequence
+from remodel_cable_tree.edge.cable_tree_planner import contradiction, sequence
 from remodel_production.errors import InstanceError
 
 # Small searches have done all their work long before; the clock must not decide a test.
@@ -160,3 +161,24 @@ def test_malformed_files_are_refused_with_the_place(old, new, message):
     assert old in text
     with pytest.raises(InstanceError, match=message):
         parse_cable_tree(text.replace(old, new))
+
+
+@pytest.mark.parametrize("seed", range(30))
+def test_a_contradiction_has_no_order_and_every_part_of_it_has_one(seed):
+    tree = random_tree(6, seed, hidden_order=False)
+    found = contradiction(tree, LONG_S)
+    assert bool(found) == (not any(orders(tree)))
+    assert not found or not any(orders(with_constraints(tree, found)))
+    for one in found:
+        assert any(orders(with_constraints(tree, [each for each in found if each != one])))
+
+
+def test_constraints_name_their_table_and_row():
+    tree = CableTree(4, 2, ((1, 2),), ((1, 3, 2, 4),), (), (3,))
+    assert list(map(str, constraints_of(tree))) == [
+        "AtomicConstraints, row 1: end 1 before end 2",
+        "DisjunctiveConstraints, row 1: end 1 before end 3, or end 2 before end 4",
+        "DirectSuccessors, row 1: the other end of its cable follows end 3 at once if it comes "
+        "later",
+    ]
+    assert with_constraints(tree, constraints_of(tree)) == tree

@@ -167,6 +167,12 @@ def test_sequence_reports_that_there_is_no_order(capsys):
     assert json.loads(capsys.readouterr().out)["status"] == "unsatisfiable"
 
 
+def test_sequence_names_the_constraints_that_contradict(capsys):
+    assert sequence_command.main([str(DATA / "harness_without_order.dzn")]) == 0
+    said = capsys.readouterr().out
+    assert "no order satisfies all of these constraints:\n  AtomicConstraints, row " in said
+
+
 def test_sequence_refuses_malformed_files(tmp_path, capsys):
     file = tmp_path / "x.dzn"
     file.write_text("k = 2; b = 3;")
@@ -355,6 +361,53 @@ def test_an_infeasible_order_is_explained_by_a_smallest_conflict_and_relaxed(tmp
     for name in ("blue first", "tidy", "last"):
         assert f"without `{name}`: cost " in said
     assert not output.exists()
+
+
+def test_contradictions_that_share_no_requirement_are_explained_each(tmp_path, capsys):
+    panel, output, wanted = tmp_path / "panel.json", tmp_path / "plan.json", tmp_path / "all.yaml"
+    data = json.loads((EXAMPLES / "panel.json").read_text())
+    order = [{"type": "under", "before": "w1", "after": "w2"}]
+    panel.write_text(json.dumps({**data, "precedence": order}))
+    wanted.write_text(
+        "format: remodel-preferences-1\nrequire:\n"
+        "  - {name: two first, route: w2, before: w1}\n"
+        "  - {name: out of reach, arm: L, x_mm: [0, 100]}\n"
+        "  - {name: four first, route: w4, before: w3}\n"
+        "  - {name: three first, route: w3, before: w4}\n"
+    )
+    arguments = [str(panel), "--preferences", str(wanted), "--output", str(output)]
+    arguments += ["--time-limit", "0.05", "--relax"]
+    assert plan_command.main(arguments) == 1
+    said = capsys.readouterr().out
+    assert said.startswith("plan: 3 contradictions that share no requirement\n")
+    assert "(w1 before w2: precedence[0]; w2 before w1: `two first`)" in said
+    assert "is unreachable: " in said
+    assert "limited by `out of reach`\n  and 11 more\n" in said
+    assert said.count("  the design contradicts this requirement:\n") == 2
+    assert said.count("  no plan keeps all of these 2 requirements:\n") == 1
+    for name in ("two first", "out of reach", "four first", "three first"):
+        assert f"without `{name}` and the other contradictions: cost " in said
+
+
+def test_a_design_that_contradicts_itself_is_refused_with_the_places(tmp_path, capsys):
+    panel = tmp_path / "panel.json"
+    data = json.loads((EXAMPLES / "panel.json").read_text())
+    pin = {"type": "pin", "before": "w2", "before_end": "a", "after": "w1", "after_end": "b"}
+    order = [{"type": "under", "before": "w1", "after": "w2"}, pin]
+    panel.write_text(json.dumps({**data, "precedence": order}))
+    assert plan_command.main([str(panel), "--output", str(tmp_path / "plan.json")]) == 1
+    said = capsys.readouterr().err
+    assert "(w1 before w2: precedence[0]; w2 before w1: precedence[1])" in said
+
+
+def test_a_wire_before_itself_is_refused(tmp_path, capsys):
+    wanted = tmp_path / "wanted.yaml"
+    wanted.write_text(
+        "format: remodel-preferences-1\nrequire: [{name: odd, route: w1, before: w1}]\n"
+    )
+    arguments = [str(EXAMPLES / "panel.json"), "--preferences", str(wanted)]
+    assert plan_command.main([*arguments, "--output", str(tmp_path / "plan.json")]) == 1
+    assert "require[0]: requirement `odd`: `route` and `before` choose" in capsys.readouterr().err
 
 
 def test_check_names_the_requirement_that_a_plan_breaks(tmp_path, capsys):

@@ -6,14 +6,16 @@ Two searches with their own seeds run in threads, since the kernel releases Pyth
 from __future__ import annotations
 
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 
+from remodel_cable_tree.core.constraint import Constraint, constraints_of, with_constraints
 from remodel_cable_tree.core.order import cost_of
 from remodel_cable_tree.core.problem import CableTree
 from remodel_cable_tree.core.rounds import Round, rounds
 from remodel_cable_tree.edge.cable_tree_kernel import Feasibility, KernelCableTree
+from remodel_planning.core.problem.conflict import smallest_conflict
 
 _THREADS = 2
 # Of the first search for an order; each further one may take twice as many. Public instances take
@@ -53,6 +55,25 @@ def sequence(
     with ThreadPoolExecutor(_THREADS) as pool:
         best = min(pool.map(search, range(_THREADS)), key=lambda found: found[0])
     return Sequenced(feasibility, best[1])
+
+
+def contradiction(
+    tree: CableTree, limit_s: float, stopped: Callable[[], bool] = lambda: False
+) -> list[Constraint]:
+    """Return a smallest set of constraints of a cable tree that no order satisfies.
+
+    Within a limit of time: then, a set without an order, but of which some may not be needed.
+    """
+    deadline = time.monotonic() + limit_s
+
+    def over() -> bool:
+        return stopped() or time.monotonic() >= deadline
+
+    def has_order(kept: Sequence[Constraint]) -> bool:
+        # What is not decided in time counts as having one, so that the set found has none.
+        return _first_order(with_constraints(tree, kept), over)[0] is not Feasibility.NONE
+
+    return smallest_conflict(constraints_of(tree), has_order)
 
 
 def _first_order(tree: CableTree, over: Callable[[], bool]) -> tuple[Feasibility, tuple[int, ...]]:

@@ -61,7 +61,7 @@ def main(arguments: list[str] | None = None) -> int:
     try:
         _plan(options)
     except ConflictError as error:
-        if options.relax and error.conflict:
+        if options.relax and error.conflicts:
             print(f"plan: {error}")
             _relax(error, options)
             return 1
@@ -70,16 +70,25 @@ def main(arguments: list[str] | None = None) -> int:
 
 
 def _relax(error: ConflictError, options: argparse.Namespace) -> None:
-    """Print the cost of a plan without each of the requirements that contradict."""
-    all_required = requirements_in(error.documents)
-    for dropped in error.conflict:
-        kept = [each for each in all_required if each != dropped]
-        try:
-            problem = error.build(keeping(error.documents, kept)).problem
-            cost = f"cost {plan_problem(problem, options.time_limit).cost}"
-        except InfeasibleError as other:
-            cost = f"no plan, {str(other).splitlines()[0]}"
-        print(f"without `{dropped.name}`: {cost}")
+    """Print the cost of a plan without each of the requirements that contradict.
+
+    Of several contradictions, each is relaxed without all requirements of the others.
+    """
+    for number, conflict in enumerate(error.conflicts):
+        others = [r for i, other in enumerate(error.conflicts) if i != number for r in other]
+        beside = " and the other contradictions" if others else ""
+        for dropped in conflict:
+            kept = [
+                each
+                for each in requirements_in(error.documents)
+                if each != dropped and each not in others
+            ]
+            try:
+                problem = error.build(keeping(error.documents, kept)).problem
+                cost = f"cost {plan_problem(problem, options.time_limit).cost}"
+            except InfeasibleError as other:
+                cost = f"no plan, {str(other).splitlines()[0]}"
+            print(f"without `{dropped.name}`{beside}: {cost}")
 
 
 def _plan(options: argparse.Namespace) -> None:

@@ -12,7 +12,7 @@ from remodel_cable_tree.core.dzn import parse_cable_tree
 from remodel_cable_tree.core.order import cost_of, violations
 from remodel_cable_tree.core.problem import CableTree
 from remodel_cable_tree.edge.cable_tree_kernel import Feasibility
-from remodel_cable_tree.edge.cable_tree_planner import sequence
+from remodel_cable_tree.edge.cable_tree_planner import contradiction, sequence
 from remodel_planner.commands.options.limits import seconds, seed
 from remodel_planner.commands.options.stop_signals import stop_on_signals
 from remodel_planning.errors import KernelError
@@ -46,7 +46,10 @@ def main(arguments: list[str] | None = None) -> int:
         tree = parse_cable_tree(read_text(options.instance))
         with stop_on_signals() as stopped:
             found = sequence(tree, options.time_limit, options.seed, stopped)
-        document = _document(options.instance.stem, tree, found.feasibility, found.order)
+            document = _document(options.instance.stem, tree, found.feasibility, found.order)
+            if found.feasibility is Feasibility.NONE:
+                conflict = contradiction(tree, options.time_limit, stopped)
+                document |= {"contradiction": list(map(str, conflict))} if conflict else {}
     except PlannerError as error:
         print(f"sequence: {options.instance}: {error}", file=sys.stderr)
         return 1
@@ -75,7 +78,11 @@ def _document(
 
 
 def _text(document: dict[str, object]) -> str:
-    lines = [f"{key}: {value}" for key, value in document.items() if key not in ("order", "pos")]
+    lists = ("order", "pos", "contradiction")
+    lines = [f"{key}: {value}" for key, value in document.items() if key not in lists]
+    if "contradiction" in document:
+        lines.append("no order satisfies all of these constraints:")
+        lines += [f"  {line}" for line in document["contradiction"]]  # type: ignore[attr-defined]
     if "order" in document:
         lines.append("order: " + " ".join(map(str, document["order"])))  # type: ignore[call-overload]
     return "\n".join(lines)

@@ -15,9 +15,9 @@ from remodel_planning.core.orders.order_format import is_order
 from remodel_planning.core.problem.conflict import (
     Documents,
     Requirement,
+    conflicts_of,
     keeping,
     requirements_in,
-    smallest_conflict,
 )
 from remodel_planning.core.problem.defects import require_sound
 from remodel_planning.core.problem.instance import problem_from
@@ -55,42 +55,52 @@ class ConflictError(InfeasibleError):
     """A problem has no plan; it names requirements that contradict each other or the design.
 
     Attributes:
-        conflict: a smallest set of requirements that no plan keeps; empty if the design alone has
-            no plan.
+        conflicts: smallest sets of requirements that no plan keeps, without a common one; empty if
+            the design alone has no plan.
         documents: the preferences of the problem.
         build: makes the problem with preferences.
     """
 
     def __init__(
-        self, text: str, conflict: Sequence[Requirement], documents: Documents, build: Build
+        self,
+        text: str,
+        conflicts: Sequence[Sequence[Requirement]],
+        documents: Documents,
+        build: Build,
     ) -> None:
         """Take what the attributes are."""
         super().__init__(text)
-        self.conflict = tuple(conflict)
+        self.conflicts = tuple(map(tuple, conflicts))
         self.documents = documents
         self.build = build
 
     @classmethod
     def of(cls, error: InfeasibleError, documents: Documents, build: Build) -> ConflictError:
-        """Return the error with a smallest set of requirements that explains it."""
+        """Return the error with smallest sets of requirements that explain it."""
 
-        def has_plan(kept: Sequence[Requirement]) -> bool:
+        def reason(kept: Sequence[Requirement]) -> str:
             try:
                 build(keeping(documents, kept))
-            except InfeasibleError:
-                return False
-            return True
+            except InfeasibleError as other:
+                return str(other)
+            return ""
 
-        conflict = smallest_conflict(requirements_in(documents), has_plan)
-        text = str(error)
-        if len(conflict) == 1:
-            text += f"\n  the design contradicts this requirement:\n    {conflict[0]}"
-        elif conflict:
-            lines = "".join(f"\n    {each}" for each in conflict)
-            text += f"\n  no plan keeps all of these {len(conflict)} requirements:{lines}"
-        if conflict:
-            text += "\n  drop one of them; `plan --relax` prints what each would cost"
-        return cls(text, conflict, documents, build)
+        conflicts = conflicts_of(requirements_in(documents), lambda kept: not reason(kept))
+        texts = [_explained(conflict, reason(conflict)) for conflict in conflicts]
+        if len(conflicts) > 1:
+            texts.insert(0, f"{len(conflicts)} contradictions that share no requirement")
+        if conflicts:
+            each = "one of each" if len(conflicts) > 1 else "one of them"
+            texts.append(f"  drop {each}; `plan --relax` prints what each would cost")
+        return cls("\n".join(texts) or str(error), conflicts, documents, build)
+
+
+def _explained(conflict: Sequence[Requirement], reason: str) -> str:
+    """Return why no plan keeps the requirements of a conflict, and which they are."""
+    if len(conflict) == 1:
+        return f"{reason}\n  the design contradicts this requirement:\n    {conflict[0]}"
+    lines = "".join(f"\n    {each}" for each in conflict)
+    return f"{reason}\n  no plan keeps all of these {len(conflict)} requirements:{lines}"
 
 
 def add_problem_options(parser: argparse.ArgumentParser) -> None:

@@ -217,7 +217,7 @@ def order_from(data: object) -> WorkOrder:
         terminals=tuple(terminal_from(item) for item in fields.objects("terminals")),
         tasks=tuple(_task(item) for item in fields.objects("tasks")),
         unders=tuple(
-            Under(item.text("before"), item.text("after"))
+            Under(item.text("before"), item.text("after"), source=item.where)
             for item in (fields.objects("under") if fields.has("under") else ())
         ),
         soft_constraints=tuple(

@@ -9,7 +9,9 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
+from typing import TypeVar
 
+_Required = TypeVar("_Required")
 Documents = Sequence[tuple[str, object]]
 
 
@@ -64,9 +66,26 @@ def keeping(documents: Documents, kept: Sequence[Requirement]) -> list[tuple[str
     return result
 
 
+def conflicts_of(
+    requirements: Sequence[_Required], has_plan: Callable[[Sequence[_Required]], bool]
+) -> list[list[_Required]]:
+    """Return smallest conflicts that share no requirement; a plan keeps what is in none of them.
+
+    Args:
+        requirements: as of `smallest_conflict`.
+        has_plan: likewise.
+    """
+    found: list[list[_Required]] = []
+    left = list(requirements)
+    while conflict := smallest_conflict(left, has_plan):
+        found.append(conflict)
+        left = [each for each in left if each not in conflict]
+    return found
+
+
 def smallest_conflict(
-    requirements: Sequence[Requirement], has_plan: Callable[[Sequence[Requirement]], bool]
-) -> list[Requirement]:
+    requirements: Sequence[_Required], has_plan: Callable[[Sequence[_Required]], bool]
+) -> list[_Required]:
     """Return a smallest set of requirements that no plan keeps; empty if there is none.
 
     Args:
@@ -78,8 +97,8 @@ def smallest_conflict(
         return []
 
     def needed(
-        kept: list[Requirement], candidates: list[Requirement], *, has_grown: bool
-    ) -> list[Requirement]:
+        kept: list[_Required], candidates: list[_Required], *, has_grown: bool
+    ) -> list[_Required]:
         if has_grown and not has_plan(kept):
             return []
         if len(candidates) == 1:

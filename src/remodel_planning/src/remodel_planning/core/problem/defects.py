@@ -19,6 +19,8 @@ from remodel_production.errors import InfeasibleError, InstanceError
 
 _MOST_ARMS = 2
 _MOST_SHOWN = 20
+# Of a problem without a plan: one reason suffices.
+_MOST_SHOWN_OF_NO_PLAN = 3
 # Costs are added up in 32 bits.
 _MOST_WEIGHT = 10**9
 
@@ -33,9 +35,11 @@ def require_sound(problem: Problem) -> None:
     for find in _PASSES:
         found = list(find(problem))
         if found:
-            more = len(found) - _MOST_SHOWN
-            lines = found[:_MOST_SHOWN] + ([f"and {more} more"] if more > 0 else [])
-            kind = InfeasibleError if find in _NO_PLAN else InstanceError
+            kind, shown = InstanceError, _MOST_SHOWN
+            if find in _NO_PLAN:
+                kind, shown = InfeasibleError, _MOST_SHOWN_OF_NO_PLAN
+            more = len(found) - shown
+            lines = found[:shown] + ([f"and {more} more"] if more > 0 else [])
             raise kind(f"{problem.name}: " + "\n  ".join(lines))
     opening_of(problem)
 
@@ -156,14 +160,15 @@ def find_cycles(problem: Problem) -> Iterator[str]:
 
 
 def _reasons(problem: Problem, cycle: list[str]) -> str:
-    """Return the names of the requirements that a cycle is made of; empty if it has none."""
-    names = {(under.before, under.after): under.reason for under in problem.unders if under.reason}
+    """Return which requirement or line of the design makes each step of a cycle."""
+    names = {(pin.before, pin.after): pin.source for pin in problem.pins}
+    names |= {(under.before, under.after): under.source for under in problem.unders}
+    names |= {(u.before, u.after): f"`{u.reason}`" for u in problem.unders if u.reason}
     steps = [
-        f"{before} before {after}: " + (f"`{names[pair]}`" if pair in names else "the design")
+        f"{before} before {after}: {names.get((before, after)) or 'the design'}"
         for before, after in itertools.pairwise(cycle)
-        for pair in [(before, after)]
     ]
-    return f" ({'; '.join(steps)})" if names.keys() & {*itertools.pairwise(cycle)} else ""
+    return f" ({'; '.join(steps)})" if any(map(names.get, itertools.pairwise(cycle))) else ""
 
 
 def find_overweight(problem: Problem) -> Iterator[str]:
@@ -203,7 +208,11 @@ def find_unreachable(problem: Problem) -> Iterator[str]:
                 if unreached
                 else "no arm reaches its slot and both terminals, and no handover is possible"
             )
-            reaches = ", ".join(f"{a.name} {a.reach_mm[0]}..{a.reach_mm[1]}" for a in problem.arms)
+            reaches = ", ".join(
+                f"{a.name} "
+                + ("{}..{}".format(*a.reach_mm) if a.reach_mm[0] <= a.reach_mm[1] else "none")
+                for a in problem.arms
+            )
             limits = ", ".join(f"`{name}`" for a in problem.arms for name in a.limited_by)
             by = f", limited by {limits}" if limits else ""
             yield f"wire {name} is unreachable: {why}; reach in x [mm]: {reaches}{by}"

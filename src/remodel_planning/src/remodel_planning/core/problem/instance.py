@@ -78,7 +78,7 @@ def problem_from(data: object) -> Problem:
         terminals=tuple(terminal_from(item) for item in fields.objects("terminals")),
         wires=tuple(_wire(item, states) for item in fields.objects("wires")),
         unders=tuple(
-            Under(item.text("before"), item.text("after"))
+            Under(item.text("before"), item.text("after"), source=item.where)
             for item, kind in precedence
             if kind == "under"
         ),
@@ -185,7 +185,11 @@ def _end(item: Fields, key: str) -> End:
 
 def _pin(item: Fields) -> Pin:
     return Pin(
-        item.text("before"), _end(item, "before_end"), item.text("after"), _end(item, "after_end")
+        item.text("before"),
+        _end(item, "before_end"),
+        item.text("after"),
+        _end(item, "after_end"),
+        source=item.where,
     )
 
 

@@ -170,6 +170,11 @@ def _in_order(problem: Problem, item: Fields, name: str) -> Problem:
     else:
         item.only("name", "if_any", "route", "before", "while")
         pairs = list(_between(choose(problem, item, "route"), choose(problem, item, "before")))
+        if not pairs and not item.has("if_any"):
+            raise InstanceError(
+                f"{item.where}: requirement `{name}`: `route` and `before` choose one wire, the "
+                "same: no wire comes before itself"
+            )
     return replace(problem, unders=problem.unders + tuple(Under(*pair, name) for pair in pairs))
 
 

@@ -9,7 +9,7 @@ what each action needs.
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from enum import Enum, IntEnum
 from functools import cached_property
 from itertools import combinations, product
@@ -154,21 +154,28 @@ class Under:
 
     Attributes:
         reason: the user's name for it; empty for one of the design's.
+        source: its place in the design's file, such as `precedence[3]`; empty if it has none.
     """
 
     before: str
     after: str
     reason: str = ""
+    source: str = field(default="", compare=False)
 
 
 @dataclass(frozen=True)
 class Pin:
-    """An end that would bar the access to another one, and is inserted after it."""
+    """An end that would bar the access to another one, and is inserted after it.
+
+    Attributes:
+        source: its place in the design's file; empty if it has none.
+    """
 
     before: str
     before_end: End
     after: str
     after_end: End
+    source: str = field(default="", compare=False)
 
 
 @dataclass(frozen=True)

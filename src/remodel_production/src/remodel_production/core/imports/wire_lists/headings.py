@@ -227,7 +227,7 @@ def _is_weak(words: Sequence[str]) -> bool:
 def _apart(words: list[tuple[str, ...]]) -> list[tuple[str, ...]]:
     """Return the words of headings, without a side that all of them have, such as "Ziel 1, Ziel 2".
 
-    The number tells the ends apart then.
+    The number separates the ends then.
     """
     sides = {
         (_KINDS[word], number)
