@@ -18,7 +18,7 @@ def read_catalogue(path: Path) -> Catalogue:
         CatalogueError: if the file is no YAML or not of the catalogue's form, with each problem.
     """
     try:
-        data = yaml.safe_load(path.read_text(encoding="utf-8"))
+        data = yaml.load(path.read_text(encoding="utf-8"), Loader=yaml.CSafeLoader)
     except (OSError, yaml.YAMLError) as error:
         raise CatalogueError(f"{path}: {error}") from error
     schema = package_folder("remodel_production") / "config/catalogue.schema.json"

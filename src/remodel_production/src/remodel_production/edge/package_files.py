@@ -1,10 +1,12 @@
 """Where packages' data files are, in a source, devel or install space."""
 
+from functools import cache
 from pathlib import Path
 
 import rospkg
 
 
+@cache  # of a process; finding packages takes longer than planning most problems
 def package_folder(package: str) -> Path:
     """Return the folder of a package on the ROS package path."""
     return Path(rospkg.RosPack().get_path(package))
