@@ -30,12 +30,12 @@ int approach(const Problem& p, int arm, int wire, int first) {
 
 // Penalties when one arm picks wire j after wire i.
 int pair_penalty(const Problem& p, int i, int j) {
-  return p.t.colour_weight * (p.t.colour[i] != p.t.colour[j]) +
+  return p.cable_penalty(p.t.cable[i], j) + p.t.colour_weight * (p.t.colour[i] != p.t.colour[j]) +
          p.t.zone_weight * std::max(0, p.t.zone[i] - p.t.zone[j]);
 }
 
 int begin(const Problem& p, int arm, int j) {
-  int cost = reach(p, arm, p.start(arm), p.t.arm_tool[arm], j);
+  int cost = reach(p, arm, p.start(arm), p.t.arm_tool[arm], j) + p.cable_penalty(p.t.arm_cable[arm], j);
   if (p.t.arm_colour[arm] >= 0)
     cost += p.t.colour_weight * (p.t.arm_colour[arm] != p.t.colour[j]) +
             p.t.zone_weight * std::max(0, p.t.arm_zone[arm] - p.t.zone[j]);

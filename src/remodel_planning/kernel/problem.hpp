@@ -31,12 +31,14 @@ struct WiringTables {
   std::int32_t speed;                                                // [mm/tick]
   std::int32_t locate, change_tool, extract, hand_over;              // [tick]
   std::int32_t colour_weight, zone_weight, start_weight, tool_weight, heavy_weight, arm_weight;
+  std::int32_t cable_weight;
   std::int32_t light_started;            // a wire that is not heavy was picked before
   const std::int32_t* slot;              // (wires, 2) [mm]
   const std::int32_t* end_position;      // (wires, 2, 2) [mm]
   const std::int32_t* end_component;     // (wires, 2)
   const std::int32_t* tool;              // (wires)
   const std::int32_t* colour;            // (wires)
+  const std::int32_t* cable;             // (wires) of which it is a core, or -1
   const std::int32_t* zone;              // (wires)
   const std::int32_t* heavy;             // (wires) 0 or 1
   const std::int32_t* pick;              // (wires) [tick]
@@ -62,6 +64,7 @@ struct WiringTables {
   const std::int32_t* arm_station;       // (arms, 2) [mm]
   const std::int32_t* arm_tool;          // (arms)
   const std::int32_t* arm_colour;        // (arms) of the wire picked last, or -1
+  const std::int32_t* arm_cable;         // (arms) of the wire picked last, or -1
   const std::int32_t* arm_zone;          // (arms) of the wire picked last
 };
 
@@ -83,6 +86,11 @@ struct SoftConstraint {
 class Problem {
  public:
   explicit Problem(const WiringTables& tables);
+
+  // What it costs to pick a wire after one of that cable, or of none (-1).
+  int cable_penalty(int last, int wire) const {
+    return t.cable_weight * (t.cable[wire] >= 0 && t.cable[wire] != last);
+  }
 
   int travel(Point from, Point to) const {
     const int distance = std::max(std::abs(from.x - to.x), std::abs(from.y - to.y));

@@ -43,6 +43,7 @@ Entry Simulator::start() const {
   for (int arm = 0; arm < p_.t.arms; ++arm) {
     entry.tool[arm] = p_.t.arm_tool[arm];
     entry.colour[arm] = p_.t.arm_colour[arm];
+    entry.cable[arm] = p_.t.arm_cable[arm];
     entry.zone[arm] = p_.t.arm_zone[arm];
   }
   entry.light = p_.t.light_started;
@@ -368,7 +369,9 @@ void Simulator::count_pick(int wire, int index) {
   } else if (index == 0) {
     cost_.penalty += t.start_weight * t.zone[wire];
   }
+  cost_.penalty += p_.cable_penalty(entry_.cable[index], wire);
   entry_.colour[index] = t.colour[wire];
+  entry_.cable[index] = t.cable[wire];
   entry_.zone[index] = t.zone[wire];
   if (t.heavy[wire] && entry_.light) cost_.penalty += t.heavy_weight;
   entry_.light = entry_.light || !t.heavy[wire];

@@ -32,13 +32,14 @@ struct Action {
 
 // The state between two blocks; the arms stand at the handover point of the carried wire.
 struct Entry {
-  int tool[2], colour[2], zone[2];
+  int tool[2], colour[2], cable[2], zone[2];
   bool light;         // a wire that is not heavy has been picked
   int carried = -1;   // wire handed over last, now in the hand of its receiver
 
   bool operator==(const Entry& o) const {
     for (int arm = 0; arm < 2; ++arm)
-      if (tool[arm] != o.tool[arm] || colour[arm] != o.colour[arm] || zone[arm] != o.zone[arm])
+      if (tool[arm] != o.tool[arm] || colour[arm] != o.colour[arm] || cable[arm] != o.cable[arm] ||
+          zone[arm] != o.zone[arm])
         return false;
     return light == o.light && carried == o.carried;
   }

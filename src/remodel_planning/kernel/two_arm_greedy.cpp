@@ -7,7 +7,7 @@ namespace {
 
 struct ArmClock {
   Point at;
-  int free, tool, colour, zone;
+  int free, tool, colour, cable, zone;
 };
 
 struct Choice {
@@ -26,7 +26,8 @@ class Builder {
     if (by_rank_)
       for (const Ranking& ranking : p_.rankings) ranking.add_delays(delays_);
     for (int arm = 0; arm < 2; ++arm)
-      arms_[arm] = {p_.start(arm), 0, p_.t.arm_tool[arm], p_.t.arm_colour[arm], p_.t.arm_zone[arm]};
+      arms_[arm] = {p_.start(arm), 0, p_.t.arm_tool[arm], p_.t.arm_colour[arm], p_.t.arm_cable[arm],
+                    p_.t.arm_zone[arm]};
     for (int wire = 0; wire < p_.t.wires; ++wire) {
       waiting_[wire] = static_cast<int>(p_.before[wire].size());
       if (!waiting_[wire]) ready_.push_back(wire);
@@ -111,7 +112,7 @@ class Builder {
 
   int penalty(int arm, int wire) const {
     const ArmClock& a = arms_[arm];
-    int cost = delays_[wire];
+    int cost = delays_[wire] + p_.cable_penalty(a.cable, wire);
     if (a.colour >= 0)
       cost += p_.t.colour_weight * (a.colour != p_.t.colour[wire]) +
               p_.t.zone_weight * std::max(0, a.zone - p_.t.zone[wire]);
@@ -134,6 +135,7 @@ class Builder {
     if (by_rank_)
       for (const Ranking& ranking : p_.rankings) ranking.take_off_delays(wire, delays_);
     arms_[arm].colour = p_.t.colour[wire];
+    arms_[arm].cable = p_.t.cable[wire];
     arms_[arm].zone = p_.t.zone[wire];
     ArmClock& finisher = arms_[Mode::hands_over(choice.mode) ? 1 - arm : arm];
     arms_[arm].free = choice.given;

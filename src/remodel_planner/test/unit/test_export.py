@@ -37,13 +37,15 @@ def problem(wires, seed):
     data = random_panel(wires, seed, 1)
     names = [wire["id"] for wire in data["wires"]]
     data["soft_order"] = [{"groups": [names[::2], names[1::2]], "weight": 4}]
+    data["weights"]["cable"] = 30
+    for number, wire in enumerate(data["wires"]):
+        wire |= {"cable": f"C{seed * number % 5}"} if number % 3 else {}
     return problem_from(data)
 
 
 def test_domain_and_problem_parse():
-    # The parser counts the functions of :action-costs as numeric fluents.
-    text = pddl.domain_text().replace(":action-costs", ":action-costs :numeric-fluents")
-    domain = DomainParser()(text)
+    # This parser reads no functions without that requirement.
+    domain = DomainParser()(pddl.domain_text(has_numeric_fluents=True))
     assert {action.name for action in domain.actions} == {*COSTS, "keep-soft-order", "take"}
     parsed = ProblemParser()(pddl.problem_text(symbols_of(problem(12, 3))))
     assert parsed.domain_name == domain.name
@@ -93,6 +95,25 @@ def test_what_cannot_be_exported_is_refused():
     early = Plan(plan.problem, (plan.actions[located], *plan.actions[: located - 1]))
     with pytest.raises(InstanceError, match="earlier than needed"):
         steps_of(stated, early, symbols_of(stated))
+
+
+def test_the_command_states_numeric_fluents_on_demand(tmp_path, capsys):
+    instance = tmp_path / "panel.json"
+    instance.write_text(json.dumps(random_panel(5, 1, 1)))
+    for form in ("pddl", "hddl"):
+        options = [str(instance), "--format", form, "--output", str(tmp_path)]
+        for asked, stated in (([], False), (["--numeric-fluents"], True)):
+            assert export_command.main([*options, *asked]) == 0
+            domain = (tmp_path / f"domain.{form}").read_text()
+            assert (":numeric-fluents" in domain) == stated
+    assert (
+        export_command.main(
+            [str(instance), "--format", "pddl", "--numeric-fluents", "--output", str(tmp_path)]
+        )
+        == 0
+    )
+    domain = DomainParser()((tmp_path / "domain.pddl").read_text())
+    assert ProblemParser()((tmp_path / "problem.pddl").read_text()).domain_name == domain.name
 
 
 def test_the_command_writes_all_files(tmp_path, capsys):

@@ -1,6 +1,8 @@
 """Every plan is valid by the checker, and the kernel agrees with the plain reference."""
 
+import itertools
 import json
+import math
 import random
 
 import numpy as np
@@ -51,6 +53,9 @@ def panel(wires, seed, arms):
             inserts = [rng.randrange(90), rng.randrange(90)]
             wire["handling"] = {"pick": rng.randrange(50), "insert": inserts, "fix": 7}
         data["soft_order"] = [random_ranking(data["wires"], rng) for _ in range(rng.randrange(3))]
+        data["weights"]["cable"] = rng.randrange(50)
+        for wire in data["wires"]:
+            wire["cable"] = rng.choice(["", "", "C1", "C2", "C3"])
     problem = problem_from(data)
     require_sound(problem)
     return problem
@@ -207,3 +212,35 @@ def test_a_problem_comes_back_equal_from_its_document(wires, seed, arms):
     planned = AnytimePlanner(kernel, tables_of(problem)).first()
     for found in (problem, residual(planned, seed)):
         assert problem_from(json.loads(json.dumps(problem_data(found)))) == found
+
+
+@pytest.mark.parametrize("arms", [1, 2])
+def test_the_cores_of_a_cable_are_placed_one_after_another_by_one_arm(kernel, arms):
+    data = random_panel(40, 5, arms)
+    data["weights"]["cable"] = 600
+    data["precedence"] = []
+    place = {terminal["id"]: terminal["x"] for terminal in data["terminals"]}
+    least, greatest = data["arms"][0]["reach"]
+    by_first = [
+        wire
+        for wire in data["wires"]
+        if all(
+            least <= x <= greatest for x in (place[wire["a"]], place[wire["b"]], wire["slot"][0])
+        )
+    ]
+    cables = {wire["id"]: f"C{number % 6}" for number, wire in enumerate(by_first[:18])}
+    for wire in by_first[:18]:
+        wire["cable"] = cables[wire["id"]]
+    problem = problem_from(data)
+    planned = (
+        AnytimePlanner(kernel, tables_of(problem)).improved(Limits(math.inf, moves=200_000)).planned
+    )
+    assert_good(planned)
+    picks = [a for a in planned.plan.actions if a.kind is ActionKind.PICK]
+    picks.sort(key=lambda action: action.start_ticks)
+    runs = []
+    for arm in {pick.arm for pick in picks}:
+        own = [cables.get(pick.wire, "") for pick in picks if pick.arm == arm]
+        runs += [cable for cable, _ in itertools.groupby(own) if cable]
+    assert sorted(runs) == sorted(set(cables.values()))
+    assert check(problem, planned.plan).penalties["cable"] == 600 * len(set(cables.values()))

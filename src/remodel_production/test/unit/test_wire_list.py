@@ -24,7 +24,7 @@ def test_an_eplan_like_list_in_windows_encoding_with_decimal_commas():
         ("101", "=A1+C1-K1:A1", "=A1+C1-X1:3.1", "BU", 1.5, 0.35),
         ("102", "=A1+C1-K1:A2", "=A1+C1-X1:4", "GNYE", 2.5, 1.2),
         ("101#2", "=A1+C1-X1:3.2", "=A1+C1-F1:2", "BK", 2.08, None),
-        ("W4", "=A1+C1-X1:7", "+M1:U", "BN", 0.75, 12.0),
+        ("W7.1", "=A1+C1-X1:7", "+M1:U", "BN", 0.75, 12.0),
     ]
     assert [(cable.name, cable.source) for cable in imported.order.cables] == [("W7", "line 5")]
     assert imported.account.assumptions[:5] == (

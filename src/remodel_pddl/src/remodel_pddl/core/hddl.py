@@ -10,10 +10,10 @@ from remodel_pddl.core.pddl import (
     DOMAIN,
     FUNCTIONS,
     PREDICATES,
-    REQUIREMENTS,
     TYPES,
     initial,
     objects,
+    requirements,
 )
 from remodel_pddl.core.symbolic import Symbols
 
@@ -93,12 +93,13 @@ _METHODS = """\
     :ordered-subtasks (and (locate ?c ?w ?e) (insert-second ?w ?e ?c)))"""
 
 
-def domain_text() -> str:
-    """Return the domain, which is the same for all problems."""
+def domain_text(*, has_numeric_fluents: bool = False) -> str:
+    """Return the domain, which is the same for all problems; arguments as of pddl.domain_text."""
+    stated = requirements(has_numeric_fluents=has_numeric_fluents)
     return "\n".join(
         (
             f"(define (domain {DOMAIN})",
-            f"  (:requirements {REQUIREMENTS} :hierarchy :method-preconditions)",
+            f"  (:requirements {stated} :hierarchy :method-preconditions)",
             TYPES,
             PREDICATES,
             FUNCTIONS,

@@ -8,7 +8,9 @@ from remodel_pddl.core.symbolic import HEAVY_ONLY, LIGHT_BEGUN, NOTHING, Ground,
 
 DOMAIN = "remodel-wiring"
 
-# Action costs may have static functions; Fast Downward refuses domains with :numeric-fluents.
+# By PDDL 3.1 (Kovacs, BNF), :action-costs alone allows the numeric fluents that costs need.
+# Fast Downward refuses :numeric-fluents, and other parsers read no functions without it.
+NUMERIC_FLUENTS = ":numeric-fluents"
 REQUIREMENTS = (
     ":strips :typing :equality :negative-preconditions :disjunctive-preconditions "
     ":universal-preconditions :action-costs"
@@ -115,12 +117,21 @@ ACTIONS = """\
       (increase (total-cost) (fix-cost ?w))))"""
 
 
-def domain_text() -> str:
-    """Return the domain, which is the same for all problems."""
+def requirements(*, has_numeric_fluents: bool) -> str:
+    """Return the requirements of the domain."""
+    return f"{REQUIREMENTS} {NUMERIC_FLUENTS}" if has_numeric_fluents else REQUIREMENTS
+
+
+def domain_text(*, has_numeric_fluents: bool = False) -> str:
+    """Return the domain, which is the same for all problems.
+
+    Args:
+        has_numeric_fluents: whether it states that requirement, too.
+    """
     return "\n".join(
         (
             f"(define (domain {DOMAIN})",
-            f"  (:requirements {REQUIREMENTS})",
+            f"  (:requirements {requirements(has_numeric_fluents=has_numeric_fluents)})",
             TYPES,
             PREDICATES,
             FUNCTIONS,

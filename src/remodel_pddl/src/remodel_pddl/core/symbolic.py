@@ -199,6 +199,8 @@ class _Writer:
             if wire is last:
                 continue
             cost = self._travel(point, wire.slot_mm) + p.pick_ticks(wire)
+            if wire.cable and (before is None or before.cable != wire.cable):
+                cost += p.weights.cable
             if before is None:
                 cost += p.weights.start * wire.zone
             else:

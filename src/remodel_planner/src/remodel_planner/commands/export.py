@@ -41,6 +41,12 @@ def main(arguments: list[str] | None = None) -> int:
     parser.add_argument("plan", type=Path, nargs="?", help="plan of that problem")
     parser.add_argument("--format", choices=[*sorted(_SYMBOLIC), _NUMERIC], required=True)
     parser.add_argument(
+        "--numeric-fluents",
+        action="store_true",
+        help="state the requirement :numeric-fluents in the domain, for parsers that read no costs "
+        "without it; Fast Downward refuses it",
+    )
+    parser.add_argument(
         "--output",
         type=Path,
         default=Path(),
@@ -59,7 +65,13 @@ def main(arguments: list[str] | None = None) -> int:
     texts = (
         _documents(problem, plan)
         if options.format == _NUMERIC
-        else _symbolic(problem, plan, options.format, verdict.cost if verdict else 0)
+        else _symbolic(
+            problem,
+            plan,
+            options.format,
+            verdict.cost if verdict else 0,
+            has_numeric_fluents=options.numeric_fluents,
+        )
     )
     _make_folder(options.output)
     for name, text in texts.items():
@@ -75,10 +87,13 @@ def _make_folder(folder: Path) -> None:
         raise InstanceError(f"{folder}: cannot be made a folder: {error.strerror}") from error
 
 
-def _symbolic(problem: Problem, plan: Plan | None, name: str, cost: int) -> dict[str, str]:
+def _symbolic(
+    problem: Problem, plan: Plan | None, name: str, cost: int, *, has_numeric_fluents: bool
+) -> dict[str, str]:
     symbols = symbols_of(problem)
     form = _SYMBOLIC[name]
-    texts = {f"domain.{name}": form.domain_text(), f"problem.{name}": form.problem_text(symbols)}
+    domain = form.domain_text(has_numeric_fluents=has_numeric_fluents)
+    texts = {f"domain.{name}": domain, f"problem.{name}": form.problem_text(symbols)}
     if plan is not None:
         texts["plan.txt"] = pddl.plan_text(steps_of(problem, plan, symbols), cost)
     return texts

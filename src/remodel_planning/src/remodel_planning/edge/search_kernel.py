@@ -22,10 +22,10 @@ _SCALARS = (
     *("openings", "speed"),
     *("locate", "change_tool", "extract", "hand_over"),
     *("colour_weight", "zone_weight", "start_weight", "tool_weight", "heavy_weight", "arm_weight"),
-    "light_started",
+    *("cable_weight", "light_started"),
 )
 _ARRAYS = (
-    *("slot", "end_position", "end_component", "tool", "colour", "zone", "heavy"),
+    *("slot", "end_position", "end_component", "tool", "colour", "cable", "zone", "heavy"),
     *(
         "pick",
         "insert",
@@ -40,7 +40,7 @@ _ARRAYS = (
     ),
     *("segment_start", "segment", "under", "pin", "soft", "rank", "rank_weight"),
     *("opening", "located"),
-    *("arm_position", "arm_station", "arm_tool", "arm_colour", "arm_zone"),
+    *("arm_position", "arm_station", "arm_tool", "arm_colour", "arm_cable", "arm_zone"),
 )
 _Pointer = POINTER(c_int32)
 

@@ -202,6 +202,7 @@ def _wire(plan: TaskPlan, order: WorkOrder, use_case: UseCase, zone: int) -> Pla
         ),
         insert_force_n=alone.force_n,
         characteristics=tuple(characteristics.items()),
+        cable=str(characteristics.get("cable", "")),
     )
 
 

@@ -369,12 +369,14 @@ def _unfinished(simulation: _Simulation) -> Iterator[str]:
 def _penalties(problem: Problem, simulation: _Simulation) -> dict[str, int]:
     """Return what the picks and tool changes of a plan cost; earlier picks are paid for."""
     weights = problem.weights
-    cost = dict.fromkeys(("colour", "zone", "start", "heavy", "arm", "soft"), 0)
+    cost = dict.fromkeys(("cable", "colour", "zone", "start", "heavy", "arm", "soft"), 0)
     cost["tool"] = weights.tool * simulation.tool_changes
     last = {arm: problem.wire[wire] for wire, arm in problem.history}
     light = any(not problem.wire[wire].heavy for wire, _ in problem.history)
     for arm, name in simulation.picks:
         wire = problem.wire[name]
+        if wire.cable and (arm not in last or last[arm].cable != wire.cable):
+            cost["cable"] += weights.cable
         if arm in last:
             cost["colour"] += weights.colour if last[arm].colour != wire.colour else 0
             cost["zone"] += weights.zone * max(0, last[arm].zone - wire.zone)

@@ -67,7 +67,8 @@ def problem_from(data: object) -> Problem:
             )
         ),
         weights=Weights(
-            *(weights.number(key) for key in ("colour", "zone", "start", "tool", "heavy", "arm"))
+            *(weights.number(key) for key in ("colour", "zone", "start", "tool", "heavy", "arm")),
+            cable=weights.number("cable") if weights.has("cable") else 0,
         ),
         tools=fields.texts("tools"),
         arms=tuple(
@@ -155,6 +156,7 @@ def _wire(item: Fields, states: dict[str, Fields]) -> PlannedWire:
         detours=tuple(map(_detour, item.objects("detours"))) if item.has("detours") else (),
         insert_force_n=item.number("insert_force_n") if item.has("insert_force_n") else None,
         characteristics=characteristics_of(item),
+        cable=item.text("cable") if item.has("cable") else "",
     )
 
 
@@ -263,6 +265,8 @@ def _wire_data(wire: PlannedWire) -> Json:
         "insert_force_n": None if wire.insert_force_n is None else math.ceil(wire.insert_force_n),
         "characteristics": dict(wire.characteristics),
     }
+    if wire.cable:
+        row["cable"] = wire.cable
     if wire.handling is not None:
         row["handling"] = {
             "pick": wire.handling.pick_ticks,

@@ -50,7 +50,7 @@ _REQUIREMENTS = (
     "`avoid_segment`; `insert` with `force_n`; each may have `while`, and one that chooses wires "
     "`if_any` (`pick` stands under `prefer`)"
 )
-_WEIGHTS = ("colour", "zone", "start", "tool", "heavy", "arm")
+_WEIGHTS = ("colour", "zone", "start", "tool", "heavy", "arm", "cable")
 _SHOWN = 5
 
 

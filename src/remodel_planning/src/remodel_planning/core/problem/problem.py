@@ -123,6 +123,7 @@ class PlannedWire:
         jammed: the end whose insertion failed; it must be extracted.
         handling: its own durations, where they are not those of all wires.
         detours: other routes, the best one first.
+        cable: of which it is a core, or a twisted group; empty for none.
         insert_force_n: [N] with which an end is pushed in, the greater of both; None: unknown.
         characteristics: names and values by which preferences can choose it.
     """
@@ -146,6 +147,7 @@ class PlannedWire:
     detours: tuple[Detour, ...] = ()
     insert_force_n: float | None = None
     characteristics: tuple[tuple[str, Characteristic], ...] = ()
+    cable: str = ""
 
 
 @dataclass(frozen=True)
@@ -249,6 +251,8 @@ class Weights:
         tool: for each change of tool.
         heavy: for each heavy wire picked after a light one.
         arm: for each wire picked by another arm than its preferred one.
+        cable: for each pick of a core after anything but another core of its cable by the same arm:
+            once for each cable, if its cores are picked one after another.
     """
 
     colour: int
@@ -257,6 +261,7 @@ class Weights:
     tool: int
     heavy: int
     arm: int
+    cable: int = 0
 
 
 @dataclass(frozen=True)

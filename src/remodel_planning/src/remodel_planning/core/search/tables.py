@@ -93,6 +93,7 @@ def _wire_arrays(
     component = {name: i for i, name in enumerate(problem.components)}
     tool = {name: i for i, name in enumerate(problem.tools)}
     colour = _numbering(wire.colour for wire in problem.wires)
+    cable = _cables(problem)
     segment = _numbering(name for wire in wires for name in wire.segments)
     arm = {a.name: i for i, a in enumerate(problem.arms)}
     ends = [[problem.end_terminal(wire, end) for end in End] for wire in wires]
@@ -103,6 +104,7 @@ def _wire_arrays(
         "end_component": _array(([component[t.component] for t in pair] for pair in ends), 2),
         "tool": _array(tool[wire.tool] for wire in wires),
         "colour": _array(colour[wire.colour] for wire in wires),
+        "cable": _array(cable[wire.cable] for wire in wires),
         "zone": _array(wire.zone for wire in wires),
         "heavy": _array(wire.heavy for wire in wires),
         "pick": _array(problem.pick_ticks(wire) for wire in wires),
@@ -126,9 +128,15 @@ def _wire_arrays(
     }
 
 
+def _cables(problem: Problem) -> dict[str, int]:
+    """Return the numbers of the cables; -1 for the name of none."""
+    return {**_numbering(wire.cable for wire in problem.wires if wire.cable), "": -1}
+
+
 def _arm_arrays(problem: Problem) -> dict[str, Integers]:
     tool = {name: i for i, name in enumerate(problem.tools)}
     colour = _numbering(wire.colour for wire in problem.wires)
+    cable = _cables(problem)
     last = {arm: problem.wire[wire] for wire, arm in problem.history}
     lasts = [last.get(arm.name) for arm in problem.arms]
     return {
@@ -136,6 +144,7 @@ def _arm_arrays(problem: Problem) -> dict[str, Integers]:
         "arm_station": _array((arm.station_mm for arm in problem.arms), 2),
         "arm_tool": _array(tool[arm.tool] for arm in problem.arms),
         "arm_colour": _array(colour[wire.colour] if wire else -1 for wire in lasts),
+        "arm_cable": _array(cable[wire.cable] if wire else -1 for wire in lasts),
         "arm_zone": _array(wire.zone if wire else 0 for wire in lasts),
     }
 

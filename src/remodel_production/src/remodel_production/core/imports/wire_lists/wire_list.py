@@ -167,7 +167,7 @@ class _Reader:
             self.assumptions.colour(self._cell(row, Field.COLOUR), source),
             self._section(row, source),
             source=source,
-            name=name,
+            name=name or self._name_of_core(row),
             length_m=self._length(row, source),
             cable=self._cable(row, source),
             core=self._cell(row, Field.CORE),
@@ -288,6 +288,11 @@ class _Reader:
         if text and length is None and number(text) != 0.0:
             self.assumptions.add(f"{source}: length {text!r} not understood, none taken")
         return length
+
+    def _name_of_core(self, row: Row) -> str:
+        """Return the name of a core by its cable's; empty if either is not given."""
+        cable, core = self._cell(row, Field.CABLE), self._cell(row, Field.CORE)
+        return f"{cable}.{core}" if cable and core else ""
 
     def _cable(self, row: Row, source: str) -> str:
         name = self._cell(row, Field.CABLE)
