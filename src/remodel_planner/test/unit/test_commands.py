@@ -261,6 +261,6 @@ def test_files_before_a_harness_and_modules_are_read_for_the_formats_that_have_t
     assert import_design.main([str(DESIGNS / "loom.kbl"), "--module", "M1", *place]) == 1
     said = capsys.readouterr().err.splitlines()
     assert [line.rsplit(": ", 1)[-1] for line in said[1:2]] == [
-        "--module is for KBL files; this is one of format csv"
+        "--module is for KBL and VEC files; this is one of format csv"
     ]
     assert "no module or harness configuration M1; there are none" in said[2]

@@ -14,6 +14,42 @@ CATALOGUE = read_catalogue(Path(__file__).parents[2] / "config" / "catalogue.yam
 TEXT = (Path(__file__).parent / "designs" / "loom.vec").read_text()
 
 
+# Modules M1, of wires W1 and W2, and M2, of W2 and W3; a configuration M3 that consists of M2.
+MODULES = """<Specification xsi:type="vec:PartStructureSpecification" id="ps1">
+<Content>Module</Content><DescribedPart>p_m1</DescribedPart>
+<InBillOfMaterial>o_w1 o_w2</InBillOfMaterial></Specification>
+<Specification xsi:type="vec:PartStructureSpecification" id="ps2">
+<Content>Module</Content><DescribedPart>p_m2</DescribedPart>
+<InBillOfMaterial>o_w2 o_w3</InBillOfMaterial></Specification>
+<Specification xsi:type="vec:PartStructureSpecification" id="ps3">
+<Content>HarnessConfiguration</Content><DescribedPart>p_m3</DescribedPart>
+<InBillOfMaterial>o_m2</InBillOfMaterial></Specification>
+<Specification xsi:type="vec:CompositionSpecification" id="comp2"><Component id="o_m2">
+<Identification>Module 2</Identification><Role xsi:type="vec:PartWithSubComponentsRole" id="m2_r">
+<PartStructureSpecification>ps2</PartStructureSpecification></Role></Component></Specification>
+<Specification xsi:type="vec:BuildingBlockSpecification3D" id="bb">
+<Identification>3D</Identification><BaseUnit>mm</BaseUnit>
+<CartesianPoint id="pt"><X>100</X><Y>20</Y><Z>-5</Z></CartesianPoint>
+<GeometryNode id="gn"><Identification>G1</Identification><CartesianPoint>pt</CartesianPoint>
+<ReferenceNode>n1</ReferenceNode></GeometryNode></Specification>
+<Specification xsi:type="vec:CompositionSpecification" id="comp3"><Component id="o_tape">
+<Identification>TAPE</Identification>
+<Role xsi:type="vec:WireProtectionRole" id="tape_r"/></Component>
+<Component id="o_cl"><Identification>CL9</Identification><Role xsi:type="vec:FixingRole" id="cl_r"/>
+</Component></Specification></DocumentVersion>
+<PartVersion id="p_m1"><PartNumber>M1</PartNumber></PartVersion>
+<PartVersion id="p_m2"><PartNumber>M2</PartNumber></PartVersion>
+<PartVersion id="p_m3"><PartNumber>M3</PartNumber></PartVersion>
+<PartVersion id="p_h">"""
+
+
+def modular(*asked, modules=MODULES):
+    """Read the loom with modules, of which some are asked for."""
+    head, end, tail = TEXT.partition('</DocumentVersion>\n  <PartVersion id="p_h">')
+    assert end
+    return import_vec(f"{head}{modules}{tail}".encode(), "loom", "loom.vec", CATALOGUE, asked)
+
+
 def read(*changes):
     """Read the loom with (old, new) pieces of its text exchanged."""
     text = TEXT
@@ -80,3 +116,48 @@ def test_what_is_no_vec_or_refers_to_nothing_is_refused():
         read(('<WireElement id="we">', '<WireElement id="other">'))
     with pytest.raises(DesignError, match="none of its 4 wire elements joins two contact points"):
         read(("EquippedCavityRef>", "Other>"), ("<MountedTerminal>s1_r</MountedTerminal>", ""))
+
+
+@pytest.mark.parametrize(
+    ("asked", "wires"),
+    [
+        ((), ["W1", "W2.A", "W2.B", "W3"]),
+        (("M1",), ["W1", "W2.A", "W2.B"]),
+        (("M2",), ["W2.A", "W2.B", "W3"]),
+        (("M3",), ["W2.A", "W2.B", "W3"]),
+        (("M1", "M2"), ["W1", "W2.A", "W2.B", "W3"]),
+    ],
+)
+def test_modules_and_configurations_select_wires(asked, wires):
+    imported = modular(*asked)
+    assert [wire.name for wire in imported.order.wires] == wires
+    left = [item.reason for item in imported.account.left_out]
+    assert left == ["its wire is in none of the modules asked for"] * (4 - len(wires))
+    read_all = (
+        "the parts of all 2 modules are read, as of one harness; --module chooses of M1, M2, M3"
+    )
+    note = f"the wires of modules {', '.join(asked)} are read" if asked else read_all
+    assert imported.account.assumptions[0] == note
+
+
+def test_an_unknown_module_is_refused_with_those_that_there_are():
+    with pytest.raises(DesignError, match="composite part M9; there are M1, M2, M3: give one"):
+        modular("M9")
+
+
+def test_nodes_have_their_places_and_what_no_task_mounts_is_listed():
+    imported = modular()
+    assert [(node.name, node.position) for node in imported.order.nodes] == [
+        ("N1", (0.1, 0.02, -0.005)),
+        ("N2", None),
+        ("N3", None),
+    ]
+    assert [str(item).partition(", ")[2] for item in imported.account.ignored] == [
+        "wire protection TAPE: left out, no task wraps wires",
+        "fixing CL9: left out, it is nowhere on the topology",
+    ]
+
+
+def test_a_point_without_coordinates_is_refused():
+    with pytest.raises(DesignError, match="numbers are needed as X and Y, and a unit of length"):
+        modular(modules=MODULES.replace("<X>100</X>", "<X/>"))

@@ -27,6 +27,7 @@ from remodel_production.core.counted import counted
 from remodel_production.core.imports.formats import WIRE_LIST, format_of, import_design
 from remodel_production.core.imports.kbl import import_kbl
 from remodel_production.core.imports.shared.account import Imported
+from remodel_production.core.imports.vec.vec import import_vec
 from remodel_production.core.imports.wire_lists.wire_list import mapping_draft
 from remodel_production.core.imports.wireviz import lines_of, prepended
 from remodel_production.core.production import Order
@@ -37,6 +38,9 @@ from remodel_production.edge.design_files import read_design, read_mappings
 from remodel_production.edge.importer_plug_ins import design_formats
 from remodel_production.edge.package_files import catalogue_file
 from remodel_production.errors import DesignError, PlannerError, blamed
+
+# Formats of harnesses of modules.
+_MODULAR = {"kbl": import_kbl, "vec": import_vec}
 
 
 @refuses("import")
@@ -78,8 +82,8 @@ def main(arguments: list[str] | None = None) -> int:
         metavar="NAME",
         action="append",
         default=[],
-        help="part number of a module or of a harness configuration of a KBL file, whose wires are "
-        "imported, with those of no module; may be repeated (default: all modules)",
+        help="part number of a module or of a harness configuration of a KBL or VEC file, whose "
+        "wires are imported, with those of no module; may be repeated (default: all modules)",
     )
     parser.add_argument(
         "--preferences", type=Path, metavar="FILE", help="YAML of what a user prefers and requires"
@@ -122,10 +126,12 @@ def _read(options: argparse.Namespace, name: str, catalogue: Catalogue) -> Impor
         )
         if before and form.name != "wireviz":
             raise DesignError(f"--prepend is for WireViz files; this is one of format {form.name}")
-        if options.module and form.name != "kbl":
-            raise DesignError(f"--module is for KBL files; this is one of format {form.name}")
+        if options.module and form.name not in _MODULAR:
+            raise DesignError(
+                f"--module is for KBL and VEC files; this is one of format {form.name}"
+            )
         if options.module:
-            form = replace(form, read=partial(import_kbl, modules=options.module))
+            form = replace(form, read=partial(_MODULAR[form.name], modules=options.module))
         imported = import_design(data, form, name, file.name, catalogue)
     except DesignError as error:
         raise DesignError(f"{file}: {error}{lines_of(before)}") from error

@@ -134,6 +134,11 @@ def shown(element: etree._Element) -> str:
     return f"{local_name(element)} {name}".strip()
 
 
+def unit_scale(unit: etree._Element | None) -> float | None:
+    """Return how many metres a unit is, a millimetre if none is given; None if none of length."""
+    return _MM if unit is None else _scale(unit, 1)
+
+
 def _scale(unit: etree._Element, power: int) -> float | None:
     """Return how many m^power the unit is; None if it is none of length."""
     named = text_of(unit, "Unit_name").lower()

@@ -10,7 +10,7 @@ The structure is that of the recommendation's model (ecad-wiki.prostep.org, spec
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Collection, Iterator
 
 from lxml import etree
 
@@ -27,6 +27,8 @@ from remodel_production.core.imports.shared.assembly import (
 from remodel_production.core.imports.shared.assumptions import Assumptions
 from remodel_production.core.imports.shared.units import number
 from remodel_production.core.imports.shared.xml_tree import line_of
+from remodel_production.core.imports.vec.geometry import node_positions
+from remodel_production.core.imports.vec.modules import VecModules
 from remodel_production.core.production import (
     Cable,
     Clip,
@@ -48,7 +50,19 @@ _LENGTH_TYPES = ("production", "cutting", "physical", "designed", "dmu")
 _ASSUMED_SEGMENT_M = 0.1
 
 
-def import_vec(data: bytes, name: str, source: str, catalogue: Catalogue) -> Imported:
+# Components that no task mounts, by their roles.
+_OMITTED = {
+    "WireProtectionRole": ("wire protection", "no task wraps wires"),
+    "CavityPlugRole": ("cavity plug", "no task closes empty cavities"),
+    "CableDuctRole": ("cable duct", "no task mounts it"),
+    "CavityAccessoryRole": ("cavity accessory", "no task mounts it"),
+    "ConnectorHousingCapRole": ("cap", "no task mounts it"),
+}
+
+
+def import_vec(
+    data: bytes, name: str, source: str, catalogue: Catalogue, modules: Collection[str] = ()
+) -> Imported:
     """Read a harness.
 
     Args:
@@ -56,19 +70,26 @@ def import_vec(data: bytes, name: str, source: str, catalogue: Catalogue) -> Imp
         name: of the order to make.
         source: name of the file, for the record.
         catalogue: of what the file leaves unsaid.
+        modules: part numbers of modules or other composite parts, whose wires are read, and those
+            of no module; none: all modules are read as one harness.
 
     Raises:
         DesignError: if it is no VEC, refers to what is not there, or joins no contact points.
     """
-    return _Reader(KblTree(data, ROOT), catalogue).read(name, source)
+    tree = KblTree(data, ROOT)
+    return _Reader(tree, catalogue, VecModules(tree, modules)).read(name, source)
 
 
 class _Reader:
     """Reads one container."""
 
-    def __init__(self, tree: KblTree, catalogue: Catalogue) -> None:
+    def __init__(self, tree: KblTree, catalogue: Catalogue, modules: VecModules) -> None:
         self._tree = tree
+        self._modules = modules
         self._assumptions = Assumptions(catalogue)
+        self._places, note = node_positions(tree)
+        for line in filter(None, (modules.note, note)):
+            self._assumptions.add(line)
         self._left_out: list[LeftOut] = []
         self._names = _names(tree.all(*_COMPONENTS))
         self._node_names = _names(tree.all("TopologyNode"))
@@ -108,6 +129,7 @@ class _Reader:
             len(references),
             (*self._assumptions.lines, *assembly.assumptions),
             tuple(self._left_out),
+            ignored=tuple(self._omitted()),
         )
         titles = (text_of(d, "DocumentNumber") for d in self._tree.all("DocumentVersion"))
         order = Order(
@@ -118,7 +140,9 @@ class _Reader:
             wires=assembly.wires,
             notes=account.notes,
             cables=tuple(self._cables(connections)),
-            nodes=tuple(Node(node, None) for node in self._node_names.values()),
+            nodes=tuple(
+                Node(name, self._places.get(node)) for node, name in self._node_names.items()
+            ),
             segments=tuple(self._segments.values()),
             clips=tuple(self._clips()),
         )
@@ -239,6 +263,9 @@ class _Reader:
             )
             self._left_out.append(LeftOut(source, reason))
             return None
+        if not self._modules.has(component):
+            self._left_out.append(LeftOut(source, "its wire is in none of the modules asked for"))
+            return None
         beside = [] if component is None else self._connected(component)
         is_core = len(beside) > 1
         segments = routes.get(reference, [])
@@ -315,6 +342,15 @@ class _Reader:
         for element, name in self._names.items():
             if name in used:
                 yield Cable(name, self._part_number(element), None, False, source=line_of(element))
+
+    def _omitted(self) -> Iterator[LeftOut]:
+        """Yield the components that the order has nothing of, and why."""
+        for element, name in self._names.items():
+            kinds = {_type(role) for role in children(element, "Role")}
+            for what, why in (_OMITTED[kind] for kind in kinds if kind in _OMITTED):
+                yield LeftOut(f"{line_of(element)}, {what} {name}", why)
+            if "FixingRole" in kinds and element not in self._at:
+                yield LeftOut(f"{line_of(element)}, fixing {name}", "it is nowhere on the topology")
 
     def _clips(self) -> Iterator[Clip]:
         for element, name in self._names.items():
