@@ -68,6 +68,27 @@ def test_a_wire_that_no_robot_can_lay_is_by_hand_and_the_rest_is_planned(
     assert check.main([str(plan_file), "--order", "loom", *place]) == 0
 
 
+def test_an_order_that_is_all_by_hand_is_accepted_by_every_command(tmp_path, database, capsys):
+    file, plan_file = tmp_path / "feeder.csv", str(tmp_path / "plan.json")
+    file.write_text("From,To,Section mm2\nK1:1,X1:1,35\n")
+    order = ["--order", "feeder", "--database", database, "--use-case", "automotive_formboard"]
+    for command, arguments in (
+        (import_design, [str(file)]),
+        (tasks, []),
+        (plan, ["--output", plan_file, "--time-limit", "0.1"]),
+        (check, [plan_file]),
+        (charts, [plan_file, "--output", str(tmp_path / "charts")]),
+        (explain, [plan_file]),
+        (draw, [plan_file, "--output", str(tmp_path / "plan.svg")]),
+        (export, [plan_file, "--format", "planbench", "--output", str(tmp_path)]),
+    ):
+        assert command.main([*arguments, *order]) == 0
+        said = capsys.readouterr().out
+        if command in (import_design, tasks, plan):
+            assert "  tasks for the robot: 0, by hand: 1\n    W1: by hand, section_mm2" in said
+    assert json.loads(Path(plan_file).read_text())["actions"] == []
+
+
 def test_preferences_come_with_the_order_and_must_fit_it(tmp_path, database, capsys):
     file = tmp_path / "preferences.yaml"
     preference = "{name: first, pick: W1, before: %s, weight: 2}"

@@ -221,10 +221,11 @@ def test_a_task_that_no_method_does_is_by_hand_with_what_rules_out_each_method()
     )
 
 
-def test_an_order_without_a_task_for_the_robot_is_refused_with_the_first_reason():
-    thick = work(order(("Q1:B1", "Q2:T1"), section_mm2=400.0))
-    with pytest.raises(InstanceError, match=r"all 1 are by hand, such as W1: by hand, section_mm2"):
-        triaged(thick, CABINET)
+def test_an_order_without_a_task_for_the_robot_has_an_empty_plan():
+    found = triaged(work(order(("Q1:B1", "Q2:T1"), section_mm2=400.0)), CABINET)
+    assert (found.tasks, [each.task for each in found.by_hand]) == ((), ["W1"])
+    planned = plan_problem(prepare(found, CABINET).preferred.problem, time_limit_s=0.05)
+    assert (planned.cost, planned.plan.actions) == (0, ())
     assert not triaged(work(order(("Q1:B1", "Q2:T1"))), CABINET).by_hand
 
 

@@ -191,3 +191,20 @@ def test_a_file_is_read_after_others_whose_anchors_it_uses():
         read(main)
     with pytest.raises(DesignError, match=r"line 5: key connectors is given before, at line 4"):
         read(prepended(before, b"connectors: {Y: {pincount: 1}}\nconnections: []\n").decode())
+
+
+def test_parts_that_no_task_mounts_are_listed():
+    text = """connectors:
+  A: {pincount: 1, additional_components: [{type: seal, subtype: red, qty: 1}]}
+  B: {pincount: 1}
+cables:
+  C: {wirecount: 1, additional_components: [Sleeve]}
+connections: [[{A: 1}, {C: 1}, {B: 1}]]
+additional_bom_items: [{description: Label, qty: 2}, {qty: 1}]
+"""
+    assert [str(item) for item in read(text).account.ignored] == [
+        "line 2: left out, no task mounts seal red of A",
+        "line 5: left out, no task mounts Sleeve of C",
+        "line 7: left out, no task mounts Label",
+        "line 7: left out, no task mounts a part without a type",
+    ]

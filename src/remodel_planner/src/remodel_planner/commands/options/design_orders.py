@@ -32,7 +32,7 @@ def design_order(stored: Order, options: argparse.Namespace) -> tuple[WorkOrder,
     """Return the robot's tasks of an imported order, and the use case by which they are done.
 
     Raises:
-        PlannerError: if the use case takes no designs, or no task of the order is for the robot.
+        PlannerError: if the use case takes no designs, or nothing of the order lies on the board.
     """
     # They take longer to load than most problems to plan, and the commands of files need none.
     from remodel_planning.core.decomposition.triage import triaged

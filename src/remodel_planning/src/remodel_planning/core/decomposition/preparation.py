@@ -80,7 +80,7 @@ def prepare(
     situations: frozenset[str] = frozenset(),
     expectations: Expectations | None = None,
 ) -> Prepared:
-    """Make an order ready.
+    """Make an order ready. Preferences do not count for one without tasks, all by hand.
 
     Args:
         order: what is to be done.
@@ -95,6 +95,7 @@ def prepare(
     """
     own = {"format": FORMAT, **use_case.preferences}
     documents = ((f"preferences of use case {use_case.name}", own), *documents)
+    documents = documents if order.tasks else ()
     plans = decompose_order(order, use_case, None, expectations)
     problem = wiring_problem(order, use_case, plans)
     require_sound(problem)

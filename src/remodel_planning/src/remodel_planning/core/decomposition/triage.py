@@ -19,11 +19,7 @@ from remodel_production.errors import InstanceError
 
 
 def triaged(order: WorkOrder, use_case: UseCase) -> WorkOrder:
-    """Return an order with the tasks that a robot can do, and the others by hand.
-
-    Raises:
-        InstanceError: if a robot can do none of them, with the reason for the first.
-    """
+    """Return an order with the tasks that a robot can do, maybe none, and the others by hand."""
     decomposer = decomposer_of(order, use_case)
     others: dict[str, OtherMethod] = {}
     by_hand: list[ByHand] = []
@@ -37,10 +33,6 @@ def triaged(order: WorkOrder, use_case: UseCase) -> WorkOrder:
             by_hand.append(ByHand(task.name, refused))
         else:
             _note_methods(others, plan.alone, use_case)
-    if by_hand and len(by_hand) == len(order.tasks):
-        raise InstanceError(
-            f"no task is for the robot: all {len(by_hand)} are by hand, such as {by_hand[0]}"
-        )
     done = {task.name for task in order.tasks} - {task.task for task in by_hand}
     return replace(
         order,

@@ -67,8 +67,11 @@ def problem_from(data: object) -> Problem:
             )
         ),
         weights=Weights(
-            *(weights.number(key) for key in ("colour", "zone", "start", "tool", "heavy", "arm")),
-            cable=weights.number("cable") if weights.has("cable") else 0,
+            **{
+                key: weights.number(key)
+                for key in ("colour", "zone", "start", "tool", "heavy", "arm", "cable")
+                if key != "cable" or weights.has(key)
+            }
         ),
         tools=fields.texts("tools"),
         arms=tuple(

@@ -34,6 +34,7 @@ from remodel_production.core.imports.wireviz_parts import (
     ConnectorPart,
     cable_part,
     connector_part,
+    omitted_parts,
 )
 from remodel_production.core.production import Cable, Order, Role, TerminalRef
 from remodel_production.errors import DesignError
@@ -405,6 +406,7 @@ class _Reader:
         for name, line in lines.items():
             if name not in used:
                 self._ignored.append(LeftOut(f"line {line}", f"no connection set names {name}"))
+        self._ignored += omitted_parts(self._root)
         for name, connector in self._connectors.items():
             if connector.loops:
                 reason = f"{connector.loops} loops within connector {name} are no wires"

@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
+from remodel_production.core.imports.shared.account import LeftOut
 from remodel_production.core.imports.shared.units import length_m
 from remodel_production.core.imports.shared.yaml_tree import Value
 from remodel_production.core.imports.wireviz_colours import COLOUR_CODES, core_colours
@@ -222,3 +223,22 @@ def _refuse_doubles(keys: Sequence[str], noun: str, what: str, value: Value) -> 
         if key in seen:
             raise DesignError(f"{value.where}: {what}: {noun} {key} is given twice: keep one")
         seen.add(key)
+
+
+def omitted_parts(root: Mapping[str, Value]) -> Iterator[LeftOut]:
+    """Yield the parts of a file, such as seals and labels, that no task mounts."""
+    for section in ("connectors", "cables"):
+        named = root[section].mapping(section) if section in root else {}
+        for name, value in named.items():
+            more = value.mapping(name).get("additional_components")
+            for part in more.items("additional_components") if more else []:
+                yield LeftOut(part.where, f"no task mounts {_title(part)} of {name}")
+    items = root.get("additional_bom_items")
+    for part in items.items("additional_bom_items") if items else []:
+        yield LeftOut(part.where, f"no task mounts {_title(part)}")
+
+
+def _title(part: Value) -> str:
+    entries = part.data if isinstance(part.data, dict) else {"description": part}
+    stated = [entries[key] for key in ("type", "subtype", "description") if key in entries]
+    return " ".join(each.text for each in stated if each.is_scalar) or "a part without a type"

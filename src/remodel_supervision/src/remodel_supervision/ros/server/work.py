@@ -122,4 +122,10 @@ def _in_cell(
         )
     panel = board_message(panel_of(board, catalogue), order)
     first = replace(order, tasks=order.tasks[: tasks or None])
-    return triaged(first, use_case), panel, {}
+    found = triaged(first, use_case)
+    if not found.tasks:
+        raise OrderError(
+            f"order {stored.name}: no task is for the robot: all {len(found.by_hand)} are by hand, "
+            f"such as {found.by_hand[0]}"
+        )
+    return found, panel, {}
