@@ -2,8 +2,10 @@
 
 import io
 from datetime import date
+from pathlib import Path
 
 import pytest
+import yaml
 from openpyxl import Workbook
 from wire_lists import CATALOGUE, MAPPINGS, read, rows
 
@@ -142,6 +144,17 @@ LAYOUTS = {
         [],
     ),
 }
+
+
+HEADINGS = yaml.safe_load((Path(__file__).parents[1] / "wire_list_headings.yaml").read_text())
+
+
+@pytest.mark.parametrize("case", HEADINGS, ids=[case["headings"] for case in HEADINGS])
+def test_headings_of_five_languages_are_understood(case):
+    imported = read(f"{case['headings']}\n{case['line']}\n")
+    assert rows(imported) == [tuple(case["wire"])]
+    omitted = [column.source for column in imported.account.unused_columns]
+    assert omitted == [f"column {heading!r}" for heading in case["unused"]]
 
 
 @pytest.mark.parametrize("layout", LAYOUTS)

@@ -33,6 +33,7 @@ class _Kind(Enum):
     LENGTH = auto()
     CABLE = auto()
     CORE = auto()
+    SIGNAL = auto()
     FILLER = auto()
 
 
@@ -41,33 +42,36 @@ _WORDS: Mapping[_Kind, str] = {
     _Kind.FROM: "from source start starting origin begin first src startpoint left; von quelle "
     "quell anfang herkunft startpunkt anfangspunkt links linke linker linkes; "
     "depart depuis origine tenant gauche; partenza sorgente provenienza sinistra sinistro; "
-    "origen desde inicio izquierda izquierdo",
+    "origen desde inicio procedencia izquierda izquierdo",
     _Kind.TO: "to target destination dest dst second ending endpoint right; nach ziel endpunkt "
     "zielpunkt rechts rechte rechter rechtes; vers arrivee destination aboutissant droite droit; "
     "verso destinazione arrivo destra destro; destino hacia hasta derecha derecho",
     _Kind.COMPONENT: "component device connector designator equipment refdes ref reference plug "
-    "item unit node termination "
-    "housing conn comp dev strip equip; gerat geraet bauteil betriebsmittel bmk stecker "
-    "komponente; composant appareil connecteur equipement; "
-    "componente dispositivo connettore apparecchio; conector equipo aparato",
+    "item unit node termination housing conn comp dev strip equip socket header jack receptacle; "
+    "gerat geraet bauteil bauelement betriebsmittel bmk stecker komponente gehause gehaeuse "
+    "klemmleiste; composant appareil connecteur equipement element bornier prise fiche; "
+    "componente dispositivo connettore apparecchio punto morsettiera; conector equipo aparato "
+    "elemento regleta",
     _Kind.TERMINAL: "terminal term pin cavity contact position pos slot cav; klemme kammer "
-    "anschluss kontakt pol; borne broche alveole voie; morsetto cavita contatto polo terminale; "
-    " contacto cavidad",
-    _Kind.WIRE: "wire wires lead circuit connection; draht leitung leitungs ltg litze verbindung "
-    "verbindungs; fil conducteur liaison repere; filo conduttore collegamento; hilo conductor",
-    _Kind.COLOUR: "colour color col clr; farbe; couleur; colore",
-    _Kind.SECTION: "section gauge size crosssection csa xsection; querschnitt qs; jauge calibre; "
-    "sezione; seccion calibre galga",
-    _Kind.LENGTH: "length len; lange laenge; longueur; lunghezza; longitud largo",
+    "anschluss kontakt pol buchse stift; borne broche alveole voie cavite; morsetto cavita "
+    "contatto polo terminale; contacto cavidad borna via",
+    _Kind.WIRE: "wire wires lead circuit ckt connection; draht leitung leitungs ltg litze "
+    "verbindung verbindungs; fil conducteur liaison repere; filo conduttore collegamento; hilo "
+    "conductor",
+    _Kind.COLOUR: "colour color col clr; farbe farb; couleur teinte; colore",
+    _Kind.SECTION: "section gauge ga size crosssection csa xsection; querschnitt qs; jauge "
+    "calibre; sezione; seccion calibre galga",
+    _Kind.LENGTH: "length len; lange laenge; longueur lg; lunghezza; longitud largo",
     _Kind.CABLE: "cable multicore; kabel mehraderleitung; cavo multipolare; multipolar",
     _Kind.CORE: "core; ader; brin; anima",
-    _Kind.FILLER: "no nr num number id name tag code label mark the of in cross insulation cut "
-    "dt full data info point designation diameter complete est estimated total nominal; daten "
-    "angaben gesamt; donnees; dati; datos; "
-    "nummer name bezeichnung kennzeichen in isolations zuschnitt des der durchmesser "
+    _Kind.SIGNAL: "signal signals net netname potential; netz potenzial; potentiel; segnale",
+    _Kind.FILLER: "no nr num number id identifier ident name tag code label mark the of in cross "
+    "insulation cut dt full data info point designation diameter complete est estimated total "
+    "nominal; daten angaben gesamt; donnees; dati; datos; "
+    "nummer name bezeichnung nummern kennzeichen in isolations zuschnitt des der durchmesser "
     "vollstandig; numero nom n du des le "
-    "la l en coupe repere; numero nome sigla del di in taglio; numero nombre codigo del el "
-    "en corte",
+    "la l d en coupe repere isolant; numero nome sigla numerazione marcatura del di in taglio "
+    "isolante; numero nombre codigo marca del el en corte",
 }
 # Prepositions mean an end only beside nothing but a component or a terminal: "De borne", not
 # "Section de fil". The letter is an end's name where another heading has a B.
@@ -90,6 +94,12 @@ _OF_MACHINES = frozenset(_LEFT_AND_RIGHT.split())
 # Alone they are the number of a line, or say nothing of an end.
 _LONE = frozenset({("item",), ("unit",), ("pos",), ("position",)})
 _CONNECTIONS = frozenset({"connection"})
+# In a cabinet, what such a word names is found by its component's tag: "X1:3". Pins are not.
+_WHOLE_TERMINALS = frozenset(
+    {"terminal", "klemme", "anschluss", "borne", "morsetto", "borna", "connection"}
+)
+_BOTH = re.compile(r"\w\s*[/:+&]\s*\w")  # "Device/Pin"
+_DIAMETERS = frozenset({"diameter", "durchmesser"})
 
 _KINDS = {
     word: kind for kind, words in _WORDS.items() for word in words.replace(";", " ").split()
@@ -115,7 +125,7 @@ _FIELDS = {
 _COMPONENT_OF = {Field.FROM: Field.FROM_COMPONENT, Field.TO: Field.TO_COMPONENT}
 _NAMES = frozenset(
     {"name", "id", "tag", "label", "bezeichnung", "kennzeichen", "nom", "repere", "nome", "sigla"}
-    | {"nombre"}
+    | {"nombre", "identifier", "ident", "numerazione", "marcatura", "marca"}
 )
 _NUMBERS = frozenset({"no", "nr", "num", "number", "nummer", "numero", "n", "codigo", "code"})
 _QUANTITIES = {
@@ -139,7 +149,7 @@ _UNITS = {**_SECTION_UNITS, **_LENGTH_UNITS}
 _UNIT = re.compile(
     r"(?:^|[\s_,/(\[<-])\s*("
     + "|".join(sorted(map(re.escape, _UNITS), key=len, reverse=True))
-    + r")\s*[)\]>]?$",
+    + r")\s*[)\]>]?\.?$",
     re.IGNORECASE,
 )
 _LEAST_PART = 3  # letters of a word in a compound, but for
@@ -163,11 +173,16 @@ def fields_of(headings: Sequence[str]) -> dict[Field, int]:
 
     A component or a terminal without an end belongs to the end of the heading before it, or, of two
     such headings, the first to the one and the second to the other end. Of several columns that
-    mean the same the first is taken; a mere "No" or "Name" is a wire's if nothing else is.
+    mean the same the first is taken; a mere "No" or "Name" is a wire's if nothing else is, and so
+    is a signal.
     """
     words = _apart([_words(_without_unit(heading)) for heading in headings])
     has_b = any("b" in each for each in words)
     readings = [_reading(each, has_b=has_b) for each in words]
+    readings = [
+        (side, None if _names_both(heading, each) else part)
+        for heading, each, (side, part) in zip(headings, words, readings, strict=True)
+    ]
     found: dict[Field, int] = {}
     end: _Kind | None = None
     undirected = [
@@ -193,9 +208,36 @@ def fields_of(headings: Sequence[str]) -> dict[Field, int]:
             found.setdefault(field, column)
     names = [i for names in (_NAMES, _NUMBERS) for i, each in enumerate(words) if names >= {*each}]
     name = next((i for i in names if words[i] and i not in found.values()), None)
+    signals = (i for i, each in enumerate(words) if _names_signal(each))
+    name = next(signals, None) if name is None else name
     if Field.WIRE not in found and name is not None:
         found[Field.WIRE] = name
+    found = _with_whole_terminals(found, words)
     return {f: i for f, i in found.items() if _COMPONENT_OF.get(f) not in found}
+
+
+def _with_whole_terminals(
+    found: dict[Field, int], words: Sequence[Sequence[str]]
+) -> dict[Field, int]:
+    """Return the columns, with terminals as whole ends if no column is of a component."""
+    ends = ((Field.FROM_TERMINAL, Field.FROM), (Field.TO_TERMINAL, Field.TO))
+    others = {Field.FROM, Field.FROM_COMPONENT, Field.TO, Field.TO_COMPONENT}
+    is_whole = others.isdisjoint(found) and all(
+        terminal in found and not _WHOLE_TERMINALS.isdisjoint(words[found[terminal]])
+        for terminal, _ in ends
+    )
+    wholes = dict(ends) if is_whole else {}
+    return {wholes.get(field, field): column for field, column in found.items()}
+
+
+def _names_both(heading: str, words: Sequence[str]) -> bool:
+    """Return whether a heading is about a component and its terminal, such as "Device/Pin"."""
+    return {*_PARTS} <= (_kinds(words) or set()) and _BOTH.search(heading) is not None
+
+
+def _names_signal(words: Sequence[str]) -> bool:
+    kinds = _kinds(words) or set()
+    return _Kind.SIGNAL in kinds and kinds <= {_Kind.SIGNAL, _Kind.FILLER}
 
 
 def is_unit(text: str) -> bool:
@@ -255,8 +297,10 @@ def similar_heading(heading: str) -> str:
 
 
 def _unit_field(heading: str, words: Sequence[str]) -> Field | None:
-    """Return the section if a heading names little but its unit, such as "AWG" or "Wire mm²"."""
+    """Return the field that a unit names: "AWG", "Wire mm²" or "L [mm]"; None if none."""
     match = _UNIT.search(_spaced(heading))
+    if match is not None and words == ("l",) and match[1].lower() in _LENGTH_UNITS:
+        return Field.LENGTH
     if match is None or match[1].lower() not in _SECTION_UNITS:
         return None
     kinds = _kinds(words)
@@ -267,8 +311,10 @@ def _reading(words: Sequence[str], *, has_b: bool) -> tuple[_Kind | None, _Kind 
     """Return which end a heading is about, and what of it; None for what it does not say."""
     number = {*words} & {"1", "2", "a", "b"}
     kinds = _kinds([word for word in words if word not in number])
-    if kinds is None:
+    if kinds is None or (not _DIAMETERS.isdisjoint(words) and _Kind.SECTION not in kinds):
         return None, None
+    if words == ("termination",):
+        return _Kind.TO, None
     sides = kinds & {_Kind.FROM, _Kind.TO}
     rest = kinds - sides - {_Kind.FILLER}
     quantities = rest & _QUANTITIES.keys()
@@ -340,7 +386,8 @@ def _in_full(abbreviation: re.Match[str]) -> str:
 def _plain(text: str) -> str:
     """Return the words of a text in lower case, without accents and signs."""
     text = _spaced(text)
-    text = unicodedata.normalize("NFKD", text.replace("°", " ").replace("#", " no ")).lower()
+    text = re.sub("[\u00b0\u00ba\u00aa]", " ", text).replace("#", " no ")
+    text = unicodedata.normalize("NFKD", text).lower()
     text = "".join(sign for sign in text if not unicodedata.combining(sign))
     return " ".join(re.findall(r"[^\W\d_]+|\d+", text))
 
