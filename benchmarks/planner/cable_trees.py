@@ -11,6 +11,7 @@ from __future__ import annotations
 import argparse
 import csv
 import time
+from collections.abc import Callable
 from pathlib import Path
 
 from remodel_cable_tree.core.dzn import parse_cable_tree
@@ -25,13 +26,19 @@ def main() -> None:
     parser.add_argument("folder", type=Path)
     parser.add_argument("--time-limit", type=float, default=10.0, metavar="S")
     parser.add_argument("--seed", type=int, default=1)
+    parser.add_argument(
+        "--whole",
+        action="store_true",
+        help="do all the work of the time limit, however long it takes: as on an idle machine",
+    )
     options = parser.parse_args()
+    clock = (lambda: 0.0) if options.whole else time.monotonic
     counts = {"equalled": 0, "better": 0, "worse": 0, "proved unsatisfiable": 0, "wrong": 0}
     with (options.folder / "reference.csv").open(encoding="utf-8") as file:
         rows = list(csv.DictReader(file))
     started = time.monotonic()
     for row in rows:
-        counts[_run(options.folder, row, options.time_limit, options.seed)] += 1
+        counts[_run(options.folder, row, options.time_limit, options.seed, clock=clock)] += 1
     good = len(rows) - counts["worse"] - counts["wrong"]
     print(", ".join(f"{count} {what}" for what, count in counts.items()))
     print(
@@ -40,11 +47,13 @@ def main() -> None:
     )
 
 
-def _run(folder: Path, row: dict[str, str], limit_s: float, seed: int) -> str:
+def _run(
+    folder: Path, row: dict[str, str], limit_s: float, seed: int, clock: Callable[[], float]
+) -> str:
     name = row["instance"]
     tree = parse_cable_tree((folder / f"{name}.dzn").read_text(encoding="utf-8"))
     started = time.monotonic()
-    found = sequence(tree, limit_s, seed)
+    found = sequence(tree, limit_s, seed, clock=clock)
     took = time.monotonic() - started
     if found.feasibility is not Feasibility.FOUND:
         return "wrong" if row["best_cost"] else "proved unsatisfiable"

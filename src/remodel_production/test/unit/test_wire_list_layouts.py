@@ -9,6 +9,7 @@ import yaml
 from openpyxl import Workbook
 from wire_lists import CATALOGUE, MAPPINGS, read, rows
 
+from remodel_production.core.imports.formats import built_in_formats, format_of
 from remodel_production.core.imports.wire_lists.mapping import mapping_from
 from remodel_production.core.imports.wire_lists.wire_list import mapping_draft
 from remodel_production.errors import DesignError
@@ -187,6 +188,21 @@ def test_tags_with_hyphens_stay_whole_unless_all_ends_have_terminals(ends, compo
     imported = read(f"Wire,From,To\n1,{','.join(ends)}\n2,{','.join(ends)}\n")
     assert imported.order.wires[0].a.component == component
     assert f"line 2: no terminal of {component} is given, 1 taken" in imported.account.assumptions
+
+
+@pytest.mark.parametrize(
+    ("data", "said"),
+    [
+        (b"\xd0\xcf\x11\xe0\xa1\xb1\x1a\xe1" + bytes(512), "Excel 97 to 2003 .* save it as .xlsx"),
+        (
+            b"PK\x03\x04mimetypeapplication/vnd.oasis.opendocument.spreadsheetPK",
+            "is an OpenDocument spreadsheet .*: save it as .xlsx or .csv",
+        ),
+    ],
+)
+def test_other_spreadsheets_are_refused_with_what_to_do(data, said):
+    with pytest.raises(DesignError, match=said):
+        format_of(data, built_in_formats(MAPPINGS))
 
 
 def test_a_cut_list_is_refused_with_what_it_lacks():

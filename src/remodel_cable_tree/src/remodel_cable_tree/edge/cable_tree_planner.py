@@ -1,10 +1,12 @@
 """Find the order of insertions of a cable tree: feasible first, then better until time is over.
 
-Two searches with their own seeds run in threads, since the kernel releases Python's lock.
+Searches with their own seeds run in threads, one for each core, since the kernel releases Python's
+lock.
 """
 
 from __future__ import annotations
 
+import os
 import time
 from collections.abc import Callable, Sequence
 from concurrent.futures import ThreadPoolExecutor
@@ -17,7 +19,9 @@ from remodel_cable_tree.core.rounds import Round, rounds
 from remodel_cable_tree.edge.cable_tree_kernel import Feasibility, KernelCableTree
 from remodel_planning.core.problem.conflict import smallest_conflict
 
-_THREADS = 2
+_LEAST_SEARCHES = 2
+# Of one seed, so that neighbouring seeds do not search alike.
+_SEEDS = 1000
 # Of the first search for an order; each further one may take twice as many. Public instances take
 # some hundreds.
 _FIRST_NODES = 1_000
@@ -33,27 +37,39 @@ class Sequenced:
 
 
 def sequence(
-    tree: CableTree, limit_s: float, seed: int, stopped: Callable[[], bool] = lambda: False
+    tree: CableTree,
+    limit_s: float,
+    seed: int,
+    stopped: Callable[[], bool] = lambda: False,
+    clock: Callable[[], float] = time.monotonic,
 ) -> Sequenced:
     """Return the best order found within a limit of time, or that there is none.
+
+    Args:
+        tree: whose ends are to be ordered.
+        limit_s: [s] of search, from which its work follows.
+        seed: of the searches.
+        stopped: asked again and again; true to stop now.
+        clock: [s] that ends the search on a machine too slow for that work.
 
     Raises:
         KernelError: if the kernel is not there.
     """
-    deadline = time.monotonic() + limit_s
+    deadline = clock() + limit_s
 
     def over() -> bool:
-        return stopped() or time.monotonic() >= deadline
+        return stopped() or clock() >= deadline
 
     feasibility, order = _first_order(tree, over)
     if feasibility is not Feasibility.FOUND or tree.ends < 2:
         return Sequenced(feasibility, order)
 
     def search(index: int) -> tuple[int, tuple[int, ...]]:
-        return _Search(tree, order, seed * _THREADS + index).run(limit_s, over)
+        return _Search(tree, order, seed * _SEEDS + index).run(limit_s, over)
 
-    with ThreadPoolExecutor(_THREADS) as pool:
-        best = min(pool.map(search, range(_THREADS)), key=lambda found: found[0])
+    count = max(_LEAST_SEARCHES, len(os.sched_getaffinity(0)))
+    with ThreadPoolExecutor(count) as pool:
+        best = min(pool.map(search, range(count)), key=lambda found: found[0])
     return Sequenced(feasibility, best[1])
 
 

@@ -10,7 +10,11 @@ from remodel_production.core.imports.design_format import DesignFile, DesignForm
 from remodel_production.core.imports.kbl import import_kbl
 from remodel_production.core.imports.qet import import_qet
 from remodel_production.core.imports.shared.account import Imported
-from remodel_production.core.imports.shared.spreadsheet import is_spreadsheet, sheets_of
+from remodel_production.core.imports.shared.spreadsheet import (
+    is_spreadsheet,
+    other_spreadsheet,
+    sheets_of,
+)
 from remodel_production.core.imports.shared.text_encoding import decode
 from remodel_production.core.imports.shared.xml_tree import local_name, parse_xml
 from remodel_production.core.imports.terminal_access import with_access
@@ -112,6 +116,8 @@ def _unknown(file: DesignFile, formats: Sequence[DesignFormat]) -> DesignError:
             + without_ends(file.data)
             + "; --print-mapping prints a mapping to correct, for --mapping"
         )
+    if other := other_spreadsheet(file.data):
+        return DesignError(f"is {other}: save it as .xlsx or .csv, and import that")
     if file.data.startswith(b"PK\x03\x04"):
         return DesignError(f"is a ZIP archive; unpack it, and import the file in it: {known}")
     text, _ = decode(file.data)

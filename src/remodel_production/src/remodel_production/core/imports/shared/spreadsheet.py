@@ -27,6 +27,8 @@ SEPARATOR = "\t"
 # A cell that is a date begins with this, which no text does.
 DATE = "\ue000"
 _PART = "xl/workbook.xml"
+_OLE = b"\xd0\xcf\x11\xe0\xa1\xb1\x1a\xe1"
+_ODS = b"application/vnd.oasis.opendocument.spreadsheet"
 _MOST_UNPACKED = 500_000_000
 _MOST_SPANNED = 50_000_000  # of a workbook that is read whole
 _MOST_ROWS = 51_000
@@ -42,6 +44,15 @@ def is_spreadsheet(data: bytes) -> bool:
             return _PART in archive.namelist()
     except zipfile.BadZipFile:
         return False
+
+
+def other_spreadsheet(data: bytes) -> str:
+    """Return what kind of spreadsheet that is not read the data is; empty if it is none."""
+    if data.startswith(_OLE):
+        return "a workbook of Excel 97 to 2003 (.xls), or another binary Office file"
+    if data.startswith(b"PK\x03\x04") and _ODS in data[:200]:
+        return "an OpenDocument spreadsheet (.ods)"
+    return ""
 
 
 def sheets_of(data: bytes) -> dict[str, str]:
