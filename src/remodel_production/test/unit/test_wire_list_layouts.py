@@ -12,6 +12,7 @@ from wire_lists import CATALOGUE, MAPPINGS, read, rows
 from remodel_production.core.imports.formats import built_in_formats, format_of
 from remodel_production.core.imports.wire_lists.mapping import mapping_from
 from remodel_production.core.imports.wire_lists.wire_list import mapping_draft
+from remodel_production.core.production import Role
 from remodel_production.errors import DesignError
 
 # Name: list, its wires, and its columns that are not used.
@@ -247,6 +248,43 @@ def test_cells_that_span_others_stand_for_all_of_them():
         ("W1", "K1:1", "X1:1", "BK", 0.75, None),
         ("W2", "K1:2", "X1:2", "BK", 0.75, None),
     ]
+
+
+def test_rows_that_repeat_the_headings_are_no_wires():
+    imported = read("Wire,From,To,Note\nW1,K1:1,X1:1,\nWire,From,To,Note\nW2,K1:2,X1:2,\n")
+    assert [wire.name for wire in imported.order.wires] == ["W1", "W2"]
+    assert [str(item) for item in imported.account.left_out] == [
+        "line 3: left out, it repeats the headings"
+    ]
+
+
+def test_splices_are_joints():
+    imported = read("Wire,From,To\nW1,K1:1,SPLICE-1:1\nW2,X1:1,SPLICE-1:1\n")
+    roles = {component.name: component.role for component in imported.order.components}
+    assert roles == {"K1": Role.DEVICE, "X1": Role.DEVICE, "SPLICE-1": Role.JOINT}
+
+
+def test_a_sheet_with_rows_is_read_before_an_empty_one_and_a_mapping_chooses_another():
+    book = Workbook()
+    book.active.title = "Template"
+    book.active.append(HEADINGS)
+    for title, name in (("Rack 1", "W1"), ("Rack 2", "W2")):
+        sheet = book.create_sheet(title)
+        sheet.append(HEADINGS)
+        sheet.append([name, "K1", 1, "X1", 1, 0.75])
+    data = io.BytesIO()
+    book.save(data)
+    imported = read(data.getvalue())
+    assert [wire.name for wire in imported.order.wires] == ["W1"]
+    assert [str(item) for item in imported.account.unused_columns] == [
+        f"sheet {title!r}: left out, sheet 'Rack 1' is read; `sheet` in a mapping chooses another"
+        for title in ("Template", "Rack 2")
+    ]
+    text = "format: remodel-wire-list-1\nsynonyms: true\ncolumns: {from: From, to: To}\nsheet: "
+    chosen = read(data.getvalue(), mapping_from(f"{text}Rack 2"))
+    assert [wire.name for wire in chosen.order.wires] == ["W2"]
+    with pytest.raises(DesignError, match="no sheet 'Rack 3'; the workbook has 'Template', 'Rack"):
+        read(data.getvalue(), mapping_from(f"{text}Rack 3"))
 
 
 @pytest.mark.parametrize(

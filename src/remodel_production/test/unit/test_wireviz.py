@@ -208,3 +208,14 @@ additional_bom_items: [{description: Label, qty: 2}, {qty: 1}]
         "line 7: left out, no task mounts Label",
         "line 7: left out, no task mounts a part without a type",
     ]
+
+
+def test_splices_are_joints():
+    text = """connectors:
+  A: {pincount: 1}
+  S: {style: simple, type: Splice}
+cables: {C: {wirecount: 1}}
+connections: [[{A: 1}, {C: 1}, S]]
+"""
+    roles = {component.name: component.role for component in read(text).order.components}
+    assert roles == {"A": Role.CONNECTOR, "S": Role.JOINT}

@@ -26,6 +26,7 @@ from remodel_production.core.catalogue import Catalogue
 from remodel_production.core.imports.shared.account import Account, Imported, LeftOut
 from remodel_production.core.imports.shared.assembly import Connection, Device, assemble
 from remodel_production.core.imports.shared.assumptions import Assumptions
+from remodel_production.core.imports.shared.splices import names_splice
 from remodel_production.core.imports.shared.text_encoding import decode
 from remodel_production.core.imports.shared.yaml_tree import Value, parse_yaml
 from remodel_production.core.imports.wireviz_parts import (
@@ -373,7 +374,7 @@ class _Reader:
                     Device(
                         designator,
                         part.kind,
-                        role=Role.CONNECTOR,
+                        role=Role.JOINT if names_splice(designator, part.kind) else Role.CONNECTOR,
                         part_number=part.part_number,
                         kinds=kinds,
                         stays_bare=True,

@@ -2,15 +2,13 @@
 
 from __future__ import annotations
 
-import re
-
 from lxml import etree
 
 from remodel_production.core.imports.kbl_tree import KblTree, text_of
 from remodel_production.core.imports.shared.account import LeftOut
+from remodel_production.core.imports.shared.splices import names_splice
 from remodel_production.core.imports.shared.xml_tree import line_of, local_name
 
-_SPLICE = re.compile(r"splice|splei(?:ss|ß)", re.IGNORECASE)
 # What the elements are called, and why the order has nothing of those that are not referred to.
 _PARTS = {
     "Cavity_seal_occurrence": ("cavity seal", "no contact point refers to it"),
@@ -34,7 +32,7 @@ def is_splice(connector: etree._Element, part: etree._Element | None) -> bool:
     texts = [text_of(connector, "Usage")]
     if part is not None:
         texts += [text_of(part, key) for key in ("Housing_type", "Description", "Abbreviation")]
-    return any(_SPLICE.search(text) for text in texts)
+    return names_splice(*texts)
 
 
 def twisted_groups(tree: KblTree) -> dict[etree._Element, str]:

@@ -13,6 +13,7 @@ columns:                    # a column's heading, or a list of headings of which
 units: {section: mm2, length: mm, position: mm}       # of numbers without one
 terminal_separator: ":"     # the last one in a cell separates component and terminal
 separator: ";"              # of cells; if it is not given, the one that fits the headings
+sheet: Wires                # of a workbook; if it is not given, the one that fits the headings
 encoding: cp1252            # if it is not given: by the file's mark, else UTF-8
 synonyms: true              # further columns are found by headings in usual words of five languages
 colours: {hellblau: BU}     # names besides those of the catalogue
@@ -58,7 +59,7 @@ class Field(Enum):
 ENDS = ((Field.FROM, Field.FROM_COMPONENT), (Field.TO, Field.TO_COMPONENT))
 _KEYS = (
     *("format", "name", "columns", "units", "terminal_separator", "separator", "encoding"),
-    "synonyms",
+    *("sheet", "synonyms"),
 )
 _SECTION_UNITS = ("mm2", "awg")
 
@@ -74,6 +75,7 @@ class WireListMapping:
         position_unit: of positions.
         separator: of cells; empty if it is to be found.
         encoding: of the file; empty if it is to be found.
+        sheet: of a workbook; empty if it is to be found.
         colours: codes by names in lower case.
         has_synonyms: whether a column that it does not list may be found by the usual words.
     """
@@ -86,6 +88,7 @@ class WireListMapping:
     terminal_separator: str = ":"
     separator: str = ""
     encoding: str = ""
+    sheet: str = ""
     colours: Mapping[str, str] | None = None
     has_synonyms: bool = False
 
@@ -129,6 +132,7 @@ def mapping_from(text: str) -> WireListMapping:
         terminal_separator=_text(root, "terminal_separator", ":"),
         separator=_text(root, "separator", "").replace("tab", "\t"),
         encoding=_text(root, "encoding", ""),
+        sheet=_text(root, "sheet", ""),
         colours={name.lower(): code.text.upper() for name, code in colours.items()},
         has_synonyms=_flag(root, "synonyms"),
     )

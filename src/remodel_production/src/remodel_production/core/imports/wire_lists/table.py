@@ -49,6 +49,12 @@ class Row:
         """Return what is in a column; empty if the row has none or ends before it."""
         return self.cells[column] if column is not None and column < len(self.cells) else ""
 
+    def repeats(self, rows: Sequence[tuple[str, ...]]) -> bool:
+        """Return whether this is one of some rows, as far as those have cells."""
+        return any(
+            tuple(self.cells[: len(row)]) == row and not any(self.cells[len(row) :]) for row in rows
+        )
+
 
 @dataclass(frozen=True)
 class Table:
@@ -58,6 +64,7 @@ class Table:
         headings: of which the second "Pin" is "Pin#2".
         columns: number of each field's column.
         listed: those fields of them that the mapping lists.
+        heading_rows: of which the headings are made.
         first_line: of the rows, from 1.
         separator: of cells.
     """
@@ -66,6 +73,7 @@ class Table:
     headings: tuple[str, ...]
     columns: dict[Field, int]
     listed: frozenset[Field]
+    heading_rows: tuple[tuple[str, ...], ...]
     first_line: int
     separator: str
     rows: tuple[Row, ...] = ()
@@ -176,7 +184,7 @@ def _headed(data: bytes, mappings: Sequence[WireListMapping]) -> tuple[Table, So
     best: tuple[tuple[int, ...], Table, Source] | None = None
     headings = ""
     for mapping in mappings:
-        for source in _sources(data, mapping.encoding):
+        for source in _sources(data, mapping.encoding, mapping.sheet):
             lines = (line for line in source.text.splitlines() if line.strip())
             headings = headings or next(lines, "")
             own = (mapping.separator,) if mapping.separator else _SEPARATORS
@@ -185,7 +193,8 @@ def _headed(data: bytes, mappings: Sequence[WireListMapping]) -> tuple[Table, So
                 table = next((each for each in tables if each.names_both_ends), None)
                 if table is None:
                     continue
-                fit = len(table.columns), *_known(table)
+                body = source.text.splitlines()[table.first_line - 1 :]
+                fit = any(map(str.strip, body)), len(table.columns), *_known(table)
                 if best is None or fit > best[0]:
                     best = fit, table, source
     if best is None:
@@ -217,17 +226,21 @@ def _wanted(mappings: Sequence[WireListMapping]) -> str:
     return f"the mapping's headings: {own}"
 
 
-def _sources(data: bytes, encoding: str) -> Iterator[Source]:
-    """Yield the text of a file, or of each sheet of a workbook."""
+def _sources(data: bytes, encoding: str, wanted: str = "") -> Iterator[Source]:
+    """Yield the text of a file, or of each sheet of a workbook, or of the one that is wanted."""
     if not is_spreadsheet(data):
         text, assumed = decode(data, encoding)
         yield Source(text, f"the file is no UTF-8: read as {assumed}" if assumed else "")
         return
     sheets = sheets_of(data)
+    if wanted and wanted not in sheets:
+        raise DesignError(f"no sheet {wanted!r}; the workbook has {', '.join(map(repr, sheets))}")
     for title, text in sheets.items():
+        if wanted not in ("", title):
+            continue
         others = tuple(
             LeftOut(
-                f"sheet {other!r}", f"sheet {title!r} is read: give the others files of their own"
+                f"sheet {other!r}", f"sheet {title!r} is read; `sheet` in a mapping chooses another"
             )
             for other in sheets
             if other != title and sheets[other].strip()
@@ -239,16 +252,17 @@ def _tables(text: str, mapping: WireListMapping, separator: str) -> Iterator[Tab
     """Yield a table, without its rows, for each line that may be the headings."""
     lines = text.splitlines(keepends=True)
     for skipped in range(min(_HEADINGS_WITHIN, len(lines))):
-        plain, taken = headings_at(lines, skipped, separator)
-        headings = _numbered(plain)
+        found = headings_at(lines, skipped, separator)
+        headings = _numbered(found.cells)
         listed = mapping.found_in(headings)
-        columns = _with_synonyms(listed, plain) if mapping.has_synonyms else listed
+        columns = _with_synonyms(listed, found.cells) if mapping.has_synonyms else listed
         yield Table(
             mapping,
             tuple(headings),
             columns,
             listed=frozenset(listed),
-            first_line=skipped + taken + 1,
+            heading_rows=found.rows,
+            first_line=skipped + found.lines + 1,
             separator=separator,
         )
 

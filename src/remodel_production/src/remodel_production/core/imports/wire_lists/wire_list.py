@@ -13,6 +13,7 @@ from remodel_production.core.imports.shared.assembly import (
     assemble,
 )
 from remodel_production.core.imports.shared.assumptions import Assumptions
+from remodel_production.core.imports.shared.splices import names_splice
 from remodel_production.core.imports.shared.spreadsheet import DATE
 from remodel_production.core.imports.shared.units import length_m, number
 from remodel_production.core.imports.wire_lists.contents import (
@@ -33,7 +34,7 @@ from remodel_production.core.imports.wire_lists.table import (
     headings_table,
     read_table,
 )
-from remodel_production.core.production import Cable, Order, Pose, TerminalRef
+from remodel_production.core.production import Cable, Order, Pose, Role, TerminalRef
 from remodel_production.errors import DesignError
 
 # What a spreadsheet shows of a formula that it cannot compute.
@@ -142,6 +143,9 @@ class _Reader:
                 f"{source}: {len(row.cells)} cells found; there are {width} headings: quote cells "
                 "that contain the separator"
             )
+        if row.repeats(self.table.heading_rows):
+            self._left_out.append(LeftOut(source, "it repeats the headings"))
+            return None
         a = self._end(row, Field.FROM, Field.FROM_COMPONENT, Field.FROM_TERMINAL)
         b = self._end(row, Field.TO, Field.TO_COMPONENT, Field.TO_TERMINAL)
         name = self._cell(row, Field.WIRE)
@@ -236,7 +240,8 @@ class _Reader:
     def _device(self, end: TerminalRef, row: Row, x: Field, y: Field) -> None:
         """Note a component, and its place if the line has one."""
         place = self._cell(row, x), self._cell(row, y)
-        known = self._devices.setdefault(end.component, Device(end.component))
+        role = Role.JOINT if names_splice(end.component) else Role.DEVICE
+        known = self._devices.setdefault(end.component, Device(end.component, role=role))
         if not any(place):
             return
         units = (self.table.unit(field) or self.table.mapping.position_unit for field in (x, y))
