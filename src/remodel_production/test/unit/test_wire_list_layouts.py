@@ -264,6 +264,29 @@ def test_splices_are_joints():
     assert roles == {"K1": Role.DEVICE, "X1": Role.DEVICE, "SPLICE-1": Role.JOINT}
 
 
+def test_seals_and_twisted_groups_are_used():
+    imported = read(
+        "Wire,From,Cavity Seal From,To,To Seal P/N,Twist Group\n"
+        "W1,K1:1,S-9,X1:1,-,TP1\nW2,K1:2,,X1:2,S-8,TP1\nW3,K1:3,,X1:3,,TP2\nW4,K1:4,,X1:4,,yes\n"
+    )
+    sealed = {
+        f"{component.name}:{terminal.name}": terminal.kind
+        for component in imported.order.components
+        for terminal in component.terminals
+        if terminal.is_sealed
+    }
+    assert sealed == {"K1:1": "with seal S-9", "X1:2": "with seal S-8"}
+    assert [(cable.name, cable.kind) for cable in imported.order.cables] == [
+        ("TP1", "twisted wires")
+    ]
+    assert [wire.cable for wire in imported.order.wires] == ["TP1", "TP1", "", ""]
+    assert imported.account.unused_columns == ()
+    assert (
+        "which wires are twisted with each other is not given by yes: they are single wires"
+        in imported.account.assumptions
+    )
+
+
 def test_a_sheet_with_rows_is_read_before_an_empty_one_and_a_mapping_chooses_another():
     book = Workbook()
     book.active.title = "Template"

@@ -23,7 +23,7 @@ Vector = tuple[float, float, float]
 
 # Kind of what holds twisted wires together without a sheath.
 TWISTED = "twisted wires"
-_WITH_SEAL = " with seal"
+_WITH_SEAL = "with seal"
 
 
 class Side(Enum):
@@ -118,7 +118,7 @@ def sealed_kind(kind: str, seal: str) -> str:
         kind: of the terminal alone.
         seal: article of the seal.
     """
-    return f"{kind}{_WITH_SEAL} {seal}".strip()
+    return f"{kind} {_WITH_SEAL} {seal}".strip()
 
 
 @dataclass(frozen=True)

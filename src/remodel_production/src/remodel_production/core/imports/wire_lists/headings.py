@@ -34,6 +34,8 @@ class _Kind(Enum):
     CABLE = auto()
     CORE = auto()
     SIGNAL = auto()
+    SEAL = auto()
+    TWISTED = auto()
     FILLER = auto()
 
 
@@ -65,6 +67,9 @@ _WORDS: Mapping[_Kind, str] = {
     _Kind.CABLE: "cable multicore; kabel mehraderleitung; cavo multipolare; multipolar",
     _Kind.CORE: "core; ader; brin; anima",
     _Kind.SIGNAL: "signal signals net netname potential; netz potenzial; potentiel; segnale",
+    _Kind.SEAL: "seal seals; dichtung ead; guarnizione; sello",
+    _Kind.TWISTED: "twist twisted pair; verdrillt verdrillung verdrillgruppe; "
+    "torsade torsadee; intrecciato; trenzado",
     _Kind.FILLER: "no nr num number id identifier ident name tag code label mark the of in cross "
     "insulation cut dt full data info point designation diameter complete est estimated total "
     "nominal; daten angaben gesamt; donnees; dati; datos; "
@@ -112,6 +117,8 @@ _PHRASES = {
     "start point": "startpoint",
     "end point": "endpoint",
     "terminal strip": "strip",
+    "twist group": "twist",
+    "twisted group": "twist",
 }
 _FIELDS = {
     (_Kind.FROM, None): Field.FROM,
@@ -120,6 +127,8 @@ _FIELDS = {
     (_Kind.TO, None): Field.TO,
     (_Kind.TO, _Kind.COMPONENT): Field.TO_COMPONENT,
     (_Kind.TO, _Kind.TERMINAL): Field.TO_TERMINAL,
+    (_Kind.FROM, _Kind.SEAL): Field.FROM_SEAL,
+    (_Kind.TO, _Kind.SEAL): Field.TO_SEAL,
 }
 # Where a component has a column of its own, a column of the whole end says something else.
 _COMPONENT_OF = {Field.FROM: Field.FROM_COMPONENT, Field.TO: Field.TO_COMPONENT}
@@ -134,7 +143,13 @@ _QUANTITIES = {
     _Kind.LENGTH: Field.LENGTH,
 }
 # The innermost of several comes first: a "cable core" is a core.
-_THINGS = {_Kind.CORE: Field.CORE, _Kind.WIRE: Field.WIRE, _Kind.CABLE: Field.CABLE}
+_ARTICLE = frozenset({"pn", "p", "part", "type", "typ", "article", "artikel", "reference", "ref"})
+_THINGS = {
+    _Kind.TWISTED: Field.TWISTED,
+    _Kind.CORE: Field.CORE,
+    _Kind.WIRE: Field.WIRE,
+    _Kind.CABLE: Field.CABLE,
+}
 _PARTS = (_Kind.TERMINAL, _Kind.COMPONENT)  # a "connector pin" is a pin
 
 _SECTION_UNITS = {
@@ -310,6 +325,8 @@ def _unit_field(heading: str, words: Sequence[str]) -> Field | None:
 def _reading(words: Sequence[str], *, has_b: bool) -> tuple[_Kind | None, _Kind | None]:
     """Return which end a heading is about, and what of it; None for what it does not say."""
     number = {*words} & {"1", "2", "a", "b"}
+    if any(_KINDS.get(word) is _Kind.SEAL for word in words):
+        return _reading_of_seal(words, has_b=has_b)
     kinds = _kinds([word for word in words if word not in number])
     if kinds is None or (not _DIAMETERS.isdisjoint(words) and _Kind.SECTION not in kinds):
         return None, None
@@ -332,6 +349,17 @@ def _reading(words: Sequence[str], *, has_b: bool) -> tuple[_Kind | None, _Kind 
     if len(sides) > 1 or (part is None and not _SIDES.isdisjoint(words)):
         return None, None
     return (sides.pop() if sides else _weak_side(words, part, has_b=has_b)), part
+
+
+def _reading_of_seal(words: Sequence[str], *, has_b: bool) -> tuple[_Kind | None, _Kind | None]:
+    """Return the end of a seal's heading; a seal in a cavity or at a terminal is a seal."""
+    left = [word for word in words if word not in _ARTICLE and word not in {"1", "2", "a", "b"}]
+    kinds = _kinds(left)
+    if kinds is None or not kinds <= {_Kind.SEAL, _Kind.FROM, _Kind.TO, _Kind.FILLER, *_PARTS}:
+        return None, None
+    sides = kinds & {_Kind.FROM, _Kind.TO}
+    side = sides.pop() if len(sides) == 1 else _weak_side(words, _Kind.SEAL, has_b=has_b)
+    return side, _Kind.SEAL
 
 
 def _weak_side(words: Sequence[str], part: _Kind | None, *, has_b: bool) -> _Kind | None:

@@ -8,8 +8,9 @@ columns:                    # a column's heading, or a list of headings of which
   from_terminal: From Terminal
   to: Target                # likewise to_component, to_terminal
   wire: Number              # and, all optional: colour, section, length, cable, core, and the
-  ...                       # place of the components: from_x, from_y, to_x, to_y, and the most
-  ...                       # with which an end may be pushed in [N]: from_force_limit, to_...
+  ...                       # articles of seals: from_seal, to_seal; the group of twisted wires:
+  ...                       # twisted; the place of the components: from_x, from_y, to_x, to_y; the
+  ...                       # most with which an end may be pushed in [N]: from_force_limit, to_...
 units: {section: mm2, length: mm, position: mm}       # of numbers without one
 terminal_separator: ":"     # the last one in a cell separates component and terminal
 separator: ";"              # of cells; if it is not given, the one that fits the headings
@@ -52,6 +53,9 @@ class Field(Enum):
     FROM_Y = "from_y"
     TO_X = "to_x"
     TO_Y = "to_y"
+    FROM_SEAL = "from_seal"
+    TO_SEAL = "to_seal"
+    TWISTED = "twisted"
     FROM_FORCE_LIMIT = "from_force_limit"
     TO_FORCE_LIMIT = "to_force_limit"
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
 
@@ -34,10 +35,24 @@ from remodel_production.core.imports.wire_lists.table import (
     headings_table,
     read_table,
 )
-from remodel_production.core.production import Cable, Order, Pose, Role, TerminalRef
+from remodel_production.core.production import (
+    TWISTED,
+    Cable,
+    Order,
+    Pose,
+    Role,
+    TerminalRef,
+    sealed_kind,
+)
 from remodel_production.errors import DesignError
 
 # What a spreadsheet shows of a formula that it cannot compute.
+# What stands in a column of seals for none.
+_NONE = frozenset({"", "-", "--", "0", "no", "none", "nein", "non", "n/a", "na"})
+_YES = frozenset(
+    {"yes", "y", "ja", "j", "oui", "o", "si", "s\u00ed", "x", "true", "1", "tw", "twisted"}
+)
+_NO_GROUPS = _NONE | _YES
 _ERRORS = frozenset({"#REF!", "#N/A", "#VALUE!", "#NAME?", "#DIV/0!", "#NULL!", "#NUM!"})
 
 
@@ -104,6 +119,14 @@ class _Reader:
         self._seen: dict[tuple[str, TerminalRef, TerminalRef], int] = {}
         self._section_unit, of_sections = unit_of_sections(self.table)
         self._length_unit, of_lengths = unit_of_lengths(self.table, self._section_unit)
+        # A group of one wire is none.
+        groups = self.table.cells(Field.TWISTED)
+        self._twisted = Counter(group for group in groups if group.lower() not in _NO_GROUPS)
+        if words := sorted({group for group in groups if group.lower() in _YES}):
+            self.assumptions.add(
+                f"which wires are twisted with each other is not given by {', '.join(words)}: they "
+                "are single wires"
+            )
         self._lengths = self.table.cells(Field.LENGTH)
         for line in filter(None, (*assumed, of_sections, of_lengths)):
             self.assumptions.add(line)
@@ -163,6 +186,8 @@ class _Reader:
             return None
         self._device(a, row, Field.FROM_X, Field.FROM_Y)
         self._device(b, row, Field.TO_X, Field.TO_Y)
+        self._seal(a, row, Field.FROM_SEAL)
+        self._seal(b, row, Field.TO_SEAL)
         self._force_limit(a, row, Field.FROM_FORCE_LIMIT)
         self._force_limit(b, row, Field.TO_FORCE_LIMIT)
         return Connection(
@@ -259,6 +284,14 @@ class _Reader:
         self._devices[end.component] = replace(known, pose=pose)
         self._placed_at.setdefault(end.component, row.line)
 
+    def _seal(self, end: TerminalRef, row: Row, field: Field) -> None:
+        """Note the seal of an end, if the line has one."""
+        seal = self._cell(row, field)
+        if seal.lower() not in _NONE:
+            device = self._devices[end.component]
+            kinds = {**device.kinds, end.terminal: sealed_kind("", seal)}
+            self._devices[end.component] = replace(device, kinds=kinds)
+
     def _force_limit(self, end: TerminalRef, row: Row, field: Field) -> None:
         """Note with which force an end may be pushed in, if the line says it."""
         text = self._cell(row, field)
@@ -301,8 +334,12 @@ class _Reader:
 
     def _cable(self, row: Row, source: str) -> str:
         name = self._cell(row, Field.CABLE)
+        group = self._cell(row, Field.TWISTED)
         if name:
             self._cables.setdefault(name, Cable(name, "", None, False, source=source))
+        elif self._twisted[group] > 1:
+            self._cables.setdefault(group, Cable(group, TWISTED, None, False, source=source))
+            return group
         return name
 
 
