@@ -2,6 +2,7 @@
 
 import json
 import shutil
+from contextlib import closing
 from pathlib import Path
 
 import pytest
@@ -18,8 +19,10 @@ from remodel_planner.commands import (
     tasks,
 )
 from remodel_planner.commands.runs import run_order
+from remodel_planning.edge.fault_file import read_faults
 from remodel_production.edge.database.production_database import ProductionDatabase
 from remodel_production.errors import OrderError
+from remodel_supervision.ros.server.work import WorkMaker
 
 DESIGNS = Path(__file__).parents[3] / "remodel_production/test/unit/designs"
 HOUSEHOLD_PANEL = Path(__file__).parents[3] / "remodel_sim/config/household.yaml"
@@ -87,6 +90,16 @@ def test_an_order_that_is_all_by_hand_is_accepted_by_every_command(tmp_path, dat
         if command in (import_design, tasks, plan):
             assert "  tasks for the robot: 0, by hand: 1\n    W1: by hand, section_mm2" in said
     assert json.loads(Path(plan_file).read_text())["actions"] == []
+    with closing(ProductionDatabase(database)) as opened:
+        cell = WorkMaker(
+            *(opened, read_faults(), "cell", order[-1]),
+            attended=False,
+            reconnect_s=1.0,
+            lease_s=1.0,
+            search_s=0.0,
+        )
+        with pytest.raises(OrderError, match="no task is for the robot: all 1 are by hand, such"):
+            cell.work("feeder", "", 0, owner=1)
 
 
 def test_preferences_come_with_the_order_and_must_fit_it(tmp_path, database, capsys):
