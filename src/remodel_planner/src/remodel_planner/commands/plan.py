@@ -61,7 +61,7 @@ def main(arguments: list[str] | None = None) -> int:
     try:
         _plan(options)
     except ConflictError as error:
-        if options.relax and error.conflicts:
+        if options.relax and error.conflict:
             print(f"plan: {error}")
             _relax(error, options)
             return 1

@@ -74,6 +74,11 @@ class ConflictError(InfeasibleError):
         self.documents = documents
         self.build = build
 
+    @property
+    def conflict(self) -> tuple[Requirement, ...]:
+        """The requirements of all conflicts."""
+        return tuple(each for conflict in self.conflicts for each in conflict)
+
     @classmethod
     def of(cls, error: InfeasibleError, documents: Documents, build: Build) -> ConflictError:
         """Return the error with smallest sets of requirements that explain it."""
