@@ -229,8 +229,8 @@ def workbook(*lines, merged=()):
 HEADINGS = ["Wire", "From", "From Pin", "To", "To Pin", "mm²"]
 
 
-def test_a_date_beside_the_list_is_no_reason_to_refuse_it():
-    data = workbook(["Drawn", date(2024, 3, 1)], HEADINGS, ["W1", "K1", 1, "X1", 1, 0.75])
+def test_a_date_or_a_formula_beside_the_list_is_no_reason_to_refuse_it():
+    data = workbook(["Drawn", date(2024, 3, 1), "=NOW()"], HEADINGS, ["W1", "K1", 1, "X1", 1, 0.75])
     assert rows(read(data)) == [("W1", "K1:1", "X1:1", "BK", 0.75, None)]
 
 
@@ -313,7 +313,7 @@ def test_a_sheet_with_rows_is_read_before_an_empty_one_and_a_mapping_chooses_ano
 @pytest.mark.parametrize(
     ("cell", "said"),
     [
-        ("=1+1", r"sheet Sheet, line 2: =1\+1 has no value: open the workbook"),
+        ("=1+1", r"line 2: from_terminal: =1\+1 has no value: open the workbook"),
         ("#REF!", "line 2: from_terminal: #REF! found, the error of a formula"),
     ],
 )

@@ -24,8 +24,8 @@ if TYPE_CHECKING:
     _Sheet: TypeAlias = Worksheet | ReadOnlyWorksheet
 
 SEPARATOR = "\t"
-# A cell that is a date begins with this, which no text does.
-DATE = "\ue000"
+# A cell that is a date, and a formula without a value, begin with these, which no text does.
+DATE, FORMULA = "\ue000", "\ue001"
 _PART = "xl/workbook.xml"
 _OLE = b"\xd0\xcf\x11\xe0\xa1\xb1\x1a\xe1"
 _ODS = b"application/vnd.oasis.opendocument.spreadsheet"
@@ -59,7 +59,7 @@ def sheets_of(data: bytes) -> dict[str, str]:
     """Return the sheets of a workbook by name, each as text: a line for each row, cells by tabs.
 
     Raises:
-        DesignError: if the workbook is damaged, too large, or has a formula without a value.
+        DesignError: if the workbook is damaged or too large.
     """
     from openpyxl import load_workbook  # most imports need none, and it takes long to load
 
@@ -73,7 +73,6 @@ def sheets_of(data: bytes) -> dict[str, str]:
                 _rows_of(sheet),
                 () if formulas is None else _rows_of(formulas[sheet.title]),
                 _spans_of(sheet) if has_spans else {},
-                sheet.title,
             )
             for sheet in book.worksheets
         }
@@ -131,7 +130,6 @@ def _text(
     rows: Iterable[tuple[object, ...]],
     formulas: Iterable[tuple[object, ...]],
     spans: Mapping[tuple[int, int], tuple[int, int]],
-    title: str,
 ) -> str:
     lines = io.StringIO()
     writer = csv.writer(lines, delimiter=SEPARATOR, lineterminator="\n")
@@ -142,10 +140,7 @@ def _text(
         for column, value in enumerate(row):
             formula = row_of_formulas[column] if column < len(row_of_formulas) else None
             if value is None and formula is not None:
-                raise DesignError(
-                    f"sheet {title}, line {number + 1}: {formula} has no value: open the workbook "
-                    "in a spreadsheet program and save it there, which computes it"
-                )
+                value = f"{FORMULA}{formula}"
             if (number, column) in spanning:
                 values[number, column] = value
             texts.append(_cell(values.get(spans.get((number, column), (-1, -1)), value)))

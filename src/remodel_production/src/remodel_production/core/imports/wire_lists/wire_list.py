@@ -15,7 +15,7 @@ from remodel_production.core.imports.shared.assembly import (
 )
 from remodel_production.core.imports.shared.assumptions import Assumptions
 from remodel_production.core.imports.shared.splices import names_splice
-from remodel_production.core.imports.shared.spreadsheet import DATE
+from remodel_production.core.imports.shared.spreadsheet import DATE, FORMULA
 from remodel_production.core.imports.shared.units import length_m, number
 from remodel_production.core.imports.wire_lists.contents import (
     checked,
@@ -239,6 +239,11 @@ class _Reader:
             raise DesignError(
                 f"line {row.line}: {field.value}: a cell is the date {text.removeprefix(DATE)}; "
                 "format the column as text, and type it again"
+            )
+        if text.startswith(FORMULA):
+            raise DesignError(
+                f"line {row.line}: {field.value}: {text.removeprefix(FORMULA)} has no value: open "
+                "the workbook in a spreadsheet program and save it there, which computes it"
             )
         if text in _ERRORS:
             raise DesignError(
