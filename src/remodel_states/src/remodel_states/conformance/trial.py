@@ -85,7 +85,7 @@ class Trials:
             goal: a goal that it can do, with id and timeout.
             codes: all error codes.
             restart: shell command that kills and restarts the server; empty for none.
-            restart_limit_s: [s] wall time for that command, and again for the server to come back.
+            restart_limit_s: [s] wall time for that command, and again until the server serves.
         """
         self._probe = probe
         self._goal = goal
