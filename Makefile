@@ -54,7 +54,7 @@ unit: build ## Tests that need no ROS master
 	@$(SOURCED) pytest --numprocesses auto --dist loadfile --no-loadscope-reorder --junit-xml=$(RESULTS)/unit.xml
 
 rostest: build ## Tests of running nodes, each on a roscore of its own
-	@$(SOURCED) catkin_make --no-color run_tests -j2 >build/rostest.log 2>&1 || { tail -n 40 build/rostest.log; exit 1; }
+	@$(SOURCED) catkin_make --no-color run_tests -j3 >build/rostest.log 2>&1 || { tail -n 40 build/rostest.log; exit 1; }
 	@$(SOURCED) catkin_test_results --all $(RESULTS) || { echo "log: build/rostest.log"; exit 1; }
 
 lint: .venv/.ready ## Style, types of the pure cores, and XML
