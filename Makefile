@@ -2,7 +2,7 @@
 SHELL := /bin/bash
 .SHELLFLAGS := -euo pipefail -c
 .DEFAULT_GOAL := help
-.PHONY: help build demo test install docker generate behaviors unit rostest lint bench-engine bench-planner bench-synthesis bench-console bench-drawing bench-sim bench-vision bench-learning bench-pause bench-replan bench-scale docs evaluate-abilities schedules chaos campaign clean
+.PHONY: help build demo film test install docker generate behaviors unit rostest lint bench-engine bench-planner bench-synthesis bench-console bench-drawing bench-sim bench-vision bench-learning bench-pause bench-replan bench-scale docs evaluate-abilities schedules chaos campaign clean
 
 # The workspace's own Python first, whatever else the shell has on its path; no other workspace.
 export PATH := $(CURDIR)/.venv/bin:/usr/local/sbin:/usr/local/bin:/usr/sbin:/usr/bin:/sbin:/bin
@@ -35,6 +35,10 @@ docker: ## Make a container image of Debian 12 with the built workspace, by dock
 
 demo: build ## Wire a real cabinet in the simulated cell (WIRES=6); report in out/demo/report.html
 	@$(SOURCED) tools/demo.sh $(WIRES)
+
+film: build ## Record the demo as the moving picture of the README, docs/demo.webp
+	@$(SOURCED) tools/demo.sh $(WIRES) record:=$(CURDIR)/out/demo/film
+	@tools/film.py out/demo/film docs/demo.webp
 
 test: build ## Set up, then lint, unit tests and ROS tests; ends with a count
 	@rm -rf $(RESULTS)
