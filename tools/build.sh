@@ -9,9 +9,6 @@ mkdir -p build
 echo "build: catkin_make (log: $log)"
 : >"$log"
 
-# Messages for Python and C++, the languages of ability servers; Lisp would take a third of the build.
-export ROS_LANG_DISABLE=${ROS_LANG_DISABLE:-genlisp:geneus:gennodejs}
-
 make_workspace() { tools/progress.py build "$log" catkin_make --no-color "$@" "-DPYTHON_EXECUTABLE=$PWD/.venv/bin/python3"; }
 
 make_workspace

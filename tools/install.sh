@@ -3,7 +3,6 @@
 set -euo pipefail
 cd "$(dirname "$0")/.."
 
-export ROS_LANG_DISABLE=${ROS_LANG_DISABLE:-genlisp:geneus:gennodejs}
 log=build/install.log
 mkdir -p build/install
 echo "install: catkin_make install into $1; the first time takes a few minutes (log: $log)"
