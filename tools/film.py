@@ -1,8 +1,10 @@
 #!/usr/bin/env python3
-"""Make a small moving picture of a recorded run: film.py FOLDER FILE.webp
+"""Make a small moving picture of a recorded run.
 
-FOLDER holds the numbered pictures that `record:=FOLDER` of cell.launch or order.launch writes, ten
-for each second of ROS time. The picture is as good as 1 MB allows.
+Usage: film.py FOLDER FILE.webp
+
+FOLDER holds the numbered pictures that `record:=FOLDER` of cell.launch or order.launch writes. The
+moving picture is as good as 1 MB allows.
 """
 
 import sys
@@ -21,7 +23,7 @@ def main() -> int:
     folder, target = map(Path, sys.argv[1:])
     files = sorted(folder.glob("[0-9]*.jpg"))
     if not files:
-        print(f"film: {folder} holds no pictures; record a run with record:={folder}")
+        print(f"film: {folder} holds no pictures; record a run into it with record:={folder}")
         return 1
     last = len(files) - 1
     chosen = sorted({round(i * last / (FRAMES - 1)) for i in range(FRAMES)})
@@ -33,8 +35,8 @@ def main() -> int:
         if target.stat().st_size <= LIMIT_BYTES:
             break
     print(
-        f"{target}: {len(chosen)} of {len(files)} pictures, {target.stat().st_size / 1000:.0f} kB, "
-        f"{len(files) / 10:.0f} s of the cell in {sum(film.durations) / 1000:.0f} s"
+        f"{target}: {len(chosen)} of {len(files)} pictures in {sum(film.durations) / 1000:.0f} s, "
+        f"{target.stat().st_size / 1000:.0f} kB"
     )
     return 0 if target.stat().st_size <= LIMIT_BYTES else 1
 

@@ -16,6 +16,7 @@ sys.path.insert(0, str(SRC / "remodel_states" / "src"))
 from ability_list import with_ability_list  # noqa: E402
 from conformance_page import conformance_page  # noqa: E402
 from fault_page import fault_page  # noqa: E402
+from figure_tables import pages_with_figures  # noqa: E402
 from numbers_page import numbers_page  # noqa: E402
 
 from remodel_states.core.fault_tables import CONTRACT, FaultTables  # noqa: E402
@@ -66,6 +67,7 @@ def generated() -> Mapping[Path, str]:
         ROOT / "docs/reference/faults.md": fault_page(tables),
         ROOT / "docs/reference/conformance.md": conformance_page(),
         ROOT / "docs/reference/numbers.md": numbers_page(),
+        **dict(pages_with_figures()),
     }
 
 
