@@ -117,7 +117,7 @@ bench-console: build ## Load of the console at 50 transitions a second, 5 minute
 
 docs: build/docs-venv/.ready ## Build the site of the documentation: build/site/index.html
 	@NO_MKDOCS_2_WARNING=1 build/docs-venv/bin/mkdocs build --strict --quiet
-	@echo "site: build/site/index.html"
+	@echo "site: build/site/index.html; with search: python3 -m http.server --directory build/site"
 
 build/docs-venv/.ready: requirements-docs.txt
 	@/usr/bin/python3 -m venv build/docs-venv
