@@ -12,6 +12,8 @@ WIRES ?= 6
 PREFIX ?= install
 SOURCED := set +u; . devel/setup.sh; set -u;
 RESULTS := build/test_results
+# Not again for the parts of `make test`, which has built.
+BUILD = $(if $(BUILT),,build)
 
 help: ## List the commands
 	@grep -hE '^[a-z-]+:.*##' Makefile | sed -E 's/:.*## /\t/' | expand -t 20
@@ -44,7 +46,7 @@ test: build ## Set up, then lint, unit tests and ROS tests; ends with a count
 	@rm -rf $(RESULTS)
 	@status=0; failed=0; \
 	  $(MAKE) --no-print-directory lint || status=1; \
-	  for part in unit rostest; do $(MAKE) --no-print-directory $$part || failed=1; done; \
+	  for part in unit rostest; do $(MAKE) --no-print-directory BUILT=1 $$part || failed=1; done; \
 	  if [ $$failed = 1 ]; then $(SOURCED) tools/run_failed_again.py $(RESULTS) || status=1; fi; \
 	  tools/count_tests.py $(RESULTS) || status=1; exit $$status
 
@@ -54,10 +56,10 @@ generate: .venv/.ready ## Write what is generated from the tables of abilities, 
 behaviors: build ## Synthesize the charts of remodel_behaviors again
 	@$(SOURCED) rosrun flexbe_synthesizer synthesize src/remodel_behaviors/charts/*.xml
 
-unit: build ## Tests that need no ROS master
+unit: $(BUILD) ## Tests that need no ROS master
 	@$(SOURCED) pytest --numprocesses auto --dist loadfile --no-loadscope-reorder --junit-xml=$(RESULTS)/unit.xml
 
-rostest: build ## Tests of running nodes, each on a roscore of its own
+rostest: $(BUILD) ## Tests of running nodes, each on a roscore of its own
 	@$(SOURCED) catkin_make --no-color run_tests -j3 >build/rostest.log 2>&1 || { tail -n 40 build/rostest.log; exit 1; }
 	@$(SOURCED) catkin_test_results --all $(RESULTS) || { echo "log: build/rostest.log"; exit 1; }
 
