@@ -24,7 +24,7 @@ class Progressed:
 
 
 class ActionFeedback:
-    """Listens to the actions whose feedback has a `message` and a `completed_percentage` [%].
+    """Listens to the actions below its namespace whose feedback has `message` and percentage.
 
     These are the fields of all abilities in Deliverable 5.1; other actions are left alone.
     """
@@ -39,7 +39,7 @@ class ActionFeedback:
 
     def _find(self) -> None:
         try:
-            published = rospy.get_published_topics()
+            published = rospy.get_published_topics(rospy.get_namespace())
         except (OSError, rospy.ROSException):
             return  # Without a master there is nothing to show, and others notice it.
         for topic, kind in published:
