@@ -2,7 +2,7 @@
 SHELL := /bin/bash
 .SHELLFLAGS := -euo pipefail -c
 .DEFAULT_GOAL := help
-.PHONY: help build demo test install docker generate behaviors unit rostest lint bench-engine bench-planner bench-synthesis bench-console bench-drawing bench-sim bench-vision bench-learning bench-pause bench-replan bench-scale docs evaluate-abilities schedules chaos campaign clean
+.PHONY: help build demo film test install docker generate behaviors unit rostest lint bench-engine bench-planner bench-synthesis bench-console bench-drawing bench-sim bench-vision bench-learning bench-pause bench-replan bench-scale docs evaluate-abilities schedules chaos campaign clean
 
 # The workspace's own Python first, whatever else the shell has on its path; no other workspace.
 export PATH := $(CURDIR)/.venv/bin:/usr/local/sbin:/usr/local/bin:/usr/sbin:/usr/bin:/sbin:/bin
@@ -12,6 +12,8 @@ WIRES ?= 6
 PREFIX ?= install
 SOURCED := set +u; . devel/setup.sh; set -u;
 RESULTS := build/test_results
+# Not again for the parts of `make test`, which has built.
+BUILD = $(if $(BUILT),,build)
 
 help: ## List the commands
 	@grep -hE '^[a-z-]+:.*##' Makefile | sed -E 's/:.*## /\t/' | expand -t 20
@@ -36,11 +38,15 @@ docker: ## Make a container image of Debian 12 with the built workspace, by dock
 demo: build ## Wire a real cabinet in the simulated cell (WIRES=6); report in out/demo/report.html
 	@$(SOURCED) tools/demo.sh $(WIRES)
 
+film: build ## Record the demo as the moving picture of the README, docs/demo.webp
+	@$(SOURCED) tools/demo.sh $(WIRES) record:=$(CURDIR)/out/demo/film
+	@tools/film.py out/demo/film docs/demo.webp
+
 test: build ## Set up, then lint, unit tests and ROS tests; ends with a count
 	@rm -rf $(RESULTS)
 	@status=0; failed=0; \
 	  $(MAKE) --no-print-directory lint || status=1; \
-	  for part in unit rostest; do $(MAKE) --no-print-directory $$part || failed=1; done; \
+	  for part in unit rostest; do $(MAKE) --no-print-directory BUILT=1 $$part || failed=1; done; \
 	  if [ $$failed = 1 ]; then $(SOURCED) tools/run_failed_again.py $(RESULTS) || status=1; fi; \
 	  tools/count_tests.py $(RESULTS) || status=1; exit $$status
 
@@ -50,11 +56,11 @@ generate: .venv/.ready ## Write what is generated from the tables of abilities, 
 behaviors: build ## Synthesize the charts of remodel_behaviors again
 	@$(SOURCED) rosrun flexbe_synthesizer synthesize src/remodel_behaviors/charts/*.xml
 
-unit: build ## Tests that need no ROS master
+unit: $(BUILD) ## Tests that need no ROS master
 	@$(SOURCED) pytest --numprocesses auto --dist loadfile --no-loadscope-reorder --junit-xml=$(RESULTS)/unit.xml
 
-rostest: build ## Tests of running nodes, each on a roscore of its own
-	@$(SOURCED) catkin_make --no-color run_tests -j2 >build/rostest.log 2>&1 || { tail -n 40 build/rostest.log; exit 1; }
+rostest: $(BUILD) ## Tests of running nodes, each on a roscore of its own
+	@$(SOURCED) catkin_make --no-color run_tests -j3 >build/rostest.log 2>&1 || { tail -n 40 build/rostest.log; exit 1; }
 	@$(SOURCED) catkin_test_results --all $(RESULTS) || { echo "log: build/rostest.log"; exit 1; }
 
 lint: .venv/.ready ## Style, types of the pure cores, and XML
@@ -97,9 +103,9 @@ bench-synthesis: build ## CPU time of the synthesis by size of the chart, and wh
 	@$(SOURCED) benchmarks/synthesis/typing_check.py
 	@$(SOURCED) PYTHONPATH="src/flexbe_synthesizer/test:$$PYTHONPATH" python3 -m random_charts --count 10000 $(BENCH)
 
-bench-sim: build build/bench-venv/.ready ## Measure the simulated wire against theory, beside MuJoCo; figures in out/bench/sim.jsonl
+bench-sim: build build/bench-venv/.ready ## Measure the simulated wire against theory, beside MuJoCo; figures in docs/figures/sim.jsonl
 	@$(SOURCED) benchmarks/sim/plots.py out/bench
-	@$(SOURCED) benchmarks/sim/run.py --mujoco build/bench-venv/bin/python
+	@$(SOURCED) benchmarks/sim/run.py --mujoco build/bench-venv/bin/python docs/figures/sim.jsonl
 
 bench-vision: build ## Measure detecting cables and locating components on rendered scenes (BENCH="--scenes 50")
 	@$(SOURCED) benchmarks/vision/run.py $(BENCH)
@@ -113,7 +119,7 @@ bench-console: build ## Load of the console at 50 transitions a second, 5 minute
 
 docs: build/docs-venv/.ready ## Build the site of the documentation: build/site/index.html
 	@NO_MKDOCS_2_WARNING=1 build/docs-venv/bin/mkdocs build --strict --quiet
-	@echo "site: build/site/index.html"
+	@echo "site: build/site/index.html; with search: python3 -m http.server --directory build/site"
 
 build/docs-venv/.ready: requirements-docs.txt
 	@/usr/bin/python3 -m venv build/docs-venv

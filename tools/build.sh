@@ -11,9 +11,12 @@ echo "build: catkin_make (log: $log)"
 
 make_workspace() { tools/progress.py build "$log" catkin_make --no-color "$@" "-DPYTHON_EXECUTABLE=$PWD/.venv/bin/python3"; }
 
-make_workspace
-if [ ! -e build/.configured_sourced ]; then
-  # Configured in a shell that does not know the workspace yet, catkin caches an empty PYTHONPATH for the tests.
+if [ -e build/.configured_sourced ]; then
+  make_workspace
+else
+  # Configured in a shell that does not know the workspace yet, catkin caches an empty PYTHONPATH for the tests: configure
+  # it, which writes setup.sh, and then again.
+  make_workspace help
   set +u
   . devel/setup.sh
   set -u

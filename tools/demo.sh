@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# Import a real cabinet's design, and wire it in the simulated cell. Usage: demo.sh WIRES
+# Import a real cabinet's design, and wire it in the simulated cell. Usage: demo.sh WIRES [argument of order.launch]...
 set -euo pipefail
 cd "$(dirname "$0")/.."
 
@@ -17,7 +17,7 @@ export ROS_PACKAGE_PATH=$out/remodel_order_behaviors:$ROS_PACKAGE_PATH
 
 rosrun remodel_planner planner import "$design" --order demo
 
-roslaunch -p "$port" remodel_planner order.launch output:="$out" database:="$REMODEL_DATABASE" >"$out/nodes.log" 2>&1 &
+roslaunch -p "$port" remodel_planner order.launch output:="$out" database:="$REMODEL_DATABASE" "${@:2}" >"$out/nodes.log" 2>&1 &
 nodes=$!
 stop_nodes() {
   kill -INT "$nodes" 2>/dev/null || true

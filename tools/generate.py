@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Write all files that are generated from the tables in remodel_msgs/config.
+"""Write all files that are generated from tables: those in remodel_msgs/config, and the docs'.
 
 With --check, change nothing and exit with 1 if a file is out of date.
 """
@@ -14,7 +14,10 @@ SRC = ROOT / "src"
 sys.path.insert(0, str(SRC / "remodel_states" / "src"))
 
 from ability_list import with_ability_list  # noqa: E402
+from conformance_page import conformance_page  # noqa: E402
 from fault_page import fault_page  # noqa: E402
+from figure_tables import pages_with_figures  # noqa: E402
+from numbers_page import numbers_page  # noqa: E402
 
 from remodel_states.core.fault_tables import CONTRACT, FaultTables  # noqa: E402
 from remodel_states.core.state_source import state_modules  # noqa: E402
@@ -62,6 +65,9 @@ def generated() -> Mapping[Path, str]:
         MSGS / "msg/ErrorCode.msg": error_code_message(tables),
         SRC / "remodel_states/src/remodel_states/core/codes.py": codes_module(tables),
         ROOT / "docs/reference/faults.md": fault_page(tables),
+        ROOT / "docs/reference/conformance.md": conformance_page(),
+        ROOT / "docs/reference/numbers.md": numbers_page(),
+        **dict(pages_with_figures()),
     }
 
 

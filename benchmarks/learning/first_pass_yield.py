@@ -3,12 +3,14 @@
 """Compare the learned push force with the frozen one: first-pass yield, and the guard rail.
 
 first_pass_yield.py [PLOT] [--wires 600] [--seeds 5]; PLOT (out/bench/learning.png) is drawn, and
-the figures are printed. Exits with 1 when a stretch of trials lost more than the guard rail allows.
+the figures are printed and written beside it, as lines of JSON for the docs. Exits with 1 when a
+stretch of trials lost more than the guard rail allows.
 """
 
 from __future__ import annotations
 
 import argparse
+import json
 import sys
 from dataclasses import dataclass
 from pathlib import Path
@@ -82,7 +84,7 @@ def main() -> int:
     parser.add_argument("--seeds", type=int, default=5)
     options = parser.parse_args()
     options.plot.parent.mkdir(parents=True, exist_ok=True)
-    guard, panels, kept = GuardRail(), [], True
+    guard, panels, rows, kept = GuardRail(), [], [], True
     print(f"first-pass yield of {options.wires} wires, {options.seeds} seeds [%]; worst stretch of")
     print(f"trials, beyond {guard.share:.0%} of them [successes, at most {guard.slack:g}]\n")
     print(f"{'':<42}{'frozen':>8}{'learned':>9}{'last 100: frozen':>18}{'learned':>9}{'worst':>7}")
@@ -102,9 +104,21 @@ def main() -> int:
             f"{scenario.title:<42}{whole[0]:>8.1f}{whole[1]:>9.1f}{late[0]:>18.1f}{late[1]:>9.1f}"
             f"{worst:>7.1f}"
         )
+        rows.append(
+            {
+                "first-pass yield [%]": scenario.title,
+                "frozen": f"{whole[0]:.1f}",
+                "learned": f"{whole[1]:.1f}",
+                "last 100: frozen": f"{late[0]:.1f}",
+                "last 100: learned": f"{late[1]:.1f}",
+                f"worst sequence (at most {guard.slack:g})": f"{worst:.1f}",
+            }
+        )
         panels.append((scenario.title, yields[False], yields[True]))
     draw(options.plot, panels)
-    print(f"\nplot: {options.plot}")
+    figures = options.plot.with_suffix(".jsonl")
+    figures.write_text("".join(f"{json.dumps(row)}\n" for row in rows))
+    print(f"\nplot: {options.plot}, figures: {figures}")
     return 0 if kept else 1
 
 

@@ -30,6 +30,8 @@ class ReadmeRecoveryTest(unittest.TestCase):
         self.assertIn("ended with outcome 'finished'", printed)
         self.assertIn("InsertCable failed: error 300: ", printed)
         self.assertIn("the tip sits on the face of 'X1/1'", printed)
+        steps = re.findall(r"^be_launcher: InsertCable \d+ %: (.+)$", printed, re.MULTILINE)
+        self.assertGreater(len(set(steps)), 1, printed)
         states = re.findall(r"is at /(\w+)$", printed, re.MULTILINE)
         visited = [state for state in states if "_" not in state]
         first = ["LocateGearboxComponent", "InsertCable", "ExtractCable"]

@@ -7,6 +7,7 @@ from remodel_planner.commands import explain
 from remodel_planner.commands.runs import replay
 from remodel_planning.core.use_case.fault import Do
 from remodel_planning.edge.fault_file import read_faults
+from remodel_production.core.counted import counted
 from remodel_production.edge.database.production_database import ProductionDatabase
 from remodel_supervision.core.run import Operation
 from remodel_supervision.core.runs.events import (
@@ -191,7 +192,7 @@ def test_what_is_refused_after_a_server_was_lost_needs_no_record(keep, url, caps
         TaskEnded("W1", "failed", 9.5, False, path=("/Insert", "/Lay")),
     )
     assert replay.main(["1", "--quiet", "--database", url]) == differs
-    assert f"{differs} differences" in capsys.readouterr().out
+    assert f", {counted(differs, 'difference')}\n" in capsys.readouterr().out
 
 
 @pytest.mark.parametrize("command", [explain, replay])

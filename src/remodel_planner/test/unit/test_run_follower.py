@@ -3,10 +3,12 @@
 import threading
 
 import pytest
+import rospy
 from house import HOUSE, owner_of
-from remodel_msgs.msg import OperatorQuestion, UseCaseState
+from remodel_msgs.msg import LevelState, OperatorQuestion, UseCaseState
 
 from remodel_planner.commands.runs import run_follower
+from remodel_planner.commands.runs.run_bar import doing, share
 from remodel_planner.commands.runs.run_follower import RunFollower
 from remodel_production.edge.database.production_database import ProductionDatabase
 from remodel_supervision.core.runs.events import Ending, RunBegun, RunEnded
@@ -64,7 +66,8 @@ class Supervised:
         self.publish(1)
 
     def subscribe(self, topic, kind, callback):
-        self.hear = callback
+        if kind is UseCaseState:
+            self.hear = callback
 
     def publish(self, run):
         self.hear(UseCaseState(run=run, order="house"))
@@ -133,3 +136,32 @@ def test_what_a_run_waits_for_is_reported_once(supervised):
     assert lines(phase="asking", question=question) == asked
     assert lines(phase="running") == []
     assert lines(phase="asking", question=question) == asked
+
+
+def state_of(**fields):
+    action = LevelState(level=LevelState.ACTION, name="InsertCable", doing="push (40 %)")
+    task = LevelState(level=LevelState.TASK, name="W1", since=rospy.Time(100))
+    fields = {"phase": UseCaseState.RUNNING, "task": "W1", "levels": [task, action], **fields}
+    return UseCaseState(**fields)
+
+
+@pytest.mark.parametrize(
+    ("fields", "text"),
+    [
+        ({}, "W1: InsertCable, push (40 %)"),
+        ({"levels": []}, "W1"),
+        ({"phase": UseCaseState.SETTLING}, "settling W1"),
+        ({"phase": UseCaseState.PROTECTIVE_STOP, "task": ""}, "protective stop"),
+        ({"phase": UseCaseState.PLANNING, "task": ""}, "planning"),
+    ],
+)
+def test_the_bar_shows_what_a_run_is_doing(fields, text):
+    assert doing(state_of(**fields)) == text
+
+
+@pytest.mark.parametrize(
+    ("now_s", "expected_s", "shown"),
+    [(100, 40.0, 0.0), (110, 40.0, 0.25), (500, 40.0, 0.95), (110, 0.0, 0.0)],
+)
+def test_the_bar_moves_within_a_task_and_does_not_end_it(now_s, expected_s, shown):
+    assert share(state_of(stamp=rospy.Time(now_s)), {"W1": expected_s}) == shown

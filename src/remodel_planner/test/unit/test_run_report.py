@@ -159,12 +159,14 @@ def test_a_wrong_connection_is_shown_in_the_net_list():
             "W1": ("Q1/B1", "Q2/T1", True),
             "W2": ("Q2/T1", "Q1/B1", True),
             "W3": ("Q1/B1", "", False),
+            "W4": ("Q1/B1", "Q2/T2", True),
         },
     )
     assert [(net.wire, net.is_right) for net in nets] == [
         ("W1", True),
-        ("W2", False),
+        ("W2", True),
         ("W3", False),
+        ("W4", False),
     ]
     made = dataclasses.replace(report(one), nets=nets)
     cells = html.fromstring(render_html(TEMPLATE, made, COLOURS)).xpath(
@@ -172,13 +174,14 @@ def test_a_wrong_connection_is_shown_in_the_net_list():
     )
     assert [[td.text_content() for td in row.xpath("td")] for row in cells] == [
         ["W1", "Q1:B1 to Q2:T1", "Q1:B1 to Q2:T1", "as designed"],
-        ["W2", "Q1:B1 to Q2:T1", "Q2:T1 to Q1:B1", "wrong"],
+        ["W2", "Q1:B1 to Q2:T1", "Q2:T1 to Q1:B1", "as designed"],
         ["W3", "Q1:B1 to Q2:T1", "Q1:B1 to nowhere, not fixed", "wrong"],
+        ["W4", "Q1:B1 to Q2:T1", "Q1:B1 to Q2:T2", "wrong"],
     ]
-    assert report_data(made)["net_list"][1] == {
-        "wire": "W2",
+    assert report_data(made)["net_list"][3] == {
+        "wire": "W4",
         "design": ["Q1:B1", "Q2:T1"],
-        "cell": ["Q2:T1", "Q1:B1"],
+        "cell": ["Q1:B1", "Q2:T2"],
         "fixed": True,
         "right": False,
     }

@@ -15,5 +15,6 @@ class TableError(Exception):
     def __init__(self, file: str, problems: Sequence[str]) -> None:
         """List every problem at once."""
         lines = "\n".join(f"  - {problem}" for problem in problems)
-        super().__init__(f"{file}: {len(problems)} problems:\n{lines}")
+        count = f"{len(problems)} problem{'s' if len(problems) != 1 else ''}"
+        super().__init__(f"{file}: {count}:\n{lines}")
         self.problems = tuple(problems)

@@ -13,6 +13,7 @@ from concurrent.futures import ThreadPoolExecutor
 import actionlib
 import rospy
 import rostest
+from actionlib_msgs.msg import GoalStatus
 from geometry_msgs.msg import PoseStamped
 from remodel_msgs.msg import (
     ErrorCode,
@@ -24,6 +25,7 @@ from remodel_msgs.msg import (
 )
 
 from remodel_states.ability_server import AbilityServer, Done
+from remodel_states.conformance.clauses import CLAUSES
 from remodel_states.conformance.probe import Probe
 from remodel_states.conformance.trial import Trials
 from remodel_states.core.ability_error import AbilityError
@@ -36,6 +38,7 @@ CODES = {0, 1, 2, 3, 6, 400}
 FLAWS = {
     "never answers": "no-answer",
     "answers twice": "answers-twice",
+    "ends with an open status": "open-status",
     "result with another id": "wrong-id",
     "feedback with another id": "wrong-id",
     "feedback without id": "wrong-id",
@@ -44,6 +47,7 @@ FLAWS = {
     "succeeds without success": "status-against-success",
     "aborts with success": "status-against-success",
     "fails without reason": "no-reason",
+    "succeeds with a reason": "reason-of-success",
     "unknown code": "unknown-code",
     "negative time": "wrong-time",
     "time is not a number": "wrong-time",
@@ -73,6 +77,46 @@ FLAWS = {
     "places cables that do not exist": "accepts-unknown-name",
 }
 
+# Servers that break no clause, but with which a trial says nothing, and why it does not.
+UNJUDGED = (
+    (
+        "knows no timeout",
+        "slow",
+        {
+            "a timeout shorter than the ability takes": "a server that ignores timeouts does the "
+            "same",
+            "a goal with an unknown name": "empty in the goal: robot_name",
+            "restart of the server": "no command given",
+        },
+    ),
+    (
+        "is quick",
+        "quick",
+        {
+            "feedback while the ability works": "only one that takes longer than 1 s",
+            "a cancel of a goal that was never sent": "at least 0.3 s",
+            "a timeout shorter than the ability takes": "at least 0.3 s",
+            "a cancel while the ability works": "at least 0.3 s",
+            "a second goal while the first is done": "at least 0.3 s",
+        },
+    ),
+    (
+        "is slow only once",
+        "once",
+        {
+            "a cancel of a goal that was never sent": "ended before the cancel",
+            "a timeout shorter than the ability takes": "succeeded after",
+            "a cancel while the ability works": "ended before the cancel",
+            "a second goal while the first is done": "ended before the second one",
+        },
+    ),
+    (
+        "fails before its timeout",
+        "failing",
+        {"a timeout shorter than the ability takes": "failed before its timeout of"},
+    ),
+)
+
 
 class Server:
     """A good ability server, but for one flaw."""
@@ -83,6 +127,7 @@ class Server:
         self.duration_s = DURATION_S + self.random.uniform(0.0, 0.3)
         if flaw == "no feedback":
             self.duration_s += 0.7
+        self.goals = 0
         self.working = None
         self.cancelled = set()
         self.lock = threading.Lock()
@@ -116,6 +161,9 @@ class Server:
                 self.reject(handle, 6, "the arm is doing another goal")
         else:
             handle.set_accepted()
+            self.goals += 1
+            if self.has("is quick") or (self.has("is slow only once") and self.goals == 2):
+                self.duration_s = 0.1
             self.working = handle.get_goal_id().id
             self.last_id = goal.id
             threading.Thread(target=self.work, args=[handle], daemon=True).start()
@@ -144,12 +192,21 @@ class Server:
         begin = time.monotonic()
         while True:
             took = time.monotonic() - begin
-            if not self.has("no feedback"):
+            if not (self.has("no feedback") or self.has("is quick")):
                 handle.publish_feedback(self.feedback(goal, took))
             if goal_id in self.cancelled:
                 self.end_cancelled(handle, goal, took)
                 break
             ignores = self.has("ignores its timeout") or self.has("knows no timeout")
+            if self.has("fails before its timeout") and goal.timeout < DURATION_S:
+                text = "the cable slipped"
+                handle.set_aborted(
+                    PlaceCableResult(
+                        id=goal.id, elapsed_time=took, error_code=400, error_message=text
+                    ),
+                    text,
+                )
+                break
             if took > goal.timeout and not ignores:
                 code = 400 if self.has("ends at its timeout with another code") else 1
                 text = "out of time"
@@ -212,6 +269,13 @@ class Server:
             result.elapsed_time = 1000.0 * took
         elif self.has("succeeds without success"):
             result.success, result.error_code, result.error_message = False, 400, "no"
+        elif self.has("succeeds with a reason"):
+            result.error_message = "it went well"
+        if self.has("ends with an open status"):
+            status = handle.get_goal_status()
+            status.status = GoalStatus.ACTIVE
+            self.server.result_pub.publish(PlaceCableActionResult(status=status, result=result))
+            return
         if self.has("aborts with success"):
             handle.set_aborted(result, "")
             return
@@ -257,14 +321,20 @@ def good_goal():
     return goal
 
 
-def broken_rules(flaw, seed):
-    """Return the rules that a server with this flaw breaks."""
-    topic = f"conformance/flaw_{abs(hash((flaw, seed)))}"
+def trials_of(flaw, name, seed=0, **options):
+    """Return the trials of a server with this flaw."""
+    topic = f"conformance/{name}"
     server = Server(topic, flaw, seed)
     probe = Probe(topic, PlaceCableAction)
-    trials = list(Trials(probe, good_goal(), CODES).run())
+    trials = list(Trials(probe, good_goal(), CODES, **options).run())
     probe.close()
     del server
+    return trials
+
+
+def broken_rules(flaw, seed):
+    """Return the rules that a server with this flaw breaks."""
+    trials = trials_of(flaw, f"flaw_{abs(hash((flaw, seed)))}", seed)
     return {fault.rule for trial in trials for fault in trial.faults}
 
 
@@ -281,24 +351,29 @@ class ConformanceTest(unittest.TestCase):
         }
         self.assertEqual(missed, {})
 
+    def test_each_clause_is_broken_by_a_bad_server(self):
+        broken_by_restarts = {"not-back", "ghost"}
+        self.assertEqual(set(FLAWS.values()) | broken_by_restarts, set(CLAUSES))
+
+    def test_a_restart_that_does_not_restart_is_found(self):
+        trials = trials_of("", "restart", restart="true")
+        faults = [fault.rule for trial in trials for fault in trial.faults]
+        self.assertIn("ghost", faults)
+
     def test_good_servers_pass(self):
         with ThreadPoolExecutor(4) as pool:
             found = list(pool.map(lambda seed: broken_rules("", seed), range(4)))
         self.assertEqual(found, [set()] * 4)
 
-    def test_a_timeout_that_a_quick_server_may_ignore_is_not_judged(self):
-        topic = "conformance/quick"
-        server = Server(topic, "knows no timeout")
-        probe = Probe(topic, PlaceCableAction)
-        found = list(Trials(probe, good_goal(), CODES).run())
-        probe.close()
-        self.assertEqual([fault for trial in found for fault in trial.faults], [])
-        unjudged = {trial.name: trial.unjudged for trial in found if trial.unjudged}
-        self.assertIn(
-            "a server that ignores timeouts does the same",
-            unjudged["a timeout shorter than the ability takes"],
-        )
-        self.assertEqual(server.flaw, "knows no timeout")
+    def test_what_could_not_be_tried_is_not_judged(self):
+        """Each server is without fault, and each reason says what would be needed."""
+        with ThreadPoolExecutor(4) as pool:
+            tried = list(pool.map(lambda row: trials_of(row[0], f"unjudged_{row[1]}"), UNJUDGED))
+        for trials, (flaw, _, expected) in zip(tried, UNJUDGED, strict=True):
+            self.assertEqual([fault for trial in trials for fault in trial.faults], [], flaw)
+            unjudged = {trial.name: trial.unjudged for trial in trials if trial.unjudged}
+            for name, reason in expected.items():
+                self.assertIn(reason, unjudged.get(name, f"was judged: {unjudged}"), flaw)
 
     def test_the_base_of_servers_keeps_the_contract(self):
         topic = "conformance/base"

@@ -47,7 +47,10 @@ def test_a_state_that_is_out_of_date_is_reported_and_written_again(tmp_path, cap
 
 def test_a_folder_that_is_no_package_is_reported(tmp_path, capsys):
     assert generate_states([str(tmp_path)]) == 1
-    assert "package.xml" in capsys.readouterr().err
+    assert "give the folder of a package" in capsys.readouterr().err
+    (tmp_path / "package.xml").write_text("<package")
+    assert generate_states([str(tmp_path)]) == 1
+    assert "package.xml: 1 problem:\n  - it is not XML" in capsys.readouterr().err
 
 
 def test_templates_are_filled_in_paths_and_texts():

@@ -72,7 +72,7 @@ def test_an_overlays_table_is_read_and_a_faulty_one_reported(tmp_path, monkeypat
     (package / "faults.yaml").write_text(json.dumps({"faults": [row]}))
     assert read_faults().of(1000).responses == (Response(Do.ASK_OPERATOR),)
     (package / "faults.yaml").write_text(json.dumps({"faults": [{**row, "family": "other"}]}))
-    with pytest.raises(PlannerError, match=r"crimping/faults\.yaml: 1 problems:\n.*family"):
+    with pytest.raises(PlannerError, match=r"crimping/faults\.yaml: 1 problem:\n.*family"):
         read_faults()
 
 

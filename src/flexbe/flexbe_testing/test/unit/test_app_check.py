@@ -89,12 +89,13 @@ def test_what_is_wrong_with_a_manifest_is_reported(package, capsys):
     ("file", "text", "complaint"),
     [
         ("manifest/move_twice.xml", "<behavior", "move_twice.xml is not XML"),
-        ("src/my_cell/move_state.py", "class", "invalid syntax"),
+        ("src/my_cell/move_state.py", "class", "move_state.py:1: not Python 3: invalid syntax"),
+        ("src/my_cell/move_state.py", "\udcff", "move_state.py is not UTF-8"),
         (None, "", "there is no ROS package 'nothing'"),
     ],
 )
 def test_what_cannot_be_read_is_a_usage_error(file, text, complaint, package, capsys):
     if file is not None:
-        (package / file).write_text(text)
+        (package / file).write_text(text, errors="surrogateescape")
     assert main(["my_cell" if file else "nothing"]) == USAGE
     assert complaint in capsys.readouterr().err

@@ -203,7 +203,8 @@ def _report(imported: Imported, *, verbose: bool) -> None:
     ):
         print(f", {counted(len(things), what)}" if things else "", end="")
     print(f"\n  of {account.connections} {account.unit} in the file")
-    print(f"    {len(order.wires) - account.wires_joined} are wires")
+    plain = len(order.wires) - account.wires_joined
+    print(f"    {plain} {'is a wire' if plain == 1 else 'are wires'}")
     if account.joined:
         print(f"    {account.joined} are merged into {counted(account.wires_joined, 'wire')}")
     for reason, count in Counter(item.reason for item in account.left_out).most_common():
@@ -211,9 +212,12 @@ def _report(imported: Imported, *, verbose: bool) -> None:
     for column in account.unused_columns:
         print(f"  {column}")
     if inside < len(order.wires):
-        print(f"  {inside} wires lie in the cabinet, {len(order.wires) - inside} leave it")
+        lie, leaves = "lies" if inside == 1 else "lie", len(order.wires) - inside
+        leave = "leaves" if leaves == 1 else "leave"
+        print(f"  {counted(inside, 'wire')} {lie} in the cabinet, {leaves} {leave} it")
     hint = "" if verbose else " (--verbose lists them)"
-    print(f"  {len(account.assumptions)} assumptions, {len(account.ignored)} other omissions{hint}")
+    assumptions = counted(len(account.assumptions), "assumption")
+    print(f"  {assumptions}, {counted(len(account.ignored), 'other omission')}{hint}")
     if verbose:
         for note in account.notes:
             print(f"    {note}")

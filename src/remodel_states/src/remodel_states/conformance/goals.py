@@ -49,9 +49,19 @@ def invalid_goals(good: Message) -> Iterator[BadGoal]:
 
 def goals_with_unknown_names(good: Message) -> Iterator[BadGoal]:
     """Yield goals about things that do not exist: whatever a server does, they cannot succeed."""
-    for name, kind in zip(good.__slots__, good._slot_types, strict=True):
-        if kind == "string" and name != "id" and getattr(good, name):
+    for name in _names(good):
+        if getattr(good, name):
             yield BadGoal(name, f"{name} {UNKNOWN_NAME!r}", _with(good, name, UNKNOWN_NAME))
+
+
+def names_left_empty(good: Message) -> list[str]:
+    """Return the fields of names that are empty in a goal, so that no other name is tried."""
+    return [name for name in _names(good) if not getattr(good, name)]
+
+
+def _names(goal: Message) -> list[str]:
+    kinds = zip(goal.__slots__, goal._slot_types, strict=True)
+    return [name for name, kind in kinds if kind == "string" and name != "id"]
 
 
 def _with(good: Message, name: str, value: object) -> Message:

@@ -8,6 +8,7 @@ from typing import Any
 import genpy
 import yaml
 from genpy import Message
+from roslib.message import get_message_class
 
 # [s] Timeout of a goal that names none.
 TIMEOUT_S = 60.0
@@ -17,6 +18,30 @@ ID = "conformance"
 
 class GoalError(Exception):
     """The goal cannot be read; the text says where, what was found and what to do."""
+
+
+def action_class(name: str) -> type[Message]:
+    """Return the class of an action.
+
+    Args:
+        name: such as `DetectCable` (of remodel_msgs) or `package/Name`, with or without Action.
+
+    Raises:
+        GoalError: if there is no such action, or the messages of its package cannot be imported.
+    """
+    kind = name if "/" in name else f"remodel_msgs/{name}"
+    kind = f"{kind.removesuffix('Action')}Action"
+    try:
+        found = get_message_class(kind)
+    except Exception as error:
+        raise GoalError(f"cannot load {kind}: {type(error).__name__}: {error}") from error
+    if found is None or not hasattr(found, "_type") or "action_goal" not in found.__slots__:
+        raise GoalError(
+            f"there is no action {kind.removesuffix('Action')}; give one of another package as "
+            "package/Name. `rosmsg list` lists the types, and those of actions end in Action. The "
+            "package must be built, and its setup.bash sourced"
+        )
+    return found
 
 
 def read_goal(action_type: type[Message], text: str) -> Any:  # noqa: ANN401 - any ability's goal

@@ -32,7 +32,7 @@ class Violation:
     """A clause that a server does not keep.
 
     Attributes:
-        rule: name of the clause, stable.
+        rule: name of the clause in `clauses.CLAUSES`, stable.
         found: what was seen, and what would have been right.
     """
 
@@ -118,7 +118,7 @@ def reports_elapsed_time(exchange: Exchange) -> Iterator[Violation]:
 
 
 def reports_progress(exchange: Exchange) -> Iterator[Violation]:
-    """Feedback exists, is in range, never decreases and arrives before the result."""
+    """Feedback is in range, never decreases and arrives before the result."""
     messages = [feedback.message for feedback in exchange.feedback]
     shares = [message.completed_percentage for message in messages]
     times = [message.elapsed_time for message in messages]
@@ -137,11 +137,15 @@ def reports_progress(exchange: Exchange) -> Iterator[Violation]:
     if fall is not None:
         yield Violation("feedback-time", f"elapsed_time went from {fall[0]:g} to {fall[1]:g} s")
     if exchange.result is not None and not exchange.is_refused:
-        if not messages and exchange.took_s > SILENT_LIMIT_S:
-            yield Violation("no-feedback", f"no feedback in {exchange.took_s:.1f} s")
         late = [f for f in exchange.feedback if f.ros_s > exchange.result.ros_s + LATE_S]
         if late:
             yield Violation("feedback-after-end", f"{len(late)} feedback messages after the result")
+
+
+def gives_feedback(exchange: Exchange) -> Iterator[Violation]:
+    """A goal that takes long reports its progress."""
+    if not exchange.feedback and exchange.took_s > SILENT_LIMIT_S:
+        yield Violation("no-feedback", f"no feedback in {exchange.took_s:.1f} s")
 
 
 def keeps_its_timeout(exchange: Exchange) -> Iterator[Violation]:

@@ -8,13 +8,32 @@ from collections.abc import Callable, Collection, Iterator
 from dataclasses import dataclass
 
 from genpy import Message
+from remodel_msgs.msg import ErrorCode
 
 from remodel_states.conformance import rules
+from remodel_states.conformance.clauses import (
+    CANCEL,
+    FEEDBACK,
+    INVALID_GOAL,
+    NOMINAL,
+    OLD_GOAL,
+    OTHERS,
+    RESTART,
+    TIMEOUT,
+    TWO_AT_ONCE,
+    UNKNOWN_CANCEL,
+    UNKNOWN_NAME,
+    TrialKind,
+)
 from remodel_states.conformance.exchange import Exchange
-from remodel_states.conformance.goals import goals_with_unknown_names, invalid_goals
+from remodel_states.conformance.goals import (
+    goals_with_unknown_names,
+    invalid_goals,
+    names_left_empty,
+)
 from remodel_states.conformance.probe import Probe
 from remodel_states.conformance.rules import Rule, Violation
-from remodel_states.core.contract_times import GRACE_S
+from remodel_states.core.contract_times import GRACE_S, SILENT_LIMIT_S
 
 # [s] ROS time in which a server refuses a goal, or is heard to work on it.
 ANSWER_LIMIT_S = 5.0
@@ -52,7 +71,12 @@ class Trials:
     """The trials of one server."""
 
     def __init__(
-        self, probe: Probe, goal: Message, codes: Collection[int], restart: str = ""
+        self,
+        probe: Probe,
+        goal: Message,
+        codes: Collection[int],
+        restart: str = "",
+        restart_limit_s: float = RESTART_LIMIT_S,
     ) -> None:
         """Prepare.
 
@@ -61,10 +85,12 @@ class Trials:
             goal: a goal that it can do, with id and timeout.
             codes: all error codes.
             restart: shell command that kills and restarts the server; empty for none.
+            restart_limit_s: [s] wall time for that command, and again until the server serves.
         """
         self._probe = probe
         self._goal = goal
         self._restart = restart
+        self._restart_limit_s = restart_limit_s
         self._count = 0
         self._nominal_s = 0.0
         self._always: tuple[Rule, ...] = (
@@ -96,18 +122,16 @@ class Trials:
         nominal = self._send()
         yield self._nominal(nominal)
         if not nominal.results:
+            yield _unjudged(OTHERS, OTHERS.unjudged)
             return
+        yield self._feedback(nominal)
         yield self._unknown_cancel()
         yield self._timeout()
         yield self._cancel()
         yield self._two_at_once()
         yield from self._invalid_goals()
         yield from self._unknown_names()
-        yield (
-            self._restarted()
-            if self._restart
-            else Trial("restart of the server", unjudged="no command given, see --restart")
-        )
+        yield from self._restarted()
 
     def _nominal(self, exchange: Exchange) -> Trial:
         self._finish(exchange)
@@ -118,64 +142,79 @@ class Trials:
             )
         self._probe.wait(lambda: False, LINGER_S)
         self._nominal_s = exchange.took_s
-        return self._judged("a goal that can be done", [exchange])
+        return self._judged(NOMINAL.name, [exchange])
+
+    def _feedback(self, exchange: Exchange) -> Trial:
+        if not exchange.feedback and exchange.took_s <= SILENT_LIMIT_S:
+            return _unjudged(
+                FEEDBACK,
+                f"the goal took {exchange.took_s:.2f} s, and only one that takes longer than "
+                f"{SILENT_LIMIT_S:g} s must report its progress",
+            )
+        return Trial(FEEDBACK.name, tuple(rules.gives_feedback(exchange)))
 
     def _unknown_cancel(self) -> Trial:
-        name = "a cancel of a goal that was never sent"
         if self._is_quick():
-            return Trial(name, unjudged=self._too_quick())
+            return _unjudged(UNKNOWN_CANCEL, self._too_quick())
         exchange = self._send()
-        self._while_it_runs(exchange)
+        if not self._runs(exchange):
+            return _unjudged(UNKNOWN_CANCEL, self._ended_before("the cancel"))
         self._probe.cancel_unknown_goal()
         self._finish(exchange)
-        trial = self._judged(name, [exchange])
+        trial = self._judged(UNKNOWN_CANCEL.name, [exchange])
         if exchange.result and exchange.result.status in rules.CANCELLED:
             found = Violation("foreign-cancel", "a cancel with another id cancelled the goal")
-            return Trial(name, (*trial.faults, found))
+            return Trial(trial.name, (*trial.faults, found))
         return trial
 
     def _timeout(self) -> Trial:
-        name = "a timeout shorter than the ability takes"
         if self._is_quick():
-            return Trial(name, unjudged=self._too_quick())
-        exchange = self._send(timeout=self._nominal_s / 2)
-        self._finish(exchange)
+            return _unjudged(TIMEOUT, self._too_quick())
+        exchange = self._finish(self._send(timeout=self._nominal_s / 2))
         if exchange.is_refused:
-            return Trial(name, unjudged=f"the server refuses it: {exchange.result.reason}")
-        trial = self._judged(name, [exchange])
-        if trial.faults or not exchange.is_done:
+            return _unjudged(TIMEOUT, f"the server refuses it: {exchange.result.reason}")
+        trial = self._judged(TIMEOUT.name, [exchange])
+        result = exchange.result
+        if trial.faults or result is None or result.message.error_code == ErrorCode.TIMEOUT:
             return trial
         timeout_s = exchange.goal.timeout
-        return Trial(
-            name,
-            unjudged=f"the goal succeeded after {exchange.took_s:.2f} s, with a timeout of "
+        if not exchange.is_done:
+            return _unjudged(
+                TIMEOUT,
+                f"the goal failed before its timeout of {timeout_s:.2f} s: {result.reason}",
+            )
+        return _unjudged(
+            TIMEOUT,
+            f"the goal succeeded after {exchange.took_s:.2f} s, with a timeout of "
             f"{timeout_s:.2f} s and {GRACE_S:g} s of grace: a server that ignores timeouts does "
             f"the same. Give a goal that takes at least {2 * GRACE_S + 1:g} s, see --goal",
         )
 
     def _cancel(self) -> Trial:
-        name = "a cancel while the ability works"
         if self._is_quick():
-            return Trial(name, unjudged=self._too_quick())
+            return _unjudged(CANCEL, self._too_quick())
         exchange = self._send()
-        self._while_it_runs(exchange)
+        if not self._runs(exchange):
+            return _unjudged(CANCEL, self._ended_before("the cancel"))
         self._probe.cancel(exchange)
         self._finish(exchange)
-        return self._judged(name, [exchange])
+        return self._judged(CANCEL.name, [exchange])
 
     def _two_at_once(self) -> Trial:
-        name = "a second goal while the first is done"
         if self._is_quick():
-            return Trial(name, unjudged=self._too_quick())
+            return _unjudged(TWO_AT_ONCE, self._too_quick())
         first = self._send()
-        self._while_it_runs(first)
+        if not self._runs(first):
+            return _unjudged(TWO_AT_ONCE, self._ended_before("the second one"))
         second = self._send()
         self._finish(first)
         self._finish(second)
-        return self._judged(name, [first, second], without=(rules.reports_elapsed_time,))
+        return self._judged(
+            TWO_AT_ONCE.name, [first, second], without=(rules.reports_elapsed_time,)
+        )
 
     def _invalid_goals(self) -> Iterator[Trial]:
-        for bad in invalid_goals(self._goal):
+        for bad in (bad_goals := list(invalid_goals(self._goal))):
             exchange = self._send(bad.goal)
             self._probe.wait(
                 lambda e=exchange: bool(e.results) or e.active_ros_s is not None, ANSWER_LIMIT_S
@@ -186,30 +225,63 @@ class Trials:
             refuses = rules.refuses_invalid_goal(bad.field)
             faults = [*refuses(exchange)] or [*rules.answers_once(exchange)]
             yield Trial(f"a goal with {bad.what}", tuple(faults))
+        if all(bad.field in ("id", "timeout") for bad in bad_goals):
+            reason = "with NaN: the goal has no other field of numbers than timeout"
+            yield _unjudged(INVALID_GOAL, reason)
 
     def _unknown_names(self) -> Iterator[Trial]:
-        for bad in goals_with_unknown_names(self._goal):
+        for bad in (bad_goals := list(goals_with_unknown_names(self._goal))):
             exchange = self._finish(self._send(bad.goal))
             also = (rules.fails_with_unknown_name,)
             yield self._judged(f"a goal with {bad.what}", [exchange], also)
+        if empty := names_left_empty(self._goal):
+            reason = f"empty in the goal: {', '.join(empty)}; give names, see --goal"
+            yield _unjudged(UNKNOWN_NAME, reason)
+        elif not bad_goals:
+            yield _unjudged(UNKNOWN_NAME, "the goal has no field of text but id")
 
-    def _restarted(self) -> Trial:
-        name = "restart of the server"
+    def _restarted(self) -> Iterator[Trial]:
+        if not self._restart:
+            yield _unjudged(RESTART, "no command given, see --restart")
+            return
         running = self._send()
-        done = subprocess.run(
-            self._restart, shell=True, check=False, timeout=RESTART_LIMIT_S, capture_output=True
-        )
-        if done.returncode:
-            text = done.stderr.decode(errors="replace").strip()
-            return Trial(name, unjudged=f"the command failed with {done.returncode}: {text}")
-        if not self._probe.wait_for_server(RESTART_LIMIT_S):
-            return Trial(name, (Violation("not-back", f"not back after {RESTART_LIMIT_S:g} s"),))
+        self._probe.wait(lambda: running.active_ros_s is not None, ANSWER_LIMIT_S)
+        ended_before = bool(running.results)
+        if reason := self._restart_problem():
+            yield _unjudged(RESTART, reason)
+            yield _unjudged(OLD_GOAL, "the server was not restarted")
+            return
+        if not self._probe.wait_for_server(self._restart_limit_s):
+            found = f"not back after {self._restart_limit_s:g} s"
+            yield Trial(RESTART.name, (Violation("not-back", found),))
+            yield _unjudged(OLD_GOAL, "the server is not back")
+            return
         after = self._finish(self._send())
-        trial = self._judged(name, [after])
+        yield self._judged(RESTART.name, [after])
+        if ended_before:
+            yield _unjudged(OLD_GOAL, self._ended_before("the restart"))
+            return
+        self._probe.wait(lambda: bool(running.results), self._nominal_s)
         if running.is_done and running.result.ros_s > after.sent_ros_s:
-            found = Violation("ghost", "the new server ended the goal of the old one with success")
-            return Trial(name, (*trial.faults, found))
-        return trial
+            found = "the new server ended the goal of the old one with success"
+            yield Trial(OLD_GOAL.name, (Violation("ghost", found),))
+        else:
+            yield Trial(OLD_GOAL.name)
+
+    def _restart_problem(self) -> str:
+        """Restart the server; return why that was not possible, empty if it was."""
+        try:
+            done = subprocess.run(
+                self._restart,
+                shell=True,
+                check=False,
+                timeout=self._restart_limit_s,
+                capture_output=True,
+            )
+        except subprocess.TimeoutExpired:
+            return f"the command did not end within {self._restart_limit_s:g} s"
+        text = done.stderr.decode(errors="replace").strip()
+        return f"the command failed with {done.returncode}: {text}" if done.returncode else ""
 
     def _send(self, goal: Message | None = None, timeout: float | None = None) -> Exchange:
         """Send a goal; the good one gets an id of its own."""
@@ -229,9 +301,9 @@ class Trials:
             self._probe.wait(lambda: bool(exchange.results), ANSWER_LIMIT_S)
         return exchange
 
-    def _while_it_runs(self, exchange: Exchange) -> None:
-        """Wait until a third of the time is over that the ability takes."""
-        self._probe.wait(lambda: bool(exchange.results), self._nominal_s / 3)
+    def _runs(self, exchange: Exchange) -> bool:
+        """Wait for a third of the ability's time; return whether the goal still runs."""
+        return not self._probe.wait(lambda: bool(exchange.results), self._nominal_s / 3)
 
     def _is_quick(self) -> bool:
         return self._nominal_s < QUICKEST_S
@@ -241,6 +313,9 @@ class Trials:
             f"the ability takes {self._nominal_s:.2f} s with this goal; give one that takes at "
             f"least {QUICKEST_S} s"
         )
+
+    def _ended_before(self, what: str) -> str:
+        return f"the goal ended before {what}; it took {self._nominal_s:.2f} s the first time"
 
     def _judged(
         self,
@@ -252,3 +327,7 @@ class Trials:
         judges = [rule for rule in (*self._always, *also) if rule not in without]
         faults = [fault for e in exchanges for rule in judges for fault in rule(e)]
         return Trial(name, tuple(dict.fromkeys(faults)))
+
+
+def _unjudged(kind: TrialKind, reason: str) -> Trial:
+    return Trial(kind.name, unjudged=reason)

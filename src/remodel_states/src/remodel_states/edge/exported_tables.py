@@ -59,7 +59,7 @@ def read_abilities_of(folder: Path) -> tuple[str, dict[str, Ability]]:
         TableError: if it exports no table of abilities, a table cannot be read, or it does not fit
             the actions.
     """
-    name = (ElementTree.parse(folder / "package.xml").findtext("name") or "").strip()
+    name = (_manifest(folder).findtext("name") or "").strip()
     folders = {**exporting_packages(), name: folder}
     files = _exported(folders, "abilities")
     if name not in files:
@@ -101,8 +101,23 @@ def _exported(folders: Mapping[str, Path], table: str) -> dict[str, Path]:
 
 def _export(folder: Path) -> Mapping[str, str] | None:
     """Return what a package exports; None if it exports no tables."""
-    text = (folder / "package.xml").read_bytes()
-    if EXPORT.encode() not in text:
+    if EXPORT.encode() not in (folder / "package.xml").read_bytes():
         return None
-    elements = ElementTree.fromstring(text).findall(f"export/{EXPORT}")
+    elements = _manifest(folder).findall(f"export/{EXPORT}")
     return {key: path for element in elements for key, path in element.items()} or None
+
+
+def _manifest(folder: Path) -> ElementTree.Element:
+    """Return the package.xml of a package.
+
+    Raises:
+        TableError: if it cannot be read.
+    """
+    file = folder / "package.xml"
+    try:
+        return ElementTree.parse(file).getroot()
+    except OSError as error:
+        problem = f"{error.strerror}; give the folder of a package"
+        raise TableError(str(file), [problem]) from error
+    except ElementTree.ParseError as error:
+        raise TableError(str(file), [f"it is not XML: {error}"]) from error

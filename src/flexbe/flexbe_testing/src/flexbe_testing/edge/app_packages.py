@@ -32,7 +32,7 @@ def read_packages(folders: Iterable[Path]) -> Known:
     """Return what the App finds in the folders of packages that export states or behaviors.
 
     Raises:
-        ValueError: if a package.xml or manifest is not XML.
+        ValueError: if a package.xml or manifest is not XML, or a module not UTF-8.
     """
     states: list[StateDefinition] = []
     behaviors: list[BehaviorDefinition] = []
@@ -50,9 +50,21 @@ def read_states(folder: Path) -> Iterator[StateDefinition]:
     for file in sorted(folder.rglob("*.py")):
         if file.name != "__init__.py":
             module = ".".join(file.relative_to(folder.parent).with_suffix("").parts)
-            found = read_state(file.read_text(encoding="utf-8"), module)
+            found = read_state(read_source(file), module)
             if found is not None:
                 yield found
+
+
+def read_source(file: Path) -> str:
+    """Return the text of a file.
+
+    Raises:
+        ValueError: if it is not UTF-8; the text names the file.
+    """
+    try:
+        return file.read_text(encoding="utf-8")
+    except UnicodeDecodeError as error:
+        raise ValueError(f"{file} is not UTF-8: {error.reason} at byte {error.start}") from error
 
 
 def behavior_files(folder: Path) -> Iterator[tuple[Path, Path]]:
@@ -74,7 +86,7 @@ def _read_behaviors(folder: Path) -> Iterator[BehaviorDefinition]:
     for _manifest, code in behavior_files(folder):
         try:
             module = f"{_modules(folder).name}.{code.stem}"
-            yield define_behavior(code.read_text(encoding="utf-8"), module)
+            yield define_behavior(read_source(code), module)
         except AppLoadError:
             continue
 

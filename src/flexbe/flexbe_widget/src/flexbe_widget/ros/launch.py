@@ -10,6 +10,7 @@ from flexbe_msgs.msg import BehaviorLog, BehaviorSelection
 
 from flexbe_widget.core.exit_code import ExitCode, exit_code
 from flexbe_widget.core.run_watch import START_LIMIT_S, Ending, RunEnd, RunWatch, is_busy
+from flexbe_widget.ros.action_feedback import ActionFeedback, Progressed
 from flexbe_widget.ros.engine_link import EngineLink, Entered, Logged, Status
 
 # [s] Wall time between two checks of the heartbeat.
@@ -37,6 +38,7 @@ class Launch:
         self._name = name
         self._events: queue.SimpleQueue[object] = queue.SimpleQueue()
         self._link = EngineLink(self._events.put)
+        self._feedback = ActionFeedback(self._events.put)
 
     def run(self, request: BehaviorSelection, wait_s: float) -> ExitCode:
         """Run the behavior and return how it ended.
@@ -97,8 +99,11 @@ class Launch:
                 ending = watch.on_status(event.code, event.behavior_id, event.args)
                 if watch.is_running and not was_running:
                     say(f"'{self._name}' started")
+                    self._feedback.begin()
             elif isinstance(event, Entered) and event.path:
                 say(f"'{self._name}' is at {event.path}")
+            elif isinstance(event, Progressed):
+                say(event.text)
             elif isinstance(event, Logged):
                 self._print_log(event)
             else:

@@ -8,6 +8,7 @@ from flexbe_synthesizer.core.chart.chart_reader import parse_chart
 from remodel_planner.commands.options.database_option import add_database_option
 from remodel_planner.commands.options.entry import refuses
 from remodel_planning.edge.fault_file import read_error_names
+from remodel_production.core.counted import counted
 from remodel_supervision.core.runs.attempts import attempts_of
 from remodel_supervision.core.runs.event_form import kind_of
 from remodel_supervision.core.runs.events import OperationEnded
@@ -36,7 +37,8 @@ def main(arguments: list[str] | None = None) -> int:
     for difference in differences:
         print(f"DIFFERS: {difference}")
     behaviors = len(attempts_of(each.event for each in kept))
-    print(f"{len(kept)} events, {behaviors} behaviors, {len(differences)} differences")
+    events, different = counted(len(kept), "event"), counted(len(differences), "difference")
+    print(f"{events}, {counted(behaviors, 'behavior')}, {different}")
     return 1 if differences else 0
 
 

@@ -2,14 +2,15 @@
 
 from __future__ import annotations
 
-import sys
+import contextlib
 import time
 import uuid
 
 import rospy
-from remodel_msgs.msg import RunUseCaseAction, RunUseCaseGoal, UseCaseState
-from tqdm import tqdm
+from remodel_msgs.msg import RunUseCaseAction, RunUseCaseGoal, UseCaseChanges, UseCaseState
+from remodel_msgs.srv import GetTasks
 
+from remodel_planner.commands.runs.run_bar import RunBar
 from remodel_planner.core.reports.run_report import failure_line
 from remodel_planning.core.use_case.fault import Do
 from remodel_production.core.counted import counted
@@ -22,7 +23,7 @@ from remodel_supervision.core.runs.state import RunState, Stage
 from remodel_supervision.edge.run_log import RunLog
 from remodel_supervision.errors import CellError
 from remodel_supervision.ros.action_server import ActionServer, Goal
-from remodel_supervision.ros.server.state_publisher import STATE
+from remodel_supervision.ros.server.state_publisher import CHANGES, STATE, TASKS
 
 # [s] wall time that the supervisor's node, with all that it needs, gets to come up.
 _START_LIMIT_S = 60.0
@@ -72,7 +73,11 @@ class RunFollower:
         self._ended = Attempts()
         self.number = 0
         self.attempts: tuple[Attempt, ...] = ()
+        self._expected_s: dict[str, float] = {}
+        self._is_replanned = True
+        self._tasks = rospy.ServiceProxy(TASKS, GetTasks)
         rospy.Subscriber(STATE, UseCaseState, self._on_state)
+        rospy.Subscriber(CHANGES, UseCaseChanges, self._on_changes)
 
     def run(self, tasks: int, *, use_case: str = "", again: bool = False) -> RunState:
         """Run the first tasks of the order, and return how it ended.
@@ -94,13 +99,18 @@ class RunFollower:
         )
         goal = self._accepted(request)
         total = len(self._log.state(self.number).tasks)
-        with tqdm(total=total, unit="task", file=sys.stdout, leave=False, disable=None) as bar:
+        with RunBar(total) as bar:
             while True:
                 goal.wait(_READ_S)
                 state, lines = self._news()
                 for line in lines:
                     bar.write(line)
-                bar.update(sum(task.stage.is_lasting for task in state.tasks.values()) - bar.n)
+                now = self._published
+                bar.show(
+                    sum(task.stage.is_lasting for task in state.tasks.values()),
+                    now if now is not None and now.run == self.number else None,
+                    self._expected(),
+                )
                 if state.ended is not None:
                     return state
                 self._require_supervisor()
@@ -159,6 +169,19 @@ class RunFollower:
 
     def _on_state(self, state: UseCaseState) -> None:
         self._published, self._heard_s = state, time.monotonic()
+
+    def _on_changes(self, changes: UseCaseChanges) -> None:
+        self._is_replanned |= changes.replanned
+
+    def _expected(self) -> dict[str, float]:
+        """Return how long each task was expected to take [s, ROS time], as far as that is known."""
+        if self._is_replanned:
+            self._is_replanned = False
+            with contextlib.suppress(rospy.ServiceException):  # of a supervisor that dies: later
+                for task in self._tasks(run=self.number).tasks:
+                    if task.expected_s:
+                        self._expected_s[task.name] = task.expected_s
+        return self._expected_s
 
 
 def _hold_line(state: UseCaseState) -> str:

@@ -15,7 +15,8 @@ class Connection:
     Attributes:
         wire: its name.
         designed: the terminals of ends a and b.
-        found: the terminals that hold them, "component/terminal"; empty: none.
+        found: the terminals that hold them, "component/terminal"; empty: none. The cell's ends a
+            and b may be the design's b and a.
         is_fixed: whether both are held by closed clamps.
     """
 
@@ -26,9 +27,12 @@ class Connection:
 
     @property
     def is_right(self) -> bool:
-        """Whether the wire connects what the design says, and stays there."""
-        wanted = tuple(f"{ref.component}/{ref.terminal}" for ref in self.designed)
-        return self.is_fixed and self.found == wanted
+        """Whether the wire connects what the design says, and stays there.
+
+        Which of its ends is called a does not matter: a layout may turn a wire round.
+        """
+        wanted = [f"{ref.component}/{ref.terminal}" for ref in self.designed]
+        return self.is_fixed and sorted(self.found) == sorted(wanted)
 
     @property
     def says(self) -> str:

@@ -1,0 +1,1 @@
+"""Ability servers for robots whose controllers take poses and publish wrenches."""

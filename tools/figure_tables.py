@@ -1,0 +1,58 @@
+"""Tables of figures in the docs, from the files that benchmarks write.
+
+A page holds a block
+
+    <!-- figures: sim.jsonl -->
+    <!-- end of figures -->
+
+and `make generate` writes the rows of docs/figures/sim.jsonl between its lines. A line of JSON is a
+figure with `what`, `value`, `unit`, and what it is to be: at most `most` or `target`, at least
+`least`; or else a row of a table, whose keys are the columns. `test/test_generated.py` compares, so
+that page and file cannot disagree.
+"""
+
+import json
+import re
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+DOCS = Path(__file__).parents[1] / "docs"
+FIGURES = DOCS / "figures"
+
+BLOCK = re.compile(
+    r"(?P<begin><!-- figures: (?P<file>[\w-]+\.jsonl) -->\n).*?(?P<end><!-- end of figures -->)",
+    re.DOTALL,
+)
+COLUMNS = ("figure", "target", "measured")
+
+
+def pages_with_figures() -> Iterator[tuple[Path, str]]:
+    """Yield each page that has a block, with the text that it should have."""
+    for page in sorted(DOCS.rglob("*.md")):
+        text = page.read_text(encoding="utf-8")
+        if BLOCK.search(text):
+            yield page, BLOCK.sub(_filled, text)
+
+
+def _filled(block: re.Match[str]) -> str:
+    lines = (FIGURES / block["file"]).read_text(encoding="utf-8").splitlines()
+    rows = [_cells(json.loads(line)) for line in lines]
+    columns = list(dict.fromkeys(column for row in rows for column in row))
+    table = [columns, ["---"] * len(columns), *([row.get(c, "") for c in columns] for row in rows)]
+    text = "".join(f"| {' | '.join(cells)} |\n" for cells in table)
+    return f"{block['begin']}\n{text}\n{block['end']}"
+
+
+def _cells(figure: dict[str, Any]) -> dict[str, str]:
+    if "value" not in figure:
+        return {column: str(value) for column, value in figure.items()}
+    least, most = figure.get("least"), figure.get("most", figure.get("target"))
+    value, unit = figure["value"], f" {figure['unit']}".rstrip()
+    target, met = "", True
+    if most is not None:
+        target, met = f"at most {most:g}{unit}", value <= most
+    if least is not None:
+        target, met = f"at least {least:g}{unit}", value >= least
+    measured = f"{value:.3g}{unit}{'' if met else ' (missed)'}"
+    return dict(zip(COLUMNS, (figure["what"].replace("|", "/"), target, measured), strict=True))
