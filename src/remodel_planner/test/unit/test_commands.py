@@ -96,6 +96,7 @@ def test_an_account_and_a_plan_are_printed_for_programs(tmp_path, database, caps
     assert said["account"]["unused_columns"] == [
         {"source": "column 'Shelf'", "reason": "its heading is not known"}
     ]
+    assert {"cabinet", "switchgear"} <= set(said["use_cases"])
     triage = said["triage"]
     assert (triage["robot"], triage["by_hand"][0]["task"]) == (["W1", "W3"], "W2")
     assert "characteristics.task.section_mm2" in triage["by_hand"][0]["reason"]

@@ -25,6 +25,7 @@ from remodel_planner.commands.options.documents import (
 )
 from remodel_planner.commands.options.entry import refuses
 from remodel_planning.core.decomposition.preparation import prepare
+from remodel_planning.edge.use_case_files import use_case_names
 from remodel_planning.edge.yaml_file import read_yaml
 from remodel_production.core.board.board import board_of
 from remodel_production.core.board.cabinet import laid_out
@@ -194,6 +195,7 @@ def _document(
     short, long = _length_findings(imported, order, catalogue)
     document = order_document(imported.order, imported.account)
     document["lengths"] = {"too_short": short, "too_long": long}
+    document["use_cases"] = use_case_names()
     try:
         work, _ = design_order(order, options)
     except PlannerError as error:
