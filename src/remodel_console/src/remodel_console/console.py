@@ -19,6 +19,7 @@ from remodel_console.core.use_case.record import Record, Summary
 from remodel_console.core.use_case.use_case import Choice
 from remodel_console.desk import Desk
 from remodel_console.edge.catalogue import Catalogue
+from remodel_console.edge.order_desk.order_drafts import OrderDraft, OrderDrafts
 from remodel_console.edge.settings_file import SettingsFile
 from remodel_console.edge.workspace import Workspace
 from remodel_console.errors import CommandError
@@ -37,8 +38,11 @@ class Supervisor(Protocol):
     (pause, stop, protective stop, skip) is answered when nothing moves any more.
     """
 
-    def run(self, order: str, tasks: int, by: str, *, again: bool) -> str:
-        """Start an order: so many of its tasks, 0 for all; `again`: those that are done too."""
+    def run(self, order: str, tasks: int, by: str, *, again: bool, use_case: str = "") -> str:
+        """Start an order: so many of its tasks, 0 for all; `again`: those that are done too.
+
+        An empty use case is the supervisor's default.
+        """
 
     def pause(self, by: str) -> str:
         """Have the run pause."""
@@ -112,8 +116,13 @@ class Console:
         workspace: Workspace,
         catalogue: Catalogue,
         settings: SettingsFile,
+        drafts: OrderDrafts,
+        database: str,
     ) -> None:
-        """Join the parts."""
+        """Join the parts.
+
+        `database` is the URL of the production database; empty if the console was given none.
+        """
         self.door = door
         self.desk = desk
         self.live = live
@@ -121,6 +130,8 @@ class Console:
         self.workspace = workspace
         self.catalogue = catalogue
         self.settings = settings
+        self.drafts = drafts
+        self._database = database
         self.steering = Steering(live, sessions.commands, catalogue)
         self.pictures = Pictures()
         self.scene = Scene()
@@ -143,6 +154,35 @@ class Console:
         if self.supervisor is None:
             raise CommandError("ROS is not running; start it: roscore")
         return deed(self.supervisor)
+
+    def store(self, draft: OrderDraft, name: str) -> str:
+        """Store a draft as an order of the production database, and return the answer.
+
+        Raises:
+            CommandError: if the console knows no database, or the planner refuses.
+        """
+        if not self._database:
+            raise CommandError(
+                "the console was started without a production database; give it that of the "
+                "supervisor: --database URL, or REMODEL_DATABASE in its environment"
+            )
+        if not name:
+            raise CommandError("give the order a name")
+        return draft.store(name, self._database)
+
+    def require_order(self, name: str) -> None:
+        """Check that the supervisor knows an order.
+
+        Raises:
+            CommandError: if it does not, or does not answer.
+        """
+        if self.recorder is None:
+            raise CommandError("ROS is not running; start it: roscore")
+        if name not in self.recorder.orders():
+            raise CommandError(
+                f"the supervisor has no order '{name}': it works with another production database "
+                "than this console; start both with the same one"
+            )
 
     def take(self, event: Event) -> None:
         """Take in an event of the engine; find the decisions of a new behavior."""

@@ -8,6 +8,7 @@ from __future__ import annotations
 import argparse
 import os
 import sys
+import tempfile
 import threading
 from collections.abc import Sequence
 from dataclasses import replace
@@ -21,6 +22,8 @@ from remodel_console.desk import Desk
 from remodel_console.edge.catalogue import Catalogue
 from remodel_console.edge.journal import Journal
 from remodel_console.edge.log_file import LogFile
+from remodel_console.edge.order_desk.order_drafts import OrderDrafts
+from remodel_console.edge.order_desk.planner_process import DATABASE_VARIABLE, PlannerProcess
 from remodel_console.edge.settings_file import SettingsFile
 from remodel_console.edge.token_file import read_tokens
 from remodel_console.edge.workspace import OUTPUT, Workspace
@@ -56,6 +59,8 @@ def main(arguments: Sequence[str]) -> int:
         options.output,
     )
     sessions = Sessions(lambda: Session(workspace, lambda: settings.now))
+    planner = PlannerProcess()
+    drafts = OrderDrafts(Path(tempfile.mkdtemp(prefix="remodel_orders_")), planner)
     console = Console(
         door,
         Desk(journal),
@@ -64,13 +69,20 @@ def main(arguments: Sequence[str]) -> int:
         workspace=workspace,
         catalogue=Catalogue(package_path),
         settings=settings,
+        drafts=drafts,
+        database=options.database,
     )
     end = threading.Event()
     joining = threading.Thread(target=join_ros, args=(console, journal, end))
     app.on_startup(joining.start)
     app.on_shutdown(end.set)
+    app.on_shutdown(planner.end)
     _print_address(door, options.port)
-    serve(console, options.port)
+    try:
+        serve(console, options.port)
+    finally:
+        planner.end()
+        drafts.end()
     return 0
 
 
@@ -95,6 +107,13 @@ def _read_options(arguments: Sequence[str]) -> argparse.Namespace:
     parser.add_argument("--user-charts", default="~/remodel_charts", help="one more chart folder")
     parser.add_argument(
         "--output", default=OUTPUT, help="package for the behaviors of charts outside any package"
+    )
+    parser.add_argument(
+        "--database",
+        metavar="URL",
+        default=os.environ.get(DATABASE_VARIABLE, ""),
+        help="production database of the supervisor, in which the order desk stores orders; by "
+        f"default that in the environment, {DATABASE_VARIABLE}",
     )
     parser.add_argument("--settings", default=_SETTINGS, help="file that keeps the configuration")
     parser.add_argument("--log", default=_LOG, help="file that keeps the last lines of the log")

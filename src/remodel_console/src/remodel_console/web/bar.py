@@ -23,6 +23,7 @@ _DEEDS = {True: "dark", False: "light"}
 
 PAGES = (
     ("Overview", "/overview"),
+    ("Order desk", "/order_desk"),
     ("Runtime control", "/runtime"),
     ("Editor", "/editor"),
     ("Replay", "/replay"),

@@ -11,7 +11,7 @@ from starlette.requests import Request
 
 from remodel_console.console import Console
 from remodel_console.core.access import Actor, Role
-from remodel_console.core.answer import DONE, CommandResult
+from remodel_console.core.answer import DONE, REFUSED, CommandResult
 from remodel_console.core.commands import Command, Verb
 from remodel_console.core.inbox import Card, Kind, Option, cards
 from remodel_console.core.world import Notice, World, notices
@@ -102,14 +102,22 @@ class Page:
     def press_with_alt(self, key: str) -> None:
         """Do what Alt and a key mean on this page, such as a command to the robot."""
 
-    async def give(self, command: str, deed: Callable[[], str | None]) -> CommandResult:
+    async def give(
+        self, command: str, deed: Callable[[], str | None], *, shows_error: bool = True
+    ) -> CommandResult:
         """Execute a command, show its error if it fails, and return the answer.
 
         Its sender may have closed the dialog, or the page, before the answer comes.
+
+        Args:
+            command: what it is, for the record.
+            deed: does it, and returns the answer in words.
+            shows_error: false if the page itself shows why the command failed.
         """
         actor = self.actor
         answer = await on_own_thread(lambda: self.console.desk.give(actor, command, deed))
-        if answer.state != DONE and not self._dialogs.is_deleted:
+        is_shown = shows_error or answer.state == REFUSED
+        if answer.state != DONE and is_shown and not self._dialogs.is_deleted:
             with self._dialogs:
                 ui.notify(
                     answer.words, type="negative", multi_line=True, close_button="OK", timeout=0
