@@ -166,7 +166,7 @@ require:
         self.assertIn(("run order 'our loom', use case cabinet", "done"), self.recorded())
         orders = OrderClient(OUTPUT)
         run = orders.run_state(orders.runs()[0])
-        self.assertEqual(run.ended.ending, Ending.DONE)
+        self.assertEqual(run.ended.ending, Ending.COMPLETE)
         self.assertEqual(list(run.tasks), [MARKUP, "W2", "W1"])
         self.assertEqual(
             ProductionDatabase(DATABASE).preferences("our loom")["require"][0]["name"], "down"
