@@ -8,7 +8,7 @@ from collections.abc import Callable
 from typing import Protocol
 
 from flexbe_synthesizer.core.chart.model import Chart
-from remodel_console.core.access import Door
+from remodel_console.core.access import Account, Door, Role, User
 from remodel_console.core.editor.drawing import opened
 from remodel_console.core.inbox import Card, Option
 from remodel_console.core.run.decision import Decisions, decisions_of
@@ -66,6 +66,13 @@ class Supervisor(Protocol):
         """Answer a question by its number."""
 
 
+class Users(Protocol):
+    """The users of the pages."""
+
+    def account(self, name: str) -> Account | None:
+        """Return what is known of a user now; None if there is none of that name."""
+
+
 class Inputs(Protocol):
     """The values that states ask for; both calls raise CommandError if one is no longer open."""
 
@@ -118,10 +125,12 @@ class Console:
         settings: SettingsFile,
         drafts: OrderDrafts,
         database: str,
+        users: Users | None = None,
     ) -> None:
         """Join the parts.
 
-        `database` is the URL of the production database; empty if the console was given none.
+        `database` is the URL of the production database; empty if the console was given none. A
+        console without `users` lets everybody on this computer do everything.
         """
         self.door = door
         self.desk = desk
@@ -132,6 +141,7 @@ class Console:
         self.settings = settings
         self.drafts = drafts
         self._database = database
+        self._users = users
         self.steering = Steering(live, sessions.commands, catalogue)
         self.pictures = Pictures()
         self.scene = Scene()
@@ -154,6 +164,13 @@ class Console:
         if self.supervisor is None:
             raise CommandError("ROS is not running; start it: roscore")
         return deed(self.supervisor)
+
+    def role_of(self, user: User) -> Role:
+        """Return what a user may do now."""
+        if self._users is None:
+            return user.role
+        account = self._users.account(user.name)
+        return account.role if account else Role.WATCHER
 
     def store(self, draft: OrderDraft, name: str) -> str:
         """Store a draft as an order of the production database, and return the answer.

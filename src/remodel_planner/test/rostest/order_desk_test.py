@@ -152,6 +152,9 @@ require:
         page.get_by_text("Tasks in their order").click()
         self.assertEqual(self.planned(), [MARKUP, "W2", "W1"])
         self.assertIn("Order desk", page.title())
+        page.locator(".order-desk").evaluate("(desk) => desk.scrollTo(0, 0)")
+        page.set_viewport_size({"width": 1280, "height": 1500})
+        self.take_picture(page, "order-desk")
 
     def planned(self):
         return self.page.locator("details td:nth-child(2)").all_inner_texts()

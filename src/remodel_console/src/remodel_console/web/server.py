@@ -17,7 +17,7 @@ from remodel_console.web.broadcast import Broadcast
 from remodel_console.web.configuration_page import ConfigurationPage
 from remodel_console.web.editor.editing_page import SESSION, released
 from remodel_console.web.editor.editor_page import EditorPage
-from remodel_console.web.guard import Guard
+from remodel_console.web.guard import Guard, Users
 from remodel_console.web.order_desk.design_upload import take_design
 from remodel_console.web.order_desk.order_desk_page import ADDRESS, FILE_ADDRESS, OrderDeskPage
 from remodel_console.web.overview.overview_page import OverviewPage
@@ -40,11 +40,11 @@ _RECONNECT_S = 30.0  # for which the page of a browser that has lost us is kept
 _PING_S, _PONG_S = 2.0, 3.0  # a page whose network is gone says so after both
 
 
-def serve(console: Console, port: int) -> None:
+def serve(console: Console, port: int, users: Users | None = None) -> None:
     """Serve until a signal ends the process."""
     broadcast = Broadcast()
     app.add_static_files("/console", _STATIC)
-    app.add_middleware(Guard, door=console.door)
+    app.add_middleware(Guard, door=console.door, users=users, record=console.desk.record)
     app.on_startup(broadcast.bind)
     app.on_startup(_ping_often)
     console.live.on_change(broadcast.wake)

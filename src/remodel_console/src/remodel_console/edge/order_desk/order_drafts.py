@@ -100,13 +100,18 @@ class OrderDraft:
         """Return the drawing of the board."""
         return self.folder / _BOARD
 
-    def read(self) -> str:
+    def read(self, mapping: str | None = None) -> str:
         """Read the file, draw its board and plan it, and return the answer.
+
+        Args:
+            mapping: YAML of what the columns of a list mean from now on; None: as it is.
 
         Raises:
             CommandError: the command's own error, if the file is refused.
         """
         with self._doing("reading the file"):
+            if mapping is not None:
+                self._change(mapping=mapping)
             self._change(imported=None, plan=None, no_plan=None, explanation="")
             (self.folder / "draft.sqlite").unlink(missing_ok=True)
             try:
@@ -125,12 +130,20 @@ class OrderDraft:
             self.plan()
         return f"read {self.file.name}: {imported.counts['wires']} wires"
 
-    def plan(self) -> str:
+    def plan(self, use_case: str | None = None, arms: int | None = None) -> str:
         """Plan by the present preferences, and return the answer.
 
         An order without a plan is an answer, too: `now` says why there is none.
+
+        Args:
+            use_case: by which the order is planned and run from now on; None: as it is.
+            arms: that it is planned for from now on; None: as it is.
         """
         with self._doing("planning"):
+            if use_case is not None:
+                self._change(use_case=use_case, is_planned=False)
+            if arms is not None:
+                self._change(arms=arms, is_planned=False)
             before = self.now
             if before.imported is None:
                 raise CommandError("the file is not read yet")
@@ -180,14 +193,6 @@ class OrderDraft:
                 )
         self._wake()
         return "changed the preferences"
-
-    def set_options(self, *, use_case: str, arms: int) -> None:
-        """Take by which use case, and for how many arms, the order is planned from now on."""
-        self._change(use_case=use_case, arms=arms, is_planned=False)
-
-    def set_mapping(self, text: str) -> None:
-        """Take what the columns of the list mean."""
-        self._change(mapping=text)
 
     def end(self) -> None:
         """End what is under way, and remove the files."""

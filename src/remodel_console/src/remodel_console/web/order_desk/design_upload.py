@@ -8,7 +8,7 @@ from starlette.responses import PlainTextResponse, Response
 
 from remodel_console.core.access import Role
 from remodel_console.edge.order_desk.order_drafts import OrderDrafts
-from remodel_console.web.guard import role_of
+from remodel_console.web.guard import user_of
 
 _MOST_BYTES = 100_000_000  # as much as the planner reads
 
@@ -18,8 +18,8 @@ async def take_design(drafts: OrderDrafts, request: Request) -> Response:
 
     Of a file that is too large, or whose sender has gone, nothing is kept.
     """
-    if role_of(request.scope) is not Role.OPERATOR:
-        return PlainTextResponse("read-only access; design files need an operator", 403)
+    if not user_of(request.scope).role.may(Role.OPERATOR):
+        return PlainTextResponse("A watcher sends no design files; this needs an operator.", 403)
     draft = drafts.new(request.query_params.get("name", ""))
     is_whole = False
     try:

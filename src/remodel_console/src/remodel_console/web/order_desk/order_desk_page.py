@@ -136,8 +136,7 @@ class OrderDeskPage(Page):
             text.set_enabled(self.is_operator)
 
             async def read() -> None:
-                draft.set_mapping(text.value or "")
-                await self._read()
+                await self._read(text.value or "")
 
             self.button("Read the file by this mapping", read, icon="refresh")
 
@@ -156,8 +155,7 @@ class OrderDeskPage(Page):
                 field.props("outlined dense").set_enabled(self.is_operator)
 
                 async def change() -> None:
-                    draft.set_options(use_case=use_case.value, arms=arms.value)
-                    await self._plan()
+                    await self._plan(use_case.value, arms.value)
 
                 field.on_value_change(change)
             name = ui.input("Name of the order", value=self._name).classes("wide")
@@ -204,10 +202,11 @@ class OrderDeskPage(Page):
         ui.run_javascript(f"history.replaceState(null, '', '?{_DRAFT}={draft.key}')")
         self.show(self.console.live.world)
 
-    async def _read(self) -> None:
+    async def _read(self, mapping: str | None = None) -> None:
         draft = self._draft
         if draft is not None:
-            await self.give(f"import {draft.file.name}", draft.read, shows_error=False)
+            what = f"import {draft.file.name}" + (", by a mapping" if mapping else "")
+            await self.give(what, lambda: draft.read(mapping), shows_error=False)
 
     async def _draft_mapping(self) -> None:
         draft = self._draft
@@ -215,10 +214,10 @@ class OrderDeskPage(Page):
             what = f"draft the mapping of {draft.file.name}"
             await self.give(what, draft.draft_mapping)
 
-    async def _plan(self) -> None:
+    async def _plan(self, use_case: str | None = None, arms: int | None = None) -> None:
         draft = self._draft
         if draft is not None and draft.now.imported is not None:
-            await self.give(f"plan {draft.file.name}", draft.plan)
+            await self.give(f"plan {draft.file.name}", lambda: draft.plan(use_case, arms))
 
     async def _change_preferences(
         self, what: str, change: Callable[[Document], Document]
