@@ -60,15 +60,19 @@ class AccessibilityTest(BehaviorTestCase):
             page.set_viewport_size({"width": 390, "height": 844})
             broken += self.broken(page, address, "body", "phone")
             broken += self.overflow(page, address)
+        broken += self.broken_on_the_order_desk()
+        broken += self.broken_on_the_way_in()
         self.supervisor.ask()
         page = self.open_page("/overview")
         broken += self.broken(page, "question", ".request", "light")
         self.press(page, "Dark or light")
         broken += self.broken(page, "question", "body.body--dark", "dark")
+        page.set_viewport_size({"width": 390, "height": 844})
+        broken += self.broken(page, "question", ".show-page", "phone")
+        broken += self.overflow(page, "question")
+        page.set_viewport_size({"width": 1280, "height": 800})
         self.press(page, "Keys (?)")
         broken += self.broken(page, "keys", ".q-dialog dl.keys", "dark")
-        broken += self.broken_on_the_order_desk()
-        broken += self.broken_on_the_way_in()
         self.assertEqual([], broken, "\n".join(broken))
 
     def broken_on_the_order_desk(self):
@@ -94,6 +98,7 @@ class AccessibilityTest(BehaviorTestCase):
         broken += self.broken(page, "conflict", "body", "phone")
         broken += self.overflow(page, "conflict")
         file.set_input_files({"name": "own.csv", "mimeType": "", "buffer": b"aaa;bbb\n1;2\n"})
+        expect(page.locator(".draft.here")).to_contain_text("own.csv")
         broken += self.broken(page, "refused", ".desk-area .ending.bad", "dark")
         broken += self.overflow(page, "refused")
         return broken
@@ -102,7 +107,8 @@ class AccessibilityTest(BehaviorTestCase):
         """Look at the page on which users sign in."""
         users, port = self.folder / "users.json", free_port()
         write_accounts(users, {"ann": Account(Role.OPERATOR, hash_of("drive horse"))})
-        self.start_console_at("closed", port, "--users", str(users))
+        nowhere = f"http://127.0.0.1:{free_port()}"  # else its node would end the other console
+        self.start_console_at("closed", port, "--users", str(users), ROS_MASTER_URI=nowhere)
         page = self.open_page("/overview", port=port)
         found = [f"sign in: {one}" for one in self.rules_broken(page)]
         page.emulate_media(color_scheme="dark")

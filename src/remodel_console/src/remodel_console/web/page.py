@@ -67,9 +67,9 @@ class Page:
         ui.skip_link("To what waits for you", target=self._inbox.area)
         self._notices = ui.column().classes("notices")
         self._dialogs = ui.element("div")  # what is asked stays, whatever the page shows next
+        with ui.element("h1").classes("hidden-heading"):  # there, too, where cards hide the page
+            ui.label(title)
         with ui.element("div").classes("page"):
-            with ui.element("h1").classes("hidden-heading"):
-                ui.label(title)
             self.build()
         typed_in = ["input", "select", "textarea"]
         ui.keyboard(on_key=self._on_key, repeating=False, ignore=typed_in)
@@ -280,6 +280,13 @@ def card(title: str, hint: str) -> ui.element:
         ui.label(title).classes("title")
         ui.label(hint).classes("soft")
     return made
+
+
+def scrollable(name: str) -> ui.element:
+    """Return a frame for what may be too wide or too high, such as a table; keys scroll it, too."""
+    frame = ui.element("div").classes("table-frame wide").props('tabindex="0" role="region"')
+    frame.props["aria-label"] = name
+    return frame
 
 
 def table(head: Iterable[str], rows: Iterable[Iterable[str]]) -> None:

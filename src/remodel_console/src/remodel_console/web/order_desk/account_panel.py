@@ -8,7 +8,7 @@ from collections.abc import Iterable, Sequence
 from nicegui import ui
 
 from remodel_console.core.order_desk.findings import Account, Imported, Triage
-from remodel_console.web.page import card, table
+from remodel_console.web.page import card, scrollable, table
 
 _LISTED = 500  # lines; the planner's `import --verbose` prints all
 
@@ -55,14 +55,14 @@ def show_triage(triage: Triage | None, nothing_to_plan: str) -> None:
                     ui.label("by another method").classes("soft")
         ui.label(f"Use case {triage.use_case}").classes("soft")
         if triage.other_methods:
-            with ui.element("div").classes("table-frame wide"):
+            with scrollable("Tasks by another method"):
                 head = ("Tasks", "Method", "Not the preferred one, because")
                 rows = (
                     (_names(each.tasks), each.method, each.reason) for each in triage.other_methods
                 )
                 table(head, rows)
         if triage.by_hand:
-            with ui.element("div").classes("table-frame wide by-hand"):
+            with scrollable("Tasks by hand").classes("by-hand"):
                 rows = ((each.task, each.reason) for each in triage.by_hand[:_LISTED])
                 table(("By hand", "Because"), rows)
 

@@ -181,7 +181,8 @@ class OrderDeskPage(Page):
         address = f"{ADDRESS}/board/{draft.key}?v={now.boards}"
         with card("Board", "Drawn to scale.").classes("across"):
             ui.link("Open in a tab of its own", address, new_tab=True).classes("soft")
-            with ui.element("div").classes("board"):
+            frame = ui.element("div").classes("board")
+            with frame.props('tabindex="0" role="region" aria-label="Drawing of the board"'):
                 picture = ui.element("img").props('alt="The board, with components and wires"')
                 picture.props["src"] = address
 

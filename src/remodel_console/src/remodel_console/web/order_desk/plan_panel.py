@@ -9,7 +9,7 @@ from remodel_console.core.order_desk.gantt import gantt_height, gantt_plot, task
 from remodel_console.core.order_desk.preferences import entry_words
 from remodel_console.core.use_case.use_case import duration_words
 from remodel_console.edge.order_desk.order_drafts import DraftState
-from remodel_console.web.page import card, table
+from remodel_console.web.page import card, scrollable, table
 from remodel_console.web.plot import Plot
 
 _LISTED = 300  # tasks
@@ -63,7 +63,7 @@ def _show(plan: Plan, explanation: str) -> None:
     with ui.element("details").classes("wide"):
         with ui.element("summary"):
             ui.label(f"Tasks in their order ({len(times)})")
-        with ui.element("div").classes("table-frame"):
+        with scrollable("Tasks in their order"):
             rows = (
                 (str(number), each.wire, each.arm, f"{each.start_s:.1f} s", f"{each.end_s:.1f} s")
                 for number, each in enumerate(times[:_LISTED], start=1)
