@@ -14,7 +14,10 @@ sys.path.insert(0, str(Path(__file__).parent))
 from behavior_test_case import BehaviorTestCase
 from fake_supervisor import FakeSupervisor
 
-PAGES = ("/overview", "/runtime", "/editor", "/replay", "/configuration", "/statistics")
+PAGES = (
+    *("/overview", "/runtime", "/editor", "/replay", "/configuration", "/statistics"),
+    "/order_desk",
+)
 SEEN_S = 0.5  # within which a page shows what waits, where its core is idle
 BUSY_S = 20.0  # the same, where other tests use the cores
 RECORD_WAITING = """() => {

@@ -126,6 +126,7 @@ class OverviewTest(BehaviorTestCase):
         terminals = page.locator("section", has_text="Terminals").locator("tr")
         expect(terminals.last).to_have_text("K1/A18" + "8" + "100%")
         expect(page.get_by_role("img", name="First-pass yield over runs")).to_contain_text("run 13")
+        expect(page.get_by_role("img", name="Utilisation over runs")).to_contain_text("run 13")
         wires = page.locator("section", has_text="Time per wire").locator("tr")
         expect(wires.nth(1)).to_have_text("W278 s")
         self.take_picture(page, "statistics")
