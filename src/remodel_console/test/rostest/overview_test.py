@@ -27,6 +27,8 @@ class OverviewTest(BehaviorTestCase):
         expect(away).to_be_visible()
         expect(page.locator(".notice", has_text="The cell is not running")).to_be_visible()
         expect(page.locator(".notice", has_text="The engine is not running")).to_be_visible()
+        expect(page.locator(".order-head")).to_be_visible()
+        expect(page.locator(".ending")).to_be_hidden()  # no run has ended yet
         supervisor, cameras = FakeSupervisor(), FakeCameras()
         expect(away).to_have_count(0)
         expect(page.locator(".presence.there", has_text="Cell")).to_be_visible()

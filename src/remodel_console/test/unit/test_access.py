@@ -2,6 +2,7 @@
 
 import asyncio
 import json
+import subprocess
 
 import pytest
 
@@ -158,6 +159,23 @@ def test_a_proxy_names_the_user_and_nobody_else_may(users):
     assert asked(client="127.0.0.1", x_user="ada")[0] == 403, "not the proxy"
     assert ask(door, users=users, client="10.0.0.2", host="evil.org", x_user="ada")[0] == 421
     assert asked(client="10.0.0.2", path="/enter", method="POST", body=b"name=ada")[0] == 403
+
+
+def test_the_launch_files_pass_what_they_are_given_and_no_secret_on_a_command_line():
+    """Other users can read a command line, but no environment."""
+    given = ("host:=0.0.0.0", "port:=8080", "users:=/u.json", "user_header:=X-User")
+    given += ("public_host:=cell.org", "key:=secret", "database:=postgresql://me:secret@db/p")
+    for package, file in (
+        ("remodel_console", "console.launch"),
+        ("flexbe_widget", "behavior_ocs.launch"),
+    ):
+        line = ["roslaunch", "--args", "/console", package, file, *given]
+        printed = subprocess.run(line, capture_output=True, text=True, check=True).stdout
+        environment, _, words = printed.partition("/console --")
+        assert words.startswith("host 0.0.0.0 --port 8080 --users /u.json --user-header X-User")
+        assert "--public-host cell.org" in words
+        assert environment.count("secret") == 2
+        assert "secret" not in words
 
 
 def test_pages_of_other_sites_are_refused():
