@@ -24,6 +24,7 @@ from remodel_console.edge.journal import Journal
 from remodel_console.edge.log_file import LogFile
 from remodel_console.edge.order_desk.order_drafts import OrderDrafts
 from remodel_console.edge.order_desk.planner_process import DATABASE_VARIABLE, PlannerProcess
+from remodel_console.edge.parse_lock import lock_parsing
 from remodel_console.edge.settings_file import SettingsFile
 from remodel_console.edge.users_file import UsersFile
 from remodel_console.edge.workspace import OUTPUT, Workspace
@@ -45,6 +46,7 @@ _KEY_VARIABLE = "REMODEL_CONSOLE_KEY"  # other users see a command line, but no 
 def main(arguments: Sequence[str]) -> int:
     """Run the console and return the exit code."""
     options = _read_options(arguments)
+    lock_parsing()
     try:
         users = _users(options)
         door, journal = (

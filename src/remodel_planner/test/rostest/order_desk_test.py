@@ -16,7 +16,7 @@ from playwright.sync_api import expect
 from remodel_console.testing.browser_test import BrowserTest
 from remodel_production.edge.database.production_database import ProductionDatabase
 from remodel_production.errors import OrderError
-from remodel_supervision.core.runs.events import Ending
+from remodel_supervision.core.runs.events import Ending, TaskBegun
 
 OUTPUT = Path(sys.argv[1])
 DATABASE = f"sqlite:///{OUTPUT}/production.sqlite"
@@ -168,9 +168,11 @@ require:
         expect(page.locator(".ending")).to_contain_text("all tasks are done")
         self.assertIn(("run order 'our loom', use case cabinet", "done"), self.recorded())
         orders = OrderClient(OUTPUT)
-        run = orders.run_state(orders.runs()[0])
+        number = orders.runs()[0]
+        run = orders.run_state(number)
         self.assertEqual(run.ended.ending, Ending.COMPLETE)
-        self.assertEqual(list(run.tasks), [MARKUP, "W2", "W1"])
+        begun = [each.task for each in orders.events(number) if isinstance(each, TaskBegun)]
+        self.assertEqual(begun, [MARKUP, "W2", "W1"])  # as planned, by the preferences
         self.assertEqual(
             ProductionDatabase(DATABASE).preferences("our loom")["require"][0]["name"], "down"
         )
