@@ -25,9 +25,11 @@ from remodel_console.core.order_desk.preferences import (
 from remodel_console.edge.order_desk.planner_process import Finished
 from remodel_console.errors import CommandError
 
-_MOST_KEPT = 20  # the oldest ones are removed
-_PLAN, _BOARD = "plan.json", "board.svg"
-_PREFERENCES, _MAPPING = "preferences.yaml", "mapping.yaml"
+_MOST_KEPT = 30  # each may have 100 MB
+# Files of a draft; no design file has a name that begins with a dot.
+_OWN = ".draft"
+_PLAN, _BOARD, _DATABASE = f"{_OWN}/plan.json", f"{_OWN}/board.svg", f"{_OWN}/orders.sqlite"
+_PREFERENCES, _MAPPING = f"{_OWN}/preferences.yaml", f"{_OWN}/mapping.yaml"
 _SEARCH_S = "2"
 
 
@@ -93,7 +95,7 @@ class OrderDraft:
         self._wake = wake
         self._busy = threading.Lock()
         self._changing = threading.Lock()
-        self._database = f"sqlite:///{folder}/draft.sqlite"
+        self._database = f"sqlite:///{folder / _DATABASE}"
 
     @property
     def board(self) -> Path:
@@ -113,7 +115,7 @@ class OrderDraft:
             if mapping is not None:
                 self._change(mapping=mapping)
             self._change(imported=None, plan=None, no_plan=None, explanation="")
-            (self.folder / "draft.sqlite").unlink(missing_ok=True)
+            (self.folder / _DATABASE).unlink(missing_ok=True)
             try:
                 printed = self._run(
                     "import", self.file.name, *self._mapping(), *self._by(), "--json"
@@ -270,16 +272,18 @@ class OrderDrafts:
 
         Args:
             file_name: as a browser says it; only its last part counts, and letters of a file name.
+
+        Raises:
+            CommandError: if there are too many drafts; none is removed, as a person may need it.
         """
+        if len(self._drafts) >= _MOST_KEPT:
+            raise CommandError(f"there are {_MOST_KEPT} drafts; remove one that is done first")
         key = secrets.token_urlsafe(8)
         folder = self._folder / key
-        folder.mkdir(parents=True)
+        (folder / _OWN).mkdir(parents=True)
         draft = OrderDraft(key, folder, plain_file_name(file_name), self._planner, self._woken)
         with self._lock:
             self._drafts[key] = draft
-            old = list(self._drafts)[:-_MOST_KEPT]
-        for each in old:
-            self.remove(each)
         return draft
 
     def remove(self, key: str) -> None:

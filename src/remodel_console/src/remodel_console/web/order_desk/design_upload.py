@@ -8,6 +8,7 @@ from starlette.responses import PlainTextResponse, Response
 
 from remodel_console.core.access import Role
 from remodel_console.edge.order_desk.order_drafts import OrderDrafts
+from remodel_console.errors import CommandError
 from remodel_console.web.guard import user_of
 
 _MOST_BYTES = 100_000_000  # as much as the planner reads
@@ -20,7 +21,10 @@ async def take_design(drafts: OrderDrafts, request: Request) -> Response:
     """
     if not user_of(request.scope).role.may(Role.OPERATOR):
         return PlainTextResponse("A watcher sends no design files; this needs an operator.", 403)
-    draft = drafts.new(request.query_params.get("name", ""))
+    try:
+        draft = drafts.new(request.query_params.get("name", ""))
+    except CommandError as error:
+        return PlainTextResponse(str(error), 409)
     is_whole = False
     try:
         with draft.file.open("wb") as file:
