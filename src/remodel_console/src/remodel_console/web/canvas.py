@@ -33,7 +33,9 @@ class Editor(Protocol):
 _LOST_S = (
     2.0  # after which a page that has not painted, or cannot report it, is sent the change again
 )
-_LONGEST_REST_S = 0.25  # of a page that paints slowly
+# A page rests after it has painted, so that it takes a fifth of a core at most, and many pages on
+# one computer show what happens now.
+_RESTS, _LONGEST_REST_S = 4.0, 0.2  # times as long as painting took
 
 
 class _Lit(NamedTuple):
@@ -80,8 +82,8 @@ class Canvas(Element, component="static/canvas.js"):
         """Light the path that is active, dimly those that were; `asked`: it waits for an operator.
 
         A run may change state fifty times a second. So only what has changed is sent, and not
-        before the page has painted the last and rested for as long as that took: a slow page, or
-        one of many on a slow computer, shows fewer states, not late ones.
+        before the page has painted the last and rested: a slow page, or one of many on a slow
+        computer, shows fewer states, not late ones.
         """
         self._wanted = _Lit(active, passed, asked)
         now_s = time.monotonic()
@@ -102,7 +104,7 @@ class Canvas(Element, component="static/canvas.js"):
         if self._sent_s is None:
             return
         now_s = time.monotonic()
-        rest_s = min(_LONGEST_REST_S, now_s - self._sent_s)
+        rest_s = min(_LONGEST_REST_S, _RESTS * (now_s - self._sent_s))
         self._sent_s, self._rests_until_s = None, now_s + rest_s
         asyncio.get_running_loop().call_later(rest_s, self._rested)
 

@@ -22,6 +22,7 @@ ADDRESS = "/order_desk"
 FILE_ADDRESS = f"{ADDRESS}/file"
 _DRAFT = "draft"  # in the page's address: the key of its draft
 _DROP = "Drop a .qet, KBL, VEC, WireViz, CSV or XLSX file here, or choose one"
+_LISTS = (".csv", ".tsv", ".txt", ".xlsx", ".xlsm")
 _BY_DESIGN = "as the design suggests"
 
 
@@ -124,7 +125,8 @@ class OrderDeskPage(Page):
 
     def _show_mapping(self, draft: OrderDraft, now: DraftState) -> None:
         """Add the card of the meaning of columns; only lists have some."""
-        if not (now.error or now.mapping):
+        may_be_list = now.error and draft.file.suffix.lower() in _LISTS
+        if not (may_be_list or now.mapping):
             return
         hint = "A list whose headings are not known needs a mapping (docs/importing.md)."
         with card("Columns of a list", hint).classes("across"):
