@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import hashlib
 import json
-import os
 import secrets
 import threading
 import time
@@ -15,6 +14,7 @@ import argon2
 from itsdangerous import BadData, URLSafeTimedSerializer
 
 from remodel_console.core.access import Account, Role, User, require_user_name
+from remodel_console.edge.private_file import private, write_private
 
 LEAST_PASSWORD = 8  # letters
 _SIGNED_IN_S = 7 * 24 * 3600  # after which a user signs in again
@@ -132,14 +132,7 @@ def write_accounts(path: Path, accounts: Mapping[str, Account]) -> None:
         name: {"role": account.role.value, "password": account.password}
         for name, account in accounts.items()
     }
-    path.parent.mkdir(parents=True, exist_ok=True)
-    draft = path.with_suffix(".new")
-    draft.unlink(missing_ok=True)
-    with open(draft, "x", encoding="utf-8", opener=_private) as file:
-        file.write(json.dumps(stated, indent=2, ensure_ascii=False) + "\n")
-        file.flush()
-        os.fsync(file.fileno())
-    draft.replace(path)
+    write_private(path, json.dumps(stated, indent=2, ensure_ascii=False) + "\n")
 
 
 def hash_of(password: str) -> str:
@@ -182,7 +175,7 @@ def _secret(path: Path) -> str:
     """Return the secret that signs cookies, which stays the same when the console respawns."""
     try:
         path.parent.mkdir(parents=True, exist_ok=True)
-        with open(path, "x", encoding="utf-8", opener=_private) as file:
+        with open(path, "x", encoding="utf-8", opener=private) as file:
             file.write(secrets.token_urlsafe(48))
     except FileExistsError:
         if path.stat().st_mode & _OF_OTHERS:
@@ -191,7 +184,3 @@ def _secret(path: Path) -> str:
     if len(secret) < 32:
         raise ValueError(f"{path} holds no secret; delete it")
     return secret
-
-
-def _private(path: str, flags: int) -> int:
-    return os.open(path, flags, 0o600)
