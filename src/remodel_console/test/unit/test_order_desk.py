@@ -134,7 +134,7 @@ def test_a_plan_has_two_lanes_for_each_arm_and_no_markup():
 
 
 def test_an_answer_that_is_none_of_the_planner_is_refused():
-    assert read_findings('{"error": "e", "conflict": []}', NoPlan) == NoPlan("e")
+    assert read_findings('{"error": "e", "conflicts": []}', NoPlan) == NoPlan("e")
     for text in ("", "{}", '{"error": 7}', "[1]"):
         with pytest.raises(CommandError, match="of one version"):
             read_findings(text, NoPlan)

@@ -116,8 +116,8 @@ def test_an_account_and_a_plan_are_printed_for_programs(tmp_path, database, caps
     assert plan.main([*planning, "--preferences", str(file)]) == 1
     printed = capsys.readouterr()
     said = json.loads(printed.out)
-    assert [each["entry"]["name"] for each in said["conflict"]] == ["up", "down"]
-    assert [each["index"] for each in said["conflict"]] == [0, 1]
+    (conflict,) = said["conflicts"]
+    assert [(each["entry"]["name"], each["index"]) for each in conflict] == [("up", 0), ("down", 1)]
     assert printed.err == f"plan: {said['error']}\n"
 
 

@@ -70,7 +70,8 @@ def main(arguments: list[str] | None = None) -> int:
         _plan(options)
     except ConflictError as error:
         if options.json:
-            print(json.dumps(conflict_document(str(error), error.conflict)))
+            conflicts = [error.conflict] if error.conflict else []
+            print(json.dumps(conflict_document(str(error), conflicts)))
         if options.relax and error.conflict:
             print(f"plan: {error}")
             _relax(error, options)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from typing import Any, TypeVar
 
 import msgspec
@@ -127,7 +127,7 @@ class Plan:
 
 @dataclass(frozen=True)
 class Conflicting:
-    """A requirement of a smallest set that no plan keeps: entry `index` of its source."""
+    """A requirement that contradicts others or the design: entry `index` of its source."""
 
     source: str
     index: int
@@ -136,10 +136,15 @@ class Conflicting:
 
 @dataclass(frozen=True)
 class NoPlan:
-    """Why there is no plan."""
+    """Why there is no plan.
+
+    Attributes:
+        error: the command's own words.
+        conflicts: smallest sets of requirements that no plan keeps.
+    """
 
     error: str
-    conflict: tuple[Conflicting, ...] = field(default=())
+    conflicts: tuple[tuple[Conflicting, ...], ...] = ()
 
 
 def read_findings(text: str, kind: type[T]) -> T:

@@ -36,21 +36,18 @@ def _show_no_plan(found: NoPlan) -> None:
     """Say why there is no plan, and which requirements contradict."""
     with ui.element("div").classes("ending bad").props('role="alert"'):
         ui.label("There is no plan.").classes("question")
-        ui.label(found.error.splitlines()[0] if found.conflict else found.error).classes("lines")
-    if not found.conflict:
-        return
-    count = len(found.conflict)
-    what = (
-        "The design contradicts this requirement:"
-        if count == 1
-        else f"No plan keeps all of these {count} requirements; remove or change one of them:"
-    )
-    ui.label(what)
-    with ui.element("ul").classes("lines conflicting"):
-        for each in found.conflict:
-            with ui.element("li"):
-                ui.label(str(each.entry.get("name", "without a name"))).classes("name")
-                ui.label(entry_words(each.entry)).classes("code")
+        ui.label(found.error.splitlines()[0] if found.conflicts else found.error).classes("lines")
+    for conflict in found.conflicts:
+        ui.label(
+            "The design contradicts this requirement:"
+            if len(conflict) == 1
+            else f"No plan keeps all of these {len(conflict)} requirements; remove or change one:"
+        )
+        with ui.element("ul").classes("lines conflicting"):
+            for each in conflict:
+                with ui.element("li"):
+                    ui.label(str(each.entry.get("name", "without a name"))).classes("name")
+                    ui.label(entry_words(each.entry)).classes("code")
 
 
 def _show(plan: Plan, explanation: str) -> None:

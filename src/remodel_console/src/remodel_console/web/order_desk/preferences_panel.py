@@ -44,7 +44,8 @@ class PreferencesPanel:
         if now.imported is None:
             return
         hint = "Requirements bind every plan; a plan may violate a preference, and pays for it."
-        conflict = [each.entry for each in now.no_plan.conflict] if now.no_plan else []
+        conflicts = now.no_plan.conflicts if now.no_plan else ()
+        conflict = [each.entry for requirements in conflicts for each in requirements]
         with card("Preferences", hint):
             for list_name, title in _LISTS.items():
                 found = entries(now.preferences, list_name)

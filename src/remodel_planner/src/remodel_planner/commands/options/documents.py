@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+from collections.abc import Sequence
 from dataclasses import asdict
 from typing import TYPE_CHECKING, Any
 
@@ -74,9 +75,12 @@ def plan_document(planned: Planned) -> Document:
     }
 
 
-def conflict_document(error: str, conflict: tuple[Requirement, ...]) -> Document:
-    """Return why there is no plan: the error, and a smallest set of requirements for it."""
-    entries = [
-        {"source": each.source, "index": each.index, "entry": dict(each.entry)} for each in conflict
-    ]
-    return {"error": error, "conflict": entries}
+def conflict_document(error: str, conflicts: Sequence[Sequence[Requirement]]) -> Document:
+    """Return why there is no plan: the error, and smallest sets of requirements for it."""
+    return {
+        "error": error,
+        "conflicts": [
+            [{"source": r.source, "index": r.index, "entry": dict(r.entry)} for r in conflict]
+            for conflict in conflicts
+        ],
+    }
