@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import asyncio
 import time
 from collections.abc import Sequence
 from typing import NamedTuple, Protocol, TypeAlias
@@ -33,9 +32,6 @@ class Editor(Protocol):
 _LOST_S = (
     2.0  # after which a page that has not painted, or cannot report it, is sent the change again
 )
-# A page rests after it has painted, so that it takes a fifth of a core at most, and many pages on
-# one computer show what happens now.
-_RESTS, _LONGEST_REST_S = 4.0, 0.2  # times as long as painting took
 
 
 class _Lit(NamedTuple):
@@ -64,7 +60,6 @@ class Canvas(Element, component="static/canvas.js"):
         self._props["editable"] = is_editable
         self._wanted = self._sent = _Lit()
         self._sent_s: float | None = None  # None once the page has painted what was sent
-        self._rests_until_s = 0.0
         self.classes("canvas")
         self.on("painted", self._on_painted)
         if editor is not None:
@@ -82,13 +77,10 @@ class Canvas(Element, component="static/canvas.js"):
         """Light the path that is active, dimly those that were; `asked`: it waits for an operator.
 
         A run may change state fifty times a second. So only what has changed is sent, and not
-        before the page has painted the last and rested: a slow page, or one of many on a slow
-        computer, shows fewer states, not late ones.
+        before the page has painted the last: a slow page shows fewer states, not late ones.
         """
         self._wanted = _Lit(active, passed, asked)
-        now_s = time.monotonic()
-        is_lost = self._sent_s is not None and now_s - self._sent_s > _LOST_S
-        if is_lost or (self._sent_s is None and now_s >= self._rests_until_s):
+        if self._sent_s is None or time.monotonic() - self._sent_s > _LOST_S:
             self._send()
 
     def _send(self) -> None:
@@ -101,16 +93,8 @@ class Canvas(Element, component="static/canvas.js"):
         self.run_method("light", wanted.active, sorted(new), is_new_run, wanted.asked)
 
     def _on_painted(self) -> None:
-        if self._sent_s is None:
-            return
-        now_s = time.monotonic()
-        rest_s = min(_LONGEST_REST_S, _RESTS * (now_s - self._sent_s))
-        self._sent_s, self._rests_until_s = None, now_s + rest_s
-        asyncio.get_running_loop().call_later(rest_s, self._rested)
-
-    def _rested(self) -> None:
-        if self._sent_s is None and not self.is_deleted:
-            self._send()
+        self._sent_s = None
+        self._send()
 
     def select(self, paths: Sequence[str]) -> None:
         """Mark what is being edited."""
