@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import argparse
 import os
+import secrets
 import sys
 import tempfile
 import threading
@@ -66,7 +67,9 @@ def main(arguments: Sequence[str]) -> int:
     )
     sessions = Sessions(lambda: Session(workspace, lambda: settings.now))
     planner = PlannerProcess()
-    drafts = OrderDrafts(Path(tempfile.mkdtemp(prefix="remodel_orders_")), planner)
+    drafts = OrderDrafts(
+        Path(tempfile.gettempdir()) / f"remodel_orders_{secrets.token_hex(8)}", planner
+    )
     console = Console(
         door,
         Desk(journal),
@@ -84,12 +87,9 @@ def main(arguments: Sequence[str]) -> int:
     app.on_startup(joining.start)
     app.on_shutdown(end.set)
     app.on_shutdown(planner.end)
+    app.on_shutdown(drafts.end)
     _print_address(door, options.port)
-    try:
-        serve(console, options.port, users)
-    finally:
-        planner.end()
-        drafts.end()
+    serve(console, options.port, users)
     return 0
 
 

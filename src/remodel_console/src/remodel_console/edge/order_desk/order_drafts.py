@@ -252,7 +252,7 @@ class OrderDrafts:
     """Keeps the drafts, as long as the console runs."""
 
     def __init__(self, folder: Path, planner: Planner) -> None:
-        """Keep their files in a folder, which is removed at the end."""
+        """Keep their files in a folder, which is made for the first and removed at the end."""
         self._folder = folder
         self._planner = planner
         self._drafts: dict[str, OrderDraft] = {}
@@ -280,6 +280,7 @@ class OrderDrafts:
             raise CommandError(f"there are {_MOST_KEPT} drafts; remove one that is done first")
         key = secrets.token_urlsafe(8)
         folder = self._folder / key
+        self._folder.mkdir(mode=0o700, parents=True, exist_ok=True)
         (folder / _OWN).mkdir(parents=True)
         draft = OrderDraft(key, folder, plain_file_name(file_name), self._planner, self._woken)
         with self._lock:
