@@ -8,7 +8,7 @@ from collections.abc import Callable
 from typing import Protocol
 
 from flexbe_synthesizer.core.chart.model import Chart
-from remodel_console.core.access import Door
+from remodel_console.core.access import Account, Door, Role, User
 from remodel_console.core.editor.drawing import opened
 from remodel_console.core.inbox import Card, Option
 from remodel_console.core.run.decision import Decisions, decisions_of
@@ -19,6 +19,7 @@ from remodel_console.core.use_case.record import Record, Summary
 from remodel_console.core.use_case.use_case import Choice
 from remodel_console.desk import Desk
 from remodel_console.edge.catalogue import Catalogue
+from remodel_console.edge.order_desk.order_drafts import OrderDraft, OrderDrafts
 from remodel_console.edge.settings_file import SettingsFile
 from remodel_console.edge.workspace import Workspace
 from remodel_console.errors import CommandError
@@ -37,8 +38,11 @@ class Supervisor(Protocol):
     (pause, stop, protective stop, skip) is answered when nothing moves any more.
     """
 
-    def run(self, order: str, tasks: int, by: str, *, again: bool) -> str:
-        """Start an order: so many of its tasks, 0 for all; `again`: those that are done too."""
+    def run(self, order: str, tasks: int, by: str, *, again: bool, use_case: str = "") -> str:
+        """Start an order: so many of its tasks, 0 for all; `again`: those that are done too.
+
+        An empty use case is the supervisor's default.
+        """
 
     def pause(self, by: str) -> str:
         """Have the run pause."""
@@ -60,6 +64,13 @@ class Supervisor(Protocol):
 
     def answer(self, question: int, choice: Choice, by: str) -> str:
         """Answer a question by its number."""
+
+
+class Users(Protocol):
+    """The users of the pages."""
+
+    def account(self, name: str) -> Account | None:
+        """Return what is known of a user now; None if there is none of that name."""
 
 
 class Inputs(Protocol):
@@ -112,8 +123,15 @@ class Console:
         workspace: Workspace,
         catalogue: Catalogue,
         settings: SettingsFile,
+        drafts: OrderDrafts,
+        database: str,
+        users: Users | None = None,
     ) -> None:
-        """Join the parts."""
+        """Join the parts.
+
+        `database` is the URL of the production database; empty if the console was given none. A
+        console without `users` lets everybody on this computer do everything.
+        """
         self.door = door
         self.desk = desk
         self.live = live
@@ -121,6 +139,9 @@ class Console:
         self.workspace = workspace
         self.catalogue = catalogue
         self.settings = settings
+        self.drafts = drafts
+        self._database = database
+        self._users = users
         self.steering = Steering(live, sessions.commands, catalogue)
         self.pictures = Pictures()
         self.scene = Scene()
@@ -143,6 +164,42 @@ class Console:
         if self.supervisor is None:
             raise CommandError("ROS is not running; start it: roscore")
         return deed(self.supervisor)
+
+    def role_of(self, user: User) -> Role:
+        """Return what a user may do now."""
+        if self._users is None:
+            return user.role
+        account = self._users.account(user.name)
+        return account.role if account else Role.WATCHER
+
+    def store(self, draft: OrderDraft, name: str) -> str:
+        """Store a draft as an order of the production database, and return the answer.
+
+        Raises:
+            CommandError: if the console knows no database, or the planner refuses.
+        """
+        if not self._database:
+            raise CommandError(
+                "the console was started without a production database; give it that of the "
+                "supervisor: --database URL, or REMODEL_DATABASE in its environment"
+            )
+        if not name:
+            raise CommandError("give the order a name")
+        return draft.store(name, self._database)
+
+    def require_order(self, name: str) -> None:
+        """Check that the supervisor knows an order.
+
+        Raises:
+            CommandError: if it does not, or does not answer.
+        """
+        if self.recorder is None:
+            raise CommandError("ROS is not running; start it: roscore")
+        if name not in self.recorder.orders():
+            raise CommandError(
+                f"the supervisor has no order '{name}': it works with another production database "
+                "than this console; start both with the same one"
+            )
 
     def take(self, event: Event) -> None:
         """Take in an event of the engine; find the decisions of a new behavior."""

@@ -10,6 +10,7 @@ from remodel_console.core.access import Actor, Role
 from remodel_console.core.answer import DONE, FAILED, REFUSED, CommandResult
 from remodel_console.errors import CommandError
 
+_A = {Role.WATCHER: "a watcher", Role.OPERATOR: "an operator", Role.ENGINEER: "an engineer"}
 _LOG = logging.getLogger(__name__)
 
 
@@ -27,24 +28,32 @@ class Desk:
         """Record commands in a journal."""
         self._journal = journal
 
-    def give(self, actor: Actor, command: str, deed: Callable[[], str | None]) -> CommandResult:
+    def give(
+        self,
+        actor: Actor,
+        command: str,
+        deed: Callable[[], str | None],
+        needs: Role = Role.OPERATOR,
+    ) -> CommandResult:
         """Execute a command, record it, and return the answer.
 
         Args:
             actor: who gives it.
             command: what it is, for the record.
             deed: does it, and returns the answer in words.
+            needs: the role that the command needs.
         """
-        answer = self._answer(actor, command, deed)
-        self._journal.write(actor, answer)
+        if actor.role.may(needs):
+            answer = answer_of(command, deed, _LOG.error)
+        else:
+            words = f"{actor.name} is {_A[actor.role]}; this needs {_A[needs]}"
+            answer = CommandResult(REFUSED, command, words)
+        self.record(actor, answer)
         return answer
 
-    def _answer(self, actor: Actor, command: str, deed: Callable[[], str | None]) -> CommandResult:
-        if actor.role is not Role.OPERATOR:
-            return CommandResult(
-                REFUSED, command, "read-only access; commands need an operator's token"
-            )
-        return answer_of(command, deed, _LOG.error)
+    def record(self, actor: Actor, answer: CommandResult) -> None:
+        """Record a command that was carried out elsewhere, such as signing in."""
+        self._journal.write(actor, answer)
 
 
 def answer_of(

@@ -7,7 +7,9 @@ from __future__ import annotations
 
 import argparse
 import os
+import secrets
 import sys
+import tempfile
 import threading
 from collections.abc import Sequence
 from dataclasses import replace
@@ -21,29 +23,37 @@ from remodel_console.desk import Desk
 from remodel_console.edge.catalogue import Catalogue
 from remodel_console.edge.journal import Journal
 from remodel_console.edge.log_file import LogFile
+from remodel_console.edge.order_desk.order_drafts import OrderDrafts
+from remodel_console.edge.order_desk.planner_process import DATABASE_VARIABLE, PlannerProcess
+from remodel_console.edge.parse_lock import lock_parsing
 from remodel_console.edge.settings_file import SettingsFile
-from remodel_console.edge.token_file import read_tokens
+from remodel_console.edge.users_file import UsersFile
 from remodel_console.edge.workspace import OUTPUT, Workspace
 from remodel_console.errors import CommandError
 from remodel_console.live import Live
 from remodel_console.ros.presence import join_ros
 from remodel_console.session import Session
 from remodel_console.sessions import Sessions
+from remodel_console.users_command import USERS
 from remodel_console.web.server import serve
 
 _PORT = 8765
 _JOURNAL = "~/.ros/remodel_console/commands.jsonl"
 _SETTINGS = "~/.ros/remodel_console/settings.json"
 _LOG = "~/.ros/remodel_console/log.jsonl"
-_TOKENS = "~/.ros/remodel_console/tokens.json"
 _KEY_VARIABLE = "REMODEL_CONSOLE_KEY"  # other users see a command line, but no environment
 
 
 def main(arguments: Sequence[str]) -> int:
     """Run the console and return the exit code."""
     options = _read_options(arguments)
+    lock_parsing()
     try:
-        door, journal = _door(options), Journal(Path(options.record).expanduser())
+        users = _users(options)
+        door, journal = (
+            _door(options, has_users=users is not None),
+            Journal(Path(options.record).expanduser()),
+        )
         log, settings = LogFile(Path(options.log).expanduser()), _settings(options)
     except (ValueError, OSError, CommandError) as error:
         sys.stderr.write(f"console: {error}\n")
@@ -56,6 +66,10 @@ def main(arguments: Sequence[str]) -> int:
         options.output,
     )
     sessions = Sessions(lambda: Session(workspace, lambda: settings.now))
+    planner = PlannerProcess()
+    drafts = OrderDrafts(
+        Path(tempfile.gettempdir()) / f"remodel_orders_{secrets.token_hex(8)}", planner
+    )
     console = Console(
         door,
         Desk(journal),
@@ -64,27 +78,51 @@ def main(arguments: Sequence[str]) -> int:
         workspace=workspace,
         catalogue=Catalogue(package_path),
         settings=settings,
+        drafts=drafts,
+        database=options.database,
+        users=users,
     )
     end = threading.Event()
     joining = threading.Thread(target=join_ros, args=(console, journal, end))
     app.on_startup(joining.start)
     app.on_shutdown(end.set)
+    app.on_shutdown(planner.end)
+    app.on_shutdown(drafts.end)
     _print_address(door, options.port)
-    serve(console, options.port)
+    serve(console, options.port, users)
     return 0
 
 
 def _read_options(arguments: Sequence[str]) -> argparse.Namespace:
     parser = argparse.ArgumentParser(prog="console", description="The operator console.")
-    parser.add_argument(
-        "--host", default="127.0.0.1", help="address to bind to; others need a token"
-    )
+    parser.add_argument("--host", default="127.0.0.1", help="address to bind to; others need users")
     parser.add_argument("--port", type=int, default=_PORT, help="port of the pages")
     parser.add_argument(
-        "--tokens",
+        "--users",
         default="",
-        help="file with the tokens that grant access, written if it is not there; "
-        f"on another address than 127.0.0.1: {_TOKENS}",
+        help="file of the users, which `rosrun remodel_console users` writes; without one, "
+        "everybody on this computer may do everything (on another address than 127.0.0.1: "
+        f"{USERS})",
+    )
+    parser.add_argument(
+        "--user-header",
+        default="",
+        metavar="NAME",
+        help="header in which a reverse proxy names the user, such as X-Forwarded-User",
+    )
+    parser.add_argument(
+        "--proxy",
+        action="append",
+        default=[],
+        metavar="ADDRESS",
+        help="address of the proxy; may be repeated (default: this computer)",
+    )
+    parser.add_argument(
+        "--public-host",
+        action="append",
+        default=[],
+        metavar="NAME",
+        help="host name by which the proxy's users reach the console; may be repeated",
     )
     parser.add_argument(
         "--key",
@@ -96,6 +134,13 @@ def _read_options(arguments: Sequence[str]) -> argparse.Namespace:
     parser.add_argument(
         "--output", default=OUTPUT, help="package for the behaviors of charts outside any package"
     )
+    parser.add_argument(
+        "--database",
+        metavar="URL",
+        default=os.environ.get(DATABASE_VARIABLE, ""),
+        help="production database of the supervisor, in which the order desk stores orders; by "
+        f"default that in the environment, {DATABASE_VARIABLE}",
+    )
     parser.add_argument("--settings", default=_SETTINGS, help="file that keeps the configuration")
     parser.add_argument("--log", default=_LOG, help="file that keeps the last lines of the log")
     parser.add_argument("--record", default=_JOURNAL, help="file in which commands are recorded")
@@ -103,10 +148,24 @@ def _read_options(arguments: Sequence[str]) -> argparse.Namespace:
     return parser.parse_args(given)
 
 
-def _door(options: argparse.Namespace) -> Door:
-    if not options.tokens and is_local(options.host):
-        return Door(options.host)
-    return Door(options.host, *read_tokens(Path(options.tokens or _TOKENS).expanduser()))
+def _users(options: argparse.Namespace) -> UsersFile | None:
+    """Return the users; None if everybody on this computer may do everything."""
+    default = Path(USERS).expanduser()
+    if options.users:
+        return UsersFile(Path(options.users).expanduser())
+    if is_local(options.host) and not options.user_header:
+        return None
+    return UsersFile(default) if default.exists() else None
+
+
+def _door(options: argparse.Namespace, *, has_users: bool) -> Door:
+    door = Door(
+        options.host,
+        has_users,
+        options.user_header,
+        public_hosts=tuple(filter(None, options.public_host)),
+    )
+    return replace(door, proxies=tuple(options.proxy)) if options.proxy else door
 
 
 def _settings(options: argparse.Namespace) -> SettingsFile:
@@ -119,15 +178,14 @@ def _settings(options: argparse.Namespace) -> SettingsFile:
 
 
 def _print_address(door: Door, port: int) -> None:
-    """Print the address of the console; not to the log, which every user can read."""
+    """Print the address of the console."""
     host = f"[{door.host}]" if ":" in door.host else door.host
     address = f"http://{host}:{port}/"
     if not is_local(door.host):
         sys.stdout.write(
-            f"console: WARNING: bound to {door.host}: everybody on the network who has a token can "
-            "command the cell, and the connection is not encrypted\n"
+            f"console: WARNING: bound to {door.host}: the connection is not encrypted, so "
+            "passwords can be read on the network; put a reverse proxy with TLS in front "
+            "(--user-header)\n"
         )
-    if door.token:
-        address += f"enter?token={door.token}"
     sys.stdout.write(f"console: {address}\n")
     sys.stdout.flush()

@@ -18,8 +18,10 @@ from std_msgs.msg import String
 sys.path.insert(0, str(Path(__file__).parent))
 from behavior_test_case import BehaviorTestCase
 
+from remodel_console.core.access import Account, Role
 from remodel_console.core.answer import DONE, FAILED
 from remodel_console.edge.catalogue import Catalogue
+from remodel_console.edge.users_file import hash_of, write_accounts
 from remodel_console.ros.ask import ask
 from remodel_console.testing.browser_test import LIMIT_S, free_port
 
@@ -27,6 +29,9 @@ TRUTH_S = 10.0  # in which a page shows that a node has ended or restarted; 2 s 
 LIT_S = 0.1  # within which a transition is seen
 SEES_PATROL = """() => !window.isOld && document.querySelector('li.node.active')
   && document.querySelector('.attach')?.textContent.includes("'Patrol' runs unattended.")"""
+# Have a page's server told that a disabled box was changed.
+PRETEND = """(box) =>
+  getElement(box.closest('[id^="c"]').id.slice(1)).$emit('update:model-value', false)"""
 OBSERVE = """() => {
   const frame = document.querySelector('.canvas-frame');
   window.lit = [];
@@ -257,14 +262,19 @@ class ConsoleTest(BehaviorTestCase):
     def test_who_only_watches_sees_ros_come_late_go_and_come_back(self):
         port, master = free_port(), free_port()
         uri = {"ROS_MASTER_URI": f"http://127.0.0.1:{master}"}
-        tokens = self.folder / "tokens.json"
-        tokens.write_text('{"operator": "lead", "observer": "look"}')
-        tokens.chmod(0o600)
-        self.start_console_at("late", port, "--tokens", str(tokens), **uri)
+        users = self.folder / "users.json"
+        accounts = {
+            "bob": Account(Role.WATCHER, hash_of("watch horse")),
+            "ann": Account(Role.OPERATOR, hash_of("drive horse")),
+        }
+        write_accounts(users, accounts)
+        self.start_console_at("late", port, "--users", str(users), **uri)
         page = self.open_page(port=port)
-        expect(page.get_by_text("requires its token.")).to_be_visible()
-        page.get_by_label("Token").fill("look")
-        page.get_by_role("button", name="Enter").click()
+        expect(page.get_by_text("Sign in to use this console.")).to_be_visible()
+        page.get_by_label("Name").fill("bob")
+        page.get_by_label("Password").fill("watch horse")
+        page.get_by_role("button", name="Sign in").click()
+        expect(page.locator(".bar .user")).to_have_text("bob, watcher")
         expect(page.get_by_text("read-only")).to_be_visible()
         page.get_by_role("link", name="Runtime control").click()
         notice = page.locator(".notice", has_text="ROS is not running")
@@ -278,8 +288,52 @@ class ConsoleTest(BehaviorTestCase):
         self.start("second engine", "flexbe_onboard", "start_behavior", **uri)
         expect(page.locator(".state")).to_have_text("idle")
         expect(page.get_by_role("combobox", name="Behavior")).to_be_disabled()
+        self.see_that_the_server_refuses(page)
+        self.see_what_an_operator_may(page)
         self.end("second engine", "late")
         self.end("master")
+
+    def see_that_the_server_refuses(self, page):
+        """A watcher whose browser pretends that a button is enabled gets nowhere."""
+        page.goto(page.url.replace("/runtime", "/order_desk"))
+        answer = page.evaluate(
+            "fetch('/order_desk/file?name=a.csv', {method: 'POST', body: 'x'})"
+            ".then(async (answer) => `${answer.status} ${await answer.text()}`)"
+        )
+        self.assertEqual(answer, "403 A watcher sends no design files; this needs an operator.")
+        page.goto(page.url.replace("/order_desk", "/configuration"))
+        box = page.get_by_role("checkbox", name="Allow ROS commands")
+        expect(box).to_be_disabled()
+        box.evaluate(PRETEND)
+        self.press(page, "Dark or light")  # handled after what was pretended
+        expect(page.locator("body.body--dark")).to_have_count(1)
+        lines = map(json.loads, self.record.read_text().splitlines())
+        self.assertEqual(
+            [(one["command"], one["state"]) for one in lines if one["who"] == "bob"],
+            [("sign in", "done")],
+        )
+        text = self.settings.read_text() if self.settings.exists() else ""
+        self.assertNotIn('"are_commands_allowed": false', text)
+
+    def see_what_an_operator_may(self, page):
+        """An operator commands the cell, and neither edits nor configures."""
+        page.get_by_role("button", name="Sign out").click()
+        page.get_by_label("Name").fill("ann")
+        page.get_by_label("Password").fill("drive horse")
+        page.get_by_role("button", name="Sign in").click()
+        expect(page.locator(".bar .user")).to_have_text("ann, operator")
+        page.get_by_role("link", name="Runtime control").click()
+        expect(page.get_by_role("combobox", name="Behavior")).to_be_enabled()
+        self.choose(page, "Behavior", "Errand")
+        expect(page.locator(".headline .title")).to_have_text("Errand")
+        page.get_by_role("link", name="Editor").click()
+        expect(page.get_by_text("read-only")).to_be_visible()
+        expect(page.get_by_role("button", name="New")).to_be_disabled()
+        commands = [json.loads(line) for line in self.record.read_text().splitlines()]
+        self.assertIn(
+            ("ann", "load Errand", "done"),
+            [(one["who"], one["command"], one["state"]) for one in commands],
+        )
 
     def test_a_tablet_in_the_dark_and_the_keys(self):
         self.load(self.page, "Errand")

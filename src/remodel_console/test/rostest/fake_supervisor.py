@@ -73,8 +73,8 @@ def attempt(task, number, took_s, *codes):
                 outcome="x",
                 error_code=code,
                 text="",
-                ended_s=0.0,
-                elapsed_s=0.0,
+                ended_s=float(code),
+                elapsed_s=30.0,
                 goal_id="",
                 parameters=(("component_id", "K1"), ("terminal_id", "A1")),
                 measurements=(),
@@ -354,9 +354,11 @@ class FakeRecords:
             for events in (half_way(order),)
         ]
         found = joined(runs)
-        parts = (found.yields, found.terminals, found.wires)
+        runs, yields = zip(*found.yields, strict=True)
+        utilisations = [share for _, share in found.utilisations]
+        parts = (found.terminals, found.wires)
         columns = [column for part in parts for column in zip(*part, strict=True)]
-        return srv.GetStatisticsResponse(True, "", *columns)
+        return srv.GetStatisticsResponse(True, "", runs, yields, utilisations, *columns)
 
     def _get(self, request):
         if request.run != 12:

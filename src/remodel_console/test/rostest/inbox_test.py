@@ -14,7 +14,10 @@ sys.path.insert(0, str(Path(__file__).parent))
 from behavior_test_case import BehaviorTestCase
 from fake_supervisor import FakeSupervisor
 
-PAGES = ("/overview", "/runtime", "/editor", "/replay", "/configuration", "/statistics")
+PAGES = (
+    *("/overview", "/runtime", "/editor", "/replay", "/configuration", "/statistics"),
+    "/order_desk",
+)
 SEEN_S = 0.5  # within which a page shows what waits, where its core is idle
 BUSY_S = 20.0  # the same, where other tests use the cores
 RECORD_WAITING = """() => {
@@ -83,6 +86,7 @@ class InboxTest(BehaviorTestCase):
         card = configuration.locator(".request")
         expect(card).to_contain_text("Can the pin be bent back?")
         expect(card).to_contain_text("your answer attaches to it")
+        expect(self.page.locator(".state")).to_have_text("waiting for you")
         self.press(card, "repair")
         self.ended("repaired")
         expect(card).to_have_count(0)
@@ -91,6 +95,7 @@ class InboxTest(BehaviorTestCase):
 
     def test_a_supervised_decision_and_a_refused_value(self):
         self.begin("Survey", "Full")
+        expect(self.page.locator(".state")).to_have_text("waiting for you")
         self.page.get_by_label("Value").fill("A7")
         self.page.get_by_label("Value").press("Enter")
         expect(self.page.locator(".log")).to_contain_text("The bent pin is A7.")
@@ -108,6 +113,9 @@ class InboxTest(BehaviorTestCase):
         for _ in range(3):
             expect(card).to_contain_text("Leave '")
             asked = card.inner_text()
+            for key in "clps ":  # single keys command nothing
+                self.page.keyboard.press(key)
+            self.assertEqual(card.inner_text(), asked)
             self.page.keyboard.press("Alt+c")
             self.wait_until(lambda before=asked: card.count() and card.inner_text() != before)
         self.press(self.page, "Leave step mode")

@@ -27,6 +27,8 @@ class OverviewTest(BehaviorTestCase):
         expect(away).to_be_visible()
         expect(page.locator(".notice", has_text="The cell is not running")).to_be_visible()
         expect(page.locator(".notice", has_text="The engine is not running")).to_be_visible()
+        expect(page.locator(".order-head")).to_be_visible()
+        expect(page.locator(".ending")).to_be_hidden()  # no run has ended yet
         supervisor, cameras = FakeSupervisor(), FakeCameras()
         expect(away).to_have_count(0)
         expect(page.locator(".presence.there", has_text="Cell")).to_be_visible()
@@ -126,6 +128,7 @@ class OverviewTest(BehaviorTestCase):
         terminals = page.locator("section", has_text="Terminals").locator("tr")
         expect(terminals.last).to_have_text("K1/A18" + "8" + "100%")
         expect(page.get_by_role("img", name="First-pass yield over runs")).to_contain_text("run 13")
+        expect(page.get_by_role("img", name="Utilisation over runs")).to_contain_text("run 13")
         wires = page.locator("section", has_text="Time per wire").locator("tr")
         expect(wires.nth(1)).to_have_text("W278 s")
         self.take_picture(page, "statistics")

@@ -120,6 +120,41 @@ def test_preferences_come_with_the_order_and_must_fit_it(tmp_path, database, cap
     store.close()
 
 
+def test_an_account_and_a_plan_are_printed_for_programs(tmp_path, database, capsys):
+    file, plan_file = tmp_path / "loom.csv", tmp_path / "plan.json"
+    file.write_text("From,To,Section mm2,Shelf\nK1:1,X1:1,1,a\nK1:2,X1:2,35,b\nK1:3,X1:3,2.5,c\n")
+    place = ["--database", database, "--use-case", "automotive_formboard", "--json"]
+    assert import_design.main([str(file), "--order", "loom", *place]) == 0
+    said = json.loads(capsys.readouterr().out)
+    assert (said["order"], said["counts"]["wires"]) == ("loom", 3)
+    assert said["account"]["unused_columns"] == [
+        {"source": "column 'Shelf'", "reason": "its heading is not known"}
+    ]
+    assert {"cabinet", "switchgear"} <= set(said["use_cases"])
+    triage = said["triage"]
+    assert (triage["robot"], triage["by_hand"][0]["task"]) == (["W1", "W3"], "W2")
+    assert "characteristics.task.section_mm2" in triage["by_hand"][0]["reason"]
+    planning = ["--order", "loom", "--output", str(plan_file), "--moves", "100", *place]
+    assert plan.main(planning) == 0
+    said = json.loads(capsys.readouterr().out)
+    assert said["triage"] == triage
+    picked = [action["wire"] for action in said["actions"] if action["action"] == "pick"]
+    assert sorted(picked) == ["W1", "W3"]
+    ends = [action["start_s"] + action["duration_s"] for action in said["actions"]]
+    assert max(ends) == pytest.approx(said["makespan_s"])
+    assert "section_mm2" in said["features"]
+    file = tmp_path / "wishes.yaml"
+    entries = ["{name: up, route: W1, before: W3}", "{name: down, route: W3, before: W1}"]
+    document = f"format: remodel-preferences-1\nrequire: [{', '.join(entries)}]\n"
+    file.write_text(document)
+    assert plan.main([*planning, "--preferences", str(file)]) == 1
+    printed = capsys.readouterr()
+    said = json.loads(printed.out)
+    (conflict,) = said["conflicts"]
+    assert [(each["entry"]["name"], each["index"]) for each in conflict] == [("up", 0), ("down", 1)]
+    assert printed.err == f"plan: {said['error']}\n"
+
+
 def test_a_list_with_headings_of_its_own_needs_its_mapping(tmp_path, database, capsys):
     file, mapping = tmp_path / "mine.csv", tmp_path / "mine.yaml"
     file.write_text("Hier;Dort\nA:1;B:1\n")

@@ -15,7 +15,7 @@ from remodel_planning.core.problem.defects import require_sound
 from remodel_planning.core.problem.instance import problem_from
 from remodel_planning.core.problem.modes import Mode
 from remodel_planning.core.problem.order import wire_order
-from remodel_planning.core.problem.preferences import Preferred, apply_preferences
+from remodel_planning.core.problem.preferences import Preferred, about_wires, apply_preferences
 from remodel_planning.core.problem.problem import ActionKind, Detour, SoftConstraint
 from remodel_planning.core.search.tables import tables_of
 from remodel_planning.edge.anytime_planner import AnytimePlanner
@@ -117,6 +117,35 @@ def test_requirements_bind_the_plan(problem):
 def test_entries_that_cannot_be_kept_are_refused(problem, text, message):
     with pytest.raises(InstanceError, match=message):
         preferred(problem, text)
+
+
+def test_what_a_document_says_about_some_wires_counts_for_them_alone():
+    document = yaml.safe_load("""
+        format: remodel-preferences-1
+        weights: {colour: 4}
+        prefer:
+          - {name: gone, pick: w9, before: w1, weight: 1}
+          - {name: left, pick: [w1, w9], before: all, weight: 2}
+          - {name: blue, pick: {colour: blue}, before: w2, weight: 3}
+        require:
+          - {name: reach, arm: L, x_mm: [0, 9]}
+          - {name: away, insert: [w9], force_n: 3}
+    """)
+    assert about_wires(document, {"w1", "w2"}) == {
+        "format": "remodel-preferences-1",
+        "weights": {"colour": 4},
+        "prefer": [
+            {"name": "left", "pick": ["w1"], "before": "all", "weight": 2, "if_any": True},
+            {
+                "name": "blue",
+                "pick": {"colour": "blue"},
+                "before": ["w2"],
+                "weight": 3,
+                "if_any": True,
+            },
+        ],
+        "require": [{"name": "reach", "arm": "L", "x_mm": [0, 9]}],
+    }
 
 
 def test_wires_are_put_in_the_order_of_a_value(problem):

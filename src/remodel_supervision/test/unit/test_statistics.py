@@ -16,14 +16,14 @@ from remodel_supervision.core.runs.state import FINISHED
 from remodel_supervision.core.runs.statistics import joined, statistics_of_run
 
 
-def operation(task, terminal, code, ability="InsertCable"):
+def operation(task, terminal, code, ability="InsertCable", ended_s=0.0, elapsed_s=0.0):
     component, name = terminal.split("/")
     parameters = (("component_id", component), ("terminal_id", name))
     return OperationEnded(
         task,
         Operation(
-            "/Insert", ability, outcome="x", error_code=code, text="", ended_s=0.0, elapsed_s=0.0,
-            parameters=parameters,
+            "/Insert", ability, outcome="x", error_code=code, text="", ended_s=ended_s,
+            elapsed_s=elapsed_s, parameters=parameters,
         ),
     )  # fmt: skip
 
@@ -64,6 +64,14 @@ def test_terminals_yields_and_times_of_several_runs():
     assert dict(found.wires)["W1"] == pytest.approx(30.0)
 
 
+def test_the_utilisation_counts_time_in_which_several_arms_work_once():
+    spans = ((10.0, 10.0), (12.0, 4.0), (20.0, 5.0))  # 0 to 10, 8 to 12, 15 to 20 [s]
+    operations = (operation("W1", "K1/A1", 0, ended_s=e, elapsed_s=s) for e, s in spans)
+    found = joined([of_run(1, *attempt("W1", 1, 40.0, *operations)), of_run(2)])
+    assert found.utilisations == ((1, pytest.approx(0.85)),)
+
+
 def test_without_runs_there_is_nothing():
     found = joined([])
-    assert (found.yields, found.terminals, found.wires) == ((), (), ())
+    assert (found.yields, found.utilisations) == ((), ())
+    assert (found.terminals, found.wires) == ((), ())

@@ -227,6 +227,21 @@ def test_a_preference_about_a_task_that_is_done_is_no_error():
     assert sorted(planner.plan(left, left)) == sorted(left)
 
 
+def test_a_resumed_order_keeps_preferences_that_name_tasks_done_before():
+    order = cabinet_order(1)
+    preferences = {
+        "format": FORMAT,
+        "require": [
+            {"name": "below", "route": "W7", "before": "W8"},
+            {"name": "late", "route": "W8", "before": "W9"},
+        ],
+    }
+    left = [task.name for task in order.tasks if task.name != "W7"]
+    names = planner_of(order, documents=[("preferences", preferences)]).plan(left)
+    assert sorted(names) == sorted(left)
+    assert names.index("W8") < names.index("W9")
+
+
 def test_tasks_put_off_come_last_unless_another_must_come_after_them():
     order = replace(cabinet_order(1), unders=(Under("W3", "W5"), Under("W5", "W6")))
     planner = planner_of(order)

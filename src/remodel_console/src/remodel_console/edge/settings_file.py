@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-import os
 import threading
 from collections.abc import Callable, Iterator
 from pathlib import Path
 
 from flexbe_synthesizer.edge.package_path import find_packages
 from remodel_console.core.settings import Settings, read_settings, write_settings
+from remodel_console.edge.private_file import write_private
 from remodel_console.errors import CommandError
 
 
@@ -55,15 +55,8 @@ class SettingsFile:
     def _keep(self, settings: Settings) -> None:
         for folder in settings.chart_folders:
             self._expect_folder(Path(folder))
-        draft = self._path.with_suffix(".new")
         try:
-            self._path.parent.mkdir(parents=True, exist_ok=True)
-            draft.unlink(missing_ok=True)
-            with open(draft, "x", encoding="utf-8", opener=_private) as file:
-                file.write(write_settings(settings))
-                file.flush()
-                os.fsync(file.fileno())
-            draft.replace(self._path)
+            write_private(self._path, write_settings(settings))
         except OSError as error:
             raise CommandError(f"the settings cannot be saved: {error}") from error
 
@@ -80,7 +73,3 @@ class SettingsFile:
         yield Path.home().resolve()
         packages, _warnings = find_packages(self._ros_package_path)
         yield from (package.folder.resolve() for package in packages)
-
-
-def _private(path: str, flags: int) -> int:
-    return os.open(path, flags, 0o600)

@@ -39,6 +39,7 @@ class RecordLink:
         terminals = zip(answer.terminals, answer.insertions, answer.failures, strict=True)
         return Statistics(
             tuple(zip(answer.runs, answer.yields, strict=True)),
+            tuple(zip(answer.runs, answer.utilisations, strict=True)),
             tuple(terminals),
             tuple(zip(answer.wires, answer.wire_s, strict=True)),
         )

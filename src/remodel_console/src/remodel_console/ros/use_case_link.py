@@ -35,7 +35,7 @@ class UseCaseLink:
         """Return whether a supervisor publishes its state."""
         return self._run.is_there
 
-    def run(self, order: str, tasks: int, by: str, *, again: bool) -> str:
+    def run(self, order: str, tasks: int, by: str, *, again: bool, use_case: str = "") -> str:
         """Start an order, and return what the supervisor says.
 
         Args:
@@ -43,6 +43,7 @@ class UseCaseLink:
             tasks: how many of its tasks, from the first; 0 for all.
             by: who starts it.
             again: do those too that are done, on an empty panel.
+            use_case: by which it is done; empty: the supervisor's default.
 
         Raises:
             CommandError: if there is no supervisor, or it refuses.
@@ -59,7 +60,7 @@ class UseCaseLink:
                 decided.set()
 
         goal_id = f"{by}-{uuid.uuid4().hex[:8]}"
-        goal = RunUseCaseGoal(id=goal_id, order=order, tasks=tasks, again=again)
+        goal = RunUseCaseGoal(id=goal_id, order=order, use_case=use_case, tasks=tasks, again=again)
         handle = self._client.send_goal(goal, on_change)
         if not decided.wait(_ACCEPTED_S):
             handle.cancel()

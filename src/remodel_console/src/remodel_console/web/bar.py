@@ -8,10 +8,11 @@ from contextlib import AbstractContextManager
 
 from nicegui import ui
 
-from remodel_console.core.access import tidy_name
+from remodel_console.core.access import User, tidy_name
 from remodel_console.core.inbox import Card
 from remodel_console.core.world import World
 from remodel_console.web.attention import Attention
+from remodel_console.web.guard import LEAVE
 
 NAME_COOKIE = "remodel_name"
 DARK_COOKIE = "remodel_dark"
@@ -23,6 +24,7 @@ _DEEDS = {True: "dark", False: "light"}
 
 PAGES = (
     ("Overview", "/overview"),
+    ("Order desk", "/order_desk"),
     ("Runtime control", "/runtime"),
     ("Editor", "/editor"),
     ("Replay", "/replay"),
@@ -49,6 +51,8 @@ class Bar:
         dialog: Callable[[str], AbstractContextManager[ui.dialog]],
         on_hidden: Callable[[bool], None],
         *,
+        user: User,
+        signs_in: bool,
         is_operator: bool,
     ) -> None:
         """Build the bar.
@@ -59,9 +63,11 @@ class Bar:
             keys: those of the page, for the list.
             dialog: opens a dialog of a name.
             on_hidden: gets whether the page is in the background, whenever that changes.
-            is_operator: the user may give commands.
+            user: of the page; without a name, one can be typed.
+            signs_in: a user who has a name has signed in here, and can sign out.
+            is_operator: the user may give the page's commands.
         """
-        self.name = tidy_name(cookies.get(NAME_COOKIE, ""))
+        self.name = user.name or tidy_name(cookies.get(NAME_COOKIE, ""))
         self.has_single_keys = cookies.get(KEYS_COOKIE) != "off"
         self._keys = keys
         self._dialog = dialog
@@ -82,9 +88,14 @@ class Bar:
             self._chips = [_chip(name) for name in ("ROS", "Engine", "Cell")]
             if not is_operator:
                 ui.label("read-only").classes("watching")
-            self._who = ui.button(self.name or "Your name", on_click=self._ask_name, color=None)
-            self._who.props('flat dense no-caps title="Your name, for the record of commands"')
-            self._who.classes("who")
+            if not user.name:
+                self._who = ui.button(self.name or "Your name", on_click=self._ask_name, color=None)
+                self._who.props('flat dense no-caps title="Your name, for the record of commands"')
+                self._who.classes("who")
+            else:
+                ui.label(f"{user.name}, {user.role.value}").classes("user")
+                if signs_in:
+                    _icon("logout", "Sign out", lambda: ui.navigate.to(LEAVE))
             _icon("notifications", "Notifications", self._ask_notifications)
             _icon("contrast", "Dark or light", self._toggle_dark)
             _icon("keyboard", "Keys (?)", self.show_keys)

@@ -8,6 +8,7 @@ from dataclasses import replace
 from nicegui import ui
 from nicegui.elements.mixins.value_element import ValueElement
 
+from remodel_console.core.access import Role
 from remodel_console.core.answer import DONE
 from remodel_console.core.settings import Settings, difference
 from remodel_console.core.world import World
@@ -16,6 +17,8 @@ from remodel_console.web.page import Page, card
 
 class ConfigurationPage(Page):
     """The page of what is configured; each change counts once its field is left."""
+
+    NEEDS = Role.ENGINEER
 
     def build(self) -> None:
         """Build a card for each matter."""
@@ -76,7 +79,7 @@ class ConfigurationPage(Page):
         self._fields.append((entry, lambda settings: getattr(settings, name)))
 
     def _key(self) -> None:
-        """Add the field of the key, which is not sent to who only watches."""
+        """Add the field of the key, which is not sent to who may not change it."""
 
         def shown(settings: Settings) -> str:
             return settings.command_key if self.is_operator else ""

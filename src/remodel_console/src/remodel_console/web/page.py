@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager
+from functools import partial
+from typing import ClassVar
 
 from nicegui import background_tasks, ui
 from nicegui.events import KeyEventArguments
@@ -11,14 +13,14 @@ from starlette.requests import Request
 
 from remodel_console.console import Console
 from remodel_console.core.access import Actor, Role
-from remodel_console.core.answer import DONE, CommandResult
+from remodel_console.core.answer import DONE, REFUSED, CommandResult
 from remodel_console.core.commands import Command, Verb
 from remodel_console.core.inbox import Card, Kind, Option, cards
 from remodel_console.core.world import Notice, World, notices
 from remodel_console.session import Session
 from remodel_console.web.bar import Bar
 from remodel_console.web.broadcast import Broadcast
-from remodel_console.web.guard import role_of
+from remodel_console.web.guard import user_of
 from remodel_console.web.inbox import Inbox
 from remodel_console.web.own_thread import on_own_thread
 
@@ -27,16 +29,22 @@ _CONFIRM = ("Alt+C", "confirm the engine's request")
 
 
 class Page:
-    """One open page."""
+    """One open page.
 
-    KEYS: tuple[tuple[str, str], ...] = ()
+    Attributes:
+        KEYS: what keys do on it.
+        NEEDS: the role that its commands need; to answer what waits, an operator is enough.
+    """
+
+    KEYS: ClassVar[tuple[tuple[str, str], ...]] = ()
+    NEEDS: ClassVar[Role] = Role.OPERATOR
 
     def __init__(
         self, console: Console, broadcast: Broadcast, request: Request, title: str
     ) -> None:
         """Build the page, and have it shown again after each change."""
         self.console = console
-        self.role = role_of(request.scope)
+        self._user = user_of(request.scope)
         self.query = request.query_params
         self._address = request.client.host if request.client else "?"
         self._is_hidden = False
@@ -51,15 +59,17 @@ class Page:
             (*self.KEYS, _CONFIRM),
             self.dialog,
             self._set_hidden,
+            user=self._user,
+            signs_in=not console.door.user_header,
             is_operator=self.is_operator,
         )
-        self._inbox = Inbox(self.button, self._answer, self._enter)
+        self._inbox = Inbox(partial(self.button, needs=Role.OPERATOR), self._answer, self._enter)
         ui.skip_link("To what waits for you", target=self._inbox.area)
         self._notices = ui.column().classes("notices")
         self._dialogs = ui.element("div")  # what is asked stays, whatever the page shows next
+        with ui.element("h1").classes("hidden-heading"):  # there, too, where cards hide the page
+            ui.label(title)
         with ui.element("div").classes("page"):
-            with ui.element("h1").classes("hidden-heading"):
-                ui.label(title)
             self.build()
         typed_in = ["input", "select", "textarea"]
         ui.keyboard(on_key=self._on_key, repeating=False, ignore=typed_in)
@@ -69,12 +79,18 @@ class Page:
     @property
     def actor(self) -> Actor:
         """Return who uses the page, for the record."""
-        return Actor(self._bar.name or self.role.value, self._address, self.role)
+        name = self._user.name or self._bar.name or Role.OPERATOR.value
+        return Actor(name, self._address, self.role)
+
+    @property
+    def role(self) -> Role:
+        """Return what the user of the page may do now; a removed user only watches."""
+        return self.console.role_of(self._user)
 
     @property
     def is_operator(self) -> bool:
-        """Return whether the user of the page may give commands."""
-        return self.role is Role.OPERATOR
+        """Return whether the user may give the page's commands."""
+        return self.role.may(self.NEEDS)
 
     @property
     def is_dark(self) -> bool:
@@ -102,14 +118,29 @@ class Page:
     def press_with_alt(self, key: str) -> None:
         """Do what Alt and a key mean on this page, such as a command to the robot."""
 
-    async def give(self, command: str, deed: Callable[[], str | None]) -> CommandResult:
+    async def give(
+        self,
+        command: str,
+        deed: Callable[[], str | None],
+        *,
+        needs: Role | None = None,
+        shows_error: bool = True,
+    ) -> CommandResult:
         """Execute a command, show its error if it fails, and return the answer.
 
         Its sender may have closed the dialog, or the page, before the answer comes.
+
+        Args:
+            command: what it is, for the record.
+            deed: does it, and returns the answer in words.
+            needs: the role that it needs; None for that of the page's commands.
+            shows_error: false if the page itself shows why the command failed.
         """
         actor = self.actor
-        answer = await on_own_thread(lambda: self.console.desk.give(actor, command, deed))
-        if answer.state != DONE and not self._dialogs.is_deleted:
+        role = needs or self.NEEDS
+        answer = await on_own_thread(lambda: self.console.desk.give(actor, command, deed, role))
+        is_shown = shows_error or answer.state == REFUSED
+        if answer.state != DONE and is_shown and not self._dialogs.is_deleted:
             with self._dialogs:
                 ui.notify(
                     answer.words, type="negative", multi_line=True, close_button="OK", timeout=0
@@ -117,19 +148,26 @@ class Page:
         return answer
 
     def button(
-        self, text: str, deed: Callable[[], object], *, icon: str | None = None, look: str = "main"
+        self,
+        text: str,
+        deed: Callable[[], object],
+        *,
+        icon: str | None = None,
+        look: str = "main",
+        needs: Role | None = None,
     ) -> ui.button:
-        """Return a button for operators; observers cannot press it.
+        """Return a button, which cannot be pressed by a user who may not give its command.
 
         Args:
             text: what is on it.
             deed: what it does.
             icon: name of an icon of Google's Material set.
             look: "main", "quiet" or "stop".
+            needs: the role that its command needs; None for that of the page's commands.
         """
         color = "primary" if look == "main" else None
         made = ui.button(text, on_click=deed, icon=icon, color=color).classes(look)
-        made.props("no-caps unelevated").set_enabled(self.is_operator)
+        made.props("no-caps unelevated").set_enabled(self.role.may(needs or self.NEEDS))
         return made
 
     @contextmanager
@@ -187,13 +225,19 @@ class Page:
 
     async def _answer(self, card: Card, option: Option) -> None:
         by = self.actor.name
-        await self.give(card.record(option), lambda: self.console.answer(card, option, by))
+        await self.give(
+            card.record(option),
+            lambda: self.console.answer(card, option, by),
+            needs=Role.OPERATOR,
+        )
 
     async def _enter(self, card: Card, literal: str | None) -> None:
         what = "no value" if literal is None else literal
         number = int(card.about)
         await self.give(
-            f"enter {what} for '{card.text}'", lambda: self.console.enter(number, literal)
+            f"enter {what} for '{card.text}'",
+            lambda: self.console.enter(number, literal),
+            needs=Role.OPERATOR,
         )
 
     def _show_notices(self, world: World) -> None:
@@ -225,7 +269,7 @@ class Page:
         card = next(asked, None)
         if key != "c":
             self.press_with_alt(key)
-        elif card is not None and self.is_operator:
+        elif card is not None and self.role.may(Role.OPERATOR):
             background_tasks.create(self._answer(card, card.options[0]))
 
 
@@ -236,6 +280,13 @@ def card(title: str, hint: str) -> ui.element:
         ui.label(title).classes("title")
         ui.label(hint).classes("soft")
     return made
+
+
+def scrollable(name: str) -> ui.element:
+    """Return a frame for what may be too wide or too high, such as a table; keys scroll it, too."""
+    frame = ui.element("div").classes("table-frame wide").props('tabindex="0" role="region"')
+    frame.props["aria-label"] = name
+    return frame
 
 
 def table(head: Iterable[str], rows: Iterable[Iterable[str]]) -> None:

@@ -8,7 +8,7 @@ from pathlib import Path
 from nicegui import app, core, ui
 from nicegui import run as on_thread
 from starlette.requests import Request
-from starlette.responses import RedirectResponse, Response
+from starlette.responses import FileResponse, RedirectResponse, Response
 
 from remodel_console.console import Console
 from remodel_console.edge.mesh_file import stl_of
@@ -17,7 +17,9 @@ from remodel_console.web.broadcast import Broadcast
 from remodel_console.web.configuration_page import ConfigurationPage
 from remodel_console.web.editor.editing_page import SESSION, released
 from remodel_console.web.editor.editor_page import EditorPage
-from remodel_console.web.guard import Guard
+from remodel_console.web.guard import Guard, Users
+from remodel_console.web.order_desk.design_upload import take_design
+from remodel_console.web.order_desk.order_desk_page import ADDRESS, FILE_ADDRESS, OrderDeskPage
 from remodel_console.web.overview.overview_page import OverviewPage
 from remodel_console.web.replay.replay_page import ReplayPage
 from remodel_console.web.runtime.runtime_page import RuntimePage
@@ -29,21 +31,27 @@ _HEAD = (
     '<script src="/console/connection.js"></script>'
 )
 _PNG = b"\x89PNG"  # how such a file begins
+# A drawing has names out of a file; whatever they are, it runs no script.
+_PICTURE_ONLY = {
+    "Content-Security-Policy": "default-src 'none'; style-src 'unsafe-inline'",
+    "Cache-Control": "no-store",
+}
 _RECONNECT_S = 30.0  # for which the page of a browser that has lost us is kept
 _PING_S, _PONG_S = 2.0, 3.0  # a page whose network is gone says so after both
 
 
-def serve(console: Console, port: int) -> None:
+def serve(console: Console, port: int, users: Users | None = None) -> None:
     """Serve until a signal ends the process."""
     broadcast = Broadcast()
     app.add_static_files("/console", _STATIC)
-    app.add_middleware(Guard, door=console.door)
+    app.add_middleware(Guard, door=console.door, users=users, record=console.desk.record)
     app.on_startup(broadcast.bind)
     app.on_startup(_ping_often)
     console.live.on_change(broadcast.wake)
     console.pictures.on_change(broadcast.wake)
     console.sessions.on_change(broadcast.wake)
     console.settings.on_change = broadcast.wake
+    console.drafts.on_change = broadcast.wake
     ui.add_head_html(_HEAD, shared=True)
 
     @ui.page("/")
@@ -70,6 +78,21 @@ def serve(console: Console, port: int) -> None:
     @app.get("/record/{run}/{position}")
     async def recorded(run: int, position: int) -> Response:
         return await _recorded(console, run, position)
+
+    @app.post(FILE_ADDRESS)
+    async def design(request: Request) -> Response:
+        return await take_design(console.drafts, request)
+
+    @app.get(ADDRESS + "/board/{key}")
+    def board(key: str) -> Response:
+        draft = console.drafts.get(key)
+        if draft is None or not draft.now.boards:
+            return Response("this order has no board", 404)
+        return FileResponse(draft.board, media_type="image/svg+xml", headers=_PICTURE_ONLY)
+
+    @ui.page(ADDRESS)
+    def order_desk(request: Request) -> None:
+        OrderDeskPage(console, broadcast, request, "Order desk")
 
     @ui.page("/replay")
     def replay(request: Request) -> None:

@@ -1,4 +1,4 @@
-"""Statistics across runs: first-pass yield over time, terminals that jam, time for each wire."""
+"""Statistics across runs: yield and utilisation over time, terminals that jam, time per wire."""
 
 from __future__ import annotations
 
@@ -34,6 +34,11 @@ class StatisticsPage(Page):
                 self._message = ui.label().classes("soft").props('role="status"')
             with card("First-pass yield", "Share of the tasks of each run done at once."):
                 self._yields = Plot("First-pass yield over runs")
+            hint = (
+                "Share of each run, from its first operation on, in which an ability was executed."
+            )
+            with card("Utilisation", hint):
+                self._utilisations = Plot("Utilisation over runs")
             with card("Time per wire", "Mean of all runs, the slowest first."):
                 self._times = Plot("Mean time of the slowest wires")
                 self._wires = ui.element("div").classes("wide")
@@ -69,6 +74,8 @@ class StatisticsPage(Page):
     def _show_found(self, found: Statistics) -> None:
         latest = found.yields[-_SHOWN_RUNS:]
         self._yields.show(line_plot([f"run {n}" for n, _ in latest], [y for _, y in latest]))
+        latest = found.utilisations[-_SHOWN_RUNS:]
+        self._utilisations.show(line_plot([f"run {n}" for n, _ in latest], [u for _, u in latest]))
         slowest = found.wires[:_SHOWN]
         self._times.show(bar_plot([name for name, _ in slowest], [s for _, s in slowest], "s"))
         self._wires.clear()

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+import json
 import re
 from collections import Counter
 from contextlib import closing
@@ -16,8 +17,15 @@ from remodel_planner.commands.options.design_orders import (
     design_order,
     print_triage,
 )
+from remodel_planner.commands.options.documents import (
+    Document,
+    add_json_option,
+    order_document,
+    triage_document,
+)
 from remodel_planner.commands.options.entry import refuses
 from remodel_planning.core.decomposition.preparation import prepare
+from remodel_planning.edge.use_case_files import use_case_names
 from remodel_planning.edge.yaml_file import read_yaml
 from remodel_production.core.board.board import board_of
 from remodel_production.core.board.cabinet import laid_out
@@ -91,6 +99,7 @@ def main(arguments: list[str] | None = None) -> int:
     parser.add_argument("--verbose", action="store_true", help="list every assumption and omission")
     add_design_options(parser)
     add_database_option(parser)
+    add_json_option(parser)
     options = parser.parse_args(arguments)
     name = options.order or re.sub(r"\W+", "_", options.file.stem)
     catalogue = read_catalogue(catalogue_file())
@@ -104,6 +113,9 @@ def main(arguments: list[str] | None = None) -> int:
     preferences = _preferences(options, order)
     with closing(ProductionDatabase(options.database)) as database:
         database.add_order(order, preferences, read_abilities())
+    if options.json:
+        print(json.dumps(_document(imported, order, catalogue, options)))
+        return 0
     _report(imported, verbose=options.verbose)
     _report_lengths(imported, order, catalogue, verbose=options.verbose)
     _report_triage(order, options)
@@ -159,12 +171,8 @@ def _report_lengths(
     imported: Imported, order: Order, catalogue: Catalogue, *, verbose: bool
 ) -> None:
     """Print which lengths of the design do not fit the board."""
-    stated = {wire.name for wire in imported.order.wires if wire.length_m is not None}
-    if not stated:
-        return
-    findings = length_findings(board_of(order, catalogue), stated)
     for lines, what in zip(
-        findings,
+        _length_findings(imported, order, catalogue),
         (
             "wires are shorter than their routes on the board.",
             "wires are more than three times as long as their routes; is their unit right?",
@@ -176,6 +184,29 @@ def _report_lengths(
             print("\n".join(f"    {line}" for line in lines))
         elif lines:
             print(f"  {len(lines)} {what} The worst: {lines[0]}")
+
+
+def _length_findings(
+    imported: Imported, order: Order, catalogue: Catalogue
+) -> tuple[tuple[str, ...], ...]:
+    """Return the wires of the design that are too short for the board, and much too long."""
+    stated = {wire.name for wire in imported.order.wires if wire.length_m is not None}
+    return length_findings(board_of(order, catalogue), stated) if stated else ((), ())
+
+
+def _document(
+    imported: Imported, order: Order, catalogue: Catalogue, options: argparse.Namespace
+) -> Document:
+    """Return what is printed with --json."""
+    short, long = _length_findings(imported, order, catalogue)
+    document = order_document(imported.order, imported.account)
+    document["lengths"] = {"too_short": short, "too_long": long}
+    document["use_cases"] = use_case_names()
+    try:
+        work, _ = design_order(order, options)
+    except PlannerError as error:
+        return {**document, "nothing_to_plan": str(error)}
+    return {**document, "triage": triage_document(work)}
 
 
 def _report_triage(order: Order, options: argparse.Namespace) -> None:

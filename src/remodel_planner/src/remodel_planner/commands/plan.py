@@ -3,11 +3,18 @@
 from __future__ import annotations
 
 import argparse
+import json
 import math
 import time
 from pathlib import Path
 
 from remodel_planner.commands.options.design_orders import print_triage
+from remodel_planner.commands.options.documents import (
+    add_json_option,
+    conflict_document,
+    plan_document,
+    triage_document,
+)
 from remodel_planner.commands.options.entry import refuses
 from remodel_planner.commands.options.limits import moves, seconds, seed
 from remodel_planner.commands.options.problem_files import (
@@ -57,11 +64,14 @@ def main(arguments: list[str] | None = None) -> int:
         help="if there is no plan, print what it would cost to drop each requirement of the "
         "smallest set that contradicts; write no plan then",
     )
+    add_json_option(parser)
     options = parser.parse_args(arguments)
     try:
         _plan(options)
     except ConflictError as error:
-        if options.relax and error.conflict:
+        if options.json:
+            print(json.dumps(conflict_document(str(error), error.conflicts)))
+        if options.relax and error.conflicts:
             print(f"plan: {error}")
             _relax(error, options)
             return 1
@@ -107,11 +117,18 @@ def _plan(options: argparse.Namespace) -> None:
         result = planner.improved(limits)
     best = min(first, result.planned, key=lambda planned: planned.cost)
     _write(best, options.output)
+    triage = files.prepared.order if files.prepared is not None else None
+    if options.json:
+        document = {**plan_document(best), "search": _ending(result, limits)}
+        if triage is not None:
+            document["triage"] = triage_document(triage)
+        print(json.dumps(document))
+        return
     print(f"{problem.name}: cost {best.cost} (makespan {best.makespan}, penalty {best.penalty})")
     print(f"first plan: cost {first.cost} after {first_ms:.1f} ms")
     print(f"search: {_ending(result, limits)}; plan: {options.output}")
-    if files.prepared is not None:
-        print_triage(files.prepared.order)
+    if triage is not None:
+        print_triage(triage)
 
 
 def _ending(result: Result, limits: Limits) -> str:

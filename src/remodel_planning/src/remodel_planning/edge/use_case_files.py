@@ -29,7 +29,7 @@ def find_use_case(name: str) -> UseCase:
     for file in files:
         if file.stem == name:
             return read_use_case(file)
-    names = ", ".join(sorted({file.stem for file in files})) or "none"
+    names = ", ".join(use_case_names()) or "none"
     searched = ", ".join(str(folder) for folder in _folders())
     raise UseCaseError(
         f"no use case {name}; there are {names} (searched: {searched}): name one of them, or add "
@@ -51,6 +51,11 @@ def default_use_case(kind: DesignKind) -> UseCase:
     raise UseCaseError(
         f"no use case says `designs: {{default_for: {kind.value}}}`: name one by --use-case"
     )
+
+
+def use_case_names() -> tuple[str, ...]:
+    """Return the names of all use cases."""
+    return tuple(sorted({file.stem for file in _files()}))
 
 
 def use_case_folder() -> Path:

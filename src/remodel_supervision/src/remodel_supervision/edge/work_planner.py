@@ -147,11 +147,14 @@ class WorkPlanner:
         return planned.wires
 
     def _prepare(self, names: set[str]) -> Prepared:
+        """Return tasks ready for planning; preferences are about the order's other tasks, too."""
+        expectations = self.experience.expectations
+        if self._documents:
+            whole = prepare(self.order, self.use_case, self._documents, expectations=expectations)
+            return whole.only(names)
         tasks = tuple(task for task in self.order.tasks if task.name in names)
         order = replace(self.order, tasks=tasks)
-        return prepare(
-            order, self.use_case, self._documents, expectations=self.experience.expectations
-        )
+        return prepare(order, self.use_case, expectations=expectations)
 
     def task(
         self, name: str, decisions: Sequence[Decided] = (), connected: Collection[str] = ()

@@ -5,13 +5,13 @@ from __future__ import annotations
 from remodel_console.core.run.run_view import Phase, RunView
 
 
-def state_words(view: RunView) -> str:
-    """Return the state of the run."""
+def state_words(view: RunView, *, waits: bool) -> str:
+    """Return the state of the run; `waits`: for a value, a decision or a confirmation."""
     if view.phase is Phase.AWAY:
         return "no engine"
     if view.phase is Phase.IDLE:
         return "idle"
-    if view.asked is not None:
+    if waits or view.asked is not None:
         return "waiting for you"
     if view.is_paused:
         return "paused"

@@ -41,11 +41,13 @@ class Statistics:
 
     Attributes:
         yields: (number of the run, share of first passes), the oldest first.
+        utilisations: (number of the run, share of its time in which an ability was executed).
         terminals: (terminal, insertions, failures), those with most failures first.
         wires: (wire, mean time that it took [s]), the slowest first.
     """
 
     yields: tuple[tuple[int, float], ...] = ()
+    utilisations: tuple[tuple[int, float], ...] = ()
     terminals: tuple[tuple[str, int, int], ...] = ()
     wires: tuple[tuple[str, float], ...] = ()
 

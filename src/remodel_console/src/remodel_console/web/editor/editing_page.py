@@ -10,6 +10,7 @@ from functools import partial
 from nicegui import run, ui
 
 from flexbe_synthesizer.core.chart.model import Chart
+from remodel_console.core.access import Role
 from remodel_console.core.answer import DONE
 from remodel_console.core.editor import chart_edit
 from remodel_console.core.editor.copying import Copied, outermost
@@ -48,6 +49,7 @@ class EditingPage(Page):
         xml: the pane of the chart's text.
     """
 
+    NEEDS = Role.ENGINEER
     xml: XmlPane
 
     def build(self) -> None:

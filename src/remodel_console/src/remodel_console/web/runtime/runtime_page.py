@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from nicegui import background_tasks, ui
 
+from remodel_console.core.inbox import Kind
 from remodel_console.core.run.order import Hold, Order, Pause, Release, Repeat, Resume, Switch
 from remodel_console.core.run.run_view import Phase, RunView
 from remodel_console.core.run.run_words import state_words
@@ -63,7 +64,8 @@ class RuntimePage(Page):
             self._ran = running
         name = running or loaded or self._ran
         self._title.text = name or "No behavior is loaded"
-        self._state.text = state_words(view)
+        waits = any(card.kind is not Kind.QUESTION for card in self._cards)
+        self._state.text = state_words(view, waits=waits)
         self._state.classes(replace=f"state {view.phase.value}")
         self._draw(name)
         self._light(view)

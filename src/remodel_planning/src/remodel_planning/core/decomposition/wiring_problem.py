@@ -15,6 +15,7 @@ from remodel_planning.core.decomposition.decomposed import Decomposition, Limits
 from remodel_planning.core.decomposition.decomposition import Decomposer
 from remodel_planning.core.orders.work_order import Task, WorkOrder
 from remodel_planning.core.problem.problem import (
+    TICKS_PER_S,
     Durations,
     End,
     Handling,
@@ -27,7 +28,6 @@ from remodel_planning.core.use_case.expectation import Expectations
 from remodel_planning.core.use_case.model import Characteristic, Macro, UseCase
 from remodel_production.errors import InstanceError
 
-_TICKS_PER_S = 10
 _ZONES = 4
 _NO_WEIGHTS = Weights(0, 0, 0, 0, heavy=0, arm=0)
 
@@ -102,7 +102,7 @@ def wiring_problem(order: WorkOrder, use_case: UseCase, plans: Sequence[TaskPlan
     zones = _zones(order)
     return Problem(
         name=order.name,
-        speed_mm=max(1, round(use_case.cell.speed_m_s * 1e3 / _TICKS_PER_S)),
+        speed_mm=max(1, round(use_case.cell.speed_m_s * 1e3 / TICKS_PER_S)),
         durations=Durations(
             pick=0,
             locate=_longest(plans, Macro.LOCATE),
@@ -207,7 +207,7 @@ def _wire(plan: TaskPlan, order: WorkOrder, use_case: UseCase, zone: int) -> Pla
 
 
 def _ticks(duration_s: float) -> int:
-    return math.ceil(duration_s * _TICKS_PER_S - 1e-9)
+    return math.ceil(duration_s * TICKS_PER_S - 1e-9)
 
 
 def _require_characteristics(order: WorkOrder, use_case: UseCase) -> None:

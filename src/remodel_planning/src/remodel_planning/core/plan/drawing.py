@@ -7,7 +7,15 @@ from dataclasses import dataclass
 from xml.sax.saxutils import escape, quoteattr
 
 from remodel_planning.core.plan.checker import Verdict
-from remodel_planning.core.problem.problem import Action, ActionKind, End, Plan, Point, Problem
+from remodel_planning.core.problem.problem import (
+    TICKS_PER_S,
+    Action,
+    ActionKind,
+    End,
+    Plan,
+    Point,
+    Problem,
+)
 
 # Pixels of the drawing.
 _WIDTH = 1600
@@ -16,7 +24,6 @@ _LANE = 30
 _AXIS = 20
 _LEGEND = 24
 
-_TICKS_PER_S = 10
 _LABELS_ON_AXIS = 10
 # From left to right in the legend; one colour for each kind of action.
 _FILLS = {
@@ -81,7 +88,7 @@ def _chart(problem: Problem, plan: Plan, ticks: tuple[int, ...]) -> Iterator[str
     axis = _MARGIN + _LANE * len(lane) + _AXIS - 6
     for i in range(_LABELS_ON_AXIS + 1):
         x = _MARGIN + (_WIDTH - 2 * _MARGIN) * i / _LABELS_ON_AXIS
-        seconds = end * i / _LABELS_ON_AXIS / _TICKS_PER_S
+        seconds = end * i / _LABELS_ON_AXIS / TICKS_PER_S
         yield f'<text x="{x:.1f}" y="{axis}" text-anchor="middle">{seconds:.0f} s</text>'
     for i, (kind, fill) in enumerate(_FILLS.items()):
         x = _MARGIN + 120 * i
@@ -94,7 +101,7 @@ def _bar(action: Action, x: float, y: float, width: float) -> str:
     return (
         f'<rect x="{x:.2f}" y="{y}" width="{width:.2f}" height="{_LANE - 8}" '
         f"fill={quoteattr(_FILLS[action.kind])}>"
-        f"<title>{escape(what)} at {action.start_ticks / _TICKS_PER_S:.1f} s</title></rect>"
+        f"<title>{escape(what)} at {action.start_ticks / TICKS_PER_S:.1f} s</title></rect>"
     )
 
 

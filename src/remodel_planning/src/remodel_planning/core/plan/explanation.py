@@ -17,9 +17,15 @@ from remodel_planning.core.plan.checker import Verdict
 from remodel_planning.core.problem.modes import possible_modes
 from remodel_planning.core.problem.order import wire_order
 from remodel_planning.core.problem.preferences import Preferred
-from remodel_planning.core.problem.problem import ActionKind, Plan, Problem, Ranking, SoftConstraint
+from remodel_planning.core.problem.problem import (
+    TICKS_PER_S,
+    ActionKind,
+    Plan,
+    Problem,
+    Ranking,
+    SoftConstraint,
+)
 
-_TICKS_PER_S = 10
 # Of one preference, so many violated pairs are listed one by one; of all exchanges, the nearest.
 _LISTED = 3
 # Exchanges are simulated one by one; of a large panel, those of the first wires.
@@ -90,7 +96,7 @@ def explain(
     problem = preferred.problem
     yield (
         f"{problem.name}: cost {verdict.cost} = makespan {verdict.makespan} "
-        f"({verdict.makespan / _TICKS_PER_S:.1f} s) + penalties {sum(verdict.penalties.values())}"
+        f"({verdict.makespan / TICKS_PER_S:.1f} s) + penalties {sum(verdict.penalties.values())}"
     )
     weights = vars(problem.weights)
     for name, what in _PENALTIES.items():

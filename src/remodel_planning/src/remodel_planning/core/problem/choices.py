@@ -12,7 +12,7 @@ from remodel_planning.core.problem.fields import Fields
 from remodel_planning.core.problem.problem import End, PlannedWire, Problem
 from remodel_production.errors import InstanceError
 
-_ALL = "all"
+ALL = "all"
 _COMPONENT = "component"
 _PROPERTIES = ("colour", "tool", "heavy", "zone")
 
@@ -24,7 +24,7 @@ def choose(problem: Problem, item: Fields, key: str) -> list[PlannedWire]:
         InstanceError: if it speaks of what is not there, or of no wire.
     """
     value = item.value(key)
-    if value == _ALL and _ALL not in problem.wire:
+    if value == ALL and ALL not in problem.wire:
         return list(problem.wires)
     if isinstance(value, str):
         value = [value]

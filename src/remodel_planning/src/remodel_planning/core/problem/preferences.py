@@ -28,10 +28,10 @@ refused, unless the entry says `if_any: true`.
 from __future__ import annotations
 
 import itertools
-from collections.abc import Iterator
+from collections.abc import Collection, Iterator, Mapping
 from dataclasses import dataclass, field, replace
 
-from remodel_planning.core.problem.choices import choose, feature, features_of
+from remodel_planning.core.problem.choices import ALL, choose, feature, features_of
 from remodel_planning.core.problem.fields import Fields
 from remodel_planning.core.problem.problem import (
     PlannedArm,
@@ -50,6 +50,7 @@ _REQUIREMENTS = (
     "`avoid_segment`; `insert` with `force_n`; each may have `while`, and one that chooses wires "
     "`if_any` (`pick` stands under `prefer`)"
 )
+_CHOICES = ("pick", "before", "route", "insert")
 _WEIGHTS = ("colour", "zone", "start", "tool", "heavy", "arm", "cable")
 _SHOWN = 5
 
@@ -112,6 +113,36 @@ def document_fields(data: object) -> Fields:
 def requirements(fields: Fields) -> list[Fields]:
     """Return the entries of a document that no plan may violate."""
     return fields.objects("require") if fields.has("require") else []
+
+
+def about_wires(data: object, present: Collection[str]) -> object:
+    """Return what a valid document says about some of an order's wires.
+
+    A choice that names other wires loses them, an entry whose choice is empty then is left out, and
+    a description needs no longer be met by a wire.
+    """
+    if not isinstance(data, Mapping):
+        return data
+    lists = {
+        key: [left for entry in data[key] if (left := _about(entry, present)) is not None]
+        for key in ("prefer", "require")
+        if key in data
+    }
+    return {**data, **lists}
+
+
+def _about(entry: Mapping[str, object], present: Collection[str]) -> dict[str, object] | None:
+    """Return what is left of an entry; None for nothing."""
+    left = dict(entry)
+    for key in set(_CHOICES) & set(entry):
+        chosen = entry[key]
+        names = [chosen] if isinstance(chosen, str) and chosen != ALL else chosen
+        if isinstance(names, list):
+            left[key] = [name for name in names if name in present]
+            if not left[key]:
+                return None
+        left["if_any"] = True
+    return left
 
 
 def _weights(problem: Problem, fields: Fields) -> Problem:

@@ -17,6 +17,8 @@ from itertools import combinations, product
 Point = tuple[int, int]
 Characteristic = str | float | bool
 
+TICKS_PER_S = 10
+
 
 class End(IntEnum):
     """An end of a wire."""

@@ -1,4 +1,4 @@
-"""Statistics across runs: first-pass yield, terminals that jam, and time for each wire. Pure."""
+"""Statistics across runs: yield, utilisation, terminals that jam, time for each wire. Pure."""
 
 from __future__ import annotations
 
@@ -20,6 +20,8 @@ class RunStatistics:
         run: its number.
         ended: tasks that are done or skipped.
         first_passes: those that were done at once, and nothing of them failed.
+        utilisation: share of the time from the first operation to the end of the last in which an
+            ability was executed, 0 to 1; 0 without operations.
         insertions: of each "component/terminal": operations that inserted an end there.
         failures: those of them that ended with an error.
         done_s: of each task that is done: [s] ROS time that it took.
@@ -28,6 +30,7 @@ class RunStatistics:
     run: int
     ended: int
     first_passes: int
+    utilisation: float
     insertions: Counter[str]
     failures: Counter[str]
     done_s: dict[str, float]
@@ -39,11 +42,13 @@ class Statistics:
 
     Attributes:
         yields: (run, share of first passes) of the runs in which a task has ended, oldest first.
+        utilisations: (run, share of time) of the same runs.
         terminals: (terminal, insertions, failures), those with most failures first.
         wires: (wire, mean time [s]), the slowest first.
     """
 
     yields: tuple[tuple[int, float], ...]
+    utilisations: tuple[tuple[int, float], ...]
     terminals: tuple[tuple[str, int, int], ...]
     wires: tuple[tuple[str, float], ...]
 
@@ -58,7 +63,11 @@ def statistics_of_run(run: int, state: RunState, events: Iterable[Event]) -> Run
     """
     insertions: Counter[str] = Counter()
     failures: Counter[str] = Counter()
+    spans: list[tuple[float, float]] = []
     for event in events:
+        if isinstance(event, OperationEnded):
+            operation = event.operation
+            spans.append((operation.ended_s - operation.elapsed_s, operation.ended_s))
         if not isinstance(event, OperationEnded) or event.operation.ability != _INSERTION:
             continue
         given = dict(event.operation.parameters)
@@ -70,6 +79,7 @@ def statistics_of_run(run: int, state: RunState, events: Iterable[Event]) -> Run
         run,
         ended=len(ended),
         first_passes=sum(task.first_pass for task in ended),
+        utilisation=_busy_share(spans),
         insertions=insertions,
         failures=failures,
         done_s={task.name: task.cell_s for task in ended if task.stage is Stage.DONE},
@@ -81,7 +91,7 @@ def joined(runs: Iterable[RunStatistics]) -> Statistics:
     insertions: Counter[str] = Counter()
     failures: Counter[str] = Counter()
     times: defaultdict[str, list[float]] = defaultdict(list)
-    yields = []
+    yields, utilisations = [], []
     for each in sorted(runs, key=lambda one: one.run):
         insertions.update(each.insertions)
         failures.update(each.failures)
@@ -89,12 +99,27 @@ def joined(runs: Iterable[RunStatistics]) -> Statistics:
             times[wire].append(time_s)
         if each.ended:
             yields.append((each.run, each.first_passes / each.ended))
+            utilisations.append((each.run, each.utilisation))
     means = [(wire, sum(found) / len(found)) for wire, found in times.items()]
     return Statistics(
         tuple(yields),
+        tuple(utilisations),
         tuple(
             (terminal, insertions[terminal], failures[terminal])
             for terminal in sorted(insertions, key=lambda name: (-failures[name], name))
         ),
         tuple(sorted(means, key=lambda mean: (-mean[1], mean[0]))),
     )
+
+
+def _busy_share(spans: Iterable[tuple[float, float]]) -> float:
+    """Return which share of the time between the first and the last of them spans cover."""
+    ordered = sorted(spans)
+    if not ordered:
+        return 0.0
+    busy_s, until_s = 0.0, ordered[0][0]
+    for start_s, end_s in ordered:
+        busy_s += max(0.0, end_s - max(start_s, until_s))
+        until_s = max(until_s, end_s)
+    whole_s = until_s - ordered[0][0]
+    return busy_s / whole_s if whole_s > 0.0 else 0.0

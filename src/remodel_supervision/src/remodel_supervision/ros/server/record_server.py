@@ -84,6 +84,7 @@ class RecordServer:
             success=True,
             runs=[run for run, _ in found.yields],
             yields=[share for _, share in found.yields],
+            utilisations=[share for _, share in found.utilisations],
             terminals=[terminal for terminal, _, _ in found.terminals],
             insertions=[count for _, count, _ in found.terminals],
             failures=[count for _, _, count in found.terminals],

@@ -11,6 +11,7 @@ from remodel_planning.core.decomposition.triage import triaged
 from remodel_planning.core.orders.board_order import board_order
 from remodel_planning.core.orders.cell_order import USE_CASE, cell_order
 from remodel_planning.core.orders.work_order import WorkOrder
+from remodel_planning.core.problem.preferences import about_wires
 from remodel_planning.core.use_case.fault import FaultTable
 from remodel_planning.core.use_case.model import UseCase
 from remodel_planning.edge.use_case_files import find_use_case
@@ -86,7 +87,9 @@ class WorkMaker:
             for wire in stored.wires
         }
         return Work(
-            planner=WorkPlanner(order, found, experience, self.search_s),
+            planner=WorkPlanner(
+                order, found, experience, self.search_s, documents=self._preferences(name, order)
+            ),
             faults=self.faults,
             panel=panel,
             channels=channels,
@@ -95,6 +98,14 @@ class WorkMaker:
             reconnect_s=self.reconnect_s,
             notify=self.escalation.notify if self.escalation else lambda event: None,
         )
+
+    def _preferences(self, name: str, order: WorkOrder) -> list[tuple[str, object]]:
+        """Return what the order's preferences say about the tasks that are done."""
+        document = self.database.preferences(name)
+        if document is None:
+            return []
+        present = {task.name for task in order.tasks}
+        return [(f"preferences of order {name}", about_wires(document, present))]
 
 
 def _in_cell(

@@ -1,0 +1,162 @@
+"""What the planner's commands print with `--json`, as values."""
+
+from __future__ import annotations
+
+import json
+from dataclasses import dataclass
+from typing import Any, TypeVar
+
+import msgspec
+
+from remodel_console.errors import CommandError
+
+T = TypeVar("T")
+
+
+@dataclass(frozen=True)
+class LeftOut:
+    """Something of a file that is not in the order, and why."""
+
+    source: str
+    reason: str
+
+
+@dataclass(frozen=True)
+class Account:
+    """What an import read, assumed and left out; see remodel_production's `Account`."""
+
+    unit: str
+    connections: int
+    assumptions: tuple[str, ...] = ()
+    left_out: tuple[LeftOut, ...] = ()
+    ignored: tuple[LeftOut, ...] = ()
+    joined: int = 0
+    wires_joined: int = 0
+    unused_columns: tuple[LeftOut, ...] = ()
+
+
+@dataclass(frozen=True)
+class ByHand:
+    """A task that no robot does, and why, with the file and key that decides."""
+
+    task: str
+    reason: str
+
+
+@dataclass(frozen=True)
+class OtherMethod:
+    """Tasks that are done by another method than the preferred one, and why not by that."""
+
+    method: str
+    tasks: tuple[str, ...]
+    reason: str
+
+
+@dataclass(frozen=True)
+class Triage:
+    """Who does which task."""
+
+    use_case: str
+    robot: tuple[str, ...]
+    other_methods: tuple[OtherMethod, ...] = ()
+    by_hand: tuple[ByHand, ...] = ()
+
+
+@dataclass(frozen=True)
+class Lengths:
+    """Lines about wires whose lengths do not fit their routes on the board."""
+
+    too_short: tuple[str, ...] = ()
+    too_long: tuple[str, ...] = ()
+
+
+@dataclass(frozen=True)
+class Imported:
+    """A design file that was read.
+
+    Attributes:
+        counts: of components, wires, cables, segments and clips.
+        use_cases: names of all that there are.
+        triage: None if nothing can be planned, as `nothing_to_plan` says.
+    """
+
+    order: str
+    title: str
+    counts: dict[str, int]
+    wires_in_cabinet: int
+    account: Account
+    lengths: Lengths
+    use_cases: tuple[str, ...] = ()
+    triage: Triage | None = None
+    nothing_to_plan: str = ""
+
+
+@dataclass(frozen=True)
+class PlannedAction:
+    """What an arm does: with which wire, if any, and where; times in [s]."""
+
+    action: str
+    arm: str
+    wire: str
+    target: str
+    start_s: float
+    duration_s: float
+
+
+@dataclass(frozen=True)
+class Plan:
+    """A plan.
+
+    Attributes:
+        penalties: by the name of their weight.
+        features: of wires, by which preferences can choose them.
+        segments: of the board that wires are routed through.
+        search: how it ended.
+    """
+
+    cost: int
+    makespan_s: float
+    penalties: dict[str, int]
+    arms: tuple[str, ...]
+    features: tuple[str, ...]
+    segments: tuple[str, ...]
+    actions: tuple[PlannedAction, ...]
+    search: str
+    triage: Triage | None = None
+
+
+@dataclass(frozen=True)
+class Conflicting:
+    """A requirement that contradicts others or the design: entry `index` of its source."""
+
+    source: str
+    index: int
+    entry: dict[str, Any]
+
+
+@dataclass(frozen=True)
+class NoPlan:
+    """Why there is no plan.
+
+    Attributes:
+        error: the command's own words.
+        conflicts: smallest sets of requirements that no plan keeps.
+    """
+
+    error: str
+    conflicts: tuple[tuple[Conflicting, ...], ...] = ()
+
+
+def read_findings(text: str, kind: type[T]) -> T:
+    """Return what a command has printed.
+
+    Raises:
+        CommandError: if it is something else, such as of another version.
+    """
+    try:
+        return msgspec.convert(json.loads(text), kind)
+    except (ValueError, msgspec.ValidationError) as error:
+        raise CommandError(
+            f"the planner's answer cannot be read ({error}): are the console and remodel_planner "
+            "of one version?"
+        ) from error

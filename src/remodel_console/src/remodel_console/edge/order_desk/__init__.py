@@ -1,0 +1,1 @@
+"""Drafts of orders on disk, and the processes that read and plan them."""

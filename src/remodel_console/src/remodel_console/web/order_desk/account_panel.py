@@ -1,0 +1,105 @@
+"""What was read of a design file: the account of the import, and who does which task."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Iterable, Sequence
+
+from nicegui import ui
+
+from remodel_console.core.order_desk.findings import Account, Imported, Triage
+from remodel_console.web.page import card, scrollable, table
+
+_LISTED = 500  # lines; the planner's `import --verbose` prints all
+
+
+def show_account(imported: Imported) -> None:
+    """Add the card of what the file says, what was assumed, and what is not used."""
+    account = imported.account
+    with card(f"Import of {imported.title}", _count_words(imported)):
+        with ui.element("ul").classes("lines"):
+            _line(f"{account.connections} {account.unit} in the file")
+            if account.joined:
+                _line(f"{account.joined} of them are merged into {account.wires_joined} wires")
+            for reason, count in Counter(each.reason for each in account.left_out).most_common():
+                _line(f"{count} left out: {reason}")
+            outside = imported.counts["wires"] - imported.wires_in_cabinet
+            if outside:
+                _line(f"{imported.wires_in_cabinet} wires lie in the cabinet, {outside} leave it")
+        for each in account.unused_columns:
+            with ui.element("div").classes("held"):
+                ui.label(f"{each.source} is not used: {each.reason}")
+        _unfolding("Assumptions", account.assumptions)
+        _unfolding("Left out", _omissions(account))
+        _unfolding("Wires shorter than their routes", imported.lengths.too_short)
+        _unfolding("Wires much longer than their routes", imported.lengths.too_long)
+
+
+def show_triage(triage: Triage | None, nothing_to_plan: str) -> None:
+    """Add the card of which tasks are for the robot, by which method, and which by hand."""
+    with card("Who does which task", "Decided by the use case; its file and key stand beside."):
+        if triage is None:
+            with ui.element("div").classes("ending bad"):
+                ui.label(f"Nothing can be planned: {nothing_to_plan}")
+            return
+        others = sum(len(each.tasks) for each in triage.other_methods)
+        words = (("robot", len(triage.robot)), ("by hand", len(triage.by_hand)))
+        with ui.row().classes("counts"):
+            for word, count in words:
+                with ui.element("div").classes("count"):
+                    ui.label(str(count)).classes("figure")
+                    ui.label(word).classes("soft")
+            if others:
+                with ui.element("div").classes("count"):
+                    ui.label(str(others)).classes("figure")
+                    ui.label("by another method").classes("soft")
+        ui.label(f"Use case {triage.use_case}").classes("soft")
+        if triage.other_methods:
+            with scrollable("Tasks by another method"):
+                head = ("Tasks", "Method", "Not the preferred one, because")
+                rows = (
+                    (_names(each.tasks), each.method, each.reason) for each in triage.other_methods
+                )
+                table(head, rows)
+        if triage.by_hand:
+            with scrollable("Tasks by hand").classes("by-hand"):
+                rows = ((each.task, each.reason) for each in triage.by_hand[:_LISTED])
+                table(("By hand", "Because"), rows)
+
+
+def _count_words(imported: Imported) -> str:
+    found = ((count, name) for name, count in imported.counts.items() if count)
+    return ", ".join(f"{count} {name if count != 1 else name[:-1]}" for count, name in found)
+
+
+def _omissions(account: Account) -> Sequence[str]:
+    found = (*account.left_out, *account.ignored)
+    return tuple(f"{each.source}: {each.reason}" for each in found)
+
+
+def _unfolding(title: str, lines: Sequence[str]) -> None:
+    """Add lines that are shown when a person asks for them."""
+    if not lines:
+        return
+    with ui.element("details").classes("wide"):
+        with ui.element("summary"):
+            ui.label(f"{title} ({len(lines)})")
+        with ui.element("ul").classes("lines"):
+            _lines(lines[:_LISTED])
+            if len(lines) > _LISTED:
+                _line(f"and {len(lines) - _LISTED} more, which `import --verbose` prints")
+
+
+def _lines(lines: Iterable[str]) -> None:
+    for line in lines:
+        _line(line)
+
+
+def _line(text: str) -> None:
+    with ui.element("li"):
+        ui.label(text)
+
+
+def _names(tasks: Sequence[str]) -> str:
+    shown = ", ".join(tasks[:6])
+    return f"{len(tasks)}: {shown}, …" if len(tasks) > 6 else shown

@@ -1,0 +1,315 @@
+"""Order desk: from a design file that is dropped on the page to an order that the cell works on."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable
+from functools import partial
+
+from nicegui import ui
+
+from remodel_console.core.answer import DONE, CommandResult
+from remodel_console.core.order_desk.findings import Triage
+from remodel_console.core.order_desk.preferences import Document
+from remodel_console.core.world import Notice, World, supervisor_notice
+from remodel_console.edge.order_desk.order_drafts import DraftState, OrderDraft
+from remodel_console.web.order_desk.account_panel import show_account, show_triage
+from remodel_console.web.order_desk.drop_zone import DropZone
+from remodel_console.web.order_desk.plan_panel import show_plan
+from remodel_console.web.order_desk.preferences_panel import PreferencesPanel
+from remodel_console.web.page import Page, card
+
+ADDRESS = "/order_desk"
+FILE_ADDRESS = f"{ADDRESS}/file"
+_DRAFT = "draft"  # in the page's address: the key of its draft
+_DROP = "Drop a .qet, KBL, VEC, WireViz, CSV or XLSX file here, or choose one"
+_LISTS = (".csv", ".tsv", ".txt", ".xlsx", ".xlsm")
+_BY_DESIGN = "as the design suggests"
+
+
+class OrderDeskPage(Page):
+    """The page of an order that is being prepared."""
+
+    def build(self) -> None:
+        """Build the place for files, the list of drafts, and the area of the one that is open."""
+        self._draft = self.console.drafts.get(self.query.get(_DRAFT, ""))
+        self._sections: tuple[_Section, ...] = ()
+        self._drawn: OrderDraft | None = None
+        self._listed: tuple[str, ...] | None = None
+        self._name = ""
+        self._tasks: float | None = None
+        self._preferences = PreferencesPanel(self, self._change_preferences, self._plan)
+        with ui.element("div").classes("order-desk").props('tabindex="0"') as desk:
+            desk.props('role="region" aria-label="Order"')
+            with ui.element("div").classes("across desk-head"):
+                DropZone(FILE_ADDRESS, _DROP, self._take, self._refuse, is_enabled=self.is_operator)
+                self._drafts = ui.element("div").classes("drafts")
+                self._doing = ui.label().classes("doing").props('role="status"')
+            self._area = ui.element("div").classes("desk-area across")
+
+    def more_notices(self, world: World) -> Iterable[Notice]:
+        """Return the notice of a supervisor, which starts orders, that is not running."""
+        return supervisor_notice(world)
+
+    def show(self, world: World) -> None:
+        """Show the draft again if it has changed; other pages may show it, too."""
+        draft = self._draft
+        if draft is not None and self.console.drafts.get(draft.key) is None:
+            draft = self._draft = None
+        self._list_drafts()
+        if draft is not self._drawn:
+            self._drawn = draft
+            self._area.clear()
+            with self._area:
+                self._sections = self._new_sections(draft) if draft else ()
+                if draft is None:
+                    ui.label("The draft was removed.").props('role="status"')
+        doing = draft.now.doing if draft else ""
+        self._doing.text = f"{doing}…" if doing else ""
+        self._doing.set_visibility(bool(doing))
+        if draft is not None:
+            for section in self._sections:
+                section.show(draft.now)
+
+    # What is shown
+
+    def _list_drafts(self) -> None:
+        drafts = self.console.drafts.all()
+        here = self._draft.key if self._draft else ""
+        listed = (here, *(each.key for each in drafts))
+        if listed == self._listed:
+            return
+        self._listed = listed
+        self._drafts.clear()
+        with self._drafts:
+            for draft in drafts:
+                name = draft.file.name
+                with ui.element("div").classes("draft here" if draft.key == here else "draft"):
+                    link = ui.link(name, f"{ADDRESS}?{_DRAFT}={draft.key}")
+                    if draft.key == here:
+                        link.props('aria-current="page"')
+                    remove = ui.button(icon="close", color=None)
+                    remove.props("flat dense round size=sm").set_enabled(self.is_operator)
+                    remove.props["title"] = remove.props["aria-label"] = f"Remove {name}"
+                    remove.on_click(partial(self._ask_remove, draft))
+
+    def _new_sections(self, draft: OrderDraft) -> tuple[_Section, ...]:
+        """Return the cards of a draft, each with what it shows: others keep what a person types."""
+        return (
+            _Section(lambda now: now.error, partial(self._show_error, draft)),
+            _Section(
+                lambda now: (bool(now.error), now.mapping), partial(self._show_mapping, draft)
+            ),
+            _Section(lambda now: now.imported, _show_account),
+            _Section(_triage_of, _show_triage),
+            _Section(
+                lambda now: (now.imported, now.preferences, now.no_plan, now.is_planned),
+                self._preferences.show,
+            ),
+            _Section(
+                lambda now: (now.imported, now.use_case, now.arms, now.stored_as),
+                partial(self._show_start, draft),
+            ),
+            _Section(
+                lambda now: (now.plan, now.no_plan, now.is_planned, now.explanation, now.imported),
+                show_plan,
+            ),
+            _Section(lambda now: now.boards, partial(self._show_board, draft)),
+        )
+
+    def _show_error(self, draft: OrderDraft, now: DraftState) -> None:
+        if now.error:
+            with card(draft.file.name, "This file cannot be read.").classes("across"):
+                with ui.element("div").classes("ending bad").props('role="alert"'):
+                    ui.label(now.error).classes("lines")
+                self.button("Read the file again", self._read, icon="refresh", look="quiet")
+
+    def _show_mapping(self, draft: OrderDraft, now: DraftState) -> None:
+        """Add the card of the meaning of columns; only lists have some."""
+        may_be_list = now.error and draft.file.suffix.lower() in _LISTS
+        if not (may_be_list or now.mapping):
+            return
+        hint = "A list whose headings are not known needs a mapping (docs/importing.md)."
+        with card("Columns of a list", hint).classes("across"):
+            if not now.mapping:
+                self.button("Draft the mapping", self._draft_mapping, icon="edit", look="quiet")
+                return
+            text = ui.textarea("Mapping as YAML", value=now.mapping)
+            text.props("outlined autogrow input-class=code-text").classes("wide yaml")
+            text.set_enabled(self.is_operator)
+
+            async def read() -> None:
+                await self._read(text.value or "")
+
+            self.button("Read the file by this mapping", read, icon="refresh")
+
+    def _show_start(self, draft: OrderDraft, now: DraftState) -> None:
+        """Add the card that plans by other options, stores the order, and starts it."""
+        imported = now.imported
+        if imported is None:
+            return
+        self._name = self._name or now.stored_as or imported.order
+        with card("Start", "The order is stored in the production database, with its preferences."):
+            with ui.row().classes("options"):
+                choices = {"": _BY_DESIGN} | {name: name for name in imported.use_cases}
+                use_case = ui.select(choices, value=now.use_case, label="Use case")
+                arms = ui.select({1: "one arm", 2: "two arms"}, value=now.arms, label="Planned for")
+            for field in (use_case, arms):
+                field.props("outlined dense").set_enabled(self.is_operator)
+
+                async def change() -> None:
+                    await self._plan(use_case.value, arms.value)
+
+                field.on_value_change(change)
+            name = ui.input("Name of the order", value=self._name).classes("wide")
+            name.on_value_change(lambda: setattr(self, "_name", (name.value or "").strip()))
+            tasks = ui.number(
+                "Number of tasks", min=1, step=1, placeholder="all", value=self._tasks
+            )
+            tasks.on_value_change(lambda: setattr(self, "_tasks", tasks.value))
+            for entry in (name, tasks):
+                entry.props("outlined dense stack-label").classes("wide")
+                entry.set_enabled(self.is_operator)
+            if now.arms > 1:
+                ui.label("The supervisor runs orders by one arm.").classes("soft")
+            if now.stored_as:
+                ui.label(f"Stored as order '{now.stored_as}'.").props('role="status"')
+            with ui.row().classes("controls"):
+                self.button("Start the order", self._start, icon="play_arrow")
+                self.button("Store it only", self._store, icon="save", look="quiet")
+
+    def _show_board(self, draft: OrderDraft, now: DraftState) -> None:
+        if not now.boards:
+            return
+        address = f"{ADDRESS}/board/{draft.key}?v={now.boards}"
+        with card("Board", "Drawn to scale.").classes("across"):
+            ui.link("Open in a tab of its own", address, new_tab=True).classes("soft")
+            frame = ui.element("div").classes("board")
+            with frame.props('tabindex="0" role="region" aria-label="Drawing of the board"'):
+                picture = ui.element("img").props('alt="The board, with components and wires"')
+                picture.props["src"] = address
+
+    # Commands
+
+    async def _take(self, key: str) -> None:
+        """Open the draft of a file that was sent, and read it."""
+        draft = self.console.drafts.get(key)
+        if draft is not None:
+            self._open(draft)
+            await self._read()
+
+    def _refuse(self, reason: str) -> None:
+        ui.notify(reason, type="negative", multi_line=True, close_button="OK", timeout=0)
+
+    def _open(self, draft: OrderDraft) -> None:
+        self._draft, self._name, self._tasks = draft, "", None
+        ui.run_javascript(f"history.replaceState(null, '', '?{_DRAFT}={draft.key}')")
+        self.show(self.console.live.world)
+
+    async def _read(self, mapping: str | None = None) -> None:
+        draft = self._draft
+        if draft is not None:
+            what = f"import {draft.file.name}" + (", by a mapping" if mapping else "")
+            await self.give(what, lambda: draft.read(mapping), shows_error=False)
+
+    async def _draft_mapping(self) -> None:
+        draft = self._draft
+        if draft is not None:
+            what = f"draft the mapping of {draft.file.name}"
+            await self.give(what, draft.draft_mapping)
+
+    async def _plan(self, use_case: str | None = None, arms: int | None = None) -> None:
+        draft = self._draft
+        if draft is not None and draft.now.imported is not None:
+            await self.give(f"plan {draft.file.name}", lambda: draft.plan(use_case, arms))
+
+    async def _change_preferences(
+        self, what: str, change: Callable[[Document], Document]
+    ) -> CommandResult:
+        draft = self._draft
+        return await self.give(what, lambda: draft.set_preferences(change) if draft else None)
+
+    async def _store(self) -> bool:
+        """Store the order, if it is not, and return whether it is."""
+        draft, name = self._draft, self._name
+        if draft is None:
+            return False
+        if draft.now.stored_as == name:
+            return True
+        answer = await self.give(
+            f"store order '{name}' of {draft.file.name}", lambda: self.console.store(draft, name)
+        )
+        return answer.state == DONE
+
+    async def _start(self) -> None:
+        draft, name, tasks = self._draft, self._name, int(self._tasks or 0)
+        if draft is None or not await self._store():
+            return
+        now, by = draft.now, self.actor.name
+        triage = now.imported.triage if now.imported else None
+        use_case = now.use_case or (triage.use_case if triage else "")
+
+        def start() -> str:
+            self.console.require_order(name)
+            return self.console.command(
+                lambda supervisor: supervisor.run(name, tasks, by, again=False, use_case=use_case)
+            )
+
+        what = f"run order '{name}', use case {use_case}"
+        what += f", its first {tasks} task{'' if tasks == 1 else 's'}" if tasks else ""
+        answer = await self.give(what, start)
+        if answer.state == DONE:
+            with self._area:  # the button that was pressed is drawn again by now
+                ui.navigate.to("/overview")
+
+    def _ask_remove(self, draft: OrderDraft) -> None:
+        async def remove() -> None:
+            what = f"remove the draft of {draft.file.name}"
+            await self.give(what, lambda: self.console.drafts.remove(draft.key))
+
+        if draft.now.stored_as:
+            question = f"Remove {draft.file.name} here? The stored order stays."
+        else:
+            question = f"Remove {draft.file.name} and its preferences? It is not stored yet."
+        self.ask(question, "Remove", remove)
+
+
+class _Section:
+    """A card that is drawn again only if what it shows has changed."""
+
+    def __init__(
+        self, key: Callable[[DraftState], object], show: Callable[[DraftState], None]
+    ) -> None:
+        """Take what the card shows of a draft, and what adds the card."""
+        self._key = key
+        self._add = show
+        self._shown: object = self  # equal to no key
+        self._element = ui.element("div").classes("section")
+
+    def show(self, now: DraftState) -> None:
+        """Draw the card, if it has changed."""
+        key = self._key(now)
+        if key == self._shown:
+            return
+        self._shown = key
+        self._element.clear()
+        with self._element:
+            self._add(now)
+
+
+def _triage_of(now: DraftState) -> tuple[Triage | None, str] | None:
+    """Return who does which task, by the newest of import and plan; None before the import."""
+    if now.imported is None:
+        return None
+    planned = now.plan.triage if now.plan else None
+    return planned or now.imported.triage, now.imported.nothing_to_plan
+
+
+def _show_account(now: DraftState) -> None:
+    if now.imported is not None:
+        show_account(now.imported)
+
+
+def _show_triage(now: DraftState) -> None:
+    found = _triage_of(now)
+    if found is not None:
+        show_triage(*found)

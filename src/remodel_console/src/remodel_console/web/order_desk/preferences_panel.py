@@ -1,0 +1,165 @@
+"""The preferences of an order's plan on a page: what a plan should do, and what it must do."""
+
+from __future__ import annotations
+
+from collections.abc import Awaitable, Callable, Mapping
+from functools import partial
+from typing import Any
+
+from nicegui import ui
+
+from remodel_console.core.answer import DONE
+from remodel_console.core.order_desk.preferences import (
+    FIELD_HINTS,
+    KINDS,
+    Document,
+    EntryKind,
+    entries,
+    entry_words,
+    new_entry,
+    read_document,
+    with_entry,
+    without_entry,
+    write_document,
+)
+from remodel_console.edge.order_desk.order_drafts import DraftState
+from remodel_console.errors import CommandError
+from remodel_console.web.page import Page, card
+
+Change = Callable[[str, Callable[[Document], Document]], Awaitable[object]]
+_LISTS = {"require": "Required", "prefer": "Preferred"}
+
+
+class PreferencesPanel:
+    """Shows the entries, and changes them."""
+
+    def __init__(self, page: Page, change: Change, replan: Callable[[], object]) -> None:
+        """Take the page, and what changes the draft; `replan` plans it again."""
+        self._page = page
+        self._change = change
+        self._replan = replan
+
+    def show(self, now: DraftState) -> None:
+        """Add the card."""
+        if now.imported is None:
+            return
+        hint = "Requirements bind every plan; a plan may violate a preference, and pays for it."
+        conflicts = now.no_plan.conflicts if now.no_plan else ()
+        conflict = [each.entry for requirements in conflicts for each in requirements]
+        with card("Preferences", hint):
+            for list_name, title in _LISTS.items():
+                found = entries(now.preferences, list_name)
+                if found:
+                    ui.label(title).classes("heading")
+                for entry in found:
+                    is_in_conflict = list_name == "require" and entry in conflict
+                    self._show_entry(list_name, entry, is_in_conflict=is_in_conflict)
+            others = sorted(set(now.preferences) - {"format", *_LISTS})
+            if others:
+                ui.label(f"Also: {', '.join(others)} (Edit all as YAML shows them)").classes("soft")
+            with ui.row().classes("controls"):
+                self._page.button("Add an entry", self._ask_entry, icon="add", look="quiet")
+                edit = partial(self._ask_document, now.preferences)
+                self._page.button("Edit all as YAML", edit, icon="edit", look="quiet")
+                if not now.is_planned and now.imported.triage:
+                    self._page.button("Plan again", self._replan, icon="refresh")
+
+    def _show_entry(
+        self, list_name: str, entry: Mapping[str, Any], *, is_in_conflict: bool
+    ) -> None:
+        style = "preference conflict" if is_in_conflict else "preference"
+        with ui.element("div").classes(style):
+            with ui.element("div").classes("preference-words"):
+                ui.label(str(entry.get("name", "without a name"))).classes("name")
+                ui.label(entry_words(entry)).classes("code")
+            remove = ui.button(icon="delete", color=None).props(
+                f'flat dense round title="Remove {entry.get("name", "entry")}"'
+            )
+            remove.props["aria-label"] = f"Remove {entry.get('name', 'entry')}"
+            remove.set_enabled(self._page.is_operator)
+            remove.on_click(partial(self._remove, list_name, entry))
+
+    async def _remove(self, list_name: str, entry: Mapping[str, Any]) -> None:
+        await self._change(
+            f"remove the preference '{entry.get('name', '')}'",
+            lambda document: without_entry(document, list_name, entry),
+        )
+
+    def _ask_entry(self) -> None:
+        """Ask for the kind of an entry and its fields."""
+        with self._page.dialog("New entry") as dialog:
+            ui.label("New entry").classes("title")
+            words = {
+                number: f"{_LISTS[kind.list_name]}: {kind.meaning}"
+                for number, kind in enumerate(KINDS)
+            }
+            chosen = ui.select(words, value=0, label="What").props("outlined dense").classes("wide")
+            name = ui.input("Name").props("outlined dense").classes("wide")
+            fields = ui.element("div").classes("fields wide")
+            inputs: dict[str, ui.input] = {}
+
+            def show_fields() -> None:
+                fields.clear()
+                inputs.clear()
+                with fields:
+                    for field in KINDS[chosen.value].fields:
+                        inputs[field] = ui.input(field).classes("wide")
+                        inputs[field].props("outlined dense stack-label")
+                        ui.label(FIELD_HINTS[field]).classes("soft")
+
+            chosen.on_value_change(show_fields)
+            show_fields()
+            problem = ui.label().classes("bad-count").props('role="alert"')
+
+            async def add() -> None:
+                kind: EntryKind = KINDS[chosen.value]
+                try:
+                    texts = {field: each.value or "" for field, each in inputs.items()}
+                    entry = new_entry(kind, name.value or "", texts)
+                except CommandError as error:
+                    problem.text = str(error)
+                    return
+                answer = await self._change(
+                    f"add the preference '{entry['name']}'",
+                    lambda document: with_entry(document, kind.list_name, entry),
+                )
+                if answer.state == DONE:  # type: ignore[attr-defined]
+                    dialog.close()
+
+            with ui.row():
+                ui.button("Add", on_click=add).props("no-caps unelevated")
+                ui.button("Cancel", on_click=dialog.close).props("no-caps flat")
+
+    def _ask_document(self, document: Document) -> None:
+        """Have all edited as text."""
+        with self._page.dialog("Preferences") as dialog:
+            ui.label("Preferences as YAML").classes("title")
+            ui.label("docs/planning.md describes zones, weights, prefer and require.").classes(
+                "soft"
+            )
+            text = ui.textarea("YAML", value=write_document(document))
+            text.props("outlined autogrow input-class=code-text").classes("wide yaml")
+            problem = ui.label().classes("bad-count").props('role="alert"')
+
+            async def save() -> None:
+                try:
+                    changed = read_document(text.value or "")
+                except CommandError as error:
+                    problem.text = str(error)
+                    return
+
+                def change(now: Document) -> Document:
+                    if now != document:
+                        raise CommandError(
+                            "another person has changed the preferences meanwhile; copy your text, "
+                            "close the dialog and open it again"
+                        )
+                    return changed
+
+                answer = await self._change("edit the preferences", change)
+                if answer.state == DONE:  # type: ignore[attr-defined]
+                    dialog.close()
+
+            with ui.row():
+                ui.button("Save", on_click=save).props("no-caps unelevated")
+                ui.button("Cancel", on_click=dialog.close).props("no-caps flat")

@@ -1,0 +1,174 @@
+"""What the order desk makes of preferences, plans and file names; no ROS, no planner."""
+
+import json
+
+import pytest
+
+from remodel_console.core.order_desk.findings import NoPlan, Plan, read_findings
+from remodel_console.core.order_desk.gantt import gantt_height, gantt_plot, task_times
+from remodel_console.core.order_desk.preferences import (
+    FIELD_HINTS,
+    KINDS,
+    entries,
+    entry_words,
+    has_entries,
+    new_document,
+    new_entry,
+    read_document,
+    with_entry,
+    without_entry,
+    write_document,
+)
+from remodel_console.edge.order_desk.order_drafts import OrderDrafts, plain_file_name
+from remodel_console.errors import CommandError
+
+BEFORE = next(kind for kind in KINDS if kind.fields == ("pick", "before", "weight"))
+TEXTS = {"pick": "{colour: [BU, 'BK']}", "before": "all", "weight": "3"}
+DOCUMENT = """format: remodel-preferences-1
+zones:
+  B: [200, 280]
+prefer:
+  - {name: first, pick: {colour: [BU, BK]}, before: all, weight: 3}
+require:
+  - {name: away, arm: R, out_of: B, while: operator in B}
+"""
+
+
+def action(kind, arm, start_s, duration_s, wire="", target=""):
+    times = {"start_s": start_s, "duration_s": duration_s}
+    return {"action": kind, "arm": arm, "wire": wire, "target": target, **times}
+
+
+PLAN = {
+    "cost": 5,
+    "makespan_s": 9.0,
+    "penalties": {},
+    "arms": ["L", "R"],
+    "features": ["colour"],
+    "segments": [],
+    "search": "done",
+    "actions": [
+        action("tool", "R", 0.0, 2.0, target="thin"),
+        action("pick", "L", 0.0, 1.0, "W1"),
+        action("handover", "L", 1.0, 1.0, "W1", "R"),
+        action("insert", "R", 2.0, 3.0, "W1", "b"),
+        action("pick", "L", 3.0, 1.0, "<b>W2"),
+        action("insert", "L", 4.0, 5.0, "<b>W2", "a"),
+    ],
+}
+
+
+def test_entries_are_added_and_removed():
+    entry = new_entry(BEFORE, " first ", TEXTS)
+    assert entry == {
+        "name": "first",
+        "pick": {"colour": ["BU", "BK"]},
+        "before": "all",
+        "weight": 3,
+    }
+    document = with_entry(new_document(), BEFORE.list_name, entry)
+    assert entries(document, "prefer") == (entry,)
+    assert has_entries(document)
+    assert entry_words(entry) == "pick: {colour: [BU, BK]}, before: all, weight: 3"
+    assert without_entry(document, "prefer", entry) == new_document()
+    assert without_entry(new_document(), "prefer", entry) == new_document(), "removed meanwhile"
+    assert not has_entries(new_document())
+
+
+def test_every_field_has_a_hint():
+    assert {field for kind in KINDS for field in kind.fields} == set(FIELD_HINTS)
+
+
+@pytest.mark.parametrize(
+    ("name", "changed", "reason"),
+    [
+        (" ", {}, "name: give the entry a name"),
+        ("a", {"weight": ""}, "weight: fill it in, such as: cost of each"),
+        ("a", {"pick": "{colour: "}, "pick: line 1: is no YAML"),
+        ("a", {"pick": "[&x [1], *x]"}, "pick: aliases"),
+        ("a", {"pick": "!!python/name:os.system x"}, "pick: line 1: is no YAML"),
+        ("a", {"pick": "[" * 10_000}, "pick: .* YAML"),
+    ],
+)
+def test_an_entry_that_cannot_be_is_refused_with_its_field(name, changed, reason):
+    with pytest.raises(CommandError, match=reason):
+        new_entry(BEFORE, name, TEXTS | changed)
+
+
+def test_a_document_is_read_and_written():
+    document = read_document(DOCUMENT)
+    assert write_document(document) == DOCUMENT.replace("B: [200, 280]", "B:\n  - 200\n  - 280")
+    assert read_document(write_document(document)) == document
+    assert read_document(" \n") == new_document()
+
+
+@pytest.mark.parametrize(
+    ("text", "reason"),
+    [
+        ("prefer: []", "begin with `format: remodel-preferences-1`"),
+        ("[1]", "begin with"),
+        ("format: remodel-preferences-1\nrequire: {a: 1}", "`require` holds a list"),
+        ("format: remodel-preferences-1\nprefer: [1]", "`prefer` holds a list"),
+        ("format: remodel-preferences-1\n  x: [", "line 2: is no YAML"),
+    ],
+)
+def test_what_is_no_document_is_refused(text, reason):
+    with pytest.raises(CommandError, match=reason):
+        read_document(text)
+
+
+def test_a_plan_has_two_lanes_for_each_arm_and_no_markup():
+    plan = read_findings(json.dumps(PLAN), Plan)
+    assert [(each.wire, each.arm, each.start_s, each.end_s) for each in task_times(plan)] == [
+        ("W1", "L", 0.0, 2.0),
+        ("W1", "R", 2.0, 5.0),
+        ("<b>W2", "L", 3.0, 9.0),
+    ]
+    plot = gantt_plot(plan)
+    assert plot["yAxis"]["data"] == ["L tasks", "L", "R tasks", "R"]
+    bars = {series["name"]: series["data"] for series in plot["series"]}
+    assert bars["change tool"] == [[3, 0.0, 2.0, "", "change tool thin: 0.0 to 2.0 s"]]
+    assert bars["insert"][1][4] == "insert &lt;b&gt;W2 a: 4.0 to 9.0 s"
+    assert bars["task"][2][4].startswith("&lt;b&gt;W2")
+    assert gantt_height(plan) > 4 * 30
+
+
+def test_an_answer_that_is_none_of_the_planner_is_refused():
+    assert read_findings('{"error": "e", "conflicts": []}', NoPlan) == NoPlan("e")
+    for text in ("", "{}", '{"error": 7}', "[1]"):
+        with pytest.raises(CommandError, match="of one version"):
+            read_findings(text, NoPlan)
+
+
+@pytest.mark.parametrize(
+    ("text", "name"),
+    [
+        ("loom.csv", "loom.csv"),
+        ("../../etc/passwd", "passwd"),
+        ("C:\\designs\\a b.qet", "a b.qet"),
+        ("-rf", "rf"),
+        (".draft", "draft"),
+        ("a\n\x1b[31m.csv", "a[31m.csv"),
+        ("", "design"),
+        ("..", "design"),
+    ],
+)
+def test_a_file_keeps_its_name_and_nothing_else(text, name):
+    assert plain_file_name(text) == name
+
+
+def test_drafts_are_removed_by_people_alone(tmp_path):
+    class NoPlanner:
+        def end_in(self, folder):
+            pass
+
+    drafts = OrderDrafts(tmp_path / "drafts", NoPlanner())
+    made = [drafts.new("a.csv") for _ in range(30)]
+    with pytest.raises(CommandError, match="there are 30 drafts; remove one"):
+        drafts.new("b.csv")
+    drafts.remove(made[3].key)
+    assert not made[3].folder.exists()
+    assert drafts.get(made[3].key) is None
+    assert drafts.new("b.csv") in drafts.all()
+    drafts.end()
+    assert not (tmp_path / "drafts").exists()
