@@ -103,6 +103,14 @@ class Live:
             self._world = replace(self._world, decisions=decisions)
         self._wake()
 
+    def set_breakpoints(self, paths: frozenset[str]) -> None:
+        """Set the states before whose end the engine asks."""
+        if paths == self._world.breakpoints:
+            return
+        with self._lock:
+            self._world = replace(self._world, breakpoints=paths)
+        self._wake()
+
     def lines_since(self, count: int) -> tuple[tuple[LogLine, ...], int]:
         """Return the lines that came after the first `count`, and how many there are by now."""
         with self._lock:

@@ -107,6 +107,51 @@ class ConsoleTest(BehaviorTestCase):
         self.assertIn(("operator", "confirm 'done' of /Report", "done"), given)
         self.assertTrue(any("greeting=good morning" in command for _, command, _ in given))
 
+    def test_breakpoints_stop_states_also_beside_others_and_values_stand_at_them(self):
+        page = self.page
+        self.load(page, "Twins")
+        self.addCleanup(rospy.set_param, "/flexbe/breakpoints", [])
+        for state in ("Both/Second", "Greet"):
+            self.pick_drawn(page, state)
+            expect(self.state_panel(page).get_by_label("State")).to_have_value(
+                state.replace("/", " / ")
+            )
+            self.press(page, "Breakpoint")
+            expect(page.locator(f"li.stopping[data-path='{state}']")).to_have_count(1)
+        self.assertEqual(rospy.get_param("/flexbe/breakpoints"), ["/Both/Second", "/Greet"])
+        expect(page.locator(".state-panel .held")).to_contain_text("Breakpoints act in supervised")
+        page.mouse.click(*self.empty_place(page))
+        self.choose(page, "Autonomy", "Full")
+        page.get_by_label("greeting").fill("good evening")
+        self.press(page, "Start")
+        expect(page.locator(".request")).to_contain_text("Leave 'Second' with 'done'?")
+        expect(page.locator(".request")).to_have_count(1)
+        expect(page.locator(".state-panel .held")).to_be_hidden()
+        other = self.open_page()
+        expect(other.locator(".request")).to_contain_text("Leave 'Second' with 'done'?")
+        expect(other.locator("li.stopping")).to_have_count(2)
+        page.keyboard.press("Alt+c")
+        expect(page.locator(".request")).to_contain_text("Leave 'Greet' with 'done'?")
+        expect(page.locator(".canvas-values[data-path='Greet']")).to_have_text("datagood evening")
+        expect(page.locator(".state-panel table")).to_contain_text("good evening")
+        self.take_picture(page, "runtime-breakpoint")
+        self.press(other, "Remove all 2")
+        expect(page.locator(".ending")).to_have_text("The last run ended with 'finished'.")
+        expect(page.locator(".request")).to_have_count(0)
+        expect(page.locator("li.stopping")).to_have_count(0)
+        expect(page.locator(".canvas-values")).to_be_hidden()
+        self.assertEqual(rospy.get_param("/flexbe/breakpoints"), [])
+        commands = [json.loads(line)["command"] for line in self.record.read_text().splitlines()]
+        for command in ("set a breakpoint at Both / Second", "remove all breakpoints"):
+            self.assertIn(command, commands)
+
+    def state_panel(self, page):
+        return page.get_by_role("region", name="State")
+
+    def empty_place(self, page):
+        box = page.locator(".canvas-stage").bounding_box()
+        return box["x"] + 8, box["y"] + 8
+
     def test_attaching_to_what_another_client_has_started(self):
         self.load(self.page, "Errand")
         self.start_elsewhere("Patrol")

@@ -39,6 +39,7 @@ class World:
         has_supervisor: a use case supervisor is there.
         use_case: what it published last; None before that, and when it is not running.
         inputs: values that states wait for, the oldest first.
+        breakpoints: paths of states, as the engine names them, before whose end it asks.
         decisions: states of the running behavior in which an operator chooses the outcome.
     """
 
@@ -51,6 +52,7 @@ class World:
     use_case: UseCase | None = None
     inputs: tuple[InputRequest, ...] = ()
     decisions: Decisions = field(default_factory=Decisions)
+    breakpoints: frozenset[str] = frozenset()
 
     @property
     def has_engine(self) -> bool:

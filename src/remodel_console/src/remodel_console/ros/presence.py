@@ -47,7 +47,7 @@ def join_ros(console: Console, journal: Journal, end: threading.Event) -> None:
         _end_process(end, f"could not join ROS: {error}")
         return
     rospy.on_shutdown(lambda: _end_process(end, "ROS has shut this node down"))
-    link = EngineLink(console.take, console.live.take_line)
+    link = EngineLink(console.take, console.live.take_line, console.live.set_breakpoints)
     console.steering.engine = link
     supervisor = UseCaseLink(console.live.take_use_case)
     console.supervisor = supervisor

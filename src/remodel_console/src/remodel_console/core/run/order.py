@@ -90,12 +90,14 @@ class TakeOutcome:
         index: place of the outcome among those of the state, from 0.
         outcome: its name, for the record.
         is_forced: the engine had not asked for it.
+        is_by_path: the engine is given the state's path, as states of one name ask at breakpoints.
     """
 
     path: str
     index: int
     outcome: str
     is_forced: bool
+    is_by_path: bool = False
 
     def __str__(self) -> str:
         """Return the words for the record."""

@@ -61,7 +61,8 @@ class EditorPage(EditingPage):
             self._library = LibraryPanel(self)
             with ui.element("section").classes("stage"):
                 editor = DrawingEditor(self, self._library.add)
-                self._canvas = Canvas("Edited state machine", editor, is_editable=self.is_operator)
+                may_edit = editor if self.is_operator else None
+                self._canvas = Canvas("Edited state machine", editor, may_edit)
                 self._empty = ui.label("Open a behavior, or create a new one.").classes("empty")
             with ui.element("aside").classes("panel side"):
                 with ui.tabs().props("no-caps dense align=left").classes("wide") as tabs:

@@ -5,6 +5,7 @@ import { svgOf } from "/console/picture.js";
 
 const READABLE = 0.6; // [screen pixels per unit of the drawing] below this, text is too small to read
 const LARGEST = 3.0;
+const MOST_VALUES = 8; // that are shown beside a state
 const REST_MS = 400; // between two moves of the drawing after what is active
 const LINGER_MS = 300; // for which the outcomes of a state stay after the pointer has left it
 const FONT = "12px Helvetica, Arial, sans-serif";
@@ -34,6 +35,7 @@ export default {
       <div ref="stage" class="canvas-stage" @dragover="over" @drop="drop"></div>
       <svg class="canvas-rubber" aria-hidden="true"><line ref="rubber"/></svg>
       <div ref="handles" class="canvas-handles" @pointerenter="linger" @pointerleave="leave"></div>
+      <dl ref="values" class="canvas-values" aria-label="Values"></dl>
       <div ref="map" class="canvas-map" aria-hidden="true" @pointerdown="jump"><img ref="small" alt=""><i ref="window"></i></div>
       <div class="canvas-tools">
         <button v-if="editable" type="button" title="Data flow" aria-label="Data flow" aria-pressed="false" ref="flow" @click="showFlow">⇢</button>
@@ -53,6 +55,7 @@ export default {
     this.wanted = [];
     this.restsUntil = 0;
     this.turn = 0;
+    this.kept = new Map(); // marks by name, for the next drawing too
     this.dragged = new Set(); // containers in which something was moved
     this.cy = cytoscape({
       container: this.$refs.stage, style: this.style(), minZoom: 0.04, maxZoom: LARGEST, autoungrabify: !this.editable,
@@ -80,6 +83,7 @@ export default {
         setTimeout(() => this.picked(event.target === cy ? "" : event.target.data("pick")));
       });
       cy.on("boxend", () => setTimeout(() => this.picked()));
+      cy.on("pan zoom", () => this.placeValues());
       if (!this.editable) return;
       cy.on("mouseover", "node", (event) => this.showHandles(event.target));
       cy.on("mouseout", "node", () => this.leave());
@@ -126,6 +130,7 @@ export default {
       this.byPath = new Map();
       this.items = new Map();
       this.marked = new Map();
+      this.hasAll = false;
       if (graph.nodes.length && !keeps) this.open();
       const [first, ...others] = this.slices(graph, found.boxes);
       this.build(first, found);
@@ -138,7 +143,10 @@ export default {
         if (turn !== this.turn) return;
         this.build(slice, found);
       }
+      this.hasAll = true;
       this.outline(graph);
+      for (const [name, paths] of this.kept) this.mark(name, paths);
+      this.placeValues();
       this.lightUp(this.active, [...this.passed], true, this.asked);
       this.select(this.wanted, false);
       if (handled && this.byPath.has(handled)) this.showHandles(this.byPath.get(handled));
@@ -310,6 +318,11 @@ export default {
           "background-position-x": "100%", "background-position-y": "0%", "background-offset-x": 7, "background-offset-y": -7, "background-clip": "none",
           "background-image-containment": "over", "bounds-expansion": 8,
         } })),
+        { selector: "node.stopping", style: {
+          "background-image": BADGE(colour("bad"), ""), "background-width": 14, "background-height": 14, "background-fit": "none", "background-position-x": "0%",
+          "background-position-y": "0%", "background-offset-x": -6, "background-offset-y": -6, "background-clip": "none", "background-image-containment": "over",
+          "bounds-expansion": 8,
+        } },
         { selector: "node.passed", style: box(colour("passed-fill"), colour("lit")) },
         { selector: "node.around", style: { "border-color": colour("lit"), "border-width": 2 } },
         { selector: "node.active", style: box(colour("lit-fill"), colour("lit"), 3) },
@@ -356,6 +369,10 @@ export default {
       const only = paths.length === 1 && this.byPath.get(paths[0]);
       if (only && this.editable) this.showHandles(only);
       else this.hideHandles();
+    },
+    keepMark(name, paths) {
+      this.kept.set(name, paths);
+      if (this.hasAll) this.mark(name, paths);
     },
     mark(name, paths) {
       for (const path of this.marked.get(name) || []) {
@@ -481,6 +498,27 @@ export default {
       const own = node.renderedBoundingBox({ includeLabels: false, includeOverlays: false });
       const top = node.isParent() ? own.y1 + 6 : (own.y1 + own.y2) / 2;
       return { x: box.x + (node.isParent() ? own.x1 + 8 : (own.x1 + own.x2) / 2), y: box.y + top };
+    },
+    showValues(path, values) { // beside a state
+      const list = this.$refs.values;
+      this.valued = values.length ? path : "";
+      list.replaceChildren(...values.slice(0, MOST_VALUES).flatMap(([key, value]) => {
+        const [term, text] = [document.createElement("dt"), document.createElement("dd")];
+        term.textContent = key;
+        text.textContent = value;
+        text.title = value;
+        return [term, text];
+      }));
+      list.dataset.path = this.valued;
+      this.placeValues();
+    },
+    placeValues() {
+      const node = this.valued && this.byPath?.get(this.valued);
+      const isShown = Boolean(node && node.nonempty());
+      this.$refs.values.style.display = isShown ? "grid" : "none";
+      if (!isShown) return;
+      const box = node.renderedBoundingBox({ includeLabels: false, includeOverlays: false });
+      Object.assign(this.$refs.values.style, { left: `${box.x2 + 6}px`, top: `${box.y1}px` });
     },
     scale() {
       return this.cy.zoom();
