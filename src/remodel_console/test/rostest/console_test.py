@@ -96,6 +96,7 @@ class ConsoleTest(BehaviorTestCase):
         expect(self.page.locator("li.node.asked[data-path='Report']").first).to_be_visible()
         expect(self.page.locator("li.node.passed[data-path='Search/Look']").first).to_be_visible()
         expect(self.page.locator(".log")).to_contain_text("The errand says good morning.")
+        self.log_is_filtered()
         self.page.get_by_text("Userdata").click()
         self.press(self.page, "Read")
         expect(self.page.locator("table.plain")).to_contain_text("good morning")
@@ -106,6 +107,28 @@ class ConsoleTest(BehaviorTestCase):
         given = [(c["who"], c["command"], c["state"]) for c in commands]
         self.assertIn(("operator", "confirm 'done' of /Report", "done"), given)
         self.assertTrue(any("greeting=good morning" in command for _, command, _ in given))
+
+    def log_is_filtered(self):
+        """Find lines by severity and by words; what does not fit is not shown, and comes back."""
+        lines = self.page.locator(".log .line:visible")
+        hint = self.page.locator(".log .line.hint", has_text="The errand says")
+        every = lines.count()
+        self.press(self.page, "hint")
+        expect(hint.first).to_be_hidden()
+        expect(self.page.locator(".log .line.info:visible").first).to_be_visible()
+        self.press(self.page, "hint")
+        self.press(self.page, "info")
+        expect(hint.first).to_be_visible()
+        expect(self.page.locator(".log .line.info:visible")).to_have_count(0)
+        find = self.page.get_by_label("Find in the log")
+        find.fill("GOOD morning")
+        expect(lines).to_have_count(hint.filter(has_text="good morning").count())
+        find.fill("no such line")
+        expect(lines).to_have_count(0)
+        expect(self.page.locator(".log-tools .soft")).to_contain_text("0 of ")
+        find.fill("")
+        self.press(self.page, "info")
+        self.wait_until(lambda: lines.count() >= every, "all lines")
 
     def test_breakpoints_stop_states_also_beside_others_and_values_stand_at_them(self):
         page = self.page

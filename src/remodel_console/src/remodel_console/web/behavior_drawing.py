@@ -15,17 +15,6 @@ from remodel_console.core.editor.graph import Json, chart_graph
 from remodel_console.errors import CommandError
 from remodel_console.web.canvas import Canvas
 
-
-class _Picker:
-    """Takes what is clicked in a drawing that is not edited."""
-
-    def __init__(self, on_pick: Callable[[str], None]) -> None:
-        self._on_pick = on_pick
-
-    def pick(self, paths: tuple[str, ...]) -> None:
-        self._on_pick(paths[0] if paths else "")
-
-
 _NOTHING: Json = {"name": "", "nodes": [], "edges": [], "flows": []}
 
 
@@ -147,3 +136,13 @@ class BehaviorDrawing:
     def _active_container(self) -> Path:
         """Return the container that the active state lies in."""
         return tuple(drawn_path(self._active, self._paths).split("/"))[:-1]
+
+
+class _Picker:
+    """Takes what is clicked in a drawing that is not edited."""
+
+    def __init__(self, on_pick: Callable[[str], None]) -> None:
+        self._on_pick = on_pick
+
+    def pick(self, paths: tuple[str, ...]) -> None:
+        self._on_pick(paths[0] if paths else "")

@@ -109,8 +109,10 @@ def answer_at_breakpoint(engine: Engine, command: ForceOutcome) -> bool:
     """
     active = engine.root.leaf()
     named = [one for one in engine.stopped.values() if command.target in (one.path, one.label)]
-    is_active = active is not None and command.target == active.label
-    if not named or (is_active and active.definition._is_controlled):
+    is_for_active = (
+        active is not None and active.definition._is_controlled and command.target == active.label
+    )
+    if not named or is_for_active:
         return False
     outcomes = named[0].definition._outcomes
     if len(named) > 1:

@@ -210,7 +210,7 @@ class Session:
                 reached += list(node.children.values())
         return found
 
-    def values_at(self, path: str) -> dict[str, Any]:
+    def values_at(self, path: str) -> dict[str, object]:
         """Return what the state or container at a path reads and writes, by its own keys.
 
         What has no value yet is left out; nothing is returned before what is around it is reached.
@@ -220,7 +220,7 @@ class Session:
         if container is None or label not in container.definition._labels:
             return {}
         state = container.definition._labels[label]
-        found = {}
+        found: dict[str, object] = {}
         for key in dict.fromkeys((*state._input_keys, *state._output_keys)):
             outer = container.definition._remappings.get(label, {}).get(key, key)
             value = _value(container, outer)
@@ -272,7 +272,7 @@ class Session:
             self._reporter.autonomy(self._published_level)
 
 
-def _value(container: Container, key: str) -> Any:
+def _value(container: Container, key: str) -> object:
     """Return the value of a container's key, which may be one of what is around it."""
     value = container.userdata._data.get(key, _MISSING)
     if value is not _MISSING or container.parent is None:
