@@ -16,6 +16,7 @@ from remodel_console.desk import Journal
 from remodel_console.ros import topics
 from remodel_console.ros.cell.camera_link import CameraLink
 from remodel_console.ros.cell.scene_link import SceneLink
+from remodel_console.ros.cell.scene_recorder import SceneRecorder
 from remodel_console.ros.command_server import CommandServer
 from remodel_console.ros.engine_link import EngineLink
 from remodel_console.ros.input_server import InputServer
@@ -55,6 +56,7 @@ def join_ros(console: Console, journal: Journal, end: threading.Event) -> None:
     console.inputs = InputServer(console.live.set_inputs)
     CameraLink(console.pictures, lambda: console.live.world.run.phase is Phase.RUNNING, end)
     SceneLink(console.scene, end)
+    SceneRecorder(console.scene, console.scenes, lambda: console.live.world.use_case, end)
     console.sessions.connect(ask_synthesis_server)
     CommandServer(console.session, Runtime(console.steering), lambda: console.settings.now, journal)
     looking = threading.Thread(target=_check, args=(console, link, supervisor, end), daemon=True)

@@ -17,9 +17,15 @@ _SPEEDS = {1: "1 x", 5: "5 x", 20: "20 x"}
 class Scrubber:
     """Moves through a record."""
 
-    def __init__(self, show: Callable[[int], None]) -> None:
-        """Build it without a record; `show` gets the index of each entry that is gone to."""
+    def __init__(self, show: Callable[[int], None], move: Callable[[float], None]) -> None:
+        """Build it without a record.
+
+        Args:
+            show: gets the index of each entry that is gone to.
+            move: gets each time in the run that is gone to [s].
+        """
         self._show = show
+        self._move = move
         self._record = Record(())
         self._index = 0
         with ui.element("section").classes("scrub"):
@@ -79,6 +85,7 @@ class Scrubber:
 
     def _seek(self, offset_s: float) -> None:
         """Show the moment of a time in the run [s]."""
+        self._move(offset_s)
         index = self._record.at(offset_s)
         if index != self._index:
             self._select(index)
@@ -86,7 +93,9 @@ class Scrubber:
     def _go(self, index: int) -> None:
         if self._record.entries:
             index = min(max(0, index), len(self._record.entries) - 1)
-            self._slider.value = self._record.offset_s(self._record.entries[index])
+            offset_s = self._record.offset_s(self._record.entries[index])
+            self._slider.value = offset_s
+            self._move(offset_s)
             self._select(index)
 
     def _select(self, index: int) -> None:

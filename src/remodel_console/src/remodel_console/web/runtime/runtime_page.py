@@ -9,7 +9,7 @@ from remodel_console.core.run.run_view import Phase, RunView
 from remodel_console.core.run.run_words import state_words
 from remodel_console.core.world import World
 from remodel_console.web.behavior_drawing import BehaviorDrawing
-from remodel_console.web.cell.cell_panel import CellPanel
+from remodel_console.web.cell.live_cell import LiveCell
 from remodel_console.web.log_pane import LogPane
 from remodel_console.web.page import Page
 from remodel_console.web.runtime.run_panel import RunPanel
@@ -53,7 +53,7 @@ class RuntimePage(Page):
             with self._panel.area:
                 self._state_panel = StatePanel(self)
                 self._state_panel.drawing = self._drawing
-                self._cell = CellPanel(self.console)
+                self._cell = LiveCell(self.console)
             with ui.element("section").classes("log-area"):
                 self._log = LogPane()
 
@@ -75,7 +75,7 @@ class RuntimePage(Page):
         self._light(view)
         self._check_for_newer_version(view)
         self._panel.show(view, running, loaded, self._newer)
-        self._cell.show(world.use_case)
+        self._cell.follow(world.use_case)
 
     def _draw(self, name: str) -> None:
         """Draw a behavior, unless this version of it is drawn already."""
