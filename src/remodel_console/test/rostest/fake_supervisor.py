@@ -328,9 +328,11 @@ class FakeRecords:
 
     AT_ONCE = 5
 
-    def __init__(self):
-        """Begin to serve."""
+    def __init__(self, start_s=START_S):
+        """Begin to serve the record of a run that began at a ROS time [s]."""
         self._entries = recorded_run()
+        for one in self._entries:
+            one.stamp += rospy.Duration(start_s - START_S)
         self._services = [
             rospy.Service("remodel/use_case/runs", srv.ListRuns, self._list),
             rospy.Service("remodel/use_case/record", srv.GetRun, self._get),

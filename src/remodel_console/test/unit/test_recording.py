@@ -65,6 +65,11 @@ def test_a_line_that_was_cut_off_ends_a_recording(cut):
     assert len(Recording.read([*good, cut, *good]).frames) == 2
 
 
+def test_robots_that_were_not_known_at_first_stand_there_from_the_beginning():
+    states = [CellState(wires={"W1": STILL}), moved(1)]
+    assert Recording.read(lines(states)).at(10.0).robots == (ROBOT,)
+
+
 def test_no_frames_are_an_empty_cell():
     assert Recording.read([]).at(3.0) == CellState()
 

@@ -106,6 +106,12 @@ class Recording:
                 keys.append(state)
         return tuple(keys)
 
+    @cached_property
+    def _robots(self) -> tuple[Robot, ...]:
+        """Return the robots that are known first; a run may begin before they are."""
+        found = (change for _, change in self.frames if change.get("robots"))
+        return state_after(CellState(), next(found, {})).robots
+
     def at(self, time_s: float) -> CellState:
         """Return the state at a ROS time [s]; before the first frame, that of the first."""
         if not self.frames:
@@ -115,7 +121,7 @@ class Recording:
         state = self._keys[first]
         for _, change in self.frames[first * _KEY_EVERY + 1 : place + 1]:
             state = state_after(state, change)
-        return state
+        return state if state.robots else replace(state, robots=self._robots)
 
     @classmethod
     def read(cls, lines: Iterable[str]) -> Recording:
