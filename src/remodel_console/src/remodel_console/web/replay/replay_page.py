@@ -19,6 +19,7 @@ from remodel_console.web.behavior_drawing import BehaviorDrawing
 from remodel_console.web.cell.camera_view import CameraView
 from remodel_console.web.cell.cell_panel import CellPanel
 from remodel_console.web.page import Page
+from remodel_console.web.replay.comparison_panel import ComparisonPanel
 from remodel_console.web.replay.run_list import RunList
 from remodel_console.web.replay.scrubber import Scrubber
 from remodel_console.web.replay.value_plots import ValuePlots
@@ -45,7 +46,7 @@ class ReplayPage(Page):
         self._run = 0
         self._shown_reasons: tuple[Entry, ...] | None = None
         with ui.element("div").classes("replay"):
-            self._runs = RunList(self.console, self._open)
+            self._runs = RunList(self.console, self._open, lambda r: self._comparison.offer(r))
             with ui.element("section").classes("stage"):
                 with ui.row().classes("headline"):
                     self._title = ui.label("Choose a run on the left.").classes("title")
@@ -55,6 +56,7 @@ class ReplayPage(Page):
                     "State machine of the behavior",
                     "No behavior of this task has run yet.",
                 )
+                self._comparison = ComparisonPanel(self.console, lambda i: self._scrubber.go(i))
             self._scrubber = Scrubber(self._show_moment, self._move)
             with ui.element("aside").classes("panel").props('tabindex="0" aria-label="Moment"'):
                 self._now = ui.element("div").classes("wide")
@@ -122,6 +124,7 @@ class ReplayPage(Page):
         self._runs.mark(summary.run)
         self._values.open(record)
         self._scrubber.open(record)
+        await self._comparison.open(summary, record)
 
     # A moment
 

@@ -52,17 +52,17 @@ class Scrubber:
         self._slider.set_enabled(bool(record.entries))
         self._marks.set_content(_marks(record))
         if record.entries:
-            self._go(0)
+            self.go(0)
         else:
             self._clock.text = "This run has no recorded entries."
 
     def step(self, step: int) -> None:
         """Go to the next entry, or the one before."""
-        self._go(self._index + step)
+        self.go(self._index + step)
 
     def step_reason(self, step: int) -> None:
         """Go to the next failure, decision or answer, or the one before."""
-        self._go(self._record.next_reason(self._index, step))
+        self.go(self._record.next_reason(self._index, step))
 
     def toggle(self) -> None:
         """Play or pause."""
@@ -90,7 +90,8 @@ class Scrubber:
         if index != self._index:
             self._select(index)
 
-    def _go(self, index: int) -> None:
+    def go(self, index: int) -> None:
+        """Go to the entry of an index."""
         if self._record.entries:
             index = min(max(0, index), len(self._record.entries) - 1)
             offset_s = self._record.offset_s(self._record.entries[index])
