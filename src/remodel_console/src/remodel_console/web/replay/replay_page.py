@@ -51,11 +51,12 @@ class ReplayPage(Page):
                 with ui.row().classes("headline"):
                     self._title = ui.label("Choose a run on the left.").classes("title")
                     self._where = ui.label().classes("where")
-                self._drawing = BehaviorDrawing(
-                    self.console,
-                    "State machine of the behavior",
-                    "No behavior of this task has run yet.",
-                )
+                with ui.element("div").classes("drawing-area"):
+                    self._drawing = BehaviorDrawing(
+                        self.console,
+                        "State machine of the behavior",
+                        "No behavior of this task has run yet.",
+                    )
                 self._comparison = ComparisonPanel(self.console, lambda i: self._scrubber.go(i))
             self._scrubber = Scrubber(self._show_moment, self._move)
             with ui.element("aside").classes("panel").props('tabindex="0" aria-label="Moment"'):

@@ -392,7 +392,9 @@ export default {
     // The view
 
     resize() {
+      const sawAll = this.isOpen && this.cy.elements().nonempty() && this.seesAll();
       this.cy.resize();
+      if (sawAll) this.fit();
       if (this.cy.elements().nonempty() && !this.isOpen) this.open();
       this.drawMap();
     },
