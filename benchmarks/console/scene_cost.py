@@ -76,11 +76,11 @@ def main() -> None:
 def measure(order: subprocess.Popen[bytes]) -> tuple[list[float], list[float]]:
     """Return the speeds [simulated s / s of processor] without and with subscribers."""
     join("scene_cost")
-    rospy.wait_for_message("/clock", Clock, START_S)
+    begun_s = rospy.wait_for_message("/clock", Clock, START_S).clock.to_sec()
     cell = node_pid("/cell")
     speeds: tuple[list[float], list[float]] = ([], [])
     subscribers: list[rospy.Subscriber] = []
-    is_followed, begun_s, used_s = False, rospy.get_time(), processor_s(cell)
+    is_followed, used_s = False, processor_s(cell)
     while order.poll() is None:
         now_s = rospy.wait_for_message("/clock", Clock, START_S).clock.to_sec()
         if now_s - begun_s < SLICE_S:

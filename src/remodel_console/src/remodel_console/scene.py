@@ -21,7 +21,7 @@ class Scene:
 
     @property
     def is_wanted(self) -> bool:
-        """Return whether somebody follows it."""
+        """Return whether a page or a recorder follows it."""
         return self._viewers > 0
 
     def add_viewer(self, change: int) -> None:

@@ -94,7 +94,7 @@ class Recording:
 
     @cached_property
     def _times_s(self) -> tuple[float, ...]:
-        """Return the times; one that lies back, after a restart of the cell, stands still."""
+        """Return the times; the clock of a cell that was restarted begins again, these go on."""
         return tuple(accumulate((time_s for time_s, _ in self.frames), max))
 
     @cached_property

@@ -1,4 +1,4 @@
-"""What can be done with one state of the drawing: a breakpoint, and a look at its values."""
+"""One state of the drawing: its breakpoint, and its values."""
 
 from __future__ import annotations
 

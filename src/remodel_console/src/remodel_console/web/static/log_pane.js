@@ -1,4 +1,4 @@
-// The last lines of the log, those that are looked for. Text is only ever set as text.
+// The last lines of the log, filtered. Text is only ever set as text.
 const KEPT = 500;
 const SEVERITIES = ["error", "warning", "hint", "info", "debug"];
 
