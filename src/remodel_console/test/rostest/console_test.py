@@ -4,6 +4,7 @@
 import contextlib
 import json
 import os
+import re
 import subprocess
 import sys
 import time
@@ -17,6 +18,7 @@ from std_msgs.msg import String
 
 sys.path.insert(0, str(Path(__file__).parent))
 from behavior_test_case import BehaviorTestCase
+from fake_supervisor import FakeRecords
 
 from remodel_console.core.answer import DONE, FAILED
 from remodel_console.edge.catalogue import Catalogue
@@ -167,6 +169,31 @@ class ConsoleTest(BehaviorTestCase):
         commands = [json.loads(line)["command"] for line in self.record.read_text().splitlines()]
         for command in ("set a breakpoint at Both / Second", "remove all breakpoints"):
             self.assertIn(command, commands)
+
+    def test_a_run_starts_where_a_replayed_one_was(self):
+        _records = FakeRecords()
+        page = self.page = self.open_page("/replay")
+        page.get_by_role("button", name="Reload").click()
+        page.get_by_role("button", name="12 cabinet 7").click()
+        start = page.get_by_role("button", name="Start from here")
+        expect(start).to_be_disabled()
+        expect(page.get_by_text("No state was active at this moment.")).to_be_visible()
+        page.keyboard.press("n")
+        expect(page.locator(".headline .where")).to_have_text("Search / Look closer")
+        expect(start).to_be_enabled()
+        start.click()
+        dialog = page.get_by_role("dialog")
+        expect(dialog).to_contain_text("Start 'Errand' at Search / Look closer")
+        self.take_picture(page, "replay-start")
+        dialog.get_by_role("button", name="Start", exact=True).click()
+        expect(page).to_have_url(re.compile("/runtime$"))
+        expect(page.locator(".ending")).to_have_text("The last run ended with 'finished'.")
+        passed = "li.node.passed[data-path='{}']"
+        expect(page.locator(passed.format("Search/Look closer")).first).to_be_attached()
+        expect(page.locator(passed.format("Greet"))).to_have_count(0)
+        expect(page.locator(passed.format("Search/Look"))).to_have_count(0)
+        commands = [json.loads(line)["command"] for line in self.record.read_text().splitlines()]
+        self.assertIn("start 'Errand' at /Search/Look closer level full", commands)
 
     def state_panel(self, page):
         return page.get_by_role("region", name="State")

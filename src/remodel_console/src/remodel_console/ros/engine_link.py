@@ -20,6 +20,7 @@ from flexbe_msgs.srv import GetUserdata
 from genpy import Message
 from std_msgs.msg import Bool, Empty, Int32, String, UInt8
 
+from flexbe_core.ros.topics import START_AT
 from remodel_console.core.run import order as orders
 from remodel_console.core.run.log_line import LogLine
 from remodel_console.core.run.run_view import (
@@ -204,12 +205,14 @@ def _messages(order: orders.Order) -> tuple[tuple[str, Message], ...]:
 
 
 def _selection(order: orders.Start) -> BehaviorSelection:
+    start = ((START_AT, order.start_at),) if order.start_at else ()
+    parameters = (*order.parameters, *start)
     return BehaviorSelection(
         behavior_id=order.behavior_id,
         behavior_checksum=order.source_checksum,
         autonomy_level=order.level,
-        arg_keys=[key for key, _ in order.parameters],
-        arg_values=[value for _, value in order.parameters],
+        arg_keys=[key for key, _ in parameters],
+        arg_values=[value for _, value in parameters],
         input_keys=[key for key, _ in order.inputs],
         input_values=[value for _, value in order.inputs],
     )

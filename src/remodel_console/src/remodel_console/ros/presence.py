@@ -28,6 +28,7 @@ from remodel_console.ros.use_case_link import UseCaseLink
 
 _POLL_S = 0.5
 _ABILITIES = "remodel_abilities/"  # in whose namespace ability servers are
+_RESET = f"{topics.CELL}/reset"  # a service that only simulated cells have
 _CAMERA = f"{topics.CELL}/overhead/image_raw"  # which a cell publishes, and fake abilities do not
 
 
@@ -70,14 +71,25 @@ def _check(
 ) -> None:
     """Check whether the mirror, the supervisor and the cell are running."""
     abilities, camera = rospy.resolve_name(_ABILITIES), rospy.resolve_name(_CAMERA)
+    reset = rospy.resolve_name(_RESET)
     while not end.wait(_POLL_S):
         published = _published()
+        has_abilities = any(topic.startswith(abilities) for topic in published)
         console.live.set_presence(
             mirror=link.is_followed,
-            abilities=any(topic.startswith(abilities) for topic in published),
+            abilities=has_abilities,
             cell=camera in published,
+            simulated=_is_served(reset) if has_abilities or camera in published else True,
             supervisor=supervisor.is_there,
         )
+
+
+def _is_served(service: str) -> bool:
+    try:
+        rosgraph.Master(rospy.get_name()).lookupService(service)
+    except (OSError, rosgraph.MasterError):
+        return False
+    return True
 
 
 def _published() -> frozenset[str]:

@@ -22,6 +22,7 @@ from remodel_console.web.page import Page
 from remodel_console.web.replay.comparison_panel import ComparisonPanel
 from remodel_console.web.replay.run_list import RunList
 from remodel_console.web.replay.scrubber import Scrubber
+from remodel_console.web.replay.start_here import StartHere
 from remodel_console.web.replay.value_plots import ValuePlots
 
 _NO_RECORDING = "No console recorded the cell in three dimensions during this run."
@@ -61,6 +62,7 @@ class ReplayPage(Page):
             self._scrubber = Scrubber(self._show_moment, self._move)
             with ui.element("aside").classes("panel").props('tabindex="0" aria-label="Moment"'):
                 self._now = ui.element("div").classes("wide")
+                self._start = StartHere(self)
                 self._cell = CellPanel(self._scene, self.console.meshes, self._about_wire)
                 self._no_cell = ui.label(_NO_RECORDING).classes("soft")
                 self._no_cell.set_visibility(False)
@@ -81,6 +83,8 @@ class ReplayPage(Page):
         if world.has_supervisor and not self._has_supervisor:
             background_tasks.create(self._list())
         self._has_supervisor = world.has_supervisor
+        moment = self._record.moment(self._index) if self._record.entries else None
+        self._start.show(moment, world)
 
     def set_in_view(self, is_in_view: bool) -> None:
         """Draw the cell only while the page is in view."""
@@ -142,6 +146,7 @@ class ReplayPage(Page):
         moment, offset_s = self._record.moment(index), self._record.offsets_s[index]
         self._index = index
         self._cell.show()
+        self._start.show(moment, self.console.live.world)
         self._where.text = path_words(moment.state_path)
         self._show_now(moment)
         self._values.move(offset_s)
