@@ -12,7 +12,7 @@ from remodel_console.core.use_case.record import Moment
 from remodel_console.core.world import World
 from remodel_console.web.page import Page
 
-_HINT = "The simulated cell stays as it is now. Enter the values that earlier states would have written."
+_HINT = "The simulated cell stays as it is now. Enter what earlier states would have written."
 
 
 class StartHere:
