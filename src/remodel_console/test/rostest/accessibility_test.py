@@ -47,7 +47,7 @@ class AccessibilityTest(BehaviorTestCase):
             elif address == "/runtime":
                 self.pick_drawn(page, "Report")
                 self.press(page, "Breakpoint")
-                expect(page.locator(".state-panel .held")).to_be_visible()
+                expect(page.locator(".state-hint")).to_be_visible()
             elif address.startswith("/replay"):
                 self.choose(page, "Compare with", "13  cabinet 7")
                 expect(page.locator(".compare-table tr.first")).to_be_visible()

@@ -5,6 +5,7 @@ from __future__ import annotations
 from nicegui import ui
 
 from remodel_console.core.answer import DONE
+from remodel_console.core.commands import Command, Verb
 from remodel_console.core.run.order import FULL, Pairs, Start
 from remodel_console.core.run.run_view import Phase
 from remodel_console.core.run.run_words import path_words
@@ -88,6 +89,14 @@ class StartHere:
                 answer = await page.give(str(order), lambda: steering.order(order))
                 if answer.state == DONE:
                     dialog.close()
+                    await self._load(installed.name)
                     ui.navigate.to("/runtime")
 
             page.button("Start", start, icon="play_arrow")
+
+    async def _load(self, name: str) -> None:
+        """Load the behavior for Runtime control, unless that would lose changes."""
+        page, session = self._page, self._page.session
+        if session.chart is None or (session.is_saved and session.chart.name != name):
+            command = Command(f"load {name}", Verb.LOAD, {"name": name})
+            await page.give(command.text, lambda: session.carry_out(command))

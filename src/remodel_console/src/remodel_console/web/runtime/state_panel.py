@@ -44,7 +44,7 @@ class StatePanel:
             with ui.row().classes("controls"):
                 self._toggle = page.button("Breakpoint", self.toggle, look="quiet")
                 self._clear = page.button("Remove all", self._remove_all, look="quiet")
-            self._hint = ui.label().classes("held")
+            self._hint = ui.label().classes("state-hint")
             self._table = ui.element("div").classes("wide")
 
     def pick(self, path: str) -> None:
