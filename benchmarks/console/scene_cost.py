@@ -1,122 +1,109 @@
 #!/usr/bin/env python3
 """What following the cell in three dimensions costs the cell.
 
-Wires a cabinet in the simulated cell, and subscribes to what the console records and draws during
-every other slice of simulated time. Prints the simulated time for each second of the cell's
-processor time, with and without; the target is a loss below 2 %. Processor time, in place of the
-clock, leaves out what else the machine does.
+Steps the simulated cell with a wire in it, and publishes as its node does. During every other slice
+another process subscribes to what the console draws and records. Prints the simulated time for
+each second of processor time, with and without subscriber; the target is a loss below 2 %.
+Processor time, in place of the clock, leaves out what else the machine does.
 """
 
 from __future__ import annotations
 
 import argparse
 import os
-import shutil
-import signal
-import statistics
 import subprocess
 import sys
-import tempfile
-import xmlrpc.client
+import time
 from pathlib import Path
+from statistics import median, stdev
 
-import rosgraph
 import rospy
-from rosgraph_msgs.msg import Clock
+
+sys.path.insert(0, str(Path(__file__).parents[2] / "src/remodel_sim/test/unit"))
+from panels import panel
 
 from flexbe_core.ros.master import join
 from remodel_console.testing.browser_test import free_port
+from remodel_sim.cell import Cell
+from remodel_sim.ros.markers import Markers
+from remodel_sim.ros.publishers import FixedFrames, RobotState
+from remodel_sim.ros.sim_clock import SimClock
 
-DESIGN = "/usr/share/qelectrotech/examples/tableau_domestique.qet"
-TOPICS = ("cell/markers", "/joint_states", "/tf_static")
 SLICE_S = 2.0  # of simulated time
-START_S = 120.0
-TICK_S = 1 / os.sysconf("SC_CLK_TCK")
+WAIT_S = 30.0
+FOLLOWER = """
+import sys, rospy
+rospy.init_node("follower", disable_signals=True, disable_rostime=True)
+followed = []
+for line in sys.stdin:
+    for one in followed: one.unregister()
+    topics = ("cell/markers", "/joint_states", "/tf_static") if line.strip() == "on" else ()
+    followed = [rospy.Subscriber(topic, rospy.AnyMsg, queue_size=1) for topic in topics]
+"""
 
 
 def main() -> None:
     """Measure once."""
     parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("--wires", type=int, default=6)
-    parser.add_argument("launch", nargs="*", help="arguments of order.launch, such as cell:=NAME")
+    parser.add_argument("--slices", type=int, default=20, help="of each kind")
     options = parser.parse_args()
-    folder = Path(tempfile.mkdtemp())
-    nodes = None
+    port = free_port()
+    os.environ |= {"ROS_MASTER_URI": f"http://127.0.0.1:{port}", "ROS_IP": "127.0.0.1"}
+    master = subprocess.Popen(["rosmaster", "--core", "-p", str(port)], stdout=subprocess.DEVNULL)
     try:
-        port = free_port()
-        packages = os.environ["ROS_PACKAGE_PATH"]
-        os.environ |= {
-            "ROS_MASTER_URI": f"http://127.0.0.1:{port}",
-            "ROS_IP": "127.0.0.1",
-            "ROS_LOG_DIR": str(folder / "log"),
-            "ROS_PACKAGE_PATH": f"{folder}/remodel_order_behaviors:{packages}",
-        }
-        database = f"sqlite:///{folder}/production.sqlite"
-        os.environ["REMODEL_DATABASE"] = database
-        (folder / "charts").mkdir()
-        planner = ["rosrun", "remodel_planner", "planner"]
-        subprocess.run([*planner, "import", DESIGN, "--order", "demo"], check=True)
-        launch = ["roslaunch", "-p", str(port), "remodel_planner", "order.launch"]
-        with (folder / "nodes.log").open("wb") as log:
-            nodes = subprocess.Popen(
-                [*launch, f"output:={folder}", f"database:={database}", *options.launch],
-                stdout=log,
-                stderr=log,
-            )
-        wires = ["--wires", str(options.wires), "--output", str(folder)]
-        order = subprocess.Popen([*planner, "run_order", "demo", "--wait", "120", *wires])
-        report(*measure(order))
+        join("scene_cost")
+        follower = subprocess.Popen(
+            [sys.executable, "-c", FOLLOWER], stdin=subprocess.PIPE, text=True
+        )
+        try:
+            report(*measure(follower, options.slices))
+        finally:
+            follower.kill()
+            follower.wait()
     finally:
-        if nodes is not None:
-            nodes.send_signal(signal.SIGTERM)
-            nodes.wait(60)
-        shutil.rmtree(folder, ignore_errors=True)
+        rospy.signal_shutdown("measured")
+        master.terminate()
+        master.wait(WAIT_S)
 
 
-def measure(order: subprocess.Popen[bytes]) -> tuple[list[float], list[float]]:
-    """Return the speeds [simulated s / s of processor] without and with subscribers."""
-    join("scene_cost")
-    begun_s = rospy.wait_for_message("/clock", Clock, START_S).clock.to_sec()
-    cell = node_pid("/cell")
+def measure(follower: subprocess.Popen[str], count: int) -> tuple[list[float], list[float]]:
+    """Return the speeds [simulated s / s of processor] without and with a subscriber."""
+    cell = Cell(panel(), seed=1)
+    cell.feed("W1", "A")
+    plant, clock = cell.plant, SimClock()
+    markers = Markers(plant, clock)
+    publish = (RobotState(plant, clock, FixedFrames(clock)), markers)
     speeds: tuple[list[float], list[float]] = ([], [])
-    subscribers: list[rospy.Subscriber] = []
-    is_followed, used_s = False, processor_s(cell)
-    while order.poll() is None:
-        now_s = rospy.wait_for_message("/clock", Clock, START_S).clock.to_sec()
-        if now_s - begun_s < SLICE_S:
-            continue
-        now_used_s = processor_s(cell)
-        speeds[is_followed].append((now_s - begun_s) / max(TICK_S, now_used_s - used_s))
-        is_followed = not is_followed
-        for subscriber in subscribers:
-            subscriber.unregister()
-        kinds = TOPICS if is_followed else ()
-        subscribers = [rospy.Subscriber(topic, rospy.AnyMsg, queue_size=1) for topic in kinds]
-        begun_s, used_s = now_s, processor_s(cell)
+    step_s = plant.world.time_step
+    for place in range(2 * count + 2):
+        is_followed = place % 2 == 1
+        follower.stdin.write("on\n" if is_followed else "off\n")
+        follower.stdin.flush()
+        end_s = time.monotonic() + WAIT_S
+        while (markers._publisher.get_num_connections() > 0) != is_followed:
+            if time.monotonic() > end_s:
+                raise TimeoutError("the follower does not connect")
+            time.sleep(0.01)
+        begun_s = time.process_time()
+        for _ in range(round(SLICE_S / step_s)):
+            plant.step()
+            clock.now_s += step_s
+            for one in publish:
+                one()
+        if place > 1:  # the first slices warm up
+            speeds[is_followed].append(SLICE_S / (time.process_time() - begun_s))
+    cell.close()
     return speeds
-
-
-def node_pid(name: str) -> int:
-    """Return the process of a node."""
-    uri = rosgraph.Master("scene_cost").lookupNode(name)
-    return int(xmlrpc.client.ServerProxy(uri).getPid("scene_cost")[2])
-
-
-def processor_s(pid: int) -> float:
-    """Return the processor time that a process has used [s]."""
-    fields = Path(f"/proc/{pid}/stat").read_text().rpartition(")")[2].split()
-    return (int(fields[11]) + int(fields[12])) * TICK_S
 
 
 def report(alone: list[float], followed: list[float]) -> None:
     """Print the medians, and the loss with its standard error."""
-    without, with_ = statistics.median(alone), statistics.median(followed)
-    spread = [statistics.stdev(one) / len(one) ** 0.5 for one in (alone, followed)]
-    error = 1.25 * (spread[0] ** 2 + spread[1] ** 2) ** 0.5 / without  # 1.25: of a median
+    without, with_ = median(alone), median(followed)
+    errors = [stdev(one) / len(one) ** 0.5 for one in (alone, followed)]
+    error = 1.25 * (errors[0] ** 2 + errors[1] ** 2) ** 0.5 / without  # 1.25: of a median
     sys.stdout.write(
-        f"simulated time for each second of the cell's processor time: {without:.3f} s alone, "
-        f"{with_:.3f} s followed: {with_ / without - 1:+.1%} +- {error:.1%} "
-        f"({len(alone)} and {len(followed)} slices of {SLICE_S:.0f} s)\n"
+        f"simulated time for each second of processor time: {without:.2f} s alone, "
+        f"{with_:.2f} s followed: {with_ / without - 1:+.1%} +- {error:.1%}\n"
     )
 
 
