@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from dataclasses import replace
 from functools import partial
 
@@ -219,20 +219,24 @@ class PropertiesPanel:
         if not scope.outputs:
             return
         ui.label("Output connections").classes("heading")
+        self._feeds(scope, path, scope.name, [port.name for port in scope.outputs])
+
+    def _feeds(self, scope: Chart, path: Path, node_id: str, keys: Iterable[str]) -> None:
+        """Show where values of a node, or of the chart or container itself, come from."""
         prefix = "".join(f"{part}/" for part in path)
         sources = list(self._page.inspection.sources(scope, prefix))
         names = {index: _source_words(scope, source) for index, source in enumerate(sources)}
-        for port in scope.outputs:
-            source = chart_edit.feed_of(scope, scope.name, port.name)
+        for key in keys:
+            source = chart_edit.feed_of(scope, node_id, key)
             value = sources.index(source) if source in sources else -1
 
-            async def put(index: int, name: str = port.name) -> None:
+            async def put(index: int, name: str = key) -> None:
                 chosen = None if index < 0 else sources[index]
-                change = partial(chart_edit.fed, node_id=scope.name, input_name=name, source=chosen)
+                change = partial(chart_edit.fed, node_id=node_id, input_name=name, source=chosen)
                 words = _BY_NAME if chosen is None else ".".join(chosen)
-                await self._change(f"output {name} is fed {words}", path, change)
+                await self._change(f"{node_id}: {name} is fed {words}", path, change)
 
-            self._choice(port.name, {-1: _BY_NAME} | names, value, put)
+            self._choice(key, {-1: _BY_NAME} | names, value, put)
 
     def _error_routes(self, node: AnyNode, path: Path) -> None:
         """Show where failures lead by their error codes; for all others the transition says so."""
@@ -281,20 +285,7 @@ class PropertiesPanel:
         if entry is None or not entry.inputs:
             return
         ui.label("Input connections").classes("heading")
-        prefix = "".join(f"{part}/" for part in path[:-1])
-        sources = list(self._page.inspection.sources(scope, prefix))
-        names = {index: _source_words(scope, source) for index, source in enumerate(sources)}
-        for port in entry.inputs.values():
-            source = chart_edit.feed_of(scope, node.id, port.name)
-            value = sources.index(source) if source in sources else -1
-
-            async def put(index: int, name: str = port.name) -> None:
-                chosen = None if index < 0 else sources[index]
-                change = partial(chart_edit.fed, node_id=node.id, input_name=name, source=chosen)
-                words = _BY_NAME if chosen is None else ".".join(chosen)
-                await self._change(f"{node.id}: {name} is fed {words}", path[:-1], change)
-
-            self._choice(port.name, {-1: _BY_NAME} | names, value, put)
+        self._feeds(scope, path[:-1], node.id, entry.inputs)
 
     # Elements
 
