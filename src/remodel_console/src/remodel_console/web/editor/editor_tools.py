@@ -38,7 +38,7 @@ class EditorTools:
             self._open.on("focus", self._list)
             background_tasks.create(self._list())
             page.button("New", self._new, icon="add", look="quiet")
-            page.button("Save as", self._ask_copy, icon="file_copy", look="quiet")
+            _small(page, "Save as", self._ask_copy, "file_copy", "Save a copy under another name")
             _small(page, "Container", self._add_container, "select_all", "Add an empty container")
             _small(page, "Group", self.group, "workspaces", "Group the selected states (Ctrl+G)")
             _small(
