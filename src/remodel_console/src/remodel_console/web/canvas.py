@@ -7,6 +7,7 @@ from collections.abc import Iterable, Sequence
 from typing import NamedTuple, Protocol, TypeAlias
 
 from nicegui.element import Element
+from nicegui.events import GenericEventArguments
 
 from remodel_console.core.editor.graph import Json
 
@@ -70,8 +71,10 @@ class Canvas(Element, component="static/canvas.js"):
         self._sent_s: float | None = None  # None once the page has painted what was sent
         self.classes("canvas")
         self.on("painted", self._on_painted)
+        self._picks = 0  # of the page, as far as they have arrived
         if picker is not None:
-            self.on("pick", lambda event: picker.pick(tuple(map(str, event.args))))
+            self._picker = picker
+            self.on("pick", self._on_pick)
         if editor is not None:
             self.on("connect", lambda event: editor.connect(**event.args))
             self.on("moved", lambda event: editor.move(**event.args))
@@ -104,9 +107,13 @@ class Canvas(Element, component="static/canvas.js"):
         self._sent_s = None
         self._send()
 
+    def _on_pick(self, event: GenericEventArguments) -> None:
+        self._picks = int(event.args["number"])
+        self._picker.pick(tuple(map(str, event.args["paths"])))
+
     def select(self, paths: Sequence[str]) -> None:
-        """Mark what is being edited."""
-        self.run_method("select", list(paths))
+        """Mark what is being edited, unless a later pick of the page is under way."""
+        self.run_method("select", list(paths), True, self._picks)
 
     def mark(self, name: str, paths: Iterable[str]) -> None:
         """Mark the states of these paths with a class of the drawing's style, and no others."""

@@ -102,7 +102,8 @@ export default {
     picked(around) { // what is selected now; a start or an end means what is around it
       const chosen = pathsOf(this.cy.$("node:selected").filter((one) => one.data("selectable")));
       this.wanted = chosen;
-      this.$emit("pick", chosen.length ? chosen : around ? [around] : []);
+      this.picks = (this.picks || 0) + 1;
+      this.$emit("pick", { paths: chosen.length ? chosen : around ? [around] : [], number: this.picks });
     },
 
     // Drawing
@@ -356,7 +357,8 @@ export default {
       this.$el.dataset.active = active;
       if (hasMoved) this.reveal(active);
     },
-    select(paths, reveals = true) {
+    select(paths, reveals = true, number = Infinity) { // number: of the pick that it answers; a person may have picked more since
+      if (number < (this.picks || 0)) return;
       this.wanted = paths;
       if (!this.byPath) return;
       const chosen = new Set(paths);
