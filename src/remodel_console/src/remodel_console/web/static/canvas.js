@@ -35,7 +35,7 @@ export default {
       <div ref="stage" class="canvas-stage" @dragover="over" @drop="drop"></div>
       <svg class="canvas-rubber" aria-hidden="true"><line ref="rubber"/></svg>
       <div ref="handles" class="canvas-handles" @pointerenter="linger" @pointerleave="leave"></div>
-      <dl ref="values" class="canvas-values" aria-label="Values"></dl>
+      <dl ref="values" class="canvas-values" aria-hidden="true"></dl>
       <div ref="map" class="canvas-map" aria-hidden="true" @pointerdown="jump"><img ref="small" alt=""><i ref="window"></i></div>
       <div class="canvas-tools">
         <button v-if="editable" type="button" title="Data flow" aria-label="Data flow" aria-pressed="false" ref="flow" @click="showFlow">⇢</button>
