@@ -74,8 +74,9 @@ def test_no_frames_are_an_empty_cell():
     assert Recording.read([]).at(3.0) == CellState()
 
 
-def record(files, run, begun_s, states, order="cabinet", goes_on=False):
-    with files.begin(run, order, begun_s, goes_on=goes_on) as file:
+def record(files, run, begun_s, states, order="cabinet", goes_on=False, started_s=None):
+    started_s = begun_s if started_s is None else started_s
+    with files.begin(run, order, begun_s, started_s, goes_on=goes_on) as file:
         file.writelines(lines(states))
 
 
@@ -100,6 +101,15 @@ def test_a_run_that_goes_on_is_one_recording(tmp_path):
     assert len(files.read(1, "cabinet", 100.0).frames) == 2
     record(files, 7, 900.0, [moved(2)], goes_on=True)
     assert len(files.read(7, "cabinet", 900.0).frames) == 1
+
+
+def test_a_console_that_restarts_goes_on_with_the_recording_of_the_run(tmp_path):
+    files = SceneFiles(tmp_path)
+    record(files, 1, 100.0, [moved(1)], started_s=3.5)
+    record(files, 1, 160.0, [moved(2)], started_s=3.5)
+    record(files, 1, 900.0, [moved(2)], started_s=4.25)
+    assert len(files.read(1, "cabinet", 100.0).frames) == 2
+    assert len(files.read(1, "cabinet", 900.0).frames) == 1
 
 
 def test_the_oldest_recordings_are_deleted(tmp_path, monkeypatch):

@@ -22,26 +22,32 @@ class SceneFiles:
         """Keep recordings in a folder, which is made when the first is written."""
         self._folder = folder
 
-    def begin(self, run: int, order: str, begun_s: float, *, goes_on: bool) -> TextIO:
+    def begin(
+        self, run: int, order: str, begun_s: float, started_s: float, *, goes_on: bool
+    ) -> TextIO:
         """Return the open file of a run's recording.
 
         Args:
             run: its number in the production database.
             order: its name.
             begun_s: wall time [s].
+            started_s: ROS time at which the run started [s]; one with the same goes on, since the
+                console was restarted.
             goes_on: the run was interrupted; its recording goes on if there is one.
 
         Raises:
             OSError: if it cannot be written.
         """
         self._folder.mkdir(parents=True, exist_ok=True)
-        if goes_on and (known := self._find(run, order, begun_s)) is not None:
+        known = self._find(run, order, begun_s)
+        if known is not None and (goes_on or _head(known).get("started_s") == started_s):
             return known.open("a", encoding="utf-8")
         self._make_room()
         path = self._folder / f"{begun_s:.0f}-{run}{_MINE}"
         file = path.open("w", encoding="utf-8")
         os.chmod(path, 0o600)
-        file.write(json.dumps({"run": run, "order": order, "begun_s": begun_s}) + "\n")
+        head = {"run": run, "order": order, "begun_s": begun_s, "started_s": started_s}
+        file.write(json.dumps(head) + "\n")
         return file
 
     def read(self, run: int, order: str, begun_s: float) -> Recording | None:

@@ -59,8 +59,12 @@ class SceneRecorder:
         if run is None:
             return
         try:
-            goes_on = now.interruptions > 0
-            self._file = self._files.begin(*run, begun_s=time.time(), goes_on=goes_on)
+            self._file = self._files.begin(
+                *run,
+                begun_s=time.time(),
+                started_s=now.started_s,
+                goes_on=now.interruptions > 0,
+            )
         except OSError as error:
             rospy.logwarn("run %d of %s is not recorded in three dimensions: %s", *run, error)
             return
@@ -84,7 +88,9 @@ class SceneRecorder:
             self._file.flush()
         except OSError as error:
             rospy.logwarn("the recording in three dimensions ends: %s", error)
+            run = self._run
             self._close()
+            self._run = run  # it is not begun again
 
     def _close(self) -> None:
         self._run = None
