@@ -1,8 +1,8 @@
-"""The cell's robots, wires and components, followed while a page shows them.
+"""The cell's robots, wires and components, followed while a page shows or a run records them.
 
 Robots come from the parameter `cell/robots` (description as URDF, prefix of the joints), their
 places from /tf_static, their joints from /joint_states; wires and components are the markers of
-`cell/markers`. While no page shows the cell, nothing is subscribed to, so the cell sends nothing.
+`cell/markers`. While the scene is not wanted, nothing is subscribed to, so the cell sends nothing.
 """
 
 from __future__ import annotations
