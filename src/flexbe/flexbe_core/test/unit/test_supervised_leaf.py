@@ -307,3 +307,22 @@ def test_a_container_that_ends_withdraws_what_its_states_ask(bench):
     assert step(bench, engine) == [Requested("/b", 0)]
     assert Requested("/b", NO_OUTCOME) in step(bench, engine)
     assert not engine.stopped
+
+
+def test_who_preempts_is_not_told_that_nothing_is_asked(bench):
+    engine = two_children(bench, ScriptedState(["done"]))
+    assert step(bench, engine) == [Requested("/b", 0)]
+    events = step(bench, engine, Preempt())
+    assert not any(isinstance(event, Requested) for event in events)
+    assert events[-1] == "preempted"
+    assert not engine.stopped
+
+
+def test_the_path_of_the_active_state_is_a_name_only_while_others_wait(bench):
+    engine = two_children(bench, ScriptedState(["done"]))
+    answer, reason, *_ = step(bench, engine, ForceOutcome("/a", 0))
+    assert (answer, type(reason)) == (Answered("transition", ("/a", "a")), Refused)
+    assert "/b" in engine.stopped
+    events = step(bench, engine, ForceOutcome("/a", 0))
+    assert Answered("transition", ("a", "a")) in events
+    assert Left("/a", "done", 0) in events

@@ -349,7 +349,8 @@ def _on_acknowledged(view: RunView, event: Acknowledged) -> RunView:
         return replace(view, held=None)
     if event.command == "transition" and has_worked:
         # The next state may have asked before this arrives: topics have no order.
-        about = [ask.path for ask in view.asks if args[0] in (ask.path, _label(ask.path))]
-        if about:
-            return _back(_without_ask(view, about[-1]), view, about[-1])
+        about = [ask.path for ask in view.asks if args[0] == ask.path]
+        about = about or [ask.path for ask in view.asks if args[0] == _label(ask.path)]
+        if len(about) == 1:  # else `Left` names the one
+            return _back(_without_ask(view, about[0]), view, about[0])
     return view

@@ -44,9 +44,8 @@ def apply_command(supervision: Supervision, command: StateCommand, state: Active
 
 
 def _force(supervision: Supervision, command: ForceOutcome, state: ActiveState) -> Applied:
-    is_path = command.target == state.path  # as where states of one name wait at breakpoints
-    answer = Answered("transition", (command.target, state.path if is_path else state.name))
-    if command.target != state.name and not is_path:
+    answer = Answered("transition", (command.target, state.name))
+    if command.target != state.name:
         text = f"asked for an outcome of {command.target!r}, but {state.name!r} is active"
         return supervision, (answer, Refused(text))
     if not 0 <= command.index < len(state.outcomes):
