@@ -95,10 +95,15 @@ class CellViewTest(BrowserTest):
         FakeRecords(start_s)
         page = self.page = self.open_page("/replay?run=12")
         view = page.get_by_role("img", name="The cell")
-        expect(view).to_have_attribute("data-wires", "W1 W4")
         expect(view).to_have_attribute("data-meshes", str(MESHES))
-        heights = {page.evaluate(MIDDLE_OF_W4)[1]}
         slider = page.locator(".track [tabindex='0']")
+
+        def has_wires():  # which the cell may have sent after the first frame was recorded
+            slider.press("ArrowRight")
+            return view.get_attribute("data-wires") == "W1 W4"
+
+        self.wait_until(has_wires, "the wires")
+        heights = {page.evaluate(MIDDLE_OF_W4)[1]}
 
         def has_moved():
             slider.press("ArrowRight")
