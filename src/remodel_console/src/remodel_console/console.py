@@ -20,12 +20,13 @@ from remodel_console.core.use_case.use_case import Choice
 from remodel_console.desk import Desk
 from remodel_console.edge.catalogue import Catalogue
 from remodel_console.edge.order_desk.order_drafts import OrderDraft, OrderDrafts
+from remodel_console.edge.scene_files import SceneFiles
 from remodel_console.edge.settings_file import SettingsFile
 from remodel_console.edge.workspace import Workspace
 from remodel_console.errors import CommandError
 from remodel_console.live import Live
 from remodel_console.pictures import Pictures
-from remodel_console.scene import Scene
+from remodel_console.scene import Meshes, Scene
 from remodel_console.session import Session
 from remodel_console.sessions import Sessions
 from remodel_console.steering import Steering
@@ -108,6 +109,8 @@ class Console:
     Attributes:
         pictures: the newest ones of the cell's cameras.
         scene: the cell in three dimensions.
+        meshes: of its robots, and of those in recordings.
+        scenes: recordings of the cell in three dimensions.
         steering: commands to the engine.
         supervisor: None until ROS is running.
         recorder: None until ROS is running.
@@ -123,6 +126,7 @@ class Console:
         workspace: Workspace,
         catalogue: Catalogue,
         settings: SettingsFile,
+        scenes: SceneFiles,
         drafts: OrderDrafts,
         database: str,
         users: Users | None = None,
@@ -145,6 +149,8 @@ class Console:
         self.steering = Steering(live, sessions.commands, catalogue)
         self.pictures = Pictures()
         self.scene = Scene()
+        self.meshes = Meshes()
+        self.scenes = scenes
         self.supervisor: Supervisor | None = None
         self.recorder: Recorder | None = None
         self.inputs: Inputs | None = None

@@ -70,7 +70,9 @@ class Live:
             self._world = replace(self._world, has_master=is_there)
         self._wake()
 
-    def set_presence(self, *, mirror: bool, abilities: bool, cell: bool, supervisor: bool) -> None:
+    def set_presence(
+        self, *, mirror: bool, abilities: bool, cell: bool, simulated: bool, supervisor: bool
+    ) -> None:
         """Set which nodes are running; the state of a supervisor that has ended is dropped."""
         with self._lock:
             before = self._world
@@ -79,6 +81,7 @@ class Live:
                 has_mirror=mirror,
                 has_abilities=abilities,
                 has_cell=cell,
+                is_simulated=simulated,
                 has_supervisor=supervisor,
                 use_case=before.use_case if supervisor or not before.has_supervisor else None,
             )
@@ -101,6 +104,14 @@ class Live:
         """Set what an operator can decide in the running behavior."""
         with self._lock:
             self._world = replace(self._world, decisions=decisions)
+        self._wake()
+
+    def set_breakpoints(self, paths: frozenset[str]) -> None:
+        """Set the states before whose end the engine asks."""
+        if paths == self._world.breakpoints:
+            return
+        with self._lock:
+            self._world = replace(self._world, breakpoints=paths)
         self._wake()
 
     def lines_since(self, count: int) -> tuple[tuple[LogLine, ...], int]:

@@ -26,6 +26,7 @@ from remodel_console.edge.log_file import LogFile
 from remodel_console.edge.order_desk.order_drafts import OrderDrafts
 from remodel_console.edge.order_desk.planner_process import DATABASE_VARIABLE, PlannerProcess
 from remodel_console.edge.parse_lock import lock_parsing
+from remodel_console.edge.scene_files import SceneFiles
 from remodel_console.edge.settings_file import SettingsFile
 from remodel_console.edge.users_file import UsersFile
 from remodel_console.edge.workspace import OUTPUT, Workspace
@@ -41,6 +42,7 @@ _PORT = 8765
 _JOURNAL = "~/.ros/remodel_console/commands.jsonl"
 _SETTINGS = "~/.ros/remodel_console/settings.json"
 _LOG = "~/.ros/remodel_console/log.jsonl"
+_SCENES = "~/.ros/remodel_console/scenes"
 _KEY_VARIABLE = "REMODEL_CONSOLE_KEY"  # other users see a command line, but no environment
 
 
@@ -81,6 +83,7 @@ def main(arguments: Sequence[str]) -> int:
         drafts=drafts,
         database=options.database,
         users=users,
+        scenes=SceneFiles(Path(options.scenes).expanduser()),
     )
     end = threading.Event()
     joining = threading.Thread(target=join_ros, args=(console, journal, end))
@@ -144,6 +147,9 @@ def _read_options(arguments: Sequence[str]) -> argparse.Namespace:
     parser.add_argument("--settings", default=_SETTINGS, help="file that keeps the configuration")
     parser.add_argument("--log", default=_LOG, help="file that keeps the last lines of the log")
     parser.add_argument("--record", default=_JOURNAL, help="file in which commands are recorded")
+    parser.add_argument(
+        "--scenes", default=_SCENES, help="folder of the recordings of the cell for Replay"
+    )
     given = [word for word in arguments[1:] if ":=" not in word]  # what roslaunch adds
     return parser.parse_args(given)
 

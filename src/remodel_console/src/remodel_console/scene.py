@@ -1,55 +1,17 @@
-"""The cell in three dimensions, as it is now; written by ROS threads, read by the pages."""
+"""A cell in three dimensions as pages draw it, and the meshes of its robots.
+
+The live one is written by ROS threads; that of a replayed run belongs to one page.
+"""
 
 from __future__ import annotations
 
 import threading
-from collections.abc import Mapping
-from dataclasses import dataclass, field
 
-from remodel_console.core.cell.robot_model import Quaternion, RobotModel, Vector
-
-
-@dataclass(frozen=True)
-class Robot:
-    """A robot, where its root link is in the world, and what precedes its joints' names."""
-
-    model: RobotModel
-    prefix: str = ""
-    position: Vector = (0.0, 0.0, 0.0)
-    rotation: Quaternion = (0.0, 0.0, 0.0, 1.0)
-
-
-@dataclass(frozen=True)
-class Line:
-    """A wire as the points of its middle [m], world frame, with its diameter [m]."""
-
-    points: tuple[Vector, ...]
-    diameter: float
-    colour: str
-
-
-@dataclass(frozen=True)
-class Solid:
-    """A box in the world frame; lengths in [m]."""
-
-    position: Vector
-    rotation: Quaternion
-    size: Vector
-    colour: str
-
-
-@dataclass(frozen=True)
-class CellState:
-    """What is to be drawn; two states are compared by the identity of their parts."""
-
-    robots: tuple[Robot, ...] = ()
-    joints: Mapping[str, float] = field(default_factory=dict)
-    wires: Mapping[str, Line] = field(default_factory=dict)
-    boxes: Mapping[str, Solid] = field(default_factory=dict)
+from remodel_console.core.cell.cell_state import CellState
 
 
 class Scene:
-    """Holds the newest state, and knows how many pages show it."""
+    """Holds the newest state, and knows how many pages and recorders want it."""
 
     def __init__(self) -> None:
         """Begin with an empty cell, and without viewers."""
@@ -59,16 +21,30 @@ class Scene:
 
     @property
     def is_wanted(self) -> bool:
-        """Return whether a page shows it."""
+        """Return whether a page or a recorder follows it."""
         return self._viewers > 0
 
     def add_viewer(self, change: int) -> None:
-        """Count pages that show it: 1 more, or -1."""
+        """Count those who follow it: 1 more, or -1."""
         with self._lock:
             self._viewers += change
 
-    def mesh_file(self, robot: int, mesh: int) -> str | None:
-        """Return the file of a mesh, by the numbers that pages know; None if there is none."""
-        robots = self.now.robots
-        files = robots[robot].model.meshes if 0 <= robot < len(robots) else ()
-        return files[mesh] if 0 <= mesh < len(files) else None
+
+class Meshes:
+    """Numbers the files of meshes, by which pages request them; no other file is given away."""
+
+    def __init__(self) -> None:
+        """Know no file yet."""
+        self._lock = threading.Lock()
+        self._files: list[str] = []
+
+    def number(self, file: str) -> int:
+        """Return the number of a file that a robot's description names."""
+        with self._lock:
+            if file not in self._files:
+                self._files.append(file)
+            return self._files.index(file)
+
+    def file(self, number: int) -> str | None:
+        """Return the file of a number; None if there is none."""
+        return self._files[number] if 0 <= number < len(self._files) else None

@@ -8,9 +8,11 @@ from dataclasses import replace
 from pathlib import PurePath
 
 from flexbe_synthesizer.core.chart.model import Chart, Container
+from flexbe_synthesizer.core.chart.names import behavior_file
 from flexbe_synthesizer.core.chart.xml_reader import decoded
 from flexbe_synthesizer.core.export.instantiate import Instantiation
 from remodel_console.core.commands import Command, Verb, help_lines
+from remodel_console.core.editor.chart_edit import with_name
 from remodel_console.core.editor.draft import Draft, new_draft
 from remodel_console.core.editor.editing import (
     as_container,
@@ -170,6 +172,25 @@ class Session:
             self._begin(draft)
             self.is_saved = False
         self.on_change()
+
+    def copy_as(self, name: str) -> str:
+        """Edit a copy of the chart under another name, and return the answer.
+
+        The file of the copy lies beside that of the chart, and is written by Save.
+
+        Raises:
+            CommandError: if nothing is loaded, or the name is taken.
+        """
+        with self._lock:
+            draft = self._drafted()
+            file = str(PurePath(draft.chart.file).parent / f"{behavior_file(name)}.xml")
+            if name in self._workspace.names() or self._workspace.has_file(file):
+                raise CommandError(f"there is a behavior '{name}' already, or its file {file}")
+            copy = draft.changed(with_name(draft.chart, name))
+            self._begin(Draft(replace(copy.chart, file=file), copy.text))
+            self.is_saved = False
+        self.on_change()
+        return f"'{name}' is a copy of '{draft.chart.name}'"
 
     def synthesize(self, path: tuple[str, ...], name: str, initial: str, goal: str) -> str:
         """Add the chart of a file as a container, and return the answer.

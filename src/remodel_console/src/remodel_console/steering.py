@@ -3,9 +3,18 @@
 from __future__ import annotations
 
 import contextlib
+from dataclasses import replace
 from typing import Protocol
 
-from remodel_console.core.run.order import Attach, Order, SetAutonomy, ShowStructure, Start, Switch
+from remodel_console.core.run.order import (
+    Attach,
+    Order,
+    SetAutonomy,
+    ShowStructure,
+    Start,
+    Switch,
+    TakeOutcome,
+)
 from remodel_console.core.run.run_view import EngineSeen, Event, Ordered, Phase
 from remodel_console.edge.catalogue import Catalogue
 from remodel_console.errors import CommandError
@@ -19,8 +28,11 @@ class Engine(Protocol):
     def send(self, order: Order) -> None:
         """Send an order."""
 
-    def userdata(self) -> tuple[tuple[str, str, str, str], ...]:
-        """Return (where, key, type, value) of the userdata of what runs."""
+    def userdata(self, key: str = "") -> tuple[tuple[str, str, str, str], ...]:
+        """Return (where, key, type, value) of the userdata of what runs, or of a state's path."""
+
+    def set_breakpoints(self, paths: frozenset[str]) -> None:
+        """Set the states before whose end the engine asks."""
 
 
 class Steering:
@@ -76,7 +88,37 @@ class Steering:
             self.live.take(Ordered(order.level, order.source_checksum))
         elif isinstance(order, Attach | SetAutonomy):
             self.live.take(Ordered(order.level))
+        elif isinstance(order, TakeOutcome):
+            label = order.path.rpartition("/")[2]
+            asking = [a for a in self.live.world.run.asks if a.path.rpartition("/")[2] == label]
+            order = replace(order, is_by_path=len(asking) > 1)
         self.engine.send(order)
+
+    def change_breakpoints(
+        self, *, added: frozenset[str] = frozenset(), removed: frozenset[str] = frozenset()
+    ) -> None:
+        """Have the engine ask before it leaves states, or no longer.
+
+        Raises:
+            CommandError: if ROS is not running.
+        """
+        if self.engine is None:
+            raise CommandError("ROS is not running; start it: roscore")
+        paths = (self.live.world.breakpoints - removed) | added
+        self.engine.set_breakpoints(paths)
+        self.live.set_breakpoints(paths)
+
+    def values_at(self, *paths: str) -> tuple[tuple[str, str], ...]:
+        """Return (key, value) of what a state reads and writes, from the first path that has any.
+
+        Raises:
+            CommandError: if no engine answers.
+        """
+        for path in paths:
+            found = self.engine.userdata(path) if self.engine else ()
+            if found:
+                return tuple((key, value) for _, key, _, value in found)
+        return ()
 
     def attach(self, level: int) -> None:
         """Supervise the running behavior.

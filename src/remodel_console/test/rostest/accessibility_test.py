@@ -54,6 +54,13 @@ class AccessibilityTest(BehaviorTestCase):
             page = self.open_page(address)
             if address == "/editor":
                 self.choose(page, "Open", "Errand")
+            elif address == "/runtime":
+                self.pick_drawn(page, "Report")
+                self.press(page, "Breakpoint")
+                expect(page.locator(".state-hint")).to_be_visible()
+            elif address.startswith("/replay"):
+                self.choose(page, "Compare with", "13  cabinet 7")
+                expect(page.locator(".compare-table tr.first")).to_be_visible()
             broken += self.broken(page, address, shown, "light")
             page.get_by_role("button", name="Dark or light").click()
             broken += self.broken(page, address, "body.body--dark", "dark")

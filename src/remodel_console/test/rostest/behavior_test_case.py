@@ -43,7 +43,7 @@ class BehaviorTestCase(BrowserTest):
 
     @classmethod
     def start_engine(cls):
-        cls.start("engine", "flexbe_onboard", "start_behavior")
+        cls.start("engine", "flexbe_onboard", "start_behavior", "_start_at:=true")
 
     @classmethod
     def start_mirror(cls):

@@ -10,13 +10,16 @@ from playwright.sync_api import expect
 
 sys.path.insert(0, str(Path(__file__).parent))
 from fake_cell import FakeCell
-from fake_supervisor import FakeSupervisor
+from fake_supervisor import FakeRecords, FakeSupervisor
 from inbox_test import HIDE, SHOW
 
 from remodel_console.testing.browser_test import BrowserTest
+from remodel_supervision.core.runs.events import Ending, RunEnded
 
 CHANGES = "() => Number(document.querySelector('.cell-view').dataset.changes)"
 MIDDLE_OF_W4 = "() => document.querySelector('.cell-view').screenPointOf('W4')"
+FRAMES = 20
+PLACES = 4  # of a wire, one after the other
 MESHES = 9  # eight links and the hand; the fingers are boxes
 LIVE_HZ = (
     3  # on busy cores, with three.js painted by the same cores; 20 where it is painted by a GPU
@@ -26,8 +29,12 @@ LIVE_HZ = (
 class CellViewTest(BrowserTest):
     first_page = "/overview"
 
+    @classmethod
+    def prepare(cls):
+        cls.supervisor = FakeSupervisor()
+
     def test_the_cell_moves_and_a_wire_is_chosen(self):
-        cell, supervisor = FakeCell(), FakeSupervisor()
+        cell, supervisor = FakeCell(), self.supervisor
         self.addCleanup(cell.close)
         page = self.page
         view = page.get_by_role("img", name="The cell")
@@ -53,6 +60,9 @@ class CellViewTest(BrowserTest):
         expect(runtime.locator(f".cell-view[data-meshes='{MESHES}']")).to_be_visible()
         self.take_picture(runtime, "cell-runtime")
 
+        self.assertTrue(cell.is_followed)
+        supervisor.add(RunEnded(Ending.STOPPED, "stopped by an operator"))  # else it is recorded
+
         def is_free_in_background():
             for shown in (page, runtime):
                 shown.evaluate(HIDE)  # again, if a busy page has connected to the console again
@@ -66,6 +76,49 @@ class CellViewTest(BrowserTest):
         page.close()
         self.page = runtime
         self.wait_until(lambda: not cell.is_followed, "a closed page to cost nothing")
+
+    def test_replay_shows_the_cell_as_it_was(self):
+        cell, supervisor = FakeCell(), self.supervisor
+        start_s = rospy.get_time()
+        supervisor.run("cabinet 7")
+        scenes = self.folder / ".ros/remodel_console/scenes"
+
+        def frames():
+            return sum(len(file.read_text().splitlines()) for file in scenes.glob("*.jsonl"))
+
+        self.wait_until(lambda: frames() > FRAMES, "a recording")
+        supervisor.add(RunEnded(Ending.STOPPED, "stopped by an operator"))
+        self.page.close()
+        self.page = self.open_page("/configuration")
+        self.wait_until(lambda: not cell.is_followed, "a run that has ended to cost nothing")
+        cell.close()
+        FakeRecords(start_s)
+        page = self.page = self.open_page("/replay?run=12")
+        view = page.get_by_role("img", name="The cell")
+        expect(view).to_have_attribute("data-meshes", str(MESHES))
+        slider = page.locator(".track [tabindex='0']")
+
+        def has_wires():  # which the cell may have sent after the first frame was recorded
+            slider.press("ArrowRight")
+            return view.get_attribute("data-wires") == "W1 W4"
+
+        self.wait_until(has_wires, "the wires")
+        heights = {page.evaluate(MIDDLE_OF_W4)[1]}
+
+        def has_moved():
+            slider.press("ArrowRight")
+            heights.add(page.evaluate(MIDDLE_OF_W4)[1])
+            return len(heights) >= PLACES
+
+        self.wait_until(has_moved, "W4 to move")
+        facts = page.locator(".wire-facts")
+        self.choose(page, "Wire", "W4")
+        expect(facts).to_have_text("No task is about this wire.")
+        self.choose(page, "Wire", "W1")
+        page.get_by_role("button", name="Next reason (N)").click()
+        expect(facts).to_contain_text("force [N]: 15.5 at most, 15.5 last")
+        expect(facts).to_contain_text("12.0 s: Insertion jammed: 22 N at 6 mm of 14 mm")
+        self.take_picture(page, "replay-cell")
 
 
 if __name__ == "__main__":

@@ -4,6 +4,7 @@
 import contextlib
 import json
 import os
+import re
 import subprocess
 import sys
 import time
@@ -17,6 +18,7 @@ from std_msgs.msg import String
 
 sys.path.insert(0, str(Path(__file__).parent))
 from behavior_test_case import BehaviorTestCase
+from fake_supervisor import FakeRecords
 
 from remodel_console.core.access import Account, Role
 from remodel_console.core.answer import DONE, FAILED
@@ -101,6 +103,7 @@ class ConsoleTest(BehaviorTestCase):
         expect(self.page.locator("li.node.asked[data-path='Report']").first).to_be_visible()
         expect(self.page.locator("li.node.passed[data-path='Search/Look']").first).to_be_visible()
         expect(self.page.locator(".log")).to_contain_text("The errand says good morning.")
+        self.log_is_filtered()
         self.page.get_by_text("Userdata").click()
         self.press(self.page, "Read")
         expect(self.page.locator("table.plain")).to_contain_text("good morning")
@@ -111,6 +114,98 @@ class ConsoleTest(BehaviorTestCase):
         given = [(c["who"], c["command"], c["state"]) for c in commands]
         self.assertIn(("operator", "confirm 'done' of /Report", "done"), given)
         self.assertTrue(any("greeting=good morning" in command for _, command, _ in given))
+
+    def log_is_filtered(self):
+        """Find lines by severity and by words; what does not fit is not shown, and comes back."""
+        lines = self.page.locator(".log .line:visible")
+        hint = self.page.locator(".log .line.hint", has_text="The errand says")
+        every = lines.count()
+        self.press(self.page, "hint")
+        expect(hint.first).to_be_hidden()
+        expect(self.page.locator(".log .line.info:visible").first).to_be_visible()
+        self.press(self.page, "hint")
+        self.press(self.page, "info")
+        expect(hint.first).to_be_visible()
+        expect(self.page.locator(".log .line.info:visible")).to_have_count(0)
+        find = self.page.get_by_label("Find in the log")
+        find.fill("GOOD morning")
+        expect(lines).to_have_count(hint.filter(has_text="good morning").count())
+        find.fill("no such line")
+        expect(lines).to_have_count(0)
+        expect(self.page.locator(".log-tools .soft")).to_contain_text("0 of ")
+        find.fill("")
+        self.press(self.page, "info")
+        self.wait_until(lambda: lines.count() >= every, "all lines")
+
+    def test_breakpoints_stop_states_also_beside_others_and_values_stand_at_them(self):
+        page = self.page
+        self.load(page, "Twins")
+        self.addCleanup(rospy.set_param, "/flexbe/breakpoints", [])
+        for state in ("Both/Second", "Greet"):
+            self.pick_drawn(page, state)
+            expect(self.state_panel(page).get_by_label("State")).to_have_value(
+                state.replace("/", " / ")
+            )
+            self.press(page, "Breakpoint")
+            expect(page.locator(f"li.stopping[data-path='{state}']")).to_have_count(1)
+        self.assertEqual(rospy.get_param("/flexbe/breakpoints"), ["/Both/Second", "/Greet"])
+        expect(page.locator(".state-hint")).to_contain_text("Breakpoints act in supervised")
+        page.mouse.click(*self.empty_place(page))
+        self.choose(page, "Autonomy", "Full")
+        page.get_by_label("greeting").fill("good evening")
+        self.press(page, "Start")
+        expect(page.locator(".request")).to_contain_text("Leave 'Second' with 'done'?")
+        expect(page.locator(".request")).to_have_count(1)
+        expect(page.locator(".state-hint")).to_be_hidden()
+        other = self.open_page()
+        expect(other.locator(".request")).to_contain_text("Leave 'Second' with 'done'?")
+        expect(other.locator("li.stopping")).to_have_count(2)
+        page.keyboard.press("Alt+c")
+        expect(page.locator(".request")).to_contain_text("Leave 'Greet' with 'done'?")
+        expect(page.locator(".canvas-values[data-path='Greet']")).to_have_text("datagood evening")
+        expect(page.locator(".state-panel table")).to_contain_text("good evening")
+        self.take_picture(page, "runtime-breakpoint")
+        self.press(other, "Remove all 2")
+        expect(page.locator(".ending")).to_have_text("The last run ended with 'finished'.")
+        expect(page.locator(".request")).to_have_count(0)
+        expect(page.locator("li.stopping")).to_have_count(0)
+        expect(page.locator(".canvas-values")).to_be_hidden()
+        self.assertEqual(rospy.get_param("/flexbe/breakpoints"), [])
+        commands = [json.loads(line)["command"] for line in self.record.read_text().splitlines()]
+        for command in ("set a breakpoint at Both / Second", "remove all breakpoints"):
+            self.assertIn(command, commands)
+
+    def test_a_run_starts_where_a_replayed_one_was(self):
+        _records = FakeRecords()
+        page = self.page = self.open_page("/replay")
+        page.get_by_role("button", name="Reload").click()
+        page.get_by_role("button", name="12 cabinet 7").click()
+        start = page.get_by_role("button", name="Start from here")
+        expect(start).to_be_disabled()
+        expect(page.get_by_text("No state was active at this moment.")).to_be_visible()
+        page.keyboard.press("n")
+        expect(page.locator(".headline .where")).to_have_text("Search / Look closer")
+        expect(start).to_be_enabled()
+        start.click()
+        dialog = page.get_by_role("dialog")
+        expect(dialog).to_contain_text("Start 'Errand' at Search / Look closer")
+        self.take_picture(page, "replay-start")
+        dialog.get_by_role("button", name="Start", exact=True).click()
+        expect(page).to_have_url(re.compile("/runtime$"))
+        expect(page.locator(".ending")).to_have_text("The last run ended with 'finished'.")
+        passed = "li.node.passed[data-path='{}']"
+        expect(page.locator(passed.format("Search/Look closer")).first).to_be_attached()
+        expect(page.locator(passed.format("Greet"))).to_have_count(0)
+        expect(page.locator(passed.format("Search/Look"))).to_have_count(0)
+        commands = [json.loads(line)["command"] for line in self.record.read_text().splitlines()]
+        self.assertIn("start 'Errand' at /Search/Look closer level full", commands)
+
+    def state_panel(self, page):
+        return page.get_by_role("region", name="State")
+
+    def empty_place(self, page):
+        box = page.locator(".canvas-stage").bounding_box()
+        return box["x"] + 8, box["y"] + 8
 
     def test_attaching_to_what_another_client_has_started(self):
         self.load(self.page, "Errand")

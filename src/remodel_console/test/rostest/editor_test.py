@@ -39,7 +39,7 @@ class EditorTest(BehaviorTestCase):
 
     def setUp(self):
         super().setUp()
-        expect(self.page.get_by_role("button", name="Save")).to_be_visible()
+        expect(self.page.get_by_role("button", name="Save", exact=True)).to_be_visible()
 
     def chart(self, name):
         return parse_chart((self.package / "charts" / f"{name}.xml").read_bytes())

@@ -324,13 +324,16 @@ def recorded_run():
 
 
 class FakeRecords:
-    """Serves the record of one run, a few entries at once."""
+    """Serves the records of two runs, a few entries at once; the second has no failure."""
 
     AT_ONCE = 5
 
-    def __init__(self):
-        """Begin to serve."""
-        self._entries = recorded_run()
+    def __init__(self, start_s=START_S):
+        """Begin to serve the record of a run that began at a ROS time [s]."""
+        self._entries = {12: recorded_run(), 13: without_failure(recorded_run())}
+        for entries in self._entries.values():
+            for one in entries:
+                one.stamp += rospy.Duration(start_s - START_S)
         self._services = [
             rospy.Service("remodel/use_case/runs", srv.ListRuns, self._list),
             rospy.Service("remodel/use_case/record", srv.GetRun, self._get),
@@ -338,11 +341,14 @@ class FakeRecords:
         ]
 
     def _list(self, _request):
-        run = msg.RunSummary(
-            run=12, order="cabinet 7", cell="cell 1", started=rospy.Time(1795200000), taken_s=16.0,
-            ended=True, done=0, tasks=2,
-        )  # fmt: skip
-        return srv.ListRunsResponse(True, "", [run], ["cabinet 7", "cabinet 8"])
+        runs = [
+            msg.RunSummary(
+                run=run, order="cabinet 7", cell="cell 1", started=rospy.Time(1795200000),
+                taken_s=16.0, ended=True, done=0, tasks=2,
+            )
+            for run in self._entries
+        ]  # fmt: skip
+        return srv.ListRunsResponse(True, "", runs, ["cabinet 7", "cabinet 8"])
 
     def _statistics(self, request):
         """Answer by the supervisor's own code, of two runs whose fourth task is under way."""
@@ -361,13 +367,22 @@ class FakeRecords:
         return srv.GetStatisticsResponse(True, "", runs, yields, utilisations, *columns)
 
     def _get(self, request):
-        if request.run != 12:
+        if request.run not in self._entries:
             return srv.GetRunResponse(False, f"there is no run {request.run}", [], 0)
         count = min(request.count or self.AT_ONCE, self.AT_ONCE)
-        found = self._entries[request.first - 1 : request.first - 1 + count]
+        entries = self._entries[request.run]
+        found = entries[request.first - 1 : request.first - 1 + count]
         if not request.with_pictures:
             found = [without_picture(one) for one in found]
-        return srv.GetRunResponse(True, "", found, len(self._entries))
+        return srv.GetRunResponse(True, "", found, len(entries))
+
+
+def without_failure(entries):
+    """Return the record of a run in which nothing failed."""
+    kept = [one for one in entries if one.kind not in ("failure", "decision")]
+    for position, one in enumerate(kept, start=1):
+        one.position = position
+    return kept
 
 
 def without_picture(entry_):

@@ -138,6 +138,23 @@ class OverviewTest(BehaviorTestCase):
         expect(yields).not_to_contain_text("run 12")
         self.open_tablet_in_the_dark("/statistics", ".statistics")
 
+    def runs_are_compared(self, page):
+        """Compare with a run without the failure, and go to where they part."""
+        self.choose(page, "Compare with", "13  cabinet 7")
+        first = page.locator(".compare-table tr.first")
+        expect(first).to_contain_text("W1: Insertion jammed: 22 N at 6 mm of 14 mm")
+        expect(first).to_contain_text("no such step")
+        expect(page.locator(".compare-head")).to_contain_text("2 of 9 steps differ.")
+        page.get_by_role("button", name="Go to the first difference").click()
+        expect(page.locator(".clock")).to_contain_text("entry 18 of 23")
+        self.take_picture(page, "replay-compare")
+        page.locator(".compare").get_by_role("button", name="W1: /Greet").click()
+        expect(page.locator(".clock")).to_contain_text("entry 3 of 23")
+        self.press(page, "Next reason (N)")
+        self.press(page, "Next reason (N)")
+        self.choose(page, "Compare with", "no run")
+        expect(page.locator(".compare")).to_be_hidden()
+
     def test_the_record_of_a_run_is_scrubbed_through(self):
         _records = FakeRecords()
         page = self.page = self.open_page("/replay")
@@ -155,6 +172,7 @@ class OverviewTest(BehaviorTestCase):
         expect(page.locator(".failures")).to_contain_text(
             "The cell replans the rest; the task comes later, because two new parts have jammed."
         )
+        self.runs_are_compared(page)
         self.open_tablet_in_the_dark("/replay?run=12", ".clock")
         page.get_by_role("button", name="Previous entry (,)").click()
         expect(page.locator(".clock")).to_contain_text("entry 18 of 23")

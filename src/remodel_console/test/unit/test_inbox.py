@@ -51,7 +51,7 @@ def test_an_unattended_decision_attaches_first():
 def test_a_suggestion_is_decided_once_the_engine_asks():
     assert cards(world_with(b"stop", level=1, structure=TREE)) == ()
     asked = Asked("/Box/Judge", 0)
-    (card,) = cards(world_with(b"stop", level=1, structure=TREE, asked=asked))
+    (card,) = cards(world_with(b"stop", level=1, structure=TREE, asks=(asked,)))
     assert card.kind is Kind.DECISION
     assert [option.words for option in card.options] == ["stop", "go"]
     assert card.options[0].meaning == "the suggestion of the state"
@@ -64,9 +64,9 @@ def test_decisions_of_another_behavior_do_not_count():
 
 def test_a_transition_is_confirmed_and_unknown_outcomes_are_not_offered():
     asked = Asked("/Box/Judge", 1)
-    (card,) = cards(replace(WORLD, run=replace(WORLD.run, structure=TREE, asked=asked)))
+    (card,) = cards(replace(WORLD, run=replace(WORLD.run, structure=TREE, asks=(asked,))))
     assert (card.kind, card.options[0].words) == (Kind.CONFIRMATION, "Confirm 'go'")
-    (card,) = cards(replace(WORLD, run=replace(WORLD.run, asked=asked)))
+    (card,) = cards(replace(WORLD, run=replace(WORLD.run, asks=(asked,))))
     assert card.options == ()
     assert "attach" in card.details
 

@@ -8,6 +8,7 @@ import re
 import shutil
 from dataclasses import replace
 from functools import partial
+from itertools import pairwise
 from pathlib import Path
 
 import pytest
@@ -21,11 +22,14 @@ from flexbe_synthesizer.core.chart.model import (
     State,
     Transition,
 )
+from flexbe_synthesizer.core.chart.problem import errors_in
 from remodel_console.core.commands import read_command
 from remodel_console.core.editor import chart_edit
 from remodel_console.core.editor.concurrency_edit import with_condition, with_kind
 from remodel_console.core.editor.editing import change_at, container_at, node_paths
+from remodel_console.core.editor.grouping import grouped
 from remodel_console.core.editor.interface_edit import with_input, with_output
+from remodel_console.edge.inspect_chart import inspect_text
 from remodel_console.edge.workspace import Workspace
 from remodel_console.errors import CommandError
 from remodel_console.session import Session
@@ -373,3 +377,40 @@ def test_a_character_that_no_file_can_hold_is_refused(session, give):
     with pytest.raises(CommandError, match=r"U\+0007 cannot stand in an XML file"):
         give("note ring \x07")
     assert session.text == before
+
+
+@pytest.mark.parametrize("name", list(chart_names()))
+def test_states_that_are_grouped_leave_a_chart_without_errors(session, name):
+    session.carry_out(read_command(f"load {name}"))
+    chart, workspace = session.chart, session._workspace
+    _, before = inspect_text(workspace, session.text, chart.file)
+    nodes = [node.id for node in chart.nodes]
+    for ids in {*pairwise(nodes), *((node,) for node in nodes)}:
+        uses = {i: before.uses[i] for i in ids if i in before.uses}
+        reads = {i: tuple(use.inputs) for i, use in uses.items()}
+        writes = {i: tuple(use.outputs) for i, use in uses.items()}
+        try:
+            changed = grouped(chart, ids, "The Group", reads, writes)
+        except CommandError:
+            continue  # entered in two places
+        session.change(lambda _chart, changed=changed: changed)
+        _, after = inspect_text(workspace, session.text, chart.file)
+        assert read_chart(session.text, "")[0] == changed
+        if not before.error_count:
+            assert not errors_in(after.problems), (ids, after.problems)
+        session.undo()
+
+
+def test_a_copy_has_its_comments_and_leaves_the_first_as_it_was(session, charts, give):
+    give("load Odd One")
+    before = session.text
+    session.copy_as("Copied One")
+    assert (session.chart.name, session.is_saved) == ("Copied One", False)
+    assert session.chart.file == str(charts / "copied_one.xml")
+    assert comments(session.text) == comments(before)
+    gone, new = difference(tags(before), tags(session.text))
+    assert all("Odd One" in tag for tag in gone), gone
+    assert [tag.replace("Copied One", "Odd One") for tag in new] == gone
+    for taken in ("Odd One", "Plain"):
+        with pytest.raises(CommandError, match="already"):
+            session.copy_as(taken)

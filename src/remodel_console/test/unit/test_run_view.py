@@ -162,3 +162,17 @@ def test_a_request_that_overtakes_the_answer_to_the_one_before_stays():
     view = supervised(Asked("/Box/Out", 0), Acknowledged("transition", ("In", "In")))
     assert view.asked == Asked("/Box/Out", 0)
     assert step(view, Acknowledged("transition", ("Out", "Out"))).asked is None
+
+
+def test_states_beside_each_other_ask_at_breakpoints_and_none_is_forgotten():
+    view = supervised(Asked("/Box/In", 0), Asked("/Box/Out", 0))
+    assert (view.asked, view.active) == (Asked("/Box/Out", 0), "/Box/Out")
+    view = step(view, Acknowledged("transition", ("Out", "Out")))
+    assert (view.asked, view.active) == (Asked("/Box/In", 0), "/Box/In")
+    assert step(view, Acknowledged("transition", ("In", "In"))).asked is None
+
+
+def test_after_a_breakpoint_beside_it_the_state_that_goes_on_is_active_again():
+    for end in (Acknowledged("transition", ("Out", "Out")), Asked("/Box/Out", 255)):
+        view = supervised(Asked("/Box/Out", 0), end)
+        assert (view.asked, view.active) == (None, "/Box/In")

@@ -195,9 +195,9 @@ def test_what_a_supervisor_published_is_gone_with_it():
     live = Live()
     live.set_master(True)
     live.take_use_case(RUN)
-    live.set_presence(mirror=False, abilities=False, cell=False, supervisor=True)
+    live.set_presence(mirror=False, abilities=False, cell=False, simulated=True, supervisor=True)
     assert live.world.use_case == RUN
-    live.set_presence(mirror=False, abilities=False, cell=False, supervisor=False)
+    live.set_presence(mirror=False, abilities=False, cell=False, simulated=True, supervisor=False)
     assert live.world.use_case is None
 
 

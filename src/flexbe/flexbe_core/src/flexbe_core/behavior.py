@@ -10,6 +10,7 @@ import yaml
 from flexbe_core.core.operatable_state_machine import OperatableStateMachine
 from flexbe_core.core.state import State
 from flexbe_core.engine.definitions.definition import Kind
+from flexbe_core.engine.definitions.structure import definition_at, first_path, structure_of
 from flexbe_core.engine.engine import ErrorPolicy
 from flexbe_core.engine.errors import StateMachineError
 from flexbe_core.engine.migration import MigratingState
@@ -174,6 +175,32 @@ class Behavior:
         self.requested_state_path = migrating.path
         self._migrating = migrating
 
+    def start_at(self, path: str, userdata: Mapping[str, Any]) -> None:
+        """Begin at a state in place of the first one, as a debugger does; call it once prepared.
+
+        Args:
+            path: of the state, or of a container, which begins with its first state.
+            userdata: values by the keys of the behavior, such as earlier states would write.
+
+        Raises:
+            StateMachineError: if there is no such state.
+        """
+        root = self._prepared()
+        try:
+            found = definition_at(root, path) if path.startswith("/") else None
+        except (KeyError, AttributeError):
+            found = None
+        if found is None:
+            paths = (part.path for part in structure_of(root) if part.path and not part.children)
+            raise StateMachineError(
+                f"{self.name!r} has no state {path!r} to start at; it has: {', '.join(paths)}"
+            )
+        path = first_path(found, path)
+        state: Any = definition_at(root, path)
+        self._migrating = MigratingState(
+            path, state, entered=False, userdata={"": dict(userdata)}, is_new=True
+        )
+
     def execute(self) -> str:
         """Run to the end and stop all states.
 
@@ -202,6 +229,10 @@ class Behavior:
     def get_userdata(self) -> dict[str, dict[str, Any]]:
         """Return the runtime userdata of all containers reached so far, by their paths."""
         return own_session(self._state_machine).userdata() if self._state_machine else {}
+
+    def get_values_at(self, path: str) -> dict[str, object]:
+        """Return what the state or container at a path reads and writes, by its own keys."""
+        return own_session(self._state_machine).values_at(path) if self._state_machine else {}
 
     def get_execution(self) -> tuple[str, float] | None:
         """Return the path of the state that is being executed, and since when by time.monotonic.

@@ -179,3 +179,30 @@ def test_stocks_way_to_prepare_keeps_the_state(bench):
         prepared(Version([], labels=("Other", "Read"))).prepare_for_switch(
             version._state_machine["Box"]["Work"]
         )
+
+
+def test_a_behavior_begins_at_a_state_in_a_container_with_given_userdata():
+    log = []
+    behavior = prepared(Version(log))
+    behavior.start_at("/Box/Read", {"part": "given"})
+    engine = Engine(behavior._state_machine)
+    attach_state(engine, behavior._migrating)
+    assert engine.root.leaf().path == "/Box/Read"
+    assert engine.root.leaf().entered is False, "on_enter comes with the first execution"
+    assert engine.supervision.locks == frozenset()
+    assert engine.root.userdata["part"] == "given"
+
+
+def test_a_container_is_started_at_its_first_state():
+    behavior = prepared(Version([]))
+    behavior.start_at("/Box", {})
+    assert behavior._migrating.path == "/Box/Work"
+    engine = Engine(behavior._state_machine)
+    attach_state(engine, behavior._migrating)
+    assert engine.root.userdata["part"] == "default"
+
+
+@pytest.mark.parametrize("path", ["/Nowhere", "/Box/Nowhere", "/Write/Inside", "", "Box"])
+def test_a_state_that_does_not_exist_is_refused_with_those_that_do(path):
+    with pytest.raises(StateMachineError, match="it has: /Write, /Box/Work, /Box/Read"):
+        prepared(Version([])).start_at(path, {})

@@ -1,5 +1,7 @@
 """Commands to a running engine, and its answers."""
 
+from dataclasses import replace
+
 from flexbe_core.engine.events import (
     NO_OUTCOME,
     Answered,
@@ -202,3 +204,125 @@ def test_a_breakpoint_asks_for_every_transition(bench):
         autonomy_level=255, breakpoints=frozenset({"/a"})
     )
     assert step(bench, engine) == [Requested("/a", 0)]
+
+
+def two_children(bench, second, points=("/b",), first=None):
+    """Return the engine of a container that runs `a`, which is supervised, beside `b`."""
+    container = bench.concurrency([("finished", [("b", "done")])])
+    with container:
+        bench.add("a", first or ScriptedState([None]), {"done": "finished"}, {"done": 0})
+        bench.add("b", second, dict.fromkeys(second.outcomes, "finished"), {})
+    engine = bench.engine(container, 3, supervised=True)
+    container["b"]._is_controlled = False  # as ConcurrencyContainer leaves all but the first
+    engine.supervision = replace(engine.supervision, breakpoints=frozenset(points))
+    return engine
+
+
+def test_a_breakpoint_stops_any_child_of_a_concurrency_container(bench):
+    second = ScriptedState(["done"], ["done", "failed"])
+    engine = two_children(bench, second)
+    assert step(bench, engine) == [Requested("/b", 0)]
+    assert step(bench, engine) == []
+    refused, reason = step(bench, engine, ForceOutcome("b", 7))
+    assert refused == Answered("transition", ("b", "b"))
+    assert reason.text == "asked for outcome 7 of 'b'; it has 0: done, 1: failed"
+    answer = step(bench, engine, ForceOutcome("b", 0))
+    assert answer[0] == Answered("transition", ("b", "b"))
+    assert answer[-1] == "finished"
+    assert not engine.stopped
+    assert [event for _, event in second.log].count("exit") == 1
+
+
+def test_a_state_at_a_breakpoint_is_answered_when_the_supervised_one_has_ended(bench):
+    engine = two_children(bench, ScriptedState(["done"]), first=ScriptedState(["done"]))
+    assert Requested("/b", 0) in step(bench, engine)
+    assert step(bench, engine, ForceOutcome("b", 0))[-1] == "finished"
+
+
+def test_the_answer_at_a_breakpoint_may_be_another_outcome(bench):
+    second = ScriptedState(["done"], ["done", "failed"])
+    engine = two_children(bench, second)
+    step(bench, engine)
+    step(bench, engine, ForceOutcome("/b", 1))
+    assert engine.root.results == {"b": "failed"}
+
+
+def test_a_breakpoint_that_is_removed_lets_the_state_go(bench):
+    engine = two_children(bench, ScriptedState(["done"]))
+    assert step(bench, engine) == [Requested("/b", 0)]
+    engine.supervision = replace(engine.supervision, breakpoints=frozenset())
+    assert step(bench, engine)[0] == Requested("/b", NO_OUTCOME)
+    assert not engine.stopped
+
+
+def test_who_attaches_is_asked_again_at_a_breakpoint(bench):
+    engine = two_children(bench, ScriptedState(["done"]))
+    assert step(bench, engine) == [Requested("/b", 0)]
+    assert Requested("/b", 0) in step(bench, engine, Attach(3))
+
+
+def test_a_name_of_two_states_at_breakpoints_is_refused_with_their_paths(bench):
+    inner = {}
+    for label in "bc":
+        inner[label] = bench.machine(["done"])
+        with inner[label]:
+            bench.add("x", ScriptedState(["done"]), {"done": "done"}, {})
+    container = bench.concurrency([("finished", [("b", "done"), ("c", "done")])])
+    with container:
+        bench.add("a", ScriptedState([None]), {"done": "finished"}, {"done": 0})
+        for label, machine in inner.items():
+            bench.add(label, machine, {"done": "finished"}, {})
+    engine = bench.engine(container, 3, supervised=True)
+    for machine in inner.values():
+        machine["x"]._is_controlled = False
+    points = frozenset({"/b/x", "/c/x"})
+    engine.supervision = replace(engine.supervision, breakpoints=points)
+    assert step(bench, engine) == [Requested("/b/x", 0), Requested("/c/x", 0)]
+    _, reason = step(bench, engine, ForceOutcome("x", 0))
+    assert "name one of '/b/x', '/c/x'" in reason.text
+    assert set(engine.stopped) == points, "nothing has moved"
+    step(bench, engine, ForceOutcome("/c/x", 0))
+    assert set(engine.stopped) == {"/b/x"}
+
+
+def test_a_supervised_state_that_is_exited_withdraws_what_it_asks(bench):
+    container = bench.concurrency([("finished", [("b", "done")])])
+    with container:
+        bench.add("a", ScriptedState(["done"]), {"done": "finished"}, {"done": 3})
+        bench.add("b", ScriptedState([None, "done"]), {"done": "finished"}, {})
+    engine = bench.engine(container, 3, supervised=True)
+    container["b"]._is_controlled = False
+    assert step(bench, engine) == [Requested("/a", 0)]
+    assert Requested("/a", NO_OUTCOME) in step(bench, engine)
+
+
+def test_a_container_that_ends_withdraws_what_its_states_ask(bench):
+    container = bench.concurrency([("finished", [("a", "done")])])
+    with container:
+        bench.add("a", ScriptedState([None, "done"]), {"done": "finished"}, {"done": 0})
+        bench.add("b", ScriptedState(["done"]), {"done": "finished"}, {})
+    engine = bench.engine(container, 3, supervised=True)
+    container["b"]._is_controlled = False
+    engine.supervision = replace(engine.supervision, breakpoints=frozenset({"/b"}))
+    assert step(bench, engine) == [Requested("/b", 0)]
+    assert Requested("/b", NO_OUTCOME) in step(bench, engine)
+    assert not engine.stopped
+
+
+def test_who_preempts_is_not_told_that_nothing_is_asked(bench):
+    engine = two_children(bench, ScriptedState(["done"]))
+    assert step(bench, engine) == [Requested("/b", 0)]
+    events = step(bench, engine, Preempt())
+    assert not any(isinstance(event, Requested) for event in events)
+    assert events[-1] == "preempted"
+    assert not engine.stopped
+
+
+def test_the_path_of_the_active_state_is_a_name_only_while_others_wait(bench):
+    engine = two_children(bench, ScriptedState(["done"]))
+    answer, reason, *_ = step(bench, engine, ForceOutcome("/a", 0))
+    assert (answer, type(reason)) == (Answered("transition", ("/a", "a")), Refused)
+    assert "/b" in engine.stopped
+    events = step(bench, engine, ForceOutcome("/a", 0))
+    assert Answered("transition", ("a", "a")) in events
+    assert Left("/a", "done", 0) in events

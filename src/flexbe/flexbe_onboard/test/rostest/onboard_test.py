@@ -231,6 +231,39 @@ class OnboardTest(unittest.TestCase):
         self.engine.ended()
         self.assertFalse(ask("").success)
 
+    def test_a_behavior_starts_at_a_state_only_where_that_is_allowed(self):
+        text = {"text": "'from before'"}
+        start = {"@start_at": "/Say"}
+        self.engine.start("Input Test", inputs=text, **start)
+        self.assert_ends(BEStatus.ERROR, [])
+        self.assert_logged("start_at:=true")
+        engine = Engine("open/")
+        engine.start("Input Test", inputs=text, **start)
+        self.assertEqual(engine.ended().code, BEStatus.FINISHED)
+        self.assertIsNotNone(engine.log.wait(lambda m: m.text == "from before"))
+        paths = [m.data for _, m in engine.updates.messages]
+        self.assertIn("/Say", paths)
+        self.assertNotIn("/Join", paths)
+        engine.start("Input Test", **{"@start_at": "/Nowhere"})
+        self.assertEqual(engine.ended().code, BEStatus.ERROR)
+        told = "has no state '/Nowhere' to start at; it has: /Join, /Say, /Wait"
+        self.assertIsNotNone(engine.log.wait(lambda m: told in m.text))
+
+    def test_the_values_of_a_state_are_found_by_its_path(self):
+        given = {"part": "{'pins': [1]}", "name": "A 7"}
+        self.engine.start("Input Test", inputs=given, wait_time=1.0)
+        self.assertTrue(self.engine.is_at("/Wait"))
+        ask = rospy.ServiceProxy("flexbe/get_userdata", GetUserdata)
+        found = {info.key: info.data for info in ask("/Join").userdata}
+        self.assertEqual(found, given | {"output_value": "pins [1] of A 7"})
+        (info,) = ask("/Say").userdata
+        self.assertEqual((info.state, info.key, info.data), ("/Say", "data", "pins [1] of A 7"))
+        for path in ("/Wait", "/Nowhere", "/Say/Inside", "/"):
+            answer = ask(path)
+            self.assertEqual((answer.success, answer.userdata), (False, []), path)
+        self.engine.stop()
+        self.engine.ended()
+
     def test_two_engines_run_two_behaviors_at_once(self):
         other, server = Engine("open/"), HangingServer("open/test_action")
         other.publisher("command/preempt", Empty)

@@ -36,9 +36,11 @@ class World:
         has_mirror: a mirror follows what runs.
         has_abilities: ability servers are there, of a cell or fake ones.
         has_cell: the cameras of a cell are there.
+        is_simulated: nothing real moves: the cell can be reset, or no ability server is there.
         has_supervisor: a use case supervisor is there.
         use_case: what it published last; None before that, and when it is not running.
         inputs: values that states wait for, the oldest first.
+        breakpoints: paths of states, as the engine names them, before whose end it asks.
         decisions: states of the running behavior in which an operator chooses the outcome.
     """
 
@@ -47,10 +49,12 @@ class World:
     has_mirror: bool = False
     has_abilities: bool = False
     has_cell: bool = False
+    is_simulated: bool = False
     has_supervisor: bool = False
     use_case: UseCase | None = None
     inputs: tuple[InputRequest, ...] = ()
     decisions: Decisions = field(default_factory=Decisions)
+    breakpoints: frozenset[str] = frozenset()
 
     @property
     def has_engine(self) -> bool:

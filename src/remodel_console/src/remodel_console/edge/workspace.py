@@ -93,6 +93,11 @@ class Workspace:
             return read_draft(content, str(path))
         return self._from_code(name, found)
 
+    @staticmethod
+    def has_file(path: str) -> bool:
+        """Return whether there is a file of a path."""
+        return Path(path).exists()
+
     def names(self) -> tuple[str, ...]:
         """Return the names of all charts."""
         return tuple(dict(self._folders().names()))

@@ -20,6 +20,7 @@ from flexbe_msgs.srv import GetUserdata
 from genpy import Message
 from std_msgs.msg import Bool, Empty, Int32, String, UInt8
 
+from flexbe_core.ros.topics import START_AT
 from remodel_console.core.run import order as orders
 from remodel_console.core.run.log_line import LogLine
 from remodel_console.core.run.run_view import (
@@ -37,6 +38,7 @@ from remodel_console.errors import CommandError
 from remodel_console.ros import topics
 
 _POLL_S = 0.2  # between two checks whether the engine is running
+_READ_EVERY_S = 1.0  # between two checks of the breakpoints, a parameter
 _CHECK_EVERY_S = 0.01  # while the engine connects
 _CONNECT_S = 5.0  # in which an engine that is there subscribes to each of its topics
 _USERDATA_S = 2.0  # in which the engine answers what its userdata is
@@ -59,10 +61,15 @@ class EngineLink:
     """Subscribes to the engine of this namespace, and publishes orders to it."""
 
     def __init__(
-        self, report: Callable[[Event], None], report_line: Callable[[LogLine], None]
+        self,
+        report: Callable[[Event], None],
+        report_line: Callable[[LogLine], None],
+        report_breakpoints: Callable[[frozenset[str]], None] = lambda paths: None,
     ) -> None:
-        """Connect; `report` and `report_line` are called on threads of their own."""
+        """Connect; what is reported to is called on threads of their own."""
         self._report = report
+        self._report_breakpoints = report_breakpoints
+        self._read_s = 0.0
         self._was_there = False
         self._stop = threading.Event()
         rospy.on_shutdown(self._stop.set)
@@ -110,21 +117,48 @@ class EngineLink:
                     f"the engine does not subscribe to {topic}; does a behavior run?"
                 )
 
-    def userdata(self) -> tuple[tuple[str, str, str, str], ...]:
+    def userdata(self, key: str = "") -> tuple[tuple[str, str, str, str], ...]:
         """Return (where, key, type, value) of the userdata of what runs.
+
+        Args:
+            key: of one value; the path of a state, `/Place/Insert`: what that state reads and
+                writes, if the engine is one of this workspace; empty: everything.
 
         Raises:
             CommandError: if the engine does not answer.
         """
         try:
             rospy.wait_for_service(topics.USERDATA, timeout=_USERDATA_S)
-            answer = rospy.ServiceProxy(topics.USERDATA, GetUserdata)("")
+            answer = rospy.ServiceProxy(topics.USERDATA, GetUserdata)(key)
         except (rospy.ROSException, rospy.ServiceException) as error:
             raise CommandError(f"the engine does not return its userdata: {error}") from error
         return tuple((d.state, d.key, d.type, d.data) for d in answer.userdata)
 
+    def set_breakpoints(self, paths: frozenset[str]) -> None:
+        """Have the engine ask before it leaves these states.
+
+        Raises:
+            CommandError: if the master does not answer.
+        """
+        try:
+            rospy.set_param(topics.BREAKPOINTS, sorted(paths))
+        except (OSError, rospy.ROSException) as error:
+            raise CommandError(f"the breakpoints cannot be set: {error}") from error
+
+    def _read_breakpoints(self) -> None:
+        """Read what other clients may have set; `rosrun flexbe_widget breakpoint` does."""
+        self._read_s = time.monotonic()
+        try:
+            paths = rospy.get_param(topics.BREAKPOINTS, [])
+        except (OSError, rospy.ROSException):
+            return
+        known = paths if isinstance(paths, list) else []
+        self._report_breakpoints(frozenset(map(str, known)))
+
     def _watch(self) -> None:
         while not self._stop.wait(_POLL_S):
+            if time.monotonic() - self._read_s > _READ_EVERY_S:
+                self._read_breakpoints()
             # One that has just come may be heard before it hears what it is sent.
             hears = self._publishers[topics.START].get_num_connections() > 0
             is_there = hears and self._heartbeat.get_num_connections() > 0
@@ -154,8 +188,8 @@ def _messages(order: orders.Order) -> tuple[tuple[str, Message], ...]:
         case orders.SetAutonomy(level):
             return ((topics.AUTONOMY, UInt8(level)),)
         case orders.TakeOutcome(path, index):
-            label = path.rpartition("/")[2]
-            return ((topics.TRANSITION, OutcomeRequest(index, label)),)
+            target = path if order.is_by_path else path.rpartition("/")[2]
+            return ((topics.TRANSITION, OutcomeRequest(index, target)),)
         case orders.Hold(path):
             return ((topics.LOCK, String(path)),)
         case orders.Release(path):
@@ -171,12 +205,14 @@ def _messages(order: orders.Order) -> tuple[tuple[str, Message], ...]:
 
 
 def _selection(order: orders.Start) -> BehaviorSelection:
+    start = ((START_AT, order.start_at),) if order.start_at else ()
+    parameters = (*order.parameters, *start)
     return BehaviorSelection(
         behavior_id=order.behavior_id,
         behavior_checksum=order.source_checksum,
         autonomy_level=order.level,
-        arg_keys=[key for key, _ in order.parameters],
-        arg_values=[value for _, value in order.parameters],
+        arg_keys=[key for key, _ in parameters],
+        arg_values=[value for _, value in parameters],
         input_keys=[key for key, _ in order.inputs],
         input_values=[value for _, value in order.inputs],
     )

@@ -16,6 +16,7 @@ from remodel_console.desk import Journal
 from remodel_console.ros import topics
 from remodel_console.ros.cell.camera_link import CameraLink
 from remodel_console.ros.cell.scene_link import SceneLink
+from remodel_console.ros.cell.scene_recorder import SceneRecorder
 from remodel_console.ros.command_server import CommandServer
 from remodel_console.ros.engine_link import EngineLink
 from remodel_console.ros.input_server import InputServer
@@ -27,6 +28,7 @@ from remodel_console.ros.use_case_link import UseCaseLink
 
 _POLL_S = 0.5
 _ABILITIES = "remodel_abilities/"  # in whose namespace ability servers are
+_RESET = f"{topics.CELL}/reset"  # a service that only simulated cells have
 _CAMERA = f"{topics.CELL}/overhead/image_raw"  # which a cell publishes, and fake abilities do not
 
 
@@ -47,7 +49,7 @@ def join_ros(console: Console, journal: Journal, end: threading.Event) -> None:
         _end_process(end, f"could not join ROS: {error}")
         return
     rospy.on_shutdown(lambda: _end_process(end, "ROS has shut this node down"))
-    link = EngineLink(console.take, console.live.take_line)
+    link = EngineLink(console.take, console.live.take_line, console.live.set_breakpoints)
     console.steering.engine = link
     supervisor = UseCaseLink(console.live.take_use_case)
     console.supervisor = supervisor
@@ -55,6 +57,7 @@ def join_ros(console: Console, journal: Journal, end: threading.Event) -> None:
     console.inputs = InputServer(console.live.set_inputs)
     CameraLink(console.pictures, lambda: console.live.world.run.phase is Phase.RUNNING, end)
     SceneLink(console.scene, end)
+    SceneRecorder(console.scene, console.scenes, lambda: console.live.world.use_case, end)
     console.sessions.connect(ask_synthesis_server)
     CommandServer(console.session, Runtime(console.steering), lambda: console.settings.now, journal)
     looking = threading.Thread(target=_check, args=(console, link, supervisor, end), daemon=True)
@@ -68,14 +71,25 @@ def _check(
 ) -> None:
     """Check whether the mirror, the supervisor and the cell are running."""
     abilities, camera = rospy.resolve_name(_ABILITIES), rospy.resolve_name(_CAMERA)
+    reset = rospy.resolve_name(_RESET)
     while not end.wait(_POLL_S):
         published = _published()
+        has_abilities = any(topic.startswith(abilities) for topic in published)
         console.live.set_presence(
             mirror=link.is_followed,
-            abilities=any(topic.startswith(abilities) for topic in published),
+            abilities=has_abilities,
             cell=camera in published,
+            simulated=_is_served(reset) if has_abilities or camera in published else True,
             supervisor=supervisor.is_there,
         )
+
+
+def _is_served(service: str) -> bool:
+    try:
+        rosgraph.Master(rospy.get_name()).lookupService(service)
+    except (OSError, rosgraph.MasterError):
+        return False
+    return True
 
 
 def _published() -> frozenset[str]:

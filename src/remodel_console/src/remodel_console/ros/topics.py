@@ -21,6 +21,7 @@ REPEAT = "flexbe/command/repeat"  # std_msgs/Empty
 PREEMPT = "flexbe/command/preempt"  # std_msgs/Empty
 SHOW_STRUCTURE = "flexbe/request_mirror_structure"  # std_msgs/Int32
 USERDATA = "flexbe/get_userdata"  # flexbe_msgs/GetUserdata, a service of the engine
+BREAKPOINTS = "/flexbe/breakpoints"  # a parameter: paths of states
 AUTONOMY_IN_FORCE = "flexbe/mirror/autonomy"  # std_msgs/UInt8, latched: 255 without supervision
 OPERATOR_INPUT = "flexbe/operator_input"  # flexbe_msgs/BehaviorInput, an action of the console
 LEFT = "flexbe/debug/current_state"  # std_msgs/String: path > outcome, of what is supervised

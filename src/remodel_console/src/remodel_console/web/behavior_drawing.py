@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable, Sequence
+
 from nicegui import run, ui
 
 from flexbe_synthesizer.core.chart.model import Chart
 from remodel_console.console import Console
 from remodel_console.core.editor.collapse import collapsed
-from remodel_console.core.editor.drawing import drawn_path, drawn_paths
+from remodel_console.core.editor.drawing import drawn_path, drawn_paths, engine_paths
 from remodel_console.core.editor.editing import Path
 from remodel_console.core.editor.graph import Json, chart_graph
 from remodel_console.errors import CommandError
@@ -23,18 +25,26 @@ class BehaviorDrawing:
         name: of the behavior that is drawn, or is going to be; None before the first.
     """
 
-    def __init__(self, console: Console, label: str, nothing: str) -> None:
+    def __init__(
+        self,
+        console: Console,
+        label: str,
+        nothing: str,
+        on_pick: Callable[[str], None] | None = None,
+    ) -> None:
         """Draw nothing yet.
 
         Args:
             console: knows the charts.
             label: what the drawing is.
             nothing: what stands where no behavior is drawn.
+            on_pick: gets the path of a state that is clicked, `Place/Insert`; empty: none.
         """
+        self._breakpoints: frozenset[str] = frozenset()
         self.name: str | None = None
         self._console = console
         self._nothing = nothing
-        self._canvas = Canvas(label)
+        self._canvas = Canvas(label, _Picker(on_pick) if on_pick else None)
         self._empty = ui.label(nothing).classes("empty")
         self._chart: Chart | None = None
         self._paths: frozenset[str] = frozenset()  # of all that could be drawn
@@ -76,6 +86,34 @@ class BehaviorDrawing:
             self._passed = frozenset(drawn_path(path, self._drawn) for path in visited) - {""}
         self._canvas.light(drawn_path(active, self._drawn), self._passed, is_asked)
 
+    @property
+    def states(self) -> tuple[str, ...]:
+        """Return the paths of all states and containers of the behavior, `Place/Insert`."""
+        return tuple(sorted(self._paths))
+
+    def engine_paths(self, path: str) -> frozenset[str]:
+        """Return the paths that the engine may have for a drawn one."""
+        return engine_paths(self._chart, path) if self._chart else frozenset()
+
+    def with_breakpoint(self, breakpoints: frozenset[str]) -> frozenset[str]:
+        """Return the states of this behavior that have one of these breakpoints."""
+        found = {drawn_path(path, self._paths) for path in breakpoints} - {""}
+        return frozenset(path for path in found if self.engine_paths(path) & breakpoints)
+
+    def mark_breakpoints(self, breakpoints: frozenset[str]) -> None:
+        """Mark the states that have a breakpoint; a closed container if one inside has."""
+        self._breakpoints = breakpoints
+        states = self.with_breakpoint(breakpoints)
+        self._canvas.mark("stopping", {drawn_path(path, self._drawn) for path in states} - {""})
+
+    def show_values(self, path: str, values: Sequence[tuple[str, str]]) -> None:
+        """Show values beside a state, in place of those that were shown before."""
+        self._canvas.show_values(drawn_path(path, self._drawn), values)
+
+    def select(self, path: str) -> None:
+        """Mark the state that was chosen."""
+        self._canvas.select([path] if path else [])
+
     async def follow(self) -> None:
         """Open the container that has become active, if the drawing is collapsed."""
         if self._drawn != self._paths and self._active_container() not in ((), self._open):
@@ -92,8 +130,19 @@ class BehaviorDrawing:
         part = collapsed(chart, path)
         self._drawn = drawn_paths(part)
         self._canvas.draw(chart_graph(part))
+        self.mark_breakpoints(self._breakpoints)
         self.light(self._active, self._visited, is_asked=self._is_asked)
 
     def _active_container(self) -> Path:
         """Return the container that the active state lies in."""
         return tuple(drawn_path(self._active, self._paths).split("/"))[:-1]
+
+
+class _Picker:
+    """Takes what is clicked in a drawing that is not edited."""
+
+    def __init__(self, on_pick: Callable[[str], None]) -> None:
+        self._on_pick = on_pick
+
+    def pick(self, paths: tuple[str, ...]) -> None:
+        self._on_pick(paths[0] if paths else "")

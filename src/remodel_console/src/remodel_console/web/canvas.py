@@ -3,21 +3,26 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from typing import NamedTuple, Protocol, TypeAlias
 
 from nicegui.element import Element
+from nicegui.events import GenericEventArguments
 
 from remodel_console.core.editor.graph import Json
 
 Places: TypeAlias = dict[str, list[int]]
 
 
-class Editor(Protocol):
-    """Takes what a person does in a drawing."""
+class Picker(Protocol):
+    """Takes what a person clicks in a drawing."""
 
     def pick(self, paths: tuple[str, ...]) -> None:
         """Select the states of these paths; none: the chart."""
+
+
+class Editor(Picker, Protocol):
+    """Takes what a person does in a drawing."""
 
     async def connect(self, path: str, event: str, target: str) -> None:
         """Lead an outcome of a state to a target beside it."""
@@ -46,25 +51,31 @@ class Canvas(Element, component="static/canvas.js"):
     """Shows a graph of `core.editor.graph`."""
 
     def __init__(
-        self, label: str, editor: Editor | None = None, *, is_editable: bool = False
+        self,
+        label: str,
+        picker: Picker | None = None,
+        editor: Editor | None = None,
     ) -> None:
         """Show nothing yet.
 
         Args:
             label: what the drawing is.
-            editor: takes what a person does in the drawing.
-            is_editable: states can be moved, connected and dropped.
+            picker: takes what a person clicks in the drawing.
+            editor: takes what is moved, connected and dropped; None: nothing can be.
         """
         super().__init__()
         self._props["label"] = label
-        self._props["editable"] = is_editable
+        self._props["editable"] = editor is not None
+        self._marked: dict[str, list[str]] = {}
         self._wanted = self._sent = _Lit()
         self._sent_s: float | None = None  # None once the page has painted what was sent
         self.classes("canvas")
         self.on("painted", self._on_painted)
+        self._picks = 0  # of the page, as far as they have arrived
+        if picker is not None:
+            self._picker = picker
+            self.on("pick", self._on_pick)
         if editor is not None:
-            self.on("pick", lambda event: editor.pick(tuple(map(str, event.args))))
-        if editor is not None and is_editable:
             self.on("connect", lambda event: editor.connect(**event.args))
             self.on("moved", lambda event: editor.move(**event.args))
             self.on("dropped", lambda event: editor.drop(**event.args))
@@ -96,9 +107,24 @@ class Canvas(Element, component="static/canvas.js"):
         self._sent_s = None
         self._send()
 
+    def _on_pick(self, event: GenericEventArguments) -> None:
+        self._picks = int(event.args["number"])
+        self._picker.pick(tuple(map(str, event.args["paths"])))
+
     def select(self, paths: Sequence[str]) -> None:
-        """Mark what is being edited."""
-        self.run_method("select", list(paths))
+        """Mark what is being edited, unless a later pick of the page is under way."""
+        self.run_method("select", list(paths), True, self._picks)
+
+    def mark(self, name: str, paths: Iterable[str]) -> None:
+        """Mark the states of these paths with a class of the drawing's style, and no others."""
+        wanted = sorted(paths)
+        if wanted != self._marked.get(name, []):
+            self._marked[name] = wanted
+            self.run_method("keepMark", name, wanted)
+
+    def show_values(self, path: str, values: Sequence[tuple[str, str]]) -> None:
+        """Show values beside a state; of an empty path, none."""
+        self.run_method("showValues", path, [list(value) for value in values])
 
     def fit(self) -> None:
         """Show the whole drawing."""

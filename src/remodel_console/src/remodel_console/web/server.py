@@ -65,11 +65,11 @@ def serve(console: Console, port: int, users: Users | None = None) -> None:
             return Response("no picture of this camera", 404)
         return Response(found.jpeg, media_type="image/jpeg", headers={"Cache-Control": "no-store"})
 
-    @app.get("/mesh/{robot}/{mesh}")
-    async def mesh(robot: int, mesh: int) -> Response:
-        file = console.scene.mesh_file(robot, mesh)
+    @app.get("/mesh/{number}")
+    async def mesh(number: int) -> Response:
+        file = console.meshes.file(number)
         if file is None:
-            return Response("the cell has no such mesh", 404)
+            return Response("no robot has such a mesh", 404)
         try:
             return Response(await on_thread.io_bound(stl_of, file), media_type="model/stl")
         except (OSError, ValueError) as error:

@@ -95,7 +95,8 @@ class OperatableStateMachine(PreemptableStateMachine):
         Args:
             name: the behavior's name.
             id: checksum of the behavior's source.
-            migrating: state of another version at which to begin; its on_start has been called.
+            migrating: state at which to begin; if it is of another version, its on_start has been
+                called.
         """
         self._name = name
         self.id = id
@@ -106,7 +107,7 @@ class OperatableStateMachine(PreemptableStateMachine):
             self._enable_ros_control()
         try:
             for state in self._all_states():
-                if migrating is None or state is not migrating.state:
+                if migrating is None or migrating.is_new or state is not migrating.state:
                     state.on_start()
         except Exception:
             self.destroy()

@@ -30,6 +30,7 @@ from flexbe_core.engine.machine import Machine
 from flexbe_core.engine.migration import detach_state, migrating_state
 from flexbe_core.engine.node import NOW, Node
 from flexbe_core.engine.priority import Priority, is_inside
+from flexbe_core.engine.supervised_leaf import answer_at_breakpoint, by_name
 from flexbe_core.engine.supervision import commands
 from flexbe_core.engine.supervision.in_force import PREEMPTED, UNSUPERVISED, Supervision
 
@@ -59,6 +60,7 @@ class Engine:
         supervision: what the operator has in force.
         priority: path of the priority container, or paused state, that runs alone; None if none.
         commands: commands to the active supervised state that are not applied yet.
+        stopped: path -> state that is not supervised and waits at a breakpoint.
         node_classes: which class of nodes runs which kind of definition.
         policy: what happens when a state raises.
         events: what happened since the last take_events, but for the entries of states.
@@ -87,6 +89,7 @@ class Engine:
         self.supervision = Supervision()
         self.priority: str | None = None
         self.commands: deque[commands.StateCommand] = deque()
+        self.stopped: dict[str, Leaf] = {}
         self.events: list[Event] = []
         self.entries: deque[str] = deque(maxlen=ENTRIES_TO_FOLLOW + 1)
         self.moved = False
@@ -118,6 +121,8 @@ class Engine:
             )
             self.events.append(Answered("attach", (self.root.definition._name or "",)))
             self.sync_pending = True
+            for waiting in self.stopped.values():
+                waiting.requested, waiting.due = "", NOW
         elif isinstance(command, commands.Sync):
             self._sync_asked = True
         elif isinstance(command, commands.Release):
@@ -136,6 +141,10 @@ class Engine:
         Otherwise an operator who asked for a hold gets a warning and no feedback: operator
         interfaces take any feedback for success.
         """
+        if isinstance(command, commands.ForceOutcome) and self.stopped:
+            if answer_at_breakpoint(self, command):
+                return
+            command = by_name(self, command)
         if self._is_supervised():
             self.commands.append(command)
         elif isinstance(command, commands.Pause | commands.Lock):
@@ -250,7 +259,10 @@ class Engine:
     def _preempt(self) -> str:
         if self._is_supervised() and not self.released:
             self.events.append(Answered("preempt"))
-        self.supervision = replace(self.supervision, preempt=False)
+        self.supervision = replace(self.supervision, preempt=False, requested=None)
+        for waiting in self.stopped.values():
+            waiting.requested = None  # who preempts knows that nothing is asked any more
+        self.stopped.clear()
         self.stop()
         return PREEMPTED
 

@@ -38,9 +38,12 @@ class Leaf(Node):
         skipped: whether on_pause has been called and on_resume has not.
         alarm: [s] ROS time at which the state requests its next execution, instead of at its
             rate; set again in each execution.
+        requested: outcome that the operator was asked for at a breakpoint; of states that are not
+            supervised, as others have it in Supervision.
+        ordered: outcome that the operator answered with; None without an answer.
     """
 
-    __slots__ = ("_execute", "alarm", "entered", "skipped", "view")
+    __slots__ = ("_execute", "alarm", "entered", "ordered", "requested", "skipped", "view")
 
     def __init__(
         self, engine: Engine, definition: Definition, parent: Container | None, label: str
@@ -51,6 +54,8 @@ class Leaf(Node):
         self.entered = False
         self.skipped = False
         self.alarm = NEVER
+        self.requested: str | None = None
+        self.ordered: str | None = None
         self._execute = type(definition).execute
 
     @property
@@ -88,6 +93,8 @@ class Leaf(Node):
                     self.skip()
                 self._stay(now)
                 return None
+        elif self.ordered is not None:
+            outcome = self.ordered
         if not self.entered:
             self._enter()
         view = self.view
@@ -104,6 +111,8 @@ class Leaf(Node):
                 self._repeat()
                 return None
             outcome = outcome if act is Act.LEAVE else None
+        elif self.requested is not None or self.engine.supervision.breakpoints:
+            outcome = supervised_leaf.at_breakpoint(self, outcome)
         if outcome is None:
             self._stay(now)
             return None
@@ -118,7 +127,9 @@ class Leaf(Node):
         """End the visit; an error in on_exit is reported as an event, and stops nothing."""
         self.skipped = False
         if self.definition._is_controlled:
-            self.engine.supervision = self.engine.supervision.after_visit()
+            supervised_leaf.exited(self)
+        elif self.requested is not None:
+            supervised_leaf.forget_breakpoint(self)
         if self.entered:
             try:
                 self._leave()

@@ -31,6 +31,7 @@ class MigratingState:
         entered: whether its visit has begun.
         userdata: runtime userdata of the containers around it, by their paths.
         paused: whether the run is paused; the new run is then paused too, if it is supervised.
+        is_new: no other version has run: the run begins at this state, not locked.
     """
 
     path: str
@@ -38,6 +39,7 @@ class MigratingState:
     entered: bool
     userdata: Mapping[str, Mapping[str, Value]]
     paused: bool = False
+    is_new: bool = False
 
 
 def migrating_state(engine: Engine) -> MigratingState | None:
@@ -81,5 +83,6 @@ def attach_state(engine: Engine, migrating: MigratingState) -> None:
         raise TypeError(f"{node.path!r} is not a state")
     node.resume_visit(migrating.entered)
     supervision, paused = engine.supervision, migrating.paused and node.definition._is_controlled
-    engine.supervision = replace(supervision, locks=supervision.locks | {node.path}, paused=paused)
+    locks = supervision.locks if migrating.is_new else supervision.locks | {node.path}
+    engine.supervision = replace(supervision, locks=locks, paused=paused)
     engine.claim_while_paused(node.path)

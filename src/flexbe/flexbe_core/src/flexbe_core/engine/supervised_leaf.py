@@ -6,12 +6,14 @@ from collections.abc import Mapping
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
-from flexbe_core.engine.events import NO_OUTCOME, Forced, Requested
+from flexbe_core.engine.events import NO_OUTCOME, Answered, Forced, Refused, Requested
+from flexbe_core.engine.node import NOW
 from flexbe_core.engine.supervision.apply_commands import ActiveState, apply_command
-from flexbe_core.engine.supervision.commands import StateCommand
+from flexbe_core.engine.supervision.commands import ForceOutcome, StateCommand
 from flexbe_core.engine.supervision.decision import PENDING, Act, Moment, Pending, decide
 
 if TYPE_CHECKING:
+    from flexbe_core.engine.engine import Engine
     from flexbe_core.engine.leaf import Leaf
 
 
@@ -60,6 +62,84 @@ def left(leaf: Leaf, outcome: str) -> None:
     if outcome in leaf.definition._outcomes:
         engine.leave(leaf, outcome)
     engine.supervision = engine.supervision.after_visit()
+
+
+def exited(leaf: Leaf) -> None:
+    """Clear what applied only to the visit that something else has ended."""
+    engine = leaf.engine
+    if engine.supervision.requested is not None:
+        _withdraw(leaf)
+    engine.supervision = engine.supervision.after_visit()
+
+
+def at_breakpoint(leaf: Leaf, outcome: str | None) -> str | None:
+    """Return the outcome with which a state leaves that is not supervised; None: it stays.
+
+    Operators supervise only the first child of a concurrency container. A state of another child
+    asks them at a breakpoint nevertheless, and is answered by its own name or path.
+    """
+    engine, ordered = leaf.engine, leaf.ordered
+    is_stopped = (
+        ordered is None
+        and outcome in leaf.definition._outcomes
+        and leaf.path in engine.supervision.breakpoints
+    )
+    if not is_stopped or outcome is None:
+        forget_breakpoint(leaf)
+        return outcome
+    if outcome != leaf.requested:
+        leaf.requested = outcome
+        engine.stopped[leaf.path] = leaf
+        engine.events.append(Requested(leaf.path, leaf.definition._outcomes.index(outcome)))
+    return None
+
+
+def forget_breakpoint(leaf: Leaf) -> None:
+    """Withdraw what the operator was asked at a breakpoint, unless that was answered."""
+    if leaf.requested is not None and leaf.ordered is None:
+        leaf.engine.events.append(Requested(leaf.path, NO_OUTCOME))
+    leaf.requested = leaf.ordered = None
+    leaf.engine.stopped.pop(leaf.path, None)
+
+
+def answer_at_breakpoint(engine: Engine, command: ForceOutcome) -> bool:
+    """Take a forced outcome for a state that waits at a breakpoint; return whether it is for one.
+
+    A name that the active supervised state has, too, means that state, as in stock FlexBE.
+    """
+    active = engine.root.leaf()
+    named = [one for one in engine.stopped.values() if command.target in (one.path, one.label)]
+    is_for_active = (
+        active is not None and active.definition._is_controlled and command.target == active.label
+    )
+    if not named or is_for_active:
+        return False
+    outcomes = named[0].definition._outcomes
+    if len(named) > 1:
+        paths = ", ".join(repr(one.path) for one in named)
+        text = f"several states named {command.target!r} wait at breakpoints; name one of {paths}"
+        engine.events += [Answered("transition", (command.target, "")), Refused(text)]
+    elif not 0 <= command.index < len(outcomes):
+        declared = ", ".join(f"{index}: {name}" for index, name in enumerate(outcomes))
+        text = f"asked for outcome {command.index} of {command.target!r}; it has {declared}"
+        answer = Answered("transition", (command.target, command.target))
+        engine.events += [answer, Refused(text)]
+    else:
+        named[0].ordered = outcomes[command.index]
+        named[0].due = NOW
+        engine.events.append(Answered("transition", (command.target, command.target)))
+    return True
+
+
+def by_name(engine: Engine, command: ForceOutcome) -> ForceOutcome:
+    """Return a command with the name of the active state in place of its path.
+
+    While states wait at breakpoints a name may mean several of them, so a path is allowed.
+    """
+    active = engine.root.leaf()
+    if active is not None and command.target == active.path:
+        return replace(command, target=active.label)
+    return command
 
 
 def _apply_commands(leaf: Leaf) -> None:

@@ -36,6 +36,9 @@ if TYPE_CHECKING:
     from flexbe_core.engine.userdata.user_data import UserData
 
 
+_MISSING = object()  # in place of a value that does not exist
+
+
 class Session:
     """The run of one definition.
 
@@ -207,6 +210,24 @@ class Session:
                 reached += list(node.children.values())
         return found
 
+    def values_at(self, path: str) -> dict[str, object]:
+        """Return what the state or container at a path reads and writes, by its own keys.
+
+        What has no value yet is left out; nothing is returned before what is around it is reached.
+        """
+        above, _, label = path.rpartition("/")
+        container = self.container(above)
+        if container is None or label not in container.definition._labels:
+            return {}
+        state = container.definition._labels[label]
+        found: dict[str, object] = {}
+        for key in dict.fromkeys((*state._input_keys, *state._output_keys)):
+            outer = container.definition._remappings.get(label, {}).get(key, key)
+            value = _value(container, outer)
+            if value is not _MISSING:
+                found[key] = value
+        return found
+
     def publish_structure(self) -> None:
         """Publish the structure of the definition for mirrors."""
         self._reporter.structure()
@@ -249,6 +270,15 @@ class Session:
         if is_behavior and self._root.autonomy_level != self._published_level:
             self._published_level = self._root.autonomy_level
             self._reporter.autonomy(self._published_level)
+
+
+def _value(container: Container, key: str) -> object:
+    """Return the value of a container's key, which may be one of what is around it."""
+    value = container.userdata._data.get(key, _MISSING)
+    if value is not _MISSING or container.parent is None:
+        return value
+    remapping = container.parent.definition._remappings.get(container.label, {})
+    return _value(container.parent, remapping.get(key, key))
 
 
 def connect() -> None:

@@ -58,4 +58,7 @@ COMMANDS = {
     REPEAT: Empty,
 }
 
+# Key among a start request's parameters, which none of a behavior can have: path of the state to
+# start at.
+START_AT = "@start_at"
 BREAKPOINTS_PARAMETER = "/flexbe/breakpoints"

@@ -31,6 +31,7 @@ from flexbe_core.engine.migration import MigratingState
 from flexbe_core.proxy.proxy_action_client import cancel_all_goals
 from flexbe_core.ros import session
 from flexbe_core.ros.command_hub import HUB
+from flexbe_core.ros.topics import START_AT
 from flexbe_onboard.core.hang import HangPolicy
 from flexbe_onboard.core.input_values import read_inputs
 from flexbe_onboard.core.modification import Modification
@@ -244,8 +245,11 @@ class EngineNode:
             self._freshness.remember()
 
     def _build(self, behavior_class: type[Behavior], request: BehaviorSelection) -> Behavior:
-        behavior = behavior_class()
+        behavior, start = behavior_class(), ""
         for key, value in zip(request.arg_keys, request.arg_values, strict=False):
+            if key == START_AT:
+                start = value
+                continue
             try:
                 if key and not behavior.set_parameter(key, value):
                     Logger.logwarn("behavior %s has no parameter %r", behavior.name, key)
@@ -254,7 +258,21 @@ class EngineNode:
         behavior.set_up(
             request.behavior_checksum, request.autonomy_level, False, self._options.on_error
         )
-        behavior.prepare_for_execution(read_inputs(request.input_keys, request.input_values))
+        inputs = read_inputs(request.input_keys, request.input_values)
+        if not start:
+            behavior.prepare_for_execution(inputs)
+            return behavior
+        if not self._options.start_at:
+            raise StartError(
+                f"the request starts {behavior.name!r} at {start!r}, which this engine does not "
+                "allow, as a cell may not be as the state expects it; to allow it for a simulated "
+                "cell: roslaunch flexbe_onboard behavior_onboard.launch start_at:=true"
+            )
+        behavior.prepare_for_execution()
+        try:
+            behavior.start_at(start, inputs)
+        except StateMachineError as error:
+            raise StartError(str(error)) from error
         return behavior
 
     def _run(self, behavior: Behavior) -> str:

@@ -24,6 +24,7 @@ class Options:
 
     Attributes:
         modifications: apply source changes that come with a request.
+        start_at: start behaviors at any of their states, if a request says so.
         enable_clear_imports: import modules of behaviors and states again for each run.
         on_error: what happens when a state raises.
         hang_limit_s: [s] wall time of one execution that counts as a hang; 0 for none.
@@ -31,6 +32,7 @@ class Options:
     """
 
     modifications: bool = False
+    start_at: bool = False
     enable_clear_imports: bool = False
     on_error: ErrorPolicy = ErrorPolicy.AUTO
     hang_limit_s: float = DEFAULT_HANG_LIMIT_S
@@ -48,6 +50,7 @@ def read_options(modifications: bool = False) -> Options:
     """
     return Options(
         modifications=bool(rospy.get_param("~modifications", modifications)),
+        start_at=bool(rospy.get_param("~start_at", False)),
         enable_clear_imports=bool(rospy.get_param("~enable_clear_imports", False)),
         on_error=_choice("~on_error", ErrorPolicy.AUTO),
         hang_limit_s=_seconds("~hang_limit_s", DEFAULT_HANG_LIMIT_S),

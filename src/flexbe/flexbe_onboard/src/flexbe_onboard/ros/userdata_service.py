@@ -12,7 +12,11 @@ from flexbe_core import Behavior
 
 
 class UserdataService:
-    """Serves flexbe/get_userdata."""
+    """Serves flexbe/get_userdata.
+
+    A key with a `/` at its start, which no key has, is the path of a state: the answer has what the
+    state reads and writes, by its own keys.
+    """
 
     def __init__(self, running: Callable[[], Behavior | None]) -> None:
         """Serve what `running` returns."""
@@ -23,10 +27,15 @@ class UserdataService:
         behavior = self._running()
         if behavior is None:
             return GetUserdataResponse(success=False, message="no behavior is running")
-        found = [info for info in _userdata(behavior) if request.userdata_key in ("", info.key)]
+        wanted = request.userdata_key
+        if wanted.startswith("/"):
+            values = behavior.get_values_at(wanted)
+            found = [_info(wanted, key, value) for key, value in values.items()]
+        else:
+            found = [info for info in _userdata(behavior) if wanted in ("", info.key)]
         if not found:
             text = f"{behavior.name} has no userdata" + (
-                f" with key {request.userdata_key!r}" if request.userdata_key else ""
+                f" {'at' if wanted.startswith('/') else 'with key'} {wanted!r}" if wanted else ""
             )
             return GetUserdataResponse(success=False, message=text)
         return GetUserdataResponse(True, f"{len(found)} values of {behavior.name}", found)
@@ -36,4 +45,8 @@ def _userdata(behavior: Behavior) -> Iterator[UserdataInfo]:
     for path, data in behavior.get_userdata().items():
         state = f"{behavior.name}{path}/" if path else behavior.name
         for key, value in data.items():
-            yield UserdataInfo(state, key, type(value).__name__, str(value))
+            yield _info(state, key, value)
+
+
+def _info(state: str, key: str, value: object) -> UserdataInfo:
+    return UserdataInfo(state, key, type(value).__name__, str(value))

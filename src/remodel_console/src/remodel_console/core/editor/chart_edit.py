@@ -20,6 +20,7 @@ from flexbe_synthesizer.core.chart.model import (
     ContainerKind,
     Outcome,
     Param,
+    State,
     Transition,
 )
 from remodel_console.core.editor.editing import Path, container_at
@@ -107,7 +108,7 @@ def renamed(scope: Chart, old: str, new: str) -> Chart:
         routes = tuple(replace(route, target=follow(route.target)) for route in node.on_error)
         moved = replace(node, transitions=led, on_error=routes, id=follow(node.id))
         if isinstance(moved, Container) and node.id == old:
-            moved = replace(moved, body=_with_name(moved.body, new))
+            moved = replace(moved, body=with_name(moved.body, new))
         nodes.append(moved)
     flows = tuple(
         replace(
@@ -125,8 +126,8 @@ def renamed(scope: Chart, old: str, new: str) -> Chart:
     )
 
 
-def _with_name(body: Chart, name: str) -> Chart:
-    """Return a container's content under another name, by which its connections call it."""
+def with_name(body: Chart, name: str) -> Chart:
+    """Return a chart or a container's content under another name, as its connections call it."""
     flows = tuple(
         replace(
             c,
@@ -160,6 +161,15 @@ def with_autonomy(scope: Chart, node_id: str, event: str, level: Autonomy | None
     def put(node: AnyNode) -> AnyNode:
         changed = (replace(t, autonomy=level) if t.event == event else t for t in node.transitions)
         return _with_transitions(node, tuple(changed))
+
+    return _changed(scope, node_id, put)
+
+
+def with_topic(scope: Chart, node_id: str, topic: str) -> Chart:
+    """Return the scope with a state that calls the action of another name; empty: its class's."""
+
+    def put(node: AnyNode) -> AnyNode:
+        return replace(node, topic=topic or None) if isinstance(node, State) else node
 
     return _changed(scope, node_id, put)
 

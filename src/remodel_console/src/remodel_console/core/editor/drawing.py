@@ -6,6 +6,7 @@ from collections.abc import Iterable
 from dataclasses import dataclass, replace
 
 from flexbe_synthesizer.core.chart.model import AnyNode, Behavior, Chart, Container, walk_nodes
+from flexbe_synthesizer.core.machine.expanded_labels import RUN, TIMER
 
 _DEEPEST = 4  # behaviors inside behaviors that are drawn open
 
@@ -26,9 +27,27 @@ def drawn_path(engine_path: str, drawn: frozenset[str]) -> str:
         deeper = next((n for n in names if "/".join((*found, n)) in drawn), None)
         if deeper is not None:
             found.append(deeper)
-        elif part not in ("run", "timer"):  # of a container that keeps a state's time
+        elif part not in (RUN, TIMER):  # of a container that keeps a state's time
             break
     return "/".join(found)
+
+
+def engine_paths(chart: Chart, path: str) -> frozenset[str]:
+    """Return the paths that the engine may have for a state in the drawing, `Place/Insert`.
+
+    Synthesis puts what has a timeout into a container, as its state `run`, unless it keeps the
+    time itself, which a chart alone does not say.
+    """
+    found, scope = {""}, chart
+    for part in path.split("/"):
+        node = next((node for node in scope.nodes if node.id == part), None)
+        if node is None:
+            return frozenset()
+        found = {f"{above}/{part}" for above in found}
+        if node.timeout_s is not None:
+            found |= {f"{inside}/{RUN}" for inside in found}
+        scope = node.body if isinstance(node, Container) else Chart(part, "")
+    return frozenset(found)
 
 
 def drawn_paths(chart: Chart, prefix: str = "") -> frozenset[str]:

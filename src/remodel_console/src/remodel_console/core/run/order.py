@@ -23,6 +23,7 @@ class Start:
         level: autonomy level.
         parameters: (key, literal) pairs.
         inputs: (key, literal) pairs of userdata.
+        start_at: path of the state to start at, `/Place/Insert`; empty: the first.
     """
 
     name: str
@@ -31,11 +32,14 @@ class Start:
     level: int
     parameters: Pairs = ()
     inputs: Pairs = ()
+    start_at: str = ""
 
     def __str__(self) -> str:
         """Return the words for the record."""
         given = " ".join(f"{key}={value}" for key, value in (*self.parameters, *self.inputs))
-        return f"start '{self.name}' level {LEVELS.get(self.level, self.level)} {given}".rstrip()
+        where = f" at {self.start_at}" if self.start_at else ""
+        level = LEVELS.get(self.level, self.level)
+        return f"start '{self.name}'{where} level {level} {given}".rstrip()
 
 
 @dataclass(frozen=True)
@@ -90,12 +94,14 @@ class TakeOutcome:
         index: place of the outcome among those of the state, from 0.
         outcome: its name, for the record.
         is_forced: the engine had not asked for it.
+        is_by_path: the engine is given the state's path, as states of one name ask at breakpoints.
     """
 
     path: str
     index: int
     outcome: str
     is_forced: bool
+    is_by_path: bool = False
 
     def __str__(self) -> str:
         """Return the words for the record."""

@@ -9,7 +9,7 @@ Nothing else changes the phase, so that a page which opens late, twice, or again
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from enum import Enum, IntEnum
 from typing import TypeAlias
 
@@ -63,10 +63,16 @@ class Entered:
 
 @dataclass(frozen=True)
 class Asked:
-    """The engine asks whether it may leave a state with an outcome."""
+    """The engine asks whether it may leave a state with an outcome.
+
+    Attributes:
+        before: path of the state that was active until then. Beside a state that waits at a
+            breakpoint in a concurrency container, another one may go on.
+    """
 
     path: str
     index: int
+    before: str = field(default="", compare=False)
 
 
 @dataclass(frozen=True)
@@ -122,7 +128,7 @@ class RunView:
         active: path of the active state, empty if none is known.
         visited: paths that this run has entered.
         entries: how many states it has entered.
-        asked: the request that waits for the operator.
+        asks: the requests that wait for the operator, the oldest first.
         level: the autonomy level, as the engine publishes it, or as this console set it; None if
             neither is known.
         attached_name: name that the engine gave when it was attached to.
@@ -143,7 +149,7 @@ class RunView:
     active: str = ""
     visited: frozenset[str] = frozenset()
     entries: int = 0
-    asked: Asked | None = None
+    asks: tuple[Asked, ...] = ()
     level: int | None = None
     attached_name: str = ""
     is_paused: bool = False
@@ -161,6 +167,11 @@ class RunView:
     def is_supervised(self) -> bool:
         """Return whether this console supervises the run."""
         return self.phase is Phase.RUNNING and self.level not in (None, UNATTENDED)
+
+    @property
+    def asked(self) -> Asked | None:
+        """Return the latest request that waits for the operator; None without one."""
+        return self.asks[-1] if self.asks else None
 
     def outcomes(self, path: str) -> tuple[str, ...]:
         """Return the outcomes of a state in the engine's order; none if they are not known."""
@@ -265,8 +276,7 @@ def _on_entered(view: RunView, event: Entered) -> RunView:
 def _on_left(view: RunView, event: Left) -> RunView:
     if view.phase is not Phase.RUNNING:
         return view
-    if view.asked is not None and view.asked.path == event.path:
-        view = replace(view, asked=None)  # nothing else answers it: topics have no order
+    view = _without_ask(view, event.path)  # nothing else answers it: topics have no order
     view = replace(view, visited=view.visited | {event.path}, left=event)
     return _after_left(view, event)
 
@@ -282,11 +292,37 @@ def _after_left(view: RunView, event: Left) -> RunView:
 
 
 def _on_asked(view: RunView, event: Asked) -> RunView:
+    asks = tuple(ask for ask in view.asks if ask.path != event.path)
     if event.index == _WITHDRAWN:
-        return replace(view, asked=None)
+        return _back(_without_ask(view, event.path), view, event.path)
     if view.phase is not Phase.RUNNING:
         return view
-    return replace(_at(view, event.path), asked=event, is_sure=True)
+    known = next((ask.before for ask in view.asks if ask.path == event.path), view.active)
+    asks = (*asks, replace(event, before=known))
+    return replace(_at(view, event.path), asks=asks, is_sure=True)
+
+
+def _without_ask(view: RunView, path: str) -> RunView:
+    """Return the view without what the engine asked about a state."""
+    asks = tuple(ask for ask in view.asks if ask.path != path)
+    return view if asks == view.asks else replace(view, asks=asks)
+
+
+def _label(path: str) -> str:
+    return path.rpartition("/")[2]
+
+
+def _back(view: RunView, before: RunView, path: str) -> RunView:
+    """Return the view after a request has ended with the state active that is shown then.
+
+    That is the one that asked before; or, if the request came from beside it, the one of before.
+    """
+    if view.asks:
+        return _at(view, view.asks[-1].path)
+    ask = next((ask for ask in before.asks if ask.path == path), None)
+    if ask is None or not ask.before or view.active != path:
+        return view
+    return _at(view, ask.before)
 
 
 def _at(view: RunView, path: str) -> RunView:
@@ -311,8 +347,10 @@ def _on_acknowledged(view: RunView, event: Acknowledged) -> RunView:
         return replace(view, held=args[0])
     if event.command == "unlock" and has_worked:
         return replace(view, held=None)
-    if event.command == "transition" and has_worked and view.asked is not None:
+    if event.command == "transition" and has_worked:
         # The next state may have asked before this arrives: topics have no order.
-        is_answered = view.asked.path.rpartition("/")[2] == args[0]
-        return replace(view, asked=None) if is_answered else view
+        about = [ask.path for ask in view.asks if args[0] == ask.path]
+        about = about or [ask.path for ask in view.asks if args[0] == _label(ask.path)]
+        if len(about) == 1:  # else `Left` names the one
+            return _back(_without_ask(view, about[0]), view, about[0])
     return view

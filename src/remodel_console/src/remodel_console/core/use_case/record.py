@@ -124,11 +124,15 @@ class Record:
     entries: tuple[Entry, ...]
 
     @cached_property
+    def begin_s(self) -> float:
+        """Return the ROS time at which the record begins [s]."""
+        return next((entry.time_s for entry in self.entries if entry.time_s), 0.0)
+
+    @cached_property
     def offsets_s(self) -> tuple[float, ...]:
         """Return when in the run each entry was [s]."""
-        begin_s = next((entry.time_s for entry in self.entries if entry.time_s), 0.0)
-        times = accumulate((max(begin_s, entry.time_s) for entry in self.entries), max)
-        return tuple(time_s - begin_s for time_s in times)
+        times = accumulate((max(self.begin_s, entry.time_s) for entry in self.entries), max)
+        return tuple(time_s - self.begin_s for time_s in times)
 
     @property
     def length_s(self) -> float:

@@ -1,8 +1,8 @@
-"""The cell's robots, wires and components, followed while a page shows them.
+"""The cell's robots, wires and components, followed while a page shows or a run records them.
 
 Robots come from the parameter `cell/robots` (description as URDF, prefix of the joints), their
 places from /tf_static, their joints from /joint_states; wires and components are the markers of
-`cell/markers`. While no page shows the cell, nothing is subscribed to, so the cell sends nothing.
+`cell/markers`. While the scene is not wanted, nothing is subscribed to, so the cell sends nothing.
 """
 
 from __future__ import annotations
@@ -17,9 +17,10 @@ from sensor_msgs.msg import JointState
 from tf2_msgs.msg import TFMessage
 from visualization_msgs.msg import Marker, MarkerArray
 
+from remodel_console.core.cell.cell_state import CellState, Line, Robot, Solid
 from remodel_console.core.cell.robot_model import read_robot
 from remodel_console.ros import topics
-from remodel_console.scene import CellState, Line, Robot, Scene, Solid
+from remodel_console.scene import Scene
 
 _POLL_S = 0.2
 _DESCRIBED_EVERY_S = 2.0  # between two checks whether another cell describes itself
@@ -70,8 +71,9 @@ class SceneLink:
         robots = []
         for name, fields in sorted(found.items()):
             try:
-                model = read_robot(fields["description"])
-                robots.append(Robot(model, str(fields.get("prefix", ""))))
+                urdf = str(fields["description"])
+                prefix = str(fields.get("prefix", ""))
+                robots.append(Robot(read_robot(urdf), prefix, description=urdf))
             except (KeyError, TypeError, ValueError) as error:
                 rospy.logwarn("robot %s of the cell is not drawn: %s", name, error)
         self._change(robots=tuple(map(self._placed, robots)))

@@ -2,25 +2,33 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 from nicegui import ui
 
-from remodel_console.console import Console
-from remodel_console.core.cell.wire_history import wire_words
-from remodel_console.core.use_case.use_case import UseCase
+from remodel_console.scene import Meshes, Scene
 from remodel_console.web.cell.cell_view import CellView
+
+Words = Callable[[str], tuple[str, ...]]
 
 
 class CellPanel:
-    """Shows the cell; a wire is chosen by a click on it, or from a list."""
+    """Shows a cell; a wire is chosen by a click on it, or from a list."""
 
-    def __init__(self, console: Console) -> None:
-        """Build it; it is hidden as long as the cell does not describe itself."""
-        self._scene = console.scene
-        self._use_case: UseCase | None = None
+    def __init__(self, scene: Scene, meshes: Meshes, words: Words) -> None:
+        """Build it; it is hidden as long as the cell does not describe itself.
+
+        Args:
+            scene: the cell.
+            meshes: of its robots.
+            words: returns lines about a wire.
+        """
+        self._scene = scene
+        self._words_of = words
         self._wires: tuple[str, ...] = ()
         self._words: tuple[str, ...] = ()
         with ui.element("div").classes("cell-panel wide") as self._area:
-            self._view = CellView(console.scene, self._choose)
+            self._view = CellView(scene, meshes, self._choose)
             with ui.row().classes("cell-wire"):
                 self._wire = ui.select([], label="Wire", clearable=True)
                 self._wire.props("outlined dense").on_value_change(self._show_words)
@@ -36,9 +44,8 @@ class CellPanel:
         """Stop while the page is in the background, and go on."""
         self._view.set_shown(is_shown)
 
-    def show(self, use_case: UseCase | None) -> None:
+    def show(self) -> None:
         """Show the wires that there are now, and what is known of the one that is chosen."""
-        self._use_case = use_case
         self._area.set_visibility(self.is_available)
         wires = tuple(sorted(self._scene.now.wires))
         if wires != self._wires:
@@ -52,7 +59,7 @@ class CellPanel:
             self._wire.value = wire
 
     def _show_words(self) -> None:
-        words = wire_words(self._wire.value, self._use_case) if self._wire.value else ()
+        words = self._words_of(str(self._wire.value)) if self._wire.value else ()
         if words == self._words:
             return
         self._words = words

@@ -10,8 +10,9 @@ from nicegui import ui
 from nicegui.element import Element
 from nicegui.events import GenericEventArguments
 
+from remodel_console.core.cell.cell_state import CellState
 from remodel_console.core.cell.robot_model import RobotModel, Shape
-from remodel_console.scene import CellState, Scene
+from remodel_console.scene import Meshes, Scene
 
 _EVERY_S = 0.05  # between two updates: 20 Hz
 _LOST_S = 2.0  # after which a page that has not painted is sent the next update nevertheless
@@ -28,9 +29,10 @@ class CellView:
         is_available: the browser can draw in three dimensions, and the cell describes itself.
     """
 
-    def __init__(self, scene: Scene, on_pick: Callable[[str], None]) -> None:
+    def __init__(self, scene: Scene, meshes: Meshes, on_pick: Callable[[str], None]) -> None:
         """Begin empty; `on_pick` gets the name of a wire that is clicked."""
         self._scene = scene
+        self._meshes = meshes
         self._sent = CellState()
         self._sent_s: float | None = None  # None once the page has painted what was sent
         self._can_draw = True
@@ -79,9 +81,9 @@ class CellView:
         changes: dict[str, object] = {}
         if now.robots != sent.robots:
             changes["robots"] = [
-                _robot(number, robot.model) | {"prefix": robot.prefix}
+                _robot(robot.model, self._meshes) | {"prefix": robot.prefix}
                 | {"at": [*robot.position, *robot.rotation]}
-                for number, robot in enumerate(now.robots)
+                for robot in now.robots
             ]  # fmt: skip
         if now.joints is not sent.joints:
             changes["joints"] = {
@@ -106,8 +108,8 @@ class CellView:
             self._drawing.run_method("change", {**changes, "wires": wires, "gone": gone})
 
 
-def _robot(number: int, model: RobotModel) -> dict[str, object]:
-    meshes = {file: f"/mesh/{number}/{place}" for place, file in enumerate(model.meshes)}
+def _robot(model: RobotModel, known: Meshes) -> dict[str, object]:
+    meshes = {file: f"/mesh/{known.number(file)}" for file in model.meshes}
 
     def shape(of: Shape) -> dict[str, object]:
         at = [*of.position, *of.rotation]

@@ -28,7 +28,7 @@ from remodel_console.web.editor.xml_pane import XmlPane
 
 _SCRIPT = """<script>document.addEventListener("keydown", (event) => {
   const isIn = (selector) => event.target.closest(selector);
-  const ours = isIn(".cm-editor") ? "s" : isIn("input, textarea") ? "sf" : "sfay";
+  const ours = isIn(".cm-editor") ? "s" : isIn("input, textarea") ? "sf" : "sfayg";
   if (!event.ctrlKey || !ours.includes(event.key)) return;
   event.preventDefault();
   if (event.key === "f") document.querySelector(".finder input").focus();
@@ -47,6 +47,7 @@ class EditorPage(EditingPage):
         ("Ctrl+C  Ctrl+X  Ctrl+V", "copy, cut and paste states"),
         ("Shift+click, Shift+drag", "select several states"),
         ("Ctrl+A  Ctrl+F", "select all states of the container, find a state"),
+        ("Ctrl+G", "put the selected states into a container"),
         ("Esc", "clear the selection"),
     )
 
@@ -61,7 +62,8 @@ class EditorPage(EditingPage):
             self._library = LibraryPanel(self)
             with ui.element("section").classes("stage"):
                 editor = DrawingEditor(self, self._library.add)
-                self._canvas = Canvas("Edited state machine", editor, is_editable=self.is_operator)
+                may_edit = editor if self.is_operator else None
+                self._canvas = Canvas("Edited state machine", editor, may_edit)
                 self._empty = ui.label("Open a behavior, or create a new one.").classes("empty")
             with ui.element("aside").classes("panel side"):
                 with ui.tabs().props("no-caps dense align=left").classes("wide") as tabs:
@@ -114,6 +116,7 @@ class EditorPage(EditingPage):
             ("x", True): self.clipboard.cut,
             ("v", True): self.clipboard.paste,
             ("a", True): self._select_all,
+            ("g", True): self._tools.group,
         }
         deed = deeds.get((key, ctrl))
         if deed is not None and self.is_operator:

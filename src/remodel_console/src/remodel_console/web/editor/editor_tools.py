@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import logging
+from collections.abc import Callable
 from functools import partial
 from pathlib import Path as FilePath
 
@@ -13,7 +14,9 @@ from flexbe_synthesizer.core.chart.names import behavior_file, is_behavior_name,
 from remodel_console.core.answer import DONE
 from remodel_console.core.commands import Command, Verb
 from remodel_console.core.editor import chart_edit
-from remodel_console.core.editor.editing import Path, container_at, matches, unplaced
+from remodel_console.core.editor.copying import outermost
+from remodel_console.core.editor.editing import Path, connected, container_at, matches, unplaced
+from remodel_console.core.editor.grouping import grouped
 from remodel_console.errors import CommandError
 from remodel_console.session import Session
 from remodel_console.web.editor.editing_page import SESSION, EditingPage
@@ -35,11 +38,24 @@ class EditorTools:
             self._open.on("focus", self._list)
             background_tasks.create(self._list())
             page.button("New", self._new, icon="add", look="quiet")
-            page.button("Container", self._add_container, icon="select_all", look="quiet")
-            self._undo = page.button("Undo", self.undo, icon="undo", look="quiet")
-            self._redo = page.button("Redo", self.redo, icon="redo", look="quiet")
-            page.button("Arrange", self._arrange, icon="auto_fix_high", look="quiet").tooltip(
-                "Lay the states out again; places given by hand are dropped"
+            _small(page, "Save as", self._ask_copy, "file_copy", "Save a copy under another name")
+            _small(page, "Container", self._add_container, "select_all", "Add an empty container")
+            _small(page, "Group", self.group, "workspaces", "Group the selected states (Ctrl+G)")
+            _small(
+                page,
+                "Connect",
+                self._connect,
+                "cable",
+                "Lead unconnected outcomes to the ends of their names",
+            )
+            self._undo = _small(page, "Undo", self.undo, "undo", "Undo (Ctrl+Z)")
+            self._redo = _small(page, "Redo", self.redo, "redo", "Redo (Ctrl+Y)")
+            _small(
+                page,
+                "Arrange",
+                self._arrange,
+                "auto_fix_high",
+                "Lay the states out again; places given by hand are dropped",
             )
             page.button("Save", self.save, icon="save")
             page.button("Run", self._run, icon="play_arrow", look="quiet").tooltip(
@@ -170,6 +186,61 @@ class EditorTools:
         if await page.change(what, path, lambda scope: chart_edit.with_node(scope, node)):
             page.select((*path, node_id))
 
+    async def group(self) -> None:
+        """Put the selected states into a container."""
+        page = self._page
+        paths = outermost(page.selection)
+        if page.chart is None or not paths:
+            ui.notify("Select the states to group first.", type="warning")
+            return
+        path = paths[0][:-1]
+        ids = [one[-1] for one in paths if one[:-1] == path]
+        node_id = chart_edit.unused_id(container_at(page.chart, path), "Group")
+        uses = {i: page.inspection.uses.get("/".join((*path, i))) for i in ids}
+        reads = {i: tuple(use.inputs) for i, use in uses.items() if use}
+        writes = {i: tuple(use.outputs) for i, use in uses.items() if use}
+        names = ", ".join(f"'{one}'" for one in ids)
+        change = partial(grouped, ids=ids, node_id=node_id, reads=reads, writes=writes)
+        if await page.change(f"group {names} as '{node_id}'", path, change):
+            page.select((*path, node_id))
+
+    async def _connect(self) -> None:
+        """Lead unconnected outcomes to the ends of their names, in the container that is open."""
+        page, path = self._page, self._page.scope_path
+        if page.chart is None:
+            ui.notify("Open a behavior first.", type="warning")
+            return
+        prefix = "".join(f"{part}/" for part in path)
+        nodes = container_at(page.chart, path).nodes
+        events = {n.id: page.inspection.events(f"{prefix}{n.id}", n) for n in nodes}
+        await page.change(
+            f"connect what is in /{'/'.join(path)}", path, partial(connected, events=events)
+        )
+
+    def _ask_copy(self) -> None:
+        """Ask how a copy of the behavior is called."""
+        page = self._page
+        if page.session.chart is None:
+            ui.notify("Open a behavior first.", type="warning")
+            return
+        with page.dialog() as dialog:
+            ui.label(f"Save '{page.session.chart.name}' as").classes("title")
+            ui.label("The copy lies in the same folder.").classes("soft")
+            name = ui.input("Name").props("outlined dense autofocus").classes("wide")
+            name.on("keydown.enter", lambda: make())
+
+            async def make() -> None:
+                wanted = (name.value or "").strip()
+                if not _is_usable(wanted):
+                    return
+                session = page.session
+                answer = await page.give(f"copy as '{wanted}'", lambda: session.copy_as(wanted))
+                if answer.state == DONE:
+                    dialog.close()
+                    await self.save()
+
+            page.button("Save", make)
+
     def _new(self) -> None:
         """Create a behavior; ask first if something would be lost."""
         session = self._page.session
@@ -196,12 +267,7 @@ class EditorTools:
             self._page.button("Create", make)
 
     async def _make(self, name: str, folder: str) -> bool:
-        if not (is_name(name) and is_behavior_name(name)):
-            ui.notify(
-                "A name has letters, digits and single blanks, of which at least the first of a-z, "
-                "A-Z, 0-9 and '_' is a letter, and 200 at most.",
-                type="warning",
-            )
+        if not _is_usable(name):
             return False
         file = FilePath(folder) / f"{behavior_file(name)}.xml"
         if file.exists():
@@ -210,3 +276,23 @@ class EditorTools:
         chart = chart_edit.new_chart(name, str(file))
         session = self._page.session
         return (await self._page.give(f"new '{name}'", lambda: session.open(chart))).state == DONE
+
+
+def _is_usable(name: str) -> bool:
+    """Return whether a behavior can have a name; else say which it can have."""
+    if is_name(name) and is_behavior_name(name):
+        return True
+    ui.notify(
+        "A name has letters, digits and single blanks, of which at least the first of a-z, "
+        "A-Z, 0-9 and '_' is a letter, and 200 at most.",
+        type="warning",
+    )
+    return False
+
+
+def _small(
+    page: EditingPage, text: str, deed: Callable[[], object], icon: str, hint: str
+) -> ui.button:
+    """Return a button without a text, which would make a second row of the tools."""
+    made = page.button("", deed, icon=icon, look="quiet").props(f'aria-label="{text}"')
+    return made.tooltip(hint)

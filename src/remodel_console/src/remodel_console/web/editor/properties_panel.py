@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
+from dataclasses import replace
 from functools import partial
 
 from nicegui import ui
@@ -11,9 +12,11 @@ from flexbe_synthesizer.core.chart.error_routes import FAILED_EVENT, format_rout
 from flexbe_synthesizer.core.chart.model import (
     AnyNode,
     Autonomy,
+    Behavior,
     Chart,
     Container,
     ContainerKind,
+    State,
 )
 from remodel_console.core.editor import chart_edit
 from remodel_console.core.editor.concurrency_edit import kind_at
@@ -60,13 +63,27 @@ class PropertiesPanel:
 
     def _show_chart(self, chart: Chart) -> None:
         ui.label(chart.name).classes("title")
-        if chart.description:
-            ui.label(chart.description).classes("soft")
+        self._description(chart)
         self._outcomes_entry(chart, ())
         self._interface(chart, ())
         ui.label(
             "Click a state in the drawing to edit it; choose one on the left to add it."
         ).classes("soft")
+
+    def _description(self, chart: Chart) -> None:
+        """Show what the behavior does, for people, as a text that can be changed."""
+        entry = ui.textarea("Description", value=chart.description)
+        entry.props("outlined dense stack-label autogrow").classes("wide description")
+        entry.set_enabled(self._page.is_operator)
+
+        async def take() -> None:
+            text = (entry.value or "").strip()
+            if text != chart.description:
+                await self._change(
+                    "description", (), lambda scope: replace(scope, description=text)
+                )
+
+        entry.on("blur", take)
 
     def _show_node(self, node: AnyNode, path: Path) -> None:
         scope = self._page.scope_of(path)
@@ -81,7 +98,11 @@ class PropertiesPanel:
             self._interface(node.body, path)
         else:
             ui.label(node.type).classes("soft")
+        if isinstance(node, Behavior):
+            deed = partial(self._page.load, self._behavior_name(node, path))
+            self._page.button("Open", deed, icon="open_in_new", look="quiet")
         self._parameters(node, path)
+        self._topic(node, path)
         self._limits(node, path)
         is_beside = self._is_in_concurrency(path)
         if is_beside:
@@ -147,6 +168,24 @@ class PropertiesPanel:
                 self._page.wants_value = False
                 entry.run_method("focus")
 
+    def _behavior_name(self, node: Behavior, path: Path) -> str:
+        """Return the display name of a behavior, which a chart may call by its class or path."""
+        use = self._page.inspection.uses.get("/".join(path))
+        return use.declaration.name if use and use.declaration else node.type
+
+    def _topic(self, node: AnyNode, path: Path) -> None:
+        """Show the name of the action that a state calls, if its class leaves the choice."""
+        use = self._page.inspection.uses.get("/".join(path))
+        names = {p.name for p in use.signature.parameters} if use and use.signature else set()
+        if not isinstance(node, State) or "topic" not in names:
+            return
+
+        async def put(text: str) -> None:
+            change = partial(chart_edit.with_topic, node_id=node.id, topic=text)
+            await self._change(f"{node.id}: topic {text or 'of its class'}", path[:-1], change)
+
+        self._entry("Action", node.topic or "", put, "that of its class")
+
     def _limits(self, node: AnyNode, path: Path) -> None:
         attempts = "" if node.attempts is None else str(node.attempts)
         timeout = "" if node.timeout_s is None else f"{node.timeout_s:g}"
@@ -173,6 +212,31 @@ class PropertiesPanel:
 
     def _interface(self, scope: Chart, path: Path) -> None:
         InterfacePanel(scope, path, self._change, is_operator=self._page.is_operator)
+        self._outputs(scope, path)
+
+    def _outputs(self, scope: Chart, path: Path) -> None:
+        """Show which output of a state each output of the chart or container gets."""
+        if not scope.outputs:
+            return
+        ui.label("Output connections").classes("heading")
+        self._feeds(scope, path, scope.name, [port.name for port in scope.outputs])
+
+    def _feeds(self, scope: Chart, path: Path, node_id: str, keys: Iterable[str]) -> None:
+        """Show where values of a node, or of the chart or container itself, come from."""
+        prefix = "".join(f"{part}/" for part in path)
+        sources = list(self._page.inspection.sources(scope, prefix))
+        names = {index: _source_words(scope, source) for index, source in enumerate(sources)}
+        for key in keys:
+            source = chart_edit.feed_of(scope, node_id, key)
+            value = sources.index(source) if source in sources else -1
+
+            async def put(index: int, name: str = key) -> None:
+                chosen = None if index < 0 else sources[index]
+                change = partial(chart_edit.fed, node_id=node_id, input_name=name, source=chosen)
+                words = _BY_NAME if chosen is None else ".".join(chosen)
+                await self._change(f"{node_id}: {name} is fed {words}", path, change)
+
+            self._choice(key, {-1: _BY_NAME} | names, value, put)
 
     def _error_routes(self, node: AnyNode, path: Path) -> None:
         """Show where failures lead by their error codes; for all others the transition says so."""
@@ -221,20 +285,7 @@ class PropertiesPanel:
         if entry is None or not entry.inputs:
             return
         ui.label("Input connections").classes("heading")
-        prefix = "".join(f"{part}/" for part in path[:-1])
-        sources = list(self._page.inspection.sources(scope, prefix))
-        names = {index: _source_words(scope, source) for index, source in enumerate(sources)}
-        for port in entry.inputs.values():
-            source = chart_edit.feed_of(scope, node.id, port.name)
-            value = sources.index(source) if source in sources else -1
-
-            async def put(index: int, name: str = port.name) -> None:
-                chosen = None if index < 0 else sources[index]
-                change = partial(chart_edit.fed, node_id=node.id, input_name=name, source=chosen)
-                words = _BY_NAME if chosen is None else ".".join(chosen)
-                await self._change(f"{node.id}: {name} is fed {words}", path[:-1], change)
-
-            self._choice(port.name, {-1: _BY_NAME} | names, value, put)
+        self._feeds(scope, path[:-1], node.id, entry.inputs)
 
     # Elements
 

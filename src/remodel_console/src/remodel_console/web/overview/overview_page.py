@@ -20,7 +20,7 @@ from remodel_console.core.use_case.use_case import (
 )
 from remodel_console.core.world import Notice, World, supervisor_notice
 from remodel_console.web.cell.camera_view import CameraView
-from remodel_console.web.cell.cell_panel import CellPanel
+from remodel_console.web.cell.live_cell import LiveCell
 from remodel_console.web.overview.figure_cards import FigureCards
 from remodel_console.web.overview.order_form import OrderForm
 from remodel_console.web.overview.run_head import PAUSING, RunHead
@@ -53,7 +53,7 @@ class OverviewPage(Page):
                 skip, retry = partial(self._do_task, "skip"), partial(self._do_task, "retry")
                 self._tasks = TaskTable(skip, retry, is_operator=self.is_operator)
             with ui.element("section").classes("watch").props('tabindex="0" aria-label="Cell"'):
-                self._cell = CellPanel(self.console)
+                self._cell = LiveCell(self.console)
                 with ui.element("div").classes("cameras"):
                     self._cameras = {name: CameraView(*words) for name, *words in _CAMERAS}
                 self._figures = FigureCards()
@@ -69,7 +69,7 @@ class OverviewPage(Page):
 
     def show(self, world: World) -> None:
         """Show the parts that have changed."""
-        self._cell.show(world.use_case)
+        self._cell.follow(world.use_case)
         self._cameras["scene"].set_visibility(not self._cell.is_available)
         self._want_pictures(not self._cell.is_available)
         for camera, view in self._cameras.items():

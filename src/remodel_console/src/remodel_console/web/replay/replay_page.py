@@ -6,18 +6,26 @@ from collections.abc import Iterable
 
 from nicegui import background_tasks, run, ui
 
+from remodel_console.core.cell.cell_state import CellState
+from remodel_console.core.cell.recording import Recording
+from remodel_console.core.cell.wire_history import recorded_wire_words
 from remodel_console.core.run.run_words import path_words
 from remodel_console.core.use_case.record import Entry, Moment, Record, Summary
 from remodel_console.core.use_case.record_words import KIND_WORDS, entry_words
 from remodel_console.core.world import Notice, World, supervisor_notice
 from remodel_console.errors import CommandError
+from remodel_console.scene import Scene
 from remodel_console.web.behavior_drawing import BehaviorDrawing
 from remodel_console.web.cell.camera_view import CameraView
+from remodel_console.web.cell.cell_panel import CellPanel
 from remodel_console.web.page import Page
+from remodel_console.web.replay.comparison_panel import ComparisonPanel
 from remodel_console.web.replay.run_list import RunList
 from remodel_console.web.replay.scrubber import Scrubber
+from remodel_console.web.replay.start_here import StartHere
 from remodel_console.web.replay.value_plots import ValuePlots
 
+_NO_RECORDING = "No console recorded the cell in three dimensions during this run."
 _SHOWN_REASONS = 20  # the latest until the moment
 
 
@@ -33,22 +41,31 @@ class ReplayPage(Page):
     def build(self) -> None:
         """Build the list of runs, the drawing with what moves in time, and the panel of reasons."""
         self._record = Record(())
+        self._recording: Recording | None = None
+        self._scene = Scene()
+        self._index = 0
         self._run = 0
         self._shown_reasons: tuple[Entry, ...] | None = None
         with ui.element("div").classes("replay"):
-            self._runs = RunList(self.console, self._open)
+            self._runs = RunList(self.console, self._open, lambda r: self._comparison.offer(r))
             with ui.element("section").classes("stage"):
                 with ui.row().classes("headline"):
                     self._title = ui.label("Choose a run on the left.").classes("title")
                     self._where = ui.label().classes("where")
-                self._drawing = BehaviorDrawing(
-                    self.console,
-                    "State machine of the behavior",
-                    "No behavior of this task has run yet.",
-                )
-            self._scrubber = Scrubber(self._show_moment)
+                with ui.element("div").classes("drawing-area"):
+                    self._drawing = BehaviorDrawing(
+                        self.console,
+                        "State machine of the behavior",
+                        "No behavior of this task has run yet.",
+                    )
+                self._comparison = ComparisonPanel(self.console, lambda i: self._scrubber.go(i))
+            self._scrubber = Scrubber(self._show_moment, self._move)
             with ui.element("aside").classes("panel").props('tabindex="0" aria-label="Moment"'):
                 self._now = ui.element("div").classes("wide")
+                self._start = StartHere(self)
+                self._cell = CellPanel(self._scene, self.console.meshes, self._about_wire)
+                self._no_cell = ui.label(_NO_RECORDING).classes("soft")
+                self._no_cell.set_visibility(False)
                 self._picture = CameraView(
                     "Last camera picture", "no picture was stored up to this time"
                 )
@@ -66,6 +83,12 @@ class ReplayPage(Page):
         if world.has_supervisor and not self._has_supervisor:
             background_tasks.create(self._list())
         self._has_supervisor = world.has_supervisor
+        moment = self._record.moment(self._index) if self._record.entries else None
+        self._start.show(moment, world)
+
+    def set_in_view(self, is_in_view: bool) -> None:
+        """Draw the cell only while the page is in view."""
+        self._cell.set_shown(is_in_view)
 
     def press(self, key: str, *, ctrl: bool) -> None:
         """Move in time."""
@@ -92,21 +115,38 @@ class ReplayPage(Page):
         recorder = self.console.recorder
         if recorder is None:
             return
+        scenes, of_run = self.console.scenes, (summary.run, summary.order, summary.started_s)
         try:
             record = await run.io_bound(recorder.record, summary.run)
         except CommandError as error:
             ui.notify(str(error), type="negative")
             return
+        self._recording = await run.io_bound(scenes.read, *of_run)
+        self._no_cell.set_visibility(self._recording is None)
+        self._scene.now = CellState()
         self._record, self._run = record, summary.run
         self._title.text = f"{summary.order}, run {summary.run}"
         self._runs.mark(summary.run)
         self._values.open(record)
         self._scrubber.open(record)
+        await self._comparison.open(summary, record)
 
     # A moment
 
+    def _move(self, offset_s: float) -> None:
+        """Show the cell in three dimensions as it was at a time in the run [s]."""
+        if self._recording is not None:
+            self._scene.now = self._recording.at(self._record.begin_s + offset_s)
+        self._cell.show()
+
+    def _about_wire(self, wire: str) -> tuple[str, ...]:
+        return recorded_wire_words(self._record, wire, self._index)
+
     def _show_moment(self, index: int) -> None:
         moment, offset_s = self._record.moment(index), self._record.offsets_s[index]
+        self._index = index
+        self._cell.show()
+        self._start.show(moment, self.console.live.world)
         self._where.text = path_words(moment.state_path)
         self._show_now(moment)
         self._values.move(offset_s)

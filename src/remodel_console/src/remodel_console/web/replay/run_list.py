@@ -19,8 +19,17 @@ Open = Callable[[Summary], Awaitable[None]]
 class RunList:
     """Shows the runs that the supervisor knows."""
 
-    def __init__(self, console: Console, open_run: Open) -> None:
-        """Build an empty list; `open_run` is called with the run that is chosen."""
+    def __init__(
+        self, console: Console, open_run: Open, on_list: Callable[[tuple[Summary, ...]], None]
+    ) -> None:
+        """Build an empty list.
+
+        Args:
+            console: gives access to the runs.
+            open_run: is called with the run that is chosen.
+            on_list: is called with all runs when they are listed.
+        """
+        self._on_list = on_list
         self._console = console
         self._open = open_run
         with ui.element("aside").classes("runs").props('tabindex="0" aria-label="Runs"'):
@@ -42,6 +51,7 @@ class RunList:
             with self._area:
                 ui.label(str(error)).classes("ending bad")
             return ()
+        self._on_list(runs)
         self._area.clear()
         with self._area:
             if not runs:

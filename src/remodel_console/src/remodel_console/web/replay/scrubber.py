@@ -17,9 +17,15 @@ _SPEEDS = {1: "1 x", 5: "5 x", 20: "20 x"}
 class Scrubber:
     """Moves through a record."""
 
-    def __init__(self, show: Callable[[int], None]) -> None:
-        """Build it without a record; `show` gets the index of each entry that is gone to."""
+    def __init__(self, show: Callable[[int], None], move: Callable[[float], None]) -> None:
+        """Build it without a record.
+
+        Args:
+            show: gets the index of each entry that is gone to.
+            move: gets each time in the run that is gone to [s].
+        """
         self._show = show
+        self._move = move
         self._record = Record(())
         self._index = 0
         with ui.element("section").classes("scrub"):
@@ -46,17 +52,17 @@ class Scrubber:
         self._slider.set_enabled(bool(record.entries))
         self._marks.set_content(_marks(record))
         if record.entries:
-            self._go(0)
+            self.go(0)
         else:
             self._clock.text = "This run has no recorded entries."
 
     def step(self, step: int) -> None:
         """Go to the next entry, or the one before."""
-        self._go(self._index + step)
+        self.go(self._index + step)
 
     def step_reason(self, step: int) -> None:
         """Go to the next failure, decision or answer, or the one before."""
-        self._go(self._record.next_reason(self._index, step))
+        self.go(self._record.next_reason(self._index, step))
 
     def toggle(self) -> None:
         """Play or pause."""
@@ -79,14 +85,18 @@ class Scrubber:
 
     def _seek(self, offset_s: float) -> None:
         """Show the moment of a time in the run [s]."""
+        self._move(offset_s)
         index = self._record.at(offset_s)
         if index != self._index:
             self._select(index)
 
-    def _go(self, index: int) -> None:
+    def go(self, index: int) -> None:
+        """Go to the entry of an index."""
         if self._record.entries:
             index = min(max(0, index), len(self._record.entries) - 1)
-            self._slider.value = self._record.offset_s(self._record.entries[index])
+            offset_s = self._record.offset_s(self._record.entries[index])
+            self._slider.value = offset_s
+            self._move(offset_s)
             self._select(index)
 
     def _select(self, index: int) -> None:

@@ -10,10 +10,11 @@ from remodel_console.core.run.run_view import Phase, RunView
 from remodel_console.core.run.run_words import state_words
 from remodel_console.core.world import World
 from remodel_console.web.behavior_drawing import BehaviorDrawing
-from remodel_console.web.cell.cell_panel import CellPanel
+from remodel_console.web.cell.live_cell import LiveCell
 from remodel_console.web.log_pane import LogPane
 from remodel_console.web.page import Page
 from remodel_console.web.runtime.run_panel import RunPanel
+from remodel_console.web.runtime.state_panel import StatePanel
 
 _READABLE_S = 0.25  # between two changes of what is there to click
 
@@ -26,6 +27,7 @@ class RuntimePage(Page):
         ("Alt+R", "repeat the active state"),
         ("Alt+L", "lock or unlock the active state"),
         ("Alt+S", "step mode on or off"),
+        ("Alt+B", "breakpoint at the chosen or active state on or off"),
     )
 
     def build(self) -> None:
@@ -35,6 +37,7 @@ class RuntimePage(Page):
         self._newer_for: object = None
         self._ran = ""  # name of the behavior that runs, or ran last; empty if it is not known
         self._line_count = 0
+        self._is_in_view = True
         ui.timer(_READABLE_S, self._follow)
         with ui.element("div").classes("runtime"):
             with ui.element("section").classes("stage"):
@@ -45,10 +48,13 @@ class RuntimePage(Page):
                     self.console,
                     "State machine of the behavior",
                     "Choose a behavior on the right to draw its state machine here.",
+                    lambda path: self._state_panel.pick(path),
                 )
             self._panel = RunPanel(self, self.order)
             with self._panel.area:
-                self._cell = CellPanel(self.console)
+                self._state_panel = StatePanel(self)
+                self._state_panel.drawing = self._drawing
+                self._cell = LiveCell(self.console)
             with ui.element("section").classes("log-area"):
                 self._log = LogPane()
 
@@ -71,7 +77,7 @@ class RuntimePage(Page):
         self._light(view)
         self._check_for_newer_version(view)
         self._panel.show(view, running, loaded, self._newer)
-        self._cell.show(world.use_case)
+        self._cell.follow(world.use_case)
 
     def _draw(self, name: str) -> None:
         """Draw a behavior, unless this version of it is drawn already."""
@@ -90,11 +96,14 @@ class RuntimePage(Page):
 
     def set_in_view(self, is_in_view: bool) -> None:
         """Draw the cell only while the page is in view."""
+        self._is_in_view = is_in_view
         self._cell.set_shown(is_in_view)
 
     def press_with_alt(self, key: str) -> None:
         """Command the running behavior."""
         view = self.console.live.world.run
+        if key == "b" and self.is_operator:
+            background_tasks.create(self._state_panel.toggle())
         if not view.is_supervised or not self.is_operator:
             return
         orders: dict[str, Order] = {
@@ -115,8 +124,12 @@ class RuntimePage(Page):
 
     async def _follow(self) -> None:
         """Show what changes with each state; not faster than it can be read."""
-        self._panel.follow(self.console.live.world.run)
+        view = self.console.live.world.run
+        self._panel.follow(view)
         await self._drawing.follow()
+        self._state_panel.show(self.console.live.world)
+        if self._is_in_view:
+            await self._state_panel.follow(view)
 
     async def order(self, order: Order) -> None:
         """Give the engine an order."""

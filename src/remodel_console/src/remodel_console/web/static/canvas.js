@@ -1,15 +1,20 @@
 // The drawing of a chart, by cytoscape: `draw` gets the parts of it, see core/editor/graph.py; layout.js places them.
 import cytoscape from "/console/vendor/cytoscape.esm.min.mjs";
 import { layOut, HEADER, PADDING } from "/console/layout.js";
+import { svgOf } from "/console/picture.js";
 
 const READABLE = 0.6; // [screen pixels per unit of the drawing] below this, text is too small to read
 const LARGEST = 3.0;
+const MOST_VALUES = 8; // that are shown beside a state
 const REST_MS = 400; // between two moves of the drawing after what is active
 const LINGER_MS = 300; // for which the outcomes of a state stay after the pointer has left it
 const FONT = "12px Helvetica, Arial, sans-serif";
 const LINE = 15; // height of a line of text
 const GRID = 10; // on which states are placed by hand
 const NODE_TYPE = "application/x-remodel-node"; // of what is dragged from the library
+const AT_ONCE = 300; // nodes; of a larger drawing, what is in view is painted first
+const SLICE = 500; // nodes that are then added between two frames
+const MARGIN = 24; // around a drawing that is seen whole
 const BADGE = (colour, text) => `data:image/svg+xml;utf8,${encodeURIComponent(
   `<svg xmlns="http://www.w3.org/2000/svg" width="18" height="18"><circle cx="9" cy="9" r="8" fill="${colour}"/>`
   + `<text x="9" y="13" font-family="Helvetica,Arial" font-size="12" font-weight="bold" fill="#fff" text-anchor="middle">${text}</text></svg>`)}`;
@@ -30,10 +35,12 @@ export default {
       <div ref="stage" class="canvas-stage" @dragover="over" @drop="drop"></div>
       <svg class="canvas-rubber" aria-hidden="true"><line ref="rubber"/></svg>
       <div ref="handles" class="canvas-handles" @pointerenter="linger" @pointerleave="leave"></div>
+      <dl ref="values" class="canvas-values" aria-hidden="true"></dl>
       <div ref="map" class="canvas-map" aria-hidden="true" @pointerdown="jump"><img ref="small" alt=""><i ref="window"></i></div>
       <div class="canvas-tools">
         <button v-if="editable" type="button" title="Data flow" aria-label="Data flow" aria-pressed="false" ref="flow" @click="showFlow">⇢</button>
-        <button type="button" title="Download the picture" aria-label="Download the picture" @click="picture">⤓</button>
+        <button type="button" title="Download the picture as PNG" aria-label="Download the picture as PNG" class="words" @click="picture">PNG</button>
+        <button type="button" title="Download the picture as SVG" aria-label="Download the picture as SVG" class="words" @click="vectors">SVG</button>
         <button type="button" title="Zoom in (+)" aria-label="Zoom in" @click="zoom(1.25)">+</button>
         <button type="button" title="Zoom out (−)" aria-label="Zoom out" @click="zoom(0.8)">−</button>
         <button type="button" title="Show all (0)" aria-label="Show all" @click="fit">⤢</button>
@@ -48,6 +55,7 @@ export default {
     this.wanted = [];
     this.restsUntil = 0;
     this.turn = 0;
+    this.kept = new Map(); // marks by name, for the next drawing too
     this.dragged = new Set(); // containers in which something was moved
     this.cy = cytoscape({
       container: this.$refs.stage, style: this.style(), minZoom: 0.04, maxZoom: LARGEST, autoungrabify: !this.editable,
@@ -75,6 +83,7 @@ export default {
         setTimeout(() => this.picked(event.target === cy ? "" : event.target.data("pick")));
       });
       cy.on("boxend", () => setTimeout(() => this.picked()));
+      cy.on("pan zoom", () => this.placeValues());
       if (!this.editable) return;
       cy.on("mouseover", "node", (event) => this.showHandles(event.target));
       cy.on("mouseout", "node", () => this.leave());
@@ -85,6 +94,7 @@ export default {
       });
       cy.on("dragfreeon", "node", (event) => {
         this.dragged.add(event.target.data("parent"));
+        this.box = undefined;
         clearTimeout(this.freed);
         this.freed = setTimeout(() => this.moved()); // once, if several were moved
       });
@@ -92,7 +102,8 @@ export default {
     picked(around) { // what is selected now; a start or an end means what is around it
       const chosen = pathsOf(this.cy.$("node:selected").filter((one) => one.data("selectable")));
       this.wanted = chosen;
-      this.$emit("pick", chosen.length ? chosen : around ? [around] : []);
+      this.picks = (this.picks || 0) + 1;
+      this.$emit("pick", { paths: chosen.length ? chosen : around ? [around] : [], number: this.picks });
     },
 
     // Drawing
@@ -112,25 +123,76 @@ export default {
       const handled = cy.getElementById(this.handled || "").data("path");
       this.scopes = found.scopes;
       this.name = graph.name;
-      cy.startBatch();
-      cy.elements().remove();
+      this.box = around([...found.boxes.values()], [...found.routes.values()].flat());
+      const start = graph.nodes.find((node) => node.kind === "start" && node.parent === null);
+      this.start = start && found.boxes.get(start.id);
       this.hideHandles();
-      cy.add(this.elements(graph, found.boxes));
-      cy.endBatch();
-      this.route(graph, found.routes);
-      if (graph.nodes.length && !keeps) this.open();
+      cy.elements().remove();
       this.byPath = new Map();
-      for (const node of cy.nodes()) this.byPath.set(node.data("path"), node);
-      this.outline(graph);
+      this.items = new Map();
       this.marked = new Map();
+      this.hasAll = false;
+      if (graph.nodes.length && !keeps) this.open();
+      const [first, ...others] = this.slices(graph, found.boxes);
+      this.build(first, found);
+      this.lightUp(this.active, [...this.passed], true, this.asked);
+      painted().then(() => {
+        if (turn === this.turn) this.$el.dataset.drawnMs = (performance.now() - began).toFixed(0);
+      });
+      for (const slice of others) {
+        await painted();
+        if (turn !== this.turn) return;
+        this.build(slice, found);
+      }
+      this.hasAll = true;
+      this.outline(graph);
+      for (const [name, paths] of this.kept) this.mark(name, paths);
+      this.placeValues();
       this.lightUp(this.active, [...this.passed], true, this.asked);
       this.select(this.wanted, false);
       if (handled && this.byPath.has(handled)) this.showHandles(this.byPath.get(handled));
       this.drawMap();
       this.$el.dataset.drawn = String(graph.nodes.length);
-      requestAnimationFrame(() => setTimeout(() => {
-        this.$el.dataset.drawnMs = (performance.now() - began).toFixed(0);
-      }));
+      await painted();
+      if (turn === this.turn) this.$el.dataset.completeMs = (performance.now() - began).toFixed(0);
+    },
+    slices(graph, boxes) { // parts of a graph in the order in which they are added: what is in view first
+      if (graph.nodes.length <= AT_ONCE) return [graph];
+      const turns = new Map();
+      const view = this.cy.extent();
+      const parents = new Map(graph.nodes.map((node) => [node.id, node.parent]));
+      const needed = (id) => {
+        for (; id !== null && turns.get(id) !== 0; id = parents.get(id)) turns.set(id, 0);
+      };
+      const outermost = new Map(); // what a container's size depends on
+      for (const { id, parent } of graph.nodes) {
+        const { x, y, width, height } = boxes.get(id);
+        if (x <= view.x2 && x + width >= view.x1 && y <= view.y2 && y + height >= view.y1) needed(id);
+        if (parent === null) continue;
+        const most = outermost.get(parent) || [];
+        [-x, -y, x + width, y + height].forEach((far, side) => {
+          if (!most[side] || far > most[side].far) most[side] = { id, far };
+        });
+        outermost.set(parent, most);
+      }
+      for (const most of outermost.values()) for (const { id } of most) needed(id);
+      let count = 0;
+      for (const { id } of graph.nodes) {
+        if (turns.has(id)) continue;
+        for (let one = id; one !== null && !turns.has(one); one = parents.get(one)) turns.set(one, 1 + Math.floor(count / SLICE));
+        count += 1;
+      }
+      const slices = Array.from({ length: 2 + Math.floor(count / SLICE) }, () => ({ nodes: [], edges: [], flows: [] }));
+      for (const node of graph.nodes) slices[turns.get(node.id)].nodes.push(node);
+      for (const kind of ["edges", "flows"]) {
+        for (const edge of graph[kind] || []) slices[Math.max(turns.get(edge.source), turns.get(edge.target))][kind].push(edge);
+      }
+      return slices;
+    },
+    build(slice, { boxes, routes }) {
+      const added = this.cy.add(this.elements(slice, boxes));
+      this.route(slice, routes);
+      for (const node of added.nodes()) this.byPath.set(node.data("path"), node);
     },
     measure(node) {
       const text = node.kind === "outcome" || node.kind === "missing" ? node.name : `${node.name}\n${node.type}`;
@@ -156,12 +218,13 @@ export default {
         group: "edges", selectable: false, data: { ...edge, width: undefined, height: undefined },
         classes: [edge.failure ? "failure" : "", edge.autonomy ? `autonomy-${edge.autonomy}` : ""].filter(Boolean).join(" "),
       }));
-      const flows = (graph.flows || []).map((flow, place) => ({
-        group: "edges", selectable: false, data: { ...flow, id: `f${place}`, pick: "" }, classes: this.flowing ? "flow" : "flow hidden",
+      const flows = (graph.flows || []).map((flow) => ({
+        group: "edges", selectable: false, data: { ...flow, id: `f:${flow.source}>${flow.target}`, pick: "" }, classes: this.flowing ? "flow" : "flow hidden",
       }));
       return [...nodes, ...edges, ...flows];
     },
     route(graph, routes) { // the arrows as the layout has led them
+      if (!routes.size) return;
       const middles = new Map(this.cy.nodes(":parent").map((node) => {
         const { x1, y1, x2, y2 } = node.boundingBox({ includeLabels: false, includeOverlays: false });
         return [node.id(), { x: (x1 + x2) / 2, y: (y1 + y2) / 2 }];
@@ -256,6 +319,11 @@ export default {
           "background-position-x": "100%", "background-position-y": "0%", "background-offset-x": 7, "background-offset-y": -7, "background-clip": "none",
           "background-image-containment": "over", "bounds-expansion": 8,
         } })),
+        { selector: "node.stopping", style: {
+          "background-image": BADGE(colour("bad"), ""), "background-width": 14, "background-height": 14, "background-fit": "none", "background-position-x": "0%",
+          "background-position-y": "0%", "background-offset-x": -6, "background-offset-y": -6, "background-clip": "none", "background-image-containment": "over",
+          "bounds-expansion": 8,
+        } },
         { selector: "node.passed", style: box(colour("passed-fill"), colour("lit")) },
         { selector: "node.around", style: { "border-color": colour("lit"), "border-width": 2 } },
         { selector: "node.active", style: box(colour("lit-fill"), colour("lit"), 3) },
@@ -289,7 +357,8 @@ export default {
       this.$el.dataset.active = active;
       if (hasMoved) this.reveal(active);
     },
-    select(paths, reveals = true) {
+    select(paths, reveals = true, number = Infinity) { // number: of the pick that it answers; a person may have picked more since
+      if (number < (this.picks || 0)) return;
       this.wanted = paths;
       if (!this.byPath) return;
       const chosen = new Set(paths);
@@ -302,6 +371,10 @@ export default {
       const only = paths.length === 1 && this.byPath.get(paths[0]);
       if (only && this.editable) this.showHandles(only);
       else this.hideHandles();
+    },
+    keepMark(name, paths) {
+      this.kept.set(name, paths);
+      if (this.hasAll) this.mark(name, paths);
     },
     mark(name, paths) {
       for (const path of this.marked.get(name) || []) {
@@ -321,35 +394,33 @@ export default {
     // The view
 
     resize() {
+      const sawAll = this.isOpen && this.cy.elements().nonempty() && this.seesAll();
       this.cy.resize();
+      if (sawAll) this.fit();
       if (this.cy.elements().nonempty() && !this.isOpen) this.open();
       this.drawMap();
     },
     open() { // whole if that can be read, else its beginning
       const cy = this.cy;
-      if (!cy.width() || cy.elements().empty()) return;
+      if (!cy.width() || !this.box) return;
       this.isOpen = true;
-      cy.fit(undefined, 24);
-      if (cy.zoom() > 1.25) cy.zoom({ level: 1.25, renderedPosition: { x: cy.width() / 2, y: cy.height() / 2 } });
+      const box = this.extent();
+      this.fit();
       if (cy.zoom() < READABLE) {
-        cy.zoom(READABLE);
-        const box = cy.elements().boundingBox();
-        const start = cy.$("node.start").first();
-        const middle = start.nonempty() ? start.position() : { x: box.x1, y: box.y1 };
-        const within = (at, from, to, size) => (to - from < size ? (size - from - to) / 2 : Math.min(24 - from, Math.max(size - 24 - to, size / 2 - at)));
-        cy.pan({
-          x: within(middle.x * READABLE, box.x1 * READABLE, box.x2 * READABLE, cy.width()),
-          y: within(middle.y * READABLE, box.y1 * READABLE, box.y2 * READABLE, cy.height()),
-        });
+        const { x, y } = this.start || { x: box.x1, y: box.y1 };
+        const within = (at, from, to, size) => (to - from < size ? (size - from - to) / 2 : Math.min(MARGIN - from, Math.max(size - MARGIN - to, size / 2 - at)));
+        cy.viewport({ zoom: READABLE, pan: {
+          x: within(x * READABLE, box.x1 * READABLE, box.x2 * READABLE, cy.width()),
+          y: within(y * READABLE, box.y1 * READABLE, box.y2 * READABLE, cy.height()),
+        } });
       }
       this.showMap();
     },
     fit() {
-      this.cy.fit(undefined, 24);
-      if (this.cy.zoom() > 1.25) {
-        this.cy.zoom(1.25);
-        this.cy.center();
-      }
+      const cy = this.cy;
+      const { x1, y1, x2, y2 } = this.extent();
+      const zoom = Math.max(cy.minZoom(), Math.min(1.25, (cy.width() - 2 * MARGIN) / (x2 - x1), (cy.height() - 2 * MARGIN) / (y2 - y1)));
+      cy.viewport({ zoom, pan: { x: (cy.width() - zoom * (x1 + x2)) / 2, y: (cy.height() - zoom * (y1 + y2)) / 2 } });
       this.showMap();
     },
     zoom(factor) {
@@ -362,18 +433,26 @@ export default {
       }
       clearTimeout(this.mapping);
       this.mapping = setTimeout(() => {
+        this.box = this.cy.elements().boundingBox(); // with labels, as in the picture
         this.$refs.small.src = this.cy.png({ full: true, maxWidth: 260, maxHeight: 260 });
         this.showMap();
       }, REST_MS);
       this.cy.off("pan zoom", this.showMap).on("pan zoom", this.showMap);
     },
+    extent() { // of the whole drawing; what was moved may lie outside of it
+      if (!this.box) {
+        const corners = this.cy.nodes().map((node) => this.boxOf(node));
+        this.box = around(corners.map(({ x1, y1, x2, y2 }) => ({ x: x1, y: y1, width: x2 - x1, height: y2 - y1 })), []);
+      }
+      return this.box;
+    },
     seesAll() {
-      const box = this.cy.elements().boundingBox();
+      const box = this.extent();
       const view = this.cy.extent();
       return view.x1 <= box.x1 && view.y1 <= box.y1 && view.x2 >= box.x2 && view.y2 >= box.y2;
     },
     showMap() { // where the view is in the whole; not if all is seen
-      const box = this.cy.elements().boundingBox();
+      const box = this.extent();
       const view = this.cy.extent();
       this.$refs.map.style.display = this.seesAll() ? "none" : "block";
       const share = (at, from, to) => Math.min(100, Math.max(0, (100 * (at - from)) / (to - from)));
@@ -384,9 +463,9 @@ export default {
     },
     jump(event) {
       const frame = this.$refs.map.getBoundingClientRect();
-      const box = this.cy.elements().boundingBox();
-      const x = box.x1 + ((event.clientX - frame.x) / frame.width) * box.w;
-      const y = box.y1 + ((event.clientY - frame.y) / frame.height) * box.h;
+      const box = this.extent();
+      const x = box.x1 + ((event.clientX - frame.x) / frame.width) * (box.x2 - box.x1);
+      const y = box.y1 + ((event.clientY - frame.y) / frame.height) * (box.y2 - box.y1);
       this.cy.pan({ x: this.cy.width() / 2 - x * this.cy.zoom(), y: this.cy.height() / 2 - y * this.cy.zoom() });
     },
     key(event) {
@@ -424,6 +503,27 @@ export default {
       const top = node.isParent() ? own.y1 + 6 : (own.y1 + own.y2) / 2;
       return { x: box.x + (node.isParent() ? own.x1 + 8 : (own.x1 + own.x2) / 2), y: box.y + top };
     },
+    showValues(path, values) { // beside a state
+      const list = this.$refs.values;
+      this.valued = values.length ? path : "";
+      list.replaceChildren(...values.slice(0, MOST_VALUES).flatMap(([key, value]) => {
+        const [term, text] = [document.createElement("dt"), document.createElement("dd")];
+        term.textContent = key;
+        text.textContent = value;
+        text.title = value;
+        return [term, text];
+      }));
+      list.dataset.path = this.valued;
+      this.placeValues();
+    },
+    placeValues() {
+      const node = this.valued && this.byPath?.get(this.valued);
+      const isShown = Boolean(node && node.nonempty());
+      this.$refs.values.style.display = isShown ? "grid" : "none";
+      if (!isShown) return;
+      const box = node.renderedBoundingBox({ includeLabels: false, includeOverlays: false });
+      Object.assign(this.$refs.values.style, { left: `${box.x2 + 6}px`, top: `${box.y1}px` });
+    },
     scale() {
       return this.cy.zoom();
     },
@@ -432,12 +532,19 @@ export default {
       this.$refs.flow.setAttribute("aria-pressed", String(this.flowing));
       this.cy.edges(".flow").toggleClass("hidden", !this.flowing);
     },
+    ground() {
+      return getComputedStyle(document.body).getPropertyValue("--ground").trim();
+    },
     async picture() {
-      const ground = getComputedStyle(document.body).getPropertyValue("--ground").trim();
-      const blob = await this.cy.png({ full: true, scale: 2, bg: ground, maxWidth: 8000, maxHeight: 8000, output: "blob-promise" });
+      this.save(await this.cy.png({ full: true, scale: 2, bg: this.ground(), maxWidth: 8000, maxHeight: 8000, output: "blob-promise" }), "png");
+    },
+    vectors() {
+      this.save(new Blob([svgOf(this.cy, this.ground())], { type: "image/svg+xml" }), "svg");
+    },
+    save(blob, kind) {
       const link = document.createElement("a");
       link.href = URL.createObjectURL(blob);
-      link.download = `${this.name || "chart"}.png`;
+      link.download = `${this.name || "chart"}.${kind}`;
       link.click();
       setTimeout(() => URL.revokeObjectURL(link.href), 1000);
     },
@@ -581,3 +688,18 @@ export default {
 };
 
 const snap = (value) => Math.round(value / GRID) * GRID;
+
+const painted = () => new Promise((resolve) => requestAnimationFrame(() => setTimeout(resolve)));
+
+function around(boxes, points) { // the corners of what holds all of them
+  let [x1, y1, x2, y2] = [Infinity, Infinity, -Infinity, -Infinity];
+  const take = (x, y) => {
+    [x1, y1, x2, y2] = [Math.min(x1, x), Math.min(y1, y), Math.max(x2, x), Math.max(y2, y)];
+  };
+  for (const { x, y, width, height } of boxes) {
+    take(x, y);
+    take(x + width, y + height);
+  }
+  for (const { x, y } of points) take(x, y);
+  return x1 <= x2 ? { x1, y1, x2, y2 } : { x1: 0, y1: 0, x2: 1, y2: 1 };
+}
