@@ -14,7 +14,7 @@ import numpy as np
 import numpy.typing as npt
 
 from remodel_sim.core.geometry import Array
-from remodel_sim.core.vision.cables.curves.polyline import arc_lengths
+from remodel_sim.core.vision.cables.curves.polyline import arc_lengths, smooth
 from remodel_sim.core.vision.cables.curves.robust_statistics import limited, median, median_colour
 from remodel_sim.core.vision.cables.edges.confidence_weights import BIAS, WEIGHTS
 from remodel_sim.core.vision.cables.edges.cross_sections import length
@@ -28,6 +28,10 @@ EDGES = (0.40, 0.65)  # share of the edges that are found and agree
 RIDGE = (0.30, 0.65)  # share of the sections whose two sides are alike, and unlike the cable
 LENGTH_WIDTHS = (5.0, 9.0)
 UNEVEN = (0.20, 0.10)  # spread of the width
+# A line is rough that a Gaussian over so many profiles moves.
+ROUGH_SECTIONS = 3.0
+# Both edges of a profile are strong from this share of the usual contrast on.
+STRONG = 0.5
 END_SECTIONS = 10
 SHADES = (0.4, 2.0)
 # Another hue is this far from the shades of the cable's, as a share of its contrast.
@@ -78,6 +82,13 @@ def weigh(refined: Refined, spread: float) -> Evidence:
     edges = float(refined.weight.mean()) / 2
     usual = median(rim)
     long = float(arc_lengths(refined.points)[-1]) / refined.width
+    own = median_colour(sections.middle)
+    around = (left + right) / 2
+    levels = max(median(contrast), 1.0)
+    smoothed = smooth(refined.points, ROUGH_SECTIONS)
+    tangents = np.diff(smoothed, axis=0)
+    turns = np.abs(np.diff(np.unwrap(np.arctan2(tangents[:, 1], tangents[:, 0]))))
+    step = long * refined.width / max(len(refined.points) - 1, 1)
     same = _same_hue(sections.middle, median_colour(sections.middle)[None], contrast)
     halves = _same_hue(sections.inside[:, 0], sections.inside[:, 1], contrast)
     return Evidence(
@@ -100,6 +111,14 @@ def weigh(refined: Refined, spread: float) -> Evidence:
             ),
             "deep shadows": float(np.mean(sections.shadow < DEEP)),
             "halves of one hue": float(halves.mean()),
+            "uneven middle": median(length(sections.middle - own)) / levels,
+            "uneven surroundings": median(length(around - median_colour(around))) / levels,
+            "sides apart": min(median(length(left - right)) / levels, 3.0),
+            "strong edges": float(np.mean(rim > STRONG * usual)),
+            "rough [widths]": float(np.mean(length2(refined.points - smoothed))) / refined.width,
+            "sharpest bend [log]": math.log(
+                float(np.max(turns, initial=0.0)) * refined.width / step + 0.01
+            ),
             "overexposed beside": float(np.mean(sections.beside.max(axis=2) >= TOP)),
             "softness [widths]": median(sections.softness) / refined.width,
             "softness [log px]": math.log(median(sections.softness) + 0.1),
@@ -109,8 +128,13 @@ def weigh(refined: Refined, spread: float) -> Evidence:
 
 def confidence(terms: dict[str, float]) -> float:
     """Return the probability that a cable is one cable and all of it, by its terms."""
-    score = BIAS + sum(weight * terms[name] for name, weight in WEIGHTS.items())
+    score = BIAS + sum(weight * terms[name] for name, weight in WEIGHTS.items() if name in terms)
     return 1 / (1 + math.exp(-min(max(score, -50.0), 50.0)))
+
+
+def length2(a: Array) -> Array:
+    """Return the lengths of vectors (n, 2)."""
+    return np.asarray(np.hypot(a[:, 0], a[:, 1]))
 
 
 def _same_hue(a: Array, b: Array, contrast: Pixels) -> npt.NDArray[np.bool_]:

@@ -71,28 +71,28 @@ def find_foreground(rgb: Pixels, prior: Prior) -> Foreground:
     known = prior.background
     table = _table(rgb) if known is None else known.astype(np.float32)
     allowed = prior.allowed(rgb)
-    whiten, spread = _whitening(pixels[1::SPARSE, 1::SPARSE] - table[1::SPARSE, 1::SPARSE])
-    covered = _distance(pixels, table, whiten)
-    lit = _unlike_any_shade(pixels, table, whiten)
+    whiten, spread = whitening(pixels[1::SPARSE, 1::SPARSE] - table[1::SPARSE, 1::SPARSE])
+    covered = distance_from(pixels, table, whiten)
+    lit = unlike_any_shade(pixels, table, whiten)
     distance = covered
     things = _cables_without_shadows(distance, lit)
     mask = things if allowed is None else things & allowed
-    reach = _reach(mask)
-    half_width = max(1.0, max(prior.widths) / 2) if prior.widths else _typical_half_width(reach)
-    thick = reach if allowed is None else _reach(things)
-    foreign_objects = _foreign_objects(thick, half_width)
+    reach = reach_in(mask)
+    half_width = max(1.0, max(prior.widths) / 2) if prior.widths else typical_half_width(reach)
+    thick = reach if allowed is None else reach_in(things)
+    foreign_objects = foreign_objects_in(thick, half_width)
     if foreign_objects.any():
-        near = _table_nearby(rgb, half_width)
-        other = _distance(pixels, near, whiten)
+        near = median_nearby(rgb, half_width)
+        other = distance_from(pixels, near, whiten)
         on_foreign_object = foreign_objects > 0
         distance = np.where(on_foreign_object, np.minimum(covered, other), covered)
-        other_lit = _unlike_any_shade(pixels, near, whiten)
+        other_lit = unlike_any_shade(pixels, near, whiten)
         lit = np.where(on_foreign_object, lit & other_lit, lit)
         mask = _cables_without_shadows(distance, lit)
-        mask[_foreign_objects(_reach(mask), half_width) > 0] = 0
+        mask[foreign_objects_in(reach_in(mask), half_width) > 0] = 0
         if allowed is not None:
             mask &= allowed
-        reach = _reach(mask)
+        reach = reach_in(mask)
     if allowed is not None:
         distance = np.where(allowed > 0, distance, 0.0)
     return Foreground(
@@ -115,7 +115,7 @@ def _table(rgb: Pixels) -> Pixels:
     return cv2.resize(median, (width, height), interpolation=cv2.INTER_LINEAR)
 
 
-def _whitening(difference: Pixels) -> tuple[Array, float]:
+def whitening(difference: Pixels) -> tuple[Array, float]:
     """Return the matrix (3, 3) that makes the table's variation round and 1, and its spread.
 
     Half of the pixels are trusted: those nearest to the table's colour, found in three rounds
@@ -134,7 +134,7 @@ def _whitening(difference: Pixels) -> tuple[Array, float]:
     return whiten, float(np.sqrt(values[-1]))
 
 
-def _distance(pixels: Pixels, table: Pixels, whiten: Array) -> Pixels:
+def distance_from(pixels: Pixels, table: Pixels, whiten: Array) -> Pixels:
     """Return each pixel's distance from the table's colour [standard deviations]."""
     apart = cv2.transform(cv2.subtract(pixels, table), whiten)
     return cv2.sqrt(_dot(apart, apart))
@@ -145,10 +145,10 @@ def _dot(a: Pixels, b: Pixels) -> Pixels:
     return cv2.transform(cv2.multiply(a, b), SUM)
 
 
-def _unlike_any_shade(pixels: Pixels, table: Pixels, whiten: Array) -> Pixels:
+def unlike_any_shade(pixels: Pixels, table: Pixels, whiten: Array) -> Pixels:
     """Return 1 where a pixel differs from the table's colour and from every shadow on it."""
     shade = limited(_dot(pixels, table) / (_dot(table, table) + 1.0), DARKEST_SHADOW, 1.0)
-    return _above(_distance(pixels, cv2.multiply(table, cv2.merge([shade] * 3)), whiten))
+    return _above(distance_from(pixels, cv2.multiply(table, cv2.merge([shade] * 3)), whiten))
 
 
 def _above(distance: Pixels) -> Pixels:
@@ -163,13 +163,13 @@ def _cables_without_shadows(distance: Pixels, lit: Pixels) -> Pixels:
         distance: from the table's colour [standard deviations].
         lit: 1 where a pixel is like no shadow either.
     """
-    strong, weak = _majority(lit), _majority(_above(distance))
+    strong, weak = majority(lit), majority(_above(distance))
     cores, whole = _count(strong, CORE_WINDOW), _count(weak, CORE_WINDOW)
     dark = (CORE_SHARE[1] * cores < CORE_SHARE[0] * whole).astype(np.uint8)
     return cv2.bitwise_or(strong, cv2.bitwise_and(weak, dark))
 
 
-def _majority(mask: Pixels) -> Pixels:
+def majority(mask: Pixels) -> Pixels:
     """Return 1 where most of nine pixels are 1; a median, but faster."""
     return (_count(mask, 3) > 4).astype(np.uint8)
 
@@ -181,30 +181,31 @@ def _count(mask: Pixels, window: int) -> Pixels:
     )
 
 
-def _reach(mask: Pixels) -> Pixels:
+def reach_in(mask: Pixels) -> Pixels:
+    """Return the distance of each pixel of a mask of 0 and 1 to its border [px]."""
     return cv2.distanceTransform(mask, cv2.DIST_L2, 5)
 
 
-def _typical_half_width(reach: Pixels) -> float:
+def typical_half_width(reach: Pixels) -> float:
     """Return the median distance from a mask's ridge to its border [px]; 1 for an empty mask."""
     ridge = reach[(reach >= cv2.dilate(reach, np.ones((3, 3), np.uint8))) & (reach >= 1.0)]
     return max(1.0, median(ridge)) if len(ridge) else 1.0
 
 
-def _foreign_objects(reach: Pixels, half_width: float) -> Pixels:
+def foreign_objects_in(reach: Pixels, half_width: float) -> Pixels:
     """Return what is too thick for a cable, with a rim as wide as a cable's half width."""
     limit = THICK_HALF_WIDTHS * half_width + 1
     cores = (reach > limit).astype(np.uint8)
     if not cores.any():
         return cores
-    opened = (_reach(1 - cores) <= limit + 1).astype(np.uint8)
+    opened = (reach_in(1 - cores) <= limit + 1).astype(np.uint8)
     _, labels, stats, _ = cv2.connectedComponentsWithStats(opened, connectivity=8)
     big = stats[:, cv2.CC_STAT_AREA] > THICK_AREA_HALF_WIDTHS * half_width**2 + 40
     big[0] = False
     return big[labels].astype(np.uint8)
 
 
-def _table_nearby(rgb: Pixels, half_width: float) -> Pixels:
+def median_nearby(rgb: Pixels, half_width: float) -> Pixels:
     """Return the median over a few cable widths: the colour of a foreign object below a cable."""
     height, width = rgb.shape[:2]
     samples = np.ascontiguousarray(rgb[1::2, 1::2])
