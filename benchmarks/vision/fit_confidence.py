@@ -1,11 +1,12 @@
 #!/usr/bin/env python3
 """Fit the weights of the detector's confidence, and write them into the package.
 
-Cables found in rendered scenes under all conditions of run.py are compared with the truth; a
+Candidates in rendered scenes under all conditions of run.py, and on cluttered tables, are compared
+with the truth; with --tables also on parts of photographs of a folder, which show no cables. A
 logistic model, by Newton's method with a small price of weights, gives the probability that a cable
 is right. The fit is on even seeds; the printed figures are of odd ones.
 
-Usage: fit_confidence.py [--scenes N] [--seed FIRST] [--processes N]
+Usage: fit_confidence.py [--scenes N] [--seed FIRST] [--processes N] [--tables FOLDER]
 """
 
 from __future__ import annotations
@@ -15,39 +16,45 @@ import itertools
 import multiprocessing
 from dataclasses import replace
 from pathlib import Path
+from typing import Any
 from unittest.mock import patch
 
 import cv2
 import numpy as np
 from cable_curves import Array
+from renderer import Picture
 from row import Row, report
-from run import BOTH, COUNTS, Task
+from run import BOTH, COUNTS, Task, cluttered
 from scenes import Kind, make_scene
-from scoring import auc, score
+from scoring import auc, is_right
 
-from remodel_sim.core.vision.cables import detect, detect_cables
+from remodel_sim.core.vision.cables import candidates, detect, detect_cables
+from remodel_sim.core.vision.cables.candidates import Candidate
 from remodel_sim.core.vision.cables.edges import confidence_weights
 
 PRICE = 1.0
 ROUNDS = 30
+# So many times the scenes of a condition are on cluttered tables.
+CLUTTERED = 12
 
 Sample = tuple[int, dict[str, float], bool]
 
 
 def collect(task: Task) -> list[Sample]:
-    """Return seed and terms of each cable found in a scene, and whether it is right."""
+    """Return seed and terms of each candidate of a scene, and whether it is right."""
     cv2.setNumThreads(1)
     scene = make_scene(task.kind, task.seed, **dict(task.light))
-    terms: list[dict[str, float]] = []
+    samples: list[Sample] = []
+    rate = candidates.rate
 
-    def keep(of: dict[str, float]) -> float:
-        terms.append(of)
-        return 0.5
+    def keep(rgb: Picture, among: list[Candidate], index: int, *where: Any) -> float:  # noqa: ANN401
+        terms = candidates.terms_of(rgb, among, index, *where)
+        samples.append((task.seed, terms, is_right(scene, among[index].cable)))
+        return rate(rgb, among, index, *where)
 
-    with patch.object(detect, "confidence", keep):
-        found = detect_cables(scene.rendered.rgb)
-    rights = [ok for _, ok in score(scene, found).cables]
-    return [(task.seed, of, ok) for of, ok in zip(terms, rights, strict=True)]
+    with patch.object(candidates, "rate", keep), patch.object(detect, "rate", keep):
+        detect_cables(scene.rendered.rgb)
+    return samples
 
 
 def fit(terms: Array, right: Array) -> Array:
@@ -83,6 +90,7 @@ def main() -> None:
     parser.add_argument("--scenes", type=int, default=40, help="per condition")
     parser.add_argument("--seed", type=int, default=20000, help="of the first scene")
     parser.add_argument("--processes", type=int, default=2)
+    parser.add_argument("--tables", type=Path, help="a folder of photographs without cables")
     options = parser.parse_args()
     kinds = [Kind(count, same) for count, same in itertools.product(COUNTS, (False, True))]
     conditions = [({}, {}), *BOTH.values()]
@@ -90,6 +98,11 @@ def main() -> None:
         Task(replace(kinds[(i + c) % 10], **scene), options.seed + i, tuple(light.items()))
         for c, (scene, light) in enumerate(conditions)
         for i in range(options.scenes)
+    ]
+    photographs = sorted(options.tables.iterdir()) if options.tables else []
+    tasks += [
+        Task(cluttered(options.seed + i, photographs), options.seed + i)
+        for i in range(CLUTTERED * options.scenes)
     ]
     with multiprocessing.get_context("spawn").Pool(options.processes) as pool:
         samples = [s for found in pool.imap(collect, tasks, chunksize=2) for s in found]
@@ -105,10 +118,10 @@ def main() -> None:
     chance = 1 / (1 + np.exp(-(bias + terms @ weights)))
     kept = [(float(c), bool(r)) for c, r in zip(chance[~fitted], right[~fitted], strict=True)]
     write(bias, dict(zip(names, weights.tolist(), strict=True)))
-    report(Row("cables for the fit", float(fitted.sum())))
-    report(Row("cables kept back", float(len(kept))))
-    report(Row("cables kept back, right", 100 * float(right[~fitted].mean()), "%"))
-    report(Row("confidence of cables kept back, AUC", auc(kept), "", at_least=0.95))
+    report(Row("candidates for the fit", float(fitted.sum())))
+    report(Row("candidates kept back", float(len(kept))))
+    report(Row("candidates kept back, right", 100 * float(right[~fitted].mean()), "%"))
+    report(Row("confidence of candidates kept back, AUC", auc(kept), "", at_least=0.95))
 
 
 if __name__ == "__main__":

@@ -3,7 +3,7 @@
 
 A pixel is 1 mm on the table. Prints a table and writes lines of JSON to out/bench/vision.jsonl.
 
-Usage: run.py [--scenes N] [--seed FIRST] [--processes N]
+Usage: run.py [--scenes N] [--seed FIRST] [--processes N] [--tables FOLDER]
 """
 
 from __future__ import annotations
@@ -13,17 +13,19 @@ import itertools
 import math
 import multiprocessing
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
+from pathlib import Path
 from typing import Any
 
 import cv2
 import numpy as np
 from row import Row, report, start
 from scenes import Kind, make_scene
-from scoring import Score, auc, score
+from scoring import Score, auc, follows, score
 
 from remodel_sim.core.vision.cables import detect_cables
+from remodel_sim.core.vision.cables.warnings import SURE
 
 COUNTS = (1, 2, 3, 4, 5)
 # What is made worse, and by how much: of the light and the camera, and of the scene.
@@ -72,6 +74,54 @@ def run(task: Task) -> Score:
     cv2.setNumThreads(1)
     scene = make_scene(task.kind, task.seed, **dict(task.light))
     return score(scene, detect_cables(scene.rendered.rgb))
+
+
+def cluttered(seed: int, photographs: Sequence[Path] = ()) -> Kind:
+    """Return what a cluttered scene of a seed is like: sheets, rails, objects, or a photograph."""
+    lot = np.random.default_rng([seed, 77])
+    cables, some = int(lot.integers(1, 5)), int(lot.integers(1, 4))
+    kind = Kind(cables, bool(lot.uniform() < 0.2), leaving=float(lot.choice([0.2, 0.7])))
+    kinds = [
+        replace(kind, sheets=some),
+        replace(kind, rails=some),
+        replace(kind, sheets=1, rails=1, clutter=3),
+    ]
+    if photographs:
+        kinds.append(replace(kind, surface=str(photographs[lot.integers(len(photographs))])))
+    return kinds[int(lot.integers(len(kinds)))]
+
+
+def run_cluttered(task: Task) -> tuple[int, list[tuple[float, bool]]]:
+    """Return how many cables a scene has, and of each line found its confidence and if it is one.
+
+    Of several lines on one cable the likeliest is one.
+    """
+    cv2.setNumThreads(1)
+    scene = make_scene(task.kind, task.seed, **dict(task.light))
+    lines, taken = [], set[int]()
+    found = detect_cables(scene.rendered.rgb).cables
+    for cable in sorted(found, key=lambda c: -c.confidence):
+        own = follows(scene, cable)
+        lines.append((cable.confidence, own is not None and own not in taken))
+        taken |= {own} if own is not None else set()
+    return len(scene.cables), lines
+
+
+def clutter(group: str, answers: list[tuple[int, list[tuple[float, bool]]]]) -> list[Row]:
+    """Return the figures of cluttered scenes."""
+    cables = sum(count for count, _ in answers)
+    lines = sorted((line for _, own in answers for line in own), reverse=True)
+    right = np.cumsum([ok for _, ok in lines])
+    precise = np.flatnonzero(right >= 0.9 * np.arange(1, len(lines) + 1))
+    found = right[precise[-1]] if len(precise) else 0
+    false = sum(not ok for _, ok in lines) * 60 / len(answers)
+    offered = sum(not ok for confidence, ok in lines if confidence >= SURE) * 60 / len(answers)
+    return [
+        Row(f"{group}: cables found at precision 0.9", 100 * found / cables, "%", 85.0),
+        Row(f"{group}: false lines on 60 pictures", false, ""),
+        Row(f"{group}: the same from confidence 0.5 on", offered, "", at_most=6.0),
+        Row(f"{group}: confidence, AUC", auc(lines), "", 0.95),
+    ]
 
 
 def accuracy(group: str, scores: list[Score], least_count: float) -> list[Row]:
@@ -146,6 +196,7 @@ def main() -> None:
     parser.add_argument("--scenes", type=int, default=200, help="per group; a fifth per condition")
     parser.add_argument("--seed", type=int, default=5000, help="of the first scene")
     parser.add_argument("--processes", type=int, default=2)
+    parser.add_argument("--tables", type=Path, help="a folder of photographs without cables")
     options = parser.parse_args()
     start()
     first, few = options.seed, max(5, options.scenes // 5)
@@ -156,6 +207,15 @@ def main() -> None:
             tasks = [Task(Kind(COUNTS[i % 5], same), first + i) for i in range(options.scenes)]
             for row in accuracy(group, pool.map(run, tasks, chunksize=4), least):
                 report(row)
+        photographs = sorted(options.tables.iterdir()) if options.tables else []
+        for group, pictures in (("clutter", []), ("on photographs", photographs)):
+            if group == "clutter" or pictures:
+                tasks = [
+                    Task(cluttered(s, pictures), s) for s in range(first, first + options.scenes)
+                ]
+                tasks = [t for t in tasks if group == "clutter" or t.kind.surface]
+                for row in clutter(group, pool.map(run_cluttered, tasks, chunksize=4)):
+                    report(row)
         everything: list[Score] = []
         kinds = [Kind(count, same) for count, same in itertools.product(COUNTS, (False, True))]
         for name, (scene, light) in BOTH.items():

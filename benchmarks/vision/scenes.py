@@ -13,8 +13,9 @@ from surfaces import SURFACES, add_clutter, add_rails, add_sheets, random_surfac
 SIZE = (640, 480)
 WIDTHS_PX = (5.0, 9.0)
 LEAVING = 0.2
-# Distances in CIE Lab, from the table and between cables of different colours.
-FROM_TABLE, FROM_EACH_OTHER = 38.0, 35.0
+# Distances in CIE Lab, from the table, between cables of different colours, and from what lies
+# under a cable.
+FROM_TABLE, FROM_EACH_OTHER, FROM_WHAT_IS_UNDER = 38.0, 35.0, 30.0
 INSULATION = np.array(
     [
         [0.80, 0.08, 0.08],
@@ -40,10 +41,11 @@ class Kind:
     Attributes:
         cables: how many.
         same_colour: whether all have one colour.
-        surface: of the table; None draws one by lot.
+        surface: of the table, or the path of a photograph; None draws one by lot.
         clutter: pieces that lie about.
         sheets: coloured sheets that cover a part of the table.
         rails: mounting rails across the table.
+        leaving: the share of cables that leave the picture.
     """
 
     cables: int
@@ -52,6 +54,12 @@ class Kind:
     clutter: int = 0
     sheets: int = 0
     rails: int = 0
+    leaving: float = LEAVING
+
+    @property
+    def cluttered(self) -> bool:
+        """Whether the table has more than one colour."""
+        return "." in (self.surface or "") or self.clutter + self.sheets + self.rails > 0
 
 
 @dataclass(frozen=True, eq=False)
@@ -71,10 +79,12 @@ def make_scene(kind: Kind, seed: int, **light: float) -> Scene:
     surface_kind = kind.surface or str(random.choice(SURFACES))
     surface = random_surface(random, SIZE, surface_kind)
     colours = random_colours(random, surface, kind)
-    cables, crossings = random_cables(random, SIZE, kind.cables, WIDTHS_PX, LEAVING)
+    cables, crossings = random_cables(random, SIZE, kind.cables, WIDTHS_PX, kind.leaving)
     add_sheets(random, surface, kind.sheets)
     add_rails(random, surface, kind.rails)
     add_clutter(random, surface, kind.clutter)
+    if kind.cluttered:
+        colours = _seen_colours(random, surface, cables, kind)
     lit = replace(random_light(random), **light)
     rendered = render(surface, cables, crossings, colours, lit, random)
     return Scene(kind, cables, crossings, rendered, lit)
@@ -108,6 +118,28 @@ def random_colours(random: np.random.Generator, surface: np.ndarray, kind: Kind)
     if kind.same_colour:
         chosen = chosen[:1]
     return np.array([chosen[i % len(chosen)] for i in range(kind.cables)])
+
+
+def _seen_colours(
+    random: np.random.Generator, surface: np.ndarray, cables: tuple[CableCurve, ...], kind: Kind
+) -> Array:
+    """Return a colour (n, 3) for each cable that stands out from what lies under it.
+
+    It is the first of a random order that does along 95 % of the cable, else the one that does
+    best.
+    """
+    table = cv2.cvtColor(np.clip(surface, 0, 1), cv2.COLOR_RGB2LAB)
+    palette = random.permutation(INSULATION)
+    chosen: list[Array] = []
+    for cable in cables:
+        columns, rows = np.rint(cable.points).astype(int).T
+        seen = (columns >= 0) & (rows >= 0) & (columns < SIZE[0]) & (rows < SIZE[1])
+        under = table[rows[seen], columns[seen]].astype(float)
+        apart = np.linalg.norm(under[:, None] - _lab(palette), axis=2)
+        least = np.quantile(apart, 0.05, axis=0)
+        good = np.flatnonzero(least > FROM_WHAT_IS_UNDER)
+        chosen.append(palette[good[0] if len(good) else np.argmax(least)])
+    return np.array([chosen[0] if kind.same_colour else colour for colour in chosen])
 
 
 def _lab(colours: Array) -> Array:

@@ -15,6 +15,8 @@ from remodel_sim.core.vision.cables import CableEnding, DetectedCable, Detection
 # A cable is found when its centreline lies within these of the true one [px], [widths].
 MEAN_LIMIT_PX, FAR_LIMIT_WIDTHS = 1.0, 1.0
 TIP_LIMIT_PX = 5.0
+# In clutter a line follows a cable within so much over this share of both.
+FOLLOWED_PX, FOLLOWED_SHARE = 3.0, 0.85
 # A crossing is found within this distance [px].
 REACH_PX = 10.0
 
@@ -60,13 +62,10 @@ def score(scene: Scene, found: Detection) -> Score:
             _distances(cable.centreline, truths[t]),
             _distances(truths[t], cable.centreline),
         )
-        mean = float((forth.mean() + back.mean()) / 2)
-        errors.append(mean)
+        errors.append(float((forth.mean() + back.mean()) / 2))
         ends, ends_right = _ends(scene.cables[t], cable)
         tips += ends
-        limit = FAR_LIMIT_WIDTHS * scene.cables[t].width
-        far = max(np.quantile(forth, 0.98), np.quantile(back, 0.98))
-        rights[f] = bool(mean < MEAN_LIMIT_PX and far < limit and ends_right)
+        rights[f] = _is_right(forth, back, scene.cables[t]) and ends_right
     count_right = len(found.cables) == len(truths)
     upper, missed = _crossings(scene, found, matched)
     return Score(
@@ -81,6 +80,35 @@ def score(scene: Scene, found: Detection) -> Score:
         tuple((cable.confidence, ok) for cable, ok in zip(found.cables, rights, strict=True)),
         tuple(ok for cable, ok in zip(found.cables, rights, strict=True) if not cable.warnings),
     )
+
+
+def is_right(scene: Scene, cable: DetectedCable) -> bool:
+    """Return whether a cable found is one of a scene's, line and ends."""
+    return any(
+        _is_right(_distances(cable.centreline, line), _distances(line, cable.centreline), truth)
+        and _ends(truth, cable)[1]
+        for truth in scene.cables
+        if np.ptp((line := _visible(truth)), axis=0).max() > 0
+        and np.median(_distances(line[::8], cable.centreline)) < truth.width
+    )
+
+
+def follows(scene: Scene, cable: DetectedCable) -> int | None:
+    """Return which of a scene's cables one found follows, within 3 px over 85 % of both."""
+    for i, truth in enumerate(scene.cables):
+        line = _visible(truth)
+        on = np.mean(_distances(cable.centreline, line) < FOLLOWED_PX)
+        under = np.mean(_distances(line, cable.centreline) < FOLLOWED_PX)
+        if min(on, under) > FOLLOWED_SHARE:
+            return i
+    return None
+
+
+def _is_right(forth: Array, back: Array, truth: CableCurve) -> bool:
+    """Return whether two lines are near each other, by the distances of each from the other."""
+    far = max(np.quantile(forth, 0.98), np.quantile(back, 0.98))
+    mean = (forth.mean() + back.mean()) / 2
+    return bool(mean < MEAN_LIMIT_PX and far < FAR_LIMIT_WIDTHS * truth.width)
 
 
 def auc(cables: list[tuple[float, bool]]) -> float:

@@ -232,8 +232,30 @@ def test_a_table_full_of_objects_is_too_cluttered():
     picture = table()
     for x, y in itertools.product(range(8, 640, 24), range(8, 480, 24)):
         cv2.line(picture, (x, y), (x + 10, y + 10), RED, 3)
-    (warning,) = detect_cables(picture).warnings
-    assert "too cluttered" in warning
+    found = detect_cables(picture)
+    assert "too cluttered" in found.warnings[0]
+    assert all(cable.warnings for cable in found.cables)
+
+
+def test_cables_on_coloured_sheets_are_found_with_a_warning():
+    picture = table()
+    picture[:, 300:] = (40, 90, 60)
+    picture[260:, 80:420] = (90, 60, 130)
+    snake = [(x, 200 + 70 * math.sin(x / 70)) for x in range(40, 600, 4)]
+    cv2.polylines(picture, [np.int32(snake)], False, (230, 120, 20), 8, cv2.LINE_AA)
+    found = detect_cables(picture)
+    (cable,) = (cable for cable in found.cables if cable.confidence > 0.5)
+    ends = sorted(tip.point[0] for tip in cable.tips)
+    assert ends == pytest.approx([40, 596], abs=6)
+
+
+def test_lines_left_out_cause_a_warning(monkeypatch):
+    monkeypatch.setattr("remodel_sim.core.vision.cables.detect.rate", lambda *_: 0.05)
+    picture = table()
+    cv2.line(picture, (100, 100), (500, 380), RED, 8, cv2.LINE_AA)
+    found = detect_cables(picture)
+    assert found.cables == ()
+    assert any("lines left out" in warning for warning in found.warnings)
 
 
 def test_a_spline_keeps_to_points_on_a_circle():

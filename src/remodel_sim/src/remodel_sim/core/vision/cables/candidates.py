@@ -81,8 +81,10 @@ def _candidates(
     rgb: Pixels, scale: int, small: Pixels, foreground: Foreground, prior: Prior
 ) -> list[Candidate] | None:
     rough = rough_cables(small, foreground)
+    if rough is None:
+        return None
     if not rough:
-        return rough
+        return []
     lines = [(r.line + 0.5) * scale - 0.5 for r in rough]
     refined = refine(rgb, lines, [r.width * scale for r in rough])
     return [
@@ -115,7 +117,7 @@ def more_candidates(
         coloured = colour_foreground(small, samples, foreground, coarse)
         pool += _candidates(rgb, scale, small, coloured, prior) or []
     pool = [c for c in pool if c.evidence.edges > 0 and c.evidence.length > 0]
-    return _best(rgb, pool, foreground, scale)
+    return _likeliest(rgb, pool, foreground, scale)
 
 
 def _colours(pool: list[Candidate]) -> list[Array]:
@@ -135,13 +137,11 @@ def _colours(pool: list[Candidate]) -> list[Array]:
     return chosen
 
 
-def _best(
+def _likeliest(
     rgb: Pixels, pool: list[Candidate], foreground: Foreground, scale: int
 ) -> list[Candidate]:
     """Return the likeliest of candidates that lie on each other."""
-    rated = [
-        (confidence(terms_of(rgb, [c], 0, foreground, scale)), i) for i, c in enumerate(pool)
-    ]
+    rated = [(rate(rgb, [c], 0, foreground, scale), i) for i, c in enumerate(pool)]
     taken: Pixels = np.zeros(foreground.mask.shape, np.uint8)
     kept = []
     for _, i in sorted(rated, key=lambda r: (-r[0], r[1])):
@@ -157,6 +157,13 @@ def _best(
         cv2.polylines(taken, [fixed], False, (1,), thickness, cv2.LINE_8, 4)
         kept.append(pool[i])
     return kept
+
+
+def rate(
+    rgb: Pixels, candidates: list[Candidate], index: int, foreground: Foreground, scale: int
+) -> float:
+    """Return the confidence in one of some candidates, which all would be reported."""
+    return confidence(terms_of(rgb, candidates, index, foreground, scale))
 
 
 def terms_of(
@@ -214,8 +221,6 @@ def _cable(rgb: Pixels, refined: Refined, foreground: Foreground, scale: int) ->
 def _hidden(tip: Tip, foreign_objects: Pixels, width: float, scale: int) -> Tip:
     """Return a tip; one at the edge of a foreign object is hidden."""
     beyond = (tip.point + (width + scale) * tip.outward + 0.5) / scale - 0.5
-    column, row = np.clip(
-        np.rint(beyond).astype(int), 0, np.array(foreign_objects.shape[::-1]) - 1
-    )
+    column, row = np.clip(np.rint(beyond).astype(int), 0, np.array(foreign_objects.shape[::-1]) - 1)
     hidden = tip.end is CableEnding.TIP and foreign_objects[row, column]
     return replace(tip, end=CableEnding.HIDDEN) if hidden else tip

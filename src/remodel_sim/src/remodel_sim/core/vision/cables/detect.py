@@ -17,10 +17,9 @@ from remodel_sim.core.vision.cables.candidates import (
     Candidate,
     first_candidates,
     more_candidates,
-    terms_of,
+    rate,
 )
 from remodel_sim.core.vision.cables.crossings import find_crossings
-from remodel_sim.core.vision.cables.edges.confidence import confidence
 from remodel_sim.core.vision.cables.model import (
     Crossing,
     DetectedCable,
@@ -30,6 +29,7 @@ from remodel_sim.core.vision.cables.strands.foreground import Foreground, find_f
 from remodel_sim.core.vision.cables.strands.prior import Prior, checked_prior
 from remodel_sim.core.vision.cables.warnings import (
     CLUTTERED,
+    NOTHING,
     Notice,
     cable_warnings,
     exposure_warnings,
@@ -44,7 +44,7 @@ THIN = 1.0
 MIN_SIDE = 64
 KEPT_BYTES = 8_000_000
 # Lines with less confidence are not reported.
-LEAST = 0.0
+LEAST = 0.1
 
 
 def detect_cables(
@@ -99,33 +99,30 @@ def _detect(
     """Find the cables, given the foreground of a picture made `scale` times smaller."""
     lit = list(exposure_warnings(small))
     first = first_candidates(rgb, scale, small, foreground, prior)
-    cables = _rated(rgb, first or [], foreground, scale)
-    notices = _notices(rgb, cables, foreground, scale)
+    cables, notices = _judged(rgb, first or [], foreground, scale)
     if notices:
         found = more_candidates(rgb, scale, small, foreground, prior, first or [])
-        cables = _rated(rgb, found, foreground, scale)
-        notices = _notices(rgb, cables, foreground, scale)
+        cables, notices = _judged(rgb, found, foreground, scale)
     if first is None:
-        notices.append(Notice(CLUTTERED))
+        notices = [Notice(CLUTTERED), *(n for n in notices if n.text != NOTHING)]
     return _detection(cables, find_crossings(rgb, cables), [*lit, *notices])
 
 
-def _rated(
+def _judged(
     rgb: Pixels, candidates: list[Candidate], foreground: Foreground, scale: int
-) -> list[DetectedCable]:
-    """Return the candidates with their confidence, the longest first."""
+) -> tuple[list[DetectedCable], list[Notice]]:
+    """Return the candidates that are likely enough, the longest first, and the warnings."""
     ordered = sorted(candidates, key=lambda c: -len(c.line.points))
     rated = [
-        replace(c.cable, confidence=confidence(terms_of(rgb, ordered, i, foreground, scale)))
-        for i, c in enumerate(ordered)
+        replace(candidate.cable, confidence=rate(rgb, ordered, i, foreground, scale))
+        for i, candidate in enumerate(ordered)
     ]
-    return [cable for cable in rated if cable.confidence >= LEAST]
-
-
-def _notices(
-    rgb: Pixels, cables: list[DetectedCable], foreground: Foreground, scale: int
-) -> list[Notice]:
-    return [*cable_warnings(rgb, cables), *remainder_warnings(foreground, cables, scale)]
+    cables = [cable for cable in rated if cable.confidence >= LEAST]
+    notices = [*cable_warnings(rgb, cables), *remainder_warnings(foreground, cables, scale)]
+    left_out = len(rated) - len(cables)
+    if left_out:
+        notices.append(Notice(f"lines left out, with a confidence below {LEAST}: {left_out}"))
+    return cables, notices
 
 
 def _detection(

@@ -135,7 +135,6 @@ def surrounding_terms(rgb: Pixels, cables: list[DetectedCable], index: int) -> d
     return {
         "goes on": max(left, default=0.0),
         "hidden ends": float(sum(tip.end is CableEnding.HIDDEN for tip in cable.tips)),
-        "truncated ends": float(sum(tip.end is CableEnding.TRUNCATED for tip in cable.tips)),
         "bend [log widths]": math.log(_bend(cable) + 0.1),
         "end near another [widths]": min(min(gaps, default=NEAR_WIDTHS), NEAR_WIDTHS),
     }

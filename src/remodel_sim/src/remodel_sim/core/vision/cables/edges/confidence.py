@@ -115,7 +115,8 @@ def weigh(refined: Refined, spread: float) -> Evidence:
             "uneven surroundings": median(length(around - median_colour(around))) / levels,
             "sides apart": min(median(length(left - right)) / levels, 3.0),
             "strong edges": float(np.mean(rim > STRONG * usual)),
-            "rough [widths]": float(np.mean(length2(refined.points - smoothed))) / refined.width,
+            "rough [widths]": float(np.hypot(*(refined.points - smoothed).T).mean())
+            / refined.width,
             "sharpest bend [log]": math.log(
                 float(np.max(turns, initial=0.0)) * refined.width / step + 0.01
             ),
@@ -128,13 +129,8 @@ def weigh(refined: Refined, spread: float) -> Evidence:
 
 def confidence(terms: dict[str, float]) -> float:
     """Return the probability that a cable is one cable and all of it, by its terms."""
-    score = BIAS + sum(weight * terms[name] for name, weight in WEIGHTS.items() if name in terms)
+    score = BIAS + sum(weight * terms[name] for name, weight in WEIGHTS.items())
     return 1 / (1 + math.exp(-min(max(score, -50.0), 50.0)))
-
-
-def length2(a: Array) -> Array:
-    """Return the lengths of vectors (n, 2)."""
-    return np.asarray(np.hypot(a[:, 0], a[:, 1]))
 
 
 def _same_hue(a: Array, b: Array, contrast: Pixels) -> npt.NDArray[np.bool_]:

@@ -148,10 +148,10 @@ def _dot(a: Pixels, b: Pixels) -> Pixels:
 def unlike_any_shade(pixels: Pixels, table: Pixels, whiten: Array) -> Pixels:
     """Return 1 where a pixel differs from the table's colour and from every shadow on it."""
     shade = limited(_dot(pixels, table) / (_dot(table, table) + 1.0), DARKEST_SHADOW, 1.0)
-    return _above(distance_from(pixels, cv2.multiply(table, cv2.merge([shade] * 3)), whiten))
+    return above(distance_from(pixels, cv2.multiply(table, cv2.merge([shade] * 3)), whiten))
 
 
-def _above(distance: Pixels) -> Pixels:
+def above(distance: Pixels) -> Pixels:
     """Return 1 where a distance is that of something else."""
     return (distance > DEVIATIONS).astype(np.uint8)
 
@@ -163,7 +163,7 @@ def _cables_without_shadows(distance: Pixels, lit: Pixels) -> Pixels:
         distance: from the table's colour [standard deviations].
         lit: 1 where a pixel is like no shadow either.
     """
-    strong, weak = majority(lit), majority(_above(distance))
+    strong, weak = majority(lit), majority(above(distance))
     cores, whole = _count(strong, CORE_WINDOW), _count(weak, CORE_WINDOW)
     dark = (CORE_SHARE[1] * cores < CORE_SHARE[0] * whole).astype(np.uint8)
     return cv2.bitwise_or(strong, cv2.bitwise_and(weak, dark))

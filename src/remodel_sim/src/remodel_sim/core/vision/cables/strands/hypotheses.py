@@ -13,6 +13,7 @@ from remodel_sim.core.vision.cables.strands.foreground import (
     DEVIATIONS,
     SPARSE,
     Foreground,
+    above,
     distance_from,
     foreign_objects_in,
     majority,
@@ -47,7 +48,7 @@ def local_foreground(rgb: Pixels, half_width: float, first: Foreground, prior: P
     whiten, spread = whitening(pixels[1::SPARSE, 1::SPARSE] - near[1::SPARSE, 1::SPARSE])
     distance = distance_from(pixels, near, whiten)
     mask = majority(unlike_any_shade(pixels, near, whiten))
-    return _thin_parts(mask, spread, distance, prior.allowed(rgb), first)
+    return _thin_parts(mask, spread, distance, _allowed(rgb, first, prior), first)
 
 
 def colour_foreground(rgb: Pixels, samples: Array, first: Foreground, prior: Prior) -> Foreground:
@@ -55,16 +56,23 @@ def colour_foreground(rgb: Pixels, samples: Array, first: Foreground, prior: Pri
     mean = samples.mean(axis=0)
     apart = samples - mean
     shade = SHADE_SHARE * mean
-    spread = (
-        apart.T @ apart / len(samples) + COLOUR_FLOOR**2 * np.eye(3) + np.outer(shade, shade)
-    )
+    spread = apart.T @ apart / len(samples) + COLOUR_FLOOR**2 * np.eye(3) + np.outer(shade, shade)
     values, vectors = np.linalg.eigh(spread)
     whiten = ((vectors / np.sqrt(values)).T).astype(np.float32)
     pixels = rgb.astype(np.float32)
     away = distance_from(pixels, np.broadcast_to(mean.astype(np.float32), pixels.shape), whiten)
     mask = majority((away < OF_COLOUR).astype(np.uint8))
     covered = np.where((mask | first.mask) > 0, 2 * DEVIATIONS, 0.0).astype(np.float32)
-    return _thin_parts(mask, first.spread, covered, prior.allowed(rgb), first)
+    return _thin_parts(mask, first.spread, covered, _allowed(rgb, first, prior), first)
+
+
+def _allowed(rgb: Pixels, first: Foreground, prior: Prior) -> Pixels | None:
+    """Return 1 where a cable may be seen; with a known background, where that is covered."""
+    allowed = prior.allowed(rgb)
+    if prior.background is None:
+        return allowed
+    covered = above(first.covered)
+    return covered if allowed is None else allowed & covered
 
 
 def _thin_parts(
