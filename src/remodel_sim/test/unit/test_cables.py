@@ -12,6 +12,7 @@ from remodel_sim.core.vision.cables.curves.polyline import arc_lengths
 from remodel_sim.core.vision.cables.curves.spline import basis, fit
 from remodel_sim.core.vision.cables.strands.pairing import StrandEnd, best_pairs, join_prices
 from remodel_sim.core.vision.cables.strands.skeleton import find_strands, thin
+from remodel_sim.core.vision.cables.warnings import evidence_warnings
 
 RED, BLUE, TABLE = (190, 30, 30), (30, 60, 190), (150, 140, 120)
 
@@ -247,6 +248,45 @@ def test_cables_on_coloured_sheets_are_found_with_a_warning():
     (cable,) = (cable for cable in found.cables if cable.confidence > 0.5)
     ends = sorted(tip.point[0] for tip in cable.tips)
     assert ends == pytest.approx([40, 596], abs=6)
+
+
+def test_a_shadow_that_prolongs_a_cable_causes_a_warning():
+    picture = table()
+    shadow = (picture[0, 0] * 0.45).astype(np.uint8).tolist()
+    cv2.line(picture, (100, 240), (440, 240), shadow, 8, cv2.LINE_AA)
+    cv2.line(picture, (100, 240), (410, 240), RED, 8, cv2.LINE_AA)
+    found = detect_cables(picture)
+    tips = [tip.point[0] for cable in found.cables for tip in cable.tips]
+    assert max(tips, default=0.0) < 415 or found.warnings
+
+
+def test_a_noisy_picture_causes_a_warning():
+    picture = table()
+    cv2.line(picture, (100, 240), (540, 240), RED, 6, cv2.LINE_AA)
+    assert detect_cables(picture).warnings == ()
+    noise = np.random.default_rng(1).normal(0, 25, picture.shape)
+    noisy = np.clip(picture + noise, 0, 255).astype(np.uint8)
+    assert any("noisy" in warning for warning in detect_cables(noisy).warnings)
+
+
+@pytest.mark.parametrize(
+    ("term", "value", "text"),
+    [
+        ("softness [widths]", 0.9, "blurred"),
+        ("spread of the width", 0.1, "varies in width"),
+        ("deep shadows", 0.4, "deep shadow"),
+    ],
+)
+def test_odd_evidence_causes_a_warning_of_its_cable(term, value, text):
+    good = {
+        "softness [widths]": 0.4,
+        "spread of the width": 0.01,
+        "edges that agree": 0.65,
+        "deep shadows": 0.0,
+    }
+    (notice,) = evidence_warnings([good, {**good, term: value}])
+    assert text in notice.text
+    assert notice.cables == (1,)
 
 
 def test_lines_left_out_cause_a_warning(monkeypatch):

@@ -32,6 +32,7 @@ from remodel_sim.core.vision.cables.warnings import (
     NOTHING,
     Notice,
     cable_warnings,
+    evidence_warnings,
     exposure_warnings,
     remainder_warnings,
 )
@@ -97,7 +98,7 @@ def _detect(
     rgb: Pixels, scale: int, small: Pixels, foreground: Foreground, prior: Prior
 ) -> Detection:
     """Find the cables, given the foreground of a picture made `scale` times smaller."""
-    lit = list(exposure_warnings(small))
+    lit = list(exposure_warnings(rgb))
     first = first_candidates(rgb, scale, small, foreground, prior)
     cables, notices = _judged(rgb, first or [], foreground, scale)
     if notices:
@@ -114,11 +115,16 @@ def _judged(
     """Return the candidates that are likely enough, the longest first, and the warnings."""
     ordered = sorted(candidates, key=lambda c: -len(c.line.points))
     rated = [
-        replace(candidate.cable, confidence=rate(rgb, ordered, i, foreground, scale))
+        (replace(candidate.cable, confidence=rate(rgb, ordered, i, foreground, scale)), candidate)
         for i, candidate in enumerate(ordered)
     ]
-    cables = [cable for cable in rated if cable.confidence >= LEAST]
-    notices = [*cable_warnings(rgb, cables), *remainder_warnings(foreground, cables, scale)]
+    likely = [(cable, candidate) for cable, candidate in rated if cable.confidence >= LEAST]
+    cables = [cable for cable, _ in likely]
+    notices = [
+        *cable_warnings(rgb, cables),
+        *evidence_warnings([candidate.evidence.terms for _, candidate in likely]),
+        *remainder_warnings(foreground, cables, scale),
+    ]
     left_out = len(rated) - len(cables)
     if left_out:
         notices.append(Notice(f"lines left out, with a confidence below {LEAST}: {left_out}"))

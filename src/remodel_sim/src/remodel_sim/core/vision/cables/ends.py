@@ -9,7 +9,7 @@ import numpy as np
 
 from remodel_sim.core.geometry import Array
 from remodel_sim.core.vision.cables.curves.polyline import arc_lengths, parabola
-from remodel_sim.core.vision.cables.model import CableEnding, Tip
+from remodel_sim.core.vision.cables.model import CableEnding, DetectedCable, Tip
 from remodel_sim.core.vision.pixels import Pixels
 
 # The axis at an end is fitted to this part of the centreline, counted from the end: nearer to it
@@ -36,6 +36,10 @@ BORDER_WIDTHS = 0.8
 BEYOND = np.concatenate([np.linspace(-2.5, -1.0, 4), np.linspace(1.0, 2.5, 4)])
 SIDEWAYS = np.array([-1.2, -1.05, -0.9, -0.2, -0.1, 0.0, 0.1, 0.2, 0.9, 1.05, 1.2])
 MIDDLE = np.abs(SIDEWAYS) < 0.5
+# To see whether its last bit is a shadow: before and beyond its tip [widths]; shades of the cable
+# and of the table; a shadow is no shade of the cable by this [grey levels].
+LAST = np.array([-1.0, -0.75, -0.5, 1.2, 1.6, 2.0])
+OWN_SHADES, SHADOWS, NO_SHADE = (0.3, 1.6), (0.15, 0.95), 15.0
 
 
 def find_end(rgb: Pixels, line: Array, width: float) -> Tip:
@@ -106,3 +110,19 @@ def goes_on(rgb: Pixels, tip: Tip, width: float) -> float:
     way = strip - table
     left = beyond[:, MIDDLE].mean(axis=(0, 1)) - beyond[:, ~MIDDLE].mean(axis=(0, 1))
     return float(left @ way) / max(float(way @ way), 1.0)
+
+
+def in_shadow(rgb: Pixels, tip: Tip, cable: DetectedCable) -> bool:
+    """Return whether the last bit of a cable before a tip is a shadow on the table."""
+    places = tip.point + (LAST * cable.width)[:, None] * tip.outward
+    x, y = cv2.split(places.astype(np.float32)[None])
+    colours = cv2.remap(rgb, x, y, cv2.INTER_LINEAR, borderMode=cv2.BORDER_REPLICATE)[0]
+    last, table = colours[:3].mean(axis=0), colours[3:].mean(axis=0)
+    from_own = _from_shades(last, np.array(cable.colour), OWN_SHADES)
+    return from_own > NO_SHADE and _from_shades(last, table, SHADOWS) < from_own / 2
+
+
+def _from_shades(colour: Array, of: Array, shades: tuple[float, float]) -> float:
+    """Return the distance of a colour (3,) from the shades of another [grey levels]."""
+    shade = min(max(float(colour @ of) / max(float(of @ of), 1.0), shades[0]), shades[1])
+    return math.dist(colour, shade * of)

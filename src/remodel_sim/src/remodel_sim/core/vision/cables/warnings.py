@@ -10,7 +10,8 @@ from dataclasses import dataclass
 import cv2
 import numpy as np
 
-from remodel_sim.core.vision.cables.ends import goes_on
+from remodel_sim.core.vision.cables.curves.robust_statistics import median
+from remodel_sim.core.vision.cables.ends import goes_on, in_shadow
 from remodel_sim.core.vision.cables.model import CableEnding, DetectedCable
 from remodel_sim.core.vision.cables.strands.foreground import Foreground
 from remodel_sim.core.vision.pixels import Pixels
@@ -26,6 +27,12 @@ DARK_SHARE, DARK = 0.995, 75
 # A tip beyond which this share of the contrast is left may be none: true ones leave up to 0.19,
 # ends that noise cut 0.36 to 1.05.
 GOES_ON = 0.28
+# Evidence of which a cable has more only where it is hard to see: its width varies by this share,
+# while so few of its edges agree; its edges stretch over this share of the width; this share of it
+# lies beside a deep shadow.
+UNEVEN, FEW_EDGES, BLURRED, IN_SHADOW = 0.06, 0.70, 0.8, 0.3
+# A picture is noisy from this standard deviation on [grey levels].
+NOISY = 17.0
 # An end this near to another cable may be a part of it [widths].
 BESIDE_WIDTHS = 1.7
 # A line that leaves its chord by less is straight [widths].
@@ -57,13 +64,19 @@ class Notice:
 
 def exposure_warnings(rgb: Pixels) -> Iterator[Notice]:
     """Yield what is wrong with the light of a picture (height, width, 3)."""
-    some = rgb[::2, ::2]
+    some = rgb[::3, ::3]
     brightest = np.maximum(np.maximum(some[..., 0], some[..., 1]), some[..., 2])
     clipped = float(np.mean(brightest >= TOP))
     if clipped > CLIPPED:
         yield Notice(
             f"{clipped:.0%} of the picture is overexposed; take it with a shorter exposure"
         )
+    steps = rgb[::4, :, 1].astype(np.int16)
+    second = np.abs(steps[:, 2:] - 2 * steps[:, 1:-1] + steps[:, :-2])
+    # Of Gaussian noise the second difference has the variance 6; the median is 0.674 deviations.
+    noise = median(second) / (0.674 * math.sqrt(6))
+    if noise > NOISY:
+        yield Notice(f"the picture is noisy, by {noise:.0f} grey levels; take it with more light")
     if np.mean(brightest < DARK) > DARK_SHARE:
         yield Notice("the picture is dark; take it with more light or a longer exposure")
 
@@ -87,6 +100,9 @@ def cable_warnings(rgb: Pixels, cables: list[DetectedCable]) -> Iterator[Notice]
                     "lies",
                     (i,),
                 )
+            elif tip.end is CableEnding.TIP and in_shadow(rgb, tip, cable):
+                text = f"cable {i} may end before ({column:.0f}, {row:.0f}): a shadow lies there"
+                yield Notice(text, (i,))
             elif tip.end is CableEnding.TIP and goes_on(rgb, tip, cable.width) > GOES_ON:
                 text = f"cable {i} may go on beyond ({column:.0f}, {row:.0f}), fainter"
                 yield Notice(text, (i,))
@@ -106,6 +122,17 @@ def cable_warnings(rgb: Pixels, cables: list[DetectedCable]) -> Iterator[Notice]
                 if facing > FACING:
                     text = f"cables {i} and {j} may be one: their ends face each other"
                     yield Notice(text, (i, j))
+
+
+def evidence_warnings(terms: list[dict[str, float]]) -> Iterator[Notice]:
+    """Yield what is odd about the evidence of cables, by the terms of their confidence."""
+    for i, of in enumerate(terms):
+        if of["softness [widths]"] > BLURRED:
+            yield Notice(f"cable {i} is blurred; focus, or take it from nearer", (i,))
+        if of["spread of the width"] > UNEVEN and of["edges that agree"] < FEW_EDGES:
+            yield Notice(f"cable {i} varies in width: one of its edges may be another one", (i,))
+        if of["deep shadows"] > IN_SHADOW:
+            yield Notice(f"cable {i} lies beside a deep shadow; use softer light", (i,))
 
 
 def _is_ruled(cable: DetectedCable) -> bool:
