@@ -290,7 +290,7 @@ def test_odd_evidence_causes_a_warning_of_its_cable(term, value, text):
 
 
 def test_lines_left_out_cause_a_warning(monkeypatch):
-    monkeypatch.setattr("remodel_sim.core.vision.cables.detect.rate", lambda *_: 0.05)
+    monkeypatch.setattr("remodel_sim.core.vision.cables.detect.rate", lambda *_: 0.01)
     picture = table()
     cv2.line(picture, (100, 100), (500, 380), RED, 8, cv2.LINE_AA)
     found = detect_cables(picture)

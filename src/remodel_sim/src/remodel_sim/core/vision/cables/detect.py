@@ -45,7 +45,7 @@ THIN = 1.0
 MIN_SIDE = 64
 KEPT_BYTES = 8_000_000
 # Lines with less confidence are not reported.
-LEAST = 0.1
+LEAST = 0.02
 
 
 def detect_cables(
