@@ -31,7 +31,7 @@ TRUTH_S = 10.0  # in which a page shows that a node has ended or restarted; 2 s 
 LIT_S = 0.1  # within which a transition is seen
 SEES_PATROL = """() => !window.isOld && document.querySelector('li.node.active')
   && document.querySelector('.attach')?.textContent.includes("'Patrol' runs unattended.")"""
-# Have a page's server told that a disabled box was changed.
+# Report to a page's server that a disabled box was changed.
 PRETEND = """(box) =>
   getElement(box.closest('[id^="c"]').id.slice(1)).$emit('update:model-value', false)"""
 OBSERVE = """() => {

@@ -143,7 +143,7 @@ def test_an_account_and_a_plan_are_printed_for_programs(tmp_path, database, caps
     ends = [action["start_s"] + action["duration_s"] for action in said["actions"]]
     assert max(ends) == pytest.approx(said["makespan_s"])
     assert "section_mm2" in said["features"]
-    file = tmp_path / "wishes.yaml"
+    file = tmp_path / "preferences.yaml"
     entries = ["{name: up, route: W1, before: W3}", "{name: down, route: W3, before: W1}"]
     document = f"format: remodel-preferences-1\nrequire: [{', '.join(entries)}]\n"
     file.write_text(document)

@@ -246,8 +246,8 @@ class OnboardTest(unittest.TestCase):
         self.assertNotIn("/Join", paths)
         engine.start("Input Test", **{"@start_at": "/Nowhere"})
         self.assertEqual(engine.ended().code, BEStatus.ERROR)
-        told = "has no state '/Nowhere' to start at; it has: /Join, /Say, /Wait"
-        self.assertIsNotNone(engine.log.wait(lambda m: told in m.text))
+        refusal = "has no state '/Nowhere' to start at; it has: /Join, /Say, /Wait"
+        self.assertIsNotNone(engine.log.wait(lambda m: refusal in m.text))
 
     def test_the_values_of_a_state_are_found_by_its_path(self):
         given = {"part": "{'pins': [1]}", "name": "A 7"}

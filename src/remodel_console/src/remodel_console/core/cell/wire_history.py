@@ -68,7 +68,7 @@ def recorded_wire_words(record: Record, wire: str, last: int) -> tuple[str, ...]
     if not own:
         will = any(entry.task == wire for entry in record.entries)
         return ("Its task begins later in this run." if will else "No task is about this wire.",)
-    told = (Kind.TASK, Kind.FAILURE, Kind.DECISION, Kind.OPERATOR)
-    history = [e for e in own if e.kind in told]
+    shown = (Kind.TASK, Kind.FAILURE, Kind.DECISION, Kind.OPERATOR)
+    history = [e for e in own if e.kind in shown]
     lines = (f"{record.offset_s(e):.1f} s: {entry_words(e)}" for e in reversed(history))
     return (*force_words(record, wire, last), *lines)
