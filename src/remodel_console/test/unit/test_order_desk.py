@@ -119,7 +119,7 @@ def test_what_is_no_document_is_refused(text, reason):
 
 def test_a_plan_has_two_lanes_for_each_arm_and_no_markup():
     plan = read_findings(json.dumps(PLAN), Plan)
-    assert [(each.wire, each.arm, each.start_s, each.end_s) for each in task_times(plan)] == [
+    assert [(each.task, each.arm, each.start_s, each.end_s) for each in task_times(plan)] == [
         ("W1", "L", 0.0, 2.0),
         ("W1", "R", 2.0, 5.0),
         ("<b>W2", "L", 3.0, 9.0),
@@ -131,6 +131,20 @@ def test_a_plan_has_two_lanes_for_each_arm_and_no_markup():
     assert bars["insert"][1][4] == "insert &lt;b&gt;W2 a: 4.0 to 9.0 s"
     assert bars["task"][2][4].startswith("&lt;b&gt;W2")
     assert gantt_height(plan) > 4 * 30
+
+
+def test_a_cable_is_one_task_of_a_plan():
+    actions = [
+        {"action": "pick", "arm": arm, "wire": wire, "target": "", "start_s": at, "duration_s": 1.0}
+        for arm, wire, at in (("L", "C1.1", 0), ("R", "W1", 0), ("L", "C1.2", 5), ("L", "W2", 9))
+    ]
+    cables = {"C1": ["C1.1", "C1.2"]}
+    plan = read_findings(json.dumps({**PLAN, "actions": actions, "cables": cables}), Plan)
+    assert [(each.words, each.arm, each.start_s, each.end_s) for each in task_times(plan)] == [
+        ("C1: C1.1, C1.2", "L", 0.0, 6.0),
+        ("W1", "R", 0.0, 1.0),
+        ("W2", "L", 9.0, 10.0),
+    ]
 
 
 def test_an_answer_that_is_none_of_the_planner_is_refused():

@@ -1,6 +1,7 @@
 """A run of an order: its words, and the production figures."""
 
 import json
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -15,6 +16,7 @@ from remodel_console.core.plot import (
 from remodel_console.core.use_case.production import figures
 from remodel_console.core.use_case.use_case import (
     SHOWN_TASKS,
+    CableTask,
     Choice,
     Failure,
     Level,
@@ -28,6 +30,7 @@ from remodel_console.core.use_case.use_case import (
     fault_words,
     level_rows,
     shown_tasks,
+    with_cables,
 )
 from remodel_console.core.world import World, notices, supervisor_notice
 from remodel_console.edge.jpeg import as_jpeg
@@ -40,6 +43,34 @@ def task(name, phase, *, passed=False, taken_s=0.0, expected_s=0.0):
     return Task(
         name, "", phase=phase, attempts=1, first_pass=passed, taken_s=taken_s, expected_s=expected_s
     )
+
+
+def test_the_cores_of_a_cable_follow_it_and_are_one_task():
+    cores = [
+        replace(task(name, phase), cable=cable)
+        for name, phase, cable in (
+            ("W1", TaskPhase.DONE, ""),
+            ("C1.1", TaskPhase.DONE, "C1"),
+            ("C1.2", TaskPhase.RUNNING, "C1"),
+            ("C2.1", TaskPhase.WAITING, "C2"),
+            ("W2", TaskPhase.WAITING, ""),
+        )
+    ]
+    shown = list(with_cables(cores))
+    cable = shown[1]
+    assert shown == [cores[0], CableTask((cores[1], cores[2])), *cores[1:]]
+    assert (cable.name, cable.phase, cable.words) == (
+        "C1",
+        TaskPhase.RUNNING,
+        "cable, 1 of 2 cores done",
+    )
+    for phases, phase in (
+        ((TaskPhase.DONE, TaskPhase.DONE), TaskPhase.DONE),
+        ((TaskPhase.DONE, TaskPhase.SET_ASIDE), TaskPhase.SET_ASIDE),
+        ((TaskPhase.DONE, TaskPhase.WAITING), TaskPhase.RUNNING),
+        ((TaskPhase.WAITING, TaskPhase.WAITING), TaskPhase.WAITING),
+    ):
+        assert CableTask(tuple(task(each.value, each) for each in phases)).phase is phase
 
 
 def failure(name, fault, decision):

@@ -3,6 +3,7 @@
 import json
 import shutil
 from contextlib import closing
+from itertools import groupby
 from pathlib import Path
 
 import pytest
@@ -69,6 +70,64 @@ def test_a_wire_that_no_robot_can_lay_is_by_hand_and_the_rest_is_planned(
         assert "    W2: by hand, section_mm2 is 35.0, and must be a number from 0.13" in text
         assert "    W3: by hand, section_mm2 is 0.05, and must be a number from 0.13" in text
     assert check.main([str(plan_file), "--order", "loom", *place]) == 0
+
+
+CABLES = """connectors: {X1: {pincount: 8}, X2: {pincount: 6}, X3: {pincount: 6}, X4: {pincount: 3}}
+cables:
+  C1: {wirecount: 3, gauge: 0.5 mm2}
+  C2: {wirecount: 3, gauge: 0.5 mm2}
+  C3: {wirecount: 3, gauge: 0.5 mm2}
+  W1: {category: bundle, wirecount: 2, gauge: 1.5 mm2}
+connections:
+  - [X1: [1-3], C1: [1-3], X2: [1-3]]
+  - [X1: [4-6], C2: [1-3], X3: [1-3]]
+  - [X1: [7, 8], W1: [1, 2], X3: [4, 5]]
+  - [X4: [1-3], C3: [1-3], X2: [4-6]]
+"""
+
+
+@pytest.mark.parametrize("arms", ["1", "2"])
+def test_a_cable_is_one_task_from_its_file_to_the_plan(arms, tmp_path, database, capsys):
+    file, plan_file = tmp_path / "loom.yml", tmp_path / "plan.json"
+    file.write_text(CABLES)
+    order = ["--order", "loom", "--database", database, "--arms", arms]
+    assert import_design.main([str(file), *order]) == 0
+    assert "    9 are cores of 3 cables: each cable is one task\n" in capsys.readouterr().out
+    assert tasks.main(order) == 0
+    assert "C1: cable of 3 cores, " in capsys.readouterr().out
+    assert plan.main([*order, "--output", str(plan_file), "--moves", "20000", "--json"]) == 0
+    printed = json.loads(capsys.readouterr().out)
+    assert printed["cables"]["C2"] == ["C2.1", "C2.2", "C2.3"]
+    assert printed["triage"]["cables"] == printed["cables"]
+    assert (printed["split_cables"], printed["penalties"]["cable"]) == ([], 0)
+    picks = [each for each in printed["actions"] if each["action"] == "pick"]
+    runs = [
+        cable
+        for arm in printed["arms"]
+        for cable, _ in groupby(p["wire"].partition(".")[0] for p in picks if p["arm"] == arm)
+        if cable in printed["cables"]
+    ]
+    assert sorted(runs) == ["C1", "C2", "C3"], "no arm takes up a cable twice, nor do both arms"
+    assert check.main([str(plan_file), *order]) == 0
+
+
+def test_a_cable_that_requirements_tear_apart_is_planned_and_named(tmp_path, database, capsys):
+    file, plan_file = tmp_path / "loom.yml", tmp_path / "plan.json"
+    file.write_text(CABLES)
+    order = ["--order", "loom", "--database", database, "--arms", "1"]
+    assert import_design.main([str(file), *order]) == 0
+    apart = tmp_path / "apart.yaml"
+    apart.write_text(
+        "format: remodel-preferences-1\nrequire:\n"
+        "  - {name: first, route: C1.1, before: W1.1}\n"
+        "  - {name: then, route: W1.1, before: C1.2}\n"
+    )
+    wanted = ["--preferences", str(apart), "--output", str(plan_file), "--moves", "20000"]
+    assert plan.main([*order, *wanted]) == 0
+    said = capsys.readouterr().out
+    assert "\ncable C1 is in 2 parts: C1.1" in said
+    assert " by robot_1; order constraints keep its cores apart\n" in said
+    assert check.main([str(plan_file), *order, *wanted[:2]]) == 0
 
 
 def test_an_order_that_is_all_by_hand_is_accepted_by_every_command(tmp_path, database, capsys):

@@ -117,6 +117,26 @@ def test_the_page_shows_each_wire_and_its_failures():
     assert "background: #ffb703" in page
 
 
+def test_a_cable_is_shown_before_its_cores():
+    def core(name, **options):
+        one = attempted(name, GOOD, **options)
+        return dataclasses.replace(one, wire=dataclasses.replace(one.wire, cable="C1"))
+
+    made = report(
+        attempted("W1", GOOD),
+        core("C1.1", placed=False),
+        core("C1.1", attempt=2),
+        core("C1.2", placed=False),
+        attempted("W2", GOOD),
+    )
+    page = html.fromstring(render_html(TEMPLATE, made, COLOURS))
+    line = "Cable C1: 1 of 2 cores placed"
+    rows = [row.text_content().split("\n")[0].strip() for row in page.xpath("//table[1]//tr")]
+    assert [row for row in rows if row.startswith("Cable")] == [line]
+    assert rows.index(line) == 2
+    assert report_data(made)["cables"] == [line]
+
+
 def test_a_run_that_stopped_early_says_why():
     stopped = dataclasses.replace(
         report(attempted("W1", GOOD), planned=2), stopped="the engine <died>"

@@ -72,6 +72,7 @@ class Supervised:
             started=rospy.Time(5),
             expected_s=lambda name: 60.0,
             descriptions={name: f"Q1/1 to X3/{name}, BU, 1.5 mm2" for name in self.state.tasks},
+            cables={"W2": "C1", "W3": "C1"},
             **self.view_fields,
         )
 
@@ -140,6 +141,7 @@ def test_the_snapshot_and_the_changes_give_the_tasks(supervised):
     found = planned(supervised)
     assert [task.name for task in found.tasks] == ["W1", "W2", "W3", "W4", "W5", "W6"]
     assert found.tasks[0].description == "Q1/1 to X3/W1, BU, 1.5 mm2"
+    assert [task.cable for task in found.tasks[:3]] == ["", "C1", "C1"]
     known = states(found.tasks)
     for events in (
         [begin("W1")],

@@ -111,6 +111,30 @@ def test_a_poor_order_is_improved(arms):
     assert cost(order, again, modes_of(planner, order, again)) < before
 
 
+def test_a_cable_that_is_begun_is_finished_first_but_for_a_core_put_off():
+    plain = cabinet_order(2)
+    x = {terminal.name: terminal.position_mm[0] for terminal in plain.terminals}
+    reach = plain.arms[0].reach_mm
+    cores = [t.name for t in plain.tasks if max(map(x.get, t.terminals)) <= reach[1]][:4]
+    tasks = tuple(
+        replace(t, characteristics={**t.characteristics, "cable": "C1" if t.name in cores else ""})
+        for t in plain.tasks
+    )
+    planner = planner_of(replace(plain, tasks=tasks))
+    names = planner.plan([task.name for task in tasks])
+    first = min(map(names.index, cores))
+    assert set(names[first : first + 4]) == set(cores)
+    done = next(name for name in names if name in cores)
+    left = [name for name in names if name != done]
+    waiting = [name for name in left if name not in cores] + [n for n in left if n in cores]
+    again = planner.plan(waiting, waiting)
+    assert set(again[:3]) == set(cores) - {done}
+    deferred = again[0]
+    again = planner.plan(waiting, waiting, last=[deferred])
+    assert set(again[:2]) == set(cores) - {done, deferred}
+    assert again[-1] == deferred
+
+
 def test_a_replan_prepares_and_decomposes_nothing_again(monkeypatch):
     order = cabinet_order(1)
     planner = planner_of(order)

@@ -85,6 +85,7 @@ def _task(message: msg.TaskState) -> Task:
         first_pass=message.first_pass,
         taken_s=message.taken_s,
         expected_s=message.expected_s,
+        cable=message.cable,
     )
 
 

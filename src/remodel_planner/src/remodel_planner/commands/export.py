@@ -15,6 +15,7 @@ from remodel_planner.commands.options.problem_files import (
     read_problem,
 )
 from remodel_planning.core.plan.checker import check
+from remodel_planning.core.problem.cables import first_picks
 from remodel_planning.core.problem.instance import problem_data
 from remodel_planning.core.problem.plan_form import plan_data
 from remodel_planning.core.problem.problem import Plan, Problem
@@ -69,7 +70,7 @@ def main(arguments: list[str] | None = None) -> int:
             problem,
             plan,
             options.format,
-            verdict.cost if verdict else 0,
+            verdict.cost + first_picks(problem) if verdict else 0,
             has_numeric_fluents=options.numeric_fluents,
         )
     )

@@ -23,6 +23,7 @@ from remodel_planner.commands.options.problem_files import (
     read_problem,
 )
 from remodel_planner.commands.options.stop_signals import stop_on_signals
+from remodel_planning.core.plan.cable_tasks import cable_tasks
 from remodel_planning.core.problem.conflict import keeping, requirements_in
 from remodel_planning.core.problem.plan_form import plan_data
 from remodel_planning.core.search.planned import Planned
@@ -127,6 +128,9 @@ def _plan(options: argparse.Namespace) -> None:
     print(f"{problem.name}: cost {best.cost} (makespan {best.makespan}, penalty {best.penalty})")
     print(f"first plan: cost {first.cost} after {first_ms:.1f} ms")
     print(f"search: {_ending(result, limits)}; plan: {options.output}")
+    for cable in cable_tasks(problem, best.plan):
+        if len(cable.parts) > 1:
+            print(cable)
     if triage is not None:
         print_triage(triage)
 

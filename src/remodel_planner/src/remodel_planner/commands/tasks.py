@@ -7,7 +7,7 @@ import argparse
 from remodel_planner.commands.options.design_orders import print_triage
 from remodel_planner.commands.options.entry import refuses
 from remodel_planner.commands.options.problem_files import add_problem_options, read_order
-from remodel_planning.core.decomposition.outline import outline
+from remodel_planning.core.decomposition.outline import outline_of_order
 
 
 @refuses("tasks")
@@ -23,7 +23,6 @@ def main(arguments: list[str] | None = None) -> int:
     add_problem_options(parser)
     options = parser.parse_args(arguments)
     prepared = read_order(options)
-    for plan in prepared.plans:
-        print("\n".join(outline(plan.alone)))
+    print("\n".join(outline_of_order(prepared.order, [plan.alone for plan in prepared.plans])))
     print_triage(prepared.order)
     return 0

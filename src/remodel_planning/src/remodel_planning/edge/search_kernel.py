@@ -161,7 +161,7 @@ class KernelProblem:
         )
         if count < 0:
             raise InstanceError(deadlock(self.tables.problem))
-        penalty = int(cost[1]) + self.tables.lost_penalty
+        penalty = int(cost[1]) + self.tables.constant
         return Decoded(actions[:count], int(cost[0]), penalty)
 
     def search(self, seed: int) -> KernelSearch:

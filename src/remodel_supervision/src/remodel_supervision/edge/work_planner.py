@@ -4,12 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Collection, Sequence
 from dataclasses import dataclass, replace
+from itertools import chain
 
 from flexbe_synthesizer.core.chart.model import Chart
 from flexbe_synthesizer.synthesis import garbage_kept
 from remodel_planning.core.decomposition.preparation import Prepared, prepare
 from remodel_planning.core.orders.work_order import WorkOrder
 from remodel_planning.core.plan.listing import listing_of
+from remodel_planning.core.problem.cables import gathered, with_first
 from remodel_planning.core.problem.modes import Mode
 from remodel_planning.core.problem.part import defer
 from remodel_planning.core.task_charts.demands import Demands, demands_of
@@ -131,7 +133,9 @@ class WorkPlanner:
             base = self._prepare(wanted)
         self._prepared = base
         prepared = base.only(wanted) if base.plan_of.keys() > wanted else base
-        problem = defer(prepared.preferred.problem, last)
+        begun = [cores for cores in self.order.cables.values() if not wanted.issuperset(cores)]
+        first = wanted.intersection(chain(*begun)).difference(last)
+        problem = defer(with_first(prepared.preferred.problem, first), last)
         if previous:
             modes = {name: place.mode.number for name, place in self._places.items()}
             search_s = min(self._search_s, replan_search_s(len(wanted)))
@@ -144,7 +148,7 @@ class WorkPlanner:
         planned_modes = listing_of(problem, planned.plan).modes
         self._tasks = {name: task for name, task in self._tasks.items() if name not in wanted}
         self._places |= {name: _Place(base, mode) for name, mode in planned_modes.items()}
-        return planned.wires
+        return gathered(problem, planned.wires)
 
     def _prepare(self, names: set[str]) -> Prepared:
         """Return tasks ready for planning; preferences are about the order's other tasks, too."""

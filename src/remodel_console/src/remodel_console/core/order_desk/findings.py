@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any, TypeVar
 
 import msgspec
@@ -54,10 +54,15 @@ class OtherMethod:
 
 @dataclass(frozen=True)
 class Triage:
-    """Who does which task."""
+    """Who does which task.
+
+    Attributes:
+        cables: the tasks of their cores, which are one task.
+    """
 
     use_case: str
     robot: tuple[str, ...]
+    cables: dict[str, tuple[str, ...]] = field(default_factory=dict)
     other_methods: tuple[OtherMethod, ...] = ()
     by_hand: tuple[ByHand, ...] = ()
 
@@ -111,6 +116,8 @@ class Plan:
         penalties: by the name of their weight.
         features: of wires, by which preferences can choose them.
         segments: of the board that wires are routed through.
+        cables: wires by the cables that they are cores of.
+        split_cables: a line for each cable whose cores the plan could not keep together.
         search: how it ended.
     """
 
@@ -122,6 +129,8 @@ class Plan:
     segments: tuple[str, ...]
     actions: tuple[PlannedAction, ...]
     search: str
+    cables: dict[str, tuple[str, ...]] = field(default_factory=dict)
+    split_cables: tuple[str, ...] = ()
     triage: Triage | None = None
 
 

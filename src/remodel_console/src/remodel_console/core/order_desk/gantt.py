@@ -5,6 +5,7 @@ from __future__ import annotations
 import html
 from collections.abc import Iterator
 from dataclasses import dataclass
+from itertools import groupby
 from typing import Any
 
 from remodel_console.core.order_desk.findings import Plan
@@ -40,15 +41,42 @@ _DRAW = """(params, api) => {
 
 @dataclass(frozen=True)
 class TaskTime:
-    """When an arm has a wire in its hands, from its first action to the end of its last [s]."""
+    """When an arm has a task in its hands, from its first action to the end of its last [s].
 
-    wire: str
+    Attributes:
+        task: a wire, or a cable.
+        wires: the wire, or the cores of the cable in their order.
+    """
+
+    task: str
+    wires: tuple[str, ...]
     arm: str
     start_s: float
     end_s: float
 
+    @property
+    def words(self) -> str:
+        """Return the task, and the cores of a cable."""
+        return f"{self.task}: {', '.join(self.wires)}" if len(self.wires) > 1 else self.task
+
 
 def task_times(plan: Plan) -> tuple[TaskTime, ...]:
+    """Return when each arm works on each task, in the order in which they begin."""
+    cable_of = {wire: cable for cable, wires in plan.cables.items() for wire in wires}
+    found: list[TaskTime] = []
+    for arm in plan.arms:
+        own = [each for each in _wire_times(plan) if each.arm == arm]
+        for cable, group in groupby(own, lambda each: cable_of.get(each.task, "")):
+            times = list(group)
+            if not cable or len(times) == 1:
+                found += times
+                continue
+            wires = tuple(each.task for each in times)
+            found.append(TaskTime(cable, wires, arm, times[0].start_s, times[-1].end_s))
+    return tuple(sorted(found, key=lambda each: each.start_s))
+
+
+def _wire_times(plan: Plan) -> tuple[TaskTime, ...]:
     """Return when each arm works on each wire, in the order in which they begin."""
     found: dict[tuple[str, str], TaskTime] = {}
     for action in plan.actions:
@@ -57,7 +85,8 @@ def task_times(plan: Plan) -> tuple[TaskTime, ...]:
         end_s = action.start_s + action.duration_s
         known = found.get((action.wire, action.arm))
         start_s = known.start_s if known else action.start_s
-        found[action.wire, action.arm] = TaskTime(action.wire, action.arm, start_s, end_s)
+        wire, arm = action.wire, action.arm
+        found[wire, arm] = TaskTime(wire, (wire,), arm, start_s, end_s)
     return tuple(sorted(found.values(), key=lambda each: each.start_s))
 
 
@@ -142,7 +171,7 @@ def gantt_height(plan: Plan) -> int:
 def _task_bars(plan: Plan, lane: dict[str, int]) -> Iterator[list[object]]:
     for each in task_times(plan):
         place = lane[f"{each.arm} {_TASKS}s"]
-        yield _bar(place, each.start_s, each.end_s - each.start_s, each.wire, each.wire)
+        yield _bar(place, each.start_s, each.end_s - each.start_s, each.task, each.words)
 
 
 def _bar(lane: int, start_s: float, duration_s: float, label: str, words: str) -> list[object]:

@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from enum import Enum
+from itertools import groupby
 
 
 class Phase(Enum):
@@ -83,7 +84,12 @@ _CHOICE_WORDS = {
 
 @dataclass(frozen=True)
 class Task:
-    """A task of the order; `first_pass`: done, and no operation of it failed. Times in [s]."""
+    """A task of the order. Times in [s].
+
+    Attributes:
+        first_pass: done, and no operation of it failed.
+        cable: of which it places a core, beside others; empty: none.
+    """
 
     name: str
     description: str
@@ -92,6 +98,44 @@ class Task:
     first_pass: bool
     taken_s: float
     expected_s: float
+    cable: str = ""
+
+
+@dataclass(frozen=True)
+class CableTask:
+    """A cable: the tasks of its cores, which follow each other and are one task."""
+
+    cores: tuple[Task, ...]
+
+    @property
+    def name(self) -> str:
+        """Return the cable's name."""
+        return self.cores[0].cable
+
+    @property
+    def phase(self) -> TaskPhase:
+        """Return how far it is: done with its last core, skipped if one of its cores is."""
+        phases = [core.phase for core in self.cores]
+        if TaskPhase.RUNNING in phases:
+            return TaskPhase.RUNNING
+        if TaskPhase.WAITING in phases:
+            return TaskPhase.RUNNING if TaskPhase.DONE in phases else TaskPhase.WAITING
+        return TaskPhase.SET_ASIDE if TaskPhase.SET_ASIDE in phases else TaskPhase.DONE
+
+    @property
+    def words(self) -> str:
+        """Return what an operator reads beside its name."""
+        done = sum(core.phase is TaskPhase.DONE for core in self.cores)
+        return f"cable, {done} of {len(self.cores)} cores done"
+
+
+def with_cables(tasks: Sequence[Task]) -> Iterator[CableTask | Task]:
+    """Yield tasks in their order, each cable before the tasks of its cores that follow."""
+    for cable, group in groupby(tasks, lambda task: task.cable):
+        cores = tuple(group)
+        if cable and len(cores) > 1:
+            yield CableTask(cores)
+        yield from cores
 
 
 @dataclass(frozen=True)

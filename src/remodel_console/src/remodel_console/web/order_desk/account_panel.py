@@ -43,7 +43,10 @@ def show_triage(triage: Triage | None, nothing_to_plan: str) -> None:
                 ui.label(f"Nothing can be planned: {nothing_to_plan}")
             return
         others = sum(len(each.tasks) for each in triage.other_methods)
-        words = (("robot", len(triage.robot)), ("by hand", len(triage.by_hand)))
+        words = [("robot", len(triage.robot)), ("by hand", len(triage.by_hand))]
+        if triage.cables:
+            cores = sum(map(len, triage.cables.values()))
+            words.insert(1, (f"cores of {len(triage.cables)} cables", cores))
         with ui.row().classes("counts"):
             for word, count in words:
                 with ui.element("div").classes("count"):

@@ -52,9 +52,11 @@ def _show_no_plan(found: NoPlan) -> None:
 
 def _show(plan: Plan, explanation: str) -> None:
     times = task_times(plan)
-    wires = len({each.wire for each in times})
-    words = f"{wires} task{'' if wires == 1 else 's'} in {duration_words(plan.makespan_s)}"
+    tasks = len({each.task for each in times})
+    words = f"{tasks} task{'' if tasks == 1 else 's'} in {duration_words(plan.makespan_s)}"
     ui.label(f"{words}, cost {plan.cost}").classes("plan-words")
+    for line in plan.split_cables:
+        ui.label(line).classes("lines")
     plot = Plot(f"Gantt chart: {words}; the table below lists the tasks")
     plot.show(gantt_plot(plan), gantt_height(plan))
     with ui.element("details").classes("wide"):
@@ -62,7 +64,7 @@ def _show(plan: Plan, explanation: str) -> None:
             ui.label(f"Tasks in their order ({len(times)})")
         with scrollable("Tasks in their order"):
             rows = (
-                (str(number), each.wire, each.arm, f"{each.start_s:.1f} s", f"{each.end_s:.1f} s")
+                (str(number), each.words, each.arm, f"{each.start_s:.1f} s", f"{each.end_s:.1f} s")
                 for number, each in enumerate(times[:_LISTED], start=1)
             )
             table(("", "Task", "Arm", "From", "To"), rows)

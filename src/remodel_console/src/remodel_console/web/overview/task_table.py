@@ -8,7 +8,14 @@ from functools import partial
 from nicegui import ui
 
 from remodel_console.core.cell.wire_history import PHASE_WORDS
-from remodel_console.core.use_case.use_case import Task, TaskPhase, duration_words, shown_tasks
+from remodel_console.core.use_case.use_case import (
+    CableTask,
+    Task,
+    TaskPhase,
+    duration_words,
+    shown_tasks,
+    with_cables,
+)
 
 _OPEN = (TaskPhase.WAITING, TaskPhase.RUNNING)
 
@@ -31,7 +38,7 @@ class TaskTable:
                 with ui.element("th"):
                     ui.label(head).classes("unseen" if head == "Commands" else "")
         self._more = ui.label().classes("soft")
-        self._rows: dict[str, _Row] = {}
+        self._rows: dict[tuple[str, bool], _Row] = {}
 
     def show(self, all_tasks: tuple[Task, ...], *, is_under_way: bool) -> None:
         """Show tasks, in their order; of many, those around the current one."""
@@ -39,33 +46,40 @@ class TaskTable:
         self._table.set_visibility(bool(tasks))
         self._more.text = f"{len(tasks)} of {len(all_tasks)} tasks are shown."
         self._more.set_visibility(len(tasks) < len(all_tasks))
-        self._arrange([task.name for task in tasks])
-        for task in tasks:
-            self._rows[task.name].show(task, is_under_way=is_under_way)
+        shown = {_key(each): each for each in with_cables(tasks)}
+        self._arrange(shown)
+        for key, each in shown.items():
+            self._rows[key].show(each, is_under_way=is_under_way)
 
-    def _arrange(self, names: list[str]) -> None:
-        """Have a row for each task, in this order; those that there are move."""
-        if names == list(self._rows):
+    def _arrange(self, shown: dict[tuple[str, bool], CableTask | Task]) -> None:
+        """Have a row for each task and cable, in this order; those that there are move."""
+        if list(shown) == list(self._rows):
             return
-        for name in self._rows.keys() - set(names):
-            self._rows.pop(name).element.delete()
+        for key in self._rows.keys() - shown.keys():
+            self._rows.pop(key).element.delete()
         with self._table:
-            for name in names:
-                if name not in self._rows:
-                    self._rows[name] = _Row(name, self._deeds, self._is_operator)
+            for key, each in shown.items():
+                if key not in self._rows:
+                    self._rows[key] = _Row(each, self._deeds, self._is_operator)
         rows = self._table.default_slot.children
-        for place, name in enumerate(names, start=1):  # after the heads
-            row = self._rows[name].element
+        for place, key in enumerate(shown, start=1):  # after the heads
+            row = self._rows[key].element
             if rows[place] is not row:
                 row.move(target_index=place)
-        self._rows = {name: self._rows[name] for name in names}
+        self._rows = {key: self._rows[key] for key in shown}
+
+
+def _key(each: CableTask | Task) -> tuple[str, bool]:
+    """Return what a row stays the same for: a task, or the cable before the first of its cores."""
+    return (each.cores[0].name, True) if isinstance(each, CableTask) else (each.name, False)
 
 
 class _Row:
-    """A task."""
+    """A task, or a cable, whose cores are skipped and retried one by one."""
 
-    def __init__(self, name: str, deeds: dict[str, Deed], is_operator: bool) -> None:
-        self._shown: tuple[Task, bool] | None = None
+    def __init__(self, shown: CableTask | Task, deeds: dict[str, Deed], is_operator: bool) -> None:
+        self._shown: tuple[CableTask | Task, bool] | None = None
+        name = shown.name
         with ui.element("tr") as self.element:
             with ui.element("td").classes("name"):
                 ui.label(name)
@@ -76,17 +90,23 @@ class _Row:
                 _cell("time"),
             )
             with ui.element("td").classes("deeds"):
-                self._skip = _button("Skip", "skip_next", name, deeds, is_operator=is_operator)
-                self._retry = _button("Retry", "replay", name, deeds, is_operator=is_operator)
+                if isinstance(shown, Task):
+                    self._skip = _button("Skip", "skip_next", name, deeds, is_operator=is_operator)
+                    self._retry = _button("Retry", "replay", name, deeds, is_operator=is_operator)
 
-    def show(self, task: Task, *, is_under_way: bool) -> None:
+    def show(self, task: CableTask | Task, *, is_under_way: bool) -> None:
         """Show what may have changed."""
         if self._shown == (task, is_under_way):
             return
         self._shown = (task, is_under_way)
-        self._description.text = task.description
-        self.element.classes(replace=f"task {task.phase.value}")
         self._phase.text = PHASE_WORDS[task.phase]
+        if isinstance(task, CableTask):
+            self._description.text = task.words
+            self.element.classes(replace=f"cable {task.phase.value}")
+            return
+        self._description.text = task.description
+        kind = "task core" if task.cable else "task"
+        self.element.classes(replace=f"{kind} {task.phase.value}")
         self._attempts.text = str(task.attempts or "")
         self._time.text = _time_words(task)
         self._skip.set_visibility(is_under_way and task.phase in _OPEN)

@@ -5,6 +5,8 @@ from __future__ import annotations
 import argparse
 from typing import TYPE_CHECKING
 
+from remodel_production.core.counted import counted
+
 if TYPE_CHECKING:
     from remodel_planning.core.orders.work_order import WorkOrder
     from remodel_planning.core.use_case.model import UseCase
@@ -51,10 +53,14 @@ def design_order(stored: Order, options: argparse.Namespace) -> tuple[WorkOrder,
 def print_triage(order: WorkOrder) -> None:
     """Print how many tasks are for the robot, by which other methods, and which are by hand.
 
-    Nothing is printed if all tasks are for the robot, by the preferred methods.
+    Nothing is printed if all tasks are single wires for the robot, by the preferred methods.
     """
-    if not order.by_hand and not order.other_methods:
+    cables = order.cables
+    if not order.by_hand and not order.other_methods and not cables:
         return
     print(f"  tasks for the robot: {len(order.tasks)}, by hand: {len(order.by_hand)}")
+    if cables:
+        cores = sum(map(len, cables.values()))
+        print(f"    {cores} are cores of {counted(len(cables), 'cable')}: each cable is one task")
     for line in (*order.other_methods, *order.by_hand):
         print(f"    {line}")

@@ -7,7 +7,9 @@ from collections.abc import Sequence
 from dataclasses import asdict
 from typing import TYPE_CHECKING, Any
 
+from remodel_planning.core.plan.cable_tasks import cable_tasks
 from remodel_planning.core.plan.checker import check
+from remodel_planning.core.problem.cables import cores_of
 from remodel_planning.core.problem.choices import features_of
 from remodel_planning.core.problem.problem import TICKS_PER_S
 
@@ -43,6 +45,7 @@ def triage_document(order: WorkOrder) -> Document:
     return {
         "use_case": order.use_case,
         "robot": [task.name for task in order.tasks],
+        "cables": order.cables,
         "other_methods": [asdict(each) for each in order.other_methods],
         "by_hand": [asdict(each) for each in order.by_hand],
     }
@@ -70,6 +73,8 @@ def plan_document(planned: Planned) -> Document:
         "penalties": verdict.penalties,
         "arms": [arm.name for arm in problem.arms],
         "features": features_of(problem),
+        "cables": cores_of(problem),
+        "split_cables": [str(c) for c in cable_tasks(problem, plan) if len(c.parts) > 1],
         "segments": sorted({name for wire in problem.wires for name in wire.segments}),
         "actions": actions,
     }

@@ -108,6 +108,21 @@ class Report:
         return self.before + sum(attempt.execution.placed for attempt in self.attempts)
 
     @property
+    def cables(self) -> dict[str, str]:
+        """A line for each cable of which several cores were placed, by its first core's name."""
+        placed: dict[str, dict[str, bool]] = {}
+        for attempt in self.attempts:
+            if attempt.wire is not None and attempt.wire.cable:
+                cores = placed.setdefault(attempt.wire.cable, {})
+                name = attempt.execution.wire
+                cores[name] = cores.get(name, False) or attempt.execution.placed
+        return {
+            next(iter(cores)): f"Cable {cable}: {sum(cores.values())} of {len(cores)} cores placed"
+            for cable, cores in placed.items()
+            if len(cores) > 1
+        }
+
+    @property
     def first_pass(self) -> int:
         """The number of wires placed at the first attempt without one failed operation."""
         first = (attempt.execution for attempt in self.attempts if attempt.execution.attempt == 1)
@@ -193,6 +208,7 @@ def report_data(report: Report) -> Mapping[str, object]:
         "stopped": report.stopped,
         "wall_s": round(report.wall_s, 1),
         "cell_s": round(report.cell_s, 1),
+        "cables": list(report.cables.values()),
         "wires": [_attempt_data(attempt) for attempt in report.attempts],
         "triage": list(report.triage),
         "net_list": [_net_data(net) for net in report.nets],
@@ -232,6 +248,7 @@ def _wire_data(wire: Wire, length_m: float) -> Mapping[str, object]:
         "b": str(wire.b),
         "colour": wire.colour,
         "section_mm2": wire.section_mm2,
+        "cable": wire.cable,
         "length_m": length_m,
         "source": wire.source,
     }

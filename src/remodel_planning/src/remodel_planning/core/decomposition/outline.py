@@ -2,9 +2,28 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 
 from remodel_planning.core.decomposition.decomposed import Decomposition
+from remodel_planning.core.orders.work_order import WorkOrder
+
+
+def outline_of_order(order: WorkOrder, plans: Sequence[Decomposition]) -> Iterator[str]:
+    """Yield the tasks of an order, a cable as one task with those of its cores, line by line."""
+    plan_of = {plan.task.name: plan for plan in plans}
+    cable_of = {core: cable for cable, cores in order.cables.items() for core in cores}
+    shown: set[str] = set()
+    for name, plan in plan_of.items():
+        cable = cable_of.get(name)
+        if cable is None:
+            yield from outline(plan)
+        elif cable not in shown:
+            shown.add(cable)
+            cores = [plan_of[core] for core in order.cables[cable]]
+            seconds = sum(core.duration_s for core in cores)
+            yield f"{cable}: cable of {len(cores)} cores, {seconds:.1f} s of work, one task"
+            for core in cores:
+                yield from (f"  {line}" for line in outline(core))
 
 
 def outline(decomposition: Decomposition) -> Iterator[str]:

@@ -3,11 +3,13 @@
 Lengths are in mm in the board's frame. Of what the design says, a task states what the use case has
 a characteristic for: `section_mm2`, `colour`, `cable`, `core`, `seal`, `twisted`, `length_mm` and
 `left_end_mm` (the least x of its ends) of a wire, `role` and `part_number` of a component. Cores
-of a cable and the wires of a twisted group lie side by side in the magazine, and the same arm is
-preferred for them.
+of a cable, and the wires of a twisted group, have one slot of the magazine and one preferred arm,
+and where no arm reaches all their ends, each of them may be handed over.
 """
 
 from __future__ import annotations
+
+from collections.abc import Sequence
 
 from remodel_planning.core.condition import Value
 from remodel_planning.core.orders.branch_order import branch_order
@@ -112,27 +114,32 @@ class _Wiring:
         return names
 
     def _slots(self) -> dict[str, int]:
-        """Return x of each wire's slot [mm]: the magazine holds the wires by their middles."""
-        ranked = [
-            wire.name
-            for wire in sorted(self._wires, key=lambda wire: (sum(self._middle(wire)), wire.cable))
-        ]
-        left, pitch = self._around.left, (self._around.right - self._around.left) / len(ranked)
-        return {name: round(left + (i + 0.5) * pitch) for i, name in enumerate(ranked)}
+        """Return x of each wire's slot [mm]; wires and cables are sorted by their middles."""
+        ranked = sorted(self._wires, key=lambda wire: (sum(self._middle(wire)), wire.cable))
+        in_slot = {wire.name: (wire.cable, "" if wire.cable else wire.name) for wire in ranked}
+        place = {thing: i for i, thing in enumerate(dict.fromkeys(in_slot.values()))}
+        left, pitch = self._around.left, (self._around.right - self._around.left) / len(place)
+        return {name: round(left + (place[it] + 0.5) * pitch) for name, it in in_slot.items()}
 
     def _middle(self, wire: Wire) -> tuple[int, ...]:
         """Return the mean x of the ends [mm] of a wire, or of all cores of its cable."""
-        ends = [self._ends_x(core) for core in self._cores.get(wire.cable, (wire,))]
+        ends = [self._ends_x(core) for core in self._cores_with(wire)]
         return tuple(round(sum(xs) / len(ends)) for xs in zip(*ends, strict=True))
+
+    def _cores_with(self, wire: Wire) -> Sequence[Wire]:
+        """Return all cores of a wire's cable; the wire alone if it is no core."""
+        return self._cores.get(wire.cable, (wire,))
 
     def _ends_x(self, wire: Wire) -> tuple[int, int]:
         a, b = (in_mm(self._board.openings[ref])[0] for ref in (wire.a, wire.b))
         return a, b
 
     def _task(self, wire: Wire, slot_x: int) -> Task:
-        order, arms, ends = self._board.order, self._around.arms, self._ends_x(wire)
-        able = [arm.reach_mm for arm in self._around.able(*ends)]
-        # A wire that no arm can place alone is handed over; either one may pick it.
+        order, arms = self._board.order, self._around.arms
+        of_cable = [x for core in self._cores_with(wire) for x in self._ends_x(core)]
+        able = [arm.reach_mm for arm in self._around.able(*of_cable)]
+        # A wire that no arm can place alone, or whose cable none can, is handed over; either arm
+        # may pick it.
         low = min((reach[0] for reach in able), default=arms[-1].reach_mm[0])
         high = max((reach[1] for reach in able), default=arms[0].reach_mm[1])
         path = tuple(map(in_mm, self._board.routes[wire.name]))

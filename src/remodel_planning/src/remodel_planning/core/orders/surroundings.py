@@ -59,11 +59,14 @@ class Surroundings:
         return self.arms[2 * sum(xs) >= len(xs) * (self.left + self.right)]
 
     def meeting(self, path: tuple[Point, ...]) -> Point:
-        """Return where a route between both outer parts of the board first crosses its middle."""
+        """Return where a route first crosses the middle of the board, or comes nearest to it."""
         middle = (self.left + self.right) / 2
-        p, q = next(
+        crossing = (
             (p, q) for p, q in pairwise(path) if min(p[0], q[0]) <= middle <= max(p[0], q[0])
         )
+        p, q = next(crossing, (None, None))
+        if p is None or q is None:
+            return min(path, key=lambda point: abs(point[0] - middle))
         share = 0.0 if p[0] == q[0] else (middle - p[0]) / (q[0] - p[0])
         return round(middle), round(p[1] + share * (q[1] - p[1]))
 

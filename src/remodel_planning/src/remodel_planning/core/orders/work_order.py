@@ -196,6 +196,15 @@ class WorkOrder:
     by_hand: tuple[ByHand, ...] = ()
     other_methods: tuple[OtherMethod, ...] = ()
 
+    @property
+    def cables(self) -> dict[str, tuple[str, ...]]:
+        """The names of the tasks of each cable, or twisted group, that has several."""
+        cores: dict[str, list[str]] = {}
+        for task in self.tasks:
+            if cable := task.characteristics.get("cable"):
+                cores.setdefault(str(cable), []).append(task.name)
+        return {cable: tuple(tasks) for cable, tasks in cores.items() if len(tasks) > 1}
+
 
 def order_from(data: object) -> WorkOrder:
     """Build the order that a parsed document describes.

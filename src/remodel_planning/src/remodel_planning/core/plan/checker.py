@@ -373,10 +373,12 @@ def _penalties(problem: Problem, simulation: _Simulation) -> dict[str, int]:
     cost["tool"] = weights.tool * simulation.tool_changes
     last = {arm: problem.wire[wire] for wire, arm in problem.history}
     light = any(not problem.wire[wire].heavy for wire, _ in problem.history)
+    begun = {problem.wire[wire].cable for wire, _ in problem.history}
     for arm, name in simulation.picks:
         wire = problem.wire[name]
         if wire.cable and (arm not in last or last[arm].cable != wire.cable):
-            cost["cable"] += weights.cable
+            cost["cable"] += weights.cable if wire.cable in begun else 0
+        begun.add(wire.cable)
         if arm in last:
             cost["colour"] += weights.colour if last[arm].colour != wire.colour else 0
             cost["zone"] += weights.zone * max(0, last[arm].zone - wire.zone)

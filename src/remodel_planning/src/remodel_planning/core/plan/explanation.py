@@ -33,7 +33,7 @@ _EXAMINED = 200
 _PENALTIES = {
     "tool": "changes of tool",
     "heavy": "heavy wires picked after a light one",
-    "cable": "cables begun, or taken up again, by an arm",
+    "cable": "times that a cable is taken up again",
     "colour": "changes of colour",
     "zone": "zones gone back to the left",
     "start": "zones between the left and the first wire",

@@ -253,8 +253,8 @@ class Weights:
         tool: for each change of tool.
         heavy: for each heavy wire picked after a light one.
         arm: for each wire picked by another arm than its preferred one.
-        cable: for each pick of a core after anything but another core of its cable by the same arm:
-            once for each cable, if its cores are picked one after another.
+        cable: each time that an arm takes up a cable again: picks a core after anything but another
+            core of that cable, which is not the first of it that is picked.
     """
 
     colour: int

@@ -8,6 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
+from remodel_planning.core.problem.cables import first_picks
 from remodel_planning.core.problem.modes import Mode
 from remodel_planning.core.problem.opening import Opening, opening_of
 from remodel_planning.core.problem.order import is_inserted, wire_order
@@ -25,7 +26,8 @@ class Tables:
         scalars: single values by the kernel's names.
         arrays: arrays by the kernel's names.
         modes: those possible, by the wire's name.
-        lost_penalty: what every plan pays for soft constraints that are already violated.
+        constant: what every plan pays besides what the kernel counts: for soft constraints that are
+            already violated, and less for the first pick of each cable, which the kernel charges.
     """
 
     problem: Problem
@@ -33,7 +35,7 @@ class Tables:
     scalars: dict[str, int]
     arrays: dict[str, Integers]
     modes: dict[str, tuple[Mode, ...]]
-    lost_penalty: int
+    constant: int
 
 
 def tables_of(problem: Problem) -> Tables:
@@ -78,7 +80,7 @@ def tables_of(problem: Problem) -> Tables:
         scalars,
         arrays,
         modes=opening.modes,
-        lost_penalty=lost_by_pair + lost_by_rank,
+        constant=lost_by_pair + lost_by_rank - first_picks(problem),
     )
 
 
