@@ -130,9 +130,44 @@ def test_a_cable_that_requirements_tear_apart_is_planned_and_named(tmp_path, dat
     assert check.main([str(plan_file), *order, *wanted[:2]]) == 0
 
 
-def test_an_order_that_is_all_by_hand_is_accepted_by_every_command(tmp_path, database, capsys):
-    file, plan_file = tmp_path / "feeder.csv", str(tmp_path / "plan.json")
-    file.write_text("From,To,Section mm2\nK1:1,X1:1,35\n")
+LAMP = """<project title="porch" version="0.90"><diagram><elements>
+<element type="embed://import/20_manufacturers_articles/breaker.elmt" uuid="{q}"><terminals>
+<terminal id="0" x="0" y="20" orientation="2"/></terminals><elementInformations>
+<elementInformation name="label">Q1</elementInformation></elementInformations></element>
+<element type="embed://import/500_home_installation/lamp.elmt" uuid="{h}"><terminals>
+<terminal id="1" x="0" y="0" orientation="0"/></terminals><elementInformations>
+<elementInformation name="label">H1</elementInformation></elementInformations></element>
+</elements><conductors><conductor element1="{q}" terminal1="{b}" element2="{h}" terminal2="{l}"/>
+</conductors></diagram><collection><category name="import">
+<category name="20_manufacturers_articles"><element name="breaker.elmt">
+<definition link_type="master" type="element"><description>
+<terminal uuid="{b}" x="0" y="20" orientation="s"/></description></definition></element></category>
+<category name="500_home_installation"><element name="lamp.elmt">
+<definition link_type="simple" type="element"><description>
+<terminal uuid="{l}" x="0" y="0" orientation="n"/></description></definition></element></category>
+</category></collection></project>
+"""
+NONE_FOR_ROBOTS = {
+    "feeder.csv": (
+        "From,To,Section mm2\nK1:1,X1:1,35\n",
+        "  tasks for the robot: 0, by hand: 1\n    W1: by hand, section_mm2",
+        "no task is for the robot: all 1 are by hand, such",
+    ),
+    "porch.qet": (
+        LAMP,
+        "  tasks for the robot: 0, by hand: 0\n    1 wire leaves the cabinet, and no task: ",
+        "no wire has both its ends in the cabinet",
+    ),
+}
+
+
+@pytest.mark.parametrize("name", NONE_FOR_ROBOTS)
+def test_an_order_without_a_task_for_robots_is_accepted_by_every_command(
+    name, tmp_path, database, capsys
+):
+    file, plan_file = tmp_path / name, str(tmp_path / "plan.json")
+    text, line, refusal = NONE_FOR_ROBOTS[name]
+    file.write_text(text)
     order = ["--order", "feeder", "--database", database, "--use-case", "automotive_formboard"]
     for command, arguments in (
         (import_design, [str(file)]),
@@ -147,7 +182,7 @@ def test_an_order_that_is_all_by_hand_is_accepted_by_every_command(tmp_path, dat
         assert command.main([*arguments, *order]) == 0
         said = capsys.readouterr().out
         if command in (import_design, tasks, plan):
-            assert "  tasks for the robot: 0, by hand: 1\n    W1: by hand, section_mm2" in said
+            assert line in said
     assert json.loads(Path(plan_file).read_text())["actions"] == []
     with closing(ProductionDatabase(database)) as opened:
         cell = WorkMaker(
@@ -157,7 +192,7 @@ def test_an_order_that_is_all_by_hand_is_accepted_by_every_command(tmp_path, dat
             lease_s=1.0,
             search_s=0.0,
         )
-        with pytest.raises(OrderError, match="no task is for the robot: all 1 are by hand, such"):
+        with pytest.raises(OrderError, match=refusal):
             cell.work("feeder", "", 0, owner=1)
 
 

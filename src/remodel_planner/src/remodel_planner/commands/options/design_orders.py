@@ -55,12 +55,16 @@ def print_triage(order: WorkOrder) -> None:
 
     Nothing is printed if all tasks are single wires for the robot, by the preferred methods.
     """
-    cables = order.cables
-    if not order.by_hand and not order.other_methods and not cables:
+    cables, outside = order.cables, order.outside
+    if not order.by_hand and not order.other_methods and not cables and not outside:
         return
     print(f"  tasks for the robot: {len(order.tasks)}, by hand: {len(order.by_hand)}")
     if cables:
         cores = sum(map(len, cables.values()))
         print(f"    {cores} are cores of {counted(len(cables), 'cable')}: each cable is one task")
+    if outside:
+        leave = "leave" if len(outside) > 1 else "leaves"
+        such = f", such as {outside[0]}" if len(outside) > 1 else f": {outside[0]}"
+        print(f"    {counted(len(outside), 'wire')} {leave} the cabinet, and no task{such}")
     for line in (*order.other_methods, *order.by_hand):
         print(f"    {line}")

@@ -46,6 +46,7 @@ def triage_document(order: WorkOrder) -> Document:
         "use_case": order.use_case,
         "robot": [task.name for task in order.tasks],
         "cables": order.cables,
+        "outside": order.outside,
         "other_methods": [asdict(each) for each in order.other_methods],
         "by_hand": [asdict(each) for each in order.by_hand],
     }

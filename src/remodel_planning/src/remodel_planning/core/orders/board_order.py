@@ -10,6 +10,7 @@ and where no arm reaches all their ends, each of them may be handed over.
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 
 from remodel_planning.core.condition import Value
 from remodel_planning.core.orders.branch_order import branch_order
@@ -40,7 +41,7 @@ def board_order(board: Board, use_case: UseCase, arms: int) -> WorkOrder:
         arms: 1 or 2.
 
     Raises:
-        OrderError: if the use case takes no designs, or not this one, or nothing lies on the board.
+        OrderError: if the use case takes no designs, or not this one.
     """
     name, designs = board.order.name, use_case.designs
     if designs is None:
@@ -48,15 +49,15 @@ def board_order(board: Board, use_case: UseCase, arms: int) -> WorkOrder:
             f"use case {use_case.name} takes no imported designs: it says nothing under `designs` "
             "(docs/use-cases.md); choose another one by --use-case"
         )
+    outside = tuple(wire.name for wire in board.order.wires if wire.name not in board.routes)
     if not board.routes:
-        raise OrderError(
-            f"order {name} has no wire with both ends on the plate: all {len(board.order.wires)} "
-            "leave the cabinet, and there is nothing to plan"
-        )
+        placed = Surroundings([(0, 0)], designs, arms).arms
+        return WorkOrder(name, use_case.name, placed, {}, terminals=(), tasks=(), outside=outside)
     if designs.tasks is DesignTasks.BRANCHES:
         return branch_order(board, use_case, designs, arms)
     points = (in_mm(point) for route in board.routes.values() for point in route)
-    return _Wiring(board, use_case, Surroundings(points, designs, arms)).order()
+    wiring = _Wiring(board, use_case, Surroundings(points, designs, arms)).order()
+    return replace(wiring, outside=outside)
 
 
 class _Wiring:

@@ -182,6 +182,7 @@ class WorkOrder:
         access: to terminals, by name.
         by_hand: what the design has besides the tasks.
         other_methods: by which some of the tasks are done.
+        outside: names of the design's wires that leave the cabinet, and are no tasks.
     """
 
     name: str
@@ -195,6 +196,7 @@ class WorkOrder:
     access: dict[str, Access] = field(default_factory=dict)
     by_hand: tuple[ByHand, ...] = ()
     other_methods: tuple[OtherMethod, ...] = ()
+    outside: tuple[str, ...] = ()
 
     @property
     def cables(self) -> dict[str, tuple[str, ...]]:

@@ -126,6 +126,8 @@ def _in_cell(
         return cell_order(layout), panel_message(layout, rules), channels
     board = board_of(stored, catalogue)
     order = board_order(board, use_case, arms=1)
+    if not order.tasks:
+        raise OrderError(f"order {stored.name}: no wire has both its ends in the cabinet")
     # Leases are kept for wires.
     others = {task.name for task in order.tasks} - {wire.name for wire in stored.wires}
     if others:
