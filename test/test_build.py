@@ -32,11 +32,11 @@ def copy_of_tools(folder):
     return folder
 
 
-def run(workspace, script, fail_at=0):
+def run(workspace, script, fail_at=0, **variables):
     path = f"{workspace / 'bin'}:{os.environ['PATH']}"
     return subprocess.run(
         [workspace / "tools" / script],
-        env={**os.environ, "PATH": path, "FAIL_AT": str(fail_at)},
+        env={**os.environ, "PATH": path, "FAIL_AT": str(fail_at), **variables},
         capture_output=True,
         text=True,
         timeout=30,
@@ -62,6 +62,16 @@ def test_a_build_succeeds_and_is_configured_once(workspace):
     assert run(workspace, "build.sh").returncode == 0
     assert run(workspace, "build.sh").returncode == 0
     assert len((workspace / "calls").read_text().split()) == 3
+
+
+def test_a_machine_without_a_compiler_is_refused_in_a_sentence(workspace):
+    refused = run(workspace, "build.sh", CXX="no-compiler -O2")
+    assert refused.returncode == 1
+    assert refused.stderr == (
+        "build: no C++ compiler: no-compiler -O2 is not found; install it (apt-get install g++), or "
+        "set CXX\n"
+    )
+    assert not (workspace / "calls").exists()
 
 
 def test_a_path_with_a_blank_is_refused_before_anything_is_done(tmp_path):

@@ -3,6 +3,11 @@
 set -euo pipefail
 cd "$(dirname "$0")/.."
 
+compiler=${CXX:-c++}
+if ! command -v "${compiler%% *}" >/dev/null; then
+  echo "build: no C++ compiler: $compiler is not found; install it (apt-get install g++), or set CXX" >&2
+  exit 1
+fi
 log=build/build.log
 mkdir -p build
 [ -e devel/setup.sh ] || echo "build: the first time takes a few minutes"

@@ -59,6 +59,28 @@ def test_plan_is_written_and_valid(instance, capsys):
     assert not list(instance.parent.glob(".*"))
 
 
+@pytest.mark.parametrize("command", ["plan", "sequence"])
+def test_without_the_compiled_kernel_a_command_is_refused_in_a_sentence(instance, command):
+    program = (
+        "import sys; from remodel_planner.commands.options.entry import run; "
+        f"from remodel_planner.commands.{command} import main; run(main)"
+    )
+    arguments = [str(instance), f"--output={instance.with_name('plan.json')}"]
+    done = subprocess.run(
+        [sys.executable, "-c", program, *(arguments if command == "plan" else [str(DATA / "harness.dzn")])],
+        env={**os.environ, "LD_LIBRARY_PATH": ""},
+        capture_output=True,
+        text=True,
+        timeout=WAIT_S,
+        check=False,
+    )
+    assert (done.returncode, done.stdout) == (1, "")
+    assert len(done.stderr.splitlines()) == 1
+    assert f"{command}: libremodel_" in done.stderr
+    assert "run `make build`, which compiles it with g++, and source devel" in done.stderr
+    assert not instance.with_name("plan.json").exists()
+
+
 def test_same_seed_writes_the_same_file(instance, capsys):
     instance.write_text(json.dumps(random_panel(4, 1, 2)))
     texts = []
