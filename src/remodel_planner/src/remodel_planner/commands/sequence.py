@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import argparse
 import json
-import sys
 from dataclasses import asdict
 from pathlib import Path
 
@@ -13,11 +12,12 @@ from remodel_cable_tree.core.order import cost_of, violations
 from remodel_cable_tree.core.problem import CableTree
 from remodel_cable_tree.edge.cable_tree_kernel import Feasibility
 from remodel_cable_tree.edge.cable_tree_planner import contradiction, sequence
+from remodel_planner.commands.options.entry import refuses
 from remodel_planner.commands.options.limits import seconds, seed
 from remodel_planner.commands.options.stop_signals import stop_on_signals
 from remodel_planning.errors import KernelError
 from remodel_production.edge.text_file import read_text
-from remodel_production.errors import PlannerError
+from remodel_production.errors import blamed
 
 _STATUS = {
     Feasibility.NONE: "unsatisfiable",
@@ -26,6 +26,7 @@ _STATUS = {
 }
 
 
+@refuses("sequence")
 def main(arguments: list[str] | None = None) -> int:
     """Search, check what is found, print it, and return the exit code."""
     parser = argparse.ArgumentParser(
@@ -42,17 +43,14 @@ def main(arguments: list[str] | None = None) -> int:
     parser.add_argument("--seed", type=seed, default=1, help="decides among equals (default 1)")
     parser.add_argument("--json", action="store_true", help="print one JSON object")
     options = parser.parse_args(arguments)
-    try:
+    with blamed(options.instance):
         tree = parse_cable_tree(read_text(options.instance))
-        with stop_on_signals() as stopped:
-            found = sequence(tree, options.time_limit, options.seed, stopped)
-            document = _document(options.instance.stem, tree, found.feasibility, found.order)
-            if found.feasibility is Feasibility.NONE:
-                conflict = contradiction(tree, options.time_limit, stopped)
-                document |= {"contradiction": list(map(str, conflict))} if conflict else {}
-    except PlannerError as error:
-        print(f"sequence: {options.instance}: {error}", file=sys.stderr)
-        return 1
+    with stop_on_signals() as stopped:
+        found = sequence(tree, options.time_limit, options.seed, stopped)
+        document = _document(options.instance.stem, tree, found.feasibility, found.order)
+        if found.feasibility is Feasibility.NONE:
+            conflict = contradiction(tree, options.time_limit, stopped)
+            document |= {"contradiction": list(map(str, conflict))} if conflict else {}
     print(json.dumps(document) if options.json else _text(document))
     return 3 if found.feasibility is Feasibility.UNDECIDED else 0
 
