@@ -421,9 +421,13 @@ def test_files_before_a_harness_and_modules_are_read_for_the_formats_that_have_t
     assert "lines 1 to 1 are those of common.yml; its own begin at line 2" in said
     assert import_design.main([str(wires), "--prepend", str(common), *place]) == 1
     assert import_design.main([str(wires), "--module", "M1", *place]) == 1
+    assert import_design.main([str(wires), "--variant", "A", *place]) == 1
     assert import_design.main([str(DESIGNS / "loom.kbl"), "--module", "M1", *place]) == 1
+    assert import_design.main([str(DESIGNS / "loom.kbl"), "--variant", "A", *place]) == 1
     said = capsys.readouterr().err.splitlines()
-    assert [line.rsplit(": ", 1)[-1] for line in said[1:2]] == [
-        "--module is for KBL and VEC files; this is one of format csv"
+    assert [line.rsplit(": ", 1)[-1] for line in said[1:3]] == [
+        f"{option} is for KBL and VEC files; this is one of format csv"
+        for option in ("--module", "--variant")
     ]
-    assert "no module or harness configuration M1; there are none" in said[2]
+    assert "no module or harness configuration M1; there are none" in said[3]
+    assert "no variant code A; there are none" in said[4]

@@ -65,9 +65,10 @@ def test_without_the_compiled_kernel_a_command_is_refused_in_a_sentence(instance
         "import sys; from remodel_planner.commands.options.entry import run; "
         f"from remodel_planner.commands.{command} import main; run(main)"
     )
-    arguments = [str(instance), f"--output={instance.with_name('plan.json')}"]
+    output = f"--output={instance.with_name('plan.json')}"
+    arguments = [str(instance), output] if command == "plan" else [str(DATA / "harness.dzn")]
     done = subprocess.run(
-        [sys.executable, "-c", program, *(arguments if command == "plan" else [str(DATA / "harness.dzn")])],
+        [sys.executable, "-c", program, *arguments],
         env={**os.environ, "LD_LIBRARY_PATH": ""},
         capture_output=True,
         text=True,

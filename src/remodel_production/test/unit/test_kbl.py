@@ -8,6 +8,7 @@ import pytest
 
 from remodel_production.core.imports.kbl import import_kbl
 from remodel_production.core.imports.kbl_routes import ordered_route
+from remodel_production.core.imports.shared.modules import Asked
 from remodel_production.core.production import Clip, Role, Segment
 from remodel_production.edge.catalogue_file import read_catalogue
 from remodel_production.errors import DesignError
@@ -16,13 +17,14 @@ CATALOGUE = read_catalogue(Path(__file__).parents[2] / "config" / "catalogue.yam
 TEXT = (Path(__file__).parent / "designs" / "loom.kbl").read_text()
 
 
-def read(*changes, modules=()):
+def read(*changes, modules=(), codes=()):
     """Read the loom with (old, new) pieces of its text exchanged."""
     text = TEXT
     for old, new in changes:
         assert old in text
         text = text.replace(old, new)
-    return import_kbl(text.encode(), "loom", "loom.kbl", CATALOGUE, modules)
+    asked = Asked(tuple(modules), tuple(codes))
+    return import_kbl(text.encode(), "loom", "loom.kbl", CATALOGUE, asked)
 
 
 def test_connections_become_wires_by_their_references():
@@ -195,11 +197,12 @@ def test_segments_in_any_order_are_one_way(order):
 HARNESS = '<Harness id="h"><Part_number>L-100</Part_number><Description>Loom</Description>'
 
 
-def module(name, *parts):
+def module(name, *parts, codes=""):
     return (
         f'<Module id="m_{name}"><Part_number>{name}</Part_number><Module_configuration '
-        f'id="mc_{name}"><Controlled_components>{" ".join(parts)}</Controlled_components>'
-        "</Module_configuration></Module>"
+        f'id="mc_{name}"><Logistic_control_information>{codes}</Logistic_control_information>'
+        f"<Configuration_type>option code</Configuration_type><Controlled_components>"
+        f"{' '.join(parts)}</Controlled_components></Module_configuration></Module>"
     )
 
 
@@ -226,6 +229,16 @@ def test_a_module_selects_its_wires_and_those_of_no_module():
     assert [wire.name for wire in both.order.wires] == ["11", "SL1.31"]
     with pytest.raises(DesignError, match="no module or harness configuration M9; there are M1"):
         read(modules, modules=["M9"])
+
+
+def test_variant_codes_select_modules_by_their_logistic_control_information():
+    one, two = module("M1", "w1", codes="LOL/LOR"), module("M2", "s1", codes="LOL+CFL")
+    modules = (HARNESS, HARNESS + one + two)
+    for codes, wires in (("LOR", ["11"]), ("LOL", ["11"]), ("LOL CFL", ["11", "SL1.31"])):
+        some = read(modules, codes=codes.split())
+        assert [wire.name for wire in some.order.wires] == wires
+    with pytest.raises(DesignError, match="no variant code X; there are CFL, LOL, LOR: give one"):
+        read(modules, codes=["X"])
 
 
 def test_a_splice_is_a_joint_by_its_usage_or_its_housing():

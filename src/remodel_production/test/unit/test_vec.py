@@ -5,6 +5,8 @@ from pathlib import Path
 import pytest
 
 from remodel_production.core.imports.formats import built_in_formats, format_of
+from remodel_production.core.imports.shared.modules import Asked
+from remodel_production.core.imports.shared.variant_codes import VariantCondition
 from remodel_production.core.imports.vec.vec import import_vec
 from remodel_production.core.production import Clip, Role
 from remodel_production.edge.catalogue_file import read_catalogue
@@ -43,11 +45,12 @@ MODULES = """<Specification xsi:type="vec:PartStructureSpecification" id="ps1">
 <PartVersion id="p_h">"""
 
 
-def modular(*asked, modules=MODULES):
+def modular(*asked, modules=MODULES, codes=()):
     """Read the loom with modules, of which some are asked for."""
     head, end, tail = TEXT.partition('</DocumentVersion>\n  <PartVersion id="p_h">')
     assert end
-    return import_vec(f"{head}{modules}{tail}".encode(), "loom", "loom.vec", CATALOGUE, asked)
+    data = f"{head}{modules}{tail}".encode()
+    return import_vec(data, "loom", "loom.vec", CATALOGUE, Asked(asked, tuple(codes)))
 
 
 def read(*changes):
@@ -141,7 +144,7 @@ def test_modules_and_configurations_select_wires(asked, wires):
 
 
 def test_an_unknown_module_is_refused_with_those_that_there_are():
-    with pytest.raises(DesignError, match="composite part M9; there are M1, M2, M3: give one"):
+    with pytest.raises(DesignError, match="configuration M9; there are M1, M2, M3: give one"):
         modular("M9")
 
 
@@ -161,3 +164,87 @@ def test_nodes_have_their_places_and_what_no_task_mounts_is_listed():
 def test_a_point_without_coordinates_is_refused():
     with pytest.raises(DesignError, match="numbers are needed as X and Y, and a unit of length"):
         modular(modules=MODULES.replace("<X>100</X>", "<X/>"))
+
+
+CONFIGURATIONS = MODULES.replace(
+    "</Specification></DocumentVersion>",
+    """</Specification><Specification xsi:type="vec:VariantConfigurationSpecification" id="vcs">
+<VariantConfiguration id="v_a"><LogisticControlString>A+-B;</LogisticControlString>
+</VariantConfiguration><VariantConfiguration id="v_b"><LogisticControlExpression>B OR C
+</LogisticControlExpression></VariantConfiguration></Specification>
+<Specification xsi:type="vec:ConfigurationConstraintSpecification" id="ccs">
+<ConfigurationConstraint id="cc"><ConfigInfo>v_b</ConfigInfo>
+<ConstrainedElements>o_m1 w3</ConstrainedElements></ConfigurationConstraint></Specification>
+</DocumentVersion>""",
+).replace(
+    '<Component id="o_m2">\n<Identification>Module 2</Identification>',
+    '<Component id="o_m1"><Identification>Module 1</Identification><Role '
+    'xsi:type="vec:PartWithSubComponentsRole" id="m1_r"><PartStructureSpecification>ps1'
+    "</PartStructureSpecification></Role></Component>"
+    '<Component id="o_m2"><ConfigInfo>v_a</ConfigInfo><Identification>Module 2</Identification>',
+)
+
+
+@pytest.mark.parametrize(
+    ("codes", "wires"),
+    [
+        (("A",), ["W2.A", "W2.B"]),
+        (("B",), ["W1", "W2.A", "W2.B"]),
+        (("A", "C"), ["W1", "W2.A", "W2.B", "W3"]),
+        (("A", "B"), ["W1", "W2.A", "W2.B"]),
+    ],
+)
+def test_variant_codes_select_modules_and_wires(codes, wires):
+    imported = modular(modules=CONFIGURATIONS, codes=codes)
+    assert [wire.name for wire in imported.order.wires] == wires
+    assert imported.account.connections == 4
+    assert len(imported.account.left_out) == 4 - len(wires)
+    note = f"the wires of a vehicle with the codes {', '.join(codes)} are read"
+    assert note in imported.account.assumptions
+
+
+def test_without_codes_all_variants_are_read_with_a_note():
+    imported = modular(modules=CONFIGURATIONS)
+    assert len(imported.order.wires) == 4
+    assert any("--variant gives the codes" in line for line in imported.account.assumptions)
+    some = modular("M2", modules=CONFIGURATIONS, codes=("A",))
+    assert [wire.name for wire in some.order.wires] == ["W2.A", "W2.B"]
+    reasons = {item.reason for item in some.account.left_out}
+    assert "its variant B OR C is not asked for" in reasons
+    with pytest.raises(DesignError, match="no variant code X; there are A, B, C: give one of them"):
+        modular(modules=CONFIGURATIONS, codes=("X",))
+
+
+@pytest.mark.parametrize(
+    ("text", "codes", "holds"),
+    [
+        ("A", "A", True),
+        ("A+B", "A", False),
+        ("A/B;", "B", True),
+        ("-A", "", True),
+        ("A+-(B/C)", "AC", False),
+        ("A+-(B/C)", "A", True),
+        ("(A + B) / C", "C", True),
+        ("not A and (B or C)", "C", True),
+        ("A UND NICHT B", "AB", False),
+        ("A & B | C", "C", True),
+    ],
+)
+def test_a_condition_of_codes_holds(text, codes, holds):
+    assert VariantCondition(text, "line 7").holds(set(codes)) is holds
+
+
+@pytest.mark.parametrize(
+    ("text", "why"),
+    [
+        ("A+B/C", "whether . or / binds stronger differs between companies: put brackets"),
+        ("A+", "a code is missing"),
+        ("(A", "a bracket is not closed"),
+        ("A B", "'B' is not expected there"),
+        ("A = B", "'=' is not known"),
+        ("A-B", "'-' is not expected there"),
+    ],
+)
+def test_a_condition_that_cannot_be_read_is_refused_with_its_place(text, why):
+    with pytest.raises(DesignError, match=f"line 7: variant condition .* cannot be read: {why}"):
+        VariantCondition(text, "line 7").holds("A")

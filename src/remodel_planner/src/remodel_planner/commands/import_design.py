@@ -35,6 +35,7 @@ from remodel_production.core.counted import counted
 from remodel_production.core.imports.formats import WIRE_LIST, format_of, import_design
 from remodel_production.core.imports.kbl import import_kbl
 from remodel_production.core.imports.shared.account import Imported
+from remodel_production.core.imports.shared.modules import ALL, Asked
 from remodel_production.core.imports.vec.vec import import_vec
 from remodel_production.core.imports.wire_lists.wire_list import mapping_draft
 from remodel_production.core.imports.wireviz import lines_of, prepended
@@ -94,6 +95,14 @@ def main(arguments: list[str] | None = None) -> int:
         "wires are imported, with those of no module; may be repeated (default: all modules)",
     )
     parser.add_argument(
+        "--variant",
+        metavar="CODE",
+        action="append",
+        default=[],
+        help="variant code that the vehicle of a KBL or VEC file has; only wires whose conditions "
+        "hold for the codes given are imported; may be repeated (default: all variants)",
+    )
+    parser.add_argument(
         "--preferences", type=Path, metavar="FILE", help="YAML of what a user prefers and requires"
     )
     parser.add_argument("--verbose", action="store_true", help="list every assumption and omission")
@@ -138,12 +147,14 @@ def _read(options: argparse.Namespace, name: str, catalogue: Catalogue) -> Impor
         )
         if before and form.name != "wireviz":
             raise DesignError(f"--prepend is for WireViz files; this is one of format {form.name}")
-        if options.module and form.name not in _MODULAR:
+        asked = Asked(tuple(options.module), tuple(options.variant))
+        if asked != ALL and form.name not in _MODULAR:
+            option = "--module" if options.module else "--variant"
             raise DesignError(
-                f"--module is for KBL and VEC files; this is one of format {form.name}"
+                f"{option} is for KBL and VEC files; this is one of format {form.name}"
             )
-        if options.module:
-            form = replace(form, read=partial(_MODULAR[form.name], modules=options.module))
+        if asked != ALL:
+            form = replace(form, read=partial(_MODULAR[form.name], asked=asked))
         imported = import_design(data, form, name, file.name, catalogue)
     except DesignError as error:
         raise DesignError(f"{file}: {error}{lines_of(before)}") from error

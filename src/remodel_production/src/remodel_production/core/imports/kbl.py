@@ -10,13 +10,13 @@ The structure is that of the recommendation's model (ecad-wiki.prostep.org, spec
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterator
+from collections.abc import Iterator
 from itertools import pairwise
 
 from lxml import etree
 
 from remodel_production.core.catalogue import Catalogue
-from remodel_production.core.imports.kbl_parts.modules import ModuleChoice
+from remodel_production.core.imports.kbl_parts.modules import kbl_modules
 from remodel_production.core.imports.kbl_parts.other_parts import (
     is_splice,
     twisted_groups,
@@ -33,6 +33,7 @@ from remodel_production.core.imports.shared.assembly import (
     unique_name,
 )
 from remodel_production.core.imports.shared.assumptions import Assumptions
+from remodel_production.core.imports.shared.modules import ALL, Asked, ModuleChoice
 from remodel_production.core.imports.shared.units import number
 from remodel_production.core.imports.shared.xml_tree import line_of, local_name
 from remodel_production.core.production import (
@@ -56,7 +57,7 @@ _BASE_COLOURS = ("grundfarbe", "base color", "base colour", "base", "basiccolor"
 
 
 def import_kbl(
-    text: bytes, name: str, source: str, catalogue: Catalogue, modules: Collection[str] = ()
+    text: bytes, name: str, source: str, catalogue: Catalogue, asked: Asked = ALL
 ) -> Imported:
     """Read a harness.
 
@@ -65,14 +66,14 @@ def import_kbl(
         name: of the order to make.
         source: name of the file, for the record.
         catalogue: of what the file leaves unsaid.
-        modules: part numbers of modules or harness configurations, whose wires are read, and those
-            of no module; none: all modules are read as one harness.
+        asked: modules, harness configurations or variants whose wires are read, and those of all
+            variants.
 
     Raises:
         DesignError: if it is no KBL container, refers to what is not there, or has no connection.
     """
     tree = KblTree(text)
-    return _Reader(tree, catalogue, ModuleChoice(tree, modules)).read(name, source)
+    return _Reader(tree, catalogue, kbl_modules(tree, asked)).read(name, source)
 
 
 class _Reader:
@@ -133,8 +134,8 @@ class _Reader:
         version = self._tree.root.get("version_id", "")
         if not version.startswith(_VERSIONS):
             self._assumptions.add(f"line 1: KBL version {version or 'not given'}, read as 2.5")
-        if self._modules.note:
-            self._assumptions.add(self._modules.note)
+        for note in self._modules.notes:
+            self._assumptions.add(note)
 
     def _title(self) -> str:
         for harness in self._tree.all("Harness"):
@@ -191,8 +192,8 @@ class _Reader:
         if len(ends) < 2:
             self._left_out.append(LeftOut(source, f"{len(ends)} of its ends have a contact point"))
             return
-        if not self._modules.has(wires):
-            self._left_out.append(LeftOut(source, "its wire is in none of the modules asked for"))
+        if why := self._modules.why_not(*wires, *(wire.getparent() for wire in wires)):
+            self._left_out.append(LeftOut(source, why))
             return
         if len(wires) != 1:
             self._left_out.append(LeftOut(source, f"it has {len(wires)} wires; one is needed"))

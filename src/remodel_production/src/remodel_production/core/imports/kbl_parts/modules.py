@@ -1,65 +1,45 @@
-"""The modules of a KBL harness, and which wires those asked for have."""
+"""The modules and configurations of a KBL harness."""
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterable
+from collections.abc import Iterator
 
 from lxml import etree
 
 from remodel_production.core.imports.kbl_tree import KblTree, children, text_of
-from remodel_production.errors import DesignError
+from remodel_production.core.imports.shared.modules import Asked, Composite, ModuleChoice
+from remodel_production.core.imports.shared.variant_codes import VariantCondition
+from remodel_production.core.imports.shared.xml_tree import line_of
 
-_SHOWN = 20
+
+def kbl_modules(tree: KblTree, asked: Asked) -> ModuleChoice:
+    """Return the choice of modules, by their part numbers or those of configurations of them.
+
+    Raises:
+        DesignError: if the harness has no such module, configuration or code.
+    """
+    modules = {module: _module(tree, module) for module in tree.all("Module")}
+    composites = {text_of(element, "Part_number"): each for element, each in modules.items()}
+    for configuration in tree.all("Harness_configuration"):
+        inside = [modules[m] for m in tree.referred(configuration, "Modules") if m in modules]
+        parts = frozenset[etree._Element]().union(*(module.parts for module in inside))
+        composites.setdefault(text_of(configuration, "Part_number"), Composite(parts, False))
+    return ModuleChoice(composites, {}, asked)
 
 
-class ModuleChoice:
-    """The wires of chosen modules, and of none."""
+def _module(tree: KblTree, module: etree._Element) -> Composite:
+    configurations = list(children(module, "Module_configuration"))
+    parts = frozenset(
+        part
+        for configuration in configurations
+        for part in tree.referred(configuration, "Controlled_components")
+    )
+    return Composite(parts, True, next(_conditions(configurations), None))
 
-    def __init__(self, tree: KblTree, asked: Collection[str]) -> None:
-        """Choose modules by their part numbers, or by those of configurations that consist of them.
 
-        Raises:
-            DesignError: if the harness has no such module or configuration.
-        """
-        modules = {text_of(module, "Part_number"): module for module in tree.all("Module")}
-        configurations = {
-            text_of(each, "Part_number"): tree.referred(each, "Modules")
-            for each in tree.all("Harness_configuration")
-        }
-        controlled = {
-            name: {
-                part
-                for configuration in children(module, "Module_configuration")
-                for part in tree.referred(configuration, "Controlled_components")
-            }
-            for name, module in modules.items()
-        }
-        names = [*modules, *configurations]
-        known = ", ".join(names[:_SHOWN]) + (", ..." if len(names) > _SHOWN else "")
-        chosen: set[str] = set()
-        for name in asked:
-            if name in modules:
-                chosen.add(name)
-            elif name in configurations:
-                parts = configurations[name]
-                chosen |= {other for other, module in modules.items() if module in parts}
-            else:
-                raise DesignError(
-                    f"no module or harness configuration {name}; there are {known or 'none'}: "
-                    "give one of their part numbers to --module"
-                )
-        absent = [parts for name, parts in controlled.items() if name not in chosen]
-        present = [parts for name, parts in controlled.items() if name in chosen]
-        self._absent = set().union(*absent) - set().union(*present) if asked else set()
-        self.note = ""
-        if asked:
-            self.note = f"the wires of modules {', '.join(sorted(chosen))} are read"
-        elif len(modules) > 1:
-            self.note = (
-                f"the parts of all {len(modules)} modules are read, as of one harness; --module "
-                f"chooses of {known}"
-            )
-
-    def has(self, wires: Iterable[etree._Element]) -> bool:
-        """Return whether wires, or the cables that they are cores of, are chosen."""
-        return not any(wire in self._absent or wire.getparent() in self._absent for wire in wires)
+def _conditions(configurations: list[etree._Element]) -> Iterator[VariantCondition]:
+    """Yield the conditions of codes; the information may also be a list of modules."""
+    for configuration in configurations:
+        text = text_of(configuration, "Logistic_control_information")
+        if text and "module" not in text_of(configuration, "Configuration_type").lower():
+            yield VariantCondition(text, line_of(configuration))

@@ -1,83 +1,84 @@
-"""The modules of a VEC harness, and which components those asked for have.
+"""The composite parts of a VEC harness, such as modules, and the conditions of its variants.
 
 A composite part, such as a module or a harness, has a PartStructureSpecification that lists its
-components; an occurrence of a composite part among them stands for that part's components.
+components; an occurrence of a composite part among them stands for that part's components. An
+element refers to its VariantConfiguration itself (ConfigInfo, until version 2.0), or a
+ConfigurationConstraint in it, or in a specification of its own, does (from 2.0 and 2.0.2).
 """
 
 from __future__ import annotations
 
-from collections.abc import Collection
+from collections.abc import Iterator
 
 from lxml import etree
 
 from remodel_production.core.imports.kbl_tree import KblTree, children, text_of
-from remodel_production.errors import DesignError
+from remodel_production.core.imports.shared.modules import Asked, Composite, ModuleChoice
+from remodel_production.core.imports.shared.variant_codes import VariantCondition
+from remodel_production.core.imports.shared.xml_tree import line_of
 
-_SHOWN = 20
+_TEXTS = ("LogisticControlExpression", "LogisticControlString")
 
 
-class VecModules:
-    """The components of chosen composite parts, and of no module."""
+def vec_modules(tree: KblTree, asked: Asked) -> ModuleChoice:
+    """Return the choice of composite parts, by their part numbers, and of variants.
 
-    def __init__(self, tree: KblTree, asked: Collection[str]) -> None:
-        """Choose composite parts by their part numbers.
+    Raises:
+        DesignError: if the file has no such composite part or code.
+    """
+    conditions = dict(_conditions(tree))
+    condition_of = {  # of the occurrences of composite parts
+        structure: conditions[component]
+        for component in conditions
+        for role in children(component, "Role")
+        for structure in tree.referred(role, "PartStructureSpecification")
+    }
+    composites: dict[str, Composite] = {}
+    for structure in tree.all("Specification"):
+        if next(children(structure, "InBillOfMaterial"), None) is None:
+            continue
+        is_module = "module" in text_of(structure, "Content").lower()
+        each = Composite(_parts(tree, structure), is_module, condition_of.get(structure))
+        composites.update(dict.fromkeys(_names(tree, structure), each))
+    return ModuleChoice(composites, conditions, asked)
 
-        Raises:
-            DesignError: if the file has no such composite part.
-        """
-        self._tree = tree
-        structures = {
-            name: structure
-            for structure in tree.all("Specification")
-            if next(children(structure, "InBillOfMaterial"), None) is not None
-            for name in self._names(structure)
-        }
-        unknown = [name for name in asked if name not in structures]
-        if unknown:
-            known = ", ".join([*structures][:_SHOWN]) + (
-                ", ..." if len(structures) > _SHOWN else ""
-            )
-            raise DesignError(
-                f"no module or other composite part {unknown[0]}; there are {known or 'none'}: "
-                "give one of their part numbers to --module"
-            )
-        modules = {
-            name: structure
-            for name, structure in structures.items()
-            if "module" in text_of(structure, "Content").lower()
-        }
-        present = self._parts([structures[name] for name in asked])
-        self._absent = self._parts(modules.values()) - present if asked else set()
-        self.note = ""
-        if asked:
-            self.note = f"the wires of modules {', '.join(sorted(asked))} are read"
-        elif len(modules) > 1:
-            self.note = (
-                f"the parts of all {len(modules)} modules are read, as of one harness; --module "
-                f"chooses of {', '.join([*structures][:_SHOWN])}"
-            )
 
-    def has(self, component: etree._Element | None) -> bool:
-        """Return whether a component is chosen."""
-        return component not in self._absent
+def _names(tree: KblTree, structure: etree._Element) -> list[str]:
+    """Return the part numbers of the parts that a structure describes, else its own name."""
+    numbers = [text_of(part, "PartNumber") for part in tree.referred(structure, "DescribedPart")]
+    return [*filter(None, numbers)] or [text_of(structure, "Identification")]
 
-    def _names(self, structure: etree._Element) -> list[str]:
-        """Return the part numbers of the parts that a structure describes, else its own name."""
-        numbers = [
-            text_of(part, "PartNumber") for part in self._tree.referred(structure, "DescribedPart")
-        ]
-        return [*filter(None, numbers)] or [text_of(structure, "Identification")]
 
-    def _parts(self, structures: Collection[etree._Element]) -> set[etree._Element]:
-        """Return the components of structures, and of the composite parts among them."""
-        found: set[etree._Element] = set()
-        left = [*structures]
-        while left:
-            for component in self._tree.referred(left.pop(), "InBillOfMaterial"):
-                if component in found:
-                    continue
-                found.add(component)
-                for role in children(component, "Role"):
-                    found.update(self._tree.referred(role, "SubComponent"))
-                    left += self._tree.referred(role, "PartStructureSpecification")
-        return found
+def _parts(tree: KblTree, structure: etree._Element) -> frozenset[etree._Element]:
+    """Return the components of a structure, and of the composite parts among them."""
+    found: set[etree._Element] = set()
+    left = [structure]
+    while left:
+        for component in tree.referred(left.pop(), "InBillOfMaterial"):
+            if component in found:
+                continue
+            found.add(component)
+            for role in children(component, "Role"):
+                found.update(tree.referred(role, "SubComponent"))
+                left += tree.referred(role, "PartStructureSpecification")
+    return frozenset(found)
+
+
+def _conditions(tree: KblTree) -> Iterator[tuple[etree._Element, VariantCondition]]:
+    """Yield the elements that have a condition, each with it."""
+    for name in ("Component", "PartUsage", "WireElementReference"):
+        for element in tree.all(name):
+            inside = [element, *children(element, "ConfigurationConstraint")]
+            for condition in (c for each in inside for c in _of(tree, each)):
+                yield element, condition
+    for constraint in tree.all("ConfigurationConstraint"):
+        for element in tree.referred(constraint, "ConstrainedElements"):
+            for condition in _of(tree, constraint):
+                yield element, condition
+
+
+def _of(tree: KblTree, element: etree._Element) -> Iterator[VariantCondition]:
+    for configuration in tree.referred(element, "ConfigInfo"):
+        text = next((t for key in _TEXTS if (t := text_of(configuration, key))), "")
+        if text:
+            yield VariantCondition(text, line_of(configuration))

@@ -3,14 +3,14 @@
 A component of the composition has roles: a connector housing has cavities, a wire has wire elements
 with ends. A contact point mounts wire ends, by terminals, in cavities. Routings name the segments
 of a wire element's path; placements say at which node or on which segment a component is. All
-references are followed by id. What the product is, its electrology and its variants are not read.
+references are followed by id. What the product is, and its electrology, are not read.
 
 The structure is that of the recommendation's model (ecad-wiki.prostep.org, specifications/vec).
 """
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterator
+from collections.abc import Iterator
 
 from lxml import etree
 
@@ -25,10 +25,11 @@ from remodel_production.core.imports.shared.assembly import (
     unique_name,
 )
 from remodel_production.core.imports.shared.assumptions import Assumptions
+from remodel_production.core.imports.shared.modules import ALL, Asked, ModuleChoice
 from remodel_production.core.imports.shared.units import number
 from remodel_production.core.imports.shared.xml_tree import line_of
 from remodel_production.core.imports.vec.geometry import node_positions
-from remodel_production.core.imports.vec.modules import VecModules
+from remodel_production.core.imports.vec.modules import vec_modules
 from remodel_production.core.production import (
     Cable,
     Clip,
@@ -61,7 +62,7 @@ _OMITTED = {
 
 
 def import_vec(
-    data: bytes, name: str, source: str, catalogue: Catalogue, modules: Collection[str] = ()
+    data: bytes, name: str, source: str, catalogue: Catalogue, asked: Asked = ALL
 ) -> Imported:
     """Read a harness.
 
@@ -70,25 +71,25 @@ def import_vec(
         name: of the order to make.
         source: name of the file, for the record.
         catalogue: of what the file leaves unsaid.
-        modules: part numbers of modules or other composite parts, whose wires are read, and those
-            of no module; none: all modules are read as one harness.
+        asked: modules, other composite parts or variants whose wires are read, and those of all
+            variants.
 
     Raises:
         DesignError: if it is no VEC, refers to what is not there, or joins no contact points.
     """
     tree = KblTree(data, ROOT)
-    return _Reader(tree, catalogue, VecModules(tree, modules)).read(name, source)
+    return _Reader(tree, catalogue, vec_modules(tree, asked)).read(name, source)
 
 
 class _Reader:
     """Reads one container."""
 
-    def __init__(self, tree: KblTree, catalogue: Catalogue, modules: VecModules) -> None:
+    def __init__(self, tree: KblTree, catalogue: Catalogue, modules: ModuleChoice) -> None:
         self._tree = tree
         self._modules = modules
         self._assumptions = Assumptions(catalogue)
         self._places, note = node_positions(tree)
-        for line in filter(None, (modules.note, note)):
+        for line in filter(None, (*modules.notes, note)):
             self._assumptions.add(line)
         self._left_out: list[LeftOut] = []
         self._names = _names(tree.all(*_COMPONENTS))
@@ -263,8 +264,8 @@ class _Reader:
             )
             self._left_out.append(LeftOut(source, reason))
             return None
-        if not self._modules.has(component):
-            self._left_out.append(LeftOut(source, "its wire is in none of the modules asked for"))
+        if why := self._modules.why_not(component, reference):
+            self._left_out.append(LeftOut(source, why))
             return None
         beside = [] if component is None else self._connected(component)
         is_core = len(beside) > 1
