@@ -68,8 +68,8 @@ def test_a_machine_without_a_compiler_is_refused_in_a_sentence(workspace):
     refused = run(workspace, "build.sh", CXX="no-compiler -O2")
     assert refused.returncode == 1
     assert refused.stderr == (
-        "build: no C++ compiler: no-compiler -O2 is not found; install it (apt-get install g++), or "
-        "set CXX\n"
+        "build: no C++ compiler: no-compiler -O2 is not found; install it (apt-get install g++), "
+        "or set CXX\n"
     )
     assert not (workspace / "calls").exists()
 
