@@ -100,7 +100,7 @@ def test_a_mapping_of_ones_own():
         ("", "no line of the first 30 has the headings of a wire list; found ''"),
         ("a,b\n1,2\n", "found 'a,b'; needed are headings such as From Device"),
         ("From,To\n", "none of its 0 lines names both ends"),
-        ("From,To\nK1:1,\n", "none of its 1 lines names both ends of a wire; the first: line 2"),
+        ("From,To\nK1:1,\n", "none of its 1 lines names both ends; the first: line 2"),
         ("From,To\nK1:1,K1:1\n", "both its ends are at K1:1"),
         ("From,To\nK1:1,X1:1,X2:1\n", "line 2: 3 cells found; there are 2 headings: quote"),
         ('From,To\nK1:1,"X1:1\n', "line 2: is no CSV: unexpected end of data"),

@@ -24,6 +24,20 @@ LAYOUTS = {
         [("W101", "-K1:A1", "-X1:12", "BK", 0.75, 1.2505)],
         ["Pos.", "Kontakt links", "Abisolierlänge rechts", "Kontakt rechts"],
     ),
+    "a line for each end": (
+        "Connector,Cavity,Wire No,Signal,Color,Gauge (AWG),Length (mm)\nP1,1,101,PWR,RED,18,\n"
+        "P1,2,102,GND,BLK,18,250\nJ2,A,101,PWR,,18,300\nJ2,B,102,GND,BLK,18,\n",
+        [
+            ("101", "P1:1", "J2:A", "RD", 0.823, 0.3),
+            ("102", "P1:2", "J2:B", "BK", 0.823, 0.25),
+        ],
+        ["Signal"],
+    ),
+    "a German line for each end": (
+        "Stecker;Kammer;Leitungsnr.;Farbe;Querschnitt [mm²]\nX1;1;L1;rt;0,5\nX2;7;L1;rt;0,5\n",
+        [("L1", "X1:1", "X2:7", "RD", 0.5, None)],
+        [],
+    ),
     "left and right": (
         "Job;Wire;CSA;Color;Length;Left Connector;Left Cavity;Left Terminal;Right Connector;"
         "Right Cavity;Right Terminal\nJ1;W1;0.5;red;300;P1;1;T9;P2;2;T8\n",
@@ -320,3 +334,36 @@ def test_a_sheet_with_rows_is_read_before_an_empty_one_and_a_mapping_chooses_ano
 def test_formulas_without_a_value_are_refused(cell, said):
     with pytest.raises(DesignError, match=said):
         read(workbook(HEADINGS, ["W1", "K1", cell, "X1", 1, 0.75]))
+
+
+def test_what_has_not_two_ends_in_a_pin_list_is_left_out_and_disagreements_are_named():
+    imported = read(
+        "Device,Pin,Wire,Colour\nA,1,W1,RD\nB,1,W1,BK\nA,2,W2,RD\nA,3,W3,\nB,3,W3,\nC,3,W3,\n"
+        "A,4,,RD\n,5,W4,RD\nDevice,Pin,Wire,Colour\n"
+    )
+    assert rows(imported) == [("W1", "A:1", "B:1", "RD", 2.5, None)]
+    assert (imported.account.unit, imported.account.connections) == ("wires", 6)
+    assert [str(item) for item in imported.account.left_out] == [
+        "line 8: left out, it names no wire",
+        "line 9: left out, it names no component",
+        "line 10: left out, it repeats the headings",
+        "line 4: left out, wire W2 has one end; two are needed",
+        "line 5: left out, wire W3 has 3 ends, in lines 5, 6, 7; two are needed: name each wire "
+        "between two of them",
+    ]
+    assert "line 2, wire W1: colour is 'RD', and 'BK' in line 3: the first taken" in (
+        imported.account.assumptions
+    )
+    with pytest.raises(DesignError, match="none of its 1 wires names both ends; the first: line 2"):
+        read("Device,Pin,Wire\nA,1,W1\n")
+
+
+def test_a_mapping_may_name_the_columns_of_a_pin_list():
+    text = "format: remodel-wire-list-1\ncolumns: {wire: N, component: C, terminal: P}\n"
+    imported = read("N,C,P\nW1,A,1\nW1,B,2\n", mapping_from(text))
+    assert rows(imported) == [("W1", "A:1", "B:2", "BK", 2.5, None)]
+    draft = mapping_draft(b"Device,Pin,Wire\nA,1,W1\nB,1,W1\n", CATALOGUE, MAPPINGS)
+    assert read("Device,Pin,Wire\nA,1,W1\nB,1,W1\n", mapping_from(draft)).order.wires
+    assert "missing" not in draft
+    with pytest.raises(DesignError, match="or a line for each with `wire`, `component` and `term"):
+        mapping_from(text.replace("wire: N, ", ""))

@@ -221,6 +221,7 @@ def fields_of(headings: Sequence[str]) -> dict[Field, int]:
             found[field] = column
         elif field is not None:
             found.setdefault(field, column)
+    found |= _single_end(found, [(part, i) for i in undirected if (part := readings[i][1])])
     names = [i for names in (_NAMES, _NUMBERS) for i, each in enumerate(words) if names >= {*each}]
     name = next((i for i in names if words[i] and i not in found.values()), None)
     signals = (i for i, each in enumerate(words) if _names_signal(each))
@@ -229,6 +230,20 @@ def fields_of(headings: Sequence[str]) -> dict[Field, int]:
         found[Field.WIRE] = name
     found = _with_whole_terminals(found, words)
     return {f: i for f, i in found.items() if _COMPONENT_OF.get(f) not in found}
+
+
+def _single_end(
+    found: Mapping[Field, int], undirected: Sequence[tuple[_Kind, int]]
+) -> dict[Field, int]:
+    """Return the columns of a list with a line for each end, where no heading names an end."""
+    columns = dict(undirected)
+    is_single = len(undirected) == len(_PARTS) and columns.keys() == {*_PARTS}
+    if not is_single or not {*_FIELDS.values()}.isdisjoint(found):
+        return {}
+    return {
+        Field.COMPONENT: columns[_Kind.COMPONENT],
+        Field.TERMINAL: columns[_Kind.TERMINAL],
+    }
 
 
 def _with_whole_terminals(

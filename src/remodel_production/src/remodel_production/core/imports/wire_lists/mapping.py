@@ -6,7 +6,9 @@ columns:                    # a column's heading, or a list of headings of which
   from: Source              # component and terminal in one cell, or
   from_component: From Tag  # ... in two
   from_terminal: From Terminal
-  to: Target                # likewise to_component, to_terminal
+  to: Target                # likewise to_component, to_terminal; or, for all four of these,
+  component: Connector      # in a list with a line for each end of a wire, which `wire` names:
+  terminal: Pin             # component and terminal
   wire: Number              # and, all optional: colour, section, length, cable, core, and the
   ...                       # articles of seals: from_seal, to_seal; the group of twisted wires:
   ...                       # twisted; the place of the components: from_x, from_y, to_x, to_y; the
@@ -58,8 +60,12 @@ class Field(Enum):
     TWISTED = "twisted"
     FROM_FORCE_LIMIT = "from_force_limit"
     TO_FORCE_LIMIT = "to_force_limit"
+    COMPONENT = "component"
+    TERMINAL = "terminal"
 
 
+# What a list with a line for each end of a wire has instead of its two ends.
+PIN_LIST = (Field.WIRE, Field.COMPONENT, Field.TERMINAL)
 ENDS = ((Field.FROM, Field.FROM_COMPONENT), (Field.TO, Field.TO_COMPONENT))
 _KEYS = (
     *("format", "name", "columns", "units", "terminal_separator", "separator", "encoding"),
@@ -160,7 +166,7 @@ def mapping_text(
     """
     lines = [f"format: {FORMAT}", "columns:"]
     lines += [f"  {field.value}: {_quoted(heading)}" for field, heading in columns.items()]
-    for whole, component in ENDS:
+    for whole, component in () if Field.COMPONENT in columns else ENDS:
         if whole not in columns and component not in columns:
             lines.append(f"  # missing: {whole.value}, or {component.value}")
     fields = ", ".join(field.value for field in Field if field not in columns)
@@ -185,11 +191,12 @@ def _columns(value: Value) -> dict[Field, tuple[str, ...]]:
         if not names or not all(name.is_scalar and name.text.strip() for name in names):
             raise DesignError(f"{heading.where}: column {key}: give a heading, or a list of them")
         found[Field(key)] = tuple(name.text.strip().lower() for name in names)
-    for whole, component in ENDS:
+    for whole, component in () if found.keys() >= {*PIN_LIST} else ENDS:
         if whole not in found and component not in found:
             raise DesignError(
                 f"{value.where}: columns: neither `{whole.value}` nor `{component.value}` is "
-                "given; each wire has two ends"
+                "given; each wire has two ends, or a line for each with `wire`, `component` and "
+                "`terminal`"
             )
     return found
 

@@ -22,7 +22,12 @@ from remodel_production.core.imports.wire_lists.headings import (
     similar_heading,
     unit_in,
 )
-from remodel_production.core.imports.wire_lists.mapping import ENDS, Field, WireListMapping
+from remodel_production.core.imports.wire_lists.mapping import (
+    ENDS,
+    PIN_LIST,
+    Field,
+    WireListMapping,
+)
 from remodel_production.errors import DesignError
 
 _SEPARATORS = (";", "\t", ",", "|")
@@ -67,6 +72,7 @@ class Table:
         heading_rows: of which the headings are made.
         first_line: of the rows, from 1.
         separator: of cells.
+        repeated: how many of the headings repeat the others, for the second ends of a pin list.
     """
 
     mapping: WireListMapping
@@ -77,11 +83,17 @@ class Table:
     first_line: int
     separator: str
     rows: tuple[Row, ...] = ()
+    repeated: int = 0
 
     @property
     def names_both_ends(self) -> bool:
         """Whether there is a column of each end's component."""
         return all(whole in self.columns or part in self.columns for whole, part in ENDS)
+
+    @property
+    def is_usable(self) -> bool:
+        """Whether there are both ends of a wire in a line, or one and the wire's name."""
+        return self.names_both_ends or self.columns.keys() >= {*PIN_LIST}
 
     def cells(self, field: Field) -> list[str]:
         """Return the contents of a field's column."""
@@ -190,11 +202,16 @@ def _headed(data: bytes, mappings: Sequence[WireListMapping]) -> tuple[Table, So
             own = (mapping.separator,) if mapping.separator else _SEPARATORS
             for separator in source.separators or own:
                 tables = _tables(source.text, mapping, separator)
-                table = next((each for each in tables if each.names_both_ends), None)
+                table = next((each for each in tables if each.is_usable), None)
                 if table is None:
                     continue
                 body = source.text.splitlines()[table.first_line - 1 :]
-                fit = any(map(str.strip, body)), len(table.columns), *_known(table)
+                fit = (
+                    any(map(str.strip, body)),
+                    table.names_both_ends,
+                    len(table.columns),
+                    *_known(table),
+                )
                 if best is None or fit > best[0]:
                     best = fit, table, source
     if best is None:
@@ -299,6 +316,12 @@ def _rows(text: str, table: Table) -> Iterator[Row]:
                 raise DesignError(f"line {line}: more than {_MOST_ROWS} lines: split the list")
             if any(len(cell) > _MOST_LENGTH for cell in cells):
                 raise DesignError(f"line {line}: a cell is longer than {_MOST_LENGTH} characters")
+            width = len(table.headings)
+            if any(cell.strip() for cell in cells[width:]):
+                raise DesignError(
+                    f"line {line}: {len(cells)} cells found; there are {width} headings: quote "
+                    "cells that contain the separator"
+                )
             if any(cell.strip() for cell in cells):
                 yield Row(line, [" ".join(cell.split()) for cell in cells])
             line = lines_before + reader.line_num + 1

@@ -29,6 +29,7 @@ from remodel_production.core.imports.wire_lists.mapping import (
     WireListMapping,
     mapping_text,
 )
+from remodel_production.core.imports.wire_lists.pin_list import is_pin_list, with_wires
 from remodel_production.core.imports.wire_lists.table import (
     Row,
     Table,
@@ -46,13 +47,13 @@ from remodel_production.core.production import (
 )
 from remodel_production.errors import DesignError
 
-# What a spreadsheet shows of a formula that it cannot compute.
 # What stands in a column of seals for none.
 _NONE = frozenset({"", "-", "--", "0", "no", "none", "nein", "non", "n/a", "na"})
 _YES = frozenset(
     {"yes", "y", "ja", "j", "oui", "o", "si", "s\u00ed", "x", "true", "1", "tw", "twisted"}
 )
 _NO_GROUPS = _NONE | _YES
+# What a spreadsheet shows of a formula that it cannot compute.
 _ERRORS = frozenset({"#REF!", "#N/A", "#VALUE!", "#NAME?", "#DIV/0!", "#NULL!", "#NUM!"})
 
 
@@ -78,9 +79,15 @@ def import_wire_list(
     """
     table, text = read_table(data, mappings)
     names = {**catalogue.colour_names, **(table.mapping.colours or {})}
-    reader = _Reader(table, replace(catalogue, colour_names=names))
-    if text.assumed:
-        reader.assumptions.add(text.assumed)
+    left_out: tuple[LeftOut, ...] = ()
+    disagreements: tuple[str, ...] = ()
+    unit = "lines"
+    if is_pin_list(table):
+        table, left_out, disagreements = with_wires(table)
+        unit = "wires"
+    reader = _Reader(table, replace(catalogue, colour_names=names), left_out, unit)
+    for line in filter(None, (text.assumed, *disagreements)):
+        reader.assumptions.add(line)
     return reader.read(name, source, text.others)
 
 
@@ -109,10 +116,18 @@ def mapping_draft(data: bytes, catalogue: Catalogue, mappings: Sequence[WireList
 class _Reader:
     """Reads one list."""
 
-    def __init__(self, table: Table, catalogue: Catalogue) -> None:
+    def __init__(
+        self,
+        table: Table,
+        catalogue: Catalogue,
+        left_out: Sequence[LeftOut] = (),
+        unit: str = "lines",
+    ) -> None:
         self.table, assumed = checked(table)
         self.assumptions = Assumptions(catalogue)
-        self._left_out: list[LeftOut] = []
+        self._count = len(table.rows) + len(left_out)
+        self._unit = unit
+        self._left_out = [*left_out]
         self._devices: dict[str, Device] = {}
         self._placed_at: dict[str, int] = {}
         self._cables: dict[str, Cable] = {}
@@ -135,13 +150,13 @@ class _Reader:
         connections = [c for row in self.table.rows if (c := self._connection(row)) is not None]
         if not connections:
             raise DesignError(
-                f"none of its {len(self.table.rows)} lines names both ends of a wire"
+                f"none of its {self._count} {self._unit} names both ends"
                 + (f"; the first: {self._left_out[0]}" if self._left_out else "")
             )
         assembly = assemble(self._devices.values(), connections)
         account = Account(
-            "lines",
-            len(self.table.rows),
+            self._unit,
+            self._count,
             (*self.assumptions.lines, *assembly.assumptions),
             tuple(self._left_out),
             unused_columns=(*sheets, *self._unused_columns()),
@@ -160,12 +175,6 @@ class _Reader:
     def _connection(self, row: Row) -> Connection | None:
         """Return the wire of a line, or None if it is left out."""
         source = f"line {row.line}"
-        width = len(self.table.headings)
-        if len(row.cells) > width and any(row.cells[width:]):
-            raise DesignError(
-                f"{source}: {len(row.cells)} cells found; there are {width} headings: quote cells "
-                "that contain the separator"
-            )
         if row.repeats(self.table.heading_rows):
             self._left_out.append(LeftOut(source, "it repeats the headings"))
             return None
@@ -216,7 +225,7 @@ class _Reader:
     def _unused_columns(self) -> Iterator[LeftOut]:
         table = self.table
         used = set(table.columns.values())
-        for column, heading in enumerate(table.headings):
+        for column, heading in enumerate(table.headings[table.repeated :]):
             has_content = any(any(row.cells[column : column + 1]) for row in table.rows)
             if column in used or not (heading or has_content):
                 continue
