@@ -23,7 +23,7 @@ def test_an_eplan_like_list_in_windows_encoding_with_decimal_commas():
     assert rows(imported) == [
         ("101", "=A1+C1-K1:A1", "=A1+C1-X1:3.1", "BU", 1.5, 0.35),
         ("102", "=A1+C1-K1:A2", "=A1+C1-X1:4", "GNYE", 2.5, 1.2),
-        ("101#2", "=A1+C1-X1:3.2", "=A1+C1-F1:2", "BK", 2.08, None),
+        ("101#2", "=A1+C1-X1:3.2", "=A1+C1-F1:2", "BU", 2.08, None),
         ("W7.1", "=A1+C1-X1:7", "+M1:U", "BN", 0.75, 12.0),
     ]
     assert [(cable.name, cable.source) for cable in imported.order.cables] == [("W7", "line 5")]
@@ -31,7 +31,7 @@ def test_an_eplan_like_list_in_windows_encoding_with_decimal_commas():
         "column 'Cross-section' states no unit: mm2 taken",
         "column 'Length' states no unit: m taken",
         "the file is no UTF-8: read as cp1252",
-        "line 4: colour 'hellblau', BK taken",
+        "line 4: colour 'hellblau' read as BU",
         "line 4: name 101 occurs before, at line 2; named 101#2",
     )
     assert [str(item) for item in imported.account.left_out] == [

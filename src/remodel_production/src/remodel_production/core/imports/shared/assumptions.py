@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from remodel_production.core.catalogue import Catalogue
-from remodel_production.core.imports.shared.colours import colour_code
+from remodel_production.core.imports.shared.colours import colour_code, colour_without_shade
 from remodel_production.core.imports.shared.units import section_mm2
 
 
@@ -23,6 +23,10 @@ class Assumptions:
         """Return the code of a colour, or the default for one that is not known."""
         code = colour_code(text, self._catalogue) if text else None
         if code is not None:
+            return code
+        code = colour_without_shade(text, self._catalogue)
+        if code is not None:
+            self.add(f"{source}: colour {text!r} read as {code}")
             return code
         default = self._catalogue.default_colour
         found = repr(text) if text else "not given"

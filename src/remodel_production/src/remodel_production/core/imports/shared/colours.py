@@ -9,6 +9,12 @@ from remodel_production.core.catalogue import Catalogue
 _SEPARATORS = re.compile(r"[\s/+;,_.:-]+")
 _GAUGE = re.compile(r"\d+(awg|mm2|mm²)?|awg")  # in names of layers: BLK_14AWG
 _CODE = 2  # letters of a code
+# What a name of a colour may have besides: "yellow w/ red", "dunkelblau", "gris claro".
+_SHADES = re.compile(
+    r"\b(?:w/|with|mit|avec|con|stripe|tracer|streifen|light|dark|bright|hell|dunkel|clair|claire|"
+    r"fonc\u00e9|fonc\u00e9e|chiaro|chiara|scuro|scura|claro|clara|oscuro|oscura|lt|dk)(?=\W|$)|"
+    r"\b(?:hell|dunkel)(?=\w{3})"
+)
 
 
 def colour_code(text: str, catalogue: Catalogue) -> str | None:
@@ -30,6 +36,12 @@ def colour_code(text: str, catalogue: Catalogue) -> str | None:
     codes = [_single(part, catalogue) for part in parts]
     known = [code for code in codes if code is not None]
     return "".join(known) if known and len(known) == len(codes) else None
+
+
+def colour_without_shade(text: str, catalogue: Catalogue) -> str | None:
+    """Return the code of a colour of which a shade is named, such as "light blue"; None if none."""
+    plain = " ".join(_SHADES.sub(" ", text.lower()).split())
+    return colour_code(plain, catalogue) if plain and plain != text.lower() else None
 
 
 def _single(text: str, catalogue: Catalogue) -> str | None:

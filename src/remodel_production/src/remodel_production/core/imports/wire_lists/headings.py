@@ -41,39 +41,39 @@ class _Kind(Enum):
 
 # English; German; French; Italian; Spanish. Without accents.
 _WORDS: Mapping[_Kind, str] = {
-    _Kind.FROM: "from source start starting origin begin first src startpoint left; von quelle "
+    _Kind.FROM: "from source start starting origin begin first src startpoint left initial; von quelle "
     "quell anfang herkunft startpunkt anfangspunkt links linke linker linkes; "
-    "depart depuis origine tenant gauche; partenza sorgente provenienza sinistra sinistro; "
-    "origen desde inicio procedencia izquierda izquierdo",
-    _Kind.TO: "to target destination dest dst second ending endpoint right; nach ziel endpunkt "
-    "zielpunkt rechts rechte rechter rechtes; vers arrivee destination aboutissant droite droit; "
+    "depart depuis origine tenant gauche initiale; partenza iniziale sorgente provenienza sinistra sinistro; "
+    "origen desde inicio procedencia izquierda izquierdo inicial",
+    _Kind.TO: "to target destination dest dst second ending endpoint right final terminus; nach ziel endpunkt "
+    "zielpunkt rechts rechte rechter rechtes; vers arrivee destination aboutissant droite droit finale cible; "
     "verso destinazione arrivo destra destro; destino hacia hasta derecha derecho",
     _Kind.COMPONENT: "component device connector designator equipment refdes ref reference plug "
-    "item unit node termination housing conn comp dev strip equip socket header jack receptacle; "
-    "gerat geraet bauteil bauelement betriebsmittel bmk stecker komponente gehause gehaeuse "
+    "item unit node termination housing conn comp dev terminalstrip equip eqpt socket header jack receptacle; "
+    "gerat geraet bauteil bauelement betriebsmittel bmk stecker steckverbinder komponente gehause gehaeuse "
     "klemmleiste; composant appareil connecteur equipement element bornier prise fiche; "
     "componente dispositivo connettore apparecchio punto morsettiera; conector equipo aparato "
     "elemento regleta",
-    _Kind.TERMINAL: "terminal term pin cavity contact position pos slot cav; klemme kammer "
-    "anschluss kontakt pol buchse stift; borne broche alveole voie cavite; morsetto cavita "
+    _Kind.TERMINAL: "terminal term pin cavity contact position pos slot cav way point points; klemme kammer kl "
+    "anschluss kontakt pol buchse stift; borne broche alveole voie cavite; morsetto cavita piedino "
     "contatto polo terminale; contacto cavidad borna via",
     _Kind.WIRE: "wire wires lead circuit ckt connection; draht leitung leitungs ltg litze "
-    "verbindung verbindungs; fil conducteur liaison repere; filo conduttore collegamento; hilo "
-    "conductor",
-    _Kind.COLOUR: "colour color col clr; farbe farb; couleur teinte; colore",
-    _Kind.SECTION: "section gauge ga size crosssection csa xsection; querschnitt qs; jauge "
+    "verbindung verbindungs leiter; fil conducteur liaison repere; filo conduttore collegamento; hilo "
+    "conductor circuito",
+    _Kind.COLOUR: "colour color col clr; farbe farb fb; couleur coul coloris teinte; colore",
+    _Kind.SECTION: "section gauge gage ga size crosssection csa xsection; querschnitt qs; jauge "
     "calibre; sezione; seccion calibre galga",
     _Kind.LENGTH: "length len; lange laenge; longueur lg; lunghezza; longitud largo",
     _Kind.CABLE: "cable multicore; kabel mehraderleitung; cavo multipolare; multipolar",
     _Kind.CORE: "core; ader; brin; anima",
     _Kind.SIGNAL: "signal signals net netname potential; netz potenzial; potentiel; segnale",
-    _Kind.SEAL: "seal seals; dichtung ead; guarnizione; sello",
+    _Kind.SEAL: "seal seals; dichtung ead; joint; guarnizione; sello",
     _Kind.TWISTED: "twist twisted pair; verdrillt verdrillung verdrillgruppe; "
     "torsade torsadee; intrecciato; trenzado",
     _Kind.FILLER: "no nr num number id identifier ident name tag code label mark the of in cross "
-    "insulation cut dt full data info point designation diameter complete est estimated total "
-    "nominal; daten angaben gesamt; donnees; dati; datos; "
-    "nummer name bezeichnung nummern kennzeichen in isolations zuschnitt des der durchmesser "
+    "insulation cut dt full data info designation diameter complete est estimated total "
+    "nominal run finished; daten angaben gesamt; donnees; dati; datos; "
+    "nummer name bezeichnung nummern kennzeichen in isolations zuschnitt des der durchmesser ø einzel verlege "
     "vollstandig; numero nom n du des le "
     "la l d en coupe repere isolant; numero nome sigla numerazione marcatura del di in taglio "
     "isolante; numero nombre codigo marca del el en corte",
@@ -98,13 +98,14 @@ _LEFT_AND_RIGHT = (
 _OF_MACHINES = frozenset(_LEFT_AND_RIGHT.split())
 # Alone they are the number of a line, or say nothing of an end.
 _LONE = frozenset({("item",), ("unit",), ("pos",), ("position",)})
-_CONNECTIONS = frozenset({"connection"})
+_CONNECTIONS = frozenset({"connection", "circuit", "ckt"})
 # In a cabinet, what such a word names is found by its component's tag: "X1:3". Pins are not.
 _WHOLE_TERMINALS = frozenset(
     {"terminal", "klemme", "anschluss", "borne", "morsetto", "borna", "connection"}
+    | {"point", "points"}
 )
 _BOTH = re.compile(r"\w\s*[/:+&]\s*\w")  # "Device/Pin"
-_DIAMETERS = frozenset({"diameter", "durchmesser"})
+_DIAMETERS = frozenset({"diameter", "durchmesser", "ø"})
 
 _KINDS = {
     word: kind for kind, words in _WORDS.items() for word in words.replace(";", " ").split()
@@ -116,7 +117,11 @@ _PHRASES = {
     "ref des": "refdes",
     "start point": "startpoint",
     "end point": "endpoint",
-    "terminal strip": "strip",
+    "terminal strip": "terminalstrip",
+    "terminal block": "terminalstrip",
+    "wire ref": "wire",
+    "cable ref": "cable",
+    "gauge type": "gauge",
     "twist group": "twist",
     "twisted group": "twist",
 }
@@ -153,7 +158,7 @@ _THINGS = {
 _PARTS = (_Kind.TERMINAL, _Kind.COMPONENT)  # a "connector pin" is a pin
 
 _SECTION_UNITS = {
-    **dict.fromkeys(("mm²", "mm2", "mm^2", "qmm", "sqmm", "mmq"), "mm2"),
+    **dict.fromkeys(("mm²", "mm2", "mm^2", "qmm", "sqmm", "mmq", "mm sq", "sq mm"), "mm2"),
     "awg": "awg",
 }
 _LENGTH_UNITS = {
@@ -203,7 +208,7 @@ def fields_of(headings: Sequence[str]) -> dict[Field, int]:
     undirected = [
         i
         for i, (side, part) in enumerate(readings)
-        if not side and part in _PARTS and words[i] not in _LONE
+        if not side and part in _PARTS and (words[i] not in _LONE or words.count(words[i]) == 2)
     ]
     for column, (side, part) in enumerate(readings):
         end = side or end
@@ -229,6 +234,9 @@ def fields_of(headings: Sequence[str]) -> dict[Field, int]:
     if Field.WIRE not in found and name is not None:
         found[Field.WIRE] = name
     found = _with_whole_terminals(found, words)
+    if Field.COMPONENT in found and Field.WIRE not in found:
+        own = next((field for field in (Field.CORE, Field.CABLE) if field in found), None)
+        found |= {Field.WIRE: found.pop(own)} if own else {}
     return {f: i for f, i in found.items() if _COMPONENT_OF.get(f) not in found}
 
 
@@ -353,7 +361,8 @@ def _reading(words: Sequence[str], *, has_b: bool) -> tuple[_Kind | None, _Kind 
     if quantities:
         is_of_wire = len(quantities) == 1 and not sides and rest - quantities <= _THINGS.keys()
         return None, quantities.pop() if is_of_wire and not number & {"1", "2", "b"} else None
-    if sides and _Kind.WIRE in rest and not _CONNECTIONS.isdisjoint(words):
+    names_end = bool(sides) or not _ENDINGS.isdisjoint(words)
+    if names_end and _Kind.WIRE in rest and not _CONNECTIONS.isdisjoint(words):
         rest = rest - {_Kind.WIRE} | {_Kind.TERMINAL}
     part = next((kind for kind in _PARTS if kind in rest), None)
     if part is _Kind.TERMINAL and _is_contact(words) and not _OF_MACHINES.isdisjoint(words):
