@@ -185,12 +185,28 @@ def test_a_file_is_read_after_others_whose_anchors_it_uses():
         "W1.1": ("X1:1", "X2:2"),
         "W1.2": ("X1:2", "X2:1"),
     }
-    assert lines_of(before) == " (lines 1 to 4 are those of common.yml; its own begin at line 5)"
-    assert lines_of([]) == ""
+    assert (
+        lines_of(before, main.encode())
+        == " (lines 1 to 4 are those of common.yml; its own begin at line 5)"
+    )
+    assert lines_of([], b"") == ""
     with pytest.raises(DesignError, match="line 2, column 12: is no YAML: found undefined alias"):
         read(main)
-    with pytest.raises(DesignError, match=r"line 5: key connectors is given before, at line 4"):
-        read(prepended(before, b"connectors: {Y: {pincount: 1}}\nconnections: []\n").decode())
+
+
+def test_a_section_of_a_file_read_before_is_replaced_by_that_of_a_later_one():
+    common = b"connectors:\n  T: &T {pinlabels: [P, G]}\n  S: {pincount: 9}\n"
+    main = b"connectors: {A: *T, B: *T}\ncables: {W: {wirecount: 2}}\n"
+    sets = b"connections: [[{A: [P, G]}, {W: [1, 2]}, {B: [P, G]}]]\n"
+    before = [("common.yml", common)]
+    imported = read(prepended(before, main + sets).decode())
+    assert ends(imported) == {"W.1": ("A:1", "B:1"), "W.2": ("A:2", "B:2")}
+    assert lines_of(before, main + sets) == (
+        " (lines 1 to 3 are those of common.yml, whose connectors those of a later file replace; "
+        "its own begin at line 4)"
+    )
+    with pytest.raises(DesignError, match=r"line 6: .*S"):
+        read(prepended(before, main + b"connections: [[{S: 1}, {W: 1}, {B: 1}]]\n").decode())
 
 
 def test_parts_that_no_task_mounts_are_listed():

@@ -134,7 +134,7 @@ def main(arguments: list[str] | None = None) -> int:
 def _read(options: argparse.Namespace, name: str, catalogue: Catalogue) -> Imported:
     file: Path = options.file
     formats = design_formats(read_mappings(options.mapping))
-    data = read_design(file)
+    own = data = read_design(file)
     chosen = options.format or (WIRE_LIST if options.mapping else None)
     before = [(each.name, read_design(each)) for each in options.prepend]
     try:
@@ -157,11 +157,11 @@ def _read(options: argparse.Namespace, name: str, catalogue: Catalogue) -> Impor
             form = replace(form, read=partial(_MODULAR[form.name], asked=asked))
         imported = import_design(data, form, name, file.name, catalogue)
     except DesignError as error:
-        raise DesignError(f"{file}: {error}{lines_of(before)}") from error
+        raise DesignError(f"{file}: {error}{lines_of(before, own)}") from error
     if not before:
         return imported
     account = imported.account
-    note = f"the file is read after others{lines_of(before)}"
+    note = f"the file is read after others{lines_of(before, own)}"
     account = replace(account, assumptions=(note, *account.assumptions))
     return Imported(replace(imported.order, notes=account.notes), account)
 
@@ -185,16 +185,21 @@ def _report_lengths(
     for lines, what in zip(
         _length_findings(imported, order, catalogue),
         (
-            "wires are shorter than their routes on the board.",
-            "wires are more than three times as long as their routes; is their unit right?",
+            ("is shorter than its route", "are shorter than their routes", " on the board."),
+            (
+                "is more than three times as long as its route",
+                "are more than three times as long as their routes",
+                "; is the unit right?",
+            ),
         ),
         strict=True,
     ):
-        if lines and verbose:
-            print(f"  {len(lines)} {what}")
+        if not lines:
+            continue
+        text = f"  {counted(len(lines), 'wire')} {what[len(lines) > 1]}{what[-1]}"
+        print(text if verbose else f"{text} The worst: {lines[0]}")
+        if verbose:
             print("\n".join(f"    {line}" for line in lines))
-        elif lines:
-            print(f"  {len(lines)} {what} The worst: {lines[0]}")
 
 
 def _length_findings(

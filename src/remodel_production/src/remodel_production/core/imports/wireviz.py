@@ -64,6 +64,11 @@ class _Core:
     line: int
 
 
+# The key of a section at the top of a file, and what it begins with once another replaces it.
+_SECTION = re.compile(r"^([A-Za-z_]\w*)(?=\s*:)", re.MULTILINE)
+_REPLACED = "replaced_"
+
+
 def import_wireviz(data: bytes, name: str, source: str, catalogue: Catalogue) -> Imported:
     """Read a harness.
 
@@ -92,6 +97,8 @@ def import_wireviz(data: bytes, name: str, source: str, catalogue: Catalogue) ->
 def prepended(before: Sequence[tuple[str, bytes]], data: bytes) -> bytes:
     """Return a file after others, as one text: anchors of the first are known in the next ones.
 
+    A section that a later file has too is replaced by that one, as WireViz reads them.
+
     Args:
         before: name and content of the other files, in their order.
         data: content of the file.
@@ -99,16 +106,33 @@ def prepended(before: Sequence[tuple[str, bytes]], data: bytes) -> bytes:
     Raises:
         DesignError: if one of them is no text.
     """
-    return "".join(_ended(decode(each)[0]) for each in (*(d for _, d in before), data)).encode()
+    texts = [decode(each)[0] for each in (*(content for _, content in before), data)]
+    for i, replaced in enumerate(_replaced(texts)):
+        for key in replaced:
+            texts[i] = re.sub(
+                rf"^{key}(?=\s*:)", f"{_REPLACED}{i}_{key}", texts[i], flags=re.MULTILINE
+            )
+    return "".join(map(_ended, texts)).encode()
 
 
-def lines_of(before: Sequence[tuple[str, bytes]]) -> str:
+def lines_of(before: Sequence[tuple[str, bytes]], data: bytes) -> str:
     """Return which lines of a file after others are those of the others; empty for none."""
     parts, last = [], 0
-    for name, data in before:
-        first, last = last + 1, last + _ended(decode(data)[0]).count("\n")
-        parts.append(f"lines {first} to {last} are those of {name}")
+    texts = [decode(each)[0] for each in (*(content for _, content in before), data)]
+    for (name, _), text, replaced in zip(before, texts, _replaced(texts), strict=False):
+        first, last = last + 1, last + _ended(text).count("\n")
+        lost = f", whose {' and '.join(replaced)} those of a later file replace" if replaced else ""
+        parts.append(f"lines {first} to {last} are those of {name}{lost}")
     return f" ({'; '.join(parts)}; its own begin at line {last + 1})" if parts else ""
+
+
+def _replaced(texts: Sequence[str]) -> list[list[str]]:
+    """Return of each text the sections that a later one has too."""
+    sections = [_SECTION.findall(text) for text in texts]
+    return [
+        [key for key in keys if any(key in later for later in sections[i + 1 :])]
+        for i, keys in enumerate(sections)
+    ]
 
 
 def _ended(text: str) -> str:

@@ -41,25 +41,28 @@ class _Kind(Enum):
 
 # English; German; French; Italian; Spanish. Without accents.
 _WORDS: Mapping[_Kind, str] = {
-    _Kind.FROM: "from source start starting origin begin first src startpoint left initial; von quelle "
-    "quell anfang herkunft startpunkt anfangspunkt links linke linker linkes; "
-    "depart depuis origine tenant gauche initiale; partenza iniziale sorgente provenienza sinistra sinistro; "
-    "origen desde inicio procedencia izquierda izquierdo inicial",
-    _Kind.TO: "to target destination dest dst second ending endpoint right final terminus; nach ziel endpunkt "
-    "zielpunkt rechts rechte rechter rechtes; vers arrivee destination aboutissant droite droit finale cible; "
-    "verso destinazione arrivo destra destro; destino hacia hasta derecha derecho",
+    _Kind.FROM: "from source start starting origin begin first src startpoint left initial; von "
+    "quelle quell anfang herkunft startpunkt anfangspunkt links linke linker linkes; "
+    "depart depuis origine tenant gauche initiale; partenza iniziale sorgente "
+    "provenienza sinistra sinistro; origen desde inicio procedencia izquierda "
+    "izquierdo inicial",
+    _Kind.TO: "to target destination dest dst second ending endpoint right final terminus; nach "
+    "ziel endpunkt zielpunkt rechts rechte rechter rechtes; vers arrivee destination "
+    "aboutissant droite droit finale cible; verso destinazione arrivo destra destro; "
+    "destino hacia hasta derecha derecho",
     _Kind.COMPONENT: "component device connector designator equipment refdes ref reference plug "
-    "item unit node termination housing conn comp dev terminalstrip equip eqpt socket header jack receptacle; "
-    "gerat geraet bauteil bauelement betriebsmittel bmk stecker steckverbinder komponente gehause gehaeuse "
-    "klemmleiste; composant appareil connecteur equipement element bornier prise fiche; "
-    "componente dispositivo connettore apparecchio punto morsettiera; conector equipo aparato "
+    "item unit node termination housing conn comp dev terminalstrip equip eqpt socket "
+    "header jack receptacle; gerat geraet bauteil bauelement betriebsmittel bmk "
+    "stecker steckverbinder komponente gehause gehaeuse klemmleiste; composant "
+    "appareil connecteur equipement element bornier prise fiche; componente "
+    "dispositivo connettore apparecchio punto morsettiera; conector equipo aparato "
     "elemento regleta",
-    _Kind.TERMINAL: "terminal term pin cavity contact position pos slot cav way point points; klemme kammer kl "
-    "anschluss kontakt pol buchse stift; borne broche alveole voie cavite; morsetto cavita piedino "
-    "contatto polo terminale; contacto cavidad borna via",
+    _Kind.TERMINAL: "terminal term pin cavity contact position pos slot cav way point points; "
+    "klemme kammer kl anschluss kontakt pol buchse stift; borne broche alveole voie cavite; "
+    "morsetto cavita piedino contatto polo terminale; contacto cavidad borna via",
     _Kind.WIRE: "wire wires lead circuit ckt connection; draht leitung leitungs ltg litze "
-    "verbindung verbindungs leiter; fil conducteur liaison repere; filo conduttore collegamento; hilo "
-    "conductor circuito",
+    "verbindung verbindungs leiter; fil conducteur liaison repere; filo conduttore "
+    "collegamento; hilo conductor circuito",
     _Kind.COLOUR: "colour color col clr; farbe farb fb; couleur coul coloris teinte; colore",
     _Kind.SECTION: "section gauge gage ga size crosssection csa xsection; querschnitt qs; jauge "
     "calibre; sezione; seccion calibre galga",
@@ -68,15 +71,15 @@ _WORDS: Mapping[_Kind, str] = {
     _Kind.CORE: "core; ader; brin; anima",
     _Kind.SIGNAL: "signal signals net netname potential; netz potenzial; potentiel; segnale",
     _Kind.SEAL: "seal seals; dichtung ead; joint; guarnizione; sello",
-    _Kind.TWISTED: "twist twisted pair; verdrillt verdrillung verdrillgruppe; "
-    "torsade torsadee; intrecciato; trenzado",
+    _Kind.TWISTED: "twist twisted pair; verdrillt verdrillung verdrillgruppe; torsade torsadee; "
+    "intrecciato; trenzado",
     _Kind.FILLER: "no nr num number id identifier ident name tag code label mark the of in cross "
-    "insulation cut dt full data info designation diameter complete est estimated total "
-    "nominal run finished; daten angaben gesamt; donnees; dati; datos; "
-    "nummer name bezeichnung nummern kennzeichen in isolations zuschnitt des der durchmesser ø einzel verlege "
-    "vollstandig; numero nom n du des le "
-    "la l d en coupe repere isolant; numero nome sigla numerazione marcatura del di in taglio "
-    "isolante; numero nombre codigo marca del el en corte",
+    "insulation cut dt full data info designation diameter complete est estimated "
+    "total nominal run finished; daten angaben gesamt; donnees; dati; datos; nummer "
+    "name bezeichnung nummern kennzeichen in isolations zuschnitt des der durchmesser "
+    "ø einzel verlege vollstandig; numero nom n du des le la l d en coupe repere "
+    "isolant; numero nome sigla numerazione marcatura del di in taglio isolante; "
+    "numero nombre codigo marca del el en corte",
 }
 # Prepositions mean an end only beside nothing but a component or a terminal: "De borne", not
 # "Section de fil". The letter is an end's name where another heading has a B.
