@@ -215,6 +215,32 @@ def test_without_codes_all_variants_are_read_with_a_note():
         modular(modules=CONFIGURATIONS, codes=("X",))
 
 
+def test_of_several_routes_of_a_wire_the_variant_chooses_one():
+    two = MODULES.replace(
+        "</Specification></DocumentVersion>",
+        """</Specification><Specification xsi:type="vec:RoutingSpecification" id="rr">
+<Routing id="r2"><RoutedElement>w3</RoutedElement><Path id="p2"><Segment>s23</Segment></Path>
+</Routing><Routing id="r3"><RoutedElement>w3</RoutedElement><Path id="p3"><Segment>s12</Segment>
+</Path></Routing></Specification>
+<Specification xsi:type="vec:VariantConfigurationSpecification" id="vcs">
+<VariantConfiguration id="v_r"><LogisticControlExpression>RL</LogisticControlExpression>
+</VariantConfiguration><VariantConfiguration id="v_l"><LogisticControlExpression>LL
+</LogisticControlExpression></VariantConfiguration></Specification>
+<Specification xsi:type="vec:ConfigurationConstraintSpecification" id="ccs">
+<ConfigurationConstraint id="cc1"><ConfigInfo>v_r</ConfigInfo><ConstrainedElements>s23 r2
+</ConstrainedElements></ConfigurationConstraint>
+<ConfigurationConstraint id="cc2"><ConfigInfo>v_l</ConfigInfo><ConstrainedElements>s12 r3
+</ConstrainedElements></ConfigurationConstraint></Specification></DocumentVersion>""",
+    )
+    routes = {}
+    for codes in ((), ("RL",), ("LL",)):
+        imported = modular(modules=two, codes=codes)
+        routes[codes] = next(w.route for w in imported.order.wires if w.name == "W3")
+        notes = [line for line in imported.account.assumptions if "another route of W3" in line]
+        assert len(notes) == (not codes)
+    assert routes == {(): ("S23",), ("RL",): ("S23",), ("LL",): ("S12",)}
+
+
 @pytest.mark.parametrize(
     ("text", "codes", "holds"),
     [

@@ -66,7 +66,7 @@ def _parts(tree: KblTree, structure: etree._Element) -> frozenset[etree._Element
 
 def _conditions(tree: KblTree) -> Iterator[tuple[etree._Element, VariantCondition]]:
     """Yield the elements that have a condition, each with it."""
-    for name in ("Component", "PartUsage", "WireElementReference"):
+    for name in ("Component", "PartUsage", "WireElementReference", "Routing"):
         for element in tree.all(name):
             inside = [element, *children(element, "ConfigurationConstraint")]
             for condition in (c for each in inside for c in _of(tree, each)):

@@ -231,8 +231,11 @@ class _Reader:
         return ends
 
     def _routes(self) -> dict[etree._Element, list[Segment]]:
+        """Return the segments of each wire element's route: the first of those in the variants."""
         routes: dict[etree._Element, list[Segment]] = {}
         for routing in self._tree.all("Routing"):
+            if self._modules.why_not(routing):
+                continue
             segments = [
                 self._segments[segment]
                 for path in children(routing, "Path")
@@ -240,7 +243,13 @@ class _Reader:
                 if segment in self._segments
             ]
             for routed in self._tree.referred(routing, "RoutedElement"):
-                routes.setdefault(routed, segments)
+                if segments != routes.setdefault(routed, segments):
+                    owner = self._component(routed)
+                    name = self._names[owner] if owner is not None else routed.get("id")
+                    self._assumptions.add(
+                        f"{line_of(routing)}: another route of {name} is not taken; --variant "
+                        "chooses, if it has a condition"
+                    )
         return routes
 
     def _connection(
