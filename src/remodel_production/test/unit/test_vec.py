@@ -199,7 +199,7 @@ def test_variant_codes_select_modules_and_wires(codes, wires):
     assert [wire.name for wire in imported.order.wires] == wires
     assert imported.account.connections == 4
     assert len(imported.account.left_out) == 4 - len(wires)
-    note = f"the wires of a vehicle with the codes {', '.join(codes)} are read"
+    note = f"the wires of a vehicle with the variant codes {', '.join(codes)} are read"
     assert note in imported.account.assumptions
 
 
@@ -207,6 +207,8 @@ def test_without_codes_all_variants_are_read_with_a_note():
     imported = modular(modules=CONFIGURATIONS)
     assert len(imported.order.wires) == 4
     assert any("--variant gives the codes" in line for line in imported.account.assumptions)
+    with pytest.raises(DesignError, match="none of its 4 wire elements joins two"):
+        modular(modules=CONFIGURATIONS, codes=("",))
     some = modular("M2", modules=CONFIGURATIONS, codes=("A",))
     assert [wire.name for wire in some.order.wires] == ["W2.A", "W2.B"]
     reasons = {item.reason for item in some.account.left_out}

@@ -11,6 +11,7 @@ from dataclasses import dataclass
 
 from lxml import etree
 
+from remodel_production.core.counted import counted
 from remodel_production.core.imports.shared.variant_codes import VariantCondition
 from remodel_production.errors import DesignError
 
@@ -23,7 +24,7 @@ class Asked:
 
     Attributes:
         modules: part numbers of modules, or of what consists of modules.
-        codes: variant codes that the vehicle has.
+        codes: variant codes that the vehicle has; an empty one stands for none.
     """
 
     modules: tuple[str, ...] = ()
@@ -73,7 +74,8 @@ class ModuleChoice:
         written = [*conditions.values(), *(m.condition for m in modules.values() if m.condition)]
         if asked.codes:
             known = sorted({code for condition in written for code in condition.codes()})
-            _require_known("variant code", asked.codes, known, "--variant")
+            codes = [code for code in asked.codes if code]
+            _require_known("variant code", codes, known, "--variant; others change nothing")
         chosen = [composites[name] for name in asked.modules]
         if asked.codes and not asked.modules:
             chosen = [
@@ -119,11 +121,13 @@ def _notes(asked: Asked, names: list[str], modules: int, conditions: int) -> lis
             f"{_shown(names)}"
         )
     if asked.codes:
-        notes.append(f"the wires of a vehicle with the codes {', '.join(asked.codes)} are read")
+        codes = ", ".join(filter(None, asked.codes)) or "none"
+        notes.append(f"the wires of a vehicle with the variant codes {codes} are read")
     elif conditions:
         notes.append(
-            f"the parts of all variants are read, as of one harness, though {conditions} have "
-            "conditions; --variant gives the codes of one vehicle"
+            f"the parts of all variants are read, as of one harness, whatever "
+            f"{counted(conditions, 'condition')} of variant codes say; --variant gives the codes of "
+            "one vehicle"
         )
     return notes
 
