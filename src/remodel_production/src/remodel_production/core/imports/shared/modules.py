@@ -126,8 +126,8 @@ def _notes(asked: Asked, names: list[str], modules: int, conditions: int) -> lis
     elif conditions:
         notes.append(
             f"the parts of all variants are read, as of one harness, whatever "
-            f"{counted(conditions, 'condition')} of variant codes say; --variant gives the codes of "
-            "one vehicle"
+            f"{counted(conditions, 'condition')} of variant codes say; --variant gives the codes "
+            "of one vehicle"
         )
     return notes
 
