@@ -4,7 +4,9 @@
 
 Prints a table with the targets beside the measured values: medians over the seeds; of a time, each
 seed's least of some repetitions, counted from the loaded problem. Every plan is checked. GTPyhop
-plans the one-arm panels beside it, in an environment of its own (--gtpyhop PYTHON).
+plans the one-arm panels beside it, in an environment of its own (--gtpyhop PYTHON). With --whole,
+searches do all the work of their time also on a machine under load. --figures FILE writes the
+tables of the docs, docs/figures/planner.jsonl, after each size.
 """
 
 from __future__ import annotations
@@ -19,7 +21,7 @@ import subprocess
 import sys
 import tempfile
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 
@@ -66,9 +68,14 @@ _REPETITIONS = 7
 
 @dataclass
 class Bench:
-    """What has been measured, by arms, row and size."""
+    """What has been measured, by arms, row and size.
+
+    Attributes:
+        clock: returns the time that searches may take [s].
+    """
 
     kernel: Kernel
+    clock: Callable[[], float]
     values: dict[tuple[int, str, int], list[float]] = field(default_factory=dict)
     kept: list[float] = field(default_factory=list)
 
@@ -83,12 +90,17 @@ def main() -> None:
     parser.add_argument("--sizes", type=int, nargs="+", default=SIZES)
     parser.add_argument("--seeds", type=int, nargs="+", default=(1, 2, 3))
     parser.add_argument("--gtpyhop", metavar="PYTHON", help="interpreter that has GTPyhop")
+    parser.add_argument("--whole", action="store_true", help="do all the work of the time limits")
+    parser.add_argument("--figures", type=Path, metavar="FILE", help="for the tables of the docs")
     options = parser.parse_args()
-    bench = Bench(Kernel())
+    bench = Bench(Kernel(), (lambda: 0.0) if options.whole else time.monotonic)
+    for number, size in enumerate(options.sizes, start=1):
+        for arms, seed in itertools.product(TARGETS, options.seeds):
+            _measure(bench, size, seed, arms, options.gtpyhop)
+        if options.figures:
+            rows = _rows(bench, options.sizes[:number])
+            options.figures.write_text("".join(f"{json.dumps(row)}\n" for row in rows))
     for arms in TARGETS:
-        for size in options.sizes:
-            for seed in options.seeds:
-                _measure(bench, size, seed, arms, options.gtpyhop)
         _print_table(bench, arms, options.sizes)
     print(f"order kept by patched plans: {100 * min(bench.kept):.1f} % (target 95 %)")
     megabytes = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024
@@ -115,7 +127,8 @@ def _measure(bench: Bench, size: int, seed: int, arms: int, gtpyhop: str | None)
     for limit in (1, 10):
         row = f"after {limit} s above best [%]"
         if row in TARGETS[arms]:
-            result = AnytimePlanner(bench.kernel, tables).improved(Limits(limit))
+            planner = AnytimePlanner(bench.kernel, tables)
+            result = planner.improved(Limits(limit), clock=bench.clock)
             bench.note(arms, row, size, above(result.planned))
     if gtpyhop and arms == 1:
         took, planned = _by_gtpyhop(bench.kernel, gtpyhop, document, tables)
@@ -188,18 +201,30 @@ def _by_gtpyhop(
     return result["seconds"], AnytimePlanner(kernel, tables).patched(order, modes)
 
 
+def _rows(bench: Bench, sizes: Sequence[int]) -> Iterator[dict[str, str]]:
+    """Yield the rows of the docs' table: measured, and the target in brackets."""
+    for arms, row in dict.fromkeys((arms, row) for arms, row, _ in bench.values):
+        words = f"{'one arm' if arms == 1 else 'two arms'}: {row}"
+        cells = {f"{size} wires": _cell(bench, arms, row, size) for size in sizes}
+        yield {"median of three panels": words, **cells}
+
+
+def _cell(bench: Bench, arms: int, row: str, size: int) -> str:
+    measured = statistics.median(bench.values[arms, row, size])
+    targets = dict(zip(SIZES, TARGETS[arms].get(row, ()), strict=False))
+    target = f" ({targets[size]:g})" if size in targets else ""
+    shown = f"{measured:.2f}" if "[%]" in row else f"{measured:.2g}"
+    missed = " (missed)" if size in targets and float(shown) > targets[size] else ""
+    return f"{shown}{target}{missed}"
+
+
 def _print_table(bench: Bench, arms: int, sizes: list[int]) -> None:
     print(f"\n{arms} arm{'s' * (arms > 1)}; measured (target)")
-    print(f"{'':28}" + "".join(f"{size:>16}" for size in sizes))
+    print(f"{'':28}" + "".join(f"{size:>22}" for size in sizes))
     rows = [row for a, row, size in bench.values if a == arms and size == sizes[0]]
     for row in dict.fromkeys(rows):
-        cells = []
-        for size in sizes:
-            measured = statistics.median(bench.values[arms, row, size])
-            targets = dict(zip(SIZES, TARGETS[arms].get(row, ()), strict=False))
-            target = f"({targets[size]:g})" if size in targets else ""
-            cells.append(f"{measured:.3g} {target}")
-        print(f"{row:28}" + "".join(f"{cell:>16}" for cell in cells))
+        cells = (_cell(bench, arms, row, size) for size in sizes)
+        print(f"{row:28}" + "".join(f"{cell:>22}" for cell in cells))
     if len(sizes) > 1:
         times = [statistics.median(bench.values[arms, "first plan [ms]", size]) for size in sizes]
         growth = math.log(times[-1] / times[0]) / math.log(sizes[-1] / sizes[0])

@@ -28,6 +28,11 @@ W2,K1:2,X1:2,1,BK,b
 W3,K1:3,X1:3,400,BK,c
 {MARKUP},K1:4,X1:4,1,RD,d
 """
+CABLE = """Wire,Cable,Core,From,To,Section mm2,Colour
+,C1,1,K1:1,X1:1,1,BU
+W1,,,K1:2,X1:2,1,BK
+,C1,2,K1:3,X1:3,1,BN
+"""
 OWN_HEADINGS = "aaa;bbb;ccc\nK1:1;X1:1;1\nK1:2;X1:2;1\n"
 DROP = """([name, text]) => {
   const dropped = new DataTransfer();
@@ -176,6 +181,30 @@ require:
         self.assertEqual(
             ProductionDatabase(DATABASE).preferences("our loom")["require"][0]["name"], "down"
         )
+
+    def test_a_cable_is_one_task_until_its_cores_are_placed(self):
+        page = self.page
+        self.drop("cable.csv", CABLE)
+        area = page.locator(".desk-area")
+        expect(area.locator(".count", has_text="cores of 1 cable")).to_contain_text("2")
+        expect(area.locator(".plan-words")).to_contain_text("2 tasks in")
+        page.get_by_text("Tasks in their order").click()
+        planned = self.planned()
+        self.assertIn(planned, (["W1", "C1: C1.1, C1.2"], ["C1: C1.1, C1.2", "W1"]))
+        page.get_by_label("Name of the order").fill("cable")
+        self.press(page, "Start the order")
+        page.wait_for_url("**/overview", timeout=WORK_MS)
+        expect(page.locator(".ending")).to_contain_text("Order 'cable'", timeout=WORK_MS)
+        cable = page.locator(".tasks tr.cable")
+        expect(cable).to_contain_text("cable, 2 of 2 cores done")
+        expect(cable.locator("xpath=following-sibling::tr[1]")).to_contain_text("C1.1")
+        expect(cable.locator("xpath=following-sibling::tr[2]")).to_contain_text("C1.2")
+        self.assertEqual(page.locator(".tasks tr.core").count(), 2)
+        self.take_picture(page, "cable")
+        orders = OrderClient(OUTPUT)
+        events = orders.events(max(orders.runs()))
+        begun = [each.task for each in events if isinstance(each, TaskBegun)]
+        self.assertEqual(begun.index("C1.2"), begun.index("C1.1") + 1)
 
     def test_a_file_is_refused_with_the_commands_own_words_and_a_mapping_helps(self):
         page = self.page

@@ -101,12 +101,23 @@ class AnytimePlanner:
         """
         return self._decoded(*self._following(order, modes, opening_first=False))
 
-    def improved(self, limits: Limits, start: Planned | None = None) -> Result:
+    def improved(
+        self,
+        limits: Limits,
+        start: Planned | None = None,
+        clock: Callable[[], float] = time.monotonic,
+    ) -> Result:
         """Return the best plan found within the limits, from a plan or from the first plan.
 
         The searches do all their moves in the threads, their first ones too: at the same time.
+
+        Args:
+            limits: when to stop.
+            start: the plan to improve; None: the first plan.
+            clock: returns the time [s]; one that stands still lets the searches do all the work of
+                the time, as on an idle machine.
         """
-        deadline = time.monotonic() + limits.time_s
+        deadline = clock() + limits.time_s
         count = limits.searches
         with ThreadPoolExecutor(count) as pool:
             searches = list(pool.map(lambda i: self._started(i, start), range(count)))
@@ -118,7 +129,7 @@ class AnytimePlanner:
             def over(cost: int) -> bool:
                 if limits.target is not None and cost + offset <= limits.target:
                     reached.set()
-                return reached.is_set() or limits.stopped() or time.monotonic() >= deadline
+                return reached.is_set() or limits.stopped() or clock() >= deadline
 
             complete = True
             for parts in _rounds(limits.slices(self._problem.size, self._arms)):

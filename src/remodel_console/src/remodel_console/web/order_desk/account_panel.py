@@ -46,7 +46,8 @@ def show_triage(triage: Triage | None, nothing_to_plan: str) -> None:
         words = [("robot", len(triage.robot)), ("by hand", len(triage.by_hand))]
         if triage.cables:
             cores = sum(map(len, triage.cables.values()))
-            words.insert(1, (f"cores of {len(triage.cables)} cables", cores))
+            plural = "" if len(triage.cables) == 1 else "s"
+            words.insert(1, (f"cores of {len(triage.cables)} cable{plural}", cores))
         with ui.row().classes("counts"):
             for word, count in words:
                 with ui.element("div").classes("count"):
