@@ -114,8 +114,8 @@ class AnytimePlanner:
         Args:
             limits: when to stop.
             start: the plan to improve; None: the first plan.
-            clock: returns the time [s]; one that stands still lets the searches do all the work of
-                the time, as on an idle machine.
+            clock: returns the time [s]; with one that never advances, the searches do all the work
+                of the time, as on an idle machine.
         """
         deadline = clock() + limits.time_s
         count = limits.searches

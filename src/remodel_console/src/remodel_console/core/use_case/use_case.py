@@ -123,6 +123,16 @@ class CableTask:
         return TaskPhase.SET_ASIDE if TaskPhase.SET_ASIDE in phases else TaskPhase.DONE
 
     @property
+    def taken_s(self) -> float:
+        """Return the time that its cores have taken [s]."""
+        return sum(core.taken_s for core in self.cores)
+
+    @property
+    def expected_s(self) -> float:
+        """Return the time that its cores are still expected to take [s]."""
+        return sum(core.expected_s for core in self.cores)
+
+    @property
     def words(self) -> str:
         """Return what an operator reads beside its name."""
         done = sum(core.phase is TaskPhase.DONE for core in self.cores)

@@ -100,6 +100,7 @@ class _Row:
             return
         self._shown = (task, is_under_way)
         self._phase.text = PHASE_WORDS[task.phase]
+        self._time.text = _time_words(task)
         if isinstance(task, CableTask):
             self._description.text = task.words
             self.element.classes(replace=f"cable {task.phase.value}")
@@ -108,7 +109,6 @@ class _Row:
         kind = "task core" if task.cable else "task"
         self.element.classes(replace=f"{kind} {task.phase.value}")
         self._attempts.text = str(task.attempts or "")
-        self._time.text = _time_words(task)
         self._skip.set_visibility(is_under_way and task.phase in _OPEN)
         self._retry.set_visibility(is_under_way and task.phase is TaskPhase.SET_ASIDE)
 
@@ -127,7 +127,7 @@ def _button(
     return made
 
 
-def _time_words(task: Task) -> str:
+def _time_words(task: CableTask | Task) -> str:
     """Return what a task has taken, and what it still takes."""
     taken = duration_words(task.taken_s) if task.taken_s else ""
     left = f"{duration_words(task.expected_s)} left" if task.expected_s else ""
