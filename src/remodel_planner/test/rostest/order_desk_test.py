@@ -182,7 +182,7 @@ require:
             ProductionDatabase(DATABASE).preferences("our loom")["require"][0]["name"], "down"
         )
 
-    def test_a_cable_is_one_task_until_its_cores_are_placed(self):
+    def test_the_cores_of_a_cable_are_one_task_until_they_are_placed(self):
         page = self.page
         self.drop("cable.csv", CABLE)
         area = page.locator(".desk-area")
@@ -191,6 +191,7 @@ require:
         page.get_by_text("Tasks in their order").click()
         planned = self.planned()
         self.assertIn(planned, (["W1", "C1: C1.1, C1.2"], ["C1: C1.1, C1.2", "W1"]))
+        self.take_picture(page, "cable-plan")
         page.get_by_label("Name of the order").fill("cable")
         self.press(page, "Start the order")
         page.wait_for_url("**/overview", timeout=WORK_MS)
