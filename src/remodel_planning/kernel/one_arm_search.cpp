@@ -3,6 +3,8 @@
 #include <limits>
 #include <set>
 
+#include "cables.hpp"
+
 namespace remodel {
 
 OneArmSearch::OneArmSearch(const Problem& problem, std::uint64_t seed)
@@ -38,6 +40,7 @@ std::vector<int> OneArmSearch::greedy(int first_tool, int light_surcharge, bool 
     waiting[wire] = static_cast<int>(p_.before[wire].size());
     if (!waiting[wire]) ready.push_back(wire);
   }
+  BegunCables cables(p_);
   int last = n_;
   bool light = p_.t.light_started;
   while (!ready.empty()) {
@@ -45,7 +48,9 @@ std::vector<int> OneArmSearch::greedy(int first_tool, int light_surcharge, bool 
     int least = std::numeric_limits<int>::max();
     for (std::size_t i = 0; i < ready.size(); ++i) {
       const int wire = ready[i];
-      int cost = arcs_.cost(last, wire) + delays[wire];
+      const int cable = last < n_ ? p_.t.cable[last] : p_.t.arm_cable[0];
+      int cost = arcs_.cost(last, wire) + delays[wire] - p_.cable_penalty(cable, wire) +
+                 cables.penalty(0, cable, wire);
       if (!light && !p_.t.heavy[wire]) cost += light_surcharge;
       if (static_cast<int>(order.size()) == p_.t.openings && p_.t.tool[wire] != first_tool)
         cost += 1 << 24;
@@ -61,6 +66,7 @@ std::vector<int> OneArmSearch::greedy(int first_tool, int light_surcharge, bool 
     ready.pop_back();
     light = light || !p_.t.heavy[wire];
     order.push_back(wire);
+    cables.take(wire);
     if (by_rank)
       for (const Ranking& ranking : p_.rankings) ranking.take_off_delays(wire, delays);
     for (int next : p_.after[wire])

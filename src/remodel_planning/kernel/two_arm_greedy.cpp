@@ -2,6 +2,8 @@
 
 #include <limits>
 
+#include "cables.hpp"
+
 namespace remodel {
 namespace {
 
@@ -22,7 +24,8 @@ class Builder {
   Builder(const Problem& problem, int light_surcharge, bool by_rank)
       : p_(problem), light_surcharge_(light_surcharge), by_rank_(by_rank),
         light_(problem.t.light_started), waiting_(problem.t.wires), routed_(problem.t.wires),
-        delays_(problem.t.wires) {
+        delays_(problem.t.wires), cables_(problem),
+        torn_(p_.t.cable_weight > 0 ? p_.t.cable_weight : std::numeric_limits<int>::max()) {
     if (by_rank_)
       for (const Ranking& ranking : p_.rankings) ranking.add_delays(delays_);
     for (int arm = 0; arm < 2; ++arm)
@@ -39,7 +42,11 @@ class Builder {
     while (!ready_.empty()) {
       const int arm = arms_[1].free < arms_[0].free;
       Choice choice = best_for(arm);
-      if (choice.cost == std::numeric_limits<int>::max()) choice = best_for(1 - arm);
+      // Rather the other arm's next wire than a cable torn apart.
+      if (choice.cost >= torn_) {
+        const Choice other = best_for(1 - arm);
+        if (other.cost < choice.cost) choice = other;
+      }
       take(choice);
     }
     return plan_;
@@ -112,7 +119,7 @@ class Builder {
 
   int penalty(int arm, int wire) const {
     const ArmClock& a = arms_[arm];
-    int cost = delays_[wire] + p_.cable_penalty(a.cable, wire);
+    int cost = delays_[wire] + cables_.penalty(arm, a.cable, wire);
     if (a.colour >= 0)
       cost += p_.t.colour_weight * (a.colour != p_.t.colour[wire]) +
               p_.t.zone_weight * std::max(0, a.zone - p_.t.zone[wire]);
@@ -131,6 +138,7 @@ class Builder {
     plan_.order.push_back(wire);
     plan_.modes.push_back(choice.mode);
     routed_[wire] = choice.routed;
+    cables_.take(wire);
     light_ = light_ || !p_.t.heavy[wire];
     if (by_rank_)
       for (const Ranking& ranking : p_.rankings) ranking.take_off_delays(wire, delays_);
@@ -153,6 +161,8 @@ class Builder {
   bool light_;
   ArmClock arms_[2];
   std::vector<int> ready_, waiting_, routed_, delays_;
+  BegunCables cables_;
+  const int torn_;   // a choice that costs as much tears a cable apart, or is none
   ListPlan plan_;
 };
 
