@@ -64,6 +64,8 @@ TARGETS = {
 _MEMORY_TARGET_MB = 150
 _GROWTH_TARGET = 1.5
 _REPETITIONS = 7
+# From here on a time is shown without an exponent.
+_LARGE = 100
 
 
 @dataclass
@@ -213,7 +215,8 @@ def _cell(bench: Bench, arms: int, row: str, size: int) -> str:
     measured = statistics.median(bench.values[arms, row, size])
     targets = dict(zip(SIZES, TARGETS[arms].get(row, ()), strict=False))
     target = f" ({targets[size]:g})" if size in targets else ""
-    shown = f"{measured:.2f}" if "[%]" in row else f"{measured:.2g}"
+    brief = f"{measured:.2g}" if measured < _LARGE else f"{measured:.0f}"
+    shown = f"{measured:.2f}" if "[%]" in row else brief
     missed = " (missed)" if size in targets and float(shown) > targets[size] else ""
     return f"{shown}{target}{missed}"
 
