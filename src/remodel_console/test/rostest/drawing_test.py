@@ -2,6 +2,7 @@
 """The drawing of the editor in a real browser: built by dragging, moved, copied, searched, run."""
 
 import contextlib
+import re
 import sys
 import xml.etree.ElementTree as ElementTree
 from pathlib import Path
@@ -213,6 +214,14 @@ class DrawingTest(BehaviorTestCase):
         self.assertEqual([port.name for port in copy.nodes[0].body.inputs], ["greeting"])
         self.assertEqual([node.id for node in first.nodes], ["Greet", "Search", "Report"])
         self.assertIn("cautious operator", first.description)
+
+    def test_charts_are_offered_before_the_page_has_heard_from_the_console(self):
+        page = self.browser.new_context().new_page()
+        self.addCleanup(page.context.close)
+        page.route_web_socket(re.compile("socket.io"), lambda silent: None)
+        page.goto(f"http://127.0.0.1:{self.port}/editor")
+        page.get_by_role("combobox", name="Open").click()
+        expect(page.get_by_role("option", name="Errand", exact=True)).to_be_visible(timeout=10_000)
 
     def test_states_are_found_by_id_type_and_parameter(self):
         self.open("Errand")

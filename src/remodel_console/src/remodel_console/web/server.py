@@ -113,6 +113,7 @@ def serve(console: Console, port: int, users: Users | None = None) -> None:
     @ui.page("/editor")
     async def editor(request: Request) -> None:
         await released(console.sessions, request.query_params.get(SESSION, ""))
+        await on_thread.io_bound(console.list_names)  # which the page offers from its first paint
         EditorPage(console, broadcast, request, "Editor")
 
     @ui.page("/configuration")
