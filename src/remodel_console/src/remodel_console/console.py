@@ -118,6 +118,8 @@ class Console:
         supervisor: None until ROS is running.
         recorder: None until ROS is running.
         inputs: None until ROS is running.
+        reset_cell: has a simulated cell rebuild its panel without wires; None until ROS is
+            running.
         names: of all charts and behaviors, as they were listed last.
     """
 
@@ -158,6 +160,7 @@ class Console:
         self.supervisor: Supervisor | None = None
         self.recorder: Recorder | None = None
         self.inputs: Inputs | None = None
+        self.reset_cell: Callable[[], str] | None = None
         self.names: tuple[str, ...] = ()
         self._decisions_of = 0  # checksum of the behavior whose decisions were searched for last
 
