@@ -37,7 +37,12 @@ AHEAD_MS = 500.0  # by which a page may learn of a state before this process doe
 
 
 class Load(ConsoleTest):
-    """The browser tests' set-up, with a large behavior."""
+    """The browser tests' set-up, with a large behavior.
+
+    The browser emulates no GPU, which would take more of the processor than page and console.
+    """
+
+    graphics = ("--disable-gpu",)
 
     @classmethod
     def setUpClass(cls) -> None:
@@ -212,6 +217,7 @@ def main() -> None:
     os.environ["ROS_MASTER_URI"] = f"http://127.0.0.1:{port}"
     core = subprocess.Popen(["roscore", "-p", str(port)], stdout=subprocess.DEVNULL)
     load = Load("measure")
+    report(f"load of the machine before: {os.getloadavg()[0]:.1f} on {os.cpu_count()} cores")
     try:
         rospy.init_node("load")
         Load.setUpClass()

@@ -6,6 +6,7 @@ import { svgOf } from "/console/picture.js";
 const READABLE = 0.6; // [screen pixels per unit of the drawing] below this, text is too small to read
 const LARGEST = 3.0;
 const MOST_VALUES = 8; // that are shown beside a state
+const PAINT_MS = 250; // between two paintings of the whole drawing while states change; the frame around the active one moves at once
 const REST_MS = 400; // between two moves of the drawing after what is active
 const LINGER_MS = 300; // for which the outcomes of a state stay after the pointer has left it
 const FONT = "12px Helvetica, Arial, sans-serif";
@@ -33,6 +34,7 @@ export default {
   template: `
     <div class="canvas-frame" tabindex="0" role="group" :aria-label="label" @keydown="key">
       <div ref="stage" class="canvas-stage" @dragover="over" @drop="drop"></div>
+      <i ref="lit" class="canvas-lit" aria-hidden="true"></i>
       <svg class="canvas-rubber" aria-hidden="true"><line ref="rubber"/></svg>
       <div ref="handles" class="canvas-handles" @pointerenter="linger" @pointerleave="leave"></div>
       <dl ref="values" class="canvas-values" aria-hidden="true"></dl>
@@ -54,6 +56,7 @@ export default {
     this.asked = false;
     this.wanted = [];
     this.restsUntil = 0;
+    this.paintsAt = 0;
     this.turn = 0;
     this.kept = new Map(); // marks by name, for the next drawing too
     this.dragged = new Set(); // containers in which something was moved
@@ -73,6 +76,7 @@ export default {
     this.themed.disconnect();
     clearTimeout(this.later);
     clearTimeout(this.leaving);
+    clearTimeout(this.painting);
     this.cy.destroy();
   },
   methods: {
@@ -83,7 +87,10 @@ export default {
         setTimeout(() => this.picked(event.target === cy ? "" : event.target.data("pick")));
       });
       cy.on("boxend", () => setTimeout(() => this.picked()));
-      cy.on("pan zoom", () => this.placeValues());
+      cy.on("pan zoom", () => {
+        this.placeValues();
+        this.placeLit();
+      });
       if (!this.editable) return;
       cy.on("mouseover", "node", (event) => this.showHandles(event.target));
       cy.on("mouseout", "node", () => this.leave());
@@ -130,7 +137,9 @@ export default {
       cy.elements().remove();
       this.byPath = new Map();
       this.items = new Map();
-      this.marked = new Map();
+      this.marked = new Map(); // what is drawn with each mark
+      this.told = new Map(); // the same, in the words
+      this.paintsAt = 0;
       this.hasAll = false;
       if (graph.nodes.length && !keeps) this.open();
       const [first, ...others] = this.slices(graph, found.boxes);
@@ -345,17 +354,37 @@ export default {
       this.active = active;
       this.asked = asked;
       if (!this.byPath) return;
-      const parts = active ? active.split("/") : [];
-      const around = parts.slice(0, -1).map((_, end) => parts.slice(0, end + 1).join("/"));
-      this.cy.batch(() => {
-        this.mark("active", active ? [active] : []);
-        this.mark("around", around);
-        this.mark("asked", active && asked ? [active] : []);
-        if (isNewRun) this.mark("passed", passed);
-        else for (const path of passed) this.add("passed", path);
-      });
       this.$el.dataset.active = active;
+      const parts = active ? active.split("/") : [];
+      this.tell("active", active ? [active] : []);
+      this.tell("around", parts.slice(0, -1).map((_, end) => parts.slice(0, end + 1).join("/")));
+      this.tell("asked", active && asked ? [active] : []);
+      if (isNewRun) this.tell("passed", passed);
+      else this.addWords("passed", passed);
+      this.placeLit();
+      this.paintLit();
       if (hasMoved) this.reveal(active);
+    },
+    placeLit() { // a frame around what is active: to move it costs nothing, while each change of the drawing paints all of it
+      const node = this.active && this.byPath?.get(this.active);
+      const frame = this.$refs.lit;
+      frame.style.display = node && node.nonempty() ? "block" : "none";
+      if (frame.style.display === "none") return;
+      frame.classList.toggle("asked", this.asked);
+      const box = node.renderedBoundingBox({ includeLabels: false, includeOverlays: false });
+      Object.assign(frame.style, { transform: `translate(${box.x1}px, ${box.y1}px)`, width: `${box.x2 - box.x1}px`, height: `${box.y2 - box.y1}px` });
+    },
+    paintLit() { // at once after a rest, else soon
+      clearTimeout(this.painting);
+      const now = performance.now();
+      if (now < this.paintsAt) {
+        this.painting = setTimeout(() => this.paintLit(), this.paintsAt - now);
+        return;
+      }
+      this.paintsAt = now + PAINT_MS;
+      this.cy.batch(() => {
+        for (const name of ["active", "around", "asked", "passed"]) this.paintMark(name, this.told.get(name) || []);
+      });
     },
     select(paths, reveals = true, number = Infinity) { // number: of the pick that it answers; a person may have picked more since
       if (number < (this.picks || 0)) return;
@@ -376,19 +405,26 @@ export default {
       this.kept.set(name, paths);
       if (this.hasAll) this.mark(name, paths);
     },
-    mark(name, paths) {
-      for (const path of this.marked.get(name) || []) {
-        this.byPath.get(path)?.removeClass(name);
-        this.items.get(path)?.classList.remove(name);
-      }
-      this.marked.set(name, []);
-      for (const path of paths) this.add(name, path);
+    mark(name, paths) { // in the drawing and in its words
+      this.tell(name, paths);
+      this.paintMark(name, paths);
     },
-    add(name, path) {
-      if (!this.byPath.has(path)) return;
-      this.byPath.get(path).addClass(name);
-      this.items.get(path)?.classList.add(name);
-      this.marked.get(name).push(path);
+    tell(name, paths) { // in the words
+      for (const path of this.told.get(name) || []) this.items.get(path)?.classList.remove(name);
+      this.told.set(name, []);
+      this.addWords(name, paths);
+    },
+    addWords(name, paths) {
+      const known = paths.filter((path) => this.byPath.has(path));
+      for (const path of known) this.items.get(path)?.classList.add(name);
+      this.told.get(name).push(...known);
+    },
+    paintMark(name, paths) { // in the drawing
+      const wanted = new Set(paths.filter((path) => this.byPath.has(path)));
+      const marked = this.marked.get(name) || new Set();
+      for (const path of marked) if (!wanted.has(path)) this.byPath.get(path)?.removeClass(name);
+      for (const path of wanted) if (!marked.has(path)) this.byPath.get(path).addClass(name);
+      this.marked.set(name, wanted);
     },
 
     // The view
