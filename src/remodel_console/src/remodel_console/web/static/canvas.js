@@ -142,6 +142,7 @@ export default {
       this.paintsAt = 0;
       this.hasAll = false;
       if (graph.nodes.length && !keeps) this.open();
+      found.containers = new Set(graph.nodes.map((node) => node.parent));
       const [first, ...others] = this.slices(graph, found.boxes);
       this.build(first, found);
       this.lightUp(this.active, [...this.passed], true, this.asked);
@@ -198,9 +199,9 @@ export default {
       }
       return slices;
     },
-    build(slice, { boxes, routes }) {
-      const added = this.cy.add(this.elements(slice, boxes));
-      this.route(slice, routes);
+    build(slice, found) {
+      const added = this.cy.add(this.elements(slice, found));
+      this.route(slice, found);
       for (const node of added.nodes()) this.byPath.set(node.data("path"), node);
     },
     measure(node) {
@@ -210,7 +211,11 @@ export default {
       node.width = node.kind === "start" ? 14 : Math.ceil(widthOf(node.label)) + 28;
       node.height = node.kind === "start" ? 14 : lines * LINE + 14;
     },
-    elements(graph, boxes) {
+    elements(graph, { boxes, routes, containers }) {
+      const middle = (id) => {
+        const { x, y, width, height } = boxes.get(id);
+        return { x: x + width / 2, y: y + height / 2 };
+      };
       const nodes = graph.nodes.map((node) => {
         const { x, y, width, height } = boxes.get(node.id);
         const isState = !["start", "outcome", "missing"].includes(node.kind);
@@ -223,43 +228,34 @@ export default {
             node.errors ? "error" : node.warnings ? "warning" : ""].filter(Boolean).join(" "),
         };
       });
-      const edges = graph.edges.map((edge) => ({
-        group: "edges", selectable: false, data: { ...edge, width: undefined, height: undefined },
-        classes: [edge.failure ? "failure" : "", edge.autonomy ? `autonomy-${edge.autonomy}` : ""].filter(Boolean).join(" "),
-      }));
+      const edges = graph.edges.map((edge) => {
+        const isFree = !containers.has(edge.source) && !containers.has(edge.target); // else see `route`
+        const bends = isFree && routeData(routes.get(edge.id), middle(edge.source), middle(edge.target));
+        return {
+          group: "edges", selectable: false, data: { ...edge, ...bends, width: undefined, height: undefined },
+          classes: [edge.failure ? "failure" : "", edge.autonomy ? `autonomy-${edge.autonomy}` : "", bends ? "routed" : ""].filter(Boolean).join(" "),
+        };
+      });
       const flows = (graph.flows || []).map((flow) => ({
         group: "edges", selectable: false, data: { ...flow, id: `f:${flow.source}>${flow.target}`, pick: "" }, classes: this.flowing ? "flow" : "flow hidden",
       }));
       return [...nodes, ...edges, ...flows];
     },
-    route(graph, routes) { // the arrows as the layout has led them
-      if (!routes.size) return;
+    route(graph, { routes, containers }) { // the arrows of containers as the layout has led them; their sizes are known only once they are drawn
+      const edges = graph.edges.filter(({ id, source, target }) => routes.has(id) && (containers.has(source) || containers.has(target)));
+      if (!edges.length) return;
       const middles = new Map(this.cy.nodes(":parent").map((node) => {
         const { x1, y1, x2, y2 } = node.boundingBox({ includeLabels: false, includeOverlays: false });
         return [node.id(), { x: (x1 + x2) / 2, y: (y1 + y2) / 2 }];
       }));
       const middle = (node) => middles.get(node.id()) || node.position();
-      this.cy.startBatch();
-      for (const edge of graph.edges) {
-        const points = routes.get(edge.id);
-        if (!points) continue;
-        const one = this.cy.getElementById(edge.id);
-        const from = middle(one.source());
-        const to = middle(one.target());
-        const [first, last] = [points[0], points.at(-1)];
-        const [dx, dy] = [last.x - first.x, last.y - first.y];
-        const length2 = dx * dx + dy * dy;
-        if (!length2) continue;
-        const length = Math.sqrt(length2);
-        const bends = points.slice(1, -1).map(({ x, y }) => [x - first.x, y - first.y]);
-        one.data({
-          from: `${first.x - from.x}px ${first.y - from.y}px`, to: `${last.x - to.x}px ${last.y - to.y}px`,
-          weights: bends.map(([x, y]) => (x * dx + y * dy) / length2).join(" ") || "0.5",
-          distances: bends.map(([x, y]) => (x * -dy + y * dx) / length).join(" ") || "0",
-        });
-        one.addClass("routed");
-      }
-      this.cy.endBatch();
+      this.cy.batch(() => {
+        for (const edge of edges) {
+          const one = this.cy.getElementById(edge.id);
+          const bends = routeData(routes.get(edge.id), middle(one.source()), middle(one.target()));
+          if (bends) one.data(bends).addClass("routed");
+        }
+      });
     },
     outline(graph) { // the drawing in words, for who cannot see it
       const item = document.createElement("li");
@@ -722,6 +718,20 @@ export default {
     },
   },
 };
+
+function routeData(points, from, to) { // the bends of an arrow as cytoscape takes them, from the middle of one node to that of another
+  const [first, last] = points ? [points[0], points.at(-1)] : [];
+  if (!points || (first.x === last.x && first.y === last.y)) return undefined;
+  const [dx, dy] = [last.x - first.x, last.y - first.y];
+  const length2 = dx * dx + dy * dy;
+  const length = Math.sqrt(length2);
+  const bends = points.slice(1, -1).map(({ x, y }) => [x - first.x, y - first.y]);
+  return {
+    from: `${first.x - from.x}px ${first.y - from.y}px`, to: `${last.x - to.x}px ${last.y - to.y}px`,
+    weights: bends.map(([x, y]) => (x * dx + y * dy) / length2).join(" ") || "0.5",
+    distances: bends.map(([x, y]) => (x * -dy + y * dx) / length).join(" ") || "0",
+  };
+}
 
 const snap = (value) => Math.round(value / GRID) * GRID;
 
