@@ -29,6 +29,7 @@ _STATIC = Path(__file__).parent / "static"
 _HEAD = (
     '<link rel="stylesheet" href="/console/console.css">'
     '<script src="/console/connection.js"></script>'
+    '<script src="/console/menus.js"></script>'
 )
 _PNG = b"\x89PNG"  # how such a file begins
 # A drawing has names out of a file; whatever they are, it runs no script.
