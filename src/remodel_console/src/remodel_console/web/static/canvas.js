@@ -367,8 +367,11 @@ export default {
       frame.style.display = node && node.nonempty() ? "block" : "none";
       if (frame.style.display === "none") return;
       frame.classList.toggle("asked", this.asked);
-      const box = node.renderedBoundingBox({ includeLabels: false, includeOverlays: false });
-      Object.assign(frame.style, { transform: `translate(${box.x1}px, ${box.y1}px)`, width: `${box.x2 - box.x1}px`, height: `${box.y2 - box.y1}px` });
+      const [{ x, y }, width, height] = [node.renderedPosition(), node.renderedOuterWidth(), node.renderedOuterHeight()];
+      Object.assign(frame.style, {
+        transform: `translate(${x - width / 2}px, ${y - height / 2}px)`, width: `${width}px`, height: `${height}px`,
+        borderWidth: `${Math.max(1.5, 3 * this.cy.zoom())}px`, borderRadius: `${8 * this.cy.zoom()}px`,
+      });
     },
     paintLit() { // at once after a rest, else soon
       clearTimeout(this.painting);
