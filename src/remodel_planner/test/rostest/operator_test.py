@@ -3,6 +3,7 @@
 
 import shutil
 import subprocess
+import re
 import sys
 from pathlib import Path
 
@@ -99,6 +100,12 @@ class OperatorTest(BrowserTest):
         expect(page.get_by_role("img", name="peak force [N]")).to_be_visible()
         expect(page.locator("li.node.active").first).to_be_visible()
         self.take_picture(page, "replay")
+        self.press(page, "Start from here")
+        dialog = page.get_by_role("dialog")
+        expect(dialog).to_contain_text("The state gets the values that it found in this run")
+        self.take_picture(page, "replay-start")
+        expect(dialog.get_by_label("socket_pose").first).to_have_value(re.compile("'position': "))
+        expect(dialog.locator(".differences")).to_contain_text("The robot stands elsewhere")
 
 
 if __name__ == "__main__":

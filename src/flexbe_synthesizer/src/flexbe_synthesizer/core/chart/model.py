@@ -242,7 +242,7 @@ class Chart(Element):
         nodes: states, behaviors and containers, in document order.
         conditions: of a concurrency container only.
         description: what it does, for people; the comment at the head of the file.
-        author: who wrote it, as FlexBE's manifests say it; empty: nobody in particular.
+        author: who wrote it, as FlexBE's manifests say it; empty: not named.
         tags: words by which FlexBE's tools find the behavior, with blanks or commas between them.
         file: path that it was read from, empty if it was built in code.
     """

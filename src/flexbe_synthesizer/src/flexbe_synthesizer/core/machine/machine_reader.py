@@ -317,7 +317,7 @@ class _Reader:
 
 
 def _author(tree: ast.Module) -> str:
-    """Return who wrote a behavior; empty if its file names nobody in particular."""
+    """Return who wrote a behavior; empty if its file does not say."""
     values = (node.value for node in tree.body if isinstance(node, ast.Expr))
     texts = (one.value for one in values if isinstance(one, ast.Constant))
     lines = (line for text in texts if isinstance(text, str) for line in text.splitlines())

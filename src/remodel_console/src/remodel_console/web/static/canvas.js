@@ -138,7 +138,7 @@ export default {
       this.byPath = new Map();
       this.items = new Map();
       this.marked = new Map(); // what is drawn with each mark
-      this.told = new Map(); // the same, in the words
+      this.worded = new Map(); // the same, in the words
       this.paintsAt = 0;
       this.hasAll = false;
       if (graph.nodes.length && !keeps) this.open();
@@ -352,10 +352,10 @@ export default {
       if (!this.byPath) return;
       this.$el.dataset.active = active;
       const parts = active ? active.split("/") : [];
-      this.tell("active", active ? [active] : []);
-      this.tell("around", parts.slice(0, -1).map((_, end) => parts.slice(0, end + 1).join("/")));
-      this.tell("asked", active && asked ? [active] : []);
-      if (isNewRun) this.tell("passed", passed);
+      this.markWords("active", active ? [active] : []);
+      this.markWords("around", parts.slice(0, -1).map((_, end) => parts.slice(0, end + 1).join("/")));
+      this.markWords("asked", active && asked ? [active] : []);
+      if (isNewRun) this.markWords("passed", passed);
       else this.addWords("passed", passed);
       this.placeLit();
       this.paintLit();
@@ -382,7 +382,7 @@ export default {
       }
       this.paintsAt = now + PAINT_MS;
       this.cy.batch(() => {
-        for (const name of ["active", "around", "asked", "passed"]) this.paintMark(name, this.told.get(name) || []);
+        for (const name of ["active", "around", "asked", "passed"]) this.paintMark(name, this.worded.get(name) || []);
       });
     },
     select(paths, reveals = true, number = Infinity) { // number: of the pick that it answers; a person may have picked more since
@@ -405,18 +405,18 @@ export default {
       if (this.hasAll) this.mark(name, paths);
     },
     mark(name, paths) { // in the drawing and in its words
-      this.tell(name, paths);
+      this.markWords(name, paths);
       this.paintMark(name, paths);
     },
-    tell(name, paths) { // in the words
-      for (const path of this.told.get(name) || []) this.items.get(path)?.classList.remove(name);
-      this.told.set(name, []);
+    markWords(name, paths) { // in the words
+      for (const path of this.worded.get(name) || []) this.items.get(path)?.classList.remove(name);
+      this.worded.set(name, []);
       this.addWords(name, paths);
     },
     addWords(name, paths) {
       const known = paths.filter((path) => this.byPath.has(path));
       for (const path of known) this.items.get(path)?.classList.add(name);
-      this.told.get(name).push(...known);
+      this.worded.get(name).push(...known);
     },
     paintMark(name, paths) { // in the drawing
       const wanted = new Set(paths.filter((path) => this.byPath.has(path)));
