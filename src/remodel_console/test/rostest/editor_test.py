@@ -140,6 +140,7 @@ class EditorTest(BehaviorTestCase):
         page.get_by_role("tab", name="Certificate").click()
         expect(page.locator(".certificate")).to_contain_text("The time of a run has no bound")
         expect(page.locator(".certificate table").first).to_contain_text("visits")
+        expect(page.locator(".properties")).to_be_hidden()
         self.take_picture(page, "editor-certificate")
         self.write_xml(BROKEN)
         expect(page.locator(".problems")).to_contain_text("errors")

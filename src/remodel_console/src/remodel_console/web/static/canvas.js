@@ -159,6 +159,7 @@ export default {
       for (const [name, paths] of this.kept) this.mark(name, paths);
       this.placeValues();
       this.lightUp(this.active, [...this.passed], true, this.asked);
+      if (this.active) this.reveal(this.active); // it may have become active before this was drawn
       this.select(this.wanted, false);
       if (handled && this.byPath.has(handled)) this.showHandles(this.byPath.get(handled));
       this.drawMap();
