@@ -110,7 +110,6 @@ class OperatorTest(BrowserTest):
         self.press(page, "Start from here")
         dialog = page.get_by_role("dialog")
         expect(dialog).to_contain_text("The state gets the values that it found in this run")
-        self.take_picture(page, "replay-start")
         expect(dialog.get_by_label("socket_pose").first).to_have_value(re.compile("'position': "))
         expect(dialog.locator(".differences")).to_contain_text("The robot stands elsewhere")
 

@@ -91,11 +91,13 @@ class StartHere:
         with page.dialog() as dialog:
             where = path_words(moment.state_path)
             ui.label(f"Start '{installed.name}' at {where}").classes("title")
+            is_reset = self._cell(dialog, recorded)
+            ui.label("Values").classes("heading")
             ui.label(_RESTORED if recorded.values else _UNKNOWN).classes("soft")
-            fields = self._fields(installed, recorded.values)
+            with ui.element("div").classes("pair wide"):
+                fields = self._fields(installed, recorded.values)
             more = ui.textarea("Other values", placeholder="one per line: key = value")
             more.props("outlined dense stack-label rows=2").classes("wide")
-            is_reset = self._cell(dialog, recorded)
 
             async def start() -> None:
                 given = [(name, field.value or "") for name, field in fields.items()]
