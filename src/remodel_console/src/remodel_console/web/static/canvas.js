@@ -6,7 +6,7 @@ import { svgOf } from "/console/picture.js";
 const READABLE = 0.6; // [screen pixels per unit of the drawing] below this, text is too small to read
 const LARGEST = 3.0;
 const MOST_VALUES = 8; // that are shown beside a state
-const PAINT_MS = 250; // between two paintings of the whole drawing while states change; the frame around the active one moves at once
+const PAINT_MS = 200; // between two paintings of the whole drawing while states change; the frame around the active one moves at once
 const REST_MS = 400; // between two moves of the drawing after what is active
 const LINGER_MS = 300; // for which the outcomes of a state stay after the pointer has left it
 const FONT = "12px Helvetica, Arial, sans-serif";
