@@ -114,8 +114,8 @@ bench-vision: build ## Measure detecting cables and locating components on rende
 evaluate-abilities: build ## Measure the abilities over seeds, against their targets (BENCH="--seeds 0-99 --jobs 2")
 	@$(SOURCED) benchmarks/sim/evaluate_abilities.py $(BENCH)
 
-bench-console: build ## Load of the console at 50 transitions a second, 5 minutes (BENCH="--seconds 30 --pages 10")
-	@$(SOURCED) benchmarks/console/load.py $(BENCH)
+bench-console: build ## Load of the console at 50 transitions a second, 5 minutes, in docs/figures/console.jsonl (BENCH="--seconds 30 --pages 10")
+	@$(SOURCED) benchmarks/console/load.py --figures docs/figures/console.jsonl $(BENCH)
 
 docs: build/docs-venv/.ready ## Build the site of the documentation: build/site/index.html
 	@NO_MKDOCS_2_WARNING=1 build/docs-venv/bin/mkdocs build --strict --quiet
@@ -126,8 +126,8 @@ build/docs-venv/.ready: requirements-docs.txt
 	@build/docs-venv/bin/pip install -qq --disable-pip-version-check -r $<
 	@touch $@
 
-bench-drawing: build ## Time to draw 1,000 states in the editor (BENCH="--pages 10")
-	@$(SOURCED) benchmarks/console/drawing.py $(BENCH)
+bench-drawing: build ## Time to draw 1,000 states in the editor, in docs/figures/drawing.jsonl (BENCH="--pages 10")
+	@$(SOURCED) benchmarks/console/drawing.py --figures docs/figures/drawing.jsonl $(BENCH)
 
 build/bench-venv/.ready: requirements-bench.txt | build
 	@/usr/bin/python3 -m venv build/bench-venv

@@ -8,6 +8,7 @@ active, how the memory of the console's node grows, and how late several pages a
 from __future__ import annotations
 
 import argparse
+import json
 import os
 import subprocess
 import sys
@@ -37,7 +38,12 @@ AHEAD_MS = 500.0  # by which a page may learn of a state before this process doe
 
 
 class Load(ConsoleTest):
-    """The browser tests' set-up, with a large behavior."""
+    """The browser tests' set-up, with a large behavior.
+
+    The browser emulates no GPU, which would take more of the processor than page and console.
+    """
+
+    graphics = ("--disable-gpu",)
 
     @classmethod
     def setUpClass(cls) -> None:
@@ -49,7 +55,22 @@ class Load(ConsoleTest):
         """Listen to what the engine enters."""
         self.entered: dict[str, list[float]] = {}
         self.count = 0
+        self.figures: list[dict[str, object]] = []
         rospy.Subscriber("flexbe/behavior_update", String, self.take, tcp_nodelay=True)
+
+    def keep(self, what: str, value: float, unit: str, most: float | None = None) -> None:
+        """Keep a figure for the docs."""
+        self.figures.append({"what": what, "value": value, "unit": unit, "most": most})
+
+    def keep_lags(self, pages: list[Page], duration_s: float, limit_s: float) -> None:
+        """Print how late pages have lit what was active, and keep the figures."""
+        lags = sorted(lag for page in pages for lag in lags_s(page, self.entered))
+        many = f"{len(pages)} pages" if len(pages) > 1 else "one page"
+        report(f"{many} for {duration_s:.0f} s: {lag_words(lags, limit_s)}")
+        if lags:
+            self.keep(f"lag of {many}, median", at(lags, 0.5), "s")
+            self.keep(f"lag of {many}, 99 % within", at(lags, 0.99), "s")
+            self.keep(f"lag of {many}, worst of {duration_s:.0f} s", lags[-1], "s", limit_s)
 
     def take(self, message: String) -> None:
         """Count a transition."""
@@ -71,6 +92,9 @@ class Load(ConsoleTest):
         report(
             f"engine: {alone:.2f} transitions/s without the console, {with_console:.2f} with it "
             f"and a page: {with_console / alone - 1:+.1%} (limit {-SLOWER:.0%})"
+        )
+        self.keep(
+            "engine slowed down by console and page", 100 * (1 - with_console / alone), "%", 5
         )
         self.many_pages(short_s, page_count)
         self.stop(self.page)
@@ -110,11 +134,14 @@ class Load(ConsoleTest):
             memory.append(resident_mib(node))
         took_s = time.monotonic() - begin_s
         rate = (self.count - count) / took_s
+        self.keep_lags([self.page], took_s, LIMIT_S)
+        share = (cpu_s(node) - begin_cpu_s) / took_s
+        self.keep("memory that the node gains meanwhile", memory[-1] - memory[0], "MiB")
+        self.keep("processor of the node, one page", 100 * share, "% of a core")
         report(
-            f"one page, {rate:.0f} transitions/s for {took_s:.0f} s: "
-            f"{lag_words([self.page], self, LIMIT_S)}",
-            f"memory of the node: {memory[0]:.1f} MiB, after {took_s:.0f} s {memory[-1]:.1f} MiB, "
-            f"at most {max(memory):.1f} MiB; {(cpu_s(node) - begin_cpu_s) / took_s:.0%} of a core",
+            f"{rate:.0f} transitions/s; memory of the node: {memory[0]:.1f} MiB, after "
+            f"{took_s:.0f} s {memory[-1]:.1f} MiB, at most {max(memory):.1f} MiB; "
+            f"{share:.0%} of a core",
         )
         return rate
 
@@ -131,18 +158,18 @@ class Load(ConsoleTest):
             self.page.wait_for_timeout(1000)
         share = (cpu_s(node) - begin_cpu_s) / (time.monotonic() - begin_s)
         alive = sum(bool(page.evaluate("() => window.lit && window.lit.length")) for page in pages)
+        self.keep_lags(pages, duration_s, LIMIT_OF_MANY_S)
+        self.keep(f"processor of the node, {page_count} pages", 100 * share, "% of a core")
         report(
-            f"{page_count} pages for {duration_s:.0f} s: {alive} live, "
-            f"{lag_words(pages, self, LIMIT_OF_MANY_S)}",
-            f"node with {page_count} pages: {share:.0%} of a core; the pages are all painted here",
+            f"{alive} of {page_count} pages live; node: {share:.0%} of a core; the pages are all "
+            "painted here",
         )
         for page in pages[1:]:
             page.close()
 
 
-def lag_words(pages: list[Page], load: Load, limit_s: float) -> str:
-    """Return how late pages have lit what was active."""
-    lags = sorted(lag for page in pages for lag in lags_s(page, load.entered))
+def lag_words(lags: list[float], limit_s: float) -> str:
+    """Return how late pages have lit what was active; lags in their order [s]."""
     if not lags:
         return "no page has lit anything"
     return (
@@ -207,16 +234,22 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--seconds", type=float, default=300.0)
     parser.add_argument("--pages", type=int, default=10)
+    parser.add_argument("--figures", type=Path, help="file of lines of JSON for the docs")
     options = parser.parse_args()
     port = free_port()
     os.environ["ROS_MASTER_URI"] = f"http://127.0.0.1:{port}"
     core = subprocess.Popen(["roscore", "-p", str(port)], stdout=subprocess.DEVNULL)
     load = Load("measure")
+    load_before = os.getloadavg()[0]
+    report(f"load of the machine before: {load_before:.1f} on {os.cpu_count()} cores")
     try:
         rospy.init_node("load")
         Load.setUpClass()
         load.setUp()
         load.measure(options.seconds, options.pages)
+        load.keep("load of the machine before", load_before, "")
+        if options.figures:
+            options.figures.write_text("".join(f"{json.dumps(one)}\n" for one in load.figures))
     finally:
         load.doCleanups()
         Load.doClassCleanups()

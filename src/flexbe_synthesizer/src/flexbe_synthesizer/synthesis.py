@@ -143,7 +143,9 @@ def write_behaviors(
         expect_own(machine.name, path, package)
         text = render_behavior(machine, package.code_path(machine.name))
         texts[package.code_path(machine.name)] = text
-        manifest = write_manifest(manifest_of(machine), machine.description)
+        manifest = write_manifest(
+            manifest_of(machine), machine.description, machine.author, machine.tags
+        )
         texts[package.manifest_path(machine.name)] = manifest
         manual = [name for name, code in read_manual_sections(text).items() if code.strip()]
         texts[package.certificate_path(machine.name)] = write_certificate(

@@ -1,17 +1,20 @@
 """A generated behavior is read back as the chart that gives it again, byte for byte."""
 
 import re
+from dataclasses import replace
 
 import pytest
 
 from flexbe_synthesizer.core.chart.chart_reader import parse_chart
 from flexbe_synthesizer.core.chart.chart_writer import write_chart
 from flexbe_synthesizer.core.check.check import check_chart
-from flexbe_synthesizer.core.compile import compile_chart
+from flexbe_synthesizer.core.compile import compile_chart, manifest_of
 from flexbe_synthesizer.core.export.layout import lay_out
 from flexbe_synthesizer.core.export.render_python import render_python
+from flexbe_synthesizer.core.library.manifest import write_manifest
 from flexbe_synthesizer.core.machine.lift import lift
 from flexbe_synthesizer.core.machine.machine_reader import InexpressibleError, read_machine
+from flexbe_synthesizer.core.rewrite.chart_rewriter import rewrite_chart
 from flexbe_testing.app.judge import saved_by_app
 
 CHARTS = ("plain", "place_connector", "wire_task", "two_arms")
@@ -43,6 +46,23 @@ def test_a_golden_behavior_becomes_a_chart_that_becomes_the_behavior(
     machine = compile_chart(checked, "golden_behaviors")
     rendered = render_python(machine, lay_out(machine.root), {})
     assert rendered == text
+
+
+def test_author_and_tags_reach_code_and_manifest_and_the_author_comes_back(golden, known):
+    source = (golden / "charts" / "plain.xml").read_text()
+    text = rewrite_chart(source, replace(parse_chart(source), author="Ada L.", tags="demo <1>"))
+    assert 'ext:author="Ada L." ext:tags="demo &lt;1&gt;"' in text
+    chart = parse_chart(text, "plain.xml")
+    assert (chart.author, chart.tags) == ("Ada L.", "demo <1>")
+    assert parse_chart(write_chart(chart)) == chart
+    assert parse_chart(rewrite_chart(text, replace(chart, tags=""))).tags == ""
+    machine = compile_chart(check_chart(chart, known, {}), "golden_behaviors")
+    code = render_python(machine, lay_out(machine.root), {})
+    assert "@author: Ada L.\n" in code
+    assert lift(read_machine(code, "a_sm.py", known), "a_sm.py").author == "Ada L."
+    manifest = write_manifest(manifest_of(machine), "", machine.author, machine.tags)
+    assert "<author>Ada L.</author>" in manifest
+    assert "<tagstring>demo &lt;1&gt;</tagstring>" in manifest
 
 
 @pytest.mark.parametrize("name", CHARTS)

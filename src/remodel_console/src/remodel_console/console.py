@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import contextlib
+import logging
 import threading
 from collections.abc import Callable
 from typing import Protocol
@@ -30,6 +31,8 @@ from remodel_console.scene import Meshes, Scene
 from remodel_console.session import Session
 from remodel_console.sessions import Sessions
 from remodel_console.steering import Steering
+
+_LOG = logging.getLogger(__name__)
 
 
 class Supervisor(Protocol):
@@ -115,6 +118,9 @@ class Console:
         supervisor: None until ROS is running.
         recorder: None until ROS is running.
         inputs: None until ROS is running.
+        reset_cell: has a simulated cell rebuild its panel without wires; None until ROS is
+            running.
+        names: of all charts and behaviors, as they were listed last.
     """
 
     def __init__(
@@ -154,12 +160,24 @@ class Console:
         self.supervisor: Supervisor | None = None
         self.recorder: Recorder | None = None
         self.inputs: Inputs | None = None
+        self.reset_cell: Callable[[], str] | None = None
+        self.names: tuple[str, ...] = ()
         self._decisions_of = 0  # checksum of the behavior whose decisions were searched for last
 
     @property
     def session(self) -> Session:
         """Return the session of `/flexbe/uicommand`, whose behavior Runtime control offers."""
         return self.sessions.commands
+
+    def list_names(self) -> tuple[str, ...]:
+        """List the names of all charts and behaviors again, and return them; reads their files."""
+        found = {one.name for one in self.catalogue.behaviors()}
+        try:
+            found |= set(self.workspace.names())
+        except CommandError:
+            _LOG.exception("cannot list the charts")
+        self.names = tuple(sorted(found))
+        return self.names
 
     def command(self, deed: Callable[[Supervisor], str]) -> str:
         """Command the use case supervisor, and return its answer.

@@ -18,7 +18,8 @@ from std_msgs.msg import String
 
 sys.path.insert(0, str(Path(__file__).parent))
 from behavior_test_case import BehaviorTestCase
-from fake_supervisor import FakeRecords
+from fake_cell import FakeCell
+from fake_supervisor import FakeRecords, FakeSupervisor
 
 from remodel_console.core.access import Account, Role
 from remodel_console.core.answer import DONE, FAILED
@@ -26,8 +27,10 @@ from remodel_console.edge.catalogue import Catalogue
 from remodel_console.edge.users_file import hash_of, write_accounts
 from remodel_console.ros.ask import ask
 from remodel_console.testing.browser_test import LIMIT_S, free_port
+from remodel_supervision.core.runs.events import Ending, RunEnded
 
 TRUTH_S = 10.0  # in which a page shows that a node has ended or restarted; 2 s on idle cores
+REPORTED_S = 15.0  # of the recorded run, at which Report is active
 LIT_S = 0.1  # within which a transition is seen
 SEES_PATROL = """() => !window.isOld && document.querySelector('li.node.active')
   && document.querySelector('.attach')?.textContent.includes("'Patrol' runs unattended.")"""
@@ -176,20 +179,33 @@ class ConsoleTest(BehaviorTestCase):
             self.assertIn(command, commands)
 
     def test_a_run_starts_where_a_replayed_one_was(self):
-        _records = FakeRecords()
-        page = self.page = self.open_page("/replay")
-        page.get_by_role("button", name="Reload").click()
-        page.get_by_role("button", name="12 cabinet 7").click()
+        cell, supervisor = FakeCell(), FakeSupervisor()
+        self.addCleanup(cell.close)
+        supervisor.run("cabinet 7")
+        self.load(self.page, "Errand")
+        self.choose(self.page, "Autonomy", "Low")
+        self.page.get_by_label("greeting").fill("good night")
+        self.press(self.page, "Start")
+        expect(self.page.locator(".request")).to_contain_text("Leave 'Report' with 'done'?")
+        report_s = self.recorded_s("/Report")
+        supervisor.add(RunEnded(Ending.STOPPED, "stopped by an operator"))
+        self.press(self.page, "done")
+        expect(self.page.locator(".ending")).to_have_text("The last run ended with 'finished'.")
+        self.page.close()
+        _records = FakeRecords(report_s - REPORTED_S)
+        page = self.page = self.open_page("/replay?run=12")
         start = page.get_by_role("button", name="Start from here")
         expect(start).to_be_disabled()
         expect(page.get_by_text("No state was active at this moment.")).to_be_visible()
+        where = page.locator(".headline .where")
         page.keyboard.press("n")
-        expect(page.locator(".headline .where")).to_have_text("Search / Look closer")
+        expect(where).to_have_text("Search / Look closer")
         expect(start).to_be_enabled()
         start.click()
         dialog = page.get_by_role("dialog")
         expect(dialog).to_contain_text("Start 'Errand' at Search / Look closer")
-        self.take_picture(page, "replay-start")
+        expect(dialog).to_contain_text("No console recorded which values")
+        dialog.get_by_label("greeting").fill("good day")
         dialog.get_by_role("button", name="Start", exact=True).click()
         expect(page).to_have_url(re.compile("/runtime$"))
         expect(page.locator(".ending")).to_have_text("The last run ended with 'finished'.")
@@ -197,8 +213,40 @@ class ConsoleTest(BehaviorTestCase):
         expect(page.locator(passed.format("Search/Look closer")).first).to_be_attached()
         expect(page.locator(passed.format("Greet"))).to_have_count(0)
         expect(page.locator(passed.format("Search/Look"))).to_have_count(0)
+        page.goto(f"http://127.0.0.1:{self.port}/replay?run=12")
+        expect(start).to_be_disabled()
+        for _ in range(3):
+            page.keyboard.press("n")
+        expect(where).to_have_text("Report")
+        start.click()
+        expect(dialog).to_contain_text("The state gets the values that it found in this run")
+        expect(dialog.get_by_label("greeting")).to_have_value("'good night'")
+        expect(dialog.locator(".differences")).to_contain_text("W4 lies up to")
+        self.take_picture(page, "replay-start")
+        dialog.get_by_role("button", name="Start", exact=True).click()
+        expect(page.locator(".ending")).to_have_text("The last run ended with 'finished'.")
         commands = [json.loads(line)["command"] for line in self.record.read_text().splitlines()]
-        self.assertIn("start 'Errand' at /Search/Look closer level full", commands)
+        for place in (
+            "/Search/Look closer level full greeting=good day",
+            "/Report level full gree",
+        ):
+            self.assertTrue([one for one in commands if f"start 'Errand' at {place}" in one], place)
+
+    def recorded_s(self, path):
+        """Return when the values that a state found were read, once they are recorded [ROS s]."""
+        scenes = self.folder / ".ros/remodel_console/scenes"
+
+        def found():
+            for file in scenes.glob("*.jsonl"):
+                for line in file.read_text().splitlines()[1:]:
+                    with contextlib.suppress(ValueError, KeyError):
+                        time_s, at, _ = json.loads(line)[1]["values"]
+                        if at == path:
+                            return time_s
+            return None
+
+        self.wait_until(found, "a recording of values")
+        return found()
 
     def state_panel(self, page):
         return page.get_by_role("region", name="State")

@@ -2,6 +2,7 @@
 """The drawing of the editor in a real browser: built by dragging, moved, copied, searched, run."""
 
 import contextlib
+import re
 import sys
 import xml.etree.ElementTree as ElementTree
 from pathlib import Path
@@ -33,6 +34,10 @@ DRAWN = """() => {
 COLOUR = """(event) => {
   const edges = document.querySelector('.canvas-frame').drawing.cy.edges();
   return edges.filter((edge) => edge.data('label').startsWith(event)).first().style('line-color');
+}"""
+# A busy browser paints late; what a list shows comes then, and Quasar has placed it before.
+LATE = """() => {
+  window.requestAnimationFrame = (deed) => setTimeout(() => deed(performance.now()), 1500);
 }"""
 ARROWS = "() => document.querySelector('.canvas-frame').drawing.cy.edges(':visible').length"
 FLOWS = """() => document.querySelector('.canvas-frame').drawing.cy.edges('.flow')
@@ -187,6 +192,12 @@ class DrawingTest(BehaviorTestCase):
         description.blur()
         self.xml_contains("Says good day, and looks twice.")
         page.get_by_role("tab", name="Properties").click()
+        for label, text in (("Author", "Ada"), ("Tags", "demo, wires")):
+            field = page.locator(".properties").get_by_label(label, exact=True)
+            field.fill(text)
+            field.press("Enter")
+            self.xml_contains(f'ext:{label.lower()}="{text}"')
+            page.get_by_role("tab", name="Properties").click()
         self.where(page, "Greet")
         self.pick_drawn(page, "Greet")
         page.keyboard.down("Shift")
@@ -208,11 +219,26 @@ class DrawingTest(BehaviorTestCase):
         copy, first = self.chart("second_errand"), self.chart("errand")
         self.assertEqual(copy.name, "Second Errand")
         self.assertEqual(copy.description, "Says good day, and looks twice.")
+        self.assertEqual((copy.author, copy.tags), ("Ada", "demo, wires"))
+        manifest = (self.package / "manifest" / "second_errand.xml").read_text()
+        self.assertIn("<tagstring>demo, wires</tagstring>", manifest)
         self.assertEqual([node.id for node in copy.nodes], ["Group", "Report"])
         self.assertEqual([node.id for node in copy.nodes[0].body.nodes], ["Greet", "Search"])
         self.assertEqual([port.name for port in copy.nodes[0].body.inputs], ["greeting"])
         self.assertEqual([node.id for node in first.nodes], ["Greet", "Search", "Report"])
         self.assertIn("cautious operator", first.description)
+
+    def test_charts_are_offered_before_the_page_has_heard_from_the_console(self):
+        page = self.browser.new_context().new_page()
+        self.addCleanup(page.context.close)
+        page.route_web_socket(re.compile("socket.io"), lambda silent: None)
+        page.goto(f"http://127.0.0.1:{self.port}/editor")
+        page.get_by_role("combobox", name="Open").click()
+        expect(page.get_by_role("option", name="Errand", exact=True)).to_be_visible(timeout=10_000)
+
+    def test_a_list_that_a_busy_browser_fills_late_is_seen(self):
+        self.page.evaluate(LATE)
+        self.open("Errand")
 
     def test_states_are_found_by_id_type_and_parameter(self):
         self.open("Errand")

@@ -51,6 +51,21 @@ def test_a_moment_has_task_state_and_feedback():
     assert moment.picture == 0
 
 
+def test_a_visit_is_that_of_the_state_of_the_moment():
+    assert RECORD.visit_s(3) == (101.5, 103.0)
+    assert RECORD.visit_s(6) == (103.0, 106.0)
+    again = (
+        entry(1, 100.0, Kind.STATE, task="W1", state_path="/Insert"),
+        entry(2, 102.0, Kind.STATE, task="W1", state_path="/Lay down"),
+        entry(3, 103.0, Kind.FAILURE, task="W1", state_path="/Insert"),
+        entry(4, 104.0, Kind.STATE, task="W1", state_path="/Insert"),
+        entry(5, 109.0, Kind.RUN, text="ended"),
+    )
+    assert Record(again).visit_s(2) == (100.0, 102.0), "the state that has failed"
+    assert Record(again).visit_s(3) == (104.0, 109.0), "left at the end of the record"
+    assert Record(again[-1:]).visit_s(0) == (109.0, 109.0)
+
+
 def test_another_state_has_no_feedback_yet():
     moment = RECORD.moment(4)
     assert moment.passed == ("/Locate", "/Insert")

@@ -1,13 +1,16 @@
 """The cell in three dimensions over time, and its files."""
 
 import os
+from dataclasses import replace
 
 import pytest
 
 from remodel_console.core.cell.cell_state import CellState, Line, Robot, Solid
+from remodel_console.core.cell.difference import differences
 from remodel_console.core.cell.recording import Recording, change_between, frame_text, state_after
 from remodel_console.core.cell.robot_model import read_robot
 from remodel_console.core.cell.wire_history import force_words, recorded_wire_words
+from remodel_console.core.run.state_values import StateValues, Value
 from remodel_console.core.use_case.record import Entry, Kind, Record
 from remodel_console.edge.scene_files import SceneFiles
 
@@ -52,6 +55,36 @@ def test_what_lies_still_is_not_written_again():
     assert set(change_between(moved(1), moved(2))) == {"joints", "wires"}
     assert change_between(moved(2), moved(3))["gone"] == ["W1"]
     assert "W1" not in change_between(moved(1), moved(2))["wires"]
+
+
+def test_a_visit_of_a_state_has_the_values_that_it_found():
+    frames = []
+    for time_s, path, count in ((10.1, "/A", 1), (20.1, "/Box/B", 2), (30.1, "/A", 3)):
+        values = (Value("", "count", "int", str(count)),)
+        change = {"values": StateValues(time_s, path, values).as_json()}
+        frames.append(frame_text(time_s + 0.2, change))
+    recording = Recording.read([*lines([moved(1)]), *frames])
+    assert [v.literal for v in recording.values_at("/A", 10.0, 20.0)] == ["1"]
+    assert [v.literal for v in recording.values_at("/A", 30.0, 40.0)] == ["3"]
+    assert recording.values_at("/A", 20.0, 30.0) == ()
+    assert recording.values_at("/Box/B", 20.0, 30.0)[0].name == "count"
+    assert recording.at(25.0).wires == moved(1).wires
+    cut_off = Recording.read([*frames, '[50.0, {"values": [50.0, "/A"]}]\n', *frames])
+    assert len(cut_off.frames) == len(frames), "what follows a frame that is none is left out"
+
+
+def test_what_differs_in_the_cell_is_named():
+    then, now = moved(1), moved(4)
+    assert differences(then, then) == ()
+    assert differences(then, now) == (
+        "The robot stands elsewhere: joint a differs by 0.30.",
+        "Not in the cell now: W1.",
+        "W2 lies up to 30 mm elsewhere.",
+    )
+    assert "Only in the cell now: W1." in differences(now, then)
+    other = replace(then, boxes={"X1": replace(BOX, position=(0.5, 0.3, 0.0))})
+    assert differences(then, other) == ("Moved: X1.",)
+    assert differences(then, replace(then, boxes={})) == ("Another panel is in the cell.",)
 
 
 def test_a_whole_frame_counts_from_an_empty_cell():

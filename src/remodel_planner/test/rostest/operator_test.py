@@ -1,6 +1,7 @@
 #!/usr/bin/env python3
 """An operator requests, at the console, a wire whose opening must be cleared by hand before."""
 
+import re
 import shutil
 import subprocess
 import sys
@@ -98,7 +99,19 @@ class OperatorTest(BrowserTest):
         expect(page.get_by_role("img", name="Last camera picture")).to_be_visible()
         expect(page.get_by_role("img", name="peak force [N]")).to_be_visible()
         expect(page.locator("li.node.active").first).to_be_visible()
+        stage = page.locator(".canvas-stage").bounding_box()
+
+        def is_in_view():
+            x, y = self.where(page, "Connect a/InsertCable")
+            return 0 < x - stage["x"] < stage["width"] and 0 < y - stage["y"] < stage["height"]
+
+        self.wait_until(is_in_view, "the drawing to show the active state")
         self.take_picture(page, "replay")
+        self.press(page, "Start from here")
+        dialog = page.get_by_role("dialog")
+        expect(dialog).to_contain_text("The state gets the values that it found in this run")
+        expect(dialog.get_by_label("socket_pose").first).to_have_value(re.compile("'position': "))
+        expect(dialog.locator(".differences")).to_contain_text("The robot stands elsewhere")
 
 
 if __name__ == "__main__":

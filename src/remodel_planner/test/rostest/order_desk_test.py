@@ -22,18 +22,18 @@ OUTPUT = Path(sys.argv[1])
 DATABASE = f"sqlite:///{OUTPUT}/production.sqlite"
 WORK_MS = 120_000.0  # in which the planner and the cell do their work, on a machine that is busy
 MARKUP = "<img src=x onerror='document.title=1'>"
-LIST = f"""Wire,From,To,Section mm2,Colour,Shelf
+LIST = """Wire,From,To,Section mm2,Colour,Shelf
 W1,K1:1,X1:1,1,BU,a
 W2,K1:2,X1:2,1,BK,b
 W3,K1:3,X1:3,400,BK,c
-{MARKUP},K1:4,X1:4,1,RD,d
+W4,K1:4,X1:4,1,RD,d
 """
 CABLE = """Wire,Cable,Core,From,To,Section mm2,Colour
 ,C1,1,K1:1,X1:1,1,BU
 W1,,,K1:2,X1:2,1,BK
 ,C1,2,K1:3,X1:3,1,BN
 """
-OWN_HEADINGS = "aaa;bbb;ccc\nK1:1;X1:1;1\nK1:2;X1:2;1\n"
+OWN_HEADINGS = f"aaa;bbb;ccc;ddd\nK1:1;X1:1;1;W1\nK1:2;X1:2;1;{MARKUP}\n"
 DROP = """([name, text]) => {
   const dropped = new DataTransfer();
   dropped.items.add(new File([text], name));
@@ -155,8 +155,7 @@ require:
         page.get_by_text("Explanation:").click()
         expect(page.locator(".explanation")).to_contain_text("black late")
         page.get_by_text("Tasks in their order").click()
-        self.assertEqual(self.planned(), [MARKUP, "W2", "W1"])
-        self.assertIn("Order desk", page.title())
+        self.assertEqual(self.planned(), ["W4", "W2", "W1"])
         page.locator(".order-desk").evaluate("(desk) => desk.scrollTo(0, 0)")
         page.set_viewport_size({"width": 1280, "height": 1500})
         self.take_picture(page, "order-desk")
@@ -177,7 +176,7 @@ require:
         run = orders.run_state(number)
         self.assertEqual(run.ended.ending, Ending.COMPLETE)
         begun = [each.task for each in orders.events(number) if isinstance(each, TaskBegun)]
-        self.assertEqual(begun, [MARKUP, "W2", "W1"])  # as planned, by the preferences
+        self.assertEqual(begun, ["W4", "W2", "W1"])  # as planned, by the preferences
         self.assertEqual(
             ProductionDatabase(DATABASE).preferences("our loom")["require"][0]["name"], "down"
         )
@@ -211,7 +210,7 @@ require:
         page = self.page
         self.drop("own.csv", OWN_HEADINGS)
         refused = page.locator(".desk-area .ending.bad")
-        expect(refused).to_contain_text("own.csv: line 1: 'aaa;bbb;ccc' begins no format")
+        expect(refused).to_contain_text("own.csv: line 1: 'aaa;bbb;ccc;ddd' begins no format")
         self.assertEqual(self.recorded()[-1], ("import own.csv", "failed"))
         expect(page.get_by_role("button", name="Start the order")).to_have_count(0)
         self.press(page, "Draft the mapping")
@@ -219,11 +218,14 @@ require:
         expect(mapping).to_have_value(re.compile('not used: "aaa"'), timeout=WORK_MS)
         mapping.fill(
             "format: remodel-wire-list-1\nname: ours\n"
-            "columns: {from: aaa, to: bbb, section: ccc}\nterminal_separator: ':'\n"
+            "columns: {from: aaa, to: bbb, section: ccc, wire: ddd}\nterminal_separator: ':'\n"
         )
         self.press(page, "Read the file by this mapping")
         expect(page.locator(".plan-words")).to_contain_text("2 tasks in", timeout=WORK_MS)
         expect(refused).to_have_count(0)
+        page.get_by_text("Tasks in their order").click()
+        self.assertEqual(set(self.planned()), {"W1", MARKUP})
+        self.assertIn("Order desk", page.title())
         self.press(page, "Remove own.csv")
         self.press(page.get_by_role("dialog"), "Remove")
         expect(page.locator(".draft")).to_have_count(0)

@@ -180,10 +180,11 @@ class Behavior:
 
         Args:
             path: of the state, or of a container, which begins with its first state.
-            userdata: values by the keys of the behavior, such as earlier states would write.
+            userdata: values such as earlier states would write, by the keys of the behavior; those
+                of a container around the state by its path and key, `/Place/socket_pose`.
 
         Raises:
-            StateMachineError: if there is no such state.
+            StateMachineError: if there is no such state, or no such container around it.
         """
         root = self._prepared()
         try:
@@ -197,9 +198,15 @@ class Behavior:
             )
         path = first_path(found, path)
         state: Any = definition_at(root, path)
-        self._migrating = MigratingState(
-            path, state, entered=False, userdata={"": dict(userdata)}, is_new=True
-        )
+        values: dict[str, dict[str, Any]] = {}
+        for key, value in userdata.items():
+            container, _, name = key.rpartition("/")
+            if container and not path.startswith(f"{container}/"):
+                raise StateMachineError(
+                    f"{key!r} is no value for a start at {path!r}: {container!r} is not around it"
+                )
+            values.setdefault(container, {})[name] = value
+        self._migrating = MigratingState(path, state, entered=False, userdata=values, is_new=True)
 
     def execute(self) -> str:
         """Run to the end and stop all states.

@@ -193,6 +193,18 @@ def test_a_behavior_begins_at_a_state_in_a_container_with_given_userdata():
     assert engine.root.userdata["part"] == "given"
 
 
+def test_a_container_around_the_state_gets_its_own_values():
+    behavior = prepared(Version([]))
+    behavior.start_at("/Box/Read", {"part": "given", "/Box/part": "written inside"})
+    engine = Engine(behavior._state_machine)
+    attach_state(engine, behavior._migrating)
+    assert engine.root.userdata["part"] == "given"
+    assert engine.root.leaf().parent.userdata["part"] == "written inside"
+    for key in ("/Bo/part", "/Box/Read/part", "/Write/part"):
+        with pytest.raises(StateMachineError, match="is not around it"):
+            prepared(Version([])).start_at("/Box/Read", {key: 1})
+
+
 def test_a_container_is_started_at_its_first_state():
     behavior = prepared(Version([]))
     behavior.start_at("/Box", {})

@@ -15,8 +15,10 @@ from remodel_console.core.run.run_view import Phase
 from remodel_console.desk import Journal
 from remodel_console.ros import topics
 from remodel_console.ros.cell.camera_link import CameraLink
+from remodel_console.ros.cell.reset import RESET, reset_cell
 from remodel_console.ros.cell.scene_link import SceneLink
 from remodel_console.ros.cell.scene_recorder import SceneRecorder
+from remodel_console.ros.cell.values_link import ValuesLink
 from remodel_console.ros.command_server import CommandServer
 from remodel_console.ros.engine_link import EngineLink
 from remodel_console.ros.input_server import InputServer
@@ -28,7 +30,6 @@ from remodel_console.ros.use_case_link import UseCaseLink
 
 _POLL_S = 0.5
 _ABILITIES = "remodel_abilities/"  # in whose namespace ability servers are
-_RESET = f"{topics.CELL}/reset"  # a service that only simulated cells have
 _CAMERA = f"{topics.CELL}/overhead/image_raw"  # which a cell publishes, and fake abilities do not
 
 
@@ -57,7 +58,15 @@ def join_ros(console: Console, journal: Journal, end: threading.Event) -> None:
     console.inputs = InputServer(console.live.set_inputs)
     CameraLink(console.pictures, lambda: console.live.world.run.phase is Phase.RUNNING, end)
     SceneLink(console.scene, end)
-    SceneRecorder(console.scene, console.scenes, lambda: console.live.world.use_case, end)
+    values = ValuesLink(console.live, link, end)
+    SceneRecorder(
+        console.scene,
+        console.scenes,
+        lambda: console.live.world.use_case,
+        lambda: values.now,
+        end,
+    )
+    console.reset_cell = reset_cell
     console.sessions.connect(ask_synthesis_server)
     CommandServer(console.session, Runtime(console.steering), lambda: console.settings.now, journal)
     looking = threading.Thread(target=_check, args=(console, link, supervisor, end), daemon=True)
@@ -71,7 +80,7 @@ def _check(
 ) -> None:
     """Check whether the mirror, the supervisor and the cell are running."""
     abilities, camera = rospy.resolve_name(_ABILITIES), rospy.resolve_name(_CAMERA)
-    reset = rospy.resolve_name(_RESET)
+    reset = rospy.resolve_name(RESET)
     while not end.wait(_POLL_S):
         published = _published()
         has_abilities = any(topic.startswith(abilities) for topic in published)

@@ -36,9 +36,11 @@ class BrowserTest(unittest.TestCase):
         environment: of what is started.
         record: file in which the console records commands.
         settings: file that keeps the console's configuration.
+        graphics: options of Chromium; by default it emulates the GPU that three dimensions need.
     """
 
     first_page: ClassVar[str] = "/overview"
+    graphics: ClassVar[tuple[str, ...]] = _WEBGL_WITHOUT_GPU
     folder: ClassVar[Path]
     environment: ClassVar[dict[str, str]]
     port: ClassVar[int]
@@ -65,7 +67,7 @@ class BrowserTest(unittest.TestCase):
         cls.addClassCleanup(driver.stop)
         cls.browser = driver.chromium.launch(
             executable_path=shutil.which("chromium"),
-            args=["--no-sandbox", "--disable-dev-shm-usage", *_WEBGL_WITHOUT_GPU],
+            args=["--no-sandbox", "--disable-dev-shm-usage", *cls.graphics],
         )
         cls.addClassCleanup(cls.browser.close)
 

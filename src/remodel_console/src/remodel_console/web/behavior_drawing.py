@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import time
 from collections.abc import Callable, Sequence
 
 from nicegui import run, ui
@@ -50,6 +51,7 @@ class BehaviorDrawing:
         self._paths: frozenset[str] = frozenset()  # of all that could be drawn
         self._drawn: frozenset[str] = frozenset()  # of what is
         self._open: Path = ()
+        self._opened_s = 0.0
         self._active = ""
         self._visited: frozenset[str] = frozenset()
         self._is_asked = False
@@ -114,15 +116,21 @@ class BehaviorDrawing:
         """Mark the state that was chosen."""
         self._canvas.select([path] if path else [])
 
-    async def follow(self) -> None:
-        """Open the container that has become active, if the drawing is collapsed."""
-        if self._drawn != self._paths and self._active_container() not in ((), self._open):
+    async def follow(self, rest_s: float = 0.0) -> None:
+        """Open the container that has become active, if the drawing is collapsed.
+
+        Args:
+            rest_s: for which the last one that was opened stays open; to draw one is expensive.
+        """
+        is_due = time.monotonic() - self._opened_s >= rest_s
+        other = self._drawn != self._paths and self._active_container() not in ((), self._open)
+        if other and is_due:
             await self._open_container()
 
     async def _open_container(self) -> None:
         """Draw the chart; of a large one, only the containers open in which something runs."""
         chart, path = self._chart, self._active_container()
-        self._open = path
+        self._open, self._opened_s = path, time.monotonic()
         if chart is None:
             self._drawn = frozenset()
             self._canvas.draw(_NOTHING)

@@ -29,6 +29,7 @@ _STATIC = Path(__file__).parent / "static"
 _HEAD = (
     '<link rel="stylesheet" href="/console/console.css">'
     '<script src="/console/connection.js"></script>'
+    '<script src="/console/menus.js"></script>'
 )
 _PNG = b"\x89PNG"  # how such a file begins
 # A drawing has names out of a file; whatever they are, it runs no script.
@@ -113,6 +114,7 @@ def serve(console: Console, port: int, users: Users | None = None) -> None:
     @ui.page("/editor")
     async def editor(request: Request) -> None:
         await released(console.sessions, request.query_params.get(SESSION, ""))
+        await on_thread.io_bound(console.list_names)  # which the page offers from its first paint
         EditorPage(console, broadcast, request, "Editor")
 
     @ui.page("/configuration")

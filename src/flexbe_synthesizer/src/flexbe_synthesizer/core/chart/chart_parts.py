@@ -53,6 +53,8 @@ class Part:
 def chart_part(chart: Chart) -> Part:
     """Return the outermost element of a chart."""
     root = _part("statemachine", chart, name=chart.name, initial=chart.initial)
+    about = {"ext:author": chart.author, "ext:tags": chart.tags}
+    root.attributes |= {name: text for name, text in about.items() if text}
     root.children.extend(_body(chart))
     return root
 

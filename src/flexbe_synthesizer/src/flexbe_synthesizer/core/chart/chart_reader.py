@@ -147,7 +147,13 @@ class _ChartReader:
         fields = self._elements.fields(root, STATEMACHINE)
         source = (self._tree, root)
         chart = self._body(root, fields, STATEMACHINE, fields.text("name"), source=source)
-        return replace(chart, description=self._tree.description, file=self._file)
+        return replace(
+            chart,
+            description=self._tree.description,
+            file=self._file,
+            author=fields.extensions.get("author", ""),
+            tags=fields.extensions.get("tags", ""),
+        )
 
     def _body(
         self, element: Element, fields: Fields, shape: Shape, name: str, source: Source

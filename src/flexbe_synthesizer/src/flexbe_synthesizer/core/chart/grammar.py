@@ -62,7 +62,11 @@ _PARTS = {
 }
 _SEQUENCE |= _PARTS | {"datamodel": _data_model(), "transition": TRANSITION}
 _CONCURRENCY |= _SEQUENCE | {"ext:condition": CONDITION}
-STATEMACHINE = Shape(("name", "initial"), children={"datamodel": _data_model("default"), **_PARTS})
+STATEMACHINE = Shape(
+    ("name", "initial"),
+    extensions=("author", "tags"),
+    children={"datamodel": _data_model("default"), **_PARTS},
+)
 
 
 def homes(name: str) -> tuple[str, ...]:

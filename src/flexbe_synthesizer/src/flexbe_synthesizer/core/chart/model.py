@@ -242,6 +242,8 @@ class Chart(Element):
         nodes: states, behaviors and containers, in document order.
         conditions: of a concurrency container only.
         description: what it does, for people; the comment at the head of the file.
+        author: who wrote it, as FlexBE's manifests say it; empty: not named.
+        tags: words by which FlexBE's tools find the behavior, with blanks or commas between them.
         file: path that it was read from, empty if it was built in code.
     """
 
@@ -255,6 +257,8 @@ class Chart(Element):
     conditions: tuple[Condition, ...] = ()
     description: str = ""
     file: str = field(default="", compare=False)
+    author: str = ""
+    tags: str = ""
 
     def __post_init__(self) -> None:
         """Bring the description into the form that an XML comment can hold."""

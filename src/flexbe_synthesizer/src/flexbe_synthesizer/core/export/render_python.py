@@ -143,7 +143,7 @@ def render_python(machine: Machine, layout: Layout, manual: Mapping[str, str]) -
         imports=_imports([content for _path, content in uses]),
         manual={**_EMPTY_SECTIONS, **manual},
         date=DATE,
-        author=AUTHOR,
+        author=_docstring(" ".join(machine.author.split())) or AUTHOR,
         class_name=names.behavior_class(machine.name),
         description=_docstring(machine.description),
         name=quote(machine.name),

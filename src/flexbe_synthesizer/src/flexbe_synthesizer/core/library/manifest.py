@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from flexbe_synthesizer.core.chart.problem import ChartError
 from flexbe_synthesizer.core.chart.xml_reader import XmlElement, as_utf8, read_root, read_utf8
 
-AUTHOR = "REMODEL planner developers"  # the FlexBE App wants one; the chart language has none
+AUTHOR = "REMODEL planner developers"  # the FlexBE App wants one, where a chart names none
 DATE = "undated"  # the same chart must give the same bytes on every day
 
 
@@ -78,7 +78,7 @@ def _attribute(element: XmlElement, name: str) -> str:
     return next((a.value for a in element.attributes if a.name == name), "")
 
 
-def write_manifest(manifest: Manifest, description: str) -> str:
+def write_manifest(manifest: Manifest, description: str, author: str = "", tags: str = "") -> str:
     """Return the manifest's text, in the order in which the FlexBE App writes it."""
     contains = "".join(f"\t<contains name={_quoted(name)} />\n" for name in manifest.contains)
     return f"""<?xml version="1.0" encoding="UTF-8"?>
@@ -87,8 +87,8 @@ def write_manifest(manifest: Manifest, description: str) -> str:
 
 \t<executable package_path={_quoted(f"{manifest.package}.{manifest.module}")} \
 class={_quoted(manifest.class_name)} />
-\t<tagstring></tagstring>
-\t<author>{AUTHOR}</author>
+\t<tagstring>{html.escape(tags, quote=False)}</tagstring>
+\t<author>{html.escape(author or AUTHOR, quote=False)}</author>
 \t<date>{DATE}</date>
 \t<description>
 \t\t{html.escape(description, quote=False)}

@@ -68,7 +68,7 @@ def lift(machine: Machine, file: str, *, is_outline: bool = False) -> Chart:
     chart = folding.body(machine.root, machine.name, "")
     if folding.reasons and not is_outline:
         raise InexpressibleError(tuple(folding.reasons))
-    return replace(chart, description=machine.description)
+    return replace(chart, description=machine.description, author=machine.author)
 
 
 class _Folding:

@@ -75,7 +75,7 @@ def lower(resolved: ResolvedChart, package: str) -> Machine:
     )
     is_visible = any(c.isprintable() and not c.isspace() for c in chart.description)
     description = chart.description if is_visible else f"The state chart {chart.name}."
-    return Machine(chart.name, package, description, root)
+    return Machine(chart.name, package, description, root, chart.author, chart.tags)
 
 
 def _count_keys(resolved: ResolvedChart) -> Mapping[str, str]:

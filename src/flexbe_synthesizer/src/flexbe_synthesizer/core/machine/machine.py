@@ -111,12 +111,14 @@ class Child:
 
 @dataclass(frozen=True, slots=True)
 class Machine:
-    """A whole behavior: its names and its root container."""
+    """A whole behavior: its names, its root container, and what its manifest says besides."""
 
     name: str
     package: str
     description: str
     root: Container
+    author: str = ""
+    tags: str = ""
 
 
 def walk(container: Container, path: str = "") -> Iterator[tuple[str, Child]]:

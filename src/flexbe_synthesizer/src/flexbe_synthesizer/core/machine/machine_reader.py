@@ -12,6 +12,7 @@ from collections.abc import Iterator, Mapping
 from flexbe_synthesizer.core.chart.literal import freeze
 from flexbe_synthesizer.core.chart.model import Autonomy
 from flexbe_synthesizer.core.library.library import Library
+from flexbe_synthesizer.core.library.manifest import AUTHOR
 from flexbe_synthesizer.core.library.signature import BehaviorClass, StateClass
 from flexbe_synthesizer.core.machine.machine import (
     BehaviorUse,
@@ -142,7 +143,8 @@ class _Reader:
         if root is None or name is None:
             return None
         container = self._container(root, userdata)
-        return Machine(name, "", ast.get_docstring(found) or "", container)
+        description = ast.get_docstring(found) or ""
+        return Machine(name, "", description, container, _author(tree))
 
     def _name(self, constructor: ast.FunctionDef) -> str | None:
         """Return the display name; refuse parameters, which charts do not have."""
@@ -312,6 +314,16 @@ class _Reader:
                 parameters.append(Pair(name, self._value(value, f"'{name}' of '{label}'")))
         kept = self._names(given.get("default_keys"), "default_keys")
         return BehaviorUse(found[0], tuple(parameters), kept)
+
+
+def _author(tree: ast.Module) -> str:
+    """Return who wrote a behavior; empty if its file does not say."""
+    values = (node.value for node in tree.body if isinstance(node, ast.Expr))
+    texts = (one.value for one in values if isinstance(one, ast.Constant))
+    lines = (line for text in texts if isinstance(text, str) for line in text.splitlines())
+    found = (line.removeprefix("@author:").strip() for line in lines if line[:8] == "@author:")
+    author = next(found, "")
+    return "" if author == AUTHOR else author
 
 
 def _is_text(node: ast.AST) -> bool:

@@ -2,7 +2,7 @@
 
 A frame is `[ROS time [s], change]`; a change has what is new of robots, joints, wires and boxes,
 and the names of wires that are gone. One that is `whole` counts from an empty cell. A robot is
-stored as its URDF.
+stored as its URDF. Besides, a change may have the userdata that a state found, as `values`.
 """
 
 from __future__ import annotations
@@ -17,6 +17,7 @@ from typing import Any, TypeAlias
 
 from remodel_console.core.cell.cell_state import CellState, Line, Robot, Solid
 from remodel_console.core.cell.robot_model import RobotModel, read_robot
+from remodel_console.core.run.state_values import StateValues, Value
 
 Change: TypeAlias = dict[str, Any]
 _KEY_EVERY = 64  # frames between two whole states that are kept, from which the others follow
@@ -128,6 +129,23 @@ class Recording:
             state = state_after(state, _change_in(line))
         return state if state.robots else replace(state, robots=self._robots)
 
+    @cached_property
+    def _values(self) -> tuple[StateValues, ...]:
+        """Return the userdata that states found, in the order of the frames."""
+        found = (line for _, line in self.frames if '"values":' in line)
+        return tuple(StateValues.from_json(_change_in(line)["values"]) for line in found)
+
+    def values_at(self, path: str, entered_s: float, left_s: float) -> tuple[Value, ...]:
+        """Return the userdata that a visit of a state found; empty if it was not recorded.
+
+        Args:
+            path: of the state, `/Place/Insert`.
+            entered_s: ROS time at which the state became active [s].
+            left_s: ROS time at which it was left [s].
+        """
+        visits = (one for one in self._values if one.path == path)
+        return next((one.values for one in visits if entered_s <= one.time_s <= left_s), ())
+
     @classmethod
     def read(cls, lines: Iterable[str]) -> Recording:
         """Return what lines of a file hold; one that was cut off ends it."""
@@ -143,6 +161,8 @@ def _frames(lines: Iterable[str]) -> Iterator[tuple[float, str]]:
             if not isinstance(change, dict):
                 return
             state_after(CellState(), change)
+            if "values" in change:
+                StateValues.from_json(change["values"])
             yield float(time_s), line
         except (ValueError, TypeError, KeyError):
             return

@@ -181,6 +181,19 @@ class Record:
             reasons=reasons,
         )
 
+    def visit_s(self, index: int) -> tuple[float, float]:
+        """Return the ROS times at which the state of a moment became active and was left [s].
+
+        After a failure, that is the state that has failed. One that was not left in this record was
+        left at its end.
+        """
+        path = self.moment(index).state_path
+        states = [place for place, e in enumerate(self.entries) if e.kind is Kind.STATE]
+        visits = [p for p in states if p <= index and self.entries[p].state_path == path]
+        entered = visits[-1] if visits else 0
+        left = next((place for place in states if place > entered), len(self.entries) - 1)
+        return self.begin_s + self.offsets_s[entered], self.begin_s + self.offsets_s[left]
+
     def next_reason(self, index: int, step: int) -> int:
         """Return the index of the next failure, decision or answer, or of the one before.
 

@@ -1,4 +1,4 @@
-"""Record the cell in three dimensions while an order runs, for Replay."""
+"""Record the cell in three dimensions, and userdata, while an order runs, for Replay."""
 
 from __future__ import annotations
 
@@ -11,6 +11,7 @@ import rospy
 
 from remodel_console.core.cell.cell_state import CellState
 from remodel_console.core.cell.recording import change_between, frame_text
+from remodel_console.core.run.state_values import StateValues
 from remodel_console.core.use_case.use_case import UseCase
 from remodel_console.edge.scene_files import SceneFiles
 from remodel_console.scene import Scene
@@ -20,19 +21,25 @@ _PERIOD_S = 0.1  # between two frames, ROS time
 
 
 class SceneRecorder:
-    """Writes what has changed in a scene, ten times in a second of the cell's time."""
+    """Writes what has changed in a scene and in userdata, ten times in a second of the cell."""
 
     def __init__(
         self,
         scene: Scene,
         files: SceneFiles,
         use_case: Callable[[], UseCase | None],
+        values: Callable[[], StateValues | None],
         end: threading.Event,
     ) -> None:
-        """Record each run that `use_case` returns, until the event is set."""
+        """Record each run that `use_case` returns, until the event is set.
+
+        `values` returns the userdata that the active state has found.
+        """
         self._scene = scene
         self._files = files
         self._use_case = use_case
+        self._values = values
+        self._written_values = values()
         self._end = end
         self._run: tuple[int, str] | None = None
         self._file: TextIO | None = None
@@ -77,6 +84,10 @@ class SceneRecorder:
             return
         state = self._scene.now
         change = change_between(self._state, state)
+        values = self._values()
+        if values is not None and values is not self._written_values:
+            change["values"] = values.as_json()
+            self._written_values = values
         self._written_s = now_s
         if not change:
             return

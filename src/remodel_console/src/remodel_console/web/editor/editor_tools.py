@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-import logging
 from collections.abc import Callable
 from functools import partial
 from pathlib import Path as FilePath
 
-from nicegui import background_tasks, run, ui
+from nicegui import run, ui
 
 from flexbe_synthesizer.core.chart.model import Chart
 from flexbe_synthesizer.core.chart.names import behavior_file, is_behavior_name, is_name
@@ -17,11 +16,8 @@ from remodel_console.core.editor import chart_edit
 from remodel_console.core.editor.copying import outermost
 from remodel_console.core.editor.editing import Path, connected, container_at, matches, unplaced
 from remodel_console.core.editor.grouping import grouped
-from remodel_console.errors import CommandError
 from remodel_console.session import Session
 from remodel_console.web.editor.editing_page import SESSION, EditingPage
-
-_LOG = logging.getLogger(__name__)
 
 
 class EditorTools:
@@ -32,11 +28,13 @@ class EditorTools:
         self._page = page
         with ui.row().classes("tools"):
             self._open = ui.select(
-                [], label="Open", with_input=True, on_change=lambda event: self._load(event.value)
+                list(page.console.names),
+                label="Open",
+                with_input=True,
+                on_change=lambda event: self._load(event.value),
             )
             self._open.props("outlined dense").classes("opener")
             self._open.on("focus", self._list)
-            background_tasks.create(self._list())
             page.button("New", self._new, icon="add", look="quiet")
             _small(page, "Save as", self._ask_copy, "file_copy", "Save a copy under another name")
             _small(page, "Container", self._add_container, "select_all", "Add an empty container")
@@ -88,9 +86,7 @@ class EditorTools:
 
     def show_other(self, chart: Chart | None) -> None:
         """Show that another chart is open."""
-        name = chart.name if chart else None
-        self._open.set_options([*filter(None, (name,))], value=name)
-        background_tasks.create(self._list())
+        self._open.set_options(self._names(), value=chart.name if chart else None)
 
     async def save(self) -> None:
         """Save the chart, or show why it cannot be saved."""
@@ -155,19 +151,19 @@ class EditorTools:
         await self._page.give("redo", self._page.session.redo)
 
     async def _list(self) -> None:
-        """Offer all charts and behaviors."""
-        known = await run.io_bound(self._names)
-        chart = self._page.chart
-        self._open.set_options(sorted({*known, *((chart.name,) if chart else ())}))
+        """Offer all charts and behaviors that there are by now.
 
-    def _names(self) -> set[str]:
-        console = self._page.console
-        behaviors = {one.name for one in console.catalogue.behaviors()}
-        try:
-            return behaviors | set(console.workspace.names())
-        except CommandError:
-            _LOG.exception("cannot list the charts")
-            return behaviors
+        A list that is open stays as it is if it is right: an option is chosen by its place.
+        """
+        await run.io_bound(self._page.console.list_names)
+        names = self._names()
+        if names != self._open.options:
+            self._open.set_options(names)
+
+    def _names(self) -> list[str]:
+        """Return the names that were listed last, with that of a chart that is not saved yet."""
+        chart = self._page.session.chart
+        return sorted({*self._page.console.names, *((chart.name,) if chart else ())})
 
     async def _load(self, name: str | None) -> None:
         chart = self._page.session.chart

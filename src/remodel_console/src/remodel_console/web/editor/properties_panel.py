@@ -64,11 +64,23 @@ class PropertiesPanel:
     def _show_chart(self, chart: Chart) -> None:
         ui.label(chart.name).classes("title")
         self._description(chart)
+        with ui.element("div").classes("pair"):
+            for name, text in (("author", chart.author), ("tags", chart.tags)):
+                self._about(name, text)
         self._outcomes_entry(chart, ())
         self._interface(chart, ())
         ui.label(
             "Click a state in the drawing to edit it; choose one on the left to add it."
         ).classes("soft")
+
+    def _about(self, name: str, text: str) -> None:
+        """Show who wrote the chart, or by which words its behavior is found."""
+
+        async def put(given: str) -> None:
+            change = partial(replace, **{name: given})
+            await self._change(f"{name} {given}".rstrip(), (), change)
+
+        self._entry(name.capitalize(), text, put)
 
     def _description(self, chart: Chart) -> None:
         """Show what the behavior does, for people, as a text that can be changed."""

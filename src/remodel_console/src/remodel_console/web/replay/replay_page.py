@@ -22,7 +22,7 @@ from remodel_console.web.page import Page
 from remodel_console.web.replay.comparison_panel import ComparisonPanel
 from remodel_console.web.replay.run_list import RunList
 from remodel_console.web.replay.scrubber import Scrubber
-from remodel_console.web.replay.start_here import StartHere
+from remodel_console.web.replay.start_here import Recorded, StartHere
 from remodel_console.web.replay.value_plots import ValuePlots
 
 _NO_RECORDING = "No console recorded the cell in three dimensions during this run."
@@ -62,7 +62,7 @@ class ReplayPage(Page):
             self._scrubber = Scrubber(self._show_moment, self._move)
             with ui.element("aside").classes("panel").props('tabindex="0" aria-label="Moment"'):
                 self._now = ui.element("div").classes("wide")
-                self._start = StartHere(self)
+                self._start = StartHere(self, self._recorded)
                 self._cell = CellPanel(self._scene, self.console.meshes, self._about_wire)
                 self._no_cell = ui.label(_NO_RECORDING).classes("soft")
                 self._no_cell.set_visibility(False)
@@ -138,6 +138,15 @@ class ReplayPage(Page):
         if self._recording is not None:
             self._scene.now = self._recording.at(self._record.begin_s + offset_s)
         self._cell.show()
+
+    def _recorded(self) -> Recorded:
+        """Return what the recording has of the moment that is shown."""
+        recording, record = self._recording, self._record
+        if recording is None or not record.entries:
+            return Recorded()
+        path = record.moment(self._index).state_path
+        values = recording.values_at(path, *record.visit_s(self._index))
+        return Recorded(values, recording.at(record.begin_s + record.offsets_s[self._index]))
 
     def _about_wire(self, wire: str) -> tuple[str, ...]:
         return recorded_wire_words(self._record, wire, self._index)

@@ -17,6 +17,7 @@ from remodel_console.web.runtime.run_panel import RunPanel
 from remodel_console.web.runtime.state_panel import StatePanel
 
 _READABLE_S = 0.25  # between two changes of what is there to click
+_OPEN_S = 1.0  # for which a container stays open in a large drawing
 
 
 class RuntimePage(Page):
@@ -126,7 +127,7 @@ class RuntimePage(Page):
         """Show what changes with each state; not faster than it can be read."""
         view = self.console.live.world.run
         self._panel.follow(view)
-        await self._drawing.follow()
+        await self._drawing.follow(_OPEN_S)
         self._state_panel.show(self.console.live.world)
         if self._is_in_view:
             await self._state_panel.follow(view)

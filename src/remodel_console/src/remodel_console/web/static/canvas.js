@@ -6,6 +6,7 @@ import { svgOf } from "/console/picture.js";
 const READABLE = 0.6; // [screen pixels per unit of the drawing] below this, text is too small to read
 const LARGEST = 3.0;
 const MOST_VALUES = 8; // that are shown beside a state
+const PAINT_MS = 200; // between two paintings of the whole drawing while states change; the frame around the active one moves at once
 const REST_MS = 400; // between two moves of the drawing after what is active
 const LINGER_MS = 300; // for which the outcomes of a state stay after the pointer has left it
 const FONT = "12px Helvetica, Arial, sans-serif";
@@ -33,6 +34,7 @@ export default {
   template: `
     <div class="canvas-frame" tabindex="0" role="group" :aria-label="label" @keydown="key">
       <div ref="stage" class="canvas-stage" @dragover="over" @drop="drop"></div>
+      <i ref="lit" class="canvas-lit" aria-hidden="true"></i>
       <svg class="canvas-rubber" aria-hidden="true"><line ref="rubber"/></svg>
       <div ref="handles" class="canvas-handles" @pointerenter="linger" @pointerleave="leave"></div>
       <dl ref="values" class="canvas-values" aria-hidden="true"></dl>
@@ -54,6 +56,7 @@ export default {
     this.asked = false;
     this.wanted = [];
     this.restsUntil = 0;
+    this.paintsAt = 0;
     this.turn = 0;
     this.kept = new Map(); // marks by name, for the next drawing too
     this.dragged = new Set(); // containers in which something was moved
@@ -73,6 +76,7 @@ export default {
     this.themed.disconnect();
     clearTimeout(this.later);
     clearTimeout(this.leaving);
+    clearTimeout(this.painting);
     this.cy.destroy();
   },
   methods: {
@@ -83,7 +87,10 @@ export default {
         setTimeout(() => this.picked(event.target === cy ? "" : event.target.data("pick")));
       });
       cy.on("boxend", () => setTimeout(() => this.picked()));
-      cy.on("pan zoom", () => this.placeValues());
+      cy.on("pan zoom", () => {
+        this.placeValues();
+        this.placeLit();
+      });
       if (!this.editable) return;
       cy.on("mouseover", "node", (event) => this.showHandles(event.target));
       cy.on("mouseout", "node", () => this.leave());
@@ -130,9 +137,12 @@ export default {
       cy.elements().remove();
       this.byPath = new Map();
       this.items = new Map();
-      this.marked = new Map();
+      this.marked = new Map(); // what is drawn with each mark
+      this.worded = new Map(); // the same, in the words
+      this.paintsAt = 0;
       this.hasAll = false;
       if (graph.nodes.length && !keeps) this.open();
+      found.containers = new Set(graph.nodes.map((node) => node.parent));
       const [first, ...others] = this.slices(graph, found.boxes);
       this.build(first, found);
       this.lightUp(this.active, [...this.passed], true, this.asked);
@@ -149,6 +159,7 @@ export default {
       for (const [name, paths] of this.kept) this.mark(name, paths);
       this.placeValues();
       this.lightUp(this.active, [...this.passed], true, this.asked);
+      if (this.active) this.reveal(this.active); // it may have become active before this was drawn
       this.select(this.wanted, false);
       if (handled && this.byPath.has(handled)) this.showHandles(this.byPath.get(handled));
       this.drawMap();
@@ -189,9 +200,9 @@ export default {
       }
       return slices;
     },
-    build(slice, { boxes, routes }) {
-      const added = this.cy.add(this.elements(slice, boxes));
-      this.route(slice, routes);
+    build(slice, found) {
+      const added = this.cy.add(this.elements(slice, found));
+      this.route(slice, found);
       for (const node of added.nodes()) this.byPath.set(node.data("path"), node);
     },
     measure(node) {
@@ -201,7 +212,11 @@ export default {
       node.width = node.kind === "start" ? 14 : Math.ceil(widthOf(node.label)) + 28;
       node.height = node.kind === "start" ? 14 : lines * LINE + 14;
     },
-    elements(graph, boxes) {
+    elements(graph, { boxes, routes, containers }) {
+      const middle = (id) => {
+        const { x, y, width, height } = boxes.get(id);
+        return { x: x + width / 2, y: y + height / 2 };
+      };
       const nodes = graph.nodes.map((node) => {
         const { x, y, width, height } = boxes.get(node.id);
         const isState = !["start", "outcome", "missing"].includes(node.kind);
@@ -214,43 +229,34 @@ export default {
             node.errors ? "error" : node.warnings ? "warning" : ""].filter(Boolean).join(" "),
         };
       });
-      const edges = graph.edges.map((edge) => ({
-        group: "edges", selectable: false, data: { ...edge, width: undefined, height: undefined },
-        classes: [edge.failure ? "failure" : "", edge.autonomy ? `autonomy-${edge.autonomy}` : ""].filter(Boolean).join(" "),
-      }));
+      const edges = graph.edges.map((edge) => {
+        const isFree = !containers.has(edge.source) && !containers.has(edge.target); // else see `route`
+        const bends = isFree && routeData(routes.get(edge.id), middle(edge.source), middle(edge.target));
+        return {
+          group: "edges", selectable: false, data: { ...edge, ...bends, width: undefined, height: undefined },
+          classes: [edge.failure ? "failure" : "", edge.autonomy ? `autonomy-${edge.autonomy}` : "", bends ? "routed" : ""].filter(Boolean).join(" "),
+        };
+      });
       const flows = (graph.flows || []).map((flow) => ({
         group: "edges", selectable: false, data: { ...flow, id: `f:${flow.source}>${flow.target}`, pick: "" }, classes: this.flowing ? "flow" : "flow hidden",
       }));
       return [...nodes, ...edges, ...flows];
     },
-    route(graph, routes) { // the arrows as the layout has led them
-      if (!routes.size) return;
+    route(graph, { routes, containers }) { // the arrows of containers as the layout has led them; their sizes are known only once they are drawn
+      const edges = graph.edges.filter(({ id, source, target }) => routes.has(id) && (containers.has(source) || containers.has(target)));
+      if (!edges.length) return;
       const middles = new Map(this.cy.nodes(":parent").map((node) => {
         const { x1, y1, x2, y2 } = node.boundingBox({ includeLabels: false, includeOverlays: false });
         return [node.id(), { x: (x1 + x2) / 2, y: (y1 + y2) / 2 }];
       }));
       const middle = (node) => middles.get(node.id()) || node.position();
-      this.cy.startBatch();
-      for (const edge of graph.edges) {
-        const points = routes.get(edge.id);
-        if (!points) continue;
-        const one = this.cy.getElementById(edge.id);
-        const from = middle(one.source());
-        const to = middle(one.target());
-        const [first, last] = [points[0], points.at(-1)];
-        const [dx, dy] = [last.x - first.x, last.y - first.y];
-        const length2 = dx * dx + dy * dy;
-        if (!length2) continue;
-        const length = Math.sqrt(length2);
-        const bends = points.slice(1, -1).map(({ x, y }) => [x - first.x, y - first.y]);
-        one.data({
-          from: `${first.x - from.x}px ${first.y - from.y}px`, to: `${last.x - to.x}px ${last.y - to.y}px`,
-          weights: bends.map(([x, y]) => (x * dx + y * dy) / length2).join(" ") || "0.5",
-          distances: bends.map(([x, y]) => (x * -dy + y * dx) / length).join(" ") || "0",
-        });
-        one.addClass("routed");
-      }
-      this.cy.endBatch();
+      this.cy.batch(() => {
+        for (const edge of edges) {
+          const one = this.cy.getElementById(edge.id);
+          const bends = routeData(routes.get(edge.id), middle(one.source()), middle(one.target()));
+          if (bends) one.data(bends).addClass("routed");
+        }
+      });
     },
     outline(graph) { // the drawing in words, for who cannot see it
       const item = document.createElement("li");
@@ -345,17 +351,40 @@ export default {
       this.active = active;
       this.asked = asked;
       if (!this.byPath) return;
-      const parts = active ? active.split("/") : [];
-      const around = parts.slice(0, -1).map((_, end) => parts.slice(0, end + 1).join("/"));
-      this.cy.batch(() => {
-        this.mark("active", active ? [active] : []);
-        this.mark("around", around);
-        this.mark("asked", active && asked ? [active] : []);
-        if (isNewRun) this.mark("passed", passed);
-        else for (const path of passed) this.add("passed", path);
-      });
       this.$el.dataset.active = active;
+      const parts = active ? active.split("/") : [];
+      this.markWords("active", active ? [active] : []);
+      this.markWords("around", parts.slice(0, -1).map((_, end) => parts.slice(0, end + 1).join("/")));
+      this.markWords("asked", active && asked ? [active] : []);
+      if (isNewRun) this.markWords("passed", passed);
+      else this.addWords("passed", passed);
+      this.placeLit();
+      this.paintLit();
       if (hasMoved) this.reveal(active);
+    },
+    placeLit() { // a frame around what is active: to move it costs nothing, while each change of the drawing paints all of it
+      const node = this.active && this.byPath?.get(this.active);
+      const frame = this.$refs.lit;
+      frame.style.display = node && node.nonempty() ? "block" : "none";
+      if (frame.style.display === "none") return;
+      frame.classList.toggle("asked", this.asked);
+      const [{ x, y }, width, height] = [node.renderedPosition(), node.renderedOuterWidth(), node.renderedOuterHeight()];
+      Object.assign(frame.style, {
+        transform: `translate(${x - width / 2}px, ${y - height / 2}px)`, width: `${width}px`, height: `${height}px`,
+        borderWidth: `${Math.max(1.5, 3 * this.cy.zoom())}px`, borderRadius: `${8 * this.cy.zoom()}px`,
+      });
+    },
+    paintLit() { // at once after a rest, else soon
+      clearTimeout(this.painting);
+      const now = performance.now();
+      if (now < this.paintsAt) {
+        this.painting = setTimeout(() => this.paintLit(), this.paintsAt - now);
+        return;
+      }
+      this.paintsAt = now + PAINT_MS;
+      this.cy.batch(() => {
+        for (const name of ["active", "around", "asked", "passed"]) this.paintMark(name, this.worded.get(name) || []);
+      });
     },
     select(paths, reveals = true, number = Infinity) { // number: of the pick that it answers; a person may have picked more since
       if (number < (this.picks || 0)) return;
@@ -376,19 +405,26 @@ export default {
       this.kept.set(name, paths);
       if (this.hasAll) this.mark(name, paths);
     },
-    mark(name, paths) {
-      for (const path of this.marked.get(name) || []) {
-        this.byPath.get(path)?.removeClass(name);
-        this.items.get(path)?.classList.remove(name);
-      }
-      this.marked.set(name, []);
-      for (const path of paths) this.add(name, path);
+    mark(name, paths) { // in the drawing and in its words
+      this.markWords(name, paths);
+      this.paintMark(name, paths);
     },
-    add(name, path) {
-      if (!this.byPath.has(path)) return;
-      this.byPath.get(path).addClass(name);
-      this.items.get(path)?.classList.add(name);
-      this.marked.get(name).push(path);
+    markWords(name, paths) { // in the words
+      for (const path of this.worded.get(name) || []) this.items.get(path)?.classList.remove(name);
+      this.worded.set(name, []);
+      this.addWords(name, paths);
+    },
+    addWords(name, paths) {
+      const known = paths.filter((path) => this.byPath.has(path));
+      for (const path of known) this.items.get(path)?.classList.add(name);
+      this.worded.get(name).push(...known);
+    },
+    paintMark(name, paths) { // in the drawing
+      const wanted = new Set(paths.filter((path) => this.byPath.has(path)));
+      const marked = this.marked.get(name) || new Set();
+      for (const path of marked) if (!wanted.has(path)) this.byPath.get(path)?.removeClass(name);
+      for (const path of wanted) if (!marked.has(path)) this.byPath.get(path).addClass(name);
+      this.marked.set(name, wanted);
     },
 
     // The view
@@ -686,6 +722,20 @@ export default {
     },
   },
 };
+
+function routeData(points, from, to) { // the bends of an arrow as cytoscape takes them, from the middle of one node to that of another
+  const [first, last] = points ? [points[0], points.at(-1)] : [];
+  if (!points || (first.x === last.x && first.y === last.y)) return undefined;
+  const [dx, dy] = [last.x - first.x, last.y - first.y];
+  const length2 = dx * dx + dy * dy;
+  const length = Math.sqrt(length2);
+  const bends = points.slice(1, -1).map(({ x, y }) => [x - first.x, y - first.y]);
+  return {
+    from: `${first.x - from.x}px ${first.y - from.y}px`, to: `${last.x - to.x}px ${last.y - to.y}px`,
+    weights: bends.map(([x, y]) => (x * dx + y * dy) / length2).join(" ") || "0.5",
+    distances: bends.map(([x, y]) => (x * -dy + y * dx) / length).join(" ") || "0",
+  };
+}
 
 const snap = (value) => Math.round(value / GRID) * GRID;
 
