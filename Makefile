@@ -70,8 +70,8 @@ lint: .venv/.ready ## Style, types of the pure cores, and XML
 	@find src '(' -name '*.xml' -o -name '*.launch' -o -name '*.xsd' -o -path '*/rostest/*.test' ')' -print0 | \
 	  xargs -0 python3 -c 'import sys; from lxml import etree; [etree.parse(file) for file in sys.argv[1:]]'
 
-bench-engine: build build/bench-venv/.ready ## Measure the engine, with peers; figures in out/bench/engine.jsonl
-	@$(SOURCED) benchmarks/engine/run.py --py-trees build/bench-venv/bin/python
+bench-engine: build build/bench-venv/.ready ## Measure the engine, with peers; figures in docs/figures/engine.jsonl
+	@$(SOURCED) benchmarks/engine/run.py --py-trees build/bench-venv/bin/python docs/figures/engine.jsonl
 
 schedules: build ## Simulate schedules of kills, stalls and commands (BENCH="--count 10000 --seed 0")
 	@$(SOURCED) PYTHONPATH="src/remodel_supervision/test:$$PYTHONPATH" python3 -m schedules $(BENCH)
