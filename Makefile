@@ -98,8 +98,8 @@ bench-planner: build build/bench-venv/.ready ## Measure the planner beside GTPyh
 bench-learning: build ## First-pass yield with learned and with frozen parameters, and the guard rail; plot in out/bench/learning.png
 	@$(SOURCED) benchmarks/learning/first_pass_yield.py $(BENCH)
 
-bench-synthesis: build ## CPU time of the synthesis by size of the chart, and while typing; 10,000 random charts on the engine (BENCH="--seed 7 --trace")
-	@$(SOURCED) benchmarks/synthesis/sizes.py
+bench-synthesis: build ## CPU time of the synthesis by size of the chart, in docs/figures/synthesis.jsonl, and while typing; 10,000 random charts on the engine (BENCH="--seed 7 --trace")
+	@$(SOURCED) benchmarks/synthesis/sizes.py --figures docs/figures/synthesis.jsonl
 	@$(SOURCED) benchmarks/synthesis/typing_check.py
 	@$(SOURCED) PYTHONPATH="src/flexbe_synthesizer/test:$$PYTHONPATH" python3 -m random_charts --count 10000 $(BENCH)
 

@@ -32,7 +32,7 @@ COLUMNS = ("figure", "target", "measured")
 
 def pages_with_figures() -> Iterator[tuple[Path, str]]:
     """Yield each page that has a block, with the text that it should have."""
-    for page in sorted(DOCS.rglob("*.md")):
+    for page in sorted([*DOCS.rglob("*.md"), *DOCS.parent.glob("src/**/README.md")]):
         text = page.read_text(encoding="utf-8")
         if BLOCK.search(text):
             yield page, BLOCK.sub(_filled, text)

@@ -105,7 +105,10 @@ class OrderClient:
 
     def wait_for_phase(self, phase: str, limit_s: float = LIMIT_S) -> None:
         """Wait until the supervisor has published a phase."""
-        wait_until(lambda: self.state.phase == phase, f"phase {phase}", limit_s)
+        try:
+            wait_until(lambda: self.state.phase == phase, f"phase {phase}", limit_s)
+        except AssertionError as error:
+            raise AssertionError(f"{error}; the state is {self.state}") from None
 
     def wait_for_end(self, run: int, limit_s: float = 2 * LIMIT_S) -> RunState:
         """Return how a run has ended."""
