@@ -79,8 +79,8 @@ FLAWS = {
     "places cables that do not exist": "accepts-unknown-name",
 }
 
-# Servers that break no clause, but with which a trial says nothing, why it does not, and the command
-# that restarts them.
+# Servers that break no clause, but with which a trial says nothing, why it does not, and the
+# command that restarts them.
 UNJUDGED = (
     (
         "knows no timeout",
