@@ -30,8 +30,9 @@ install: .venv/.ready ## Install the workspace, to run without these sources (PR
 	@tools/install.sh $(abspath $(PREFIX))
 	@echo "Next: source $(abspath $(PREFIX))/setup.bash; roslaunch remodel_sim cell.launch"
 
-docker: ## Make a container image of Debian 12 with the built workspace, by docker or podman
-	@tool=$$(command -v docker || command -v podman) || { echo "make docker: install docker or podman" >&2; exit 1; }; \
+docker: ## Make a container image of Debian 12 with the built workspace, by docker, podman or buildah
+	@tool=$$(command -v docker || command -v podman || command -v buildah) || \
+	  { echo "make docker: install docker, podman or buildah" >&2; exit 1; }; \
 	  $$tool build --tag remodel --file Containerfile .
 	@echo "Next: docker run -it --rm --network host remodel make demo"
 
