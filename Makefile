@@ -30,8 +30,9 @@ install: .venv/.ready ## Install the workspace, to run without these sources (PR
 	@tools/install.sh $(abspath $(PREFIX))
 	@echo "Next: source $(abspath $(PREFIX))/setup.bash; roslaunch remodel_sim cell.launch"
 
-docker: ## Make a container image of Debian 12 with the built workspace, by docker or podman
-	@tool=$$(command -v docker || command -v podman) || { echo "make docker: install docker or podman" >&2; exit 1; }; \
+docker: ## Make a container image of Debian 12 with the built workspace, by docker, podman or buildah
+	@tool=$$(command -v docker || command -v podman || command -v buildah) || \
+	  { echo "make docker: install docker, podman or buildah" >&2; exit 1; }; \
 	  $$tool build --tag remodel --file Containerfile .
 	@echo "Next: docker run -it --rm --network host remodel make demo"
 
@@ -70,8 +71,8 @@ lint: .venv/.ready ## Style, types of the pure cores, and XML
 	@find src '(' -name '*.xml' -o -name '*.launch' -o -name '*.xsd' -o -path '*/rostest/*.test' ')' -print0 | \
 	  xargs -0 python3 -c 'import sys; from lxml import etree; [etree.parse(file) for file in sys.argv[1:]]'
 
-bench-engine: build build/bench-venv/.ready ## Measure the engine, with peers; figures in out/bench/engine.jsonl
-	@$(SOURCED) benchmarks/engine/run.py --py-trees build/bench-venv/bin/python
+bench-engine: build build/bench-venv/.ready ## Measure the engine, with peers; figures in docs/figures/engine.jsonl
+	@$(SOURCED) benchmarks/engine/run.py --py-trees build/bench-venv/bin/python docs/figures/engine.jsonl
 
 schedules: build ## Simulate schedules of kills, stalls and commands (BENCH="--count 10000 --seed 0")
 	@$(SOURCED) PYTHONPATH="src/remodel_supervision/test:$$PYTHONPATH" python3 -m schedules $(BENCH)
@@ -98,8 +99,8 @@ bench-planner: build build/bench-venv/.ready ## Measure the planner beside GTPyh
 bench-learning: build ## First-pass yield with learned and with frozen parameters, and the guard rail; plot in out/bench/learning.png
 	@$(SOURCED) benchmarks/learning/first_pass_yield.py $(BENCH)
 
-bench-synthesis: build ## CPU time of the synthesis by size of the chart, and while typing; 10,000 random charts on the engine (BENCH="--seed 7 --trace")
-	@$(SOURCED) benchmarks/synthesis/sizes.py
+bench-synthesis: build ## CPU time of the synthesis by size of the chart, in docs/figures/synthesis.jsonl, and while typing; 10,000 random charts on the engine (BENCH="--seed 7 --trace")
+	@$(SOURCED) benchmarks/synthesis/sizes.py --figures docs/figures/synthesis.jsonl
 	@$(SOURCED) benchmarks/synthesis/typing_check.py
 	@$(SOURCED) PYTHONPATH="src/flexbe_synthesizer/test:$$PYTHONPATH" python3 -m random_charts --count 10000 $(BENCH)
 

@@ -278,8 +278,9 @@ def test_packages_import_one_way(package):
 @pytest.mark.parametrize(
     "package", ["remodel_planner", "remodel_supervision", "flexbe_synthesizer", "remodel_sim"]
 )
-def test_only_the_care_for_master_and_clock_is_taken_from_the_engine(package):
-    allowed = ("flexbe_core.ros.master", "flexbe_core.ros.steady_action_server")
+def test_only_the_care_for_master_clock_and_connections_is_taken_from_the_engine(package):
+    modules_allowed = ("connections", "master", "steady_action_server")
+    allowed = tuple(f"flexbe_core.ros.{name}" for name in modules_allowed)
     for name, path in modules(package).items():
         found = {n for n in imported_names(path) if n.startswith("flexbe_core")}
         assert all(n.startswith(allowed) for n in found), name

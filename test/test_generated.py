@@ -34,11 +34,12 @@ def test_each_file_of_figures_is_shown_on_a_page():
             [
                 {"what": "sag", "value": 0.15, "unit": "%", "least": None, "most": 0.1},
                 {"what": "factor", "value": 10.0, "unit": "x", "least": 5.0, "most": None},
-                {"what": "bare", "value": 1.0, "unit": ""},
+                {"what": "bare", "value": 1.0, "unit": "", "floor": 0.5},
+                {"what": "many", "value": 71202, "unit": ""},
             ],
             "| figure | target | measured |\n| --- | --- | --- |\n"
             "| sag | at most 0.1 % | 0.15 % (missed) |\n| factor | at least 5 x | 10 x |\n"
-            "| bare |  | 1 |\n",
+            "| bare |  | 1, 2.0 times its floor |\n| many |  | 71,202 |\n",
         ),
         ([{"yield": "a", "frozen": "63"}], "| yield | frozen |\n| --- | --- |\n| a | 63 |\n"),
     ],

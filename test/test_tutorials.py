@@ -28,7 +28,7 @@ import pytest
 TUTORIALS = Path(__file__).parents[1] / "docs/tutorials"
 PAGES = sorted(page for page in TUTORIALS.glob("*.md") if page.name != "README.md")
 # Other pages in the same form.
-OTHERS = [TUTORIALS.parent / "real-cell/limits.md"]
+OTHERS = [TUTORIALS.parent / f"real-cell/{name}.md" for name in ("launch", "limits")]
 
 # [s] Wall time: of a command, or until one that keeps running has printed what is shown, and until
 # it has ended. The machine may be busy.

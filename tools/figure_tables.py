@@ -6,9 +6,9 @@ A page holds a block
     <!-- end of figures -->
 
 and `make generate` writes the rows of docs/figures/sim.jsonl between its lines. A line of JSON is a
-figure with `what`, `value`, `unit`, and what it is to be: at most `most` or `target`, at least
-`least`; or else a row of a table, whose keys are the columns. `test/test_generated.py` compares, so
-that page and file cannot disagree.
+figure with `what`, `value`, `unit`, what it is to be: at most `most` or `target`, at least `least`,
+and perhaps the `floor` that it is compared with; or else a row of a table, whose keys are the
+columns. `test/test_generated.py` compares, so that page and file cannot disagree.
 """
 
 import json
@@ -24,6 +24,9 @@ BLOCK = re.compile(
     r"(?P<begin><!-- figures: (?P<file>[\w-]+\.jsonl) -->\n).*?(?P<end><!-- end of figures -->)",
     re.DOTALL,
 )
+# From here on a figure is shown without decimals.
+_LARGE = 1000
+
 COLUMNS = ("figure", "target", "measured")
 
 
@@ -54,5 +57,7 @@ def _cells(figure: dict[str, Any]) -> dict[str, str]:
         target, met = f"at most {most:g}{unit}", value <= most
     if least is not None:
         target, met = f"at least {least:g}{unit}", value >= least
-    measured = f"{value:.3g}{unit}{'' if met else ' (missed)'}"
+    number = f"{value:.3g}" if value < _LARGE else f"{value:,.0f}"
+    floor = f", {value / figure['floor']:.1f} times its floor" if figure.get("floor") else ""
+    measured = f"{number}{unit}{floor}{'' if met else ' (missed)'}"
     return dict(zip(COLUMNS, (figure["what"].replace("|", "/"), target, measured), strict=True))

@@ -29,13 +29,14 @@ from dataclasses import asdict
 from pathlib import Path
 from typing import Any
 
+import figures
 import physical
 import rospy
 import yaml
 from remodel_msgs.msg import RunUseCaseAction, RunUseCaseGoal
 from sites import FakeSite, SimulatedSite, Site
 from stack import ORDER, Stack, stack
-from table import print_table
+from table import docs_rows, print_table
 from tqdm import tqdm
 from trial import WIRES, Trial, drawn
 from verdict import (
@@ -194,6 +195,7 @@ def main() -> int:
     parser.add_argument("--physical", action="store_true", help="in the simulated cell")
     parser.add_argument("--explore", action="store_true", help="runs choose forces and responses")
     parser.add_argument("--output", type=Path, default=Path("out/campaign"))
+    figures.add_option(parser)
     options = parser.parse_args()
     kinds = options.kinds or list(physical.KINDS if options.physical else tables.faults)
     known = physical.KINDS if options.physical else tables.faults
@@ -220,6 +222,7 @@ def main() -> int:
             trials += [drawn(tables.faults[kind], seed) for seed in seeds for kind in kinds]
         results = run_all(Campaign(site, nodes, tables), trials, options.policies, output)
         rospy.signal_shutdown("the campaign is over")
+    figures.write(options.figures, docs_rows(results))
     return 0 if print_table(results) else 1
 
 

@@ -34,6 +34,7 @@ import time
 from pathlib import Path
 from random import Random
 
+import figures
 from bystander import BystanderProcess
 from chaos_faults import NODES, WEIGHTS, Faults, Site
 from chaos_records import LIMIT_S, Records, Score, Struck
@@ -129,6 +130,7 @@ def main() -> int:
     parser.add_argument("--long-stalls", action="store_true", help="a third of them for 45 s")
     parser.add_argument("--postgresql", action="store_true", help="in place of SQLite")
     parser.add_argument("--keep", action="store_true", help="keep the folder with all logs")
+    figures.add_option(parser)
     options = parser.parse_args()
     output = Path(tempfile.mkdtemp(prefix="remodel_chaos_")) / "run"
     started = time.monotonic()
@@ -143,11 +145,28 @@ def main() -> int:
     finally:
         server.end()
     is_clean = _report(score, time.monotonic() - started)
+    figures.replace_row(options.figures, _row(options, score))
     if options.keep or not is_clean:
         print(f"logs in {output}")
     else:
         shutil.rmtree(output.parent)
     return 0 if is_clean else 1
+
+
+def _row(options: argparse.Namespace, score: Score) -> dict[str, str]:
+    """Return the row of the docs' table."""
+    times = [fault.resume_s for fault in score.faults]
+    chosen = [f"--faults {options.faults} --seed {options.seed}"]
+    chosen += ["--postgresql"] * options.postgresql + ["--long-stalls"] * options.long_stalls
+    return {
+        "options": f"`{' '.join(chosen)}`",
+        "orders complete": f"{score.complete} of {score.orders}",
+        "ends fixed twice, left out": f"{score.repeated}, {score.omitted}",
+        "pieces scrapped": str(score.scrapped),
+        "differences when replayed": str(score.differences),
+        "resume: slowest": f"{max(times, default=0.0):.2f} s",
+        f"over {RESUME_TARGET_S:g} s": str(sum(time_s > RESUME_TARGET_S for time_s in times)),
+    }
 
 
 def _disturbed(options: argparse.Namespace, output: Path, server: Server) -> Score:

@@ -17,6 +17,7 @@ import tempfile
 from pathlib import Path
 from random import Random
 
+import figures
 import rospy
 from stack import free_port, stack
 
@@ -40,6 +41,7 @@ def main() -> int:
     parser.add_argument("--wires", type=int, default=14, help="of each order")
     parser.add_argument("--operation", type=float, default=0.1, help="[s] wall time of one")
     parser.add_argument("--window", type=float, default=0.5, help="[s] that each pause is watched")
+    figures.add_option(parser)
     options = parser.parse_args()
     output = Path(tempfile.mkdtemp(prefix="remodel_pause_")) / "run"
     given = {"duration_s": options.operation, "console_port": free_port()}
@@ -63,6 +65,18 @@ def main() -> int:
         f"{moments.paused} pauses: {len(moments.moved)} operations moved after the answer; "
         f"answered within {statistics.median(moments.waits_s):.2f} s, at most "
         f"{max(moments.waits_s):.2f} s; {len(harmed)} orders harmed"
+    )
+    figures.write(
+        options.figures,
+        (
+            {"what": f"{what}, of {moments.paused} pauses", "value": value, "unit": unit, **target}
+            for what, value, unit, target in (
+                ("operations that moved after the answer", len(moments.moved), "", {"most": 0}),
+                ("time to the answer, median", statistics.median(moments.waits_s), "s", {}),
+                ("time to the answer, longest", max(moments.waits_s), "s", {}),
+                ("orders harmed", len(harmed), "", {"most": 0}),
+            )
+        ),
     )
     for line in (*map(str, moments.moved), *harmed):
         print(f"  {line}")

@@ -15,10 +15,12 @@ import itertools
 import shutil
 import sys
 import tempfile
+from collections.abc import Iterator
 from dataclasses import dataclass
 from datetime import UTC, datetime
 from pathlib import Path
 
+import figures
 import rospy
 from remodel_msgs.msg import RunUseCaseAction, RunUseCaseGoal
 from remodel_msgs.srv import CommandRun
@@ -100,9 +102,10 @@ def main() -> int:
     parser = argparse.ArgumentParser(description=__doc__.split("\n")[0])
     parser.add_argument("--tasks", type=int, default=300, help="planned again (default 300)")
     parser.add_argument("--runs", type=int, default=5)
+    figures.add_option(parser)
     options = parser.parse_args()
     output = Path(tempfile.mkdtemp(prefix="remodel_replan_")) / "run"
-    times = []
+    times: list[Measured] = []
     with stack(HERE / "replan.launch", output, DESIGN) as nodes:
         nodes.wait_for("fake_cell", "use_case_supervisor", "behavior", "behavior_action_server")
         rospy.init_node("replan", disable_signals=True)
@@ -123,7 +126,7 @@ def main() -> int:
                 print(f"TROUBLE: {error}; {goal.ending}; logs in {output}")
                 return 1
             found = measured(tuple(log.events(number)))
-            times.append(found.total_s)
+            times.append(found)
             parts = ", ".join(f"{what} {span:.3f}" for what, span in found.parts.items())
             print(
                 f"{found.total_s:.3f} s from the failure to the first goal of the new plan of "
@@ -132,8 +135,17 @@ def main() -> int:
             stop("the benchmark")
             goal.wait(_LIMIT_S)
     shutil.rmtree(output.parent)
-    print(f"best {min(times):.3f} s, worst {max(times):.3f} s; at most {TARGET_S:g} s")
-    return 0 if min(times) <= TARGET_S else 1
+    best, worst = (choose(times, key=lambda each: each.total_s) for choose in (min, max))
+    print(f"best {best.total_s:.3f} s, worst {worst.total_s:.3f} s; at most {TARGET_S:g} s")
+    figures.write(options.figures, _rows(best, worst))
+    return 0 if best.total_s <= TARGET_S else 1
+
+
+def _rows(best: Measured, worst: Measured) -> Iterator[dict[str, str]]:
+    """Yield the rows of the docs' table."""
+    parts = {what: (span, worst.parts[what]) for what, span in best.parts.items()}
+    for what, (least_s, most_s) in {**parts, "all": (best.total_s, worst.total_s)}.items():
+        yield {"part": what, "best run": f"{least_s:.3f} s", "worst run": f"{most_s:.3f} s"}
 
 
 if __name__ == "__main__":

@@ -18,6 +18,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
+import figures
 from long_run import long_order, long_run
 from sqlalchemy import event
 from sqlalchemy.engine import Engine
@@ -102,6 +103,7 @@ def main() -> int:
         "--tasks", type=int, default=_TASKS, help="of the order (default %(default)s)"
     )
     parser.add_argument("--keep", metavar="FILE", help="where the database is kept afterwards")
+    figures.add_option(parser)
     parser.add_argument("--resume", metavar="URL", help=argparse.SUPPRESS)
     options = parser.parse_args()
     if options.resume:
@@ -123,6 +125,19 @@ def main() -> int:
     print(f"resume [s]:         {resume_s:10.3f}   target {_TARGETS[0]} (best of 3)")
     print(f"peak memory [MB]:   {peak_mb:10.1f}   target {_TARGETS[1]}")
     print(f"database [MB]:      {size_mb:10.1f}   target {_TARGETS[2]}")
+    figures.write(
+        options.figures,
+        (
+            {"what": what, "value": value, "unit": unit, "most": most}
+            for what, value, unit, most in (
+                ("load the state", resume_s, "s", _TARGETS[0]),
+                ("peak memory of the process that loads it", peak_mb, "MB", _TARGETS[1]),
+                ("database (SQLite)", size_mb, "MB", _TARGETS[2]),
+                ("events of the run", count, "", None),
+                ("events kept per second, each on disk", rate, "", None),
+            )
+        ),
+    )
     missed = [v for v, t in zip((resume_s, peak_mb, size_mb), _TARGETS, strict=True) if v > t]
     return 1 if missed and options.tasks <= _TASKS else 0
 

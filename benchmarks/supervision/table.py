@@ -3,7 +3,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from statistics import median
 
 from trial import Trial
@@ -37,6 +37,32 @@ def print_table(results: Mapping[str, Results]) -> bool:
     recovered = _share([verdict.recovered for trial, verdict in first if trial.can_recover])
     ended_well = bool(first) and all(verdict.ended_well for _, verdict in first)
     return recovered >= _LEAST_RECOVERED and ended_well
+
+
+def docs_rows(results: Mapping[str, Results]) -> Iterator[dict[str, str]]:
+    """Yield the rows of the docs' table: a kind of fault each, then all; the first policy fully."""
+    (policy, done), *others = results.items()
+    plain = [verdict for trial, verdict in done if not trial.kind]
+    faulty = [(trial, verdict) for trial, verdict in done if trial.kind]
+    for kind in (*dict.fromkeys(trial.kind for trial, _ in faulty), ""):
+        of_kind = [(t, v) for t, v in faulty if kind in ("", t.kind)]
+        recovered = [v for t, v in of_kind if t.can_recover and v.recovered]
+        row = {
+            "kind": kind or "all",
+            f"{policy}: recovered": _recovered(of_kind),
+            "extra cell": _more([v.cell_s for v in recovered], [v.cell_s for v in plain]),
+            "extra wall": _more([v.wall_s for v in recovered], [v.wall_s for v in plain]),
+            "ended well": f"{sum(v.ended_well for _, v in of_kind)} of {len(of_kind)}",
+        }
+        for other, tried in others:
+            found = [(t, v) for t, v in tried if t.kind and kind in ("", t.kind)]
+            row[f"{other}: recovered"] = _recovered(found)
+        yield row
+
+
+def _recovered(done: Results) -> str:
+    can = [verdict.recovered for trial, verdict in done if trial.can_recover]
+    return f"{sum(can)} of {len(can)}" if can else "cannot"
 
 
 def _line(kind: str, done: Results, plain: Sequence[Verdict]) -> str:

@@ -7,13 +7,14 @@ schema. Times are CPU time, the best of a few runs, each step taken in turn, so 
 is busy with something else slows all of them; memory is what the resident set of a fresh process
 grows.
 
-Usage: sizes.py [SIZE ...]
+Usage: sizes.py [--figures FILE] [SIZE ...]
 """
 
+import argparse
+import json
 import math
 import multiprocessing
 import re
-import sys
 import time
 from collections.abc import Callable, Mapping
 from pathlib import Path
@@ -153,22 +154,31 @@ def _library() -> Library:
     return read_library(packages)[0]
 
 
-def main(sizes: list[int]) -> None:
-    """Print a row for each size."""
+def main() -> None:
+    """Print a row for each size, and write those of the docs' table, if there is a file."""
+    parser = argparse.ArgumentParser(description=__doc__.split("\n", 1)[0])
+    parser.add_argument("sizes", nargs="*", type=int, default=SIZES, metavar="SIZE")
+    parser.add_argument("--figures", type=Path, metavar="FILE", help="docs/figures/synthesis.jsonl")
+    options = parser.parse_args()
+    rows = []
     library = _library()
     schema = etree.XMLSchema(etree.parse(PACKAGE / "schema" / "remodel_statechart.xsd"))
     steps = ("floor", "parse", "check", "generate", "certificate", "whole")
     heads = (*(f"{step} [ms]" for step in steps), "whole/floor", "memory [B/B]")
     print(f"{'states':>7} {'kB':>6} " + " ".join(f"{head:>13}" for head in heads))  # noqa: T201
-    for count in sizes:
+    for count in options.sizes:
         found = measure(count, library, schema)
         ratio = found["whole"] / found["floor"]
         cells = [f"{found[step] * 1000:.1f}" for step in steps]
         cells += [f"{ratio:.1f}", f"{grown_bytes(count):.0f}"]
         row = " ".join(f"{cell:>13}" for cell in cells)
         print(f"{count:>7} {found['bytes'] / 1000:>6.0f} {row}")  # noqa: T201
+        size = {"states": f"{count:,}", "kB": f"{found['bytes'] / 1000:,.0f}"}
+        rows.append({**size, **dict(zip(heads, cells, strict=True))})
+    if options.figures:
+        options.figures.write_text("".join(f"{json.dumps(row)}\n" for row in rows))
     print(f"aimed for: whole/floor {TIMES_FLOOR}, memory {BYTES_PER_BYTE}")  # noqa: T201
 
 
 if __name__ == "__main__":
-    main([int(size) for size in sys.argv[1:]] or list(SIZES))
+    main()

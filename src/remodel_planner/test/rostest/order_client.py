@@ -16,6 +16,7 @@ import rospy
 from remodel_msgs.msg import RunUseCaseAction, RunUseCaseGoal, UseCaseState
 from remodel_msgs.srv import CommandRun, CommandTask, GetTasks
 
+from flexbe_core.ros.connections import drop_dead
 from remodel_production.edge.database.production_database import ProductionDatabase
 from remodel_states.testing.ledger import Account, account
 from remodel_states.testing.world_file import WorldFile
@@ -85,6 +86,7 @@ class OrderClient:
     def send(self, tasks: int, *, again: bool = True) -> actionlib.ClientGoalHandle:
         """Send a goal as soon as there is a supervisor, whatever it does."""
         # ROS time may jump ahead in a test, so that its limits pass at once.
+        drop_dead(self._client.pub_goal)
         wait_until(lambda: self._client.wait_for_server(rospy.Duration(0.5)), "a supervisor")
         goal = RunUseCaseGoal(id="test", order=ORDER, tasks=tasks, again=again)
         return self._client.send_goal(goal)
@@ -105,7 +107,10 @@ class OrderClient:
 
     def wait_for_phase(self, phase: str, limit_s: float = LIMIT_S) -> None:
         """Wait until the supervisor has published a phase."""
-        wait_until(lambda: self.state.phase == phase, f"phase {phase}", limit_s)
+        try:
+            wait_until(lambda: self.state.phase == phase, f"phase {phase}", limit_s)
+        except AssertionError as error:
+            raise AssertionError(f"{error}; the state is {self.state}") from None
 
     def wait_for_end(self, run: int, limit_s: float = 2 * LIMIT_S) -> RunState:
         """Return how a run has ended."""

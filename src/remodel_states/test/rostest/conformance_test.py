@@ -24,6 +24,7 @@ from remodel_msgs.msg import (
     PlaceCableResult,
 )
 
+from flexbe_core.testing import wait_until
 from remodel_states.ability_server import AbilityServer, Done
 from remodel_states.conformance.clauses import CLAUSES
 from remodel_states.conformance.probe import Probe
@@ -32,6 +33,7 @@ from remodel_states.core.ability_error import AbilityError
 
 DURATION_S = 0.6
 SEEDS = (0,)
+GOAL_OF_RESTART = 6  # that the server accepts, of all the trials' goals
 CODES = {0, 1, 2, 3, 6, 400}
 
 # What a server may do wrong, and the rule that it breaks then.
@@ -77,7 +79,8 @@ FLAWS = {
     "places cables that do not exist": "accepts-unknown-name",
 }
 
-# Servers that break no clause, but with which a trial says nothing, and why it does not.
+# Servers that break no clause, but with which a trial says nothing, why it does not, and the
+# command that restarts them.
 UNJUDGED = (
     (
         "knows no timeout",
@@ -88,6 +91,13 @@ UNJUDGED = (
             "a goal with an unknown name": "empty in the goal: robot_name",
             "restart of the server": "no command given",
         },
+        "",
+    ),
+    (
+        "",
+        "late",
+        {"the goal that ran during the restart": "ended before the server was restarted"},
+        f"sleep {2 * DURATION_S}",
     ),
     (
         "is quick",
@@ -99,6 +109,7 @@ UNJUDGED = (
             "a cancel while the ability works": "at least 0.3 s",
             "a second goal while the first is done": "at least 0.3 s",
         },
+        "",
     ),
     (
         "is slow only once",
@@ -109,11 +120,13 @@ UNJUDGED = (
             "a cancel while the ability works": "ended before the cancel",
             "a second goal while the first is done": "ended before the second one",
         },
+        "",
     ),
     (
         "fails before its timeout",
         "failing",
         {"a timeout shorter than the ability takes": "failed before its timeout of"},
+        "",
     ),
 )
 
@@ -128,6 +141,7 @@ class Server:
         if flaw == "no feedback":
             self.duration_s += 0.7
         self.goals = 0
+        self.refused = 0
         self.working = None
         self.cancelled = set()
         self.lock = threading.Lock()
@@ -157,11 +171,13 @@ class Server:
         elif goal.cable_id != "W1" and not self.has("places cables that do not exist"):
             self.reject(handle, 400, f"there is no cable {goal.cable_id!r}; there is W1")
         elif self.working is not None and not self.has("mixes up two goals"):
+            self.refused += 1
             if not self.has("loses the second goal"):
                 self.reject(handle, 6, "the arm is doing another goal")
         else:
             handle.set_accepted()
             self.goals += 1
+            self.refused = 0  # while it works on this one
             if self.has("is quick") or (self.has("is slow only once") and self.goals == 2):
                 self.duration_s = 0.1
             self.working = handle.get_goal_id().id
@@ -219,10 +235,16 @@ class Server:
                 break
             limit_s = goal.timeout + 3.0 if self.has("ignores its timeout") else self.duration_s
             if took > max(limit_s if goal.timeout < DURATION_S else self.duration_s, 0.0):
+                self.wait_for_a_second_goal()
                 self.end(handle, goal, took)
                 break
             time.sleep(0.05)
         self.working = None
+
+    def wait_for_a_second_goal(self):
+        """Work on the goal that runs during the restart until there is the one after it."""
+        if self.has("goes on when it is restarted") and self.goals == GOAL_OF_RESTART:
+            wait_until(lambda: self.refused > 0)
 
     def end_cancelled(self, handle, goal, took):
         if self.has("cancels slowly"):
@@ -356,7 +378,7 @@ class ConformanceTest(unittest.TestCase):
         self.assertEqual(set(FLAWS.values()) | broken_by_restarts, set(CLAUSES))
 
     def test_a_restart_that_does_not_restart_is_found(self):
-        trials = trials_of("", "restart", restart="true")
+        trials = trials_of("goes on when it is restarted", "restart", restart="true")
         faults = [fault.rule for trial in trials for fault in trial.faults]
         self.assertIn("ghost", faults)
 
@@ -367,9 +389,13 @@ class ConformanceTest(unittest.TestCase):
 
     def test_what_could_not_be_tried_is_not_judged(self):
         """Each server is without fault, and each reason says what would be needed."""
-        with ThreadPoolExecutor(4) as pool:
-            tried = list(pool.map(lambda row: trials_of(row[0], f"unjudged_{row[1]}"), UNJUDGED))
-        for trials, (flaw, _, expected) in zip(tried, UNJUDGED, strict=True):
+        with ThreadPoolExecutor(5) as pool:
+            tried = list(
+                pool.map(
+                    lambda row: trials_of(row[0], f"unjudged_{row[1]}", restart=row[3]), UNJUDGED
+                )
+            )
+        for trials, (flaw, _, expected, _) in zip(tried, UNJUDGED, strict=True):
             self.assertEqual([fault for trial in trials for fault in trial.faults], [], flaw)
             unjudged = {trial.name: trial.unjudged for trial in trials if trial.unjudged}
             for name, reason in expected.items():

@@ -11,7 +11,8 @@ KNOWN = ["DetectCable", "InsertCable", "PickCable"]
     ("abilities", "others", "served"),
     [
         ("", "", KNOWN),
-        ([], [], KNOWN),
+        ("", [], KNOWN),
+        ([], "", []),
         ("PickCable, DetectCable", "", ["DetectCable", "PickCable"]),
         (["PickCable"], "", ["PickCable"]),
         ("", "InsertCable", ["DetectCable", "PickCable"]),

@@ -66,6 +66,27 @@ def test_an_order_is_done_task_by_task(bench):
     assert [attempt.path for attempt in attempts] == [bench.engine.path()] * 2
 
 
+@pytest.mark.parametrize("truth", [True, None])
+def test_wires_count_as_placed_by_ground_truth_or_without_it_by_their_behaviors(bench, truth):
+    bench.cell.truth = truth
+    assert bench.run().ended.ending is Ending.COMPLETE
+    attempts = attempts_of(bench.events(object))
+    assert [attempt.execution.placed for attempt in attempts] == [True, True]
+
+
+def test_an_interrupted_attempt_counts_as_placed_when_the_task_is_found_done():
+    events = [
+        TaskBegun("W1", 1, Part.WHOLE, "Place Wire W1", chart="", at_s=0.0),
+        Interrupted("the engine was lost"),
+        TaskBegun("W1", 1, Part.CLEAR, "Place Wire W1 Clear", chart="", at_s=1.0),
+        TaskEnded("W1", "finished", 2.0, placed=False),
+    ]
+    found = Settled("W1", ("a", "b"), 0)
+    for settled, placed in ((), [False, False]), ((found,), [True, False]):
+        attempts = attempts_of([*events, *settled])
+        assert [attempt.execution.placed for attempt in attempts] == placed
+
+
 def test_an_order_that_the_cell_refuses_ends_before_anything_moves(bench):
     problems = "\n".join(f"  - problem {number}" for number in range(57))
     bench.cell.refusal = RefusedError(Code.INVALID_GOAL, f"cannot load panel house:\n{problems}")

@@ -244,6 +244,19 @@ class ProxiesTest(unittest.TestCase):
         self.assertTrue(wait_until(lambda: client.get_state("a/again") == GoalStatus.ACTIVE))
         self.assertTrue(client.is_available("a/again"))
 
+    def test_goals_reach_a_server_that_starts_again_under_its_name(self):
+        """None is sent on the connection to the one that has died."""
+        client = ProxyActionClient({"a/respawned": TestAction}, wait_duration=0.0)
+        for _ in range(3):
+            server = self.start_server("a/respawned", "respawned")
+            self.assertTrue(wait_until(lambda: client.is_available("a/respawned")))
+            client.send_goal("a/respawned", TestGoal())
+            self.assertTrue(
+                wait_until(lambda: client.get_state("a/respawned") == GoalStatus.ACTIVE, 5.0)
+            )
+            server.kill()
+            server.wait()
+
     def test_a_lost_goal_is_cancelled_in_case_its_server_gets_it_late(self):
         cancelled = []
         rospy.Subscriber("a/late/cancel", GoalID, lambda message: cancelled.append(message.id))

@@ -12,11 +12,11 @@ import unittest
 from pathlib import Path
 
 import actionlib
-import rosnode
 import rospy
 import rostest
 import yaml
 from actionlib.msg import TestAction, TestResult
+from actionlib_msgs.msg import GoalStatusArray
 from flexbe_msgs.msg import (
     BehaviorLog,
     BehaviorModification,
@@ -361,12 +361,14 @@ class OnboardTest(unittest.TestCase):
             "s = actionlib.ActionServer('lost_action', TestAction, lambda h: h.set_accepted(),"
             " auto_start=False); s.start(); rospy.spin()"
         )
+        serving = Recorder("lost_action/status", GoalStatusArray)
         victim = subprocess.Popen([sys.executable, "-c", script])
         try:
-            wait_until(lambda: "/victim" in rosnode.get_node_names())
+            # Its name is registered long before it serves.
+            self.assertIsNotNone(serving.wait(lambda m: True))
             self.engine.start("Goal Test", topic="lost_action", **parameters)
             self.assertTrue(self.engine.is_at("/Goal"))
-            self.assertIsNone(self.engine.ended(0.5))
+            self.assertIsNone(self.engine.ended(0.5), self.log_texts())
             os.kill(victim.pid, signal.SIGKILL)
             killed = time.monotonic()
             self.assertIsNotNone(self.engine.ended())

@@ -20,6 +20,7 @@ from flexbe_msgs.srv import GetUserdata
 from genpy import Message
 from std_msgs.msg import Bool, Empty, Int32, String, UInt8
 
+from flexbe_core.ros.connections import is_heard
 from flexbe_core.ros.topics import START_AT
 from remodel_console.core.run import order as orders
 from remodel_console.core.run.log_line import LogLine
@@ -111,7 +112,7 @@ class EngineLink:
     def _expect_subscriber(self, topic: str) -> None:
         """Wait for the engine, which connects to each topic of its own accord."""
         end_s = time.monotonic() + _CONNECT_S
-        while not self._publishers[topic].get_num_connections():
+        while not is_heard(self._publishers[topic]):
             if time.monotonic() > end_s or self._stop.wait(_CHECK_EVERY_S):
                 raise CommandError(
                     f"the engine does not subscribe to {topic}; does a behavior run?"
@@ -160,7 +161,7 @@ class EngineLink:
             if time.monotonic() - self._read_s > _READ_EVERY_S:
                 self._read_breakpoints()
             # One that has just come may be heard before it hears what it is sent.
-            hears = self._publishers[topics.START].get_num_connections() > 0
+            hears = is_heard(self._publishers[topics.START])
             is_there = hears and self._heartbeat.get_num_connections() > 0
             if is_there != self._was_there:
                 self._was_there = is_there

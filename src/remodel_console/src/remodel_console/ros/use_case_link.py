@@ -11,6 +11,7 @@ from actionlib_msgs.msg import GoalStatus
 from remodel_msgs import srv
 from remodel_msgs.msg import RunUseCaseAction, RunUseCaseGoal
 
+from flexbe_core.ros.connections import is_heard
 from remodel_console.core.use_case.use_case import Choice, UseCase
 from remodel_console.errors import CommandError
 from remodel_console.ros import topics
@@ -48,7 +49,7 @@ class UseCaseLink:
         Raises:
             CommandError: if there is no supervisor, or it refuses.
         """
-        if self._client.pub_goal.get_num_connections() == 0:
+        if not is_heard(self._client.pub_goal):
             raise CommandError("no use case supervisor is running to take the order")
         decided = threading.Event()
 

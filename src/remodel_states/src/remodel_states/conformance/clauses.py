@@ -116,7 +116,7 @@ OLD_GOAL = TrialKind(
     "the goal that ran during the restart",
     "the first one of these two goals",
     ("ghost",),
-    "as above, or the goal ended before the restart",
+    "as above, or the goal ended before the server was restarted",
 )
 OTHERS = TrialKind("all other trials", "", unjudged="the first goal got no result")
 

@@ -251,6 +251,8 @@ class Trials:
             yield _unjudged(RESTART, reason)
             yield _unjudged(OLD_GOAL, "the server was not restarted")
             return
+        # A success by then is of the old server, or of one that the command has not reached.
+        ended_before |= running.is_done
         if not self._probe.wait_for_server(self._restart_limit_s):
             found = f"not back after {self._restart_limit_s:g} s"
             yield Trial(RESTART.name, (Violation("not-back", found),))
@@ -259,7 +261,7 @@ class Trials:
         after = self._finish(self._send())
         yield self._judged(RESTART.name, [after])
         if ended_before:
-            yield _unjudged(OLD_GOAL, self._ended_before("the restart"))
+            yield _unjudged(OLD_GOAL, self._ended_before("the server was restarted"))
             return
         self._probe.wait(lambda: bool(running.results), self._nominal_s)
         if running.is_done and running.result.ros_s > after.sent_ros_s:

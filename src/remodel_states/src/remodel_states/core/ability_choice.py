@@ -12,13 +12,14 @@ def chosen_abilities(
 
     Args:
         known: names of all abilities.
-        abilities: those to serve, a list or text such as "InsertCable, PickCable"; empty: all.
+        abilities: those to serve, a list or text such as "InsertCable, PickCable"; empty text: all,
+            empty list: none.
         others: those of them not to serve, in the same form.
 
     Raises:
         ValueError: if a name is none of `known`.
     """
-    wanted = _names("abilities", abilities, known) or list(known)
+    wanted = list(known) if abilities == "" else _names("abilities", abilities, known)
     without = _names("except", others, known)
     return [name for name in known if name in wanted and name not in without]
 

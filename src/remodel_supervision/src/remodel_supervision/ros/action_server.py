@@ -11,6 +11,7 @@ import rospy
 from actionlib_msgs.msg import GoalStatus
 from genpy import Message
 
+from flexbe_core.ros.connections import drop_dead
 from remodel_production.errors import LostError
 
 # [s] wall time between two checks whether a server is there.
@@ -40,6 +41,7 @@ class ActionServer:
         """Whether the server is connected."""
         if rospy.get_rostime().is_zero():
             return False  # no clock yet: no cell, and actionlib cannot count back from zero
+        drop_dead(self._client.pub_goal)
         # To actionlib zero means for ever; what has passed already, one look.
         return self._client.wait_for_server(rospy.Duration(0, -1))
 

@@ -18,7 +18,7 @@ from remodel_supervision.core.runs.events import (
 )
 from remodel_supervision.core.runs.gate import FEEDER
 from remodel_supervision.core.runs.gate_decision import cut_short_event, is_cut_short
-from remodel_supervision.core.runs.state import PREEMPTED
+from remodel_supervision.core.runs.state import FINISHED, PREEMPTED
 from remodel_supervision.core.runs.step import Execute
 from remodel_supervision.errors import LeavingError, RefusedError
 from remodel_supervision.supervisors.gate_keeper import GateKeeper
@@ -102,17 +102,18 @@ class TaskExecutor:
             self._record.append(cut_short_event(name, halted, now))
             return
         pictures = self._peers.pictures.keep(self._record.run, f"{name}-{attempt}-{part.value}")
-        placed = self._peers.cell.placed(name)
+        truth = self._peers.cell.placed(name)
+        is_done = part.is_attempt and outcome == FINISHED
         path = self._peers.engine.path()
         at_s = self._loop.now_s()
         ended = TaskEnded(
             name,
             outcome,
             at_s,
-            placed=bool(placed),
+            placed=is_done if truth is None else truth,
             path=path,
             pictures=pictures,
-            denied=placed is False,
+            denied=truth is False,
         )
         self._record.append(ended)
 

@@ -13,6 +13,7 @@ from genpy import Message
 
 from flexbe_core.proxy.goal import Goal
 from flexbe_core.ros import clock
+from flexbe_core.ros.connections import hears, senders
 from flexbe_core.ros.waiting import Waiting
 
 # [s] A server publishes its status at 5 Hz of ROS time. If it is silent this long, in ROS time as
@@ -78,8 +79,8 @@ class ActionConnection:
 
         Either alone makes no server: `rosbag record` takes goals, `rosbag play` publishes statuses.
         """
-        publishers = sorted(_established(self._subscribers[0]))
-        return tuple(name for name in publishers if self._goal_publisher.impl.has_connection(name))
+        publishers = sorted(senders(self._subscribers[0]))
+        return tuple(name for name in publishers if hears(self._goal_publisher, name))
 
     def wait(self, limit_s: float) -> bool:
         """Wait for the server, at most `limit_s` [s] of wall time; return whether it is there."""
@@ -122,10 +123,9 @@ class ActionConnection:
                 self.cancel(goal)
 
     def _is_connected(self) -> bool:
-        servers = [_established(subscriber) for subscriber in self._subscribers]
+        servers = [senders(subscriber) for subscriber in self._subscribers]
         return any(
-            self._goal_publisher.impl.has_connection(server)
-            and self._cancel_publisher.impl.has_connection(server)
+            hears(self._goal_publisher, server) and hears(self._cancel_publisher, server)
             for server in set.intersection(*servers)
         )
 
@@ -150,12 +150,3 @@ class ActionConnection:
             goal.take_result(message.status, message.result)
             for waiting in (self.for_result, self.for_feedback, self.for_status):
                 waiting.wake_all()
-
-
-def _established(subscriber: rospy.Subscriber) -> set[str]:
-    """Return the names of the nodes from which the subscriber receives.
-
-    The list that rospy keeps is replaced, never changed, so that it needs no lock; a connection
-    that is still being made has no name yet. actionlib does the same.
-    """
-    return {c.callerid_pub for c in subscriber.impl.connections if c.callerid_pub != "unknown"}

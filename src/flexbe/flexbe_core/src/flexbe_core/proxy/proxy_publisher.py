@@ -9,6 +9,8 @@ from typing import ClassVar
 import rospy
 from genpy import Message
 
+from flexbe_core.ros.connections import is_heard
+
 # [s] Wall time after which waiting for a subscriber is logged.
 _LOG_AFTER_S = 0.5
 
@@ -63,7 +65,7 @@ class ProxyPublisher:
             return False
         start = time.monotonic()
         is_logged = False
-        while publisher.get_num_connections() == 0:
+        while not is_heard(publisher):
             waited = time.monotonic() - start
             if waited >= timeout or rospy.is_shutdown():
                 rospy.logerr("no subscriber of %s within %g s", topic, timeout)

@@ -11,6 +11,7 @@ import rospy
 from flexbe_msgs.msg import BehaviorLog, BehaviorSelection, BEStatus
 from std_msgs.msg import Empty, String
 
+from flexbe_core.ros.connections import hears, senders
 from flexbe_widget.core.run_watch import SILENCE_S
 
 # [s] Wall time by which the reason for a status may arrive after it.
@@ -109,13 +110,13 @@ class EngineLink:
 
         A process that is stopped keeps its connections, but is silent.
         """
-        heard = set.intersection(*(_senders(subscriber) for subscriber in self._subscribers))
+        heard = set.intersection(*(senders(subscriber) for subscriber in self._subscribers))
         now = time.monotonic()
         if self.last_status is None or not heard:
             self._heard_since = None
             return False
         self._heard_since = self._heard_since or now
-        hears_requests = any(self._start.impl.has_connection(node) for node in heard)
+        hears_requests = any(hears(self._start, node) for node in heard)
         if self.silent_s() > SILENCE_S:
             return False
         return hears_requests and now - self._heard_since >= _CONNECTION_S
@@ -167,8 +168,3 @@ class EngineLink:
                 self.last_error = message.text
                 self._has_error.notify_all()
         self._on_event(Logged(message.status_code, message.text))
-
-
-def _senders(subscriber: rospy.Subscriber) -> set[str]:
-    """Return the names of the nodes from which the subscriber receives; "unknown" is none yet."""
-    return {c.callerid_pub for c in subscriber.impl.connections} - {"unknown"}

@@ -104,7 +104,7 @@ class Report:
 
     @property
     def placed(self) -> int:
-        """The number of wires placed; this run's by the cell's ground truth."""
+        """The number of wires placed; this run's by the cell's ground truth, if it has one."""
         return self.before + sum(attempt.execution.placed for attempt in self.attempts)
 
     @property

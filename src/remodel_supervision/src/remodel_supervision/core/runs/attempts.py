@@ -12,6 +12,7 @@ from remodel_supervision.core.runs.events import (
     Interrupted,
     OperationEnded,
     Part,
+    Settled,
     TaskBegun,
     TaskEnded,
 )
@@ -78,6 +79,8 @@ class Attempts:
                 execution = _execution(begun, INTERRUPTED, False, at_s, operations=self._operations)
                 ended.append(Attempt(execution, begun.part, begun.chart, because=event.because))
                 self._begun = None
+            case Settled() if not event.left and not event.unseen:
+                _note_placed(ended, event.task)
             case Decided() if ended and ended[-1].execution.wire == event.task:
                 ended[-1] = replace(ended[-1], decision=event)
 
@@ -91,10 +94,11 @@ def attempts_of(events: Iterable[Event]) -> tuple[Attempt, ...]:
 
 
 def _note_placed(ended: list[Attempt], task: str) -> None:
-    """Note that the interrupted attempt at a task, if it is the last one, had placed its part."""
-    if ended and ended[-1].because and ended[-1].execution.wire == task:
-        execution = replace(ended[-1].execution, placed=True)
-        ended[-1] = replace(ended[-1], execution=execution)
+    """Note that the last attempt at a task, if it was interrupted, had placed its part."""
+    at_task = [n for n, a in enumerate(ended) if a.execution.wire == task and a.part.is_attempt]
+    if at_task and ended[at_task[-1]].because:
+        attempt = ended[at_task[-1]]
+        ended[at_task[-1]] = replace(attempt, execution=replace(attempt.execution, placed=True))
 
 
 def _execution(

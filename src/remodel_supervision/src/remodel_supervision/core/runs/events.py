@@ -192,7 +192,8 @@ class TaskEnded:
     """The behavior of the task under way ended by itself.
 
     Attributes:
-        placed: whether the cell's ground truth finds the wire placed.
+        placed: whether the cell's ground truth finds the wire placed; of a cell without one,
+            whether the behavior did the task and finished.
         path: of the states that were entered, as the engine published them.
         pictures: names of files in the run's folder.
         denied: whether the cell knows the wire, and knows that it is not placed: a task that ended

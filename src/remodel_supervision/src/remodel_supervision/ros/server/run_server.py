@@ -91,15 +91,15 @@ class RunServer:
 
     def _on_goal(self, handle: actionlib.ServerGoalHandle) -> None:
         goal = handle.get_goal()
+        code = ErrorCode.BUSY
         try:
             self._runs.require_free()
+            code = ErrorCode.INVALID_GOAL
             _require_sound(goal)
             supervisor = self._runs.begin(
                 goal.order, goal.tasks, goal.timeout, use_case=goal.use_case, again=goal.again
             )
         except PlannerError as error:
-            is_busy = self._commands.active is not None or bool(self._commands.closed)
-            code = ErrorCode.BUSY if is_busy else ErrorCode.INVALID_GOAL
             handle.set_rejected(refusal(goal, code, str(error)), str(error))
             return
         self._publication.expect(supervisor, handle)
