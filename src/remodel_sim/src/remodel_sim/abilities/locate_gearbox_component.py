@@ -28,7 +28,8 @@ from remodel_states.core.codes import Code
 # Further than this from its place on the panel, something is wrong with the panel or the component.
 DISPLACED_M = 0.030
 DISPLACED_RAD = math.radians(15.0)
-# One view does not show reliably whether a component stands upright.
+# One view does not show reliably whether a component stands upright; two that leave its pose
+# uncertain are followed by more.
 VIEWS = 2
 
 
@@ -107,10 +108,11 @@ def _observe_from_hand(
         picture = yield from go_and_see(context, tool)
         seen = _see(context, "wrist", picture, component, goal=goal, near=coarse, views=views)
         observation = seen or observation
-        if len(views) == VIEWS:
+        if len(views) >= VIEWS and observation is not None and observation.reliable:
             return observation
     # The empty hand reaches other places; one that holds a wire may reach but one.
-    return None if context.belief.grip is None else observation
+    is_only = context.belief.grip is not None and len(views) == 1
+    return observation if is_only and observation is not None and observation.reliable else None
 
 
 def _see(
