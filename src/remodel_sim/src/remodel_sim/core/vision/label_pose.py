@@ -59,10 +59,13 @@ BESIDE_CELLS = 0.5
 # A pose is relied on when its standard deviations are at most these, at the component's corners [m]
 # and in direction [rad], and no picture alone moves the label by more along the plate [m].
 MOST_SHIFT_M, MOST_TURN_RAD, MOST_APART_M = 0.0012, math.radians(1.2), 0.0004
-# A component of which there is only one picture stands upright when that shows less tilt and lift.
-UPRIGHT_RAD, UPRIGHT_M = math.radians(2.0), 0.001
-# A tilt or a lift is one when it is so many of its standard deviations.
-SIGNIFICANT = 2.0
+# A component leans or is lifted when it does so by more than this, and by more than so many of the
+# standard deviations.
+UPRIGHT_RAD, UPRIGHT_M = math.radians(1.0), 0.001
+SIGNIFICANT = 2.5
+# One picture is enough for an upright component only of a label of which so much is shown, unless
+# it is certain how it stands.
+WHOLE = 0.97
 # A label is left out in so many parts along each side.
 PARTS = 3
 
@@ -107,7 +110,7 @@ class ComponentObservation:
         shown: share of the label that looks as it should, 0 to 1.
         corners: (4, 2) of its black square in the last picture [px].
         deviations: how far the pose can be relied on.
-        leaning: whether its only picture shows that it does not stand upright.
+        leaning: whether there is only one picture, which does not show it upright.
     """
 
     world_from_component: Pose
@@ -143,25 +146,27 @@ def locate_component(component: Component, views: Sequence[LabelView]) -> Compon
     upright = _fit(patches, blur, start, UPRIGHT)
     free = _fit(patches, blur, free.world_from_label, FREE)
     explained = upright.explained | free.explained
-    leans = free.cost(explained) < CLEARLY_BETTER * upright.cost(explained)
+    # Within its own uncertainty a component is upright, as components are.
     best, deviations = upright, _deviations(component, patches, blur, upright, UPRIGHT)
-    if leans and len(views) > 1:
-        deviations = _deviations(component, patches, blur, free, FREE)
-        # Within its own uncertainty a component is upright, as components are.
-        tilt, lift = _stance(free.world_from_label, upright)
-        if tilt > SIGNIFICANT * deviations.turn or lift > SIGNIFICANT * deviations.shift:
-            best = free
+    unsure = _deviations(component, patches, blur, free, FREE)
+    tilt, lift = _stance(free.world_from_label, upright)
+    leaning = tilt > max(UPRIGHT_RAD, SIGNIFICANT * unsure.turn)
+    leaning |= lift > max(UPRIGHT_M, SIGNIFICANT * unsure.shift)
+    if free.cost(explained) < CLEARLY_BETTER * upright.cost(explained) and len(views) > 1:
+        best, deviations = free if leaning else upright, unsure
+    shown = float(best.explained.mean())
+    if len(views) == 1 and shown < WHOLE and not unsure.small:
+        leaning = True
     height = float(label_corners(component)[0, 2])
     pose = best.world_from_label @ Pose.level(0.0, 0.0, -height)
-    tilt, lift = _stance(free.world_from_label, upright)
     return ComponentObservation(
         world_from_component=pose,
         upright=best is upright,
         residual=best.residual,
-        shown=float(best.explained.mean()),
+        shown=shown,
         corners=views[-1].picture.view.project(pose.apply(label_corners(component))),
         deviations=deviations,
-        leaning=len(views) == 1 and (leans or tilt > UPRIGHT_RAD or lift > UPRIGHT_M),
+        leaning=leaning and len(views) == 1,
     )
 
 
