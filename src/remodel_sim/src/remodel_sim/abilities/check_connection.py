@@ -25,7 +25,8 @@ from remodel_sim.core.goals.goal_pose import Message
 from remodel_sim.core.goals.requirements import parse_end
 from remodel_sim.core.robot.arm import ToolPose
 from remodel_sim.core.vision.drawing import ORANGE, Drawing
-from remodel_sim.core.vision.label_pose import ComponentObservation, LabelView, locate_component
+from remodel_sim.core.vision.component_observation import ComponentObservation
+from remodel_sim.core.vision.label_pose import LabelView, locate_component
 from remodel_sim.core.vision.labels import find_labels, search_label
 from remodel_sim.core.vision.opening_occupancy import (
     Occupancy,

@@ -18,7 +18,8 @@ from remodel_sim.core.geometry import Pose
 from remodel_sim.core.goals import LocateGoal
 from remodel_sim.core.goals.goal_pose import Message
 from remodel_sim.core.vision.drawing import ORANGE, Drawing
-from remodel_sim.core.vision.label_pose import ComponentObservation, LabelView, locate_component
+from remodel_sim.core.vision.component_observation import ComponentObservation
+from remodel_sim.core.vision.label_pose import LabelView, locate_component
 from remodel_sim.core.vision.labels import find_labels, search_label
 from remodel_sim.core.workpiece.component_shape import label_corners
 from remodel_sim.core.workpiece.layout import WORLD_FROM_PANEL

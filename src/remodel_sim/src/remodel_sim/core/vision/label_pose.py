@@ -26,6 +26,12 @@ import numpy.typing as npt
 
 from remodel_sim.core.camera import Picture
 from remodel_sim.core.geometry import Array, Pose, multiply_quaternions
+from remodel_sim.core.vision.component_observation import (
+    ComponentObservation,
+    Deviations,
+    deviations_of,
+    solved,
+)
 from remodel_sim.core.vision.label_patch import LabelPatch
 from remodel_sim.core.workpiece.component_shape import label_corners
 from remodel_sim.core.workpiece.panel import Component
@@ -41,8 +47,6 @@ STEPS = np.array([2e-5, 2e-5, 2e-5, 1e-3, 1e-3, 1e-3])
 MAX_ROUNDS = 12
 # Rounds end with motions that are this small, in steps of the derivatives.
 STILL = 0.05
-# Keeps the normal equations solvable when a picture does not determine all motions.
-DAMPING = 1e-9
 # Tukey's biweight: differences count less and less up to this share of the contrast.
 TUKEY = 0.6
 # What differs by more than this share of the contrast is not the label.
@@ -58,7 +62,7 @@ LEAST_SHOWN, MOST_RESIDUAL_M = 0.6, 0.0005
 BESIDE_CELLS = 0.5
 # A pose is relied on when its standard deviations are at most these, at the component's corners [m]
 # and in direction [rad], and no picture alone moves the label by more along the plate [m].
-MOST_SHIFT_M, MOST_TURN_RAD, MOST_APART_M = 0.0012, math.radians(1.2), 0.0004
+MOST = Deviations(shift=0.0012, turn=math.radians(1.2), apart=0.0004)
 # A component leans or is lifted when it does so by more than this, and by more than so many of the
 # standard deviations.
 UPRIGHT_RAD, UPRIGHT_M = math.radians(1.0), 0.001
@@ -76,60 +80,6 @@ class LabelView:
 
     picture: Picture
     corners: Array
-
-
-@dataclass(frozen=True)
-class Deviations:
-    """How far a pose can be relied on.
-
-    Attributes:
-        shift: standard deviation of the component's corners [m], leaving out part after part.
-        turn: the same of its direction [rad].
-        apart: how far single pictures would move the component along the plate [m].
-    """
-
-    shift: float
-    turn: float
-    apart: float
-
-    @property
-    def small(self) -> bool:
-        """Whether the pose follows from all parts and pictures alike."""
-        certain = self.shift <= MOST_SHIFT_M and self.turn <= MOST_TURN_RAD
-        return certain and self.apart <= MOST_APART_M
-
-
-@dataclass(frozen=True, eq=False)
-class ComponentObservation:
-    """A component as seen.
-
-    Attributes:
-        world_from_component: upright on the plate, unless two views or more show otherwise.
-        upright: whether it is.
-        residual: RMS distance of the label's edges, as seen, from those of the pose [m].
-        shown: share of the label that looks as it should, 0 to 1.
-        corners: (4, 2) of its black square in the last picture [px].
-        deviations: how far the pose can be relied on.
-        leaning: whether there is only one picture, which does not show it upright.
-    """
-
-    world_from_component: Pose
-    upright: bool
-    residual: float
-    shown: float
-    corners: Array
-    deviations: Deviations
-    leaning: bool
-
-    @property
-    def clear(self) -> bool:
-        """Whether the label is seen well."""
-        return self.shown >= LEAST_SHOWN and self.residual <= MOST_RESIDUAL_M
-
-    @property
-    def reliable(self) -> bool:
-        """Whether the label is seen well, and the pose follows from all its parts and pictures."""
-        return self.clear and self.deviations.small and not self.leaning
 
 
 def locate_component(component: Component, views: Sequence[LabelView]) -> ComponentObservation:
@@ -155,10 +105,12 @@ def locate_component(component: Component, views: Sequence[LabelView]) -> Compon
     if free.cost(explained) < CLEARLY_BETTER * upright.cost(explained) and len(views) > 1:
         best, deviations = free if leaning else upright, unsure
     shown = float(best.explained.mean())
-    if len(views) == 1 and shown < WHOLE and not unsure.small:
+    if len(views) == 1 and shown < WHOLE and not unsure.within(MOST):
         leaning = True
     height = float(label_corners(component)[0, 2])
     pose = best.world_from_label @ Pose.level(0.0, 0.0, -height)
+    clear = shown >= LEAST_SHOWN and best.residual <= MOST_RESIDUAL_M
+    alone = leaning and len(views) == 1
     return ComponentObservation(
         world_from_component=pose,
         upright=best is upright,
@@ -166,7 +118,8 @@ def locate_component(component: Component, views: Sequence[LabelView]) -> Compon
         shown=shown,
         corners=views[-1].picture.view.project(pose.apply(label_corners(component))),
         deviations=deviations,
-        leaning=leaning and len(views) == 1,
+        clear=clear,
+        reliable=clear and deviations.within(MOST) and not alone,
     )
 
 
@@ -184,34 +137,20 @@ def _deviations(
     fit: _Fit,
     axes: tuple[int, ...],
 ) -> Deviations:
-    """Return how far the parts of a label, and the pictures, are apart at a pose.
-
-    A part is left out in one step of Gauss and Newton. Reference: B. Efron and C. Stein, The
-    jackknife estimate of variance, 1981.
-    """
-    steps = STEPS[list(axes)]
-    along = [i for i, axis in enumerate(axes) if axis in UPRIGHT]
+    """Return how far the parts of a label, and the pictures, are apart at a pose."""
     parts = np.zeros((PARTS**2, len(axes), len(axes) + 1))
-    apart = 0.0
-    for patch in patches:
+    pictures = np.zeros((len(patches), len(axes), len(axes) + 1))
+    for patch, picture in zip(patches, pictures, strict=True):
         own = _differences(patch, blur_px, fit.world_from_label, axes)
         beside = np.column_stack([own.change, own.rest])
         terms = (own.weight[:, None] * own.change)[:, :, None] * beside[:, None, :]
         place = np.clip(((patch.even + 0.5) * PARTS).astype(int), 0, PARTS - 1) @ [PARTS, 1]
         np.add.at(parts, place, terms)
-        whole = terms.sum(axis=0)
-        alone = _solved(whole[np.ix_(along, along)], whole[along, -1]) * steps[along]
-        apart = max(apart, float(np.linalg.norm(alone[:2])))
-    motions = np.zeros((len(parts), 6))
-    for row, part in zip(motions, parts, strict=True):
-        left = parts.sum(axis=0) - part
-        row[list(axes)] = _solved(left[:, :-1], left[:, -1]) * steps
-    motions *= math.sqrt((len(parts) - 1) / len(parts))
+        picture += terms.sum(axis=0)
+    along = [i for i, axis in enumerate(axes) if axis in UPRIGHT]
     corners = np.array([[x, y, z] for x in (-0.5, 0.5) for y in (-0.5, 0.5) for z in (-1.0, 0.0)])
     arms = (corners * component.size) @ fit.world_from_label.rotation.T
-    shifts = motions[:, None, :3] + np.cross(motions[:, None, 3:], arms)
-    shift = np.sqrt(np.sum(np.square(shifts), axis=(0, 2))).max()
-    return Deviations(float(shift), float(np.linalg.norm(motions[:, 3:])), apart)
+    return deviations_of(parts, pictures, along, np.diag(STEPS)[list(axes)], arms)
 
 
 def _upright_start(component: Component, label_view: LabelView) -> Pose:
@@ -261,16 +200,11 @@ def _fit(patches: Sequence[LabelPatch], blur_px: float, pose: Pose, axes: tuple[
     """Move a label from a pose along some axes until its drawing fits all patches."""
     for _ in range(MAX_ROUNDS):
         fit = _compare(patches, blur_px, pose, axes)
-        motion = _solved(fit.normal, fit.pull)
+        motion = solved(fit.normal, fit.pull)
         if np.abs(motion).max() < STILL:
             break
         pose = _moved(pose, axes, motion)
     return fit
-
-
-def _solved(normal: Array, pull: Array) -> Array:
-    damping = DAMPING * np.trace(normal) * np.eye(len(pull))
-    return np.asarray(np.linalg.solve(normal + damping, pull))
 
 
 def _compare(
