@@ -168,7 +168,7 @@ class LabelScene:
 
     def _glare(self, part: Component) -> Glare:
         aside = self._random.uniform(-0.5, 0.5, 2) * part.marker_size
-        middle = label_corners(part).mean(axis=0) + [*aside, 0.0]
+        middle = label_corners(part).mean(axis=0) + np.array([*aside, 0.0])
         return Glare(
             self.poses[part.id].apply(middle),
             self._random.uniform(*GLARE_LEVELS),
@@ -199,7 +199,7 @@ class LabelScene:
             levels = levels * fade[..., None] + 120 * condition.uneven * shine[..., None]
         for glare in self._glares:
             lens = picture.view.world_from_camera.position[:2]
-            moved = glare.place + [*(glare.drift * (lens - glare.place[:2])), 0.0]
+            moved = glare.place + np.array([*(glare.drift * (lens - glare.place[:2])), 0.0])
             middle = picture.view.project(moved)[0]
             spread = glare.size / picture.view.metres_per_pixel(float(moved[2]))
             columns, rows = np.meshgrid(np.arange(width), np.arange(height))

@@ -151,7 +151,9 @@ def main() -> None:
     options = parser.parse_args()
     chosen = (options.conditions or ",".join(CONDITIONS)).split(",")
     if unknown := set(chosen) - set(CONDITIONS):
-        parser.error(f"unknown conditions: {', '.join(sorted(unknown))}; allowed: {list(CONDITIONS)}")
+        parser.error(
+            f"unknown conditions: {', '.join(sorted(unknown))}; allowed: {list(CONDITIONS)}"
+        )
     seeds = range(options.seed, options.seed + max(3, options.scenes // 8))
     with multiprocessing.get_context("spawn").Pool(options.processes) as pool:
         covered: list[Answer] = []
@@ -163,7 +165,9 @@ def main() -> None:
             covered += answers if name in (TAPE, GLARE) else []
         if covered:
             accepted = sum(math.isfinite(a.position) for a in covered)
-            what = f"labels under tape or glare: wrong, of {accepted} accepted, {len(covered)} in all"
+            what = (
+                f"labels under tape or glare: wrong, of {accepted} accepted, {len(covered)} in all"
+            )
             report(Row(what, sum(map(is_wrong, covered)), at_most=0))
 
 

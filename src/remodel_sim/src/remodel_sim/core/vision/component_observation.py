@@ -83,9 +83,7 @@ def deviations_of(
     steps = [solved(left[:, :-1], left[:, -1]) @ motions for left in whole - parts]
     moved = np.array(steps) * math.sqrt((len(parts) - 1) / len(parts))
     shifts = moved[:, None, :3] + np.cross(moved[:, None, 3:], arms)
-    apart = [
-        solved(own[np.ix_(along, along)], own[along, -1]) @ motions[along] for own in pictures
-    ]
+    apart = [solved(own[np.ix_(along, along)], own[along, -1]) @ motions[along] for own in pictures]
     return Deviations(
         shift=float(np.sqrt(np.sum(np.square(shifts), axis=(0, 2))).max()),
         turn=float(np.linalg.norm(moved[:, 3:])),
