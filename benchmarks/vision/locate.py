@@ -2,14 +2,16 @@
 """Measure how well components are located by their labels, against the targets.
 
 Each component of a scene is observed from above and then from the hand, as LocateGearboxComponent
-does, but without an arm. Adds to out/bench/vision.jsonl.
+does, but without an arm. Adds to out/bench/vision.jsonl, and writes the table of docs/vision.md to
+a file that is named.
 
-Usage: locate.py [--scenes N] [--seed FIRST] [--processes N] [--conditions NAME,NAME]
+Usage: locate.py [--scenes N] [--seed FIRST] [--processes N] [--conditions NAME,NAME] [FILE]
 """
 
 from __future__ import annotations
 
 import argparse
+import json
 import math
 import multiprocessing
 from collections.abc import Iterator
@@ -141,34 +143,51 @@ def rows(name: str, answers: list[Answer]) -> Iterator[Row]:
     yield Row(f"{group}: wrong", 100 * sum(wrong) / len(answers), "%", at_most=1.0)
 
 
+def table_row(name: str, answers: list[Answer]) -> dict[str, str]:
+    """Return a row of the docs' table."""
+    good = [a for a in answers if math.isfinite(a.position)]
+    position = np.quantile([a.position for a in good] or [math.nan], [0.5, 0.9])
+    angle = np.quantile([a.angle for a in good] or [math.nan], [0.5, 0.9])
+    return {
+        "components": name,
+        "seen": str(len(answers)),
+        "located": f"{100 * len(good) / len(answers):.0f} %",
+        "position, median / p90 (0.5 / 1.0)": f"{position[0]:.2f} / {position[1]:.2f} mm",
+        "angle, median / p90 (0.5 / 1.0)": f"{angle[0]:.2f} / {angle[1]:.2f} deg",
+        "wrong (0)": str(sum(map(is_wrong, answers))),
+    }
+
+
 def main() -> None:
     """Measure and print."""
     parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("file", type=Path, nargs="?", help="of the table, such as labels.jsonl")
     parser.add_argument("--scenes", type=int, default=200, help="an eighth per condition")
     parser.add_argument("--seed", type=int, default=5000, help="of the first scene")
     parser.add_argument("--processes", type=int, default=2)
-    parser.add_argument("--conditions", help=f"only these, of {', '.join(CONDITIONS)}")
+    known = ", ".join(CONDITIONS)
+    parser.add_argument("--conditions", help=f"only these, of {known}".replace("%", "%%"))
     options = parser.parse_args()
     chosen = (options.conditions or ",".join(CONDITIONS)).split(",")
     if unknown := set(chosen) - set(CONDITIONS):
-        parser.error(
-            f"unknown conditions: {', '.join(sorted(unknown))}; allowed: {list(CONDITIONS)}"
-        )
+        parser.error(f"--conditions: {', '.join(sorted(unknown))} unknown; allowed: {known}")
     seeds = range(options.seed, options.seed + max(3, options.scenes // 8))
     with multiprocessing.get_context("spawn").Pool(options.processes) as pool:
         covered: list[Answer] = []
+        lines: list[str] = []
         for name in chosen:
             scenes = pool.map(run, [(CONDITIONS[name], seed) for seed in seeds], chunksize=1)
             answers = [answer for scene in scenes for answer in scene]
             for row in rows(name, answers):
                 report(row)
+            lines.append(json.dumps(table_row(name, answers)) + "\n")
             covered += answers if name in (TAPE, GLARE) else []
         if covered:
             accepted = sum(math.isfinite(a.position) for a in covered)
-            what = (
-                f"labels under tape or glare: wrong, of {accepted} accepted, {len(covered)} in all"
-            )
+            what = f"under tape or glare: wrong of {accepted} accepted of {len(covered)}"
             report(Row(what, sum(map(is_wrong, covered)), at_most=0))
+    if options.file is not None:
+        options.file.write_text("".join(lines), encoding="utf-8")
 
 
 if __name__ == "__main__":

@@ -298,7 +298,7 @@ def _measure(
 
 
 def _peaks(strength: Array, of_screw: npt.NDArray[np.bool_]) -> npt.NDArray[np.intp]:
-    """Return where along each row an edge is: a screw's is the strongest, else the first; -1: none."""
+    """Return where each row has its edge: a screw's strongest, else the first; -1: none."""
     peaks = np.zeros(strength.shape, bool)
     inner = strength[:, 1:-1]
     peaks[:, 1:-1] = (inner >= strength[:, :-2]) & (inner > strength[:, 2:]) & (inner > LEAST_EDGE)
