@@ -27,8 +27,11 @@ from remodel_sim.core.workpiece.panel import Panel
 CELL_M, AROUND_M = 0.001, 0.03
 # A height differs by no more than this from the relief's [m]; more counts as much.
 FAR_M = 0.006
-# So many of the points fit, at least: a panel that is not there, or another one, does not.
-LEAST_FITTING = 0.75
+# What is so much higher than all of the panel is an arm or a wire in the air [m].
+ABOVE_M = 0.010
+# So much of the panel is seen past them. Of what is higher than the plate by this [m], as drawn or
+# as seen, so much is both: that of another panel is not.
+LEAST_SEEN, HIGH_M, LEAST_FITTING = 0.4, 0.005, 0.45
 
 
 @dataclass(frozen=True)
@@ -66,6 +69,10 @@ def register_panel(picture: Picture, panel: Panel) -> Pose | None:
     """
     relief = _relief(panel)
     points = _points(picture, panel)
+    on_panel = np.isfinite(points[..., 2])
+    points[points[..., 2] > relief.max() + ABOVE_M] = np.nan
+    if np.isfinite(points[..., 2]).sum() < LEAST_SEEN * on_panel.sum():
+        return None
     best = np.zeros(3)
     for step in SEARCH:
         sigma = step.blur / CELL_M
@@ -77,7 +84,9 @@ def register_panel(picture: Picture, panel: Panel) -> Pose | None:
         best = np.array(found[1])
         if step is SEARCH[0] and np.any(np.abs(best) > [*[step.reach * 0.99] * 2, 0.051]):
             return None
-    if 1 - _cost(relief, sparse, tuple(best), only_far=True) < LEAST_FITTING:
+    drawn, seen = _heights(relief, sparse, (best[0], best[1], best[2]))
+    high = (drawn > HIGH_M) | (seen > HIGH_M)
+    if high.any() and np.mean(np.abs(drawn - seen)[high] < FAR_M) < LEAST_FITTING:
         return None
     return WORLD_FROM_PANEL @ Pose.level(best[0], best[1], 0.0, best[2])
 
@@ -90,23 +99,24 @@ def _around(centre: Array, step: Step) -> Iterator[tuple[float, float, float]]:
 
 
 def _cost(
-    relief: npt.NDArray[np.float32],
-    points: Array,
-    pose: tuple[float, float, float],
-    *,
-    only_far: bool = False,
+    relief: npt.NDArray[np.float32], points: Array, pose: tuple[float, float, float]
 ) -> float:
     """Return how far points (n, 3) [m], in the panel's drawn frame, are from a relief at a pose."""
+    drawn, seen = _heights(relief, points, pose)
+    return float(np.mean(np.minimum(np.abs(drawn - seen), FAR_M)))
+
+
+def _heights(
+    relief: npt.NDArray[np.float32], points: Array, pose: tuple[float, float, float]
+) -> tuple[Array, Array]:
+    """Return the heights of a relief at a pose where points lie on it, and those of the points."""
     x, y, turn = pose
     c, s = math.cos(turn), math.sin(turn)
     dx, dy = points[:, 0] - x, points[:, 1] - y
     rows = ((c * dx + s * dy) / CELL_M + relief.shape[0] / 2).astype(np.intp)
     columns = ((c * dy - s * dx) / CELL_M + relief.shape[1] / 2).astype(np.intp)
     inside = (rows >= 0) & (rows < relief.shape[0]) & (columns >= 0) & (columns < relief.shape[1])
-    away = np.abs(relief[rows[inside], columns[inside]] - points[inside, 2])
-    if only_far:
-        return float(np.mean(away > FAR_M))
-    return float(np.mean(np.minimum(away, FAR_M)))
+    return relief[rows[inside], columns[inside]].astype(np.float64), points[inside, 2]
 
 
 def _points(picture: Picture, panel: Panel) -> Array:
