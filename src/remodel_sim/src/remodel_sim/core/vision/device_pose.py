@@ -64,6 +64,8 @@ MOTIONS[[0, 1, 2], [0, 1, 5]] = STEPS
 HEIGHT_M, LEAST_TOP = 0.0025, 0.6
 TOP_MARGIN_M = 0.004
 
+Levels = npt.NDArray[np.float32]
+
 
 @dataclass(frozen=True, eq=False)
 class Edges:
@@ -124,9 +126,10 @@ def search_device(
     """
     edges = device_edges(component)
     reach_y = min(SEARCH_Y_M, TO_NEXT * _to_next(panel, component))
-    grey = cv2.cvtColor(picture.rgb, cv2.COLOR_RGB2GRAY).astype(np.float32)
-    grey = cv2.GaussianBlur(grey, (0, 0), SEARCH_BLUR_PX)
-    slope_x, slope_y = (cv2.Scharr(grey, cv2.CV_32F, *way) / 32 for way in ((1, 0), (0, 1)))
+    grey = _blurred(picture, SEARCH_BLUR_PX)
+    slope_x, slope_y = (
+        np.asarray(cv2.Scharr(grey, cv2.CV_32F, *way) / 32, np.float32) for way in ((1, 0), (0, 1))
+    )
     dx, dy = np.meshgrid(
         np.arange(-SEARCH_X_M, SEARCH_X_M + 1e-9, SEARCH_STEP_M),
         np.arange(-reach_y, reach_y + 1e-9, SEARCH_STEP_M),
@@ -155,6 +158,11 @@ def search_device(
     return DeviceView(picture, Pose.level(x + found[0], y + found[1], z, yaw))
 
 
+def _blurred(picture: Picture, sigma_px: float) -> Levels:
+    grey = cv2.cvtColor(picture.rgb, cv2.COLOR_RGB2GRAY).astype(np.float32)
+    return np.asarray(cv2.GaussianBlur(grey, (0, 0), sigma_px), np.float32)
+
+
 def _to_next(panel: Panel, component: Component) -> float:
     """Return how far away the next device of that size is [m]; infinite if there is none."""
     return min(
@@ -176,8 +184,8 @@ def _seen(edges: Edges, view: View, pose: Pose) -> tuple[Array, Array]:
 
 
 def _scores(
-    slope_x: npt.NDArray[np.float32],
-    slope_y: npt.NDArray[np.float32],
+    slope_x: Levels,
+    slope_y: Levels,
     pixels: Array,
     normals: Array,
     of_screw: npt.NDArray[np.bool_],
@@ -199,12 +207,7 @@ def _scores(
 def locate_device(component: Component, views: Sequence[DeviceView]) -> ComponentObservation:
     """Return the pose of a device at which its edges lie on those of all pictures."""
     edges = device_edges(component)
-    greys = [
-        cv2.GaussianBlur(
-            cv2.cvtColor(view.picture.rgb, cv2.COLOR_RGB2GRAY).astype(np.float32), (0, 0), BLUR_PX
-        )
-        for view in views
-    ]
+    greys = [_blurred(view.picture, BLUR_PX) for view in views]
     pose = views[-1].pose
     for across in ACROSS_PX:
         measured = [
@@ -264,9 +267,7 @@ class _Measured:
     terms: Array
 
 
-def _measure(
-    grey: npt.NDArray[np.float32], view: View, edges: Edges, pose: Pose, across: float
-) -> _Measured:
+def _measure(grey: Levels, view: View, edges: Edges, pose: Pose, across: float) -> _Measured:
     pixels, normals = _seen(edges, view, pose)
     along = np.arange(-across, across + SAMPLE_PX / 2, SAMPLE_PX)
     # One sample more at each end, for the slope.

@@ -76,7 +76,7 @@ def register_panel(picture: Picture, panel: Panel) -> Pose | None:
     best = np.zeros(3)
     for step in SEARCH:
         sigma = step.blur / CELL_M
-        shown = cv2.GaussianBlur(relief, (0, 0), sigma) if sigma else relief
+        shown = np.asarray(cv2.GaussianBlur(relief, (0, 0), sigma), np.float32) if sigma else relief
         sparse = points[:: step.every, :: step.every].reshape(-1, 3)
         sparse = sparse[np.isfinite(sparse[:, 2])]
         centre = best
@@ -149,5 +149,5 @@ def _relief(panel: Panel) -> npt.NDArray[np.float32]:
         placed = WORLD_FROM_PANEL.inverse() @ Pose.level(x, y, 0.0, box.rpy[2])
         cells = placed.apply(corners)[:, :2] / CELL_M + size / 2 - 0.5
         top = box.centre[2] + box.size[2] / 2
-        cv2.fillConvexPoly(heights, np.rint(cells[:, ::-1]).astype(np.int32), top)
+        cv2.fillConvexPoly(heights, np.rint(cells[:, ::-1]).astype(np.int32), (top,))
     return heights
