@@ -118,7 +118,12 @@ class Plant:
     def find_problems(self, panel: Panel) -> tuple[str, ...]:
         """Return why a panel cannot be built, one sentence each; none: it can."""
         magazine, complete = self.design.magazine, self._complete(panel)
-        problems = find_problems(complete, self.design.arms, has_magazine=magazine is not None)
+        problems = find_problems(
+            complete,
+            self.design.arms,
+            has_magazine=magazine is not None,
+            has_labels=self.design.labels,
+        )
         if magazine is None or problems:
             return problems
         return tuple(find_wire_problems(magazine, complete))
