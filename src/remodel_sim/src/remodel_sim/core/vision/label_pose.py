@@ -67,6 +67,8 @@ MOST = Deviations(shift=0.0012, turn=math.radians(1.2), apart=0.0004)
 # standard deviations.
 UPRIGHT_RAD, UPRIGHT_M = math.radians(1.0), 0.001
 SIGNIFICANT = 2.5
+# Nor is one upright that may be tilted by more than this; half of it, if the label is covered.
+MOST_TILT_RAD = math.radians(2.0)
 # One picture is enough for an upright component only of a label of which so much is shown, unless
 # it is certain how it stands.
 WHOLE = 0.97
@@ -102,15 +104,18 @@ def locate_component(component: Component, views: Sequence[LabelView]) -> Compon
     tilt, lift = _stance(free.world_from_label, upright)
     leaning = tilt > max(UPRIGHT_RAD, SIGNIFICANT * unsure.turn)
     leaning |= lift > max(UPRIGHT_M, SIGNIFICANT * unsure.shift)
-    if free.cost(explained) < CLEARLY_BETTER * upright.cost(explained) and len(views) > 1:
+    ambiguous = False
+    if len(views) == 1:
+        covered = float(upright.explained.mean()) < WHOLE
+        ambiguous = leaning or (covered and not unsure.within(MOST))
+    elif free.cost(explained) < CLEARLY_BETTER * upright.cost(explained):
         best, deviations = free if leaning else upright, unsure
+        whole = float(best.explained.mean()) >= WHOLE
+        ambiguous = not leaning and tilt > (MOST_TILT_RAD if whole else UPRIGHT_RAD)
     shown = float(best.explained.mean())
-    if len(views) == 1 and shown < WHOLE and not unsure.within(MOST):
-        leaning = True
     height = float(label_corners(component)[0, 2])
     pose = best.world_from_label @ Pose.level(0.0, 0.0, -height)
     clear = shown >= LEAST_SHOWN and best.residual <= MOST_RESIDUAL_M
-    alone = leaning and len(views) == 1
     return ComponentObservation(
         world_from_component=pose,
         upright=best is upright,
@@ -119,7 +124,7 @@ def locate_component(component: Component, views: Sequence[LabelView]) -> Compon
         corners=views[-1].picture.view.project(pose.apply(label_corners(component))),
         deviations=deviations,
         clear=clear,
-        reliable=clear and deviations.within(MOST) and not alone,
+        reliable=clear and deviations.within(MOST) and not ambiguous,
     )
 
 
