@@ -111,6 +111,7 @@ bench-sim: build build/bench-venv/.ready ## Measure the simulated wire against t
 bench-vision: build ## Measure detecting cables and locating components on rendered scenes (BENCH="--scenes 50")
 	@$(SOURCED) benchmarks/vision/run.py $(BENCH)
 	@$(SOURCED) benchmarks/vision/locate.py $(BENCH)
+	@$(SOURCED) benchmarks/vision/devices.py $(BENCH)
 
 evaluate-abilities: build ## Measure the abilities over seeds, against their targets (BENCH="--seeds 0-99 --jobs 2")
 	@$(SOURCED) benchmarks/sim/evaluate_abilities.py $(BENCH)

@@ -1,7 +1,7 @@
 """Components on a plate under conditions that make locating hard, as the cell's cameras see them.
 
 The cell's own panel, rendered with the cell's cameras; labels, sizes and poses are drawn by lot.
-What the cell does not have is added to the pictures: uneven light, highlights, blur.
+What the cell does not have is added to the pictures: uneven light, highlights, glare, blur.
 """
 
 from __future__ import annotations
@@ -15,7 +15,12 @@ import numpy.typing as npt
 
 from remodel_sim.core.camera import Picture, View, looking_down
 from remodel_sim.core.geometry import Array, Pose
-from remodel_sim.core.workpiece.component_shape import LABEL_MARGIN_CELLS, component_boxes
+from remodel_sim.core.workpiece.component_shape import (
+    LABEL_MARGIN_CELLS,
+    Box,
+    component_boxes,
+    label_corners,
+)
 from remodel_sim.core.workpiece.layout import WORLD_FROM_PANEL
 from remodel_sim.core.workpiece.panel import Component, Panel
 from remodel_sim.core.workpiece.wire_colours import WIRE_RGB
@@ -35,6 +40,19 @@ LABELS = 250
 LENS_Z = 0.204
 # Wires over labels: so many, so high above the plate [m].
 WIRES, WIRE_Z_M = 3, (0.050, 0.075)
+# Tape lies so far above the label [m], in one of these colours: white, black, greys, tan, blue.
+TAPE_Z_M = 0.0006
+TAPE_RGB = (
+    (0.95, 0.95, 0.95),
+    (0.05, 0.05, 0.05),
+    (0.3, 0.3, 0.3),
+    (0.55, 0.55, 0.55),
+    (0.78, 0.66, 0.45),
+    (0.2, 0.3, 0.7),
+)
+# Glare adds so many grey levels in its middle, falls off over this share of a label's side, and
+# moves by up to this share of the way of the lens.
+GLARE_LEVELS, GLARE_SIDE, GLARE_DRIFT = (80.0, 400.0), (0.12, 0.35), 0.5
 
 
 @dataclass(frozen=True)
@@ -47,6 +65,8 @@ class Condition:
         uneven: how much the light changes over a picture, and highlights.
         blur: the least and the greatest standard deviation [px], on top of the lens's own.
         clutter: wires over labels, and labels that the panel lacks.
+        tape: share of each label under a strip of tape.
+        glare: a bright spot on each label.
     """
 
     askew: bool = False
@@ -54,6 +74,21 @@ class Condition:
     uneven: float = 0.0
     blur: tuple[float, float] = (0.0, 0.0)
     clutter: bool = False
+    tape: float = 0.0
+    glare: bool = False
+
+
+@dataclass(frozen=True)
+class Glare:
+    """A bright spot: its place (3,) [m] from straight above, world frame.
+
+    Its levels are those in its middle; it falls off over a size [m], and moves with the lens.
+    """
+
+    place: Array
+    levels: float
+    size: float
+    drift: float
 
 
 class LabelScene:
@@ -84,6 +119,10 @@ class LabelScene:
             self._add_strangers(markers[own : 2 * own])
             for _ in range(WIRES):
                 self._add_wire(panel)
+        if condition.tape:
+            for part in self.components:
+                self._tape(part)
+        self._glares = [self._glare(part) for part in self.components if condition.glare]
 
     def _stands(self, part: Component) -> Pose:
         dx, dy, turn = self._random.uniform(-1, 1, 3) * (SHIFT_M, SHIFT_M, TURN_RAD)
@@ -116,6 +155,27 @@ class LabelScene:
         colour = str(self._random.choice(sorted(WIRE_RGB)))
         draw_parked(self._world, nodes, replace(panel.wires[0], colour=colour))
 
+    def _tape(self, part: Component) -> None:
+        """Stick a strip over a label, in any direction, also along its edge."""
+        way, aside = self._random.uniform((0, -0.5), (math.pi, 0.5))
+        side = part.marker_size
+        away = aside * side * np.array([-math.sin(way), math.cos(way), 0.0])
+        top = np.array([0.0, 0.0, float(label_corners(part)[0, 2]) + TAPE_Z_M])
+        size = (2.0 * side, self._condition.tape * side, 0.0002)
+        colour = TAPE_RGB[self._random.integers(len(TAPE_RGB))]
+        strip = Box(tuple((away + top).tolist()), size, colour, (0.0, 0.0, way), solid=False)
+        add_static(self._world.bullet, [strip], self.poses[part.id])
+
+    def _glare(self, part: Component) -> Glare:
+        aside = self._random.uniform(-0.5, 0.5, 2) * part.marker_size
+        middle = label_corners(part).mean(axis=0) + np.array([*aside, 0.0])
+        return Glare(
+            self.poses[part.id].apply(middle),
+            self._random.uniform(*GLARE_LEVELS),
+            self._random.uniform(*GLARE_SIDE) * part.marker_size,
+            self._random.uniform(0.0, GLARE_DRIFT),
+        )
+
     def take_overhead_picture(self) -> Picture:
         """Take a picture of the whole plate."""
         return self._worse(take(self._world, self._overhead, self._random))
@@ -137,6 +197,14 @@ class LabelScene:
             spot = random.uniform(-1, 1, 2)
             shine = np.exp(-((x - spot[0]) ** 2 + (y - spot[1]) ** 2) / 0.1)
             levels = levels * fade[..., None] + 120 * condition.uneven * shine[..., None]
+        for glare in self._glares:
+            lens = picture.view.world_from_camera.position[:2]
+            moved = glare.place + np.array([*(glare.drift * (lens - glare.place[:2])), 0.0])
+            middle = picture.view.project(moved)[0]
+            spread = glare.size / picture.view.metres_per_pixel(float(moved[2]))
+            columns, rows = np.meshgrid(np.arange(width), np.arange(height))
+            away = np.square(columns - middle[0]) + np.square(rows - middle[1])
+            levels = levels + glare.levels * np.exp(-away / (2 * spread**2))[..., None]
         blur = random.uniform(*condition.blur)
         if blur > 0:
             levels = cv2.GaussianBlur(levels, (0, 0), blur)

@@ -41,5 +41,6 @@ def report(row: Row) -> None:
     target = f">= {row.at_least:g}" if row.at_least is not None else ""
     target = f"<= {row.at_most:g}" if row.at_most is not None else target
     print(f"{row.what:<62}{row.value:>9.3f} {row.unit:<3} {target:>9} {row.verdict}", flush=True)
+    OUT.parent.mkdir(parents=True, exist_ok=True)
     with OUT.open("a", encoding="utf-8") as lines:
         lines.write(json.dumps(asdict(row)) + "\n")

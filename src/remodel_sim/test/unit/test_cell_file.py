@@ -35,6 +35,15 @@ def test_every_cell_of_the_package_can_be_read(name):
     assert read_cell(name).name == name
 
 
+def test_a_cell_has_labels_unless_it_says_otherwise(tmp_path):
+    assert read_cell().labels
+    file = tmp_path / "mine.yaml"
+    file.write_text(yaml.safe_dump({**parsed(), "labels": False}))
+    assert not read_cell(str(file)).labels
+    (problem,) = problems(tmp_path, lambda cell: cell.update(labels="no"))
+    assert "labels" in problem and "'no'" in problem
+
+
 def test_a_cell_of_ones_own_is_read_from_its_path(tmp_path):
     file = tmp_path / "mine.yaml"
     file.write_text(yaml.safe_dump({**parsed(), "name": "mine"}))

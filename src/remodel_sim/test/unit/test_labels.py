@@ -145,3 +145,81 @@ def test_a_wire_over_the_label_does_not_move_it(looks):
     away, turned = error(seen.world_from_component, true)
     assert away < 0.0003
     assert turned < 0.4
+
+
+TILTED = np.array([math.sin(math.radians(2)), -math.sin(math.radians(1)), 0.0, 0.9994])
+ASKEW = Pose.level(0.503, -0.004, 0.002, 0.07) @ Pose(np.zeros(3), TILTED / np.linalg.norm(TILTED))
+
+
+def taped(aside, way, rgb):
+    """What sticks a strip over 15 % of a label, drawn into a picture at its corners."""
+
+    def cover(picture, corners):
+        flat = np.array([[0, 0], [1, 0], [1, 1], [0, 1]], np.float32)
+        along = np.array([math.cos(way), math.sin(way)])
+        across = np.array([-along[1], along[0]])
+        middle = 0.5 + aside * across
+        corner = ((-1, -1), (1, -1), (1, 1), (-1, 1))
+        strip = [middle + 0.9 * a * along + 0.075 * b * across for a, b in corner]
+        to_picture = cv2.getPerspectiveTransform(flat, corners.astype(np.float32))
+        seen = cv2.perspectiveTransform(np.array([strip], np.float32), to_picture)[0]
+        return cv2.fillConvexPoly(picture.rgb.copy(), np.rint(seen * 16).astype(int), rgb, 16, 4)
+
+    return cover
+
+
+def glare(column, row, levels, size):
+    """What adds a bright spot to a picture; places and size are shares of the label's side."""
+
+    def cover(picture, corners):
+        to_picture = cv2.getPerspectiveTransform(
+            np.array([[0, 0], [1, 0], [1, 1], [0, 1]], np.float32), corners.astype(np.float32)
+        )
+        middle = cv2.perspectiveTransform(np.array([[[column, row]]], np.float32), to_picture)[0, 0]
+        spread = size * math.sqrt(abs(cv2.contourArea(corners.astype(np.float32))))
+        y, x = np.mgrid[: picture.rgb.shape[0], : picture.rgb.shape[1]]
+        spot = np.exp(-((x - middle[0]) ** 2 + (y - middle[1]) ** 2) / (2 * spread**2))
+        return np.clip(picture.rgb + levels * spot[..., None], 0, 255).astype(np.uint8)
+
+    return cover
+
+
+COVERS = [
+    taped(0.42, 0.0, (240, 240, 240)),
+    taped(-0.42, math.pi / 2, (80, 80, 80)),
+    taped(0.1, 0.6, (200, 170, 115)),
+    taped(-0.3, 1.9, (140, 140, 140)),
+    glare(0.2, 0.3, 250, 0.2),
+    glare(0.8, 0.8, 150, 0.3),
+    glare(0.5, 0.0, 380, 0.15),
+    glare(0.0, 0.5, 120, 0.35),
+]
+
+
+def test_covered_labels_askew_are_refused_or_located_right(looks):
+    part, look = looks
+    views = look(ASKEW)
+    accepted = 0
+    for cover in COVERS:
+        seen = locate_component(
+            part,
+            [
+                LabelView(Picture(cover(v.picture, v.corners), None, v.picture.view), v.corners)
+                for v in views
+            ],
+        )
+        if seen.reliable:
+            accepted += 1
+            away, turned = error(seen.world_from_component, ASKEW)
+            assert away < 0.003 and turned < 3.0
+    assert accepted >= len(COVERS) / 2
+
+
+def test_an_uncovered_label_is_reliable_from_two_places_and_leans_from_one(looks):
+    part, look = looks
+    views = look(ASKEW)
+    assert locate_component(part, views).reliable
+    alone = locate_component(part, views[:1])
+    assert alone.clear and not alone.reliable
+    upright = look(Pose.level(0.503, -0.004, 0.0, 0.07))
+    assert locate_component(part, upright[:1]).reliable

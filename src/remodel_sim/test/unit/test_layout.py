@@ -196,3 +196,12 @@ def test_a_wire_between_neighbours_may_be_short_but_not_too_short():
     problems = find_problems(panel(wires=(near[0],)))
     assert problems == ()
     assert math.isclose(near[0].length, 0.40)
+
+
+def test_labels_have_rules_only_where_components_carry_them():
+    bare = [dataclasses.replace(c, marker_id=0, marker_size=0.0) for c in panel().components]
+    unlabelled = panel(components=tuple(bare))
+    assert find_problems(unlabelled, has_labels=False) == ()
+    problems = find_problems(unlabelled)
+    assert any("have marker_id 0" in problem for problem in problems)
+    assert any("marker_size" in problem for problem in problems)

@@ -13,6 +13,7 @@ import numpy as np
 
 from remodel_sim.abilities.ability import ability
 from remodel_sim.abilities.execution.robot_context import RobotContext, Steps
+from remodel_sim.abilities.primitives.component_views import ComponentViews, expected_place
 from remodel_sim.abilities.primitives.grasping import holds
 from remodel_sim.abilities.primitives.motions import park
 from remodel_sim.abilities.primitives.observing import go_and_see
@@ -24,9 +25,8 @@ from remodel_sim.core.goals import CheckGoal
 from remodel_sim.core.goals.goal_pose import Message
 from remodel_sim.core.goals.requirements import parse_end
 from remodel_sim.core.robot.arm import ToolPose
+from remodel_sim.core.vision.component_observation import ComponentObservation
 from remodel_sim.core.vision.drawing import ORANGE, Drawing
-from remodel_sim.core.vision.label_pose import ComponentObservation, LabelView, locate_component
-from remodel_sim.core.vision.labels import find_labels, search_label
 from remodel_sim.core.vision.opening_occupancy import (
     Occupancy,
     OpeningObservation,
@@ -34,7 +34,6 @@ from remodel_sim.core.vision.opening_occupancy import (
     light_on,
     observe_opening,
 )
-from remodel_sim.core.workpiece.component_shape import label_corners
 from remodel_sim.core.workpiece.layout import WORLD_FROM_PANEL
 from remodel_sim.core.workpiece.panel import Component
 from remodel_states.core.codes import Code
@@ -64,7 +63,7 @@ class Shot:
     Attributes:
         camera: "overhead" or "wrist".
         picture: what it saw.
-        component: the component by its label in that picture; None when it is not seen well.
+        component: as located in that picture; None when it is not seen well.
     """
 
     camera: str
@@ -138,16 +137,10 @@ def _from_above(context: RobotContext) -> Steps[tuple[str, Picture]]:
 def _component_in(
     context: RobotContext, goal: CheckGoal, picture: Picture
 ) -> ComponentObservation | None:
-    """Return the component as a picture shows it; None when its label is not seen well."""
+    """Return the component as a picture shows it; None when it is not seen well."""
     component = context.panel.component(goal.component_id)
-    corners = find_labels(picture, context.panel.components).get(component.marker_id)
-    near = WORLD_FROM_PANEL @ component.panel_from_component
-    if corners is None and picture.view.sees(near.apply(label_corners(component)), 0.0):
-        corners = search_label(picture, component, near)
-    if corners is None:
-        return None
-    seen = locate_component(component, [LabelView(picture, corners)])
-    return seen if seen.clear else None
+    near = context.belief.seen.get(component.id) or expected_place(context, component)
+    return ComponentViews(context, component).add(picture, near)
 
 
 def _observations(
@@ -155,7 +148,7 @@ def _observations(
 ) -> list[OpeningObservation]:
     """Return what each picture shows of the opening.
 
-    A picture whose label is hidden borrows the component's place from one whose label is not.
+    A picture in which the component is hidden borrows its place from one in which it is not.
     """
     component = context.panel.component(goal.component_id)
     places = [shot.component.world_from_component for shot in shots if shot.component is not None]
@@ -174,7 +167,7 @@ def _observation(
         shot.picture,
         pose @ terminal.component_from_socket,
         context.panel.wire(goal.cable_id),
-        light_on(shot.picture, component, pose),
+        light_on(shot.picture, component, pose, label=context.has_labels),
     )
 
 
@@ -200,7 +193,7 @@ def _undecided(context: RobotContext, goal: CheckGoal, shots: list[Shot]) -> Abi
     if all(shot.component is None for shot in shots):
         return AbilityError(
             Code.COMPONENT_OCCLUDED,
-            f"the label of {goal.component_id!r} is not seen, or not well, in {len(shots)} "
+            f"component {goal.component_id!r} is not seen, or not well, in {len(shots)} "
             f"pictures; {remedy}",
         )
     return AbilityError(

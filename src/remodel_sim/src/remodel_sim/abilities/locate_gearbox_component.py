@@ -1,4 +1,4 @@
-"""LocateGearboxComponent: find a component by its label, from above and then from the hand."""
+"""LocateGearboxComponent: find a component by its label or shape, from above and from the hand."""
 
 from __future__ import annotations
 
@@ -9,18 +9,23 @@ import numpy as np
 
 from remodel_sim.abilities.ability import ability
 from remodel_sim.abilities.execution.robot_context import RobotContext, Steps
+from remodel_sim.abilities.primitives.component_views import (
+    ComponentViews,
+    expected_place,
+    find_panel,
+    to_be_seen,
+)
 from remodel_sim.abilities.primitives.motions import disengage, park
 from remodel_sim.abilities.primitives.observing import go_and_see
-from remodel_sim.abilities.primitives.viewpoints import label_views
+from remodel_sim.abilities.primitives.viewpoints import component_views
 from remodel_sim.core.camera import Picture
 from remodel_sim.core.errors import AbilityError
 from remodel_sim.core.geometry import Pose
 from remodel_sim.core.goals import LocateGoal
 from remodel_sim.core.goals.goal_pose import Message
+from remodel_sim.core.vision.component_observation import ComponentObservation
+from remodel_sim.core.vision.device_pose import stands_there
 from remodel_sim.core.vision.drawing import ORANGE, Drawing
-from remodel_sim.core.vision.label_pose import ComponentObservation, LabelView, locate_component
-from remodel_sim.core.vision.labels import find_labels, search_label
-from remodel_sim.core.workpiece.component_shape import label_corners
 from remodel_sim.core.workpiece.layout import WORLD_FROM_PANEL
 from remodel_sim.core.workpiece.panel import Component
 from remodel_states.core.codes import Code
@@ -28,7 +33,8 @@ from remodel_states.core.codes import Code
 # Further than this from its place on the panel, something is wrong with the panel or the component.
 DISPLACED_M = 0.030
 DISPLACED_RAD = math.radians(15.0)
-# One view does not show reliably whether a component stands upright.
+# One view does not show reliably whether a component stands upright; two that leave its pose
+# uncertain are followed by more.
 VIEWS = 2
 
 
@@ -40,7 +46,8 @@ class ComponentLocated:
         message: for a person.
         component_pose: its frame in the world.
         socket_pose: the frame of the requested terminal's opening; None when none was requested.
-        residual: RMS distance of the label's edges, as seen, from those of the pose [m].
+        residual: RMS distance of the edges seen, of the label or the device, from those of the
+            pose [m].
     """
 
     message: str
@@ -57,28 +64,34 @@ def _goal(message: Message) -> LocateGoal:
 def locate_gearbox_component(context: RobotContext, goal: LocateGoal) -> Steps[ComponentLocated]:
     """Observe the component from above when the hand is empty, then with the wrist camera.
 
+    Without labels, the view from above shows where the panel lies, and that a device stands there.
     The answer is what the hand's camera saw from two places; one is enough with a wire in the hand.
     """
     component = context.panel.component(goal.component_id)
-    coarse = WORLD_FROM_PANEL @ component.panel_from_component
     yield from disengage(context)
-    code = Code.COMPONENT_OCCLUDED
+    code, above = Code.COMPONENT_OCCLUDED, None
     if context.belief.grip is None:
         context.report("observing from above", 0.05)
         yield from park(context)
-        picture = context.take_overhead_picture()
+        above = context.take_overhead_picture()
         yield
-        above = _see(context, "overhead", picture, component, goal=goal, near=coarse, views=[])
-        if above is None:
-            code = Code.COMPONENT_NOT_FOUND
-        else:
-            coarse = above.world_from_component
+        if not context.has_labels:
+            find_panel(context, above)
+    coarse = expected_place(context, component)
+    if above is not None and context.has_labels:
+        seen = _see(context, "overhead", above, ComponentViews(context, component), goal, coarse)
+        code = Code.COMPONENT_NOT_FOUND if seen is None else code
+        coarse = coarse if seen is None else seen.world_from_component
     context.report("observing from the hand", 0.4)
     observation = yield from _observe_from_hand(context, component, goal, coarse)
+    if above is not None and not context.has_labels:
+        place = coarse if observation is None else observation.world_from_component
+        if not stands_there(above, component, place):
+            code, observation = Code.COMPONENT_NOT_FOUND, None
     if observation is None:
         raise AbilityError(
             code,
-            f"label {component.marker_id} of {component.id!r} is not seen, or not well, near "
+            f"{_what(context, component)} is not seen, or not well, near "
             f"{coarse.position[0] * 1e3:.0f}, {coarse.position[1] * 1e3:.0f} mm",
         )
     pose = observation.world_from_component
@@ -97,54 +110,50 @@ def locate_gearbox_component(context: RobotContext, goal: LocateGoal) -> Steps[C
 def _observe_from_hand(
     context: RobotContext, component: Component, goal: LocateGoal, coarse: Pose
 ) -> Steps[ComponentObservation | None]:
-    """Return what the wrist camera observes; None when the label is not clearly visible."""
-    label, goes_to = coarse.apply(label_corners(component)), None
+    """Return what the wrist camera observes; None when that is not clear or not certain."""
+    target, goes_to = coarse.apply(to_be_seen(context, component)), None
     if goal.terminal_id:
         goes_to = (coarse @ component.terminal(goal.terminal_id).component_from_socket).yaw
     observation: ComponentObservation | None = None
-    views: list[LabelView] = []
-    for tool in label_views(context, label, goes_to, goal.view):
+    views = ComponentViews(context, component)
+    for tool in component_views(context, target, goes_to, goal.view):
         picture = yield from go_and_see(context, tool)
-        seen = _see(context, "wrist", picture, component, goal=goal, near=coarse, views=views)
+        seen = _see(context, "wrist", picture, views, goal, coarse)
         observation = seen or observation
-        if len(views) == VIEWS:
+        if len(views) >= VIEWS and observation is not None and observation.reliable:
             return observation
     # The empty hand reaches other places; one that holds a wire may reach but one.
-    return None if context.belief.grip is None else observation
+    is_only = context.belief.grip is not None and len(views) == 1
+    return observation if is_only and observation is not None and observation.reliable else None
 
 
 def _see(
     context: RobotContext,
     camera: str,
     picture: Picture,
-    component: Component,
+    views: ComponentViews,
     goal: LocateGoal,
     near: Pose,
-    views: list[LabelView],
 ) -> ComponentObservation | None:
-    """Locate a component by a picture and earlier views; None when it is not clearly visible.
-
-    A picture that shows the label clearly is added to the views.
-    """
+    """Locate a component by a picture and earlier views; None when it is not clearly visible."""
     drawing = Drawing(picture.rgb, picture.view)
-    observation = None
-    corners = find_labels(picture, context.panel.components).get(component.marker_id)
-    if corners is None:
-        corners = search_label(picture, component, near)
-    if corners is not None:
-        views.append(LabelView(picture, corners))
-        observation = locate_component(component, views)
-    if observation is not None and not observation.clear:
-        views.pop()
-        observation = None
+    component = views.component
+    observation = views.add(picture, near)
     if observation is None:
-        drawing.title(f"{component.id} (label {component.marker_id}) not seen well")
+        drawing.title(f"{_what(context, component)} not seen well")
     else:
         _draw(drawing, component, observation, goal)
     context.show(camera, picture, drawing.image)
     if observation is not None:
         _check_place(component, observation)
     return observation
+
+
+def _what(context: RobotContext, component: Component) -> str:
+    """Return what is searched for, for a person."""
+    if context.has_labels:
+        return f"label {component.marker_id} of {component.id!r}"
+    return f"outline with the screws of {component.id!r}"
 
 
 def _draw(

@@ -81,6 +81,7 @@ def _design(parsed: dict[str, Any]) -> CellDesign:
             Duct(**{**duct, "pose": _flat_pose(duct["pose"])}) for duct in fixtures["ducts"]
         ),
         magazine=_magazine(parsed["magazine"]) if "magazine" in parsed else None,
+        labels=parsed.get("labels", True),
     )
 
 

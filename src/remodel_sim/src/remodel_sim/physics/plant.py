@@ -109,6 +109,7 @@ class Plant:
         self.live: LiveWire | None = None
         self.parked: dict[str, ParkedWire] = {}
         self._noise = np.random.default_rng(self.seed)
+        self._world_from_panel = WORLD_FROM_PANEL
         self._poses = {c.id: WORLD_FROM_PANEL @ c.panel_from_component for c in panel.components}
         self._blocked: set[tuple[str, str]] = set()
         self._disturbances = Disturbances()
@@ -117,7 +118,12 @@ class Plant:
     def find_problems(self, panel: Panel) -> tuple[str, ...]:
         """Return why a panel cannot be built, one sentence each; none: it can."""
         magazine, complete = self.design.magazine, self._complete(panel)
-        problems = find_problems(complete, self.design.arms, has_magazine=magazine is not None)
+        problems = find_problems(
+            complete,
+            self.design.arms,
+            has_magazine=magazine is not None,
+            has_labels=self.design.labels,
+        )
         if magazine is None or problems:
             return problems
         return tuple(find_wire_problems(magazine, complete))
@@ -147,7 +153,15 @@ class Plant:
         self._fork: int | None = None
         magazine = self.design.magazine
         edge = None if magazine is None else magazine.x + TABLE_EDGE_M
-        self._scene = PanelScene(self.world, self.design.table, self.panel, self._poses, edge)
+        self._scene = PanelScene(
+            self.world,
+            self.design.table,
+            self.panel,
+            self._poses,
+            edge,
+            world_from_panel=self._world_from_panel,
+            labels=self.design.labels,
+        )
         self._plugs: dict[tuple[str, str], int] = {}
         for component_id, terminal_id in sorted(self._blocked):
             self._add_plug(component_id, terminal_id)
@@ -317,6 +331,17 @@ class Plant:
     def world_from_component(self, component_id: str) -> Pose:
         """Return where a component really stands."""
         return self._poses[component_id]
+
+    def move_panel(self, dx: float, dy: float, dyaw: float) -> None:
+        """Put a panel without wires somewhere else, with all that is mounted; world frame [m, rad].
+
+        The robots are at home.
+        """
+        moved = WORLD_FROM_PANEL @ Pose.level(dx, dy, 0.0, dyaw)
+        change = moved @ self._world_from_panel.inverse()
+        self._world_from_panel = moved
+        self._poses = {name: change @ pose for name, pose in self._poses.items()}
+        self._build({name: robot.tool for name, robot in self.robots.items()})
 
     def move_component(self, component_id: str, dx: float, dy: float, dyaw: float) -> None:
         """Shift a component on the plate, with any plugs in it; panel frame [m, rad]."""

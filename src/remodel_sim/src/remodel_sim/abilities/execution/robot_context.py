@@ -206,6 +206,11 @@ class RobotContext:
         return self._plant.panel
 
     @property
+    def has_labels(self) -> bool:
+        """Whether the panel's components carry labels."""
+        return self._plant.design.labels
+
+    @property
     def wire(self) -> PanelWire:
         """The live wire as ordered."""
         if self.belief.feed is None:

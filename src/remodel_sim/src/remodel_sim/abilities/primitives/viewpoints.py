@@ -121,19 +121,19 @@ def _camera_offset(yaw: float) -> Array:
     return np.array([x * c + y * s, x * s - y * c])
 
 
-def label_views(
-    context: RobotContext, label: Array, socket_yaw: float | None, view: int = 0
+def component_views(
+    context: RobotContext, target: Array, socket_yaw: float | None, view: int = 0
 ) -> list[ToolPose]:
-    """Return tool poses from which the wrist camera should see a label, the nearest first.
+    """Return tool poses from which the wrist camera should see a component, the nearest first.
 
-    Several, since a wire in the air may hide the label from one of them. The empty hand goes
+    Several, since a wire in the air may hide it from one of them. The empty hand goes
     straight over it, or beside it. With a wire in the hand the tool moves as little as it can and
     turns only the way it will turn to the socket: the wire may be fixed at its other end, and one
     that is bent away from where it goes twists out of the fingers.
 
     Args:
         context: the cell.
-        label: its corners, (4, 3) [m], world frame.
+        target: corners of its label or its top, (4, 3) [m], world frame.
         socket_yaw: direction of the opening that a held end goes into [rad], world frame; None if
             that is not known.
         view: 0 for the usual places, more for others.
@@ -143,26 +143,27 @@ def label_views(
     """
     grip, now = context.belief.grip, context.commanded
     if grip is None:
-        return views_around(context, label.mean(axis=0)[:2], 0.0, LABEL_VIEWS, view=view)
+        return views_around(context, target.mean(axis=0)[:2], 0.0, LABEL_VIEWS, view=view)
     turns = EITHER_WAY
     if socket_yaw is not None:
         turns = np.linspace(0.0, wrap_angle(socket_yaw - grip.flip - now.yaw), 5)
     views: list[ToolPose] = []
-    for tool in _held_views(context, label, turns):
+    for tool in _held_views(context, target, turns):
         if all(_lenses_apart(tool, other) >= VIEWS_APART_M for other in views):
             views.append(tool)
     if not views:
         raise AbilityError(
             Code.UNREACHABLE,
-            f"from {now} no motion of up to 160 mm brings the label into the wrist camera's view; "
+            f"from {now} no motion of up to 160 mm brings the component into the wrist camera's "
+            "view; "
             "route the wire nearer to the component first",
         )
     first = view * VIEWS_PER_OBSERVATION % len(views)
     return [*views[first:], *views[:first]][:MAX_VIEWS]
 
 
-def _held_views(context: RobotContext, label: Array, turns: Array) -> list[ToolPose]:
-    """Return the tool poses near the hand's that bring a label into view, the nearest first."""
+def _held_views(context: RobotContext, target: Array, turns: Array) -> list[ToolPose]:
+    """Return the tool poses near the hand's that bring a component into view, the nearest first."""
     now, lens = context.commanded, context.wrist_view.lens
     above = context.fingers.tool_m - CAMERA_MOUNT[2]
     looks: list[tuple[float, ToolPose]] = []
@@ -173,7 +174,7 @@ def _held_views(context: RobotContext, label: Array, turns: Array) -> list[ToolP
                 tool = ToolPose(now.x + dx, now.y + dy, TRAVEL_Z, now.yaw + turn)
                 if yaw is None or abs(yaw - tool.yaw) > 1e-6 or not context.arm.reaches(tool):
                     continue
-                if _view_from(tool, lens, above).sees(label, BORDER_PX):
+                if _view_from(tool, lens, above).sees(target, BORDER_PX):
                     looks.append((math.hypot(dx, dy) + 0.08 * abs(turn), tool))
     return [tool for _, tool in sorted(looks, key=lambda look: look[0])]
 

@@ -115,6 +115,7 @@ class BeliefState:
         in_clips: where clips hold the live wire, (3,) [m] each, world frame; nearest to its loose
             end the last.
         seen: frames of components in the world, as they were last located.
+        panel_at: the panel's frame in the world, as it was last registered; empty before.
     """
 
     robot: str = "robot_1"
@@ -130,6 +131,7 @@ class BeliefState:
     fed: list[str] = field(default_factory=list)
     in_clips: list[Array] = field(default_factory=list)
     seen: dict[str, Pose] = field(default_factory=dict)
+    panel_at: list[Pose] = field(default_factory=list)
 
     def beside(self, robot: str, arm: Arm) -> BeliefState:
         """Return the belief state of another robot of the same cell."""

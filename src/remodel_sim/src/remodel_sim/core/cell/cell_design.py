@@ -92,6 +92,7 @@ class CellDesign:
         feeder: lays wires; None where a magazine presents them.
         clips, ducts: the cell's own, besides the panel's; panel frame.
         magazine: presents wires beside the plate; None: the feeder does.
+        labels: whether components carry labels; else they are located by their shape.
     """
 
     name: str
@@ -103,6 +104,7 @@ class CellDesign:
     clips: tuple[PanelClip, ...]
     ducts: tuple[Duct, ...]
     magazine: Magazine | None = None
+    labels: bool = True
 
     @property
     def arms(self) -> tuple[Arm, ...]:

@@ -6,6 +6,7 @@ import math
 
 import cv2
 import numpy as np
+import numpy.typing as npt
 
 from remodel_sim.core.camera import Picture
 from remodel_sim.core.geometry import Array, Pose
@@ -30,6 +31,7 @@ class LabelPatch:
     Attributes:
         levels: (n,) grey levels.
         even: (n, 2) the pixels' places on the label, -0.5 to 0.5, for light that is not even.
+        valid: (n,) which of them take part.
         scale: size of a sample of the drawing [m].
     """
 
@@ -58,9 +60,20 @@ class LabelPatch:
         grey = cv2.cvtColor(window, cv2.COLOR_RGB2GRAY).astype(np.float32)
         smooth = cv2.GaussianBlur(grey, (0, 0), SMOOTH_PX)
         self.even = np.asarray(even[inside], np.float64)
+        self.valid = np.ones(len(self.even), bool)
+        self._inside, self._shape = inside, columns.shape
+        self._step = step
         self.levels = smooth[::step, ::step].ravel()[inside].astype(np.float64)
         self._eye = picture.view.world_from_camera.position
         self._rays = picture.view.on_plane(pixels[inside], self._eye[2] - 1.0) - self._eye
+
+    def drop(self, covered: npt.NDArray[np.bool_], cells: float) -> None:
+        """Let pixels (n,) that something covers, and those that near [cells], take no part."""
+        image = np.zeros(self._inside.shape, np.uint8)
+        image[self._inside] = covered & self.valid
+        reach = 2 * max(1, round(cells * self._cell_px / self._step)) + 1
+        kernel = cv2.getStructuringElement(cv2.MORPH_ELLIPSE, (reach, reach))
+        self.valid &= cv2.dilate(image.reshape(self._shape), kernel).ravel()[self._inside] == 0
 
     def shown(self, blur_px: float, places: Array) -> tuple[Array, Array]:
         """Return the drawing's level (n,), from 0 to 1, and its gradient at places (n, 2).

@@ -5,6 +5,11 @@ and contrast are changed until it differs least from what was seen (Gauss and Ne
 weights, so that what lies over a part of the label does not count). All edges of all cells take
 part, not four corners only, and all pictures that are given.
 
+A strip of tape or a bright spot is no noise: next to what does not look like the label, nothing is
+believed, and the rest is fitted again. How far the result can be relied on is measured by leaving
+out a ninth of the label at a time (the jackknife's covariance, which needs no model of the noise),
+and by what each picture alone would change.
+
 A component that stands upright on the plate has three degrees of freedom, one that does not has
 six. The six are taken only where they explain the pictures clearly better, and only of two pictures
 from different places: one hardly shows how a label is tilted.
@@ -21,6 +26,12 @@ import numpy.typing as npt
 
 from remodel_sim.core.camera import Picture
 from remodel_sim.core.geometry import Array, Pose, multiply_quaternions
+from remodel_sim.core.vision.component_observation import (
+    ComponentObservation,
+    Deviations,
+    deviations_of,
+    solved,
+)
 from remodel_sim.core.vision.label_patch import LabelPatch
 from remodel_sim.core.workpiece.component_shape import label_corners
 from remodel_sim.core.workpiece.panel import Component
@@ -36,8 +47,6 @@ STEPS = np.array([2e-5, 2e-5, 2e-5, 1e-3, 1e-3, 1e-3])
 MAX_ROUNDS = 12
 # Rounds end with motions that are this small, in steps of the derivatives.
 STILL = 0.05
-# Keeps the normal equations solvable when a picture does not determine all motions.
-DAMPING = 1e-9
 # Tukey's biweight: differences count less and less up to this share of the contrast.
 TUKEY = 0.6
 # What differs by more than this share of the contrast is not the label.
@@ -48,7 +57,23 @@ LEAST_CONTRAST = 5.0
 CLEARLY_BETTER = 0.8
 # A label is seen well when so much of it looks as it should, and its edges lie so near to those of
 # the pose found [m].
-LEAST_SHOWN, MOST_RESIDUAL_M = 0.7, 0.0005
+LEAST_SHOWN, MOST_RESIDUAL_M = 0.6, 0.0005
+# Next to what covers a label, so much of it is dropped [cells].
+BESIDE_CELLS = 0.5
+# A pose is relied on when its standard deviations are at most these, at the component's corners [m]
+# and in direction [rad], and no picture alone moves the label by more along the plate [m].
+MOST = Deviations(shift=0.0012, turn=math.radians(1.2), apart=0.0004)
+# A component leans or is lifted when it does so by more than this, and by more than so many of the
+# standard deviations.
+UPRIGHT_RAD, UPRIGHT_M = math.radians(1.0), 0.001
+SIGNIFICANT = 2.5
+# Nor is one upright that may be tilted by more than this; half of it, if the label is covered.
+MOST_TILT_RAD = math.radians(2.0)
+# One picture is enough for an upright component only of a label of which so much is shown, unless
+# it is certain how it stands.
+WHOLE = 0.97
+# A label is left out in so many parts along each side.
+PARTS = 3
 
 
 @dataclass(frozen=True, eq=False)
@@ -59,53 +84,78 @@ class LabelView:
     corners: Array
 
 
-@dataclass(frozen=True, eq=False)
-class ComponentObservation:
-    """A component as seen.
-
-    Attributes:
-        world_from_component: upright on the plate, unless two views or more show otherwise.
-        upright: whether it is.
-        residual: RMS distance of the label's edges, as seen, from those of the pose [m].
-        shown: share of the label that looks as it should, 0 to 1.
-        corners: (4, 2) of its black square in the last picture [px].
-    """
-
-    world_from_component: Pose
-    upright: bool
-    residual: float
-    shown: float
-    corners: Array
-
-    @property
-    def clear(self) -> bool:
-        """Whether the label is seen well enough to rely on."""
-        return self.shown >= LEAST_SHOWN and self.residual <= MOST_RESIDUAL_M
-
-
 def locate_component(component: Component, views: Sequence[LabelView]) -> ComponentObservation:
     """Return the pose of a component at which its label looks as it does in all pictures."""
     patches = [
         LabelPatch(component, label_view.picture, label_view.corners) for label_view in views
     ]
     upright = _fit(patches, FIRST_BLUR_PX, _upright_start(component, views[-1]), UPRIGHT)
-    every = np.ones(len(upright.rest), bool)
-    blur = min(BLURS_PX, key=lambda px: _compare(patches, px, upright.world_from_label).cost(every))
-    best = upright = _fit(patches, blur, upright.world_from_label, UPRIGHT)
-    if len(views) > 1:
-        free = _fit(patches, blur, upright.world_from_label, FREE)
-        if free.cost(free.explained) < CLEARLY_BETTER * upright.cost(free.explained):
-            best = free
+    start = upright.world_from_label
+    blur = min(BLURS_PX, key=lambda px: _compare(patches, px, start).cost(upright.valid))
+    free = _fit(patches, blur, start, FREE)
+    for patch, rest in zip(patches, free.rests, strict=True):
+        patch.drop(np.abs(rest) > OUTLIER, BESIDE_CELLS)
+    upright = _fit(patches, blur, start, UPRIGHT)
+    free = _fit(patches, blur, free.world_from_label, FREE)
+    explained = upright.explained | free.explained
+    # Within its own uncertainty a component is upright, as components are.
+    best, deviations = upright, _deviations(component, patches, blur, upright, UPRIGHT)
+    unsure = _deviations(component, patches, blur, free, FREE)
+    tilt, lift = _stance(free.world_from_label, upright)
+    leaning = tilt > max(UPRIGHT_RAD, SIGNIFICANT * unsure.turn)
+    leaning |= lift > max(UPRIGHT_M, SIGNIFICANT * unsure.shift)
+    ambiguous = False
+    if len(views) == 1:
+        covered = float(upright.explained.mean()) < WHOLE
+        ambiguous = leaning or (covered and not unsure.within(MOST))
+    elif free.cost(explained) < CLEARLY_BETTER * upright.cost(explained):
+        best, deviations = free if leaning else upright, unsure
+        whole = float(best.explained.mean()) >= WHOLE
+        ambiguous = not leaning and tilt > (MOST_TILT_RAD if whole else UPRIGHT_RAD)
+    shown = float(best.explained.mean())
     height = float(label_corners(component)[0, 2])
     pose = best.world_from_label @ Pose.level(0.0, 0.0, -height)
-    corners = views[-1].picture.view.project(pose.apply(label_corners(component)))
+    clear = shown >= LEAST_SHOWN and best.residual <= MOST_RESIDUAL_M
     return ComponentObservation(
         world_from_component=pose,
         upright=best is upright,
         residual=best.residual,
-        shown=float(best.explained.mean()),
-        corners=corners,
+        shown=shown,
+        corners=views[-1].picture.view.project(pose.apply(label_corners(component))),
+        deviations=deviations,
+        clear=clear,
+        reliable=clear and deviations.within(MOST) and not ambiguous,
     )
+
+
+def _stance(world_from_label: Pose, upright: _Fit) -> tuple[float, float]:
+    """Return the tilt [rad] of a pose, and how far it is above or below an upright one [m]."""
+    tilt = math.acos(min(1.0, float(world_from_label.rotation[2, 2])))
+    lift = float(world_from_label.position[2] - upright.world_from_label.position[2])
+    return tilt, abs(lift)
+
+
+def _deviations(
+    component: Component,
+    patches: Sequence[LabelPatch],
+    blur_px: float,
+    fit: _Fit,
+    axes: tuple[int, ...],
+) -> Deviations:
+    """Return how far the parts of a label, and the pictures, are apart at a pose."""
+    parts = np.zeros((PARTS**2, len(axes), len(axes) + 1))
+    pictures = np.zeros((len(patches), len(axes), len(axes) + 1))
+    for patch, picture in zip(patches, pictures, strict=True):
+        own = _differences(patch, blur_px, fit.world_from_label, axes)
+        beside = np.column_stack([own.change, own.rest])
+        terms = (own.weight[:, None] * own.change)[:, :, None] * beside[:, None, :]
+        place = np.clip(((patch.even + 0.5) * PARTS).astype(int), 0, PARTS - 1) @ [PARTS, 1]
+        np.add.at(parts, place, terms)
+        picture += terms.sum(axis=0)
+    along = [i for i, axis in enumerate(axes) if axis in UPRIGHT]
+    corners = np.array([[x, y, z] for x in (-0.5, 0.5) for y in (-0.5, 0.5) for z in (-1.0, 0.0)])
+    arms = (corners * component.size) @ fit.world_from_label.rotation.T
+    return deviations_of(parts, pictures, along, np.diag(STEPS)[list(axes)], arms)
 
 
 def _upright_start(component: Component, label_view: LabelView) -> Pose:
@@ -128,32 +178,34 @@ class _Fit:
         world_from_label: the pose.
         normal: (k, k) and
         pull: (k,) of the normal equations of the motion; k = 0 where none was asked for.
-        rest: (n,) differences of all pixels, in contrasts.
+        rests: (n,) differences of all pixels of each patch, in contrasts.
+        valid: (n,) which pixels of all patches take part.
         residual: RMS distance of the edges seen from the drawing's [m].
     """
 
     world_from_label: Pose
     normal: Array
     pull: Array
-    rest: Array
+    rests: Sequence[Array]
+    valid: npt.NDArray[np.bool_]
     residual: float
 
     @property
     def explained(self) -> npt.NDArray[np.bool_]:
         """Which pixels (n,) show the label."""
-        return np.abs(self.rest) < OUTLIER
+        return self.valid & (np.abs(np.concatenate(self.rests)) < OUTLIER)
 
     def cost(self, of: npt.NDArray[np.bool_]) -> float:
         """Return the sum of squares of some pixels' differences, each cut at OUTLIER."""
-        return float(np.sum(np.minimum(np.square(self.rest[of]), OUTLIER**2)))
+        rest = np.concatenate(self.rests)[of]
+        return float(np.sum(np.minimum(np.square(rest), OUTLIER**2)))
 
 
 def _fit(patches: Sequence[LabelPatch], blur_px: float, pose: Pose, axes: tuple[int, ...]) -> _Fit:
     """Move a label from a pose along some axes until its drawing fits all patches."""
     for _ in range(MAX_ROUNDS):
         fit = _compare(patches, blur_px, pose, axes)
-        damping = DAMPING * np.trace(fit.normal) * np.eye(len(axes))
-        motion = np.linalg.solve(fit.normal + damping, fit.pull)
+        motion = solved(fit.normal, fit.pull)
         if np.abs(motion).max() < STILL:
             break
         pose = _moved(pose, axes, motion)
@@ -164,45 +216,69 @@ def _compare(
     patches: Sequence[LabelPatch], blur_px: float, pose: Pose, axes: tuple[int, ...] = ()
 ) -> _Fit:
     """Compare patches with the drawing at a pose, and differentiate along some axes."""
-    rests, normal, pull = [], np.zeros((len(axes), len(axes))), np.zeros(len(axes))
-    edges = np.zeros(2)
-    for patch in patches:
-        places = patch.places(pose)
-        shown, slope = patch.shown(blur_px, places)
-        light = np.column_stack([np.ones(len(shown)), shown, shown[:, None] * patch.even])
-        weight = np.ones(len(shown))
-        for _ in range(2):
-            level = _fitted(light, patch.levels, weight)
-            contrast = max(float(level[1]), LEAST_CONTRAST)
-            rest = (patch.levels - light @ level) / contrast
-            weight = np.square(np.clip(1 - np.square(rest / TUKEY), 0.0, None))
-        rests.append(rest)
-        change = np.empty((len(rest), len(axes)))
-        for k, axis in enumerate(axes):
-            step = patch.places(_moved(pose, (axis,), np.ones(1))) - places
-            change[:, k] = np.sum(slope * step, axis=1)
-        change *= ((level[1] + patch.even @ level[2:]) / contrast)[:, None]
-        # What other light would explain as well shows no motion.
-        change -= light @ _fitted(light, change, weight)
-        # A difference is a distance times a slope; the steeper, the better it shows the distance.
-        steep = np.sum(np.square(slope), axis=1)
-        edges += [weight @ (steep * np.square(rest * patch.scale)), weight @ np.square(steep)]
-        normal += change.T @ (weight[:, None] * change)
-        pull += change.T @ (weight * rest)
-    residual = math.sqrt(edges[0] / max(edges[1], 1e-12))
+    all_of = [_differences(patch, blur_px, pose, axes) for patch in patches]
+    # A difference is a distance times a slope; the steeper, the better it shows the distance.
+    edges = sum(d.weight @ (d.steep * np.square(d.rest * d.scale)) for d in all_of)
+    steep = sum(d.weight @ np.square(d.steep) for d in all_of)
+    weighted = [(d.weight[:, None] * d.change).T for d in all_of]
+    k = len(axes)
     return _Fit(
         world_from_label=pose,
-        normal=normal,
-        pull=pull,
-        rest=np.concatenate(rests),
-        residual=residual,
+        normal=sum((w @ d.change for w, d in zip(weighted, all_of, strict=True)), np.zeros((k, k))),
+        pull=sum((w @ d.rest for w, d in zip(weighted, all_of, strict=True)), np.zeros(k)),
+        rests=[d.rest for d in all_of],
+        valid=np.concatenate([patch.valid for patch in patches]),
+        residual=math.sqrt(edges / max(steep, 1e-12)),
     )
+
+
+@dataclass(frozen=True, eq=False)
+class _Differences:
+    """How the pixels of one patch differ from the drawing.
+
+    Attributes:
+        rest: (n,) in contrasts.
+        weight: (n,) Tukey's; 0 of pixels that take no part.
+        change: (n, k) by a step along each axis.
+        steep: (n,) square of the drawing's slope.
+        scale: size of a sample of the drawing [m].
+    """
+
+    rest: Array
+    weight: Array
+    change: Array
+    steep: Array
+    scale: float
+
+
+def _differences(
+    patch: LabelPatch, blur_px: float, pose: Pose, axes: tuple[int, ...]
+) -> _Differences:
+    places = patch.places(pose)
+    shown, slope = patch.shown(blur_px, places)
+    light = np.column_stack([np.ones(len(shown)), shown, shown[:, None] * patch.even])
+    weight = patch.valid.astype(np.float64)
+    for _ in range(2):
+        level = _fitted(light, patch.levels, weight)
+        contrast = max(float(level[1]), LEAST_CONTRAST)
+        rest = (patch.levels - light @ level) / contrast
+        weight = patch.valid * np.square(np.clip(1 - np.square(rest / TUKEY), 0.0, None))
+    change = np.empty((len(rest), len(axes)))
+    for k, axis in enumerate(axes):
+        step = patch.places(_moved(pose, (axis,), np.ones(1))) - places
+        change[:, k] = np.sum(slope * step, axis=1)
+    change *= ((level[1] + patch.even @ level[2:]) / contrast)[:, None]
+    # What other light would explain as well shows no motion.
+    if axes:
+        change -= light @ _fitted(light, change, weight)
+    steep = np.sum(np.square(slope), axis=1)
+    return _Differences(rest, weight, change, steep, patch.scale)
 
 
 def _fitted(basis: Array, target: Array, weight: Array) -> Array:
     """Return the coefficients of a basis (n, k) that come nearest to a target (n,) or (n, m)."""
     weighted = (basis * weight[:, None]).T
-    return np.asarray(np.linalg.solve(weighted @ basis, weighted @ target))
+    return np.asarray(np.linalg.lstsq(weighted @ basis, weighted @ target, rcond=None)[0])
 
 
 def _moved(pose: Pose, axes: tuple[int, ...], motion: Array) -> Pose:

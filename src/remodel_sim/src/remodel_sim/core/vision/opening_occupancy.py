@@ -138,10 +138,11 @@ def unroll(picture: Picture, world_from_socket: Pose) -> Strip | None:
     return Strip(along, across, rgb, height)
 
 
-def light_on(picture: Picture, component: Component, pose: Pose) -> float:
+def light_on(picture: Picture, component: Component, pose: Pose, *, label: bool = True) -> float:
     """Return how bright a component's top is, as a share of the cell's usual light.
 
-    It is measured on its label's white or, where that is overexposed, the housing beside the label.
+    It is measured on its label's white or, where that is overexposed or there is no label, on the
+    housing beside the label's place.
     """
     corners = label_corners(component)
     middle = corners.mean(axis=0)
@@ -149,7 +150,7 @@ def light_on(picture: Picture, component: Component, pose: Pose) -> float:
     share = np.linspace(0, 1, 25)[:, None]
     sides = [a + share * (b - a) for a, b in zip(rim, np.roll(rim, -1, axis=0), strict=True)]
     white = _brightness(picture, pose.apply(np.vstack(sides)))
-    if white < FULL_LEVEL:
+    if label and white < FULL_LEVEL:
         return white / WHITE_LEVEL
     depth, width, height = component.size
     out = (component.marker_size * (0.5 + 1 / LABEL_CELLS) + depth / 2) / 2

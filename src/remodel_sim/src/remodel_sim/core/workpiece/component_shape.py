@@ -26,6 +26,8 @@ from remodel_sim.core.workpiece.panel import Component, PanelTerminal
 
 PLATE_THICKNESS_M = 0.0015
 LABEL_THICKNESS_M = 0.0004
+# The top of a screw's head above the component's.
+SCREW_ABOVE_M = 0.0005
 # White margin around the label's black square, in cells of it: ArUco needs one.
 LABEL_MARGIN_CELLS = 1.0
 LABEL_CELLS = 6  # DICT_4X4 with its black border
@@ -58,9 +60,10 @@ class Box:
     solid: bool = True
 
 
-def component_boxes(component: Component) -> tuple[Box, ...]:
-    """Return all boxes of a component with its label."""
-    return tuple([*_housing(component), *_label(component), *_screws(component)])
+def component_boxes(component: Component, *, label: bool = True) -> tuple[Box, ...]:
+    """Return all boxes of a component, with its label if it carries one."""
+    sticker = _label(component) if label else ()
+    return tuple([*_housing(component), *sticker, *_screws(component)])
 
 
 def opens_forward(terminal: PanelTerminal) -> bool:
@@ -154,17 +157,21 @@ def _funnel(terminal: PanelTerminal, side: int) -> Iterator[Box]:
         )
 
 
-def _screws(component: Component) -> Iterator[Box]:
-    """A screw head on top of each clamp, to be seen only."""
+def screw_heads(component: Component) -> Iterator[tuple[Vector, float]]:
+    """Yield the middle of the head of each clamp's screw, on the top, and its side [m]."""
     height = component.size[2]
     for terminal in component.terminals:
         if terminal.is_header:
             continue
         x, y, _ = terminal.mouth
         inward = -0.007 if opens_forward(terminal) else 0.007
-        side = min(0.006, terminal.bore)
-        head = terminal.screw or (x + inward, y, height)
-        yield Box(head, (side, side, 0.0010), SCREW, solid=False)
+        yield terminal.screw or (x + inward, y, height), min(0.006, terminal.bore)
+
+
+def _screws(component: Component) -> Iterator[Box]:
+    """A screw head on top of each clamp, to be seen only."""
+    for head, side in screw_heads(component):
+        yield Box(head, (side, side, 2 * SCREW_ABOVE_M), SCREW, solid=False)
 
 
 def _label(component: Component) -> Iterator[Box]:

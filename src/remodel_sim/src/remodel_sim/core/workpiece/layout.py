@@ -93,12 +93,17 @@ MARKER_IDS = 250
 
 
 def find_problems(
-    panel: Panel, arms: Sequence[Arm] = (PANDA_AT_ORIGIN,), *, has_magazine: bool = False
+    panel: Panel,
+    arms: Sequence[Arm] = (PANDA_AT_ORIGIN,),
+    *,
+    has_magazine: bool = False,
+    has_labels: bool = True,
 ) -> tuple[str, ...]:
     """Return every violation of the rules by a panel, one sentence each.
 
     None: it can be built. Each terminal must be within reach of one of the arms. Wires are fed into
-    channels; a panel without any needs a cell with a magazine.
+    channels; a panel without any needs a cell with a magazine. Labels have rules where components
+    carry them.
     """
     unreal = tuple(_not_finite(panel, "panel"))
     if unreal:
@@ -106,6 +111,7 @@ def find_problems(
     return (
         *_plate(panel, has_magazine=has_magazine),
         *_names(panel),
+        *(_labels(panel) if has_labels else ()),
         *(p for channel in panel.channels for p in _channel(channel)),
         *(p for component in panel.components for p in _component(component, panel, arms)),
         *(p for clip in panel.clips for p in _clip(clip, panel)),
@@ -166,9 +172,18 @@ def _names(panel: Panel) -> Iterator[str]:
             yield f"one of the {noun} has no id"
         for name in sorted(n for n, count in counts.items() if n and count > 1):
             yield f"{counts[name]} of the {noun} are called {name!r}"
+
+
+def _labels(panel: Panel) -> Iterator[str]:
     markers = Counter(c.marker_id for c in panel.components)
     for marker in sorted(m for m, count in markers.items() if count > 1):
         yield f"{markers[marker]} components have marker_id {marker}; each needs its own"
+    for component in panel.components:
+        name = f"component {component.id!r}"
+        if component.marker_id >= MARKER_IDS:
+            yield f"{name}: marker_id is {component.marker_id}; allowed: 0 to {MARKER_IDS - 1}"
+        room = min(component.size[:2]) / (1 + 2 * MARKER_MARGIN)
+        yield from within(f"{name}: marker_size", component.marker_size, (MARKER_MIN_M, room))
 
 
 def _channel(channel: Channel) -> Iterator[str]:
@@ -225,10 +240,6 @@ def _component(component: Component, panel: Panel, arms: Sequence[Arm]) -> Itera
     yield from within(f"{name}: height", height, COMPONENT_HEIGHT_M)
     if min(depth, width) <= 0:
         yield f"{name}: size must be positive"
-    if component.marker_id >= MARKER_IDS:
-        yield f"{name}: marker_id is {component.marker_id}; allowed: 0 to {MARKER_IDS - 1}"
-    room = min(depth, width) / (1 + 2 * MARKER_MARGIN)
-    yield from within(f"{name}: marker_size", component.marker_size, (MARKER_MIN_M, room))
     for terminal in component.terminals:
         yield from _terminal(terminal, component, panel, arms)
     for side in (0.0, math.pi):
