@@ -1,6 +1,7 @@
 """Every wait for an action server ends: with the goal's end, or with the loss of its server."""
 
 import threading
+from types import SimpleNamespace
 
 import actionlib
 import pytest
@@ -45,6 +46,7 @@ class FakeClient:
 
     def __init__(self, name, action):
         self.there, self.handle, self.sent = True, None, threading.Event()
+        self.pub_goal = SimpleNamespace(impl=SimpleNamespace(check=lambda: None))  # none is dead
 
     def wait_for_server(self, timeout):
         assert not timeout.is_zero(), "to actionlib zero means forever"
