@@ -92,7 +92,8 @@ def test_a_cable_is_one_task_from_its_file_to_the_plan(arms, tmp_path, database,
     file.write_text(CABLES)
     order = ["--order", "loom", "--database", database, "--arms", arms]
     assert import_design.main([str(file), *order]) == 0
-    assert "    9 are cores of 3 cables: each cable is one task\n" in capsys.readouterr().out
+    said = "    9 are cores of 3 cables: one arm places those of a cable one after another\n"
+    assert said in capsys.readouterr().out
     assert tasks.main(order) == 0
     assert "C1: cable of 3 cores, " in capsys.readouterr().out
     assert plan.main([*order, "--output", str(plan_file), "--moves", "20000", "--json"]) == 0

@@ -61,7 +61,8 @@ def print_triage(order: WorkOrder) -> None:
     print(f"  tasks for the robot: {len(order.tasks)}, by hand: {len(order.by_hand)}")
     if cables:
         cores = sum(map(len, cables.values()))
-        print(f"    {cores} are cores of {counted(len(cables), 'cable')}: each cable is one task")
+        of = counted(len(cables), "cable")
+        print(f"    {cores} are cores of {of}: one arm places those of a cable one after another")
     if outside:
         leave = "leave" if len(outside) > 1 else "leaves"
         such = f", such as {outside[0]}" if len(outside) > 1 else f": {outside[0]}"
