@@ -185,7 +185,8 @@ require:
         page = self.page
         self.drop("cable.csv", CABLE)
         area = page.locator(".desk-area")
-        expect(area.locator(".count", has_text="cores of 1 cable")).to_contain_text("2")
+        expect(area.locator(".count", has_text="robot")).to_contain_text("2")
+        expect(area.locator(".count", has_text="a cable of 2 cores")).to_contain_text("1")
         expect(area.locator(".plan-words")).to_contain_text("2 tasks in")
         page.get_by_text("Tasks in their order").click()
         planned = self.planned()
@@ -195,6 +196,7 @@ require:
         self.press(page, "Start the order")
         page.wait_for_url("**/overview", timeout=WORK_MS)
         expect(page.locator(".ending")).to_contain_text("Order 'cable'", timeout=WORK_MS)
+        expect(page.get_by_text("2 of 2 tasks done")).to_be_visible()
         cable = page.locator(".tasks tr.cable")
         expect(cable).to_contain_text("cable, 2 of 2 cores done")
         expect(cable.locator("xpath=following-sibling::tr[1]")).to_contain_text("C1.1")
@@ -205,6 +207,7 @@ require:
         events = orders.events(max(orders.runs()))
         begun = [each.task for each in events if isinstance(each, TaskBegun)]
         self.assertEqual(begun.index("C1.2"), begun.index("C1.1") + 1)
+        self.assertEqual(len(orders.run_state(max(orders.runs())).whole_tasks), 2)
 
     def test_a_file_is_refused_with_the_commands_own_words_and_a_mapping_helps(self):
         page = self.page

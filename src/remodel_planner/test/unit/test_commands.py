@@ -92,14 +92,25 @@ def test_a_cable_is_one_task_from_its_file_to_the_plan(arms, tmp_path, database,
     file.write_text(CABLES)
     order = ["--order", "loom", "--database", database, "--arms", arms]
     assert import_design.main([str(file), *order]) == 0
-    said = "    9 are cores of 3 cables: one arm places those of a cable one after another\n"
-    assert said in capsys.readouterr().out
+    counts = (
+        "  tasks for the robot: 5, by hand: 0\n"
+        "    3 are cables of 9 cores, placed one after another by one arm\n"
+    )
+    assert counts in capsys.readouterr().out
     assert tasks.main(order) == 0
-    assert "C1: cable of 3 cores, " in capsys.readouterr().out
+    said = capsys.readouterr().out
+    heads = [line.partition(":")[0] for line in said.splitlines() if not line.startswith(" ")]
+    assert sorted(heads) == ["C1", "C2", "C3", "W1.1", "W1.2"]
+    assert "\nC2: cable of 3 cores, " in said
+    assert "\n  C2.1: " in said
+    assert counts in said
+    assert plan.main([*order, "--output", str(plan_file), "--moves", "20000"]) == 0
+    assert counts in capsys.readouterr().out
     assert plan.main([*order, "--output", str(plan_file), "--moves", "20000", "--json"]) == 0
     printed = json.loads(capsys.readouterr().out)
     assert printed["cables"]["C2"] == ["C2.1", "C2.2", "C2.3"]
     assert printed["triage"]["cables"] == printed["cables"]
+    assert sorted(printed["triage"]["robot"]) == sorted(heads)
     assert (printed["split_cables"], printed["penalties"]["cable"]) == ([], 0)
     picks = [each for each in printed["actions"] if each["action"] == "pick"]
     runs = [
@@ -110,6 +121,19 @@ def test_a_cable_is_one_task_from_its_file_to_the_plan(arms, tmp_path, database,
     ]
     assert sorted(runs) == ["C1", "C2", "C3"], "no arm takes up a cable twice, nor do both arms"
     assert check.main([str(plan_file), *order]) == 0
+
+
+def test_a_cable_by_hand_is_one_task_too(tmp_path, database, capsys):
+    file = tmp_path / "loom.yml"
+    file.write_text(CABLES.replace("C2: {wirecount: 3, gauge: 0.5", "C2: {wirecount: 3, gauge: 50"))
+    order = ["--order", "loom", "--database", database]
+    assert import_design.main([str(file), *order]) == 0
+    said = capsys.readouterr().out
+    assert "  tasks for the robot: 4, by hand: 1\n    2 are cables of 6 cores, " in said
+    assert "    C2 (C2.1 C2.2 C2.3): by hand, section_mm2 is 50.0, and must be " in said
+    assert import_design.main([str(file), "--order", "again", *order[2:], "--json"]) == 0
+    (one,) = json.loads(capsys.readouterr().out)["triage"]["by_hand"]
+    assert (one["task"], one["wires"]) == ("C2", ["C2.1", "C2.2", "C2.3"])
 
 
 def test_a_cable_that_requirements_tear_apart_is_planned_and_named(tmp_path, database, capsys):

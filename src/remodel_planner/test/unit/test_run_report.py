@@ -16,6 +16,7 @@ from remodel_planner.core.reports.run_report import (
     timeline,
 )
 from remodel_production.core.production import Component, Order, TerminalRef, Wire
+from remodel_production.core.whole_task import whole_tasks
 from remodel_supervision.core.run import Execution, Operation
 
 TEMPLATE = (Path(__file__).parents[2] / "templates" / "report.html.j2").read_text()
@@ -69,7 +70,9 @@ def attempted(name, *operations, placed=True, attempt=1):
     )
 
 
-def report(*attempts, planned=None, before=0):
+def report(*attempts, cables=None, also=(), before=()):
+    names = dict.fromkeys([*before, *(each.execution.wire for each in attempts), *also])
+    tasks = whole_tasks((name, (cables or {}).get(name, "")) for name in names)
     order = Order(
         "house",
         "A <house>",
@@ -78,7 +81,7 @@ def report(*attempts, planned=None, before=0):
         wires=(),
         notes=("an assumption",),
     )
-    return Report(order, planned or len(attempts), 12.3, attempts, overview=(), before=before)
+    return Report(order, tasks, 12.3, attempts, overview=(), before=frozenset(before))
 
 
 def test_a_wire_that_failed_once_is_placed_but_not_at_first_pass():
@@ -89,7 +92,7 @@ def test_a_wire_that_failed_once_is_placed_but_not_at_first_pass():
 
 def test_a_wire_that_was_fed_again_is_placed_once_and_has_a_row_for_each_attempt():
     failed, second = attempted("W1", BAD, placed=False), attempted("W1", GOOD, attempt=2)
-    both = report(failed, second, planned=1)
+    both = report(failed, second)
     assert (both.placed, both.first_pass, both.complete) == (1, 0, True)
     assert list(timeline(both.attempts, {})) == ["W1", "W1, attempt 2"]
     tree = html.fromstring(render_html(TEMPLATE, both, COLOURS))
@@ -97,12 +100,12 @@ def test_a_wire_that_was_fed_again_is_placed_once_and_has_a_row_for_each_attempt
 
 
 def test_a_wire_that_was_never_run_makes_the_report_incomplete():
-    assert not report(attempted("W1", GOOD), planned=2).complete
+    assert not report(attempted("W1", GOOD), also=["W2"]).complete
     assert not report(attempted("W1", BAD, placed=False)).complete
 
 
 def test_wires_that_an_earlier_run_has_placed_count():
-    both = report(attempted("W2", GOOD), planned=2, before=1)
+    both = report(attempted("W2", GOOD), before=["W1"])
     assert (both.placed, both.first_pass, both.complete) == (2, 1, True)
 
 
@@ -117,29 +120,30 @@ def test_the_page_shows_each_wire_and_its_failures():
     assert "background: #ffb703" in page
 
 
-def test_a_cable_is_shown_before_its_cores():
-    def core(name, **options):
-        one = attempted(name, GOOD, **options)
-        return dataclasses.replace(one, wire=dataclasses.replace(one.wire, cable="C1"))
-
+def test_a_cable_is_one_task_shown_before_its_cores():
     made = report(
         attempted("W1", GOOD),
-        core("C1.1", placed=False),
-        core("C1.1", attempt=2),
-        core("C1.2", placed=False),
+        attempted("C1.1", GOOD, placed=False),
+        attempted("C1.1", GOOD, attempt=2),
+        attempted("C1.2", GOOD, placed=False),
         attempted("W2", GOOD),
+        cables={"C1.1": "C1", "C1.2": "C1"},
     )
     page = html.fromstring(render_html(TEMPLATE, made, COLOURS))
     line = "Cable C1: 1 of 2 cores placed"
     rows = [row.text_content().split("\n")[0].strip() for row in page.xpath("//table[1]//tr")]
     assert [row for row in rows if row.startswith("Cable")] == [line]
     assert rows.index(line) == 2
-    assert report_data(made)["cables"] == [line]
+    assert "2 of 3tasks done" in page.text_content()
+    data = report_data(made)
+    assert (data["cables"], data["tasks_done"]) == ([line], 2)
+    assert (data["placed"], data["planned"]) == (3, 4)
+    assert data["tasks"][1] == {"name": "C1", "wires": ["C1.1", "C1.2"]}
 
 
 def test_a_run_that_stopped_early_says_why():
     stopped = dataclasses.replace(
-        report(attempted("W1", GOOD), planned=2), stopped="the engine <died>"
+        report(attempted("W1", GOOD), also=["W2"]), stopped="the engine <died>"
     )
     page = html.fromstring(render_html(TEMPLATE, stopped, COLOURS))
     assert "stopped early: the engine <died>" in page.text_content()

@@ -59,7 +59,9 @@ class Supervised:
         self.begin(tasks)
 
     def begin(self, tasks):
-        self.state = state_after([RunBegun("house", "switchgear", "cell", tasks, "house-0042")])
+        cables = {"W2": "C1", "W3": "C1"}
+        begun = RunBegun("house", "switchgear", "cell", tasks, "house-0042", cables=cables)
+        self.state = state_after([begun])
         self.doing, self.view_fields = None, {}
 
     def view(self):
@@ -72,7 +74,6 @@ class Supervised:
             started=rospy.Time(5),
             expected_s=lambda name: 60.0,
             descriptions={name: f"Q1/1 to X3/{name}, BU, 1.5 mm2" for name in self.state.tasks},
-            cables={"W2": "C1", "W3": "C1"},
             **self.view_fields,
         )
 
@@ -161,9 +162,12 @@ def test_the_snapshot_and_the_changes_give_the_tasks(supervised):
     assert supervised.last.serial == "house-0042"
     assert (later.number, supervised.last.changes) == (number, number)
     counts = (supervised.last.tasks, supervised.last.done, supervised.last.set_aside)
-    assert counts == (6, 1, 1)
+    assert counts == (5, 1, 0), "a cable ends with its last core"
     assert [failure.decision for failure in later.failures] == ["set_aside"]
     assert [f.task for changes in supervised.changes for f in changes.failures] == ["W2"]
+    supervised.add(decision("W3", Do.SET_ASIDE))
+    supervised.wait(0.3)
+    assert (supervised.last.done, supervised.last.set_aside) == (1, 1)
 
 
 def test_a_task_between_two_behaviors_is_under_way(supervised):

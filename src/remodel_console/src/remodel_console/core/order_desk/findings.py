@@ -41,6 +41,12 @@ class ByHand:
 
     task: str
     reason: str
+    wires: tuple[str, ...] = ()
+
+    @property
+    def words(self) -> str:
+        """Return the task, and the cores of a cable."""
+        return f"{self.task}: {', '.join(self.wires)}" if len(self.wires) > 1 else self.task
 
 
 @dataclass(frozen=True)
@@ -57,7 +63,8 @@ class Triage:
     """Who does which task.
 
     Attributes:
-        cables: the tasks of their cores, which are one task.
+        robot: names of its tasks; a cable is one.
+        cables: the cores of those that are cables, by name.
     """
 
     use_case: str

@@ -57,7 +57,8 @@ class TaskTime:
     @property
     def words(self) -> str:
         """Return the task, and the cores of a cable."""
-        return f"{self.task}: {', '.join(self.wires)}" if len(self.wires) > 1 else self.task
+        is_wire = self.wires == (self.task,)
+        return self.task if is_wire else f"{self.task}: {', '.join(self.wires)}"
 
 
 def task_times(plan: Plan) -> tuple[TaskTime, ...]:
@@ -68,7 +69,7 @@ def task_times(plan: Plan) -> tuple[TaskTime, ...]:
         own = [each for each in _wire_times(plan) if each.arm == arm]
         for cable, group in groupby(own, lambda each: cable_of.get(each.task, "")):
             times = list(group)
-            if not cable or len(times) == 1:
+            if not cable:
                 found += times
                 continue
             wires = tuple(each.task for each in times)

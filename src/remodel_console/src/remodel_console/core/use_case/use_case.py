@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from enum import Enum
-from itertools import groupby
 
 
 class Phase(Enum):
@@ -103,7 +102,7 @@ class Task:
 
 @dataclass(frozen=True)
 class CableTask:
-    """A cable: the tasks of its cores, which follow each other and are one task."""
+    """A cable, which is one task, with the tasks of its cores as steps."""
 
     cores: tuple[Task, ...]
 
@@ -140,11 +139,13 @@ class CableTask:
 
 
 def with_cables(tasks: Sequence[Task]) -> Iterator[CableTask | Task]:
-    """Yield tasks in their order, each cable before the tasks of its cores that follow."""
-    for cable, group in groupby(tasks, lambda task: task.cable):
-        cores = tuple(group)
+    """Yield tasks in their order, each cable before its cores, at the place of the first."""
+    groups: dict[tuple[str, str], list[Task]] = {}
+    for task in tasks:
+        groups.setdefault((task.cable, "" if task.cable else task.name), []).append(task)
+    for (cable, _), cores in groups.items():
         if cable and len(cores) > 1:
-            yield CableTask(cores)
+            yield CableTask(tuple(cores))
         yield from cores
 
 
@@ -202,7 +203,7 @@ class UseCase:
         serial: serial number of the product.
         started_s: when it began, or was resumed after an interruption; ROS time [s].
         stopped_by: who requested the protective stop; empty without one.
-        total: number of tasks, of which `done` and `set_aside` have ended.
+        total: number of tasks, a cable being one, of which `done` and `set_aside` have ended.
         tasks: all of them, or none as long as they could not be fetched.
     """
 

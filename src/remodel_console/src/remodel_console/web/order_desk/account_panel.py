@@ -46,8 +46,8 @@ def show_triage(triage: Triage | None, nothing_to_plan: str) -> None:
         words = [("robot", len(triage.robot)), ("by hand", len(triage.by_hand))]
         if triage.cables:
             cores = sum(map(len, triage.cables.values()))
-            plural = "" if len(triage.cables) == 1 else "s"
-            words.insert(1, (f"cores of {len(triage.cables)} cable{plural}", cores))
+            cables = "a cable" if len(triage.cables) == 1 else "cables"
+            words.insert(1, (f"of these {cables} of {cores} cores", len(triage.cables)))
         with ui.row().classes("counts"):
             for word, count in words:
                 with ui.element("div").classes("count"):
@@ -67,7 +67,7 @@ def show_triage(triage: Triage | None, nothing_to_plan: str) -> None:
                 table(head, rows)
         if triage.by_hand:
             with scrollable("Tasks by hand").classes("by-hand"):
-                rows = ((each.task, each.reason) for each in triage.by_hand[:_LISTED])
+                rows = ((each.words, each.reason) for each in triage.by_hand[:_LISTED])
                 table(("By hand", "Because"), rows)
 
 

@@ -58,11 +58,11 @@ def print_triage(order: WorkOrder) -> None:
     cables, outside = order.cables, order.outside
     if not order.by_hand and not order.other_methods and not cables and not outside:
         return
-    print(f"  tasks for the robot: {len(order.tasks)}, by hand: {len(order.by_hand)}")
+    print(f"  tasks for the robot: {len(order.whole_tasks)}, by hand: {len(order.by_hand)}")
     if cables:
         cores = sum(map(len, cables.values()))
-        of = counted(len(cables), "cable")
-        print(f"    {cores} are cores of {of}: one arm places those of a cable one after another")
+        are = "1 is a cable" if len(cables) == 1 else f"{len(cables)} are cables"
+        print(f"    {are} of {cores} cores, placed one after another by one arm")
     if outside:
         leave = "leave" if len(outside) > 1 else "leaves"
         such = f", such as {outside[0]}" if len(outside) > 1 else f": {outside[0]}"

@@ -44,7 +44,7 @@ def triage_document(order: WorkOrder) -> Document:
     """Return which tasks are for the robot, by which other methods, and which by hand."""
     return {
         "use_case": order.use_case,
-        "robot": [task.name for task in order.tasks],
+        "robot": [task.name for task in order.whole_tasks],
         "cables": order.cables,
         "outside": order.outside,
         "other_methods": [asdict(each) for each in order.other_methods],

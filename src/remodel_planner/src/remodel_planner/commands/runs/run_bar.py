@@ -9,6 +9,9 @@ from types import TracebackType
 from remodel_msgs.msg import LevelState, UseCaseState
 from tqdm import tqdm
 
+from remodel_supervision.core.runs.changes import counts_of
+from remodel_supervision.core.runs.state import RunState
+
 # [1] Share of a task that is shown at most before it is done: it may take longer than expected.
 _MOST = 0.95
 
@@ -19,14 +22,14 @@ _WIDTH = 60
 class RunBar:
     """One line of a terminal that is rewritten; nothing where the output is no terminal."""
 
-    def __init__(self, tasks: int) -> None:
+    def __init__(self, wires: int) -> None:
         """Show an empty bar.
 
         Args:
-            tasks: of the run.
+            wires: of the run, each a part of the bar; a cable has several.
         """
         self._bar = tqdm(
-            total=tasks,
+            total=wires,
             file=sys.stdout,
             leave=False,
             disable=None,
@@ -50,17 +53,21 @@ class RunBar:
         """Print a line above the bar."""
         self._bar.write(line)
 
-    def show(self, ended: int, state: UseCaseState | None, expected_s: Mapping[str, float]) -> None:
+    def show(
+        self, run: RunState, state: UseCaseState | None, expected_s: Mapping[str, float]
+    ) -> None:
         """Show how far the run is.
 
         Args:
-            ended: tasks that are done or skipped.
+            run: by its log.
             state: what the supervisor has published last of this run; None if nothing yet.
             expected_s: how long each task was expected to take [s, ROS time].
         """
-        now = "" if state is None else doing(state)
-        self._bar.set_description_str(f"{ended} of {self._bar.total} tasks  {now}", refresh=False)
-        self._bar.n = ended + (0.0 if state is None else share(state, expected_s))
+        now, counts = "" if state is None else doing(state), counts_of(run)
+        ended = counts.done + counts.set_aside
+        self._bar.set_description_str(f"{ended} of {counts.tasks} tasks  {now}", refresh=False)
+        wires = sum(task.stage.is_lasting for task in run.tasks.values())
+        self._bar.n = wires + (0.0 if state is None else share(state, expected_s))
         self._bar.refresh()
 
 

@@ -107,7 +107,7 @@ class RunFollower:
                     bar.write(line)
                 now = self._published
                 bar.show(
-                    sum(task.stage.is_lasting for task in state.tasks.values()),
+                    state,
                     now if now is not None and now.run == self.number else None,
                     self._expected(),
                 )
@@ -203,7 +203,7 @@ def _event_lines(event: Event) -> list[str]:
         case RunBegun():
             return [
                 f"order {event.order}, use case {event.use_case}, product {event.serial}: "
-                f"{counted(len(event.tasks), 'task')}"
+                f"{counted(len(event.whole_tasks), 'task')}"
             ]
         case Planned():
             return [f"plan: {' '.join(event.tasks)}"]

@@ -53,7 +53,7 @@ def main(arguments: list[str] | None = None) -> int:
         help="by which the order is done (default: the supervisor's; docs/use-cases.md)",
     )
     parser.add_argument(
-        "--wires", type=int, default=6, help="how many tasks, from the first (default 6)"
+        "--wires", type=int, default=6, help="how many wires, from the first (default 6)"
     )
     parser.add_argument(
         "--again", action="store_true", help="place wires again that are placed already"
@@ -140,10 +140,10 @@ def _report(
     stopped = state.ended.because if is_stopped and state.ended else ""
     here = {attempt.execution.wire for attempt in attempts}
     done = [name for name, task in state.tasks.items() if task.stage is Stage.DONE]
-    before = sum(name not in here for name in done)
+    before = frozenset(name for name in done if name not in here)
     return Report(
         order,
-        len(state.tasks),
+        state.whole_tasks,
         wall_s,
         reports,
         overview=overview,
@@ -180,7 +180,9 @@ def _lengths(order: Order, state: RunState) -> dict[str, float]:
 
 
 def _print_summary(report: Report, page: Path) -> None:
-    before = f" ({report.before} of them before)" if report.before else ""
+    before = f" ({len(report.before)} of them before)" if report.before else ""
+    if report.has_cables:
+        print(f"{report.done} of {counted(len(report.tasks), 'task')} done")
     print(
         f"{report.placed} of {counted(report.planned, 'wire')} placed{before}, "
         f"{report.first_pass} without a failed operation; "

@@ -12,6 +12,7 @@ from jinja2 import Environment, StrictUndefined
 
 from remodel_planner.core.reports.net_list import Connection
 from remodel_production.core.production import Order, Wire
+from remodel_production.core.whole_task import WholeTask
 from remodel_supervision.core.run import Execution, Operation
 
 # Of an ability without a colour of its own.
@@ -83,44 +84,62 @@ class Report:
     """What the report contains about a run.
 
     Attributes:
-        planned: number of wires that were to be placed.
+        tasks: that were to be done.
         wall_s: [s] wall time from the first task's start to the last one's end.
         overview: pictures of the whole cell.
         stopped: why the run ended before its time; empty if it did not.
-        before: number of those wires that earlier runs, or other cells, have placed.
+        before: names of the wires that earlier runs, or other cells, have placed.
         triage: a line for each wire by hand, and for wires that are done by another method.
         nets: what the cell connects, as it says itself; empty if it cannot say.
     """
 
     order: Order
-    planned: int
+    tasks: tuple[WholeTask, ...]
     wall_s: float
     attempts: tuple[AttemptReport, ...]
     overview: tuple[Picture, ...]
     stopped: str = ""
-    before: int = 0
+    before: frozenset[str] = frozenset()
     triage: tuple[str, ...] = ()
     nets: tuple[Connection, ...] = ()
 
     @property
+    def planned(self) -> int:
+        """The number of wires that were to be placed, cores of cables among them."""
+        return sum(len(task.wires) for task in self.tasks)
+
+    @property
+    def has_cables(self) -> bool:
+        """Whether tasks and wires are counted apart."""
+        return any(task.is_cable for task in self.tasks)
+
+    @property
+    def placed_wires(self) -> frozenset[str]:
+        """The names of the wires placed; this run's by the cell's ground truth, if it has one."""
+        here = (each.execution.wire for each in self.attempts if each.execution.placed)
+        return self.before.union(here)
+
+    @property
     def placed(self) -> int:
-        """The number of wires placed; this run's by the cell's ground truth, if it has one."""
-        return self.before + sum(attempt.execution.placed for attempt in self.attempts)
+        """The number of wires placed."""
+        return len(self.placed_wires)
+
+    @property
+    def done(self) -> int:
+        """The number of tasks done; a cable is done with its last core."""
+        return sum(self.placed_wires.issuperset(task.wires) for task in self.tasks)
 
     @property
     def cables(self) -> dict[str, str]:
-        """A line for each cable of which several cores were placed, by its first core's name."""
-        placed: dict[str, dict[str, bool]] = {}
-        for attempt in self.attempts:
-            if attempt.wire is not None and attempt.wire.cable:
-                cores = placed.setdefault(attempt.wire.cable, {})
-                name = attempt.execution.wire
-                cores[name] = cores.get(name, False) or attempt.execution.placed
-        return {
-            next(iter(cores)): f"Cable {cable}: {sum(cores.values())} of {len(cores)} cores placed"
-            for cable, cores in placed.items()
-            if len(cores) > 1
-        }
+        """A line for each cable of which cores were tried, by the name of the first of them."""
+        lines: dict[str, str] = {}
+        tried = dict.fromkeys(attempt.execution.wire for attempt in self.attempts)
+        for task in self.tasks:
+            first = next((wire for wire in tried if wire in task.wires), None)
+            if task.is_cable and first is not None:
+                done = len(self.placed_wires.intersection(task.wires))
+                lines[first] = f"Cable {task.name}: {done} of {len(task.wires)} cores placed"
+        return lines
 
     @property
     def first_pass(self) -> int:
@@ -200,6 +219,8 @@ def report_data(report: Report) -> Mapping[str, object]:
     return {
         "order": report.order.name,
         "source": report.order.source,
+        "tasks": [{"name": task.name, "wires": list(task.wires)} for task in report.tasks],
+        "tasks_done": report.done,
         "planned": report.planned,
         "placed": report.placed,
         "first_pass": report.first_pass,

@@ -9,21 +9,17 @@ from remodel_planning.core.orders.work_order import WorkOrder
 
 
 def outline_of_order(order: WorkOrder, plans: Sequence[Decomposition]) -> Iterator[str]:
-    """Yield the tasks of an order, a cable as one task with those of its cores, line by line."""
+    """Yield the tasks of an order, a cable as one task whose cores are its steps, line by line."""
     plan_of = {plan.task.name: plan for plan in plans}
-    cable_of = {core: cable for cable, cores in order.cables.items() for core in cores}
-    shown: set[str] = set()
-    for name, plan in plan_of.items():
-        cable = cable_of.get(name)
-        if cable is None:
-            yield from outline(plan)
-        elif cable not in shown:
-            shown.add(cable)
-            cores = [plan_of[core] for core in order.cables[cable]]
-            seconds = sum(core.duration_s for core in cores)
-            yield f"{cable}: cable of {len(cores)} cores, {seconds:.1f} s of work, one task"
-            for core in cores:
-                yield from (f"  {line}" for line in outline(core))
+    for task in order.whole_tasks:
+        cores = [plan_of[wire] for wire in task.wires]
+        if not task.is_cable:
+            yield from outline(*cores)
+            continue
+        seconds = sum(core.duration_s for core in cores)
+        yield f"{task.name}: cable of {len(cores)} cores, {seconds:.1f} s of work, one task"
+        for core in cores:
+            yield from (f"  {line}" for line in outline(core))
 
 
 def outline(decomposition: Decomposition) -> Iterator[str]:

@@ -7,7 +7,7 @@ done by another method than the preferred one.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import replace
 
 from remodel_planning.core.condition import Value
@@ -15,6 +15,7 @@ from remodel_planning.core.decomposition.decomposed import Decomposition
 from remodel_planning.core.decomposition.wiring_problem import decompose_task, decomposer_of
 from remodel_planning.core.orders.work_order import ByHand, OtherMethod, WorkOrder
 from remodel_planning.core.use_case.model import UseCase
+from remodel_production.core.whole_task import whole_tasks
 from remodel_production.errors import InstanceError
 
 
@@ -22,7 +23,8 @@ def triaged(order: WorkOrder, use_case: UseCase) -> WorkOrder:
     """Return an order with the tasks that a robot can do, maybe none, and the others by hand."""
     decomposer = decomposer_of(order, use_case)
     others: dict[str, OtherMethod] = {}
-    by_hand: list[ByHand] = []
+    refusals: dict[str, str] = {}
+    whole = {wire: task.name for task in order.whole_tasks for wire in task.wires}
     for task in order.tasks:
         try:
             refused = _refused_characteristic(task.characteristics, use_case)
@@ -30,22 +32,29 @@ def triaged(order: WorkOrder, use_case: UseCase) -> WorkOrder:
         except InstanceError as error:
             plan, refused = None, str(error).removeprefix(f"task {task.name}: ")
         if plan is None:
-            by_hand.append(ByHand(task.name, refused))
+            refusals[task.name] = refused
         else:
-            _note_methods(others, plan.alone, use_case)
-    done = {task.name for task in order.tasks} - {task.task for task in by_hand}
+            _note_methods(others, whole[task.name], plan.alone, use_case)
+    done = {task.name for task in order.tasks} - refusals.keys()
     return replace(
         order,
         tasks=tuple(task for task in order.tasks if task.name in done),
         unders=tuple(under for under in order.unders if {under.before, under.after} <= done),
         soft_constraints=tuple(s for s in order.soft_constraints if {s.before, s.after} <= done),
-        by_hand=(*order.by_hand, *by_hand),
+        by_hand=(*order.by_hand, *_by_hand(order, refusals)),
         other_methods=tuple(others.values()),
     )
 
 
+def _by_hand(order: WorkOrder, refusals: Mapping[str, str]) -> Iterator[ByHand]:
+    """Yield the tasks that are refused, with the reasons; of a cable all cores that are."""
+    refused = ((task.name, task.cable) for task in order.tasks if task.name in refusals)
+    for name, wires in whole_tasks(refused):
+        yield ByHand(name, wires, "; ".join(dict.fromkeys(refusals[wire] for wire in wires)))
+
+
 def _note_methods(
-    others: dict[str, OtherMethod], decomposition: Decomposition, use_case: UseCase
+    others: dict[str, OtherMethod], task: str, decomposition: Decomposition, use_case: UseCase
 ) -> None:
     """Add a task to the methods that it is done by, as far as they are not the preferred ones."""
     rejected = {(each.task, each.method): each.reason for each in decomposition.rejected}
@@ -57,7 +66,8 @@ def _note_methods(
             reason = f"{preferred}: {why}" if why else f"{preferred} at one of its ends"
             key = f"methods.{name}.{method} in {use_case.file_name}"
             known = others.get(key, OtherMethod(key, (), reason))
-            others[key] = replace(known, tasks=(*known.tasks, decomposition.task.name))
+            if task not in known.tasks[-1:]:  # another core of the same cable
+                others[key] = replace(known, tasks=(*known.tasks, task))
 
 
 def _refused_characteristic(stated: Mapping[str, Value], use_case: UseCase) -> str:

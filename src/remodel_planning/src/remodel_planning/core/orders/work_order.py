@@ -23,6 +23,7 @@ from remodel_planning.core.problem.problem import (
     Under,
 )
 from remodel_planning.core.use_case.context import terminal_features
+from remodel_production.core.whole_task import WholeTask, whole_tasks
 
 # Of the length of a direction, for what rounding leaves.
 _UNIT_TOLERANCE = 1e-3
@@ -119,6 +120,11 @@ class Task:
     first: End | None = None
     values: tuple[tuple[str, object], ...] = ()
 
+    @property
+    def cable(self) -> str:
+        """The cable, or twisted group, of which it is a core; empty for none."""
+        return str(self.characteristics.get("cable") or "")
+
 
 @dataclass(frozen=True)
 class Access:
@@ -144,14 +150,19 @@ class Access:
 
 @dataclass(frozen=True)
 class ByHand:
-    """A task that no robot does, and why."""
+    """A task that no robot does, and why.
+
+    Attributes:
+        wires: as of a `WholeTask`.
+    """
 
     task: str
+    wires: tuple[str, ...]
     reason: str
 
     def __str__(self) -> str:
         """Return the line for a person."""
-        return f"{self.task}: by hand, {self.reason}"
+        return f"{WholeTask(self.task, self.wires)}: by hand, {self.reason}"
 
 
 @dataclass(frozen=True)
@@ -160,7 +171,7 @@ class OtherMethod:
 
     Attributes:
         method: the key and the file that states it, such as `methods.pick.thick in cabinet.yaml`.
-        tasks: names.
+        tasks: names of tasks as they are counted.
         reason: why the first of them is not done by the preferred method.
     """
 
@@ -199,13 +210,14 @@ class WorkOrder:
     outside: tuple[str, ...] = ()
 
     @property
+    def whole_tasks(self) -> tuple[WholeTask, ...]:
+        """The tasks as they are counted: the cores of a cable, or twisted group, are one."""
+        return whole_tasks((task.name, task.cable) for task in self.tasks)
+
+    @property
     def cables(self) -> dict[str, tuple[str, ...]]:
         """The names of the tasks of each cable, or twisted group, that has several."""
-        cores: dict[str, list[str]] = {}
-        for task in self.tasks:
-            if cable := task.characteristics.get("cable"):
-                cores.setdefault(str(cable), []).append(task.name)
-        return {cable: tuple(tasks) for cable, tasks in cores.items() if len(tasks) > 1}
+        return {task.name: task.wires for task in self.whole_tasks if task.is_cable}
 
 
 def order_from(data: object) -> WorkOrder:

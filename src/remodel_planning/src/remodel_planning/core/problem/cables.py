@@ -7,6 +7,7 @@ from dataclasses import replace
 
 from remodel_planning.core.problem.order import wire_order
 from remodel_planning.core.problem.problem import Problem, Ranking, Stage
+from remodel_production.core.whole_task import whole_tasks
 
 # The name of the preference for cables that are begun.
 _BEGUN = "a cable that is begun is finished first"
@@ -14,11 +15,8 @@ _BEGUN = "a cable that is begun is finished first"
 
 def cores_of(problem: Problem) -> dict[str, tuple[str, ...]]:
     """Return the names of the cores of each cable that has several."""
-    cores: dict[str, list[str]] = {}
-    for wire in problem.wires:
-        if wire.cable:
-            cores.setdefault(wire.cable, []).append(wire.name)
-    return {name: tuple(wires) for name, wires in cores.items() if len(wires) > 1}
+    tasks = whole_tasks((wire.name, wire.cable) for wire in problem.wires)
+    return {task.name: task.wires for task in tasks if task.is_cable}
 
 
 def with_first(problem: Problem, cores: Collection[str]) -> Problem:

@@ -11,7 +11,12 @@ from remodel_supervision.core.runs.state import RunState, Stage
 
 @dataclass(frozen=True)
 class Counts:
-    """How many tasks a run has, and how many of them have ended."""
+    """How many tasks a run has, and how many of them have ended; a cable is one task.
+
+    Attributes:
+        done: with all cores.
+        set_aside: have ended, but not with all cores done.
+    """
 
     tasks: int
     done: int
@@ -84,8 +89,10 @@ def in_plan_order(state: RunState, earlier: Sequence[str] = ()) -> tuple[str, ..
 
 def counts_of(state: RunState) -> Counts:
     """Return how many tasks there are, and have ended."""
-    stages = [task.stage for task in state.tasks.values()]
-    return Counts(len(stages), stages.count(Stage.DONE), stages.count(Stage.SET_ASIDE))
+    stages = [{state.tasks[wire].stage for wire in task.wires} for task in state.whole_tasks]
+    ended = sum(all(stage.is_lasting for stage in each) for each in stages)
+    done = stages.count({Stage.DONE})
+    return Counts(len(stages), done, ended - done)
 
 
 def _decisions(state: RunState, name: str) -> tuple[Decided, ...]:

@@ -6,10 +6,12 @@ are killed goes on from the last one. Tasks, behaviors and ends are named; times
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, field
 from enum import Enum
 
 from remodel_planning.core.use_case.fault import Do
+from remodel_production.core.whole_task import WholeTask, whole_tasks
 from remodel_supervision.core.run import Operation
 
 
@@ -83,6 +85,7 @@ class RunBegun:
         serial: serial number of the product that is wired, such as "house-0003".
         keep_panel: whether wires of this product may be on its panel already.
         timeout_s: [s] ROS time after which the run stops; 0: never.
+        cables: of which tasks place cores, beside others, by the task's name.
     """
 
     order: str
@@ -92,6 +95,12 @@ class RunBegun:
     serial: str = ""
     keep_panel: bool = False
     timeout_s: float = 0.0
+    cables: Mapping[str, str] = field(default_factory=dict)
+
+    @property
+    def whole_tasks(self) -> tuple[WholeTask, ...]:
+        """The tasks as they are counted: the cores of a cable are one."""
+        return whole_tasks((name, self.cables.get(name, "")) for name in self.tasks)
 
 
 @dataclass(frozen=True)

@@ -85,6 +85,7 @@ def _apply_run_begun(event: RunBegun, state: RunState) -> RunState:
         keep_panel=event.keep_panel,
         timeout_s=event.timeout_s,
         tasks=tasks,
+        cables=event.cables,
         waiting=event.tasks,
         to_plan="the run begins",
     )

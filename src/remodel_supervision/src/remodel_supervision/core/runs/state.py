@@ -7,6 +7,7 @@ from dataclasses import dataclass, field, replace
 from enum import Enum
 
 from remodel_planning.core.use_case.fault import Do
+from remodel_production.core.whole_task import WholeTask, whole_tasks
 from remodel_states.core.codes import Code
 from remodel_supervision.core.run import Operation
 from remodel_supervision.core.runs.events import Asked, Decided, Part, RunEnded
@@ -148,7 +149,8 @@ class RunState:
         serial: serial number of the product.
         keep_panel: whether wires of this product may be on its panel.
         timeout_s: [s] ROS time after which the run stops; 0: never.
-        tasks: all tasks of the run, by name.
+        tasks: all tasks of the run, by name; each core of a cable has its own.
+        cables: of which tasks place cores, beside others, by the task's name.
         waiting: names of those that wait for their turn, in the order of the plan.
         current: name of the task under way; empty between tasks.
         to_plan: why the order of the waiting tasks is to be decided again; empty if it is not.
@@ -186,6 +188,12 @@ class RunState:
     cell_s: float = 0.0
     ended: RunEnded | None = None
     events: int = 0
+    cables: Mapping[str, str] = field(default_factory=dict)
+
+    @property
+    def whole_tasks(self) -> tuple[WholeTask, ...]:
+        """The tasks as they are counted: the cores of a cable are one."""
+        return whole_tasks((name, self.cables.get(name, "")) for name in self.tasks)
 
     def with_task(self, task: TaskProgress, **changes: object) -> RunState:
         """Return this state with other progress of a task, and other changes."""

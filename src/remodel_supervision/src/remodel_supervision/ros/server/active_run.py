@@ -9,6 +9,7 @@ import rospy
 from remodel_msgs.msg import ErrorCode, RunUseCaseFeedback, RunUseCaseGoal, RunUseCaseResult
 
 from remodel_production.core.counted import counted
+from remodel_supervision.core.runs.changes import counts_of
 from remodel_supervision.core.runs.events import Ending
 from remodel_supervision.core.runs.state import RunState, Stage
 from remodel_supervision.ros.server.run_messages import RunView, levels
@@ -73,10 +74,10 @@ class ActiveRun:
     def _result(self) -> RunUseCaseResult:
         assert self.handle is not None, "only called with a goal"
         state = self.supervisor.state
-        done = list(state.in_stage(Stage.DONE))
+        done, counts = list(state.in_stage(Stage.DONE)), counts_of(state)
         return RunUseCaseResult(
             id=self.handle.get_goal().id,
-            message=f"{len(done)} of {counted(len(state.tasks), 'task')} done",
+            message=f"{counts.done} of {counted(counts.tasks, 'task')} done",
             elapsed_time=(rospy.Time.now() - self.begun).to_sec(),
             run=self.supervisor.run,
             done=done,

@@ -21,9 +21,10 @@ from sensor_msgs.msg import CompressedImage
 
 from remodel_production.edge.database.production_database import ProductionDatabase
 from remodel_production.errors import PlannerError
+from remodel_supervision.core.runs.changes import counts_of
 from remodel_supervision.core.runs.events import Ending
 from remodel_supervision.core.runs.fold import state_after
-from remodel_supervision.core.runs.state import RunState, Stage
+from remodel_supervision.core.runs.state import RunState
 from remodel_supervision.core.runs.statistics import RunStatistics, joined, statistics_of_run
 from remodel_supervision.edge.run_log import KeptEvent, RunHead, RunLog
 from remodel_supervision.ros.server.run_entries import entries_of
@@ -130,7 +131,7 @@ class RecordServer:
 
 
 def _summary(head: RunHead, state: RunState) -> RunSummary:
-    done = len(state.in_stage(Stage.DONE))
+    counts = counts_of(state)
     return RunSummary(
         run=head.number,
         order=head.order,
@@ -141,6 +142,6 @@ def _summary(head: RunHead, state: RunState) -> RunSummary:
         ended=state.ended is not None,
         success=state.ended is not None and state.ended.ending is Ending.COMPLETE,
         message=state.ended.because if state.ended else "",
-        done=done,
-        tasks=len(state.tasks),
+        done=counts.done,
+        tasks=counts.tasks,
     )

@@ -85,7 +85,8 @@ class _Writer:
 
     @_of.register
     def _of_run_begun(self, event: RunBegun) -> Iterable[RunEntry]:
-        return [RunEntry(kind=RunEntry.RUN, text=f"begun: {counted(len(event.tasks), 'task')}")]
+        tasks = counted(len(event.whole_tasks), "task")
+        return [RunEntry(kind=RunEntry.RUN, text=f"begun: {tasks}")]
 
     @_of.register
     def _of_planned(self, event: Planned) -> Iterable[RunEntry]:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 
 import rospy
 from remodel_msgs.msg import (
@@ -41,7 +41,6 @@ class RunView:
         started: ROS time at which this process began the run, or resumed it.
         expected_s: returns the time that a task is expected to take [s].
         descriptions: of the tasks, for a person, by name.
-        cables: of the tasks that place their cores, by the task's name.
         moving: whether an operation is under way, so that a pause has not taken effect yet.
     """
 
@@ -53,7 +52,6 @@ class RunView:
     started: rospy.Time
     expected_s: Callable[[str], float]
     descriptions: Mapping[str, str]
-    cables: Mapping[str, str] = field(default_factory=dict)
     moving: bool = False
 
 
@@ -106,7 +104,7 @@ def task_message(view: RunView, name: str) -> TaskState:
     return TaskState(
         name=name,
         description=view.descriptions.get(name, ""),
-        cable=view.cables.get(name, ""),
+        cable=view.state.cables.get(name, ""),
         state=_STATES.get(task.stage, under_way),
         attempts=task.attempts,
         first_pass=task.first_pass,

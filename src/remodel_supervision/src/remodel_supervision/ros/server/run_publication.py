@@ -111,6 +111,5 @@ class RunPublication:
             started=active.begun,
             expected_s=supervisor.work.planner.expected_s,
             descriptions=self._maker.descriptions,
-            cables=self._maker.cables,
             moving=supervisor.is_moving,
         )

@@ -50,7 +50,6 @@ class WorkMaker:
             hardly ever help, both as recorded runs have taught.
         escalation: is notified of questions; None: they are only shown at the console.
         descriptions: of the tasks made last, for a person, by name.
-        cables: of the tasks made last that place cores, by the task's name.
     """
 
     database: ProductionDatabase
@@ -64,7 +63,6 @@ class WorkMaker:
     explore: bool = False
     escalation: EscalationHook | None = None
     descriptions: Mapping[str, str] = field(default_factory=dict)
-    cables: Mapping[str, str] = field(default_factory=dict)
 
     def work(self, name: str, use_case: str, tasks: int, owner: int) -> Work:
         """Make the work of an order.
@@ -88,7 +86,6 @@ class WorkMaker:
             wire.name: f"{wire.a} to {wire.b}, {wire.colour}, {wire.section_mm2:g} mm2"
             for wire in stored.wires
         }
-        self.cables = {core: name for name, cores in order.cables.items() for core in cores}
         return Work(
             planner=WorkPlanner(
                 order, found, experience, self.search_s, documents=self._preferences(name, order)

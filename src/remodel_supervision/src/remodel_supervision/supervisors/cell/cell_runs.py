@@ -143,9 +143,13 @@ class CellRuns:
         """
         try:
             work = self._source.work(order, use_case, tasks, self._cell.token)
-            names = tuple(task.name for task in work.planner.order.tasks)
+            wanted = work.planner.order
+            names = tuple(task.name for task in wanted.tasks)
+            cables = {core: name for name, cores in wanted.cables.items() for core in cores}
             found = work.planner.use_case.name
-            begun = RunBegun(order, found, self._cell.name, names, timeout_s=timeout_s)
+            begun = RunBegun(
+                order, found, self._cell.name, names, timeout_s=timeout_s, cables=cables
+            )
             run, begun = self._begun(begun, again=again)
         except OwnerError as error:
             self._cell.taken_over = str(error)
