@@ -45,6 +45,7 @@ from verdict import (
     handled_first,
     is_complete,
     is_explained,
+    needs_person,
 )
 
 from remodel_planner.commands.runs import explain_run, replay
@@ -130,7 +131,7 @@ class Campaign:
             hung=hung,
             complete=is_complete(events),
             true=done == self._site.placed(tasks),
-            hand_empty=self._site.hand_is_empty(),
+            hand_empty=self._site.hand_is_empty() or needs_person(events),
             first=self._first(trial, events),
             cell_s=self._site.cell_s(events),
             wall_s=wall_s,

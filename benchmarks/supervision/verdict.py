@@ -16,6 +16,7 @@ from remodel_supervision.core.runs.events import (
     Settled,
     TaskEnded,
 )
+from remodel_supervision.core.runs.state import PERSON_FIRST
 
 # Who has handled a fault first.
 INSIDE, TASK, USE_CASE = "action or behavior", "task", "use case"
@@ -40,7 +41,7 @@ class Verdict:
         hung: whether it did not end within its limit.
         complete: whether it says that all is done.
         true: whether what it says of each task is what the cell's truth says.
-        hand_empty: whether nothing is left in the hand.
+        hand_empty: whether nothing is left in the hand, unless a person was to answer first.
         first: who handled the failure first; empty if nothing failed.
         cell_s: [s] that its operations take in the cell.
         wall_s: [s] wall time.
@@ -76,6 +77,12 @@ def is_complete(events: Sequence[Event]) -> bool:
     """Return whether a run has ended with all tasks done."""
     last = events[-1]
     return isinstance(last, RunEnded) and last.ending is Ending.COMPLETE
+
+
+def needs_person(events: Sequence[Event]) -> bool:
+    """Return whether nothing may move, not even to empty the hand, before a person answers."""
+    last = next((e.operation for e in reversed(events) if isinstance(e, OperationEnded)), None)
+    return last is not None and last.error_code in PERSON_FIRST
 
 
 def is_explained(events: Sequence[Event], explanation: str) -> bool:

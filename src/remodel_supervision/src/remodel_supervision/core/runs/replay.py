@@ -36,7 +36,13 @@ from remodel_supervision.core.runs.events import (
     TaskReturned,
 )
 from remodel_supervision.core.runs.fold import apply_event
-from remodel_supervision.core.runs.state import PREEMPTED, SERVER_GONE, RunState, Stage
+from remodel_supervision.core.runs.state import (
+    PERSON_FIRST,
+    PREEMPTED,
+    SERVER_GONE,
+    RunState,
+    Stage,
+)
 from remodel_supervision.core.runs.step import (
     Ask,
     Decide,
@@ -105,7 +111,7 @@ def path_difference(
     operations = execution.operations
     asked = [operation.state_path for operation in operations]
     entered = [path for path in attempt.path if path in set(asked)]
-    if operations and operations[-1].error_code in SERVER_GONE:
+    if operations and operations[-1].error_code in SERVER_GONE | PERSON_FIRST:
         # What would begin after it is refused, which leaves no record.
         return "" if entered[: len(asked)] == asked else _path_text(entered, asked)
     if attempt.path and entered != asked:
