@@ -9,6 +9,7 @@ from pathlib import Path
 
 from flexbe_synthesizer.core.chart.model import Chart, Outcome, Param, State, Transition
 from remodel_planning.core.orders.cell_order import USE_CASE, cell_order
+from remodel_planning.core.orders.work_order import WorkOrder
 from remodel_planning.core.problem.problem import End
 from remodel_planning.core.task_charts.demands import Demands
 from remodel_planning.core.task_charts.planned_tasks import PlannedTask
@@ -56,11 +57,13 @@ class Plant:
     """What all schedules share.
 
     Attributes:
+        order: with all tasks.
         tasks: as the real planner plans them, by name.
         channels: where each wire is fed.
     """
 
     panel: Panel
+    order: WorkOrder
     tasks: dict[str, PlannedTask]
     channels: dict[str, str]
     faults: FaultTable
@@ -77,6 +80,7 @@ def plant() -> Plant:
     names = real.plan([task.name for task in order.tasks])
     return Plant(
         panel_from(panel_message(layout, rules)),
+        order,
         {name: real.task(name) for name in names},
         {cut.wire.name: cut.channel for cut in layout.wires},
         read_faults(),
@@ -97,16 +101,6 @@ class _UseCase:
     recovery: Policy
 
 
-@dataclass(frozen=True)
-class _Task:
-    name: str
-
-
-@dataclass(frozen=True)
-class _Order:
-    tasks: tuple[_Task, ...]
-
-
 class SimulatedPlanner:
     """Plans the first tasks of the order."""
 
@@ -115,8 +109,8 @@ class SimulatedPlanner:
 
     def __init__(self, count: int, question_timeout_s: float) -> None:
         """Plan some tasks, from the first."""
-        tasks = tuple(_Task(f"W{n}") for n in range(1, count + 1))
-        self.order = _Order(tasks)
+        order = plant().order
+        self.order = replace(order, tasks=order.tasks[:count])
         limits = Limits(run_s=1e6)
         question = replace(Policy().question, timeout_s=question_timeout_s)
         recovery = Policy(limits=limits, question=question)
