@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from remodel_sim.core.vision.cables import CableEnding, detect_cables
-from remodel_sim.core.vision.cables.curves.polyline import arc_lengths
+from remodel_sim.core.vision.cables.curves.polyline import arc_lengths, at_distance
 from remodel_sim.core.vision.cables.curves.spline import basis, fit
 from remodel_sim.core.vision.cables.strands.pairing import StrandEnd, best_pairs, join_prices
 from remodel_sim.core.vision.cables.strands.skeleton import find_strands, thin
@@ -260,6 +260,13 @@ def test_a_shadow_that_prolongs_a_cable_causes_a_warning():
     assert max(tips, default=0.0) < 415 or found.warnings
 
 
+def test_a_ferrule_of_another_colour_causes_a_warning():
+    picture, tip = table(), np.array([500.0, 250.0])
+    lay(picture, np.array([[120.0, 200.0], tip]), BLUE)
+    lay(picture, np.array([tip, tip + np.array([22.0, 2.9])]), (215, 30, 190), 6)
+    assert any("may go on beyond (500, 250)" in w for w in detect_cables(picture).warnings)
+
+
 def test_a_noisy_picture_causes_a_warning():
     picture = table()
     cv2.line(picture, (100, 240), (540, 240), RED, 6, cv2.LINE_AA)
@@ -275,6 +282,7 @@ def test_a_noisy_picture_causes_a_warning():
         ("softness [widths]", 0.9, "blurred"),
         ("spread of the width", 0.1, "varies in width"),
         ("deep shadows", 0.4, "deep shadow"),
+        ("margin", 0.2, "another way is nearly as good"),
     ],
 )
 def test_odd_evidence_causes_a_warning_of_its_cable(term, value, text):
@@ -283,6 +291,7 @@ def test_odd_evidence_causes_a_warning_of_its_cable(term, value, text):
         "spread of the width": 0.01,
         "edges that agree": 0.65,
         "deep shadows": 0.0,
+        "margin": 0.5,
     }
     (notice,) = evidence_warnings([good, {**good, term: value}])
     assert text in notice.text
@@ -296,6 +305,15 @@ def test_lines_left_out_cause_a_warning(monkeypatch):
     found = detect_cables(picture)
     assert found.cables == ()
     assert any("lines left out" in warning for warning in found.warnings)
+    (line,) = detect_cables(picture, colours=[RED], widths=[8]).cables
+    assert line.confidence == 0.01, "what fits what is known is returned all the same"
+
+
+def test_a_polyline_goes_on_straight_beyond_its_end():
+    line = np.array([[0.0, 0.0], [1.0, 0.0], [1.0, 1.0]])
+    point, tangent = at_distance(line, 3.0)
+    np.testing.assert_allclose(point, [1.0, 2.0])
+    np.testing.assert_allclose(tangent, [0.0, 1.0])
 
 
 def test_a_spline_keeps_to_points_on_a_circle():

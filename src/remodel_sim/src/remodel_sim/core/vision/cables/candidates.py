@@ -110,14 +110,20 @@ def more_candidates(
     """Return the first candidates, and those of other foregrounds of a cluttered picture."""
     coarse = prior.smaller(scale)
     pool = list(first)
-    for half_width in HALF_WIDTHS:
+    half_widths = {width / 2 for width in coarse.widths} or HALF_WIDTHS
+    for half_width in sorted(half_widths):
         local = local_foreground(small, half_width, foreground, coarse)
         pool += _candidates(rgb, scale, small, local, prior) or []
-    for samples in _colours(pool):
+    for samples in [] if prior.is_specific else _colours(pool):
         coloured = colour_foreground(small, samples, foreground, coarse)
         pool += _candidates(rgb, scale, small, coloured, prior) or []
-    pool = [c for c in pool if c.evidence.edges > 0 and c.evidence.length > 0]
-    return _likeliest(rgb, pool, foreground, scale)
+    if prior.is_specific:
+        pool = [c for c in pool if c.evidence.total >= NO_CABLE]
+        ranks = [c.evidence.total * len(c.line.points) for c in pool]
+    else:
+        pool = [c for c in pool if c.evidence.edges > 0 and c.evidence.length > 0]
+        ranks = [rate(rgb, [c], 0, foreground, scale) for c in pool]
+    return _best(pool, ranks, foreground, scale)
 
 
 def _colours(pool: list[Candidate]) -> list[Array]:
@@ -137,14 +143,13 @@ def _colours(pool: list[Candidate]) -> list[Array]:
     return chosen
 
 
-def _likeliest(
-    rgb: Pixels, pool: list[Candidate], foreground: Foreground, scale: int
+def _best(
+    pool: list[Candidate], ranks: list[float], foreground: Foreground, scale: int
 ) -> list[Candidate]:
-    """Return the likeliest of candidates that lie on each other."""
-    rated = [(rate(rgb, [c], 0, foreground, scale), i) for i, c in enumerate(pool)]
+    """Return the highest ranked of candidates that lie on each other."""
     taken: Pixels = np.zeros(foreground.mask.shape, np.uint8)
     kept = []
-    for _, i in sorted(rated, key=lambda r: (-r[0], r[1])):
+    for i in sorted(range(len(pool)), key=lambda i: -ranks[i]):
         cable = pool[i].cable
         line = (cable.centreline + 0.5) / scale - 0.5
         columns, rows = np.rint(line).astype(int).T

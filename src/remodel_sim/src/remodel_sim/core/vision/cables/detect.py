@@ -44,7 +44,9 @@ WORKING_COLUMNS = (320, 640)
 THIN = 1.0
 MIN_SIDE = 64
 KEPT_BYTES = 8_000_000
-# Lines with less confidence are not reported.
+# Where widths are known the narrowest cable is so wide in that picture [px].
+KNOWN_PX = 4.0
+# Lines with less confidence are not reported, unless colours and widths are known.
 LEAST = 0.02
 
 
@@ -56,6 +58,9 @@ def detect_cables(
     background: Pixels | None = None,
 ) -> Detection:
     """Find the cables in a picture (height, width, 3), RGB.
+
+    With colours and widths every line that fits them is returned, however low its confidence: a
+    caller that knows the scene can put pieces together.
 
     Args:
         rgb: the picture.
@@ -77,9 +82,11 @@ def detect_cables(
     _keep_memory()
     for columns in WORKING_COLUMNS:
         scale = max(1, round(max(rgb.shape[:2]) / columns))
+        if widths:
+            scale = max(1, min(scale, int(min(widths) / KNOWN_PX)))
         small = cv2.resize(rgb, None, fx=1 / scale, fy=1 / scale, interpolation=cv2.INTER_AREA)
         foreground = find_foreground(small, prior.smaller(scale))
-        if scale == 1 or foreground.half_width > THIN:
+        if scale == 1 or widths or foreground.half_width > THIN:
             break
     return _detect(rgb, scale, small, foreground, prior)
 
@@ -100,34 +107,35 @@ def _detect(
     """Find the cables, given the foreground of a picture made `scale` times smaller."""
     lit = list(exposure_warnings(rgb))
     first = first_candidates(rgb, scale, small, foreground, prior)
-    cables, notices = _judged(rgb, first or [], foreground, scale)
+    least = 0.0 if prior.is_specific else LEAST
+    cables, notices = _judged(rgb, first or [], foreground, scale, least=least)
     if notices:
         found = more_candidates(rgb, scale, small, foreground, prior, first or [])
-        cables, notices = _judged(rgb, found, foreground, scale)
+        cables, notices = _judged(rgb, found, foreground, scale, least=least)
     if first is None:
         notices = [Notice(CLUTTERED), *(n for n in notices if n.text != NOTHING)]
     return _detection(cables, find_crossings(rgb, cables), [*lit, *notices])
 
 
 def _judged(
-    rgb: Pixels, candidates: list[Candidate], foreground: Foreground, scale: int
+    rgb: Pixels, candidates: list[Candidate], foreground: Foreground, scale: int, least: float
 ) -> tuple[list[DetectedCable], list[Notice]]:
-    """Return the candidates that are likely enough, the longest first, and the warnings."""
+    """Return the candidates of some confidence at least, the longest first, and the warnings."""
     ordered = sorted(candidates, key=lambda c: -len(c.line.points))
     rated = [
         (replace(candidate.cable, confidence=rate(rgb, ordered, i, foreground, scale)), candidate)
         for i, candidate in enumerate(ordered)
     ]
-    likely = [(cable, candidate) for cable, candidate in rated if cable.confidence >= LEAST]
+    likely = [(cable, candidate) for cable, candidate in rated if cable.confidence >= least]
     cables = [cable for cable, _ in likely]
     notices = [
         *cable_warnings(rgb, cables),
-        *evidence_warnings([candidate.evidence.terms for _, candidate in likely]),
+        *evidence_warnings([{**c.evidence.terms, "margin": c.margin} for _, c in likely]),
         *remainder_warnings(foreground, cables, scale),
     ]
     left_out = len(rated) - len(cables)
     if left_out:
-        notices.append(Notice(f"lines left out, with a confidence below {LEAST}: {left_out}"))
+        notices.append(Notice(f"lines left out, with a confidence below {least}: {left_out}"))
     return cables, notices
 
 

@@ -24,8 +24,9 @@ WITHIN, OUTSIDE = slice(0, 20), slice(50, 61)
 OTHER_HUE = 18.0
 # Lines beside the axis that are averaged [widths].
 LINES = np.linspace(-0.24, 0.24, 5)
-# How far the tip may lie from where the skeleton says [widths].
-TOLERANCE = 0.5
+# How far the tip may lie from where the skeleton says: the standard deviation, and the most; beyond
+# it a ferrule begins [widths].
+TOLERANCE, FARTHEST = 0.5, 1.0
 # A skeleton ends about this far before the tip [widths].
 SKELETON_SHORT = 0.4
 # Nearer to the border than this, a cable goes on beyond it [widths].
@@ -36,6 +37,9 @@ BORDER_WIDTHS = 0.8
 BEYOND = np.concatenate([np.linspace(-2.5, -1.0, 4), np.linspace(1.0, 2.5, 4)])
 SIDEWAYS = np.array([-1.2, -1.05, -0.9, -0.2, -0.1, 0.0, 0.1, 0.2, 0.9, 1.05, 1.2])
 MIDDLE = np.abs(SIDEWAYS) < 0.5
+# Beyond true tips what lies there differs from its surroundings by up to 28, a ferrule by 31 and
+# more [grey levels].
+OTHER_COLOUR = 30.0
 # To see whether its last bit is a shadow: before and beyond its tip [widths]; shades of the cable
 # and of the table; a shadow is no shade of the cable by this [grey levels].
 LAST = np.array([-1.0, -0.75, -0.5, 1.2, 1.6, 2.0])
@@ -88,6 +92,7 @@ def _find_tip(rgb: Pixels, expected: Array, outward: Array, width: float) -> Tip
         # A shadow beyond the tip is no other hue.
         speed = np.abs(change @ (hue / strength))
     prior = np.exp(-0.5 * (along[1:-1] / (TOLERANCE * width)) ** 2)
+    prior *= np.abs(along[1:-1]) <= FARTHEST * width
     best = min(max(int(np.argmax(speed * prior)), 1), len(speed) - 2)
     before, here, after = speed[best - 1 : best + 2].tolist()
     curve = before - 2 * here + after
@@ -99,7 +104,8 @@ def _find_tip(rgb: Pixels, expected: Array, outward: Array, width: float) -> Tip
 def goes_on(rgb: Pixels, tip: Tip, width: float) -> float:
     """Return what share of a cable's contrast is left beyond its tip.
 
-    Pieces of the picture are averaged that are so large that noise does not matter.
+    Of another colour, as a ferrule's, only much counts. Pieces of the picture are averaged that are
+    so large that noise does not matter.
     """
     beside = np.array([-tip.outward[1], tip.outward[0]])
     grid = (BEYOND * width)[:, None, None] * tip.outward + (SIDEWAYS * width)[:, None] * beside
@@ -109,7 +115,9 @@ def goes_on(rgb: Pixels, tip: Tip, width: float) -> float:
     strip, table = within[:, MIDDLE].mean(axis=(0, 1)), within[:, ~MIDDLE].mean(axis=(0, 1))
     way = strip - table
     left = beyond[:, MIDDLE].mean(axis=(0, 1)) - beyond[:, ~MIDDLE].mean(axis=(0, 1))
-    return float(left @ way) / max(float(way @ way), 1.0)
+    square = max(float(way @ way), 1.0)
+    same, levels = float(left @ way) / square, math.hypot(*left.tolist())
+    return max(same, levels / math.sqrt(square)) if levels > OTHER_COLOUR else same
 
 
 def in_shadow(rgb: Pixels, tip: Tip, cable: DetectedCable) -> bool:

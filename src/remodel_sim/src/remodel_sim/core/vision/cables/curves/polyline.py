@@ -91,3 +91,14 @@ def across_gap(start: Array, heading: Array, end: Array, arriving: Array, step: 
         + (3 * u**2 - 2 * u**3) * end
         + (u**3 - u**2) * length * arriving
     )
+
+
+def at_distance(points: Array, distance: float) -> tuple[Array, Array]:
+    """Return the point (k,) and the unit tangent (k,) at an arc length along a polyline (n, k).
+
+    Beyond its end the polyline goes on straight.
+    """
+    pieces = np.linalg.norm(np.diff(points, axis=0), axis=1)
+    i = int(np.clip(np.searchsorted(np.cumsum(pieces), distance), 0, len(pieces) - 1))
+    tangent = (points[i + 1] - points[i]) / pieces[i]
+    return points[i] + tangent * (distance - float(pieces[:i].sum())), tangent

@@ -73,7 +73,7 @@ def find_foreground(rgb: Pixels, prior: Prior) -> Foreground:
     allowed = prior.allowed(rgb)
     whiten, spread = whitening(pixels[1::SPARSE, 1::SPARSE] - table[1::SPARSE, 1::SPARSE])
     covered = distance_from(pixels, table, whiten)
-    lit = unlike_any_shade(pixels, table, whiten)
+    lit = unlike_any_shade(pixels, table, whiten, covered)
     distance = covered
     things = _cables_without_shadows(distance, lit)
     mask = things if allowed is None else things & allowed
@@ -86,7 +86,7 @@ def find_foreground(rgb: Pixels, prior: Prior) -> Foreground:
         other = distance_from(pixels, near, whiten)
         on_foreign_object = foreign_objects > 0
         distance = np.where(on_foreign_object, np.minimum(covered, other), covered)
-        other_lit = unlike_any_shade(pixels, near, whiten)
+        other_lit = unlike_any_shade(pixels, near, whiten, other)
         lit = np.where(on_foreign_object, lit & other_lit, lit)
         mask = _cables_without_shadows(distance, lit)
         mask[foreign_objects_in(reach_in(mask), half_width) > 0] = 0
@@ -145,10 +145,19 @@ def _dot(a: Pixels, b: Pixels) -> Pixels:
     return cv2.transform(cv2.multiply(a, b), SUM)
 
 
-def unlike_any_shade(pixels: Pixels, table: Pixels, whiten: Array) -> Pixels:
-    """Return 1 where a pixel differs from the table's colour and from every shadow on it."""
-    shade = limited(_dot(pixels, table) / (_dot(table, table) + 1.0), DARKEST_SHADOW, 1.0)
-    return above(distance_from(pixels, cv2.multiply(table, cv2.merge([shade] * 3)), whiten))
+def unlike_any_shade(pixels: Pixels, table: Pixels, whiten: Array, distance: Pixels) -> Pixels:
+    """Return 1 where a pixel differs from the table's colour and from every shadow on it.
+
+    Only what differs from the table's colour, by a `distance` (height, width), is compared.
+    """
+    unlike = above(distance)
+    places = np.flatnonzero(unlike)
+    seen, lit = pixels.reshape(-1, 3)[places], table.reshape(-1, 3)[places]
+    along, square = np.einsum("ij,ij->i", seen, lit), np.einsum("ij,ij->i", lit, lit)
+    shade = limited(along / (square + 1.0), DARKEST_SHADOW, 1.0)
+    apart = (seen - shade[:, None] * lit) @ whiten.T.astype(np.float32)
+    unlike.ravel()[places] = np.einsum("ij,ij->i", apart, apart) > DEVIATIONS**2
+    return unlike
 
 
 def above(distance: Pixels) -> Pixels:

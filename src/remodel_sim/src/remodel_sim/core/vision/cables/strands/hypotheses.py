@@ -47,7 +47,7 @@ def local_foreground(rgb: Pixels, half_width: float, first: Foreground, prior: P
     near = median_nearby(rgb, half_width)
     whiten, spread = whitening(pixels[1::SPARSE, 1::SPARSE] - near[1::SPARSE, 1::SPARSE])
     distance = distance_from(pixels, near, whiten)
-    mask = majority(unlike_any_shade(pixels, near, whiten))
+    mask = majority(unlike_any_shade(pixels, near, whiten, distance))
     return _thin_parts(mask, spread, distance, _allowed(rgb, first, prior), first)
 
 

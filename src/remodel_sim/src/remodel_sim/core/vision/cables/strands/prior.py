@@ -35,6 +35,11 @@ class Prior:
     widths: tuple[float, ...] = ()
     background: Pixels | None = None
 
+    @property
+    def is_specific(self) -> bool:
+        """Whether colours and widths are known: what fits both is a cable that is searched for."""
+        return bool(self.colours and self.widths)
+
     def smaller(self, scale: int) -> Prior:
         """Return the same for a picture made `scale` times smaller."""
         mask, background = self.mask, self.background
