@@ -16,8 +16,7 @@ from remodel_sim.core.errors import AbilityError
 from remodel_sim.core.goals import DetectGoal
 from remodel_sim.core.vision.label_pose import LabelView, locate_component
 from remodel_sim.core.vision.labels import find_labels
-from remodel_sim.core.vision.tracing import at_distance, trace
-from remodel_sim.core.vision.wire_ends import find_ends, trace_between
+from remodel_sim.core.vision.wire_ends import find_ends, line_between
 from remodel_sim.core.workpiece.panel import WireEnd
 from remodel_sim.core.workpiece.wire_colours import WIRE_RGB
 from remodel_sim.physics.wires.parked_wire import draw_parked
@@ -46,14 +45,13 @@ def test_both_ends_of_a_wire_of_any_colour_are_found(colour):
     made = Cell(panel(wires=(wire("W1", ("X1", "1"), ("X2", "1"), 0.48, colour=colour),)), seed=3)
     made.feed("W1", "A")
     picture = made.plant.take_overhead_picture()
-    ends, likelihood = find_ends(picture, made.context.wire, made.context.belief.expected)
+    ends, lines = find_ends(picture, made.context.wire, made.context.belief.expected)
     for end in WireEnd:
         true, out = made.plant.live.cable.tip(end)
         seen = ends[end].tip
         assert np.linalg.norm(seen.tip[:2] - true[:2]) < 0.0012
         assert abs(math.cos(seen.out_yaw) * out[0] + math.sin(seen.out_yaw) * out[1]) > 0.99
-    both = ends[WireEnd.A], ends[WireEnd.B]
-    pixels = trace_between(both, picture, likelihood, made.context.wire)
+    pixels = line_between((ends[WireEnd.A], ends[WireEnd.B]), lines)
     line = picture.view.on_plane(pixels, 0.0015)[:, :2]
     length = np.linalg.norm(np.diff(line, axis=0), axis=1).sum()
     assert length == pytest.approx(0.48, rel=0.03)
@@ -82,23 +80,6 @@ def test_two_ends_side_by_side_are_ambiguous(cell):
             find_ends(picture, close, between)
     assert caught.value.code is Code.CABLE_AMBIGUOUS
     assert cell.context.belief.ends[WireEnd.A] is EndState.LOOSE
-
-
-def test_the_tracer_follows_a_bend_and_goes_straight_over_a_crossing():
-    picture = np.zeros((200, 200), np.float32)
-    angle = np.linspace(0, math.pi / 2, 400)
-    for x, y in np.column_stack([20 + 150 * np.sin(angle), 170 - 150 * (1 - np.cos(angle))]):
-        picture[int(y) - 2 : int(y) + 3, int(x) - 2 : int(x) + 3] = 1
-    picture[:, 98:103] = 1
-    points = trace(picture, np.array([21.0, 170.0]), np.array([1.0, 0.0]), 5.0)
-    assert np.linalg.norm(points[-1] - [170, 20]) < 8
-
-
-def test_a_polyline_goes_on_straight_beyond_its_end():
-    line = np.array([[0.0, 0.0], [1.0, 0.0], [1.0, 1.0]])
-    point, tangent = at_distance(line, 3.0)
-    np.testing.assert_allclose(point, [1.0, 2.0])
-    np.testing.assert_allclose(tangent, [0.0, 1.0])
 
 
 def test_an_end_that_a_wire_in_the_air_hides_from_above_is_found_from_aside(cell):

@@ -23,7 +23,7 @@ from remodel_sim.core.goals import DetectGoal
 from remodel_sim.core.goals.goal_pose import Message
 from remodel_sim.core.vision.cables.curves.polyline import arc_lengths
 from remodel_sim.core.vision.drawing import ORANGE, Drawing
-from remodel_sim.core.vision.wire_ends import STRAIGHT_M, trace_between, trace_from
+from remodel_sim.core.vision.wire_ends import STRAIGHT_M, line_between, line_from
 from remodel_sim.core.workpiece.panel import PanelWire, WireEnd
 from remodel_states.core.codes import Code
 
@@ -49,14 +49,13 @@ class CableDetected:
     truncated: bool
 
 
-def _trace(above: OverheadObservation, wire: PanelWire) -> Array:
+def _line(above: OverheadObservation) -> Array:
     """Return the wire's centreline (n, 2) [px], end a first: all of it, or the longest part."""
-    seen = above.picture, above.likelihood, wire
     if len(above.ends) == 2:
-        whole = trace_between((above.ends[WireEnd.A], above.ends[WireEnd.B]), *seen)
+        whole = line_between((above.ends[WireEnd.A], above.ends[WireEnd.B]), above.lines)
         if whole is not None:
             return whole
-    paths = {end: trace_from(observation, *seen) for end, observation in above.ends.items()}
+    paths = {end: line_from(seen, above.lines) for end, seen in above.ends.items()}
     first = max(paths, key=lambda end: (len(paths[end]), end is WireEnd.A))
     return paths[first] if first is WireEnd.A else paths[first][::-1]
 
@@ -109,12 +108,12 @@ def _centreline(
     if above.ends and hangs:
         end = min(above.ends, key=lambda end: end.value)
         observation = above.ends[end]
-        pixels = trace_from(observation, above.picture, above.likelihood, wire)
+        pixels = line_from(observation, above.lines)
         line = above.picture.view.on_plane(pixels, observation.tip.tip[2])
         level = arc_lengths(line[:, :2]) <= STRAIGHT_M
         return line[level] if end is WireEnd.A else line[level][::-1]
     if above.ends:
-        return above.picture.view.on_plane(_trace(above, wire), wire.radius)
+        return above.picture.view.on_plane(_line(above), wire.radius)
     first = max(aside, key=lambda end: (len(aside[end].line), end is WireEnd.A))
     return aside[first].line if first is WireEnd.A else aside[first].line[::-1]
 

@@ -48,7 +48,7 @@ from remodel_sim.core.robot.arm import ToolPose
 from remodel_sim.core.robot.force_control import WIRE_STIFFNESS, ForceControl
 from remodel_sim.core.robot.motion import MAX_TURN_RATE, PEAK_OVER_MEAN
 from remodel_sim.core.vision.drawing import ORANGE, Drawing
-from remodel_sim.core.vision.wire_ends import trace_from
+from remodel_sim.core.vision.wire_ends import line_from
 from remodel_sim.core.workpiece.panel import WireEnd
 from remodel_states.core.codes import Code
 
@@ -253,9 +253,7 @@ def _judge(
 def _judge_path(context: RobotContext, above: OverheadObservation, path: list[Pose]) -> None:
     wire = context.wire
     lines = [
-        above.picture.view.on_plane(
-            trace_from(observation, above.picture, above.likelihood, wire), wire.radius
-        )
+        above.picture.view.on_plane(line_from(observation, above.lines), wire.radius)
         for observation in above.ends.values()
     ]
     line: Array = np.concatenate(lines)[:, :2]

@@ -32,9 +32,9 @@ from remodel_sim.core.errors import AbilityError
 from remodel_sim.core.geometry import Array, Pose
 from remodel_sim.core.robot.arm import ToolPose
 from remodel_sim.core.robot.force_control import ForceControl
-from remodel_sim.core.vision.colour import wire_likelihood
 from remodel_sim.core.vision.drawing import ORANGE, Drawing
 from remodel_sim.core.vision.laid_wire import wire_around
+from remodel_sim.core.vision.wire_lines import WireLines
 from remodel_sim.core.workpiece.fixtures import SLOPE_ABOVE_LIPS_M, lip_top
 from remodel_sim.core.workpiece.panel import PanelClip
 from remodel_sim.core.workpiece.routes import world_from_clip
@@ -171,8 +171,7 @@ def _find(context: RobotContext, clip: PanelClip, held_at: Array, slack: float) 
     tool = camera_above(context, beside.position[:2], towards)
     picture = yield from go_and_see(context, tool)
     wire = context.wire
-    likelihood = wire_likelihood(picture.rgb, wire.colour)
-    turned = wire_around(held_at[:2], radius, towards, picture, likelihood=likelihood, wire=wire)
+    turned = wire_around(held_at[:2], radius, towards, WireLines(picture, wire))
     drawing = Drawing(picture.rgb, picture.view)
     if turned is None:
         drawing.title(f"{wire.id} not seen before clip {clip.id}")

@@ -6,7 +6,6 @@ import math
 from dataclasses import dataclass, replace
 
 import numpy as np
-import numpy.typing as npt
 
 from remodel_sim.abilities.execution.robot_context import RobotContext, Steps
 from remodel_sim.abilities.primitives.motions import (
@@ -24,17 +23,17 @@ from remodel_sim.core.camera import Picture
 from remodel_sim.core.errors import AbilityError
 from remodel_sim.core.geometry import Array
 from remodel_sim.core.robot.arm import ToolPose
-from remodel_sim.core.vision.cables.curves.polyline import arc_lengths
+from remodel_sim.core.vision.cables.curves.polyline import arc_lengths, at_distance
 from remodel_sim.core.vision.drawing import BLUE, ORANGE, Drawing
-from remodel_sim.core.vision.tracing import at_distance
-from remodel_sim.core.vision.wire_ends import EndObservation, find_ends, trace_from
+from remodel_sim.core.vision.wire_ends import EndObservation, find_ends, line_from
+from remodel_sim.core.vision.wire_lines import WireLines
 from remodel_sim.core.workpiece.layout import GRASP_DISTANCE_M
 from remodel_sim.core.workpiece.panel import WireEnd
 from remodel_states.core.codes import Code
 
 # The arm rings down before a picture is taken [s].
 STILL_S = 0.10
-# A wire is traced so far behind its tip to find the grasp [m].
+# A wire is drawn so far behind its tip [m].
 TRACE_M = 0.075
 
 
@@ -45,12 +44,12 @@ class OverheadObservation:
     Attributes:
         ends: the loose ends that are seen.
         picture: what the camera saw.
-        likelihood: of the wire's colour, (height, width), 0 to 1.
+        lines: of the wire.
     """
 
     ends: dict[WireEnd, EndObservation]
     picture: Picture
-    likelihood: npt.NDArray[np.float32]
+    lines: WireLines
 
 
 def loose_ends(context: RobotContext) -> list[WireEnd]:
@@ -68,11 +67,11 @@ def observe_from_above(context: RobotContext) -> Steps[OverheadObservation]:
     yield
     belief = context.belief
     expected = {end: belief.expected[end] for end in loose_ends(context)}
-    ends, likelihood = find_ends(picture, context.wire, expected)
+    ends, lines = find_ends(picture, context.wire, expected)
     for end, observation in ends.items():
         belief.tips[end] = observation.tip
     yield
-    return OverheadObservation(ends, picture, likelihood)
+    return OverheadObservation(ends, picture, lines)
 
 
 @dataclass(frozen=True, eq=False)
@@ -188,7 +187,7 @@ def _search(
     wire = context.wire
     picture = yield from go_and_see(context, tool)
     try:
-        ends, likelihood = find_ends(picture, wire, {end: expected})
+        ends, lines = find_ends(picture, wire, {end: expected})
     except AbilityError:
         context.belief.tips.pop(end, None)
         raise
@@ -199,7 +198,7 @@ def _search(
         return None
     observation = ends[end]
     z = float(observation.tip.tip[2])
-    pixels = trace_from(observation, picture, likelihood, wire)
+    pixels = line_from(observation, lines)
     line = picture.view.on_plane(pixels, z)
     below = math.tan(pitch) * arc_lengths(line[:, :2])
     line = picture.view.on_plane(pixels, z - below)

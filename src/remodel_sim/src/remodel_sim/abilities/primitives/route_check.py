@@ -3,21 +3,18 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 
 import numpy as np
-import numpy.typing as npt
 
 from remodel_sim.abilities.execution.robot_context import RobotContext, Steps
 from remodel_sim.abilities.primitives.motions import park
-from remodel_sim.core.camera import Picture
 from remodel_sim.core.errors import AbilityError
 from remodel_sim.core.geometry import Pose
-from remodel_sim.core.vision.colour import wire_likelihood
 from remodel_sim.core.vision.drawing import BLUE, ORANGE, Drawing
-from remodel_sim.core.vision.laid_wire import Passing, wire_past
+from remodel_sim.core.vision.laid_wire import wire_past
+from remodel_sim.core.vision.wire_lines import WireLines
 from remodel_sim.core.workpiece.fixtures import SLOPE_LENGTH_M
-from remodel_sim.core.workpiece.panel import Duct, PanelClip, PanelWire
+from remodel_sim.core.workpiece.panel import Duct, PanelClip
 from remodel_sim.core.workpiece.routes import places_in, world_from_clip
 from remodel_states.core.codes import Code
 
@@ -32,38 +29,18 @@ ASIDE_M = 0.0015
 ABOVE_M = 0.0012
 
 
-@dataclass(frozen=True, eq=False)
-class RouteObservation:
-    """The plate from above.
-
-    Attributes:
-        picture: what the camera saw.
-        likelihood: of the wire's colour, (height, width), 0 to 1.
-        wire: the one searched for.
-    """
-
-    picture: Picture
-    likelihood: npt.NDArray[np.float32]
-    wire: PanelWire
-
-    def at(self, place: Pose, aside: float) -> Passing | None:
-        """Return how the wire passes a place up to so far aside [m]."""
-        return wire_past(place, aside, self.picture, self.likelihood, wire=self.wire)
-
-
-def observe_route(context: RobotContext) -> Steps[RouteObservation]:
+def observe_route(context: RobotContext) -> Steps[WireLines]:
     """Observe the plate from above, the empty hand out of the way."""
     if context.belief.grip is None:
         yield from park(context)
     picture = context.take_overhead_picture()
     yield
-    likelihood = wire_likelihood(picture.rgb, context.wire.colour)
-    return RouteObservation(picture, likelihood, context.wire)
+    return WireLines(picture, context.wire)
 
 
-def clip_fault(clip: PanelClip, seen: RouteObservation) -> str:
+def clip_fault(clip: PanelClip, seen: WireLines) -> str:
     """Return what is wrong with the wire at a clip; empty: nothing."""
-    passings = [seen.at(place, SEARCH_ASIDE_M) for place in _beside(clip)]
+    passings = [wire_past(place, SEARCH_ASIDE_M, seen) for place in _beside(clip)]
     found = [passing for passing in passings if passing is not None]
     if len(found) < len(passings):
         return f"it is not visible at clip {clip.id!r}"
@@ -82,7 +59,7 @@ def _beside(clip: PanelClip) -> tuple[Pose, ...]:
     return tuple(world_from_clip(clip) @ Pose.level(x, 0.0, clip.height) for x in (-out, out))
 
 
-def judge_clips(context: RobotContext, clips: Sequence[PanelClip], seen: RouteObservation) -> None:
+def judge_clips(context: RobotContext, clips: Sequence[PanelClip], seen: WireLines) -> None:
     """Show the clips, and raise OUT_OF_DUCT when the wire does not lie in all of them."""
     faults = [fault for clip in clips if (fault := clip_fault(clip, seen))]
     _show(context, seen, [place for clip in clips for place in _beside(clip)], faults)
@@ -108,10 +85,12 @@ def check_ducts(context: RobotContext, path: tuple[Pose, ...]) -> Steps[None]:
         raise _out(context, faults)
 
 
-def _duct_fault(duct: Duct, places: Sequence[Pose], seen: RouteObservation) -> str:
+def _duct_fault(duct: Duct, places: Sequence[Pose], seen: WireLines) -> str:
     """Return how far beside a duct the wire lies; what is still held above it does not count."""
     reach = duct.width / 2 + BESIDE_DUCT_M
-    passings = [passing for place in places if (passing := seen.at(place, reach)) is not None]
+    passings = [
+        passing for place in places if (passing := wire_past(place, reach, seen)) is not None
+    ]
     if not passings:
         raise AbilityError(
             Code.CABLE_OCCLUDED,
@@ -124,7 +103,7 @@ def _duct_fault(duct: Duct, places: Sequence[Pose], seen: RouteObservation) -> s
 
 
 def _show(
-    context: RobotContext, seen: RouteObservation, places: Sequence[Pose], faults: Sequence[str]
+    context: RobotContext, seen: WireLines, places: Sequence[Pose], faults: Sequence[str]
 ) -> None:
     drawing = Drawing(seen.picture.rgb, seen.picture.view)
     colour = ORANGE if faults else BLUE

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 
 import cv2
@@ -10,13 +11,10 @@ import numpy.typing as npt
 
 from remodel_sim.core.camera import Picture
 from remodel_sim.core.geometry import Array, Pose
-from remodel_sim.core.workpiece.panel import PanelWire
+from remodel_sim.core.vision.wire_lines import WireLines
 
-# Samples are so far apart across the wire [m], and as many, so far apart, are taken along it.
-ACROSS_M = 0.00025
+# The height of a wire is measured so far along it to both sides of a place [m].
 ALONG_M = np.linspace(-0.0015, 0.0015, 7)
-# Below this likelihood of the wire's colour there is no wire.
-MIN_LIKELIHOOD = 0.3
 # To each side of where it is expected a wire is searched for around a circle [rad].
 TURN_RAD = np.radians(60.0)
 # The camera looks along the wire's height twice: once at the height that is expected.
@@ -36,87 +34,59 @@ class Passing:
     height: float
 
 
-def wire_past(
-    place: Pose,
-    reach: float,
-    picture: Picture,
-    likelihood: npt.NDArray[np.float32],
-    wire: PanelWire,
-) -> Passing | None:
+def wire_past(place: Pose, reach: float, lines: WireLines) -> Passing | None:
     """Return how a wire passes a place, or None where none is seen.
 
     Args:
         place: where its axis is expected, x along it, world frame.
         reach: how far to each side it is searched for [m].
-        picture: from above, with depth.
-        likelihood: of the wire's colour in the picture.
-        wire: whose diameter and colour are searched for.
+        lines: of the wire, in a picture from above with depth.
     """
-    across = np.arange(-reach, reach + ACROSS_M, ACROSS_M)
     height, aside = float(place.position[2]), 0.0
     for _ in range(LOOKS):
-        pixels = picture.view.project(_grid(place, across, height + wire.radius))
-        seen = _sample(likelihood, pixels).reshape(len(across), len(ALONG_M)).mean(axis=1)
-        span = _nearest_run(seen >= MIN_LIKELIHOOD, abs(across))
-        if span is None:
+        across = [
+            y
+            for line in lines.passings(height)
+            for y in crossings(place.inverse().apply(line)[:, :2], 0.0)
+            if abs(y) <= reach
+        ]
+        if not across:
             return None
-        aside = float(np.average(across[span], weights=seen[span]))
-        crest = _grid(place, np.array([aside]), height + wire.radius)
-        height = _height(picture, crest) - wire.radius
+        aside = min(across, key=abs)
+        crest = place.apply(np.array([[x, aside, 0.0] for x in ALONG_M]))
+        crest[:, 2] = height + lines.wire.radius
+        height = _height(lines.picture, crest) - lines.wire.radius
     return Passing(aside, height)
 
 
-def wire_around(
-    centre: Array,
-    radius: float,
-    towards: float,
-    picture: Picture,
-    likelihood: npt.NDArray[np.float32],
-    wire: PanelWire,
-) -> float | None:
+def wire_around(centre: Array, radius: float, towards: float, lines: WireLines) -> float | None:
     """Return in which direction a wire crosses a circle on the plate, or None where none is seen.
 
     Args:
         centre: of the circle, (2,) [m], world frame.
         radius: of the circle [m].
         towards: direction in which it is searched for, up to TURN_RAD to each side [rad].
-        picture: from above.
-        likelihood: of the wire's colour in the picture.
-        wire: whose diameter and colour are searched for.
+        lines: of the wire, in a picture from above.
 
     Returns:
         The angle from `towards` [rad].
     """
-    turns = np.arange(-TURN_RAD, TURN_RAD, ACROSS_M / radius)
-    turn, out = np.meshgrid(turns, radius + ALONG_M, indexing="ij")
-    angle, away = towards + turn.ravel(), out.ravel()
-    x, y = centre[0] + away * np.cos(angle), centre[1] + away * np.sin(angle)
-    points = np.column_stack([x, y, np.full(x.size, wire.radius)])
-    seen = _sample(likelihood, picture.view.project(points)).reshape(turn.shape).mean(axis=1)
-    span = _nearest_run(seen >= MIN_LIKELIHOOD, abs(turns))
-    return None if span is None else float(np.average(turns[span], weights=seen[span]))
+    turns = []
+    for line in lines.passings(lines.wire.radius):
+        way = (line[:, :2] - centre) @ np.array([1.0, 1.0j]) * np.exp(-1j * towards)
+        polar = np.column_stack([np.abs(way) - radius, np.unwrap(np.angle(way))])
+        # A line past the centre is unwrapped to either side.
+        turns += [math.remainder(turn, math.tau) for turn in crossings(polar, 0.0)]
+    return min((turn for turn in turns if abs(turn) <= TURN_RAD), key=abs, default=None)
 
 
-def _grid(place: Pose, across: Array, height: float) -> Array:
-    """Return points (n, 3) [m] across and along a place, at one height."""
-    y, x = np.meshgrid(across, ALONG_M, indexing="ij")
-    points = place.apply(np.column_stack([x.ravel(), y.ravel(), np.zeros(x.size)]))
-    points[:, 2] = height
-    return points
-
-
-def _sample(image: npt.NDArray[np.float32], pixels: Array) -> Array:
-    u, v = pixels.astype(np.float32).T
-    return np.asarray(cv2.remap(image, u, v, cv2.INTER_LINEAR), np.float64).ravel()
-
-
-def _nearest_run(wanted: npt.NDArray[np.bool_], distance: Array) -> slice | None:
-    """Return the run of true values that comes nearest to the middle."""
-    edges = np.flatnonzero(np.diff(np.r_[0, wanted.astype(int), 0])).reshape(-1, 2)
-    if not len(edges):
-        return None
-    first, last = min(edges, key=lambda run: float(distance[run[0] : run[1]].min()))
-    return slice(int(first), int(last))
+def crossings(line: Array, at: float) -> list[float]:
+    """Return the second coordinates at which a line (n, 2) crosses a value of its first."""
+    first, second = line[:, 0] - at, line[:, 1]
+    i = np.flatnonzero((first[:-1] > 0) != (first[1:] > 0))
+    share = first[i] / (first[i] - first[i + 1])
+    found: list[float] = (second[i] + share * (second[i + 1] - second[i])).tolist()
+    return found
 
 
 def _height(picture: Picture, points: Array) -> float:
@@ -125,3 +95,8 @@ def _height(picture: Picture, points: Array) -> float:
     pixels = picture.view.project(points)
     depths = _sample(picture.depth.astype(np.float32), pixels)
     return float(np.median(picture.view.at_depth(pixels, depths)[:, 2]))
+
+
+def _sample(image: npt.NDArray[np.float32], pixels: Array) -> Array:
+    u, v = pixels.astype(np.float32).T
+    return np.asarray(cv2.remap(image, u, v, cv2.INTER_LINEAR), np.float64).ravel()

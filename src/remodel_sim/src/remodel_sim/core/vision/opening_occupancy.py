@@ -3,8 +3,9 @@
 The strip of the picture that the opening's axis crosses just outside it is unrolled: one row for
 each distance from the face, one column for each place across. What lies behind looks alike all
 along a row, so most of a row shows what its middle would look like if nothing were there. Rows that
-look so show an empty axis. Rows whose middle differs show something thin, which has a colour, a
-middle line and, when it is an end that is not pushed in, a ferrule.
+look so show an empty axis. Rows whose middle differs show something thin, which has a colour and,
+when it is an end that is not pushed in, a ferrule. It goes into the opening when a line of that
+colour, found in the picture as all cables are, leads there.
 
 One picture that shows the axis empty proves that nothing sits in the opening. That something sits
 there takes two pictures from places apart: what passes above or below the axis lies beside it in
@@ -13,8 +14,9 @@ one of them. A picture with depth measures the height of an object by itself.
 
 from __future__ import annotations
 
+import itertools
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from enum import Enum
 from typing import Any
 
@@ -25,6 +27,8 @@ import numpy.typing as npt
 from remodel_sim.core.camera import Picture
 from remodel_sim.core.geometry import Array, Pose
 from remodel_sim.core.vision.colour import WIRE_SHADES, ferrule_mask
+from remodel_sim.core.vision.laid_wire import crossings
+from remodel_sim.core.vision.wire_lines import WireLines
 from remodel_sim.core.workpiece.component_shape import LABEL_CELLS, label_corners
 from remodel_sim.core.workpiece.panel import Component, PanelWire
 from remodel_sim.core.workpiece.wire_colours import GREEN_AND_YELLOW, WIRE_RGB
@@ -49,6 +53,8 @@ ASIDE_M = 0.0018
 # A ferrule that shows by more than the first is not pushed in to the bottom; by less than the
 # second it is [m].
 PUSHED_OUT_M, PUSHED_IN_M = 0.0045, 0.0032
+# Wires of other orders are so thick [m].
+OTHER_DIAMETERS_M = (0.0018, 0.0030, 0.0045)
 # A wire's colour is the one asked for when no other is nearer by this much; it is another one when
 # one is nearer by more than the second [grey levels].
 SAME_LEVELS, OTHER_LEVELS = 6.0, 20.0
@@ -196,11 +202,15 @@ def observe_opening(
     ferrule = _ferrule_length(strip, wire)
     if ferrule > PUSHED_OUT_M:
         occupancy = Occupancy.LOOSE_END
-    elif ferrule > PUSHED_IN_M or not _on_axis(strip, differs, rows):
+    elif ferrule > PUSHED_IN_M:
         occupancy = Occupancy.UNCLEAR
     else:
         beyond = strip.along > ferrule + CLEAR_OF_FERRULE_M
-        occupancy = _whose(strip.rgb[object_mask & beyond[:, None]], wire, light)
+        occupancy, colour = _whose(strip.rgb[object_mask & beyond[:, None]], wire, light)
+        diameters = (wire.diameter,) if colour == wire.colour else OTHER_DIAMETERS_M
+        lines = WireLines(picture, replace(wire, colour=colour), diameters=diameters)
+        if occupancy is not Occupancy.UNCLEAR and not _leads_in(lines, world_from_socket):
+            occupancy = Occupancy.UNCLEAR
     return _at_height(occupancy, strip, object_mask, world_from_socket, wire=wire)
 
 
@@ -233,25 +243,30 @@ def _ferrule_length(strip: Strip, wire: PanelWire) -> float:
     return float(strip.along[seen[-1]]) if len(seen) else 0.0
 
 
-def _on_axis(strip: Strip, differs: Array, rows: Mask) -> bool:
-    """Return whether the middle line of what shows leads out of the opening."""
-    weights = np.clip(differs[rows] - NOISE_LEVELS, 0.0, None)
-    middles = weights @ strip.across / np.maximum(weights.sum(axis=1), 1e-9)
-    slope, offset = np.polyfit(strip.along[rows], middles, 1)
-    # The line is followed back to the face: a bent wire leaves the axis from there on.
-    return bool(abs(offset) < ASIDE_M and abs(slope) < LEAVING)
+def _leads_in(lines: WireLines, world_from_socket: Pose) -> bool:
+    """Return whether a line of the wire leads along the opening's axis into it."""
+    socket_from_world = world_from_socket.inverse()
+    for line in lines.passings(float(world_from_socket.position[2])):
+        near = socket_from_world.apply(line)[:, :2]
+        for first, last in itertools.product(crossings(near, -RIM_M), crossings(near, -STRAIGHT_M)):
+            slope = (last - first) / (STRAIGHT_M - RIM_M)
+            # The line is followed back to the face: a bent wire leaves the axis from there on.
+            if abs(first - slope * RIM_M) < ASIDE_M and abs(slope) < LEAVING:
+                return True
+    return False
 
 
-def _whose(pixels: Array, wire: PanelWire, light: float) -> Occupancy:
-    """Return whether pixels (n, 3) of what goes into the opening have the colour of a wire."""
+def _whose(pixels: Array, wire: PanelWire, light: float) -> tuple[Occupancy, str]:
+    """Return whether pixels (n, 3) of what goes into the opening are a wire's, and their colour."""
     if light < DARK or len(pixels) < LEAST_SAMPLES:
-        return Occupancy.UNCLEAR
+        return Occupancy.UNCLEAR, wire.colour
     away = {code: _away(pixels, code, light) for code in WIRE_RGB}
     own = away.pop(wire.colour)
-    nearest = min(away.values())
-    if own < FAR_LEVELS and own < nearest + SAME_LEVELS:
-        return Occupancy.WIRE
-    return Occupancy.OTHER_WIRE if own > nearest + OTHER_LEVELS else Occupancy.UNCLEAR
+    nearest = min(away, key=lambda code: away[code])
+    if own < FAR_LEVELS and own < away[nearest] + SAME_LEVELS:
+        return Occupancy.WIRE, wire.colour
+    is_other = own > away[nearest] + OTHER_LEVELS
+    return Occupancy.OTHER_WIRE if is_other else Occupancy.UNCLEAR, nearest
 
 
 def _away(pixels: Array, colour: str, light: float) -> float:

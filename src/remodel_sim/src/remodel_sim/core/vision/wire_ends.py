@@ -7,7 +7,6 @@ from dataclasses import dataclass, replace
 from functools import partial
 
 import numpy as np
-import numpy.typing as npt
 
 from remodel_sim.core.belief.belief_state import TipObservation
 from remodel_sim.core.camera import Picture
@@ -16,7 +15,7 @@ from remodel_sim.core.geometry import Array
 from remodel_sim.core.vision.cables.curves.polyline import arc_lengths
 from remodel_sim.core.vision.colour import wire_likelihood
 from remodel_sim.core.vision.ferrules import Ferrule, find_ferrules
-from remodel_sim.core.vision.tracing import trace
+from remodel_sim.core.vision.wire_lines import WireLines, follow, joined
 from remodel_sim.core.workpiece.panel import PanelWire, WireEnd
 from remodel_states.core.codes import Code
 
@@ -29,9 +28,6 @@ MIN_FERRULE_SHARE = 0.55
 MIN_COLOUR = 0.25
 # Half of the depth picture's window over a ferrule [px].
 DEPTH_WINDOW_PX = 2
-# Lines traced from both ends meet within so many widths: a fork hides that much. A pixel of length
-# too much or too little counts as so many of a gap.
-MEETING_WIDTHS, LENGTH_PRICE = 6.0, 0.2
 # A wire seen this far above the plate does not lie on it [m].
 LIFTED_M = 0.002
 # The height of an end in the air is measured over so much of it [m], along its crest, to both
@@ -62,8 +58,8 @@ class EndObservation:
 
 def find_ends(
     picture: Picture, wire: PanelWire, expected: dict[WireEnd, Array]
-) -> tuple[dict[WireEnd, EndObservation], npt.NDArray[np.float32]]:
-    """Return the expected ends that are seen, and the likelihood picture of the wire's colour.
+) -> tuple[dict[WireEnd, EndObservation], WireLines]:
+    """Return the expected ends that are seen, and the lines of the wire.
 
     Args:
         picture: from above.
@@ -74,11 +70,12 @@ def find_ends(
         AbilityError: CABLE_TRUNCATED when an end leaves the picture, CABLE_AMBIGUOUS when two may
             be meant.
     """
+    lines = WireLines(picture, wire, tuple(float(place[2]) for place in expected.values()))
     likelihood = wire_likelihood(picture.rgb, wire.colour)
     scale = picture.view.metres_per_pixel(wire.radius)
     shortest = MIN_FERRULE_SHARE * wire.ferrule_length / scale
     ferrules = [
-        f
+        _out_of(lines, f)
         for f in find_ferrules(picture.rgb, likelihood, shortest)
         if f.wire_likelihood >= MIN_COLOUR
     ]
@@ -107,13 +104,22 @@ def find_ends(
             )
         best = near[0]
         if picture.depth is not None and place[2] > wire.radius + LIFTED_M:
-            best = _levelled(best, picture, likelihood, wire)
+            best = _levelled(best, lines)
         connector = wire.connector_at(end)
         found[end] = best if connector is None else best.ahead(connector.pin_length)
     if len(found) == 2 and found[WireEnd.A].ferrule is found[WireEnd.B].ferrule:
         worse = max(found, key=lambda e: _apart(found[e], expected[e]))
         del found[worse]
-    return found, likelihood
+    return found, lines
+
+
+def _out_of(lines: WireLines, ferrule: Ferrule) -> Ferrule:
+    """Return a ferrule, turned around where the wire is seen to go on at its other end only."""
+    half = ferrule.length / 2 * ferrule.out
+    if lines.continue_from(ferrule.centre - half, -ferrule.out):
+        return ferrule
+    ahead = lines.continue_from(ferrule.centre + half, ferrule.out)
+    return replace(ferrule, out=-ferrule.out) if ahead else ferrule
 
 
 def _apart(observation: EndObservation, place: Array) -> float:
@@ -144,16 +150,12 @@ def _in_world(ferrule: Ferrule, picture: Picture, wire: PanelWire, z: float) -> 
     return TipObservation(centre + out * wire.ferrule_length / 2, yaw)
 
 
-def _levelled(
-    observation: EndObservation,
-    picture: Picture,
-    likelihood: npt.NDArray[np.float32],
-    wire: PanelWire,
-) -> EndObservation:
+def _levelled(observation: EndObservation, lines: WireLines) -> EndObservation:
     """Return an end that does not lie on the plate, its height and pitch measured by depth."""
+    wire, picture = lines.wire, lines.picture
     view, depth = picture.view, picture.depth
     assert depth is not None, "the overhead camera measures depth"
-    line = trace_from(observation, picture, likelihood, wire)
+    line = line_from(observation, lines)
     scale = view.metres_per_pixel(float(observation.tip.tip[2]))
     along = np.arange(0.0, STRAIGHT_M, scale / 2)
     middle = np.column_stack([np.interp(along / scale, arc_lengths(line), c) for c in line.T])
@@ -171,45 +173,21 @@ def _levelled(
     return replace(observation, tip=replace(tip, pitch=math.atan(-slope)))
 
 
-def trace_from(
-    observation: EndObservation,
-    picture: Picture,
-    likelihood: npt.NDArray[np.float32],
-    wire: PanelWire,
-) -> Array:
-    """Return the wire's centreline (n, 2) [px] from the tip on.
-
-    It is no longer than the wire: on a plate of the wire's colour nothing stops the tracer.
-    """
+def line_from(observation: EndObservation, lines: WireLines) -> Array:
+    """Return the wire's centreline (n, 2) [px] from the tip on, no longer than the wire."""
     ferrule = observation.ferrule
-    width = max(2.0, wire.diameter / picture.view.metres_per_pixel(wire.radius))
-    tail = ferrule.centre - ferrule.out * (ferrule.length / 2 + 0.5 * width)
-    behind = trace(likelihood, tail, -ferrule.out, width)
-    tip = picture.view.project(observation.tip.tip)
-    line = np.vstack([tip, ferrule.centre[None], behind])
-    longest = wire.length / picture.view.metres_per_pixel(wire.radius)
-    return line[: int(np.searchsorted(arc_lengths(line), longest, side="right"))]
+    tail = ferrule.centre - ferrule.out * ferrule.length / 2
+    tip = lines.picture.view.project(observation.tip.tip)
+    behind = follow(lines.pieces, tail, -ferrule.out, lines.width, lines.length - ferrule.length)
+    return np.vstack([tip, ferrule.centre[None], behind])
 
 
-def trace_between(
-    observations: tuple[EndObservation, EndObservation],
-    picture: Picture,
-    likelihood: npt.NDArray[np.float32],
-    wire: PanelWire,
+def line_between(
+    observations: tuple[EndObservation, EndObservation], lines: WireLines
 ) -> Array | None:
     """Return the wire's centreline (n, 2) [px] from one tip to the other.
 
-    It is traced from both, and joined where the two lines meet and the whole is as long as the
-    wire; None where they do not meet.
+    None where what is seen from one end on does not meet what is seen from the other.
     """
-    first, last = (
-        trace_from(observation, picture, likelihood, wire) for observation in observations
-    )
-    gaps = np.linalg.norm(first[:, None] - last[None], axis=2)
-    longest = wire.length / picture.view.metres_per_pixel(wire.radius)
-    lengths = arc_lengths(first)[:, None] + arc_lengths(last)[None] + gaps
-    cost = gaps + LENGTH_PRICE * np.abs(lengths - longest)
-    i, j = np.unravel_index(int(np.argmin(cost)), cost.shape)
-    if gaps[i, j] > MEETING_WIDTHS * wire.diameter / picture.view.metres_per_pixel(wire.radius):
-        return None
-    return np.vstack([first[: i + 1], last[j::-1]])
+    first, last = (line_from(observation, lines) for observation in observations)
+    return joined(first, last, lines.width, lines.length)
