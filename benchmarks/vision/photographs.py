@@ -5,13 +5,16 @@ A folder holds NAME.jpg and NAME.labels.png each: for each pixel the number of t
 background, and at a crossing the number of one of the two. An answer is right when it has as many
 cables as the mask, and each follows one of its own from end to end.
 
-Usage: photographs.py FOLDER
+Usage: photographs.py FOLDER [FILE]
+
+FILE, such as docs/figures/photographs.jsonl, is the table of docs/vision.md.
 """
 # ruff: noqa: T201 - a benchmark prints
 
 from __future__ import annotations
 
 import argparse
+import json
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -78,6 +81,7 @@ def main() -> None:
     """Measure and print."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("folder", type=Path)
+    parser.add_argument("file", type=Path, nargs="?", help="of the table")
     options = parser.parse_args()
     start()
     cv2.setNumThreads(1)
@@ -96,12 +100,22 @@ def main() -> None:
     right = sum(a.right for a in answers)
     silent = sum(not a.right and not a.warned for a in answers)
     answered = sum(not a.warned for a in answers)
-    report(Row("photographs", count))
-    report(Row("photographs: number and pairing right", 100 * right / count, "%", 99.0))
-    report(Row("photographs: answered without a warning", 100 * answered / count, "%", 90.0))
-    report(
-        Row("photographs: wrong without a warning", 100 * silent / count, "%", None, at_most=0.5)
-    )
+    rows = [
+        Row("photographs", count),
+        Row("number and pairing right", 100 * right / count, "%", 99.0),
+        Row("answered without a warning", 100 * answered / count, "%", 90.0),
+        Row("wrong without a warning", 100 * silent / count, "%", None, at_most=0.5),
+    ]
+    for row in rows:
+        report(row)
+    if options.file is not None:
+        options.file.write_text("".join(map(_line, rows)), encoding="utf-8")
+
+
+def _line(row: Row) -> str:
+    figure = {"what": row.what, "value": row.value, "unit": row.unit}
+    targets = {"least": row.at_least, "most": row.at_most}
+    return json.dumps(figure | {k: v for k, v in targets.items() if v is not None}) + "\n"
 
 
 if __name__ == "__main__":

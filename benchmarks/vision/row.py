@@ -21,6 +21,11 @@ class Row:
     at_most: float | None = None
 
     @property
+    def target(self) -> float | None:
+        """What it is to be at least or at most."""
+        return self.at_most if self.at_least is None else self.at_least
+
+    @property
     def verdict(self) -> str:
         """Whether the target is met."""
         if self.at_least is None and self.at_most is None:
