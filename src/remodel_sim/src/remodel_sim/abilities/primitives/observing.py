@@ -202,7 +202,10 @@ def _search(
     line = picture.view.on_plane(pixels, z)
     below = math.tan(pitch) * arc_lengths(line[:, :2])
     line = picture.view.on_plane(pixels, z - below)
-    point, tangent = at_distance(line[:, :2], distance)
+    point, _ = at_distance(line[:, :2], distance)
+    # The hand is turned as the wire runs from one side of its pads to the other.
+    half = context.fingers.width / 2
+    (ahead, _), (behind, _) = (at_distance(line[:, :2], distance + d) for d in (-half, half))
     drawing.path(pixels[: _count_within(line, TRACE_M)])
     mark_end(drawing, observation, f"{wire.id} end {end.value}")
     grasp = np.array([*point, z - math.tan(pitch) * distance])
@@ -212,7 +215,8 @@ def _search(
     context.show("wrist", picture, drawing.image)
     tip = replace(observation.tip, pitch=pitch)
     context.belief.tips[end] = tip
-    return GraspObservation(grasp, math.atan2(-tangent[1], -tangent[0]), tip, line)
+    out = ahead - behind
+    return GraspObservation(grasp, math.atan2(out[1], out[0]), tip, line)
 
 
 def _count_within(line: Array, length: float) -> int:
