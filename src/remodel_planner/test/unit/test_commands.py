@@ -454,5 +454,5 @@ def test_files_before_a_harness_and_modules_are_read_for_the_formats_that_have_t
         f"{option} is for KBL and VEC files; this is one of format csv"
         for option in ("--module", "--variant")
     ]
-    assert "no module or harness configuration M1; there are none" in said[3]
-    assert "no variant code A; there are none" in said[4]
+    assert "no module or harness configuration M1: omit --module" in said[3]
+    assert "no variant code A: omit --variant" in said[4]

@@ -206,8 +206,7 @@ def test_a_task_that_no_robot_can_do_is_by_hand_and_the_rest_is_planned():
         "(characteristics.task.section_mm2 in cabinet.yaml)"
     ]
     assert list(map(str, found.other_methods)) == [
-        "1 by methods.pick.medium in cabinet.yaml, such as W3: not thin: section_mm2 is 2.5, not "
-        "at most 1.5"
+        "W3 by methods.pick.medium in cabinet.yaml: not thin: section_mm2 is 2.5, not at most 1.5"
     ]
     planned = plan_problem(prepare(found, CABINET).preferred.problem, time_limit_s=0.05)
     assert planned.makespan > 0

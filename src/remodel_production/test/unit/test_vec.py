@@ -101,7 +101,7 @@ def test_a_wire_element_without_two_contacts_is_left_out_and_lengths_may_be_miss
         ("<ValueComponent>400</ValueComponent></Length>", "</Length>"),
     )
     (left,) = imported.account.left_out
-    assert left.reason == "1 of its ends have a contact point; two are needed"
+    assert left.reason == "1 end at a contact point; two are needed"
     assert imported.account.connections == 4
     assert any("length of segment S12 not given" in line for line in imported.account.assumptions)
 

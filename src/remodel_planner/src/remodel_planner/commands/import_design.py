@@ -249,7 +249,7 @@ def _report(imported: Imported, *, verbose: bool) -> None:
         (order.clips, "clip"),
     ):
         print(f", {counted(len(things), what)}" if things else "", end="")
-    print(f"\n  of {account.connections} {account.unit} in the file")
+    print(f"\n  of {counted(account.connections, account.unit.removesuffix('s'))} in the file")
     plain = len(order.wires) - account.wires_joined
     print(f"    {plain} {'is a wire' if plain == 1 else 'are wires'}")
     if account.joined:

@@ -15,6 +15,7 @@ from collections.abc import Iterator
 from lxml import etree
 
 from remodel_production.core.catalogue import Catalogue
+from remodel_production.core.counted import counted
 from remodel_production.core.imports.kbl_routes import ordered_route
 from remodel_production.core.imports.kbl_tree import KblTree, children, text_of
 from remodel_production.core.imports.shared.account import Account, Imported, LeftOut
@@ -269,7 +270,7 @@ class _Reader:
             reason = (
                 "both its ends are at the same terminal"
                 if len(refs) == 2
-                else f"{len(refs)} of its ends have a contact point; two are needed"
+                else f"{counted(len(refs), 'end')} at a contact point; two are needed"
             )
             self._left_out.append(LeftOut(source, reason))
             return None
