@@ -231,6 +231,12 @@ def test_preferences_come_with_the_order_and_must_fit_it(tmp_path, database, cap
     said = capsys.readouterr().err
     assert f"{file}: " in said
     assert "W9999" in said
+    contradiction = "[{name: up, route: W1, before: W3}, {name: down, route: W3, before: W1}]"
+    file.write_text(f"format: remodel-preferences-1\nrequire: {contradiction}\n")
+    assert import_design.main(arguments) == 1
+    said = capsys.readouterr().err
+    assert f"`up` ({file}, require[0])" in said
+    assert f"`down` ({file}, require[1])" in said
     file.write_text(f"format: remodel-preferences-1\nprefer: [{preference % 'W3'}]\n")
     assert import_design.main(arguments) == 0
     store = ProductionDatabase(database)
