@@ -7,6 +7,7 @@ from itertools import groupby
 from pathlib import Path
 
 import pytest
+from openpyxl import Workbook
 
 from remodel_planner.commands import (
     charts,
@@ -424,8 +425,21 @@ def test_a_file_of_another_kind_is_refused(tmp_path, database, capsys):
     assert f"{file}: " in refused_import(file, database, capsys)
 
 
+def test_a_workbook_without_ends_is_refused_by_its_name_with_what_is_missing(
+    tmp_path, database, capsys
+):
+    file = tmp_path / "cut.xlsx"
+    workbook = Workbook()
+    workbook.active.append(["Article", "Qty", "Length"])
+    workbook.active.append(["FLRY 0.5", 100, 250])
+    workbook.save(file)
+    said = refused_import(file, database, capsys)
+    assert said.startswith(f"import: {file}: no sheet of the workbook has the headings")
+    assert "a cut list states how wires are cut" in said
+
+
 def test_an_unknown_order_is_refused_before_anything_starts(database, capsys):
-    assert run_order.main(["nowhere", "--database", database]) == 2
+    assert run_order.main(["nowhere", "--database", database]) == 1
     assert "the database has no order nowhere; it has: none" in capsys.readouterr().err
 
 
