@@ -181,7 +181,7 @@ NONE_FOR_ROBOTS = {
     ),
     "porch.qet": (
         LAMP,
-        "  tasks for the robot: 0, by hand: 0\n    1 wire leaves the cabinet, and no task: ",
+        "  tasks for the robot: 0, by hand: 0\n    1 wire leaves the cabinet and is no task: ",
         "no wire has both its ends in the cabinet",
     ),
 }
