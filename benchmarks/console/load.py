@@ -34,6 +34,9 @@ LIMIT_S, LIMIT_OF_MANY_S = 0.1, 0.3
 SLOWER = 0.05  # by which the engine may be slower with the console
 WARM_S = 10.0  # before the memory of the node is measured
 WAIT_S = 30.0
+SOCKET_PAGES = Path(__file__).with_name("socket_pages.py")
+# Time [ms] and path of each state that a page has shown.
+Seen = list[tuple[float, str]]
 AHEAD_MS = 500.0  # by which a page may learn of a state before this process does, which may be busy
 
 
@@ -62,10 +65,9 @@ class Load(ConsoleTest):
         """Keep a figure for the docs."""
         self.figures.append({"what": what, "value": value, "unit": unit, "most": most})
 
-    def keep_lags(self, pages: list[Page], duration_s: float, limit_s: float) -> None:
-        """Print how late pages have lit what was active, and keep the figures."""
-        lags = sorted(lag for page in pages for lag in lags_s(page, self.entered))
-        many = f"{len(pages)} pages" if len(pages) > 1 else "one page"
+    def keep_lags(self, many: str, seen: list[Seen], duration_s: float, limit_s: float) -> None:
+        """Print how late pages have shown what was active, and keep the figures."""
+        lags = sorted(lag for page in seen for lag in lags_s(page, self.entered))
         report(f"{many} for {duration_s:.0f} s: {lag_words(lags, limit_s)}")
         if lags:
             self.keep(f"lag of {many}, median", at(lags, 0.5), "s")
@@ -97,6 +99,9 @@ class Load(ConsoleTest):
             "engine slowed down by console and page", 100 * (1 - with_console / alone), "%", 5
         )
         self.many_pages(short_s, page_count)
+        self.page.close()
+        self.many_sockets(short_s, page_count)
+        self.page = self.open_page()
         self.stop(self.page)
 
     def rate_without_console(self, duration_s: float) -> float:
@@ -134,7 +139,7 @@ class Load(ConsoleTest):
             memory.append(resident_mib(node))
         took_s = time.monotonic() - begin_s
         rate = (self.count - count) / took_s
-        self.keep_lags([self.page], took_s, LIMIT_S)
+        self.keep_lags("one page", lit([self.page]), took_s, LIMIT_S)
         share = (cpu_s(node) - begin_cpu_s) / took_s
         self.keep("memory that the node gains meanwhile", memory[-1] - memory[0], "MiB")
         self.keep("processor of the node, one page", 100 * share, "% of a core")
@@ -158,7 +163,7 @@ class Load(ConsoleTest):
             self.page.wait_for_timeout(1000)
         share = (cpu_s(node) - begin_cpu_s) / (time.monotonic() - begin_s)
         alive = sum(bool(page.evaluate("() => window.lit && window.lit.length")) for page in pages)
-        self.keep_lags(pages, duration_s, LIMIT_OF_MANY_S)
+        self.keep_lags(f"{page_count} pages", lit(pages), duration_s, LIMIT_OF_MANY_S)
         self.keep(f"processor of the node, {page_count} pages", 100 * share, "% of a core")
         report(
             f"{alive} of {page_count} pages live; node: {share:.0%} of a core; the pages are all "
@@ -166,6 +171,19 @@ class Load(ConsoleTest):
         )
         for page in pages[1:]:
             page.close()
+
+    def many_sockets(self, duration_s: float, page_count: int) -> None:
+        """Open pages that paint nothing: what remains is the lag of the console itself."""
+        address = f"http://127.0.0.1:{self.port}"
+        line = [sys.executable, str(SOCKET_PAGES), address, str(page_count), str(duration_s)]
+        self.entered.clear()
+        with subprocess.Popen(line, stdout=subprocess.PIPE, text=True) as pages:
+            self.addCleanup(pages.kill)
+            pages.stdout.readline()
+            self.entered.clear()
+            seen = json.loads(pages.stdout.readline())
+        many = f"{page_count} pages at their sockets, unpainted"
+        self.keep_lags(many, seen, duration_s, LIMIT_OF_MANY_S)
 
 
 def lag_words(lags: list[float], limit_s: float) -> str:
@@ -194,10 +212,15 @@ def wait_until(is_so: Callable[[], bool]) -> None:
         time.sleep(0.02)
 
 
-def lags_s(page: Page, entered: dict[str, list[float]]) -> list[float]:
-    """Return how late each state was lit that a page has shown [s]."""
+def lit(pages: list[Page]) -> list[Seen]:
+    """Return what pages have lit."""
+    return [page.evaluate("() => window.lit") for page in pages]
+
+
+def lags_s(seen: Seen, entered: dict[str, list[float]]) -> list[float]:
+    """Return how late each state was shown that a page has shown [s]."""
     lags = []
-    for seen_ms, path in page.evaluate("() => window.lit"):
+    for seen_ms, path in seen:
         times = [at for at in entered.get(path, ()) if at <= seen_ms + AHEAD_MS]
         if times:
             lags.append(max(0.0, seen_ms - times[-1]) / 1000)
