@@ -119,7 +119,9 @@ class OperatorTest(BrowserTest):
         """Have the panel rebuilt first; then there is no wire that could be inserted."""
         page, truth = self.page, rospy.ServiceProxy("cell/ground_truth", GetGroundTruth)
         self.assertEqual([wire.placed for wire in truth().wires], [True, True])
-        dialog.get_by_role("checkbox", name="Rebuild the panel first").check()
+        is_rebuilt = dialog.get_by_role("checkbox", name="Rebuild the panel first")
+        is_rebuilt.click()
+        expect(is_rebuilt).to_be_checked()
         dialog.get_by_role("button", name="Start", exact=True).click()
         expect(page).to_have_url(re.compile("/runtime$"), timeout=WORK_MS)
         self.assertEqual(truth().wires, [])
