@@ -2,7 +2,8 @@
 """Load of the console: 200 states at 50 transitions a second.
 
 Prints how fast the engine is without the console and with it, how late a page lights what is
-active, how the memory of the console's node grows, and how late several pages are.
+active, how the memory of the console's node grows, and how late several pages are. With
+`--unpainted`: how late a state arrives at the web sockets of pages that paint nothing.
 """
 
 from __future__ import annotations
@@ -13,7 +14,8 @@ import os
 import subprocess
 import sys
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from pathlib import Path
 
 import rospy
@@ -99,21 +101,23 @@ class Load(ConsoleTest):
             "engine slowed down by console and page", 100 * (1 - with_console / alone), "%", 5
         )
         self.many_pages(short_s, page_count)
-        self.page.close()
-        self.many_sockets(short_s, page_count)
-        self.page = self.open_page()
         self.stop(self.page)
 
     def rate_without_console(self, duration_s: float) -> float:
         """Return the engine's speed [transitions/s] with nothing but the mirror."""
+        with self.running_elsewhere():
+            return self.rate(duration_s)
+
+    @contextmanager
+    def running_elsewhere(self) -> Iterator[None]:
+        """Run the behavior without a page."""
         preempt = rospy.Publisher("flexbe/command/preempt", Empty, queue_size=1)
         status = []
         rospy.Subscriber("flexbe/status", BEStatus, lambda m: status.append(m.code))
         self.start_elsewhere("Load")
-        rate = self.rate(duration_s)
+        yield
         preempt.publish()
         wait_until(lambda: BEStatus.FINISHED in status)
-        return rate
 
     def rate(self, duration_s: float) -> float:
         """Return the transitions per second from the next one on."""
@@ -172,18 +176,25 @@ class Load(ConsoleTest):
         for page in pages[1:]:
             page.close()
 
-    def many_sockets(self, duration_s: float, page_count: int) -> None:
-        """Open pages that paint nothing: what remains is the lag of the console itself."""
+    def measure_unpainted(self, duration_s: float, page_count: int) -> None:
+        """Print how late pages are that paint nothing: the share of the console itself."""
         address = f"http://127.0.0.1:{self.port}"
         line = [sys.executable, str(SOCKET_PAGES), address, str(page_count), str(duration_s)]
-        self.entered.clear()
-        with subprocess.Popen(line, stdout=subprocess.PIPE, text=True) as pages:
-            self.addCleanup(pages.kill)
-            pages.stdout.readline()
-            self.entered.clear()
-            seen = json.loads(pages.stdout.readline())
-        many = f"{page_count} pages at their sockets, unpainted"
-        self.keep_lags(many, seen, duration_s, LIMIT_OF_MANY_S)
+        with self.running_elsewhere():
+            for count in (1, page_count):
+                line[3] = str(count)
+                node = console_pid(self.port)
+                with subprocess.Popen(line, stdout=subprocess.PIPE, text=True) as pages:
+                    self.addCleanup(pages.kill)
+                    pages.stdout.readline()
+                    self.entered.clear()
+                    begin_cpu_s = cpu_s(node)
+                    seen = json.loads(pages.stdout.readline())
+                share = (cpu_s(node) - begin_cpu_s) / duration_s
+                many = f"{count} pages" if count > 1 else "one page"
+                limit_s = LIMIT_OF_MANY_S if count > 1 else LIMIT_S
+                self.keep_lags(f"{many}, unpainted", seen, duration_s, limit_s)
+                self.keep(f"processor of the node, {many}, unpainted", 100 * share, "% of a core")
 
 
 def lag_words(lags: list[float], limit_s: float) -> str:
@@ -257,6 +268,7 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--seconds", type=float, default=300.0)
     parser.add_argument("--pages", type=int, default=10)
+    parser.add_argument("--unpainted", action="store_true", help="measure the console itself only")
     parser.add_argument("--figures", type=Path, help="file of lines of JSON for the docs")
     options = parser.parse_args()
     port = free_port()
@@ -269,7 +281,8 @@ def main() -> None:
         rospy.init_node("load")
         Load.setUpClass()
         load.setUp()
-        load.measure(options.seconds, options.pages)
+        measure = load.measure_unpainted if options.unpainted else load.measure
+        measure(options.seconds, options.pages)
         load.keep("load of the machine before", load_before, "")
         if options.figures:
             options.figures.write_text("".join(f"{json.dumps(one)}\n" for one in load.figures))

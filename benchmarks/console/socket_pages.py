@@ -35,6 +35,7 @@ class SocketPage:
     def __init__(self) -> None:
         """Begin without a connection."""
         self.seen: list[tuple[float, str]] = []
+        self._is_open = True
         self._socket = socketio.AsyncClient()
         self._socket.on("run_javascript", self._take)
 
@@ -56,13 +57,14 @@ class SocketPage:
         )
 
     async def close(self) -> None:
-        """Leave."""
+        """Confirm nothing more, and leave."""
+        self._is_open = False
         await self._socket.disconnect()
 
     async def _take(self, message: dict[str, Any]) -> None:
         now_ms = 1000 * time.time()
         found = LIGHT.search(message["code"])
-        if found is None:
+        if found is None or not self._is_open:
             return
         (active, *_), _ = json.JSONDecoder().raw_decode(message["code"], found.end())
         self.seen.append((now_ms, active))
