@@ -142,6 +142,10 @@ class RobotContext:
         other = self._traffic.claim(self.name, volume_of(self.arm, postures))
         return None if other is None else self.robots[other]
 
+    def take_space(self, postures: Array) -> None:
+        """Claim the space of a path, (n, joints), which its caller has seen to be free."""
+        self._traffic.stand(self.name, volume_of(self.arm, postures))
+
     def first_touch(
         self, path: Callable[[float], ToolPose], length: float, allowed: Set[str]
     ) -> Touch | None:
@@ -299,6 +303,11 @@ class RobotContext:
         return robot.world_from_hand.rotation @ robot.wrist_force
 
     @property
+    def overhead_view(self) -> View:
+        """Where the overhead camera is."""
+        return self._plant.design.overhead
+
+    @property
     def wrist_view(self) -> View:
         """Where the wrist camera is, by the arm's own measure."""
         return self._plant.wrist_view(self.name)
@@ -385,6 +394,10 @@ class RobotContext:
         self._plant.discard()
         for context in self.robots.values():
             context.belief.end_wire(wire_id)
+
+    def open_magazine(self, end: WireEnd) -> None:
+        """Open the magazine's clips that hold an end; it has others for the other end."""
+        self._plant.open_magazine(end)
 
     def move_fork(self, x: float, y: float) -> None:
         """Bring the feeder's fork up around a wire, world frame [m].

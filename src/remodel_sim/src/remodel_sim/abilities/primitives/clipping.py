@@ -201,7 +201,7 @@ def _grasp(context: RobotContext, grasp: Pose) -> Steps[None]:
         yield from move_to(context, tool.at(z=tool.z + above), APPROACH_SPEED)
         context.drive_fingers(0.0)
         yield from _fingers_still(context)
-        if not grips_nothing(context, context.finger_gap, context.wire.diameter):
+        if not grips_nothing(context.finger_gap, context.wire.diameter):
             return
         context.drive_fingers(HAND_OPEN_M)
         yield from wait(context, OPEN_S)

@@ -10,7 +10,8 @@ import numpy as np
 from remodel_sim.abilities.execution.robot_context import RobotContext, Steps
 from remodel_sim.core.errors import AbilityError
 from remodel_sim.core.geometry import Array, Pose, wrap_angle
-from remodel_sim.core.robot.arm import Arm, ToolPose
+from remodel_sim.core.robot.arm import ToolPose
+from remodel_sim.core.robot.kinematics import Kinematics
 from remodel_sim.core.robot.motion import JOINT_SPEED, PEAK_OVER_MEAN, Line
 from remodel_sim.physics.collision_check import Touch
 from remodel_states.core.codes import Code
@@ -60,11 +61,21 @@ def move_to(
         for tick in range(1, math.ceil(line.duration / context.tick_s) + 1):
             context.follow(line.at(tick * context.tick_s))
             yield
-            _check_lag(context)
+            check_lag(context)
         context.follow(line.end)
         yield
         context.stand()
         check_tracking(context)
+
+
+def straight_line(context: RobotContext, target: ToolPose, speed: float) -> Line:
+    """Return the straight line to a tool pose; raises UNREACHABLE when it would touch something."""
+    start, end = _canonical(context, context.commanded), _canonical(context, target)
+    line = Line(start, end, speed).paced(context.arm)
+    touch = _touch_on(context, line, NOTHING)
+    if touch is not None:
+        raise _blocked(touch, target)
+    return line
 
 
 def _clear_lines(
@@ -107,7 +118,7 @@ def _blocked(touch: Touch, target: ToolPose) -> AbilityError:
     )
 
 
-def _check_lag(context: RobotContext) -> None:
+def check_lag(context: RobotContext) -> None:
     """Stop the arm and raise MOTION_FAULT when something holds it up."""
     sent, tool = context.commanded, context.tool
     lag = float(np.linalg.norm(tool.position - sent.position))
@@ -266,7 +277,7 @@ def disengage(context: RobotContext) -> Steps[None]:
 
 
 def choose_flip(
-    arm: Arm,
+    arm: Kinematics,
     at: tuple[float, float],
     tip_yaw: float,
     then_at: tuple[float, float],
@@ -302,7 +313,7 @@ def choose_flip(
     return best[1]
 
 
-def nearest_hand_yaw(arm: Arm, x: float, y: float, yaw: float, near: float) -> float:
+def nearest_hand_yaw(arm: Kinematics, x: float, y: float, yaw: float, near: float) -> float:
     """Return `yaw`, or that turned by pi, whichever joint 7 reaches with less turning."""
     options = [arm.canonical_yaw(x, y, yaw + turn) for turn in (0.0, math.pi)]
     reachable = [option for option in options if option is not None]

@@ -8,16 +8,25 @@ import numpy as np
 
 from remodel_sim.abilities.execution.robot_context import RobotContext, Steps
 from remodel_sim.abilities.primitives.force_motion import ForceMotion
+from remodel_sim.abilities.primitives.holding import bring_together, free_length, holder_of
 from remodel_sim.abilities.primitives.laying import carry_over
-from remodel_sim.abilities.primitives.motions import APPROACH_SPEED, move_to, wait
+from remodel_sim.abilities.primitives.motions import (
+    APPROACH_SPEED,
+    CARRY_SPEED,
+    TRAVEL_Z,
+    move_to,
+    wait,
+)
+from remodel_sim.abilities.primitives.together import move_together
 from remodel_sim.core.belief.belief_state import Grip
 from remodel_sim.core.errors import AbilityError
 from remodel_sim.core.geometry import Array, Pose
 from remodel_sim.core.robot.arm import ToolPose
 from remodel_sim.core.robot.force_control import WIRE_STIFFNESS, ForceControl
 from remodel_sim.core.robot.push_monitor import PushMonitor
-from remodel_sim.core.workpiece.layout import STANDOFF_M
+from remodel_sim.core.workpiece.layout import STANDOFF_M, WORLD_FROM_PANEL
 from remodel_sim.core.workpiece.panel import PanelTerminal, unit_x
+from remodel_sim.core.workpiece.slots import slot_beside
 from remodel_states.core.codes import Code
 
 # The tip goes to the opening faster than into it [m/s]: what stops it there must not hurt it.
@@ -34,6 +43,8 @@ BEYOND_BOTTOM_M = 0.006
 # Resistance before this depth is the face's or the funnel's.
 FACE_M = 0.003
 STILL_S = 0.15
+# Two hands carry a wire so high that its loop clears what stands on the plate [m].
+BOTH_CARRY_Z = 0.32
 
 
 @dataclass(frozen=True)
@@ -96,11 +107,34 @@ def tool_before(socket: Pose, grip: Grip, ahead: float) -> ToolPose:
 
 
 def bring_before(context: RobotContext, socket: Pose) -> Steps[None]:
-    """Carry the held end to in front of an opening."""
+    """Carry the held end to in front of an opening.
+
+    Where a slotted duct stands before it, the hand comes down beside the opening, so that the wire
+    behind it goes down into a slot: over the wall it would have to bend upwards beside the grip.
+    """
     target = tool_before(socket, _grip(context), -STANDOFF_M)
-    yield from carry_over(context, target)
+    aside = slot_beside(context.panel, WORLD_FROM_PANEL.inverse() @ socket) or 0.0
+    above = target.moved(socket.rotation[:, 1], aside)
+    holder = holder_of(context)
+    if holder is not None:
+        yield from _carry_both(context, holder, above, -unit_x(socket))
+    yield from carry_over(context, above)
+    yield from move_to(context, context.commanded.at(z=target.z), APPROACH_SPEED)
     yield from move_to(context, target, APPROACH_SPEED)
     yield from wait(context, STILL_S)
+
+
+def _carry_both(
+    context: RobotContext, holder: RobotContext, target: ToolPose, out: Array
+) -> Steps[None]:
+    """Carry a wire that two hands hold: this one to above its target, the other out of its way."""
+    both = (context, holder)
+    high = [(robot, robot.commanded.at(z=max(BOTH_CARRY_Z, robot.commanded.z))) for robot in both]
+    yield from move_together(high, CARRY_SPEED)
+    length = free_length(context, holder)
+    for height in (BOTH_CARRY_Z, TRAVEL_Z):
+        for move in bring_together(context, target.at(z=height), holder, out, length):
+            yield from move_together(move, CARRY_SPEED)
 
 
 def _grip(context: RobotContext) -> Grip:

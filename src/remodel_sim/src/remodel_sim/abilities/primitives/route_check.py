@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -55,6 +55,11 @@ def observe_route(context: RobotContext) -> Steps[RouteObservation]:
     """Observe the plate from above, the empty hand out of the way."""
     if context.belief.grip is None:
         yield from park(context)
+    return (yield from observe_board(context))
+
+
+def observe_board(context: RobotContext) -> Steps[RouteObservation]:
+    """Observe the plate from above, the hands where they are."""
     picture = context.take_overhead_picture()
     yield
     likelihood = wire_likelihood(picture.rgb, context.wire.colour)
@@ -97,7 +102,7 @@ def check_ducts(context: RobotContext, path: tuple[Pose, ...]) -> Steps[None]:
         AbilityError: OUT_OF_DUCT when it lies beside one, CABLE_OCCLUDED when it is not visible
             in one.
     """
-    places = {duct: found for duct in context.panel.ducts if (found := places_in(duct, path))}
+    places = duct_places(context, path)
     if not places:
         return
     context.report("observing the ducts from above", 0.95)
@@ -106,6 +111,35 @@ def check_ducts(context: RobotContext, path: tuple[Pose, ...]) -> Steps[None]:
     _show(context, seen, [place for at in places.values() for place in at], faults)
     if faults:
         raise _out(context, faults)
+
+
+def duct_places(context: RobotContext, path: tuple[Pose, ...]) -> dict[Duct, tuple[Pose, ...]]:
+    """Return where a path runs in ducts."""
+    found = {duct: tuple(places_in(duct, path)) for duct in context.panel.ducts}
+    return {duct: places for duct, places in found.items() if places}
+
+
+def share_in_ducts(
+    context: RobotContext, places: Mapping[Duct, Sequence[Pose]], seen: RouteObservation
+) -> float:
+    """Show the ducts; return at which share of the places the wire is seen in its duct.
+
+    Beyond a duct's walls it is not searched for: devices may have its colour.
+    """
+    found, missing = [], []
+    for duct, at in places.items():
+        for place in at:
+            passing = seen.at(place, duct.width / 2)
+            below = passing is not None and passing.height < duct.height
+            (found if below else missing).append(place)
+    drawing = Drawing(seen.picture.rgb, seen.picture.view)
+    for colour, shown in ((BLUE, found), (ORANGE, missing)):
+        for place in shown:
+            drawing.circle(seen.picture.view.project(place.position)[0], 6, colour)
+    share = len(found) / max(1, len(found) + len(missing))
+    drawing.title(f"{seen.wire.id}: below the rim at {share:.0%} of its route in ducts")
+    context.show("overhead", seen.picture, drawing.image)
+    return share
 
 
 def _duct_fault(duct: Duct, places: Sequence[Pose], seen: RouteObservation) -> str:
