@@ -308,6 +308,11 @@ class RobotContext:
         return self._plant.design.overhead
 
     @property
+    def hand_sees_depth(self) -> bool:
+        """Whether the wrist camera measures depth."""
+        return self._design.camera.depth
+
+    @property
     def wrist_view(self) -> View:
         """Where the wrist camera is, by the arm's own measure."""
         return self._plant.wrist_view(self.name)
@@ -317,7 +322,7 @@ class RobotContext:
         return self._observed("overhead", self._plant.take_overhead_picture())
 
     def take_wrist_picture(self) -> Picture:
-        """Take a colour picture from the hand."""
+        """Take a picture from the hand, with depth if its camera measures it."""
         return self._observed(self._camera, self._plant.take_wrist_picture(self.name))
 
     def _observed(self, camera: str, picture: Picture) -> Picture:

@@ -70,7 +70,7 @@ def move_to(
 
 def straight_line(context: RobotContext, target: ToolPose, speed: float) -> Line:
     """Return the straight line to a tool pose; raises UNREACHABLE when it would touch something."""
-    start, end = _canonical(context, context.commanded), _canonical(context, target)
+    start, end = canonical(context, context.commanded), canonical(context, target)
     line = Line(start, end, speed).paced(context.arm)
     touch = _touch_on(context, line, NOTHING)
     if touch is not None:
@@ -85,7 +85,7 @@ def _clear_lines(
     arm, start = context.arm, context.commanded
 
     def line(first: ToolPose, second: ToolPose) -> Line:
-        return Line(_canonical(context, first), _canonical(context, second), speed).paced(arm)
+        return Line(canonical(context, first), canonical(context, second), speed).paced(arm)
 
     direct = line(start, target)
     touch = _touch_on(context, direct, allowed)
@@ -320,6 +320,7 @@ def nearest_hand_yaw(arm: Kinematics, x: float, y: float, yaw: float, near: floa
     return min(reachable, key=lambda option: abs(option - near), default=yaw)
 
 
-def _canonical(context: RobotContext, tool: ToolPose) -> ToolPose:
+def canonical(context: RobotContext, tool: ToolPose) -> ToolPose:
+    """Return a tool pose with the yaw that the arm takes, of those that are a full turn apart."""
     yaw = context.arm.canonical_yaw(tool.x, tool.y, tool.yaw)
     return tool if yaw is None else ToolPose(tool.x, tool.y, tool.z, yaw)
