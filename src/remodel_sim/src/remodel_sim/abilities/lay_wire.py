@@ -105,7 +105,7 @@ def _goal(message: Message) -> LayGoal:
 @ability("LayWire", _goal)
 def lay_wire(holder: RobotContext, guide: RobotContext, goal: LayGoal) -> Steps[WireLaid]:
     """Take the free end, lead the wire along its route, and see that it lies in its ducts."""
-    _check_hand(guide)
+    _check_camera(guide)
     try:
         yield from _take_free_end(holder)
         route = _route(holder)
@@ -126,19 +126,13 @@ def lay_wire(holder: RobotContext, guide: RobotContext, goal: LayGoal) -> Steps[
     return WireLaid(f"{goal.cable_id} laid into {', '.join(holder.wire.ducts)}", in_ducts, peak)
 
 
-def _check_hand(guide: RobotContext) -> None:
-    """Raise INVALID_GOAL unless a robot can lead wires and inspect ducts."""
-    lacks = []
-    if guide.fingers.eyelet is None:
-        lacks.append(f"its fingers {guide.fingers.name!r} have no eyelet")
+def _check_camera(guide: RobotContext) -> None:
+    """Raise INVALID_GOAL unless a robot can inspect the ducts that it leads a wire into."""
     if not guide.hand_sees_depth:
-        lacks.append("its camera measures no depth")
-    if lacks:
         raise AbilityError(
             Code.INVALID_GOAL,
-            f"{guide.name} does not lead wires: {' and '.join(lacks)}; name a robot whose fingers "
-            "have an eyelet and whose camera measures depth (cell file: gripper.fingers.eyelet, "
-            "camera.depth)",
+            f"the hand's camera of {guide.name} measures no depth; lead wires with a robot whose "
+            "camera does (camera.depth in the cell's file)",
         )
 
 
@@ -313,7 +307,7 @@ def _find(holder: RobotContext, guide: RobotContext, crossing: Array, out: Array
 
 def _eyelet_above(guide: RobotContext) -> float:
     """Return how high the eyelet is above the tool centre [m]."""
-    assert guide.fingers.eyelet is not None, "checked before"
+    assert guide.fingers.eyelet is not None, "the goal's check"
     return guide.fingers.eyelet.above
 
 
