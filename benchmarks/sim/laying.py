@@ -83,7 +83,7 @@ class Laying:
 
     def _tell(self, step: str, found: object) -> None:
         message = getattr(found, "message", found)
-        print(f"{time.monotonic() - self._began:6.1f} s  {step}: {message}", flush=True)
+        _tell(f"{time.monotonic() - self._began:6.1f} s  {step}: {message}")
         self.photograph(step)
 
     def photograph(self, step: str) -> None:
@@ -95,6 +95,11 @@ class Laying:
             picture = self.cell.plant.photograph(camera)
             file = self._pictures / f"{wire}_{step}_{camera}.png"
             cv2.imwrite(str(file), cv2.cvtColor(picture.rgb, cv2.COLOR_RGB2BGR))
+
+
+def _tell(line: str) -> None:
+    sys.stdout.write(f"{line}\n")
+    sys.stdout.flush()
 
 
 def main() -> int:
@@ -115,16 +120,15 @@ def main() -> int:
         try:
             laying.place(wire_id)
         except AbilityError as error:
-            print(f"{wire_id}: {error.code.name}: {error}", flush=True)
+            _tell(f"{wire_id}: {error.code.name}: {error}")
             laying.photograph("failed")
         (truth,) = ground_truth(cell.plant, [wire_id])
         placed += truth.placed
         depths = ", ".join(f"{end.depth * 1e3:.1f} mm" for end in (truth.a, truth.b))
         in_ducts = share_in_ducts(cell.plant, wire_id)
-        print(
+        _tell(
             f"{wire_id}: {'placed' if truth.placed else 'not placed'}, ends {depths} deep, "
-            f"{in_ducts:.0%} of its route in ducts below the rims",
-            flush=True,
+            f"{in_ducts:.0%} of its route in ducts below the rims"
         )
         if not truth.placed:
             break

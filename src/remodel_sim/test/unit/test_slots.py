@@ -11,9 +11,7 @@ from remodel_sim.core.workpiece.panel import Duct
 from remodel_sim.core.workpiece.slots import slot_before
 
 # Along y; its wall at x 0.02 has slots at y 0, 12.5 mm, ...
-DUCT = Duct(
-    "D1", (0.0, 0.0, math.pi / 2), 0.40, 0.040, 0.060, slot_pitch=0.0125, slot_width=0.007
-)
+DUCT = Duct("D1", (0.0, 0.0, math.pi / 2), 0.40, 0.040, 0.060, slot_pitch=0.0125, slot_width=0.007)
 
 
 def board(*ducts):

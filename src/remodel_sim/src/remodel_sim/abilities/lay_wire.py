@@ -31,9 +31,9 @@ from remodel_sim.abilities.primitives.motions import (
     rise,
     wait,
 )
-from remodel_sim.abilities.primitives.together import move_together
-from remodel_sim.abilities.primitives.sight_lines import clear_sight
 from remodel_sim.abilities.primitives.route_check import duct_places, observe_board
+from remodel_sim.abilities.primitives.sight_lines import clear_sight
+from remodel_sim.abilities.primitives.together import move_together
 from remodel_sim.core.belief.belief_state import EndState
 from remodel_sim.core.errors import AbilityError
 from remodel_sim.core.geometry import Array, Pose, wrap_angle
@@ -59,8 +59,8 @@ STRAIGHT_AGAIN_M = 0.070
 # A wire that is straight leaves its first duct through the slots of both walls: the hand lifts it
 # so far over their rim, turns it, and lays it down between them [m].
 OVER_RIM_M = 0.008
-# It is led so far below the rim, above the wires that lie there: ahead of the hand it rises over the
-# wall behind a corner, and it sinks behind the hand [m].
+# It is led so far below the rim, above the wires that lie there: ahead of the hand it rises over
+# the wall behind a corner, and it sinks behind the hand [m].
 UNDER_RIM_M = 0.012
 # The leading hand goes along a duct so fast [m/s].
 LEAD_SPEED = 0.15
@@ -152,7 +152,9 @@ def _laid_places(guide: RobotContext, route: list[Array]) -> dict[Duct, tuple[Po
     last = route[-2] - route[-3]
     rises = min(RISES_M, float(np.linalg.norm(last)))
     points = [*route[:-2], route[-2] - last / np.linalg.norm(last) * rises]
-    return duct_places(guide, tuple(Pose.level(*(float(v) for v in point), 0.0) for point in points))
+    return duct_places(
+        guide, tuple(Pose.level(*(float(v) for v in point), 0.0) for point in points)
+    )
 
 
 def _take_free_end(holder: RobotContext) -> Steps[None]:
@@ -186,9 +188,7 @@ def _lead(holder: RobotContext, guide: RobotContext, route: list[Array]) -> Step
     """Take the wire where it comes out of the first slot, and lead it to the last one."""
     grip = holder.belief.grip
     assert grip is not None, "the holder has the free end"
-    fixed = WORLD_FROM_PANEL @ guide.panel.panel_from_socket(
-        *guide.wire.goes_to(grip.end.other)
-    )
+    fixed = WORLD_FROM_PANEL @ guide.panel.panel_from_socket(*guide.wire.goes_to(grip.end.other))
     depths = [np.array([0.0, 0.0, _rim(guide, at) - UNDER_RIM_M - at[2]]) for at in route[1:-1]]
     places = list(_places_along([at + d for at, d in zip(route[1:-1], depths, strict=True)]))
     over = _rim(guide, route[1]) + OVER_RIM_M
@@ -287,7 +287,9 @@ def _places_along(points: list[Array]) -> Iterator[_Place]:
     yield _Place(points[-1], headings[-1], headings[-1])
 
 
-def _find(holder: RobotContext, guide: RobotContext, crossing: Array, out: Array) -> Steps[ToolPose]:
+def _find(
+    holder: RobotContext, guide: RobotContext, crossing: Array, out: Array
+) -> Steps[ToolPose]:
     """Return the tool pose at which the wire crosses its first duct, as seen from above."""
     yield from clear_sight(guide, crossing[None])
     seen = yield from observe_board(guide)
@@ -338,7 +340,7 @@ def _lowest(guide: RobotContext) -> float:
     return guide.fingers.below + 0.002
 
 
-def _bring(  # noqa: PLR0913 - one move
+def _bring(
     holder: RobotContext,
     guide: RobotContext,
     place: _Place,

@@ -6,7 +6,6 @@ holds the rest of the wire; a hand looks down into each part of a duct from stra
 
 from __future__ import annotations
 
-import math
 from collections.abc import Iterator, Mapping, Sequence
 
 import numpy as np

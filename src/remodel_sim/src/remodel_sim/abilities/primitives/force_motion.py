@@ -18,7 +18,9 @@ STALLED_S = 0.3
 
 
 class ForceMotion:
-    """A push or pull along a line, or a way about it, which slows down as the force rises and keeps to its limit.
+    """A push or pull along a line, or a way near it.
+
+    It slows down as the force rises, and keeps to its limit.
 
     Commands at the abilities' 120 Hz would be too late: between two of them a push at 20 mm/s
     raises the force on a terminal's bottom by 10 N, and the servo and the sensor's low pass lag by

@@ -45,8 +45,8 @@ BEYOND_BOTTOM_M = 0.006
 # Resistance before this depth is the face's or the funnel's.
 FACE_M = 0.003
 STILL_S = 0.15
-# A wire that comes through a slot beside the opening's axis is turned into the axis up to this depth
-# [m]: kept straight from the slot on, it does not lean on the funnel.
+# A wire that comes through a slot beside the opening's axis is turned into the axis up to this
+# depth [m]: kept straight from the slot on, it does not lean on the funnel.
 TURNED_IN_M = 0.010
 # Two hands carry a wire so high that its loop clears what stands on the plate [m].
 BOTH_CARRY_Z = 0.32
