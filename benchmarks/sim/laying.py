@@ -4,8 +4,9 @@
 laying.py WIRE... [--seed 1] [--cell two_arms_cabinet] [--pictures DIR]; the workspace must be
 sourced. Each wire of the household board is placed from its feed to its second clamp: robot_1
 inserts end a and leads the wire (LayWire), robot_2 holds end b and inserts it. A line is printed
-for each step with what the cell measured; after the last one, where the ends sit and which share
-of the route in ducts is below the rims, by the physics. Ends with 1 unless all wires are placed.
+for each step: wall time, the cell's time since the feed, and what the cell measured; after the last one, where the
+ends sit and which share of the route in ducts is below the rims, by the physics. Ends with 1 at the
+first wire that is not placed.
 """
 
 from __future__ import annotations
@@ -46,10 +47,9 @@ T = TypeVar("T")
 class Laying:
     """Places wires in one cell."""
 
-    def __init__(self, cell: Cell, pictures: Path | None) -> None:
-        """Take over a cell; photograph it after each step if there is a folder for it."""
+    def __init__(self, cell: Cell) -> None:
+        """Take over a cell."""
         self.cell = cell
-        self._pictures = pictures
         self._began = time.monotonic()
 
     def place(self, wire_id: str) -> None:
@@ -74,6 +74,11 @@ class Laying:
         self._do(HOLDER, insert_cable, insert)
         self._do(HOLDER, fix_cable, goals.FixGoal(HOLDER, wire_id, *b, PULL_TEST_N))
 
+    def _cell_s(self) -> float:
+        """Return the cell's time since the wire was fed [s]."""
+        world = self.cell.plant.world
+        return world.steps * world.time_step
+
     def _do(self, robot: str, ability: Callable[[RobotContext, G], Steps[T]], goal: G) -> T:
         context = self.cell.contexts[robot]
         goal.check(context.panel, context.belief)
@@ -83,18 +88,14 @@ class Laying:
 
     def _tell(self, step: str, found: object) -> None:
         message = getattr(found, "message", found)
-        _tell(f"{time.monotonic() - self._began:6.1f} s  {step}: {message}")
-        self.photograph(step)
+        wall, cell = time.monotonic() - self._began, self._cell_s()
+        _tell(f"{wall:6.1f} s  {cell:6.1f} s  {step}: {message}")
 
-    def photograph(self, step: str) -> None:
-        """Write what the cell's cameras for people see."""
-        if self._pictures is None:
-            return
-        wire = self.cell.plant.live.wire.id if self.cell.plant.live else "panel"
-        for camera in ("scene", "overhead"):
-            picture = self.cell.plant.photograph(camera)
-            file = self._pictures / f"{wire}_{step}_{camera}.png"
-            cv2.imwrite(str(file), cv2.cvtColor(picture.rgb, cv2.COLOR_RGB2BGR))
+
+def _photograph(cell: Cell, folder: Path, wire_id: str) -> None:
+    for camera in ("scene", "overhead"):
+        picture = cv2.cvtColor(cell.plant.photograph(camera).rgb, cv2.COLOR_RGB2BGR)
+        cv2.imwrite(str(folder / f"{wire_id}_{camera}.png"), picture)
 
 
 def _tell(line: str) -> None:
@@ -108,20 +109,19 @@ def main() -> int:
     parser.add_argument("wires", nargs="+", metavar="WIRE", help="such as W3")
     parser.add_argument("--seed", type=int, default=1, help="of all noise")
     parser.add_argument("--cell", default="two_arms_cabinet", help="name or file")
-    parser.add_argument("--pictures", type=Path, help="folder for pictures after each step")
+    parser.add_argument("--pictures", type=Path, help="folder for pictures after each wire")
     options = parser.parse_args()
     if options.pictures is not None:
         options.pictures.mkdir(parents=True, exist_ok=True)
     panel = read_panel(CONFIG / "household.yaml", read_wire_materials())
     cell = Cell(panel, design=read_cell(options.cell), seed=options.seed)
-    laying = Laying(cell, options.pictures)
+    laying = Laying(cell)
     placed = 0
     for wire_id in options.wires:
         try:
             laying.place(wire_id)
         except AbilityError as error:
             _tell(f"{wire_id}: {error.code.name}: {error}")
-            laying.photograph("failed")
         (truth,) = ground_truth(cell.plant, [wire_id])
         placed += truth.placed
         depths = ", ".join(f"{end.depth * 1e3:.1f} mm" for end in (truth.a, truth.b))
@@ -130,6 +130,8 @@ def main() -> int:
             f"{wire_id}: {'placed' if truth.placed else 'not placed'}, ends {depths} deep, "
             f"{in_ducts:.0%} of its route in ducts below the rims"
         )
+        if options.pictures is not None:
+            _photograph(cell, options.pictures, wire_id)
         if not truth.placed:
             break
     cell.close()

@@ -65,7 +65,7 @@ def share_in_ducts(context: RobotContext, places: Mapping[Duct, Sequence[Pose]])
     if observed < LEAST_OBSERVED:
         raise AbilityError(
             Code.CABLE_OCCLUDED,
-            f"{context.wire.id!r} is seen at {observed:.0%} of its route in ducts; needed: "
+            f"{context.wire.id!r} is in view at {observed:.0%} of its route in ducts; needed: "
             f"{LEAST_OBSERVED:.0%} or more; draw it out and place it again",
         )
     return below / (below + above)
