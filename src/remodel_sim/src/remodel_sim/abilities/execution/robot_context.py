@@ -184,10 +184,13 @@ class RobotContext:
 
     def has_room(self, tool: ToolPose) -> bool:
         """Return whether no other robot obstructs the arm at a tool pose."""
+        return self.has_way(self.arm.joints_for(tool))
+
+    def has_way(self, postures: Array) -> bool:
+        """Return whether no other robot obstructs the arm in postures, (joints,) or (n, joints)."""
         if len(self.robots) == 1:
             return True
-        there = volume_of(self.arm, self.arm.joints_for(tool))
-        return self._traffic.in_the_way(self.name, there) is None
+        return self._traffic.in_the_way(self.name, volume_of(self.arm, postures)) is None
 
     def stand(self) -> None:
         """Release all claimed space but that of the commanded posture."""
