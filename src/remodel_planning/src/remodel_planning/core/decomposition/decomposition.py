@@ -294,7 +294,11 @@ class _Run:
     def _features_of(self, head: _Pending) -> Features:
         key = (head.route.length_m, len(head.route.clips), head.end)
         if key not in self._features:
-            self._features[key] = self._d.features(self._task, head.route, head.end)
+            features = self._d.features(self._task, head.route, head.end)
+            if head.end is not None:
+                order = "first" if head.end is self._first else "second"
+                features = {**features, "end": order}
+            self._features[key] = features
         return self._features[key]
 
     def _expected_of(self, action: Action, head: _Pending) -> Expectation:
