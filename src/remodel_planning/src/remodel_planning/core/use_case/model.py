@@ -19,6 +19,8 @@ from remodel_planning.core.use_case.policy import Policy
 FORCE = "force_n"
 # The same for the arm that does them.
 ARM = "arm"
+# What conditions refer to for which end of its task is inserted, "first" or "second".
+INSERTED = "end"
 
 
 class Macro(Enum):

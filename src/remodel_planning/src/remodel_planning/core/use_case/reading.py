@@ -15,6 +15,7 @@ from remodel_planning.core.use_case.bounds import Bounds, settings
 from remodel_planning.core.use_case.designs import designs_from
 from remodel_planning.core.use_case.expectation import Frozen, FrozenExpectations
 from remodel_planning.core.use_case.model import (
+    INSERTED,
     Action,
     CellTimes,
     Characteristic,
@@ -32,8 +33,8 @@ from remodel_planning.errors import UseCaseError
 Json = dict[str, Any]
 
 _REQUIRED = (Macro.PICK, Macro.INSERT, Macro.ROUTE, Macro.FIX)
-# What every task has, besides what the use case declares; `end` where one is inserted.
-_COMPUTED = ("length_m", "clips", "end")
+# What every task has, besides what the use case declares; the end where one is inserted.
+_COMPUTED = ("length_m", "clips", INSERTED)
 
 
 def use_case_from(data: Json) -> UseCase:
