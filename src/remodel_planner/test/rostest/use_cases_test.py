@@ -24,6 +24,7 @@ DESIGNS = Path(__file__).parents[3] / "remodel_production/test/unit/designs"
 SHIPPED = {
     "switchgear": (DESIGN, 3),
     "cabinet": (DESIGN, 3),
+    "cabinet_ducts": (DESIGN, 3),
     "automotive_formboard": (DESIGNS / "loom.kbl", 2),
     "medical_hoses": (DESIGNS / "harness.yml", 3),
 }
@@ -72,6 +73,9 @@ class UseCasesTest(unittest.TestCase):
 
     def test_cabinet_carries_its_order_out(self):
         self.carries_its_order_out("cabinet")
+
+    def test_cabinet_ducts_carries_its_order_out(self):
+        self.carries_its_order_out("cabinet_ducts")
 
     def test_automotive_formboard_carries_its_order_out(self):
         self.carries_its_order_out("automotive_formboard")
