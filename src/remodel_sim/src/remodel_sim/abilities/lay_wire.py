@@ -64,8 +64,8 @@ OVER_RIM_M = 0.008
 UNDER_RIM_M = 0.012
 # The leading hand goes along a duct so fast [m/s].
 LEAD_SPEED = 0.15
-# The wire may pull at the leading hand with so much, level [N]: more would pull at its terminal.
-MAX_PULL_N = 14.0
+# The wire may pull at the leading hand, level, with so much of what its terminal holds.
+MAX_PULL_SHARE = 0.3
 # Where the wire crosses its first duct it is searched for so far to each side of the slot [m].
 SEARCH_M = 0.030
 CLOSE_S = 0.6
@@ -376,22 +376,30 @@ def _tighten(holder: RobotContext, eyelet: Array, left: float) -> Steps[float]:
     return float(np.linalg.norm(holder.commanded.position - eyelet))
 
 
+def _max_pull(guide: RobotContext) -> float:
+    """Return the pull that the wire's fixed ends stand [N]."""
+    ends = guide.belief.ends.items()
+    keys = [guide.wire.goes_to(end) for end, state in ends if state is EndState.FIXED]
+    terminals = [guide.panel.component(part).terminal(name) for part, name in keys]
+    return MAX_PULL_SHARE * min(terminal.retention_force for terminal in terminals)
+
+
 def _watched(
     guide: RobotContext, move: list[tuple[RobotContext, ToolPose]], free: Array
 ) -> Steps[float]:
     """Move the hands together; return the peak of the level pull at the guide [N]."""
-    peak, pulled_s = 0.0, 0.0
+    peak, pulled_s, limit = 0.0, 0.0, _max_pull(guide)
     for _ in move_together(move, LEAD_SPEED):
         yield
         pull = float(np.linalg.norm((guide.force - free)[:2]))
         peak = max(peak, pull)
-        pulled_s = pulled_s + guide.tick_s if pull > MAX_PULL_N else 0.0
+        pulled_s = pulled_s + guide.tick_s if pull > limit else 0.0
         if pulled_s > SNAG_S:
             for context, _ in move:
                 context.drive(context.tool)
             raise AbilityError(
                 Code.SNAGGED,
-                f"{guide.wire.id!r} pulls at the leading hand with {pull:.0f} N at {guide.tool}: "
-                "it hangs on something; draw it out and place it again",
+                f"{guide.wire.id!r} pulls at the leading hand with {pull:.0f} N at {guide.tool}, "
+                f"allowed: {limit:.0f} N; it hangs on something: draw it out and place it again",
             )
     return peak
