@@ -62,15 +62,18 @@ OVER_RIM_M = 0.008
 # It is led so far below the rim, above the wires that lie there: ahead of the hand it rises over
 # the wall behind a corner, and it sinks behind the hand [m].
 UNDER_RIM_M = 0.012
-# The leading hand goes along a duct so fast [m/s].
+# The leading hand goes along a duct so fast, the holding hand through the air [m/s].
 LEAD_SPEED = 0.15
+HOLD_SPEED = 0.45
 # The wire may pull at the leading hand, level, with so much of what its terminal holds.
 MAX_PULL_SHARE = 0.3
 # Where the wire crosses its first duct it is searched for so far to each side of the slot [m].
 SEARCH_M = 0.030
 CLOSE_S = 0.6
-# The holder draws the wire straight with so much, no further than so far [N, m, m/s].
+# The holder draws the wire straight with so much, no further than so far [N, m, m/s]. A wire that
+# sags gives way, and becomes stiff only when it is straight [N/m].
 TIGHT_N = 2.0
+SAGGING_STIFFNESS = WIRE_STIFFNESS / 10
 TIGHTEN_M = 0.10
 TIGHTEN_SPEED = 0.10
 # The wire must lie below the rim at so much of its route in ducts. So far before the last slot it
@@ -366,7 +369,7 @@ def _tighten(holder: RobotContext, eyelet: Array, left: float) -> Steps[float]:
     """
     along = holder.commanded.position - eyelet
     motion = ForceMotion(
-        holder, along / np.linalg.norm(along), ForceControl(TIGHT_N, WIRE_STIFFNESS)
+        holder, along / np.linalg.norm(along), ForceControl(TIGHT_N, SAGGING_STIFFNESS)
     )
     while not motion.met_limit and motion.travel < TIGHTEN_M:
         yield from motion.advance(TIGHTEN_SPEED)
@@ -389,7 +392,7 @@ def _watched(
 ) -> Steps[float]:
     """Move the hands together; return the peak of the level pull at the guide [N]."""
     peak, pulled_s, limit = 0.0, 0.0, _max_pull(guide)
-    for _ in move_together(move, LEAD_SPEED):
+    for _ in move_together(move, LEAD_SPEED, HOLD_SPEED):
         yield
         pull = float(np.linalg.norm((guide.force - free)[:2]))
         peak = max(peak, pull)

@@ -22,7 +22,9 @@ from remodel_states.core.codes import Code
 CHECK_STEP_M = 0.02
 
 
-def move_together(targets: Sequence[tuple[RobotContext, ToolPose]], speed: float) -> Steps[None]:
+def move_together(
+    targets: Sequence[tuple[RobotContext, ToolPose]], speed: float, others: float | None = None
+) -> Steps[None]:
     """Move all tools in straight lines that begin and end at the same time.
 
     So the distance between two of them is never more than at the start or at the end, and the wire
@@ -30,12 +32,17 @@ def move_together(targets: Sequence[tuple[RobotContext, ToolPose]], speed: float
 
     Args:
         targets: the robots, each with where its tool goes.
-        speed: peak speed of the fastest tool centre [m/s].
+        speed: that no tool centre exceeds, or only the first one's [m/s].
+        others: the same of the other ones [m/s]; None: as of the first.
 
     Raises:
         AbilityError: UNREACHABLE before anything moves, MOTION_FAULT when a robot does not arrive.
     """
-    lines = [straight_line(context, target, speed) for context, target in targets]
+    speeds = [speed, *[speed if others is None else others] * (len(targets) - 1)]
+    lines = [
+        straight_line(context, target, most)
+        for (context, target), most in zip(targets, speeds, strict=True)
+    ]
     duration = max(line.duration for line in lines)
     contexts = [context for context, _ in targets]
     moves = [(c, replace(line, least_s=duration)) for c, line in zip(contexts, lines, strict=True)]
