@@ -77,6 +77,17 @@ class UseCasesTest(unittest.TestCase):
     def test_cabinet_ducts_carries_its_order_out(self):
         self.carries_its_order_out("cabinet_ducts")
 
+    def test_two_robots_release_discard_and_begin_again_with_a_new_wire(self):
+        self.add_order("slipping")
+        rospy.set_param("fake_cell/faults", [{"name": "slipped", "cure": "new_part"}])
+        self.addCleanup(rospy.delete_param, "fake_cell/faults")
+        ran = planner(*self.line("slipping", "cabinet_ducts", 2), database=DATABASE)
+        self.assertEqual(ran.returncode, 0, ran.stdout + ran.stderr)
+        self.assertIn("2 of 2 wires placed, 1 without a failed operation", ran.stdout)
+        orders = OrderClient(OUTPUT)
+        self.assertEqual(orders.held, "")
+        self.assertEqual(len(orders.account(orders.runs()[0]).fed_again), 1)
+
     def test_automotive_formboard_carries_its_order_out(self):
         self.carries_its_order_out("automotive_formboard")
 
