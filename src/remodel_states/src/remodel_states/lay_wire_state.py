@@ -16,7 +16,7 @@ class LayWireState(EventState):
 
     ># cable_id  string  Wire of the loaded panel, such as "W1"; one end fixed, the other one held.
 
-    #> in_ducts  float  [share] of the route's length in ducts at which the wire was seen below the rim, 0 to 1.
+    #> in_ducts  float  [share] of the places in ducts with the wire in view at which it lies below the rim, 0 to 1.
     #> error_code  int  Code of a failure (remodel_msgs/ErrorCode).
     #> error_message  string  What failed and what to do.
 

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Sequence
+from contextlib import suppress
 from dataclasses import dataclass, replace
 from itertools import pairwise
 
@@ -17,6 +18,7 @@ import numpy as np
 from remodel_sim.abilities.ability import ability
 from remodel_sim.abilities.execution.robot_context import RobotContext, Steps
 from remodel_sim.abilities.primitives.carrying import SNAG_S
+from remodel_sim.abilities.primitives.duct_check import share_in_ducts
 from remodel_sim.abilities.primitives.force_motion import ForceMotion
 from remodel_sim.abilities.primitives.grasping import check_grip, pick_end, release
 from remodel_sim.abilities.primitives.holding import STEEP, bring_together
@@ -25,14 +27,13 @@ from remodel_sim.abilities.primitives.motions import (
     FREE_SPEED,
     HAND_OPEN_M,
     TRAVEL_Z,
-    clear_hand,
     move_to,
     rise,
     wait,
 )
-from remodel_sim.abilities.primitives.together import move_together
+from remodel_sim.abilities.primitives.route_check import duct_places, observe_board
 from remodel_sim.abilities.primitives.sight_lines import clear_sight
-from remodel_sim.abilities.primitives.route_check import duct_places, observe_board, share_in_ducts
+from remodel_sim.abilities.primitives.together import move_together
 from remodel_sim.core.belief.belief_state import EndState
 from remodel_sim.core.errors import AbilityError
 from remodel_sim.core.geometry import Array, Pose, wrap_angle
@@ -42,7 +43,7 @@ from remodel_sim.core.robot.arm import ToolPose
 from remodel_sim.core.robot.force_control import WIRE_STIFFNESS, ForceControl
 from remodel_sim.core.workpiece.layout import WORLD_FROM_PANEL
 from remodel_sim.core.workpiece.panel import Duct, WireEnd, unit_x
-from remodel_sim.core.workpiece.slots import slot_beside
+from remodel_sim.core.workpiece.slots import slot_before
 from remodel_states.core.codes import Code
 
 # Pads that are so near to each other have nothing between them; if the wire is there instead of in
@@ -58,13 +59,13 @@ STRAIGHT_AGAIN_M = 0.070
 # A wire that is straight leaves its first duct through the slots of both walls: the hand lifts it
 # so far over their rim, turns it, and lays it down between them [m].
 OVER_RIM_M = 0.008
-# It is led so far below the rim, above the wires that lie there: ahead of the hand it rises over the
-# wall behind a corner, and it sinks behind the hand [m].
+# It is led so far below the rim, above the wires that lie there: ahead of the hand it rises over
+# the wall behind a corner, and it sinks behind the hand [m].
 UNDER_RIM_M = 0.012
 # The leading hand goes along a duct so fast [m/s].
 LEAD_SPEED = 0.15
-# The wire may pull at the leading hand with so much, level [N]: more would pull at its terminal.
-MAX_PULL_N = 14.0
+# The wire may pull at the leading hand, level, with so much of what its terminal holds.
+MAX_PULL_SHARE = 0.3
 # Where the wire crosses its first duct it is searched for so far to each side of the slot [m].
 SEARCH_M = 0.030
 CLOSE_S = 0.6
@@ -72,8 +73,12 @@ CLOSE_S = 0.6
 TIGHT_N = 2.0
 TIGHTEN_M = 0.10
 TIGHTEN_SPEED = 0.10
-# The wire must be seen below the rim at so much of its route in ducts; walls and hands hide some.
-LEAST_IN_DUCTS = 0.3
+# The wire must lie below the rim at so much of its route in ducts. So far before the last slot it
+# rises to the holding hand, and is not judged [m].
+LEAST_IN_DUCTS = 0.8
+RISES_M = 0.12
+# The leading hand leaves the wire so far back along it, then upwards [m].
+BACK_M = 0.012
 # So much of the wire is inside its terminal, about [m].
 INSIDE_M = 0.014
 
@@ -84,7 +89,7 @@ class WireLaid:
 
     Attributes:
         message: for a person.
-        in_ducts: share of the route's length in ducts at which the wire was seen below the rim.
+        in_ducts: share of the route's places in ducts at which the wire lies below the rim.
         peak_force: the largest level force at the leading hand [N].
     """
 
@@ -100,24 +105,56 @@ def _goal(message: Message) -> LayGoal:
 @ability("LayWire", _goal)
 def lay_wire(holder: RobotContext, guide: RobotContext, goal: LayGoal) -> Steps[WireLaid]:
     """Take the free end, lead the wire along its route, and see that it lies in its ducts."""
+    _check_camera(guide)
     try:
         yield from _take_free_end(holder)
         route = _route(holder)
         peak = yield from _lead(holder, guide, route)
     except AbilityError:
-        yield from clear_hand(guide)
+        # What went wrong first is what counts.
+        with suppress(AbilityError):
+            yield from _withdraw(guide, holder)
         raise
-    path = tuple(Pose.level(*(float(v) for v in point), 0.0) for point in route)
-    places = duct_places(guide, path)
-    yield from clear_sight(guide, np.array([at.position for found in places.values() for at in found]))
-    in_ducts = share_in_ducts(guide, places, (yield from observe_board(guide)))
+    guide.report("inspecting the ducts", 0.95)
+    in_ducts = yield from share_in_ducts(guide, _laid_places(guide, route))
     if in_ducts < LEAST_IN_DUCTS:
         raise AbilityError(
             Code.OUT_OF_DUCT,
-            f"{goal.cable_id!r} is seen in its ducts, below their rims, at {in_ducts:.0%} of its "
-            f"route; allowed: {LEAST_IN_DUCTS:.0%} or more; draw it out and place it again",
+            f"{goal.cable_id!r} lies below the rims of its ducts at {in_ducts:.0%} of its route; "
+            f"allowed: {LEAST_IN_DUCTS:.0%} or more; draw it out and place it again",
         )
     return WireLaid(f"{goal.cable_id} laid into {', '.join(holder.wire.ducts)}", in_ducts, peak)
+
+
+def _check_camera(guide: RobotContext) -> None:
+    """Raise INVALID_GOAL unless a robot can inspect the ducts that it leads a wire into."""
+    if not guide.hand_sees_depth:
+        raise AbilityError(
+            Code.INVALID_GOAL,
+            f"the hand's camera of {guide.name} measures no depth; lead wires with a robot whose "
+            "camera does (camera.depth in the cell's file)",
+        )
+
+
+def _withdraw(guide: RobotContext, holder: RobotContext) -> Steps[None]:
+    """Open the leading hand, and take it back along the laid wire before it rises."""
+    yield from release(guide, HAND_OPEN_M)
+    here = guide.commanded
+    back = np.array([math.cos(here.yaw), math.sin(here.yaw), 0.0])
+    if back @ (here.position - holder.commanded.position) < 0:
+        back = -back
+    yield from move_to(guide, guide.commanded.moved(back, BACK_M), APPROACH_SPEED)
+    yield from rise(guide)
+
+
+def _laid_places(guide: RobotContext, route: list[Array]) -> dict[Duct, tuple[Pose, ...]]:
+    """Return where a route runs in ducts, up to where the wire rises to the holding hand."""
+    last = route[-2] - route[-3]
+    rises = min(RISES_M, float(np.linalg.norm(last)))
+    points = [*route[:-2], route[-2] - last / np.linalg.norm(last) * rises]
+    return duct_places(
+        guide, tuple(Pose.level(*(float(v) for v in point), 0.0) for point in points)
+    )
 
 
 def _take_free_end(holder: RobotContext) -> Steps[None]:
@@ -141,7 +178,8 @@ def _route(holder: RobotContext) -> list[Array]:
         points.reverse()
     for end, index in ((grip.end.other, 1), (grip.end, -2)):
         opening = holder.panel.panel_from_socket(*wire.goes_to(end))
-        aside = slot_beside(holder.panel, opening) or 0.0
+        slot = slot_before(holder.panel, opening)
+        aside = 0.0 if slot is None else slot.aside
         points[index] = points[index] + aside * (WORLD_FROM_PANEL @ opening).rotation[:, 1]
     return points
 
@@ -150,9 +188,7 @@ def _lead(holder: RobotContext, guide: RobotContext, route: list[Array]) -> Step
     """Take the wire where it comes out of the first slot, and lead it to the last one."""
     grip = holder.belief.grip
     assert grip is not None, "the holder has the free end"
-    fixed = WORLD_FROM_PANEL @ guide.panel.panel_from_socket(
-        *guide.wire.goes_to(grip.end.other)
-    )
+    fixed = WORLD_FROM_PANEL @ guide.panel.panel_from_socket(*guide.wire.goes_to(grip.end.other))
     depths = [np.array([0.0, 0.0, _rim(guide, at) - UNDER_RIM_M - at[2]]) for at in route[1:-1]]
     places = list(_places_along([at + d for at, d in zip(route[1:-1], depths, strict=True)]))
     over = _rim(guide, route[1]) + OVER_RIM_M
@@ -179,8 +215,7 @@ def _lead(holder: RobotContext, guide: RobotContext, route: list[Array]) -> Step
         check_grip(holder)
         here, yaw = place.at, place.yaw
     guide.report("releasing the wire", 0.9)
-    yield from release(guide, HAND_OPEN_M)
-    yield from rise(guide)
+    yield from _withdraw(guide, holder)
     return peak
 
 
@@ -252,7 +287,9 @@ def _places_along(points: list[Array]) -> Iterator[_Place]:
     yield _Place(points[-1], headings[-1], headings[-1])
 
 
-def _find(holder: RobotContext, guide: RobotContext, crossing: Array, out: Array) -> Steps[ToolPose]:
+def _find(
+    holder: RobotContext, guide: RobotContext, crossing: Array, out: Array
+) -> Steps[ToolPose]:
     """Return the tool pose at which the wire crosses its first duct, as seen from above."""
     yield from clear_sight(guide, crossing[None])
     seen = yield from observe_board(guide)
@@ -272,14 +309,8 @@ def _find(holder: RobotContext, guide: RobotContext, crossing: Array, out: Array
 
 def _eyelet_above(guide: RobotContext) -> float:
     """Return how high the eyelet is above the tool centre [m]."""
-    eyelet = guide.fingers.eyelet
-    if eyelet is None:
-        raise AbilityError(
-            Code.INVALID_GOAL,
-            f"the fingers of {guide.name}, {guide.fingers.name!r}, have no eyelet; lead wires with "
-            "a robot whose fingers have one",
-        )
-    return eyelet.above
+    assert guide.fingers.eyelet is not None, "the goal's check"
+    return guide.fingers.eyelet.above
 
 
 def _take(guide: RobotContext, tool: ToolPose) -> Steps[None]:
@@ -309,7 +340,7 @@ def _lowest(guide: RobotContext) -> float:
     return guide.fingers.below + 0.002
 
 
-def _bring(  # noqa: PLR0913 - one move
+def _bring(
     holder: RobotContext,
     guide: RobotContext,
     place: _Place,
@@ -345,22 +376,30 @@ def _tighten(holder: RobotContext, eyelet: Array, left: float) -> Steps[float]:
     return float(np.linalg.norm(holder.commanded.position - eyelet))
 
 
+def _max_pull(guide: RobotContext) -> float:
+    """Return the pull that the wire's fixed ends stand [N]."""
+    ends = guide.belief.ends.items()
+    keys = [guide.wire.goes_to(end) for end, state in ends if state is EndState.FIXED]
+    terminals = [guide.panel.component(part).terminal(name) for part, name in keys]
+    return MAX_PULL_SHARE * min(terminal.retention_force for terminal in terminals)
+
+
 def _watched(
     guide: RobotContext, move: list[tuple[RobotContext, ToolPose]], free: Array
 ) -> Steps[float]:
     """Move the hands together; return the peak of the level pull at the guide [N]."""
-    peak, pulled_s = 0.0, 0.0
+    peak, pulled_s, limit = 0.0, 0.0, _max_pull(guide)
     for _ in move_together(move, LEAD_SPEED):
         yield
         pull = float(np.linalg.norm((guide.force - free)[:2]))
         peak = max(peak, pull)
-        pulled_s = pulled_s + guide.tick_s if pull > MAX_PULL_N else 0.0
+        pulled_s = pulled_s + guide.tick_s if pull > limit else 0.0
         if pulled_s > SNAG_S:
             for context, _ in move:
                 context.drive(context.tool)
             raise AbilityError(
                 Code.SNAGGED,
-                f"{guide.wire.id!r} pulls at the leading hand with {pull:.0f} N at {guide.tool}: "
-                "it hangs on something; draw it out and place it again",
+                f"{guide.wire.id!r} pulls at the leading hand with {pull:.0f} N at {guide.tool}, "
+                f"allowed: {limit:.0f} N; it hangs on something: draw it out and place it again",
             )
     return peak

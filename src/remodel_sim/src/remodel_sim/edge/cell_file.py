@@ -108,7 +108,7 @@ def _robot(parsed: dict[str, Any]) -> RobotDesign:
         gripper=Gripper(
             float(parsed["gripper"]["grip_force"]), float(parsed["gripper"]["pad_friction"])
         ),
-        camera=WristCamera(camera["name"], _lens(camera)),
+        camera=WristCamera(camera["name"], _lens(camera), camera.get("depth", False)),
         prefix=parsed["prefix"],
         scrap_bin=ToolPose(*_placed(parsed["scrap_bin"])) if "scrap_bin" in parsed else None,
         clearance=float(parsed["clearance"]) if "clearance" in parsed else None,

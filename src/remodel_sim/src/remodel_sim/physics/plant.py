@@ -447,8 +447,9 @@ class Plant:
         return self._take_picture("overhead", self.design.overhead, depth=True)
 
     def take_wrist_picture(self, robot: str) -> Picture:
-        """Take a colour picture from a robot's hand."""
-        return self._take_picture(self._camera(robot).name, self.wrist_view(robot), depth=False)
+        """Take a picture from a robot's hand, with depth if its camera measures it."""
+        camera = self._camera(robot)
+        return self._take_picture(camera.name, self.wrist_view(robot), depth=camera.depth)
 
     def _camera(self, robot: str) -> WristCamera:
         return next(design.camera for design in self.design.robots if design.name == robot)

@@ -18,10 +18,10 @@ from remodel_sim.core.robot.kinematics import Kinematics
 from remodel_sim.core.workpiece.layout import WORLD_FROM_PANEL
 from remodel_sim.physics.plant import Plant
 from remodel_sim.physics.robot_description import (
-    foot_link,
     CAMERA_MOUNT,
     HAND,
     RAIL,
+    foot_link,
     robot_description,
 )
 from remodel_sim.ros.conversions import camera_info, image

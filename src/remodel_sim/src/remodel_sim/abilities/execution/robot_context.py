@@ -184,10 +184,13 @@ class RobotContext:
 
     def has_room(self, tool: ToolPose) -> bool:
         """Return whether no other robot obstructs the arm at a tool pose."""
+        return self.has_way(self.arm.joints_for(tool))
+
+    def has_way(self, postures: Array) -> bool:
+        """Return whether no other robot obstructs the arm in postures, (joints,) or (n, joints)."""
         if len(self.robots) == 1:
             return True
-        there = volume_of(self.arm, self.arm.joints_for(tool))
-        return self._traffic.in_the_way(self.name, there) is None
+        return self._traffic.in_the_way(self.name, volume_of(self.arm, postures)) is None
 
     def stand(self) -> None:
         """Release all claimed space but that of the commanded posture."""
@@ -308,6 +311,11 @@ class RobotContext:
         return self._plant.design.overhead
 
     @property
+    def hand_sees_depth(self) -> bool:
+        """Whether the wrist camera measures depth."""
+        return self._design.camera.depth
+
+    @property
     def wrist_view(self) -> View:
         """Where the wrist camera is, by the arm's own measure."""
         return self._plant.wrist_view(self.name)
@@ -317,7 +325,7 @@ class RobotContext:
         return self._observed("overhead", self._plant.take_overhead_picture())
 
     def take_wrist_picture(self) -> Picture:
-        """Take a colour picture from the hand."""
+        """Take a picture from the hand, with depth if its camera measures it."""
         return self._observed(self._camera, self._plant.take_wrist_picture(self.name))
 
     def _observed(self, camera: str, picture: Picture) -> Picture:

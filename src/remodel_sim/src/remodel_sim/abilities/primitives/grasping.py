@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import math
 
+import numpy as np
+
 from remodel_sim.abilities.execution.robot_context import RobotContext, Steps
 from remodel_sim.abilities.primitives.motions import (
     APPROACH_SPEED,
@@ -192,14 +194,16 @@ def release(context: RobotContext, opening: float) -> Steps[None]:
 
 def _room_beside(context: RobotContext, terminal: TerminalKey) -> float:
     """Return how far a finger may open beside a wire in a terminal, its neighbours wired [m]."""
-    own = context.panel.panel_from_socket(*terminal)
-    room = HAND_OPEN_M
-    thick = {wire.goes_to(end): wire.radius for wire in context.panel.wires for end in WireEnd}
-    for key, radius in thick.items():
-        away, aside, _ = own.inverse().apply(context.panel.panel_from_socket(*key).position)
-        if abs(away) < BESIDE_M and 0 < abs(aside) < 2 * HAND_OPEN_M:
-            room = min(room, abs(float(aside)) - radius - context.wire.radius)
-    return max(LEAST_OPENING_M, room - context.fingers.outer_m - CLEAR_OF_NEIGHBOURS_M)
+    own, half = context.panel.panel_from_socket(*terminal), context.wire.radius
+    rooms = [HAND_OPEN_M]
+    for wire in context.panel.wires:
+        for end in WireEnd:
+            place = context.panel.panel_from_socket(*wire.goes_to(end)).position
+            away, aside, _ = np.abs(own.inverse().apply(place))
+            if away < BESIDE_M and 0 < aside < 2 * HAND_OPEN_M:
+                taken = wire.radius + half + context.fingers.outer_m + CLEAR_OF_NEIGHBOURS_M
+                rooms.append(float(aside) - taken)
+    return max(LEAST_OPENING_M, min(rooms))
 
 
 def opening_beside_neighbours(context: RobotContext, terminal: TerminalKey) -> float:

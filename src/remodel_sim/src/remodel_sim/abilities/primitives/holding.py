@@ -9,7 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from remodel_sim.abilities.execution.robot_context import RobotContext
-from remodel_sim.abilities.primitives.motions import nearest_hand_yaw
+from remodel_sim.abilities.primitives.motions import canonical, nearest_hand_yaw
 from remodel_sim.abilities.primitives.together import least_gap
 from remodel_sim.core.belief.belief_state import EndState
 from remodel_sim.core.errors import AbilityError
@@ -25,7 +25,7 @@ MOST_ASIDE_RAD = math.radians(110.0)
 # The hand holds between these heights [m].
 HEIGHTS_M = (0.12, 0.85)
 # Between the two robots there [m].
-APART_M = 0.05
+APART_M = 0.035
 # A way of a metre costs as much as so much aside [rad].
 WAY_COST = 1.0
 
@@ -50,7 +50,9 @@ class Hold:
 SLACK = Hold((0.88, 0.80, 0.70, 0.60), 0.92, tuple(np.radians([30.0, 20.0, 40.0, 55.0])))
 # It is nearly straight, and rises over the wall behind the next corner.
 STEEP = Hold(
-    (0.97, 0.94, 0.90, 0.85, 0.75), 1.0, tuple(np.radians([55.0, 48.0, 62.0, 40.0, 70.0, 30.0]))
+    (0.97, 0.94, 0.90, 0.85, 0.75),
+    1.0,
+    tuple(np.radians([55.0, 48.0, 62.0, 40.0, 70.0, 30.0, 20.0])),
 )
 
 
@@ -72,7 +74,11 @@ def free_length(context: RobotContext, holder: RobotContext) -> float:
 
 
 def bring_together(
-    working: RobotContext, tool: ToolPose, holder: RobotContext, out: Array, length: float,
+    working: RobotContext,
+    tool: ToolPose,
+    holder: RobotContext,
+    out: Array,
+    length: float,
     hold: Hold = SLACK,
     front: float | None = None,
 ) -> list[list[tuple[RobotContext, ToolPose]]]:
@@ -94,8 +100,11 @@ def bring_together(
         AbilityError: UNREACHABLE.
     """
     front = math.atan2(out[1], out[0]) if front is None else front
+    tool = canonical(working, tool)
     for share in hold.shares:
-        places = sorted(_places(holder, tool, out, share * length, hold.up_rad), key=lambda found: found[0])
+        places = sorted(
+            _places(holder, tool, out, share * length, hold.up_rad), key=lambda found: found[0]
+        )
         for _, place in places:
             if not holder.arm.reaches(place):
                 continue

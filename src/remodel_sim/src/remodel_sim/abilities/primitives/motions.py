@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import math
 from collections.abc import Set
+from dataclasses import replace
+from itertools import pairwise
 
 import numpy as np
 
@@ -70,7 +72,7 @@ def move_to(
 
 def straight_line(context: RobotContext, target: ToolPose, speed: float) -> Line:
     """Return the straight line to a tool pose; raises UNREACHABLE when it would touch something."""
-    start, end = _canonical(context, context.commanded), _canonical(context, target)
+    start, end = canonical(context, context.commanded), canonical(context, target)
     line = Line(start, end, speed).paced(context.arm)
     touch = _touch_on(context, line, NOTHING)
     if touch is not None:
@@ -85,7 +87,7 @@ def _clear_lines(
     arm, start = context.arm, context.commanded
 
     def line(first: ToolPose, second: ToolPose) -> Line:
-        return Line(_canonical(context, first), _canonical(context, second), speed).paced(arm)
+        return Line(canonical(context, first), canonical(context, second), speed).paced(arm)
 
     direct = line(start, target)
     touch = _touch_on(context, direct, allowed)
@@ -141,7 +143,31 @@ def check_tracking(context: RobotContext) -> None:
 
 
 def swing_to(context: RobotContext, target: ToolPose) -> Steps[None]:
-    """Move the empty hand, high up, through joint space; raises UNREACHABLE before it starts.
+    """Move the empty hand, high up, past other robots; raises UNREACHABLE before it starts."""
+    for leg in _past_robots(context, target):
+        yield from _swing(context, leg)
+
+
+def _past_robots(context: RobotContext, target: ToolPose) -> tuple[ToolPose, ...]:
+    """Return the legs to a tool pose: over a corner where a robot stands in the direct way."""
+    here, arm = context.commanded, context.arm
+    corners = (replace(target, x=here.x, z=here.z), replace(target, y=here.y, z=here.z))
+    for legs in ((target,), *((corner, target) for corner in corners)):
+        if not all(arm.reaches(leg) for leg in legs):
+            continue
+        stops = [arm.joints_for(leg) for leg in (here, *legs)]
+        if all(context.has_way(_through(*pair)) for pair in pairwise(stops)):
+            return legs
+    return (target,)
+
+
+def _through(start: Array, end: Array) -> Array:
+    """Return postures between two, (n, joints), CHECK_STEP_RAD apart or less."""
+    return np.linspace(start, end, math.ceil(np.abs(end - start).max() / CHECK_STEP_RAD) + 2)
+
+
+def _swing(context: RobotContext, target: ToolPose) -> Steps[None]:
+    """Move the empty hand, high up, through joint space.
 
     An arm on an axis goes straight: a posture that its axis's rule does not give has no tool pose
     to resume from when it is stopped.
@@ -151,7 +177,6 @@ def swing_to(context: RobotContext, target: ToolPose) -> Steps[None]:
         return
     start, end = context.arm.joints_for(context.commanded), context.arm.joints_for(target)
     farthest = float(np.abs(end - start).max())
-    parts = math.ceil(farthest / CHECK_STEP_RAD) + 1
     touch = context.first_touch(
         lambda share: context.arm.tool_of(start + share * (end - start)),
         SWING_M * farthest,
@@ -159,7 +184,7 @@ def swing_to(context: RobotContext, target: ToolPose) -> Steps[None]:
     )
     if touch is not None:
         raise _blocked(touch, target)
-    yield from clear_path(context, np.linspace(start, end, parts + 1))
+    yield from clear_path(context, _through(start, end))
     ticks = math.ceil(PEAK_OVER_MEAN * farthest / JOINT_SPEED / context.tick_s)
     for tick in range(1, ticks + 1):
         t = tick / ticks
@@ -320,6 +345,7 @@ def nearest_hand_yaw(arm: Kinematics, x: float, y: float, yaw: float, near: floa
     return min(reachable, key=lambda option: abs(option - near), default=yaw)
 
 
-def _canonical(context: RobotContext, tool: ToolPose) -> ToolPose:
+def canonical(context: RobotContext, tool: ToolPose) -> ToolPose:
+    """Return a tool pose with the yaw that the arm takes, of those that are a full turn apart."""
     yaw = context.arm.canonical_yaw(tool.x, tool.y, tool.yaw)
     return tool if yaw is None else ToolPose(tool.x, tool.y, tool.z, yaw)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -117,29 +117,6 @@ def duct_places(context: RobotContext, path: tuple[Pose, ...]) -> dict[Duct, tup
     """Return where a path runs in ducts."""
     found = {duct: tuple(places_in(duct, path)) for duct in context.panel.ducts}
     return {duct: places for duct, places in found.items() if places}
-
-
-def share_in_ducts(
-    context: RobotContext, places: Mapping[Duct, Sequence[Pose]], seen: RouteObservation
-) -> float:
-    """Show the ducts; return at which share of the places the wire is seen in its duct.
-
-    Beyond a duct's walls it is not searched for: devices may have its colour.
-    """
-    found, missing = [], []
-    for duct, at in places.items():
-        for place in at:
-            passing = seen.at(place, duct.width / 2)
-            below = passing is not None and passing.height < duct.height
-            (found if below else missing).append(place)
-    drawing = Drawing(seen.picture.rgb, seen.picture.view)
-    for colour, shown in ((BLUE, found), (ORANGE, missing)):
-        for place in shown:
-            drawing.circle(seen.picture.view.project(place.position)[0], 6, colour)
-    share = len(found) / max(1, len(found) + len(missing))
-    drawing.title(f"{seen.wire.id}: below the rim at {share:.0%} of its route in ducts")
-    context.show("overhead", seen.picture, drawing.image)
-    return share
 
 
 def _duct_fault(duct: Duct, places: Sequence[Pose], seen: RouteObservation) -> str:

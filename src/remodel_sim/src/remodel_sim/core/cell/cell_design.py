@@ -39,10 +39,15 @@ class Gripper:
 
 @dataclass(frozen=True)
 class WristCamera:
-    """A camera on the side of a hand that looks straight down; its name is part of its topics."""
+    """A camera on the side of a hand that looks straight down; its name is part of its topics.
+
+    Attributes:
+        depth: whether it measures depth, beside colour.
+    """
 
     name: str
     lens: Lens
+    depth: bool = False
 
 
 @dataclass(frozen=True)

@@ -314,7 +314,9 @@ def _terminal(
     yield from _reach(name, socket, panel, arms)
 
 
-def _reach(name: str, panel_from_socket: Pose, panel: Panel, arms: Sequence[Kinematics]) -> Iterator[str]:
+def _reach(
+    name: str, panel_from_socket: Pose, panel: Panel, arms: Sequence[Kinematics]
+) -> Iterator[str]:
     opening, into = panel_from_socket.position, unit_x(panel_from_socket)
     channel = panel.channel_in_front_of(opening)
     edge = channel.x + math.copysign(channel.width / 2, into[0])

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -15,23 +16,36 @@ BEFORE_M = 0.060
 ACROSS_RAD = math.radians(20.0)
 
 
-def slot_beside(panel: Panel, opening: Pose) -> float | None:
-    """Return how far beside an opening's axis the nearest slot before it is, along the opening's y.
+@dataclass(frozen=True)
+class Slot:
+    """A slot in a duct's wall, seen from an opening.
+
+    Attributes:
+        aside: from the opening's axis, along the opening's y [m].
+        before: from the opening, against its axis [m].
+    """
+
+    aside: float
+    before: float
+
+    @property
+    def slant(self) -> float:
+        """Yaw of a wire that runs straight from the slot to the opening, from its axis [rad]."""
+        return -math.atan2(self.aside, self.before)
+
+
+def slot_before(panel: Panel, opening: Pose) -> Slot | None:
+    """Return the slot nearest to an opening's axis; None where no slotted duct stands before it.
 
     Args:
         panel: with its ducts.
         opening: its frame, x into the terminal, panel frame.
-
-    Returns:
-        The distance [m]; None where no slotted duct stands before the opening.
     """
-    found = [
-        aside for duct in panel.ducts if (aside := _slot_of(duct, opening)) is not None
-    ]
-    return min(found, key=abs, default=None)
+    found = [slot for duct in panel.ducts if (slot := _slot_of(duct, opening)) is not None]
+    return min(found, key=lambda slot: abs(slot.aside), default=None)
 
 
-def _slot_of(duct: Duct, opening: Pose) -> float | None:
+def _slot_of(duct: Duct, opening: Pose) -> Slot | None:
     if not duct.slot_pitch:
         return None
     into_duct = duct.panel_from_duct.inverse() @ opening
@@ -44,4 +58,4 @@ def _slot_of(duct: Duct, opening: Pose) -> float | None:
         return None
     slot = round(along / duct.slot_pitch) * duct.slot_pitch
     aside = np.array([slot - along, 0.0, 0.0])
-    return float(aside @ into_duct.rotation[:, 1])
+    return Slot(float(aside @ into_duct.rotation[:, 1]), away)
