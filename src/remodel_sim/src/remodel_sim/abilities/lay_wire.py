@@ -18,7 +18,6 @@ import numpy as np
 from remodel_sim.abilities.ability import ability
 from remodel_sim.abilities.execution.robot_context import RobotContext, Steps
 from remodel_sim.abilities.primitives.carrying import SNAG_S
-from remodel_sim.abilities.primitives.duct_check import share_in_ducts
 from remodel_sim.abilities.primitives.force_motion import ForceMotion
 from remodel_sim.abilities.primitives.grasping import check_grip, pick_end, release
 from remodel_sim.abilities.primitives.holding import STEEP, bring_together
@@ -31,8 +30,9 @@ from remodel_sim.abilities.primitives.motions import (
     rise,
     wait,
 )
-from remodel_sim.abilities.primitives.route_check import duct_places, observe_board
-from remodel_sim.abilities.primitives.sight_lines import clear_sight
+from remodel_sim.abilities.primitives.observation.duct_check import share_in_ducts
+from remodel_sim.abilities.primitives.observation.route_check import duct_places, observe_board
+from remodel_sim.abilities.primitives.observation.sight_lines import clear_sight
 from remodel_sim.abilities.primitives.together import move_together
 from remodel_sim.core.belief.belief_state import EndState
 from remodel_sim.core.errors import AbilityError

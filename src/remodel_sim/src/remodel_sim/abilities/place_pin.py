@@ -32,7 +32,7 @@ from remodel_sim.abilities.primitives.motions import (
     rise,
     wait,
 )
-from remodel_sim.abilities.primitives.observing import (
+from remodel_sim.abilities.primitives.observation.observing import (
     OverheadObservation,
     mark_end,
     observe_from_above,

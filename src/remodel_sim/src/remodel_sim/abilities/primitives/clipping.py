@@ -26,8 +26,8 @@ from remodel_sim.abilities.primitives.motions import (
     swing_to,
     wait,
 )
-from remodel_sim.abilities.primitives.observing import go_and_see
-from remodel_sim.abilities.primitives.viewpoints import camera_above
+from remodel_sim.abilities.primitives.observation.observing import go_and_see
+from remodel_sim.abilities.primitives.observation.viewpoints import camera_above
 from remodel_sim.core.errors import AbilityError
 from remodel_sim.core.geometry import Array, Pose
 from remodel_sim.core.robot.arm import ToolPose

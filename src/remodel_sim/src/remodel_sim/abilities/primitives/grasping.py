@@ -18,7 +18,7 @@ from remodel_sim.abilities.primitives.motions import (
     rise,
     wait,
 )
-from remodel_sim.abilities.primitives.observing import GraspObservation, observe_end
+from remodel_sim.abilities.primitives.observation.observing import GraspObservation, observe_end
 from remodel_sim.core.belief.belief_state import EndState, Grip
 from remodel_sim.core.belief.openings import TerminalKey
 from remodel_sim.core.cell.magazine import GRASP_M

@@ -12,9 +12,9 @@ import numpy as np
 
 from remodel_sim.abilities.execution.robot_context import RobotContext, Steps
 from remodel_sim.abilities.primitives.motions import FREE_SPEED, move_to, wait
-from remodel_sim.abilities.primitives.observing import STILL_S
-from remodel_sim.abilities.primitives.route_check import RouteObservation
-from remodel_sim.abilities.primitives.viewpoints import camera_above
+from remodel_sim.abilities.primitives.observation.observing import STILL_S
+from remodel_sim.abilities.primitives.observation.route_check import RouteObservation
+from remodel_sim.abilities.primitives.observation.viewpoints import camera_above
 from remodel_sim.core.errors import AbilityError
 from remodel_sim.core.geometry import Pose
 from remodel_sim.core.robot.arm import ToolPose
