@@ -2,7 +2,8 @@
 """Load of the console: 200 states at 50 transitions a second.
 
 Prints how fast the engine is without the console and with it, how late a page lights what is
-active, how the memory of the console's node grows, and how late several pages are.
+active, how the memory of the console's node grows, and how late several pages are. With
+`--unpainted`: how late a state arrives at the web sockets of pages that paint nothing.
 """
 
 from __future__ import annotations
@@ -13,7 +14,8 @@ import os
 import subprocess
 import sys
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from pathlib import Path
 
 import rospy
@@ -34,6 +36,9 @@ LIMIT_S, LIMIT_OF_MANY_S = 0.1, 0.3
 SLOWER = 0.05  # by which the engine may be slower with the console
 WARM_S = 10.0  # before the memory of the node is measured
 WAIT_S = 30.0
+SOCKET_PAGES = Path(__file__).with_name("socket_pages.py")
+# Time [ms] and path of each state that a page has shown.
+Seen = list[tuple[float, str]]
 AHEAD_MS = 500.0  # by which a page may learn of a state before this process does, which may be busy
 
 
@@ -62,10 +67,9 @@ class Load(ConsoleTest):
         """Keep a figure for the docs."""
         self.figures.append({"what": what, "value": value, "unit": unit, "most": most})
 
-    def keep_lags(self, pages: list[Page], duration_s: float, limit_s: float) -> None:
-        """Print how late pages have lit what was active, and keep the figures."""
-        lags = sorted(lag for page in pages for lag in lags_s(page, self.entered))
-        many = f"{len(pages)} pages" if len(pages) > 1 else "one page"
+    def keep_lags(self, many: str, seen: list[Seen], duration_s: float, limit_s: float) -> None:
+        """Print how late pages have shown what was active, and keep the figures."""
+        lags = sorted(lag for page in seen for lag in lags_s(page, self.entered))
         report(f"{many} for {duration_s:.0f} s: {lag_words(lags, limit_s)}")
         if lags:
             self.keep(f"lag of {many}, median", at(lags, 0.5), "s")
@@ -101,14 +105,19 @@ class Load(ConsoleTest):
 
     def rate_without_console(self, duration_s: float) -> float:
         """Return the engine's speed [transitions/s] with nothing but the mirror."""
+        with self.running_elsewhere():
+            return self.rate(duration_s)
+
+    @contextmanager
+    def running_elsewhere(self) -> Iterator[None]:
+        """Run the behavior without a page."""
         preempt = rospy.Publisher("flexbe/command/preempt", Empty, queue_size=1)
         status = []
         rospy.Subscriber("flexbe/status", BEStatus, lambda m: status.append(m.code))
         self.start_elsewhere("Load")
-        rate = self.rate(duration_s)
+        yield
         preempt.publish()
         wait_until(lambda: BEStatus.FINISHED in status)
-        return rate
 
     def rate(self, duration_s: float) -> float:
         """Return the transitions per second from the next one on."""
@@ -134,7 +143,7 @@ class Load(ConsoleTest):
             memory.append(resident_mib(node))
         took_s = time.monotonic() - begin_s
         rate = (self.count - count) / took_s
-        self.keep_lags([self.page], took_s, LIMIT_S)
+        self.keep_lags("one page", lit([self.page]), took_s, LIMIT_S)
         share = (cpu_s(node) - begin_cpu_s) / took_s
         self.keep("memory that the node gains meanwhile", memory[-1] - memory[0], "MiB")
         self.keep("processor of the node, one page", 100 * share, "% of a core")
@@ -158,7 +167,7 @@ class Load(ConsoleTest):
             self.page.wait_for_timeout(1000)
         share = (cpu_s(node) - begin_cpu_s) / (time.monotonic() - begin_s)
         alive = sum(bool(page.evaluate("() => window.lit && window.lit.length")) for page in pages)
-        self.keep_lags(pages, duration_s, LIMIT_OF_MANY_S)
+        self.keep_lags(f"{page_count} pages", lit(pages), duration_s, LIMIT_OF_MANY_S)
         self.keep(f"processor of the node, {page_count} pages", 100 * share, "% of a core")
         report(
             f"{alive} of {page_count} pages live; node: {share:.0%} of a core; the pages are all "
@@ -166,6 +175,26 @@ class Load(ConsoleTest):
         )
         for page in pages[1:]:
             page.close()
+
+    def measure_unpainted(self, duration_s: float, page_count: int) -> None:
+        """Print how late pages are that paint nothing: the share of the console itself."""
+        address = f"http://127.0.0.1:{self.port}"
+        line = [sys.executable, str(SOCKET_PAGES), address, str(page_count), str(duration_s)]
+        with self.running_elsewhere():
+            for count in (1, page_count):
+                line[3] = str(count)
+                node = console_pid(self.port)
+                with subprocess.Popen(line, stdout=subprocess.PIPE, text=True) as pages:
+                    self.addCleanup(pages.kill)
+                    pages.stdout.readline()
+                    self.entered.clear()
+                    begin_cpu_s = cpu_s(node)
+                    seen = json.loads(pages.stdout.readline())
+                share = (cpu_s(node) - begin_cpu_s) / duration_s
+                many = f"{count} pages" if count > 1 else "one page"
+                limit_s = LIMIT_OF_MANY_S if count > 1 else LIMIT_S
+                self.keep_lags(f"{many}, unpainted", seen, duration_s, limit_s)
+                self.keep(f"processor of the node, {many}, unpainted", 100 * share, "% of a core")
 
 
 def lag_words(lags: list[float], limit_s: float) -> str:
@@ -194,10 +223,15 @@ def wait_until(is_so: Callable[[], bool]) -> None:
         time.sleep(0.02)
 
 
-def lags_s(page: Page, entered: dict[str, list[float]]) -> list[float]:
-    """Return how late each state was lit that a page has shown [s]."""
+def lit(pages: list[Page]) -> list[Seen]:
+    """Return what pages have lit."""
+    return [page.evaluate("() => window.lit") for page in pages]
+
+
+def lags_s(seen: Seen, entered: dict[str, list[float]]) -> list[float]:
+    """Return how late each state was shown that a page has shown [s]."""
     lags = []
-    for seen_ms, path in page.evaluate("() => window.lit"):
+    for seen_ms, path in seen:
         times = [at for at in entered.get(path, ()) if at <= seen_ms + AHEAD_MS]
         if times:
             lags.append(max(0.0, seen_ms - times[-1]) / 1000)
@@ -234,6 +268,7 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--seconds", type=float, default=300.0)
     parser.add_argument("--pages", type=int, default=10)
+    parser.add_argument("--unpainted", action="store_true", help="measure the console itself only")
     parser.add_argument("--figures", type=Path, help="file of lines of JSON for the docs")
     options = parser.parse_args()
     port = free_port()
@@ -246,7 +281,8 @@ def main() -> None:
         rospy.init_node("load")
         Load.setUpClass()
         load.setUp()
-        load.measure(options.seconds, options.pages)
+        measure = load.measure_unpainted if options.unpainted else load.measure
+        measure(options.seconds, options.pages)
         load.keep("load of the machine before", load_before, "")
         if options.figures:
             options.figures.write_text("".join(f"{json.dumps(one)}\n" for one in load.figures))

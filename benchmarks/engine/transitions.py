@@ -9,6 +9,7 @@ from __future__ import annotations
 import gc
 import time
 import tracemalloc
+from collections import deque
 from collections.abc import Callable, Iterator
 
 from geometry_msgs.msg import PoseStamped
@@ -20,6 +21,7 @@ from flexbe_core.core import EventState, OperatableStateMachine
 from flexbe_core.engine.engine import Engine
 from flexbe_core.engine.supervision.in_force import UNSUPERVISED
 from flexbe_core.engine.userdata.user_data import UserData
+from flexbe_core.engine.userdata.visit import Visit, visit_of
 
 _REPETITIONS = 9
 
@@ -116,6 +118,14 @@ def run(root: OperatableStateMachine) -> None:
     Engine(root).run(0.0, lambda: False)
 
 
+def run_observed(root: OperatableStateMachine) -> None:
+    """Run a machine whose states' visits are kept, as for a node that shows their values."""
+    engine = Engine(root)
+    visits: deque[Visit] = deque(maxlen=200)
+    engine.observe = lambda leaf, has_left: visits.append(visit_of(leaf, 0.0, has_left))
+    engine.run(0.0, lambda: False)
+
+
 def floor(transitions: int) -> None:
     """Call the events of a state."""
     state, userdata = NothingState(), UserData()
@@ -136,6 +146,11 @@ def rows() -> Iterator[Row]:
         seconds = least(lambda root=root: run(root))
         text = f"one transition, {states} states x {rounds} rounds"
         yield Row(text, seconds / transitions * 1e6, "us", TRANSITION_TARGET_US, floor_us)
+    root = machine(1_000)
+    for number in range(20):
+        root.userdata[f"key{number}"] = number
+    seconds = least(lambda: run_observed(root)) / 1_001
+    yield Row("one transition, observed, 20 values", seconds * 1e6, "us", 10.0)
     with_image = machine(10, 100, ImageState)
     with_image.userdata.image = Image(data=b"\0" * 900_000)
     seconds = least(lambda: run(with_image)) / 1_100

@@ -31,6 +31,7 @@ from remodel_console.scene import Meshes, Scene
 from remodel_console.session import Session
 from remodel_console.sessions import Sessions
 from remodel_console.steering import Steering
+from remodel_console.values import RunValues
 
 _LOG = logging.getLogger(__name__)
 
@@ -114,6 +115,7 @@ class Console:
         scene: the cell in three dimensions.
         meshes: of its robots, and of those in recordings.
         scenes: recordings of the cell in three dimensions.
+        values: userdata that the states of the run have found and left behind.
         steering: commands to the engine.
         supervisor: None until ROS is running.
         recorder: None until ROS is running.
@@ -157,6 +159,7 @@ class Console:
         self.scene = Scene()
         self.meshes = Meshes()
         self.scenes = scenes
+        self.values = RunValues()
         self.supervisor: Supervisor | None = None
         self.recorder: Recorder | None = None
         self.inputs: Inputs | None = None

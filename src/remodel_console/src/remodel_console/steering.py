@@ -3,15 +3,12 @@
 from __future__ import annotations
 
 import contextlib
-import threading
-import time
 from dataclasses import replace
 from typing import Protocol
 
 from remodel_console.core.run.order import (
     Attach,
     Order,
-    Pairs,
     SetAutonomy,
     ShowStructure,
     Start,
@@ -24,8 +21,6 @@ from remodel_console.errors import CommandError
 from remodel_console.live import Live
 from remodel_console.session import Session
 
-_SAME_S = 0.3  # for which what was read of a state counts
-
 
 class Engine(Protocol):
     """Commands to the engine."""
@@ -33,8 +28,8 @@ class Engine(Protocol):
     def send(self, order: Order) -> None:
         """Send an order."""
 
-    def userdata(self, key: str = "") -> tuple[tuple[str, str, str, str], ...]:
-        """Return (where, key, type, value) of the userdata of what runs, or of a state's path."""
+    def userdata(self) -> tuple[tuple[str, str, str, str], ...]:
+        """Return (where, key, type, value) of the userdata of what runs."""
 
     def set_breakpoints(self, paths: frozenset[str]) -> None:
         """Set the states before whose end the engine asks."""
@@ -57,8 +52,6 @@ class Steering:
         self._unknown = 0  # checksum of what runs, once nothing installed was found to have it
         self._structure_asked = self._joined = 0  # checksums of what that was requested for
         self._is_heard = False
-        self._reading = threading.Lock()
-        self._values: tuple[tuple[str, ...], Pairs, float] = ((), (), 0.0)
 
     def take(self, event: Event) -> None:
         """Take in an event of the engine, and request what is not known of a supervised behavior.
@@ -114,23 +107,6 @@ class Steering:
         paths = (self.live.world.breakpoints - removed) | added
         self.engine.set_breakpoints(paths)
         self.live.set_breakpoints(paths)
-
-    def values_at(self, *paths: str) -> Pairs:
-        """Return (key, value) of what a state reads and writes, from the first path that has any.
-
-        All pages that ask about a state within a moment get one answer of the engine.
-
-        Raises:
-            CommandError: if no engine answers.
-        """
-        with self._reading:
-            known_paths, known, read_s = self._values
-            if paths != known_paths or time.monotonic() - read_s > _SAME_S:
-                found = (self.engine.userdata(path) if self.engine else () for path in paths)
-                first = next(filter(None, found), ())
-                known = tuple((key, value) for _, key, _, value in first)
-                self._values = (paths, known, time.monotonic())
-            return known
 
     def attach(self, level: int) -> None:
         """Supervise the running behavior.

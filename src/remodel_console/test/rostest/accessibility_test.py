@@ -26,6 +26,10 @@ AXE = Path(__file__).parents[1] / "axe" / "axe.min.js"
 RUN = """async () => (await axe.run(document, { resultTypes: ['violations'] })).violations.flatMap(
   (rule) => rule.nodes.map((node) => `${rule.id}: ${node.target.join(' ')}: `
     + (node.any[0] ?? node.all[0] ?? node.none[0])?.message))"""
+TAB_IS_IN_VIEW = """() => {
+  const box = document.querySelector('.bar .tab.here').getBoundingClientRect();
+  return box.left >= 0 && box.right <= innerWidth;
+}"""
 OVERFLOW = "() => document.documentElement.scrollWidth - document.documentElement.clientWidth"
 # Address, and what is shown once the page has all its contents.
 PAGES = {
@@ -67,6 +71,9 @@ class AccessibilityTest(BehaviorTestCase):
             page.set_viewport_size({"width": 390, "height": 844})
             broken += self.broken(page, address, "body", "phone")
             broken += self.overflow(page, address)
+            phone = self.open_page(address, width=390, height=844)
+            phone.wait_for_function(TAB_IS_IN_VIEW)
+            phone.close()
         broken += self.broken_on_the_order_desk()
         broken += self.broken_on_the_way_in()
         self.supervisor.ask()

@@ -167,6 +167,7 @@ class ConsoleTest(BehaviorTestCase):
         expect(page.locator(".request")).to_contain_text("Leave 'Greet' with 'done'?")
         expect(page.locator(".canvas-values[data-path='Greet']")).to_have_text("datagood evening")
         expect(page.locator(".state-panel table")).to_contain_text("good evening")
+        expect(page.locator(".state-panel table th")).to_have_text(["Key", "On entry", "On exit"])
         self.take_picture(page, "runtime-breakpoint")
         self.press(other, "Remove all 2")
         expect(page.locator(".ending")).to_have_text("The last run ended with 'finished'.")

@@ -59,6 +59,17 @@ def flat_chart(count):
     return Chart("Flat", ids[0], (Outcome("finished"),), nodes)
 
 
+# Pairs of labels of arrows that lie over each other.
+COVERED = """() => {
+  const edges = document.querySelector('.canvas-frame').drawing.cy.edges('[label]');
+  const boxes = edges.map((edge) => [edge.data('label'),
+    edge.boundingBox({ includeEdges: false, includeNodes: false, includeOverlays: false })]);
+  return boxes.flatMap(([a, one], place) => boxes.slice(place + 1).filter(([, other]) =>
+    one.x1 < other.x2 && other.x1 < one.x2 && one.y1 < other.y2 && other.y1 < one.y2)
+    .map(([b]) => `${a} ${b}`));
+}"""
+
+
 class DrawingTest(BehaviorTestCase):
     first_page = "/editor"
     more_charts: ClassVar = {"flat.xml": write_chart(flat_chart(FLAT))}
@@ -285,6 +296,11 @@ class DrawingTest(BehaviorTestCase):
         self.press(page, "Connect 'done' to 'South'")
         expect(page.locator(".problems")).to_contain_text("No errors.")
         expect(self.drawn("North")).to_have_attribute("data-problems", "0")
+
+    def test_no_label_of_an_arrow_covers_another(self):
+        self.choose(self.page, "Open", "Survey")
+        self.where(self.page, "Judge")
+        self.assertEqual(self.page.evaluate(COVERED), [])
 
     def test_the_drawing_is_downloaded_as_a_picture(self):
         self.open("Errand")

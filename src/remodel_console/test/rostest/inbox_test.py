@@ -87,11 +87,22 @@ class InboxTest(BehaviorTestCase):
         expect(card).to_contain_text("Can the pin be bent back?")
         expect(card).to_contain_text("your answer attaches to it")
         expect(self.page.locator(".state")).to_have_text("waiting for you")
+        self.values_of_states_that_have_ended()
         self.press(card, "repair")
         self.ended("repaired")
         expect(card).to_have_count(0)
         self.assertIn("enter [7, 'A7'] for 'Which pin is bent?'", self.recorded())
         self.assertIn("decide 'repair' of /Judge", self.recorded())
+
+    def values_of_states_that_have_ended(self):
+        """See what a state has left behind, and what one has found that ended at once."""
+        page = self.page
+        cells = page.locator(".state-panel td")
+        self.pick_drawn(page, "Ask")
+        expect(cells).to_have_text(["data", "", "[7, 'A7']"])
+        expect(page.locator(".canvas-values[data-path='Ask']")).to_have_text("data[7, 'A7']")
+        self.pick_drawn(page, "Say")
+        expect(cells).to_have_text(["data", "[7, 'A7']", ""])
 
     def test_a_supervised_decision_and_a_refused_value(self):
         self.begin("Survey", "Full")

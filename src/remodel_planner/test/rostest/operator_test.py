@@ -1,6 +1,7 @@
 #!/usr/bin/env python3
 """An operator requests, at the console, a wire whose opening must be cleared by hand before."""
 
+import json
 import re
 import shutil
 import subprocess
@@ -11,7 +12,7 @@ import rospy
 import rostest
 import yaml
 from playwright.sync_api import expect
-from remodel_msgs.srv import InjectFault
+from remodel_msgs.srv import GetGroundTruth, InjectFault
 
 from remodel_console.testing.browser_test import BrowserTest
 from remodel_planning.edge.use_case_files import use_case_folder
@@ -112,6 +113,24 @@ class OperatorTest(BrowserTest):
         expect(dialog).to_contain_text("The state gets the values that it found in this run")
         expect(dialog.get_by_label("socket_pose").first).to_have_value(re.compile("'position': "))
         expect(dialog.locator(".differences")).to_contain_text("The robot stands elsewhere")
+        self.start_on_an_empty_panel(dialog)
+
+    def start_on_an_empty_panel(self, dialog):
+        """Have the panel rebuilt first; then there is no wire that could be inserted."""
+        page, truth = self.page, rospy.ServiceProxy("cell/ground_truth", GetGroundTruth)
+        self.assertEqual([wire.placed for wire in truth().wires], [True, True])
+        is_rebuilt = dialog.get_by_role("checkbox", name="Rebuild the panel first")
+        is_rebuilt.click()
+        expect(is_rebuilt).to_be_checked()
+        dialog.get_by_role("button", name="Start", exact=True).click()
+        expect(page).to_have_url(re.compile("/runtime$"), timeout=WORK_MS)
+        self.assertEqual(truth().wires, [])
+        expect(page.locator(".log")).to_contain_text("InsertCable", timeout=WORK_MS)
+        expect(page.locator(".ending")).to_contain_text("The last run ended", timeout=WORK_MS)
+        self.assertEqual(truth().wires, [])
+        commands = [json.loads(line) for line in self.record.read_text().splitlines()]
+        states = [(c["command"].partition(" '")[0], c["state"]) for c in commands]
+        self.assertIn(("reset the simulated cell", "done"), states)
 
 
 if __name__ == "__main__":

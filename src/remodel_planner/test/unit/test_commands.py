@@ -7,6 +7,7 @@ from itertools import groupby
 from pathlib import Path
 
 import pytest
+from openpyxl import Workbook
 
 from remodel_planner.commands import (
     charts,
@@ -180,7 +181,7 @@ NONE_FOR_ROBOTS = {
     ),
     "porch.qet": (
         LAMP,
-        "  tasks for the robot: 0, by hand: 0\n    1 wire leaves the cabinet, and no task: ",
+        "  tasks for the robot: 0, by hand: 0\n    1 wire leaves the cabinet and is no task: ",
         "no wire has both its ends in the cabinet",
     ),
 }
@@ -231,6 +232,12 @@ def test_preferences_come_with_the_order_and_must_fit_it(tmp_path, database, cap
     said = capsys.readouterr().err
     assert f"{file}: " in said
     assert "W9999" in said
+    contradiction = "[{name: up, route: W1, before: W3}, {name: down, route: W3, before: W1}]"
+    file.write_text(f"format: remodel-preferences-1\nrequire: {contradiction}\n")
+    assert import_design.main(arguments) == 1
+    said = capsys.readouterr().err
+    assert f"`up` ({file}, require[0])" in said
+    assert f"`down` ({file}, require[1])" in said
     file.write_text(f"format: remodel-preferences-1\nprefer: [{preference % 'W3'}]\n")
     assert import_design.main(arguments) == 0
     store = ProductionDatabase(database)
@@ -418,8 +425,21 @@ def test_a_file_of_another_kind_is_refused(tmp_path, database, capsys):
     assert f"{file}: " in refused_import(file, database, capsys)
 
 
+def test_a_workbook_without_ends_is_refused_by_its_name_with_what_is_missing(
+    tmp_path, database, capsys
+):
+    file = tmp_path / "cut.xlsx"
+    workbook = Workbook()
+    workbook.active.append(["Article", "Qty", "Length"])
+    workbook.active.append(["FLRY 0.5", 100, 250])
+    workbook.save(file)
+    said = refused_import(file, database, capsys)
+    assert said.startswith(f"import: {file}: no sheet of the workbook has the headings")
+    assert "a cut list states how wires are cut" in said
+
+
 def test_an_unknown_order_is_refused_before_anything_starts(database, capsys):
-    assert run_order.main(["nowhere", "--database", database]) == 2
+    assert run_order.main(["nowhere", "--database", database]) == 1
     assert "the database has no order nowhere; it has: none" in capsys.readouterr().err
 
 
@@ -454,5 +474,5 @@ def test_files_before_a_harness_and_modules_are_read_for_the_formats_that_have_t
         f"{option} is for KBL and VEC files; this is one of format csv"
         for option in ("--module", "--variant")
     ]
-    assert "no module or harness configuration M1; there are none" in said[3]
-    assert "no variant code A; there are none" in said[4]
+    assert "no module or harness configuration M1: omit --module" in said[3]
+    assert "no variant code A: omit --variant" in said[4]

@@ -38,7 +38,7 @@ from remodel_production.core.production import (
     sealed_kind,
 )
 from remodel_production.edge.catalogue_file import read_catalogue
-from remodel_production.errors import InstanceError, OrderError
+from remodel_production.errors import InfeasibleError, InstanceError, OrderError
 
 CONFIG = Path(__file__).parents[3] / "remodel_production" / "config"
 DESIGNS = Path(__file__).parents[3] / "remodel_production/test/unit/designs"
@@ -206,8 +206,7 @@ def test_a_task_that_no_robot_can_do_is_by_hand_and_the_rest_is_planned():
         "(characteristics.task.section_mm2 in cabinet.yaml)"
     ]
     assert list(map(str, found.other_methods)) == [
-        "1 by methods.pick.medium in cabinet.yaml, such as W3: not thin: section_mm2 is 2.5, not "
-        "at most 1.5"
+        "W3 by methods.pick.medium in cabinet.yaml: not thin: section_mm2 is 2.5, not at most 1.5"
     ]
     planned = plan_problem(prepare(found, CABINET).preferred.problem, time_limit_s=0.05)
     assert planned.makespan > 0
@@ -228,6 +227,18 @@ def test_a_task_that_no_method_does_is_by_hand_with_what_rules_out_each_method()
     assert [task.name for task in found.tasks] == ["W2"]
     assert str(found.by_hand[0]).startswith(
         "W1: by hand, no method of cabinet.yaml does it: pick thin: "
+    )
+
+
+def test_of_a_task_that_no_method_does_only_what_rules_methods_out_is_a_reason():
+    gently = {"name": "gently", "insert": {"component": "Q2"}, "force_n": 20}
+    document = {"format": "remodel-preferences-1", "require": [gently]}
+    found = triaged(work(order(("Q1:B1", "Q2:T1"))), CABINET)
+    with pytest.raises(InfeasibleError) as refused:
+        prepare(found, CABINET, [("wishes", document)])
+    assert str(refused.value).endswith(
+        "no method of cabinet.yaml does it: insert push in and close: push_in pushes with 40 N, "
+        "over 20 N (`gently`)"
     )
 
 

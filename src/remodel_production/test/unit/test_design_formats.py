@@ -33,6 +33,14 @@ def test_every_example_is_recognised_and_accounted_for(file):
     assert account.connections == direct + account.joined + len(account.left_out)
 
 
+def test_a_design_without_a_title_is_called_by_its_file():
+    text = (
+        b"connectors: {X: {pincount: 1}}\ncables: {W: {wirecount: 1}}\nconnections: [[X.A, W, X.B]]"
+    )
+    form = format_of(text, FORMATS)
+    assert import_design(text, form, "x", "loom.yml", CATALOGUE).order.title == "loom.yml"
+
+
 def test_a_qelectrotech_project_is_recognised_in_any_encoding():
     text = '<?xml version="1.0" encoding="{}"?>\n<project><diagram/></project>'
     for encoding in ("utf-8", "utf-16"):

@@ -96,7 +96,10 @@ def test_a_wire_without_a_length_gets_that_of_its_route():
 
 def test_a_connection_with_one_end_is_left_out_with_its_place():
     (left_out,) = read().account.left_out
-    assert str(left_out) == "line 37, connection con3: left out, 1 of its ends have a contact point"
+    assert (
+        str(left_out)
+        == "line 37, connection con3: left out, 1 end at a contact point; two are needed"
+    )
 
 
 def test_namespaces_and_cases_do_not_matter():
@@ -239,6 +242,20 @@ def test_variant_codes_select_modules_by_their_logistic_control_information():
         assert [wire.name for wire in some.order.wires] == wires
     with pytest.raises(DesignError, match="no variant code X; there are CFL, LOL, LOR: give one"):
         read(modules, codes=["X"])
+    with pytest.raises(DesignError, match="the file has no variant code X: omit --variant"):
+        read(codes=["X"])
+    with pytest.raises(DesignError, match="module or harness configuration M9: omit --module"):
+        read(modules=["M9"])
+
+
+def test_a_connection_or_a_wiring_group_in_a_module_stands_for_its_wires():
+    group = (
+        '<Wiring_group id="g"><Id>TW1</Id><Assigned_wire>w2 core1</Assigned_wire></Wiring_group>'
+    )
+    parts = HARNESS + group + module("M1", "con1") + module("M2", "g")
+    for name, wires in (("M1", ["11"]), ("M2", ["SL1.31"])):
+        some = read((HARNESS, parts), modules=[name])
+        assert [wire.name for wire in some.order.wires] == wires
 
 
 def test_a_splice_is_a_joint_by_its_usage_or_its_housing():
@@ -274,7 +291,7 @@ def test_a_seal_is_of_the_wire_end_and_parts_that_no_task_mounts_are_listed():
 
 
 def test_the_wires_of_a_twisted_group_are_cores_of_it():
-    group = '<Wiring_group id="g"><Id>TW1</Id><Assigned_wires>w1 w2</Assigned_wires></Wiring_group>'
+    group = '<Wiring_group id="g"><Id>TW1</Id><Assigned_wire>w1 w2</Assigned_wire></Wiring_group>'
     order = read((HARNESS, HARNESS + group)).order
     assert (order.wires[0].cable, order.wires[0].core) == ("TW1", "11")
     assert ("TW1", "twisted wires") in [(cable.name, cable.kind) for cable in order.cables]

@@ -76,6 +76,26 @@ def test_wire_elements_become_wires_by_their_contacts_and_cores_of_their_cables(
     assert [(cable.name, cable.kind) for cable in order.cables] == [("W2", "LiYY")]
 
 
+@pytest.mark.parametrize("key", ["RelatedWireElementReference", "RelatedWireRole"])
+def test_the_wires_of_a_wire_grouping_are_cores_of_it(key):
+    pair = f"<{key}>w1 w3</{key}>"
+    inner = f'<ContainedWireGroupings id="g2">{pair}</ContainedWireGroupings>'
+    start = '<Specification xsi:type="vec:TopologySpecification"'
+    for content in (pair, inner):
+        grouping = (
+            '<Specification xsi:type="vec:WireGroupingSpecification" id="wgs"><WireGrouping '
+            f'id="g1"><Identification>W2</Identification>{content}</WireGrouping></Specification>'
+        )
+        order = read((start, grouping + start)).order
+        assert [(w.name, w.cable, w.core) for w in order.wires] == [
+            ("W1", "W2#2", "W1"),
+            ("W2.A", "W2", "A"),
+            ("W2.B", "W2", "B"),
+            ("W3", "W2#2", "W3"),
+        ]
+        assert ("W2#2", "twisted wires") in [(cable.name, cable.kind) for cable in order.cables]
+
+
 def test_components_have_roles_nodes_contacts_and_seals():
     x1, x2, s1 = read().order.components
     assert (x1.name, x1.role, x1.part_number, x1.node) == ("X1", Role.CONNECTOR, "H-3", "N1")
@@ -101,7 +121,7 @@ def test_a_wire_element_without_two_contacts_is_left_out_and_lengths_may_be_miss
         ("<ValueComponent>400</ValueComponent></Length>", "</Length>"),
     )
     (left,) = imported.account.left_out
-    assert left.reason == "1 of its ends have a contact point; two are needed"
+    assert left.reason == "1 end at a contact point; two are needed"
     assert imported.account.connections == 4
     assert any("length of segment S12 not given" in line for line in imported.account.assumptions)
 

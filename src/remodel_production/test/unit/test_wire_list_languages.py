@@ -27,6 +27,15 @@ LISTS = {
         ],
         [],
     ),
+    "a German cabinet with numbers of cores, and potentials": (
+        "Ader-Nr;Quelle BMK;Quelle Anschluss;Ziel BMK;Ziel Anschluss;mm²;Potential\n"
+        "1;-K1;A1;-X1;1;1,5;24V\n2;-K1;A2;-X1;2;1,5;24V\n",
+        [
+            ("1", "-K1:A1", "-X1:1", "BK", 1.5, None),
+            ("2", "-K1:A2", "-X1:2", "BK", 1.5, None),
+        ],
+        ["Potential"],
+    ),
     "a German cabinet with ferrules": (
         "lfd. Nr.;BMK Start;Klemme Start;BMK Ziel;Klemme Ziel;Aderquerschnitt mm²;Aderfarbe;"
         "Drahtlänge [mm];Aderendhülse Start;Aderendhülse Ziel\n"

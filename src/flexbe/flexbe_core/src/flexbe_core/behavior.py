@@ -237,10 +237,6 @@ class Behavior:
         """Return the runtime userdata of all containers reached so far, by their paths."""
         return own_session(self._state_machine).userdata() if self._state_machine else {}
 
-    def get_values_at(self, path: str) -> dict[str, object]:
-        """Return what the state or container at a path reads and writes, by its own keys."""
-        return own_session(self._state_machine).values_at(path) if self._state_machine else {}
-
     def get_execution(self) -> tuple[str, float] | None:
         """Return the path of the state that is being executed, and since when by time.monotonic.
 

@@ -32,6 +32,7 @@ from std_msgs.msg import Bool, Empty, Int32, String, UInt8
 
 from flexbe_core import BehaviorLibrary
 from flexbe_core.engine.checksum import checksum
+from flexbe_core.engine.userdata.visit_text import Known, VisitText
 from flexbe_core.testing import wait_until
 
 LOGS = Path("/tmp/flexbe_onboard_test_logs")
@@ -74,6 +75,15 @@ class Recorder:
 
     def clear(self):
         self.messages = []
+
+    def close(self):
+        self._subscriber.unregister()
+
+
+def visited(message):
+    """Return the path of a state that was entered or left, and whether it was left."""
+    visit = VisitText.from_json(message.data)
+    return visit.path, visit.has_left
 
 
 class Engine:
@@ -249,18 +259,41 @@ class OnboardTest(unittest.TestCase):
         refusal = "has no state '/Nowhere' to start at; it has: /Join, /Say, /Wait"
         self.assertIsNotNone(engine.log.wait(lambda m: refusal in m.text))
 
-    def test_the_values_of_a_state_are_found_by_its_path(self):
+    def test_visits_of_states_are_published_with_the_values_they_find_and_leave(self):
         given = {"part": "{'pins': [1]}", "name": "A 7"}
-        self.engine.start("Input Test", inputs=given, wait_time=1.0)
+        visits = Recorder("flexbe/mirror/visits", String)
+        self.addCleanup(visits.close)
+        self.assertTrue(wait_until(lambda: visits.is_connected))
+        for _ in range(2):
+            visits.clear()
+            self.engine.start("Input Test", inputs=given, wait_time=0.0)
+            self.assert_ends(BEStatus.FINISHED, ["finished"])
+            self.assertIsNotNone(visits.wait(lambda m: visited(m) == ("/Wait", True)))
+            found = [VisitText.from_json(m.data) for _, m in visits.messages]
+            paths = ("/Join", "/Say", "/Wait")
+            states = [(path, has_left) for path in paths for has_left in (False, True)]
+            self.assertEqual([(v.path, v.has_left) for v in found], states)
+            self.assertEqual({v.run for v in found}, {found[0].run})
+            self.assertEqual([bool(v.complete) for v in found], [True, *[False] * 5])
+            joined = ("str", "pins [1] of A 7")
+            self.assertEqual(found[0].changed["", "part"], ("AttributeDict", "{'pins': [1]}"))
+            self.assertEqual(found[0].keys, {"part": ("", "part"), "name": ("", "name")})
+            self.assertEqual(found[1].changed, {("", "text"): joined})
+            self.assertEqual(found[1].keys, {"output_value": ("", "text")})
+            self.assertEqual(found[2].keys, {"data": ("", "text")})
+            self.assertEqual([v.changed for v in found[2:]], [{}] * 4, "nothing is sent twice")
+
+    def test_who_subscribes_during_a_run_gets_all_values_at_the_active_state(self):
+        self.engine.start("Input Test", inputs={"name": "A 7"}, wait_time=30.0)
         self.assertTrue(self.engine.is_at("/Wait"))
-        ask = rospy.ServiceProxy("flexbe/get_userdata", GetUserdata)
-        found = {info.key: info.data for info in ask("/Join").userdata}
-        self.assertEqual(found, given | {"output_value": "pins [1] of A 7"})
-        (info,) = ask("/Say").userdata
-        self.assertEqual((info.state, info.key, info.data), ("/Say", "data", "pins [1] of A 7"))
-        for path in ("/Wait", "/Nowhere", "/Say/Inside", "/"):
-            answer = ask(path)
-            self.assertEqual((answer.success, answer.userdata), (False, []), path)
+        for _ in range(2):
+            visits, known = Recorder("flexbe/mirror/visits", String), Known()
+            at_wait = visits.wait(lambda m: visited(m) == ("/Wait", False))
+            visits.close()
+            self.assertIsNotNone(at_wait, "the state waits, and is not left")
+            for _, message in visits.messages:
+                self.assertTrue(known.take(VisitText.from_json(message.data)))
+            self.assertEqual(known.values["", "name"], ("str", "A 7"))
         self.engine.stop()
         self.engine.ended()
 

@@ -118,19 +118,15 @@ class EngineLink:
                     f"the engine does not subscribe to {topic}; does a behavior run?"
                 )
 
-    def userdata(self, key: str = "") -> tuple[tuple[str, str, str, str], ...]:
+    def userdata(self) -> tuple[tuple[str, str, str, str], ...]:
         """Return (where, key, type, value) of the userdata of what runs.
-
-        Args:
-            key: of one value; the path of a state, `/Place/Insert`: what that state reads and
-                writes, if the engine is one of this workspace; empty: everything.
 
         Raises:
             CommandError: if the engine does not answer.
         """
         try:
             rospy.wait_for_service(topics.USERDATA, timeout=_USERDATA_S)
-            answer = rospy.ServiceProxy(topics.USERDATA, GetUserdata)(key)
+            answer = rospy.ServiceProxy(topics.USERDATA, GetUserdata)("")
         except (rospy.ROSException, rospy.ServiceException) as error:
             raise CommandError(f"the engine does not return its userdata: {error}") from error
         return tuple((d.state, d.key, d.type, d.data) for d in answer.userdata)

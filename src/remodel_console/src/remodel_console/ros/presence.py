@@ -58,12 +58,12 @@ def join_ros(console: Console, journal: Journal, end: threading.Event) -> None:
     console.inputs = InputServer(console.live.set_inputs)
     CameraLink(console.pictures, lambda: console.live.world.run.phase is Phase.RUNNING, end)
     SceneLink(console.scene, end)
-    values = ValuesLink(console.live, link, end)
+    ValuesLink(console.values)
     SceneRecorder(
         console.scene,
         console.scenes,
         lambda: console.live.world.use_case,
-        lambda: values.now,
+        console.values.found,
         end,
     )
     console.reset_cell = reset_cell

@@ -24,6 +24,7 @@ USERDATA = "flexbe/get_userdata"  # flexbe_msgs/GetUserdata, a service of the en
 BREAKPOINTS = "/flexbe/breakpoints"  # a parameter: paths of states
 AUTONOMY_IN_FORCE = "flexbe/mirror/autonomy"  # std_msgs/UInt8, latched: 255 without supervision
 OPERATOR_INPUT = "flexbe/operator_input"  # flexbe_msgs/BehaviorInput, an action of the console
+VISITS = "flexbe/mirror/visits"  # std_msgs/String: what states find and leave, see VisitText
 LEFT = "flexbe/debug/current_state"  # std_msgs/String: path > outcome, of what is supervised
 USE_CASE = "remodel/use_case/state"  # remodel_msgs/UseCaseState, latched
 TASK_CHANGES = "remodel/use_case/changes"  # remodel_msgs/UseCaseChanges

@@ -24,7 +24,7 @@ from remodel_planner.commands.options.documents import (
     triage_document,
 )
 from remodel_planner.commands.options.entry import refuses
-from remodel_planning.core.decomposition.preparation import prepare
+from remodel_planner.commands.options.problem_files import build_of, built
 from remodel_planning.edge.use_case_files import use_case_names
 from remodel_planning.edge.yaml_file import read_yaml
 from remodel_production.core.board.board import board_of
@@ -173,8 +173,7 @@ def _preferences(options: argparse.Namespace, order: Order) -> object:
         return None
     with blamed(file):
         document = read_yaml(file)
-    work, use_case = design_order(order, options)
-    prepare(work, use_case, [(str(file), document)])
+    built(build_of(order, options, frozenset()), [(str(file), document)])
     return document
 
 
@@ -249,7 +248,7 @@ def _report(imported: Imported, *, verbose: bool) -> None:
         (order.clips, "clip"),
     ):
         print(f", {counted(len(things), what)}" if things else "", end="")
-    print(f"\n  of {account.connections} {account.unit} in the file")
+    print(f"\n  of {counted(account.connections, account.unit.removesuffix('s'))} in the file")
     plain = len(order.wires) - account.wires_joined
     print(f"    {plain} {'is a wire' if plain == 1 else 'are wires'}")
     if account.joined:

@@ -72,6 +72,8 @@ class Engine:
         released: whether the active state was detached for another version.
         recording: whether to return also the events that only the run log needs (Ended, Forced).
         sync_pending: whether to sync mirrors as soon as a state is active.
+        observe: called with each state that was entered or left, and whether it was left; None
+            without an observer.
     """
 
     node_classes: ClassVar[Mapping[Kind, type[Node]]] = {
@@ -96,6 +98,7 @@ class Engine:
         self.executing: Leaf | None = None
         self.slow = False
         self.sync_pending = False
+        self.observe: Callable[[Leaf, bool], None] | None = None
         self.policy = policy
         self.released = False
         self.recording = False

@@ -167,6 +167,8 @@ class Leaf(Node):
         self.entered = True
         if self.shown:
             self.engine.entries.append(self.path)
+        if self.engine.observe is not None:
+            self.engine.observe(self, False)
         self.definition.on_enter(self.view)
 
     def _leave(self) -> None:
@@ -175,6 +177,8 @@ class Leaf(Node):
         self.definition.on_exit(view)
         if self.parent is not None and view._data:
             view._close()
+        if self.engine.observe is not None:
+            self.engine.observe(self, True)
 
     def _repeat(self) -> None:
         self._leave()

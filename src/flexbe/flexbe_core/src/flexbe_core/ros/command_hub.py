@@ -112,14 +112,17 @@ class CommandHub:
         with self._lock:
             self._listeners.discard(listener)
 
-    def _on_message(self, topic: str, message: Message) -> None:
-        command = _COMMANDS[topic](message)
+    def post(self, command: Command) -> None:
+        """Pass a command to all listeners; may be called from any thread."""
         with self._lock:
             self.preempts += isinstance(command, Preempt)
             if self._held is not None and isinstance(command, _LASTING):
                 self._held.append(command)
             for listener in tuple(self._listeners):
                 listener.post(command)
+
+    def _on_message(self, topic: str, message: Message) -> None:
+        self.post(_COMMANDS[topic](message))
 
 
 # Subscriptions belong to the process, as all proxies' do.

@@ -23,6 +23,7 @@ from flexbe_core.engine.supervision.commands import (
     Preempt,
     SetAutonomy,
     ShowStructure,
+    ShowValues,
 )
 from flexbe_core.logger import Logger
 from flexbe_core.ros import breakpoints, clock
@@ -30,13 +31,11 @@ from flexbe_core.ros.beat import Beat
 from flexbe_core.ros.command_hub import HUB, STOPS
 from flexbe_core.ros.driver import Driver, Inbox
 from flexbe_core.ros.reporter import Reporter, advertise
+from flexbe_core.ros.visits import VISITS
 
 if TYPE_CHECKING:
     from flexbe_core.core.state import State
     from flexbe_core.engine.userdata.user_data import UserData
-
-
-_MISSING = object()  # in place of a value that does not exist
 
 
 class Session:
@@ -210,24 +209,6 @@ class Session:
                 reached += list(node.children.values())
         return found
 
-    def values_at(self, path: str) -> dict[str, object]:
-        """Return what the state or container at a path reads and writes, by its own keys.
-
-        What has no value yet is left out; nothing is returned before what is around it is reached.
-        """
-        above, _, label = path.rpartition("/")
-        container = self.container(above)
-        if container is None or label not in container.definition._labels:
-            return {}
-        state = container.definition._labels[label]
-        found: dict[str, object] = {}
-        for key in dict.fromkeys((*state._input_keys, *state._output_keys)):
-            outer = container.definition._remappings.get(label, {}).get(key, key)
-            value = _value(container, outer)
-            if value is not _MISSING:
-                found[key] = value
-        return found
-
     def publish_structure(self) -> None:
         """Publish the structure of the definition for mirrors."""
         self._reporter.structure()
@@ -248,6 +229,8 @@ class Session:
     def _command(self, command: Command) -> None:
         if isinstance(command, ShowStructure):
             self.publish_structure()
+        if isinstance(command, ShowValues):
+            self._show_values()
         if isinstance(command, ShowStructure | Attach):
             self._root._enable_ros_control()
         if isinstance(command, SetAutonomy | Attach) and self._has_level:
@@ -263,6 +246,19 @@ class Session:
         if (level, points) != (supervision.autonomy_level, supervision.breakpoints):
             self.engine.supervision = replace(supervision, autonomy_level=level, breakpoints=points)
             self._publish_level()
+        self._observe()
+
+    def _observe(self) -> None:
+        """Have the visits of states published while a node subscribes to them."""
+        is_behavior = getattr(self._root, "id", None) is not None
+        self.engine.observe = VISITS.observer() if is_behavior else None
+
+    def _show_values(self) -> None:
+        """Publish the active state with its values."""
+        self._observe()
+        leaf = self.engine.root.leaf()
+        if self.engine.observe is not None and leaf is not None and leaf.entered:
+            self.engine.observe(leaf, False)
 
     def _publish_level(self) -> None:
         """Publish the autonomy level of a behavior if it has changed, for operators who join."""
@@ -272,18 +268,10 @@ class Session:
             self._reporter.autonomy(self._published_level)
 
 
-def _value(container: Container, key: str) -> object:
-    """Return the value of a container's key, which may be one of what is around it."""
-    value = container.userdata._data.get(key, _MISSING)
-    if value is not _MISSING or container.parent is None:
-        return value
-    remapping = container.parent.definition._remappings.get(container.label, {})
-    return _value(container.parent, remapping.get(key, key))
-
-
 def connect() -> None:
     """Make all connections that runs need; calls the master, so better before the first run."""
     advertise()
+    VISITS.advertise()
     Logger.initialize()
     HUB.subscribe()
     breakpoints.subscribe()

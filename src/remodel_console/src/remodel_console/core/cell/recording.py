@@ -20,6 +20,7 @@ from remodel_console.core.cell.robot_model import RobotModel, read_robot
 from remodel_console.core.run.state_values import StateValues, Value
 
 Change: TypeAlias = dict[str, Any]
+_NOTICED_S = 1.0  # in which the record of a run notices that a state is active [s]
 _KEY_EVERY = 64  # frames between two whole states that are kept, from which the others follow
 
 
@@ -143,8 +144,13 @@ class Recording:
             entered_s: ROS time at which the state became active [s].
             left_s: ROS time at which it was left [s].
         """
-        visits = (one for one in self._values if one.path == path)
-        return next((one.values for one in visits if entered_s <= one.time_s <= left_s), ())
+        visits = [
+            one
+            for one in self._values
+            if one.path == path and entered_s - _NOTICED_S <= one.time_s <= left_s
+        ]
+        nearest = min(visits, key=lambda one: abs(one.time_s - entered_s), default=None)
+        return nearest.values if nearest else ()
 
     @classmethod
     def read(cls, lines: Iterable[str]) -> Recording:

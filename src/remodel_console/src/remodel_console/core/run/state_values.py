@@ -1,14 +1,16 @@
-"""The userdata that a state found: as it is recorded, and as a start at that state gets it."""
+"""The userdata that states find and leave behind: shown, recorded, and given to a start."""
 
 from __future__ import annotations
 
 import ast
 import re
-from collections.abc import Iterable, Iterator
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
 import yaml
+
+from flexbe_core.engine.userdata.visit_text import Place
 
 _LONGEST = 20_000  # characters of a value that is recorded; a picture is larger
 
@@ -69,22 +71,27 @@ class StateValues:
         return cls(float(time_s), str(path), tuple(values))
 
 
-def values_around(path: str, userdata: Iterable[tuple[str, str, str, str]]) -> tuple[Value, ...]:
+def values_around(path: str, known: Mapping[Place, tuple[str, str]]) -> tuple[Value, ...]:
     """Return the values of the behavior and of the containers around a state.
 
     Args:
         path: of the state, `/Place/Insert`.
-        userdata: (where, key, class, text) of values, where `Behavior/Place/` is a container.
+        known: class and text of all values.
     """
-    return tuple(_around(path, userdata))
+    return tuple(
+        Value(container, key, kind, literal_of(kind, text))
+        for (container, key), (kind, text) in known.items()
+        if path.startswith(f"{container}/")
+    )
 
 
-def _around(path: str, userdata: Iterable[tuple[str, str, str, str]]) -> Iterator[Value]:
-    for where, key, kind, text in userdata:
-        _, _, rest = where.partition("/")
-        container = f"/{rest.strip('/')}" if rest else ""
-        if path.startswith(f"{container}/"):
-            yield Value(container, key, kind, literal_of(kind, text))
+@dataclass(frozen=True)
+class Row:
+    """A value of a state, as text: as it was found, and as it was left behind; empty if neither."""
+
+    key: str
+    found: str = ""
+    left: str = ""
 
 
 def literal_of(kind: str, text: str) -> str:

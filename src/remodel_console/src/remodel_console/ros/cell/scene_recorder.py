@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import threading
 import time
+from collections import deque
 from collections.abc import Callable
 from typing import TextIO
 
@@ -28,18 +29,17 @@ class SceneRecorder:
         scene: Scene,
         files: SceneFiles,
         use_case: Callable[[], UseCase | None],
-        values: Callable[[], StateValues | None],
+        values: deque[StateValues],
         end: threading.Event,
     ) -> None:
         """Record each run that `use_case` returns, until the event is set.
 
-        `values` returns the userdata that the active state has found.
+        `values` holds the userdata that states have found; what is recorded is taken out.
         """
         self._scene = scene
         self._files = files
         self._use_case = use_case
         self._values = values
-        self._written_values = values()
         self._end = end
         self._run: tuple[int, str] | None = None
         self._file: TextIO | None = None
@@ -53,6 +53,8 @@ class SceneRecorder:
             self._follow_run()
             if self._file is not None:
                 self._write()
+            else:
+                self._values.clear()
         self._close()
 
     def _follow_run(self) -> None:
@@ -84,18 +86,17 @@ class SceneRecorder:
             return
         state = self._scene.now
         change = change_between(self._state, state)
-        values = self._values()
-        if values is not None and values is not self._written_values:
-            change["values"] = values.as_json()
-            self._written_values = values
+        changes = [change] if change else []
+        while self._values:
+            changes.append({"values": self._values.popleft().as_json()})
         self._written_s = now_s
-        if not change:
+        if not changes:
             return
         if self._is_first:
-            change["whole"] = True
+            changes[0]["whole"] = True
         self._state, self._is_first = state, False
         try:
-            self._file.write(frame_text(now_s, change))
+            self._file.writelines(frame_text(now_s, one) for one in changes)
             self._file.flush()
         except OSError as error:
             rospy.logwarn("the recording in three dimensions ends: %s", error)

@@ -1,56 +1,37 @@
-"""The userdata that each state finds while an order runs, read from the engine."""
+"""What states find in the userdata and leave behind, as the engine publishes it."""
 
 from __future__ import annotations
 
-import threading
-
 import rospy
+from std_msgs.msg import String
 
-from remodel_console.core.run.run_view import Phase
-from remodel_console.core.run.state_values import StateValues, values_around
-from remodel_console.errors import CommandError
-from remodel_console.live import Live
-from remodel_console.ros.engine_link import EngineLink
-
-_POLL_S = 0.05  # wall time; a state that ends sooner may not be seen
+from flexbe_core.engine.userdata.visit_text import VisitText
+from remodel_console.ros import topics
+from remodel_console.values import RunValues
 
 
 class ValuesLink:
-    """Reads the userdata whenever another state has become active.
+    """Subscribes to the visits of states."""
 
-    Attributes:
-        now: what was read last; None before that.
-    """
+    def __init__(self, values: RunValues) -> None:
+        """Keep `values` up to date."""
+        self._values = values
+        self._is_asking = False
+        self._subscriber = self._subscribe()
 
-    def __init__(self, live: Live, engine: EngineLink, end: threading.Event) -> None:
-        """Follow the runs of orders until the event is set."""
-        self._live = live
-        self._engine = engine
-        self._end = end
-        self._known: object = None
-        self.now: StateValues | None = None
-        threading.Thread(target=self._follow, name="values", daemon=True).start()
+    def _subscribe(self) -> rospy.Subscriber:
+        """Subscribe; the engine sends all values first."""
+        return rospy.Subscriber(topics.VISITS, String, self._take, tcp_nodelay=True)
 
-    def _follow(self) -> None:
-        while not self._end.wait(_POLL_S):
-            active = self._active()
-            if active is None:
-                self._known = None
-            if active is None or active == self._known:
-                continue
-            path, time_s = active[-1], rospy.get_time()
-            try:
-                found = self._engine.userdata()
-            except CommandError:
-                continue  # the behavior has ended meanwhile, or the engine is busy
-            if self._active() == active:  # else the next state may have found others
-                self._known = active
-                self.now = StateValues(time_s, path, values_around(path, found))
-
-    def _active(self) -> tuple[int, str] | None:
-        """Return what runs, and which state is active, while an order is under way."""
-        world = self._live.world
-        use_case, run = world.use_case, world.run
-        if use_case is None or not use_case.is_under_way or run.phase is not Phase.RUNNING:
-            return None
-        return (run.behavior_id, run.active) if run.active else None
+    def _take(self, message: String) -> None:
+        try:
+            visit = VisitText.from_json(message.data)
+        except (ValueError, TypeError, KeyError) as error:
+            rospy.logwarn_once("%s has messages of another version: %s", topics.VISITS, error)
+            return
+        if self._values.take(visit):
+            self._is_asking = False
+        elif not self._is_asking:  # messages were lost
+            self._is_asking = True
+            self._subscriber.unregister()
+            self._subscriber = self._subscribe()

@@ -18,14 +18,16 @@ def show_account(imported: Imported) -> None:
     account = imported.account
     with card(f"Import of {imported.title}", _count_words(imported)):
         with ui.element("ul").classes("lines"):
-            _line(f"{account.connections} {account.unit} in the file")
+            _line(f"{_counted(account.connections, account.unit)} in the file")
             if account.joined:
-                _line(f"{account.joined} of them are merged into {account.wires_joined} wires")
+                wires = _counted(account.wires_joined, "wires")
+                _line(f"{account.joined} of them are merged into {wires}")
             for reason, count in Counter(each.reason for each in account.left_out).most_common():
                 _line(f"{count} left out: {reason}")
             outside = imported.counts["wires"] - imported.wires_in_cabinet
             if outside:
-                _line(f"{imported.wires_in_cabinet} wires lie in the cabinet, {outside} leave it")
+                inside = _counted(imported.wires_in_cabinet, "wires")
+                _line(f"{inside} inside the cabinet, {outside} to outside")
         for each in account.unused_columns:
             with ui.element("div").classes("held"):
                 ui.label(f"{each.source} is not used: {each.reason}")
@@ -73,7 +75,12 @@ def show_triage(triage: Triage | None, nothing_to_plan: str) -> None:
 
 def _count_words(imported: Imported) -> str:
     found = ((count, name) for name, count in imported.counts.items() if count)
-    return ", ".join(f"{count} {name if count != 1 else name[:-1]}" for count, name in found)
+    return ", ".join(_counted(count, name) for count, name in found)
+
+
+def _counted(number: int, nouns: str) -> str:
+    """Return a number with its noun, which is given in the plural."""
+    return f"{number} {nouns if number != 1 else nouns.removesuffix('s')}"
 
 
 def _omissions(account: Account) -> Sequence[str]:

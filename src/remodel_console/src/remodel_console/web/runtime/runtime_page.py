@@ -130,7 +130,7 @@ class RuntimePage(Page):
         await self._drawing.follow(_OPEN_S)
         self._state_panel.show(self.console.live.world)
         if self._is_in_view:
-            await self._state_panel.follow(view)
+            self._state_panel.follow(view)
 
     async def order(self, order: Order) -> None:
         """Give the engine an order."""

@@ -2,18 +2,15 @@
 
 from __future__ import annotations
 
-import time
-
-from nicegui import run, ui
+from nicegui import ui
 
 from remodel_console.core.run.run_view import Phase, RunView
 from remodel_console.core.run.run_words import path_words
+from remodel_console.core.run.state_values import Row
 from remodel_console.core.world import World
-from remodel_console.errors import CommandError
 from remodel_console.web.behavior_drawing import BehaviorDrawing
 from remodel_console.web.page import Page, table
 
-_EVERY_S = 0.5  # between two reads of the values
 _LONGEST = 200  # characters of a value that are shown
 _ACTIVE = "the active state"
 
@@ -32,9 +29,7 @@ class StatePanel:
         self._page = page
         self._picked = ""  # path in the drawing
         self._states: tuple[str, ...] = ()
-        self._values: tuple[str, tuple[tuple[str, str], ...]] = ("", ())
-        self._read_s = 0.0
-        self._is_reading = False
+        self._values: tuple[str, tuple[Row, ...]] = ("", ())
         self._shown: object = None
         with ui.element("section").classes("wide state-panel").props('aria-label="State"'):
             ui.label("State").classes("heading")
@@ -55,7 +50,6 @@ class StatePanel:
         self._list_states()
         self._choice.value = path
         self.drawing.select(path)
-        self._read_s = 0.0
         self.show(self._page.console.live.world)
 
     def show(self, world: World) -> None:
@@ -118,33 +112,24 @@ class StatePanel:
             return self.drawing.engine_paths(self._picked)
         return frozenset(filter(None, (view.active,)))
 
-    async def follow(self, view: RunView) -> None:
-        """Read and show the values of the state, a few times a second while a behavior runs."""
+    def follow(self, view: RunView) -> None:
+        """Show the values of the state: as it found them, and as it has left them behind."""
         if view.phase is not Phase.RUNNING:
             self._show_values("", ())
             return
-        if self._is_reading or time.monotonic() - self._read_s < _EVERY_S:
-            return
-        self._is_reading, self._read_s = True, time.monotonic()
-        path, paths = self._picked or view.active, sorted(self._paths(view), key=len)
-        try:
-            found = await run.io_bound(self._page.console.steering.values_at, *paths)
-        except CommandError:
-            found = ()  # the behavior has ended meanwhile, or the engine is a stock one
-        finally:
-            self._is_reading = False
-        self._show_values(path, found or ())
+        paths = sorted(self._paths(view), key=len)
+        self._show_values(self._picked or view.active, self._page.console.values.rows(*paths))
 
-    def _show_values(self, path: str, values: tuple[tuple[str, str], ...]) -> None:
-        cut = tuple((key, _cut(value)) for key, value in values)
-        if (path, cut) == self._values:
+    def _show_values(self, path: str, rows: tuple[Row, ...]) -> None:
+        if (path, rows) == self._values:
             return
-        self._values = (path, cut)
-        self.drawing.show_values(path, cut)
+        self._values = (path, rows)
+        self.drawing.show_values(path, [(row.key, _cut(row.left or row.found)) for row in rows])
         self._table.clear()
-        if cut:
+        if rows:
+            cells = [(row.key, _cut(row.found), _cut(row.left)) for row in rows]
             with self._table:
-                table(("Key", "Value"), cut)
+                table(("Key", "On entry", "On exit"), cells)
 
 
 def _cut(text: str) -> str:

@@ -317,6 +317,7 @@ export default {
         { selector: "edge.routed", style: {
           "curve-style": "round-segments", "edge-distances": "endpoints", "segment-weights": "data(weights)", "segment-distances": "data(distances)",
           "segment-radii": 8, "source-endpoint": "data(from)", "target-endpoint": "data(to)",
+          "text-margin-x": "data(labelX)", "text-margin-y": "data(labelY)",
         } },
         { selector: "edge.flow", style: edge(colour("flow"), { "line-style": "dotted", width: 2, "curve-style": "unbundled-bezier", "control-point-distances": 40, "control-point-weights": 0.5 }) },
         { selector: ".hidden", style: { display: "none" } },
@@ -730,10 +731,14 @@ function routeData(points, from, to) { // the bends of an arrow as cytoscape tak
   const length2 = dx * dx + dy * dy;
   const length = Math.sqrt(length2);
   const bends = points.slice(1, -1).map(({ x, y }) => [x - first.x, y - first.y]);
+  const [label] = points.labels;
+  const halves = points.slice(Math.floor((points.length - 1) / 2), Math.floor(points.length / 2) + 1); // where cytoscape puts a label
+  const half = { x: (halves[0].x + halves.at(-1).x) / 2, y: (halves[0].y + halves.at(-1).y) / 2 };
   return {
     from: `${first.x - from.x}px ${first.y - from.y}px`, to: `${last.x - to.x}px ${last.y - to.y}px`,
     weights: bends.map(([x, y]) => (x * dx + y * dy) / length2).join(" ") || "0.5",
     distances: bends.map(([x, y]) => (x * -dy + y * dx) / length).join(" ") || "0",
+    labelX: label ? label.x - half.x : 0, labelY: label ? label.y - half.y : 0,
   };
 }
 

@@ -17,7 +17,7 @@ const OPTIONS = {
 };
 const elk = new window.ELK({ workerUrl: "/console/vendor/elk-worker.min.js", algorithms: ["layered"] });
 
-// Returns the upper left corner, the size and, of arrows, the bends of everything: { boxes: id -> box, routes: id -> points, scopes: path -> scope }.
+// Returns the upper left corner, the size and, of arrows, the bends and the middle of the label of everything: { boxes: id -> box, routes: id -> points with `labels`, scopes: path -> scope }.
 export async function layOut(graph) {
   const children = new Map();
   for (const node of graph.nodes) {
@@ -67,7 +67,8 @@ export async function layOut(graph) {
       if (children.has(node.id)) move(node.id, x, y);
     }
     for (const edge of arrows.get(parent) || []) {
-      for (const point of found.routes.get(edge.id) || []) {
+      const points = found.routes.get(edge.id);
+      for (const point of points ? [...points, ...points.labels] : []) {
         point.x += x;
         point.y += y;
       }
@@ -95,7 +96,10 @@ async function layered(nodes, edges, states) {
   const routes = new Map();
   for (const edge of laid.edges) {
     const section = edge.sections?.[0];
-    if (section) routes.set(edge.id, [section.startPoint, ...(section.bendPoints || []), section.endPoint].map(({ x, y }) => ({ x, y })));
+    if (!section) continue;
+    const points = [section.startPoint, ...(section.bendPoints || []), section.endPoint].map(({ x, y }) => ({ x, y }));
+    points.labels = (edge.labels || []).map(({ x, y, width, height }) => ({ x: x + width / 2, y: y + height / 2 }));
+    routes.set(edge.id, points);
   }
   return sized(boxes, routes);
 }

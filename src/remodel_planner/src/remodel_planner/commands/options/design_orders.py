@@ -5,8 +5,6 @@ from __future__ import annotations
 import argparse
 from typing import TYPE_CHECKING
 
-from remodel_production.core.counted import counted
-
 if TYPE_CHECKING:
     from remodel_planning.core.orders.work_order import WorkOrder
     from remodel_planning.core.use_case.model import UseCase
@@ -64,8 +62,9 @@ def print_triage(order: WorkOrder) -> None:
         are = "1 is a cable" if len(cables) == 1 else f"{len(cables)} are cables"
         print(f"    {are} of {cores} cores, placed one after another by one arm")
     if outside:
-        leave = "leave" if len(outside) > 1 else "leaves"
-        such = f", such as {outside[0]}" if len(outside) > 1 else f": {outside[0]}"
-        print(f"    {counted(len(outside), 'wire')} {leave} the cabinet, and no task{such}")
+        what = f"{len(outside)} wires leave the cabinet and are no tasks, such as {outside[0]}"
+        if len(outside) == 1:
+            what = f"1 wire leaves the cabinet and is no task: {outside[0]}"
+        print(f"    {what}")
     for line in (*order.other_methods, *order.by_hand):
         print(f"    {line}")

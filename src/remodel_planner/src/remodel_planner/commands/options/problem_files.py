@@ -31,6 +31,7 @@ from remodel_production.errors import InfeasibleError, InstanceError, blamed
 # What decomposes tasks takes longer to load than a problem to plan, and problems do not need it.
 if TYPE_CHECKING:
     from remodel_planning.core.decomposition.preparation import Prepared
+    from remodel_production.core.production import Order
 
 _YAML = (".yaml", ".yml")
 
@@ -157,15 +158,24 @@ def read_problem(options: argparse.Namespace) -> ProblemFiles:
         documents, build = _read_stored(options, documents, situations)
     else:
         build = _read_file(options.instance, situations)
-    try:
-        files = build(documents)
-    except InfeasibleError as error:
-        raise ConflictError.of(error, documents, build) from error
+    files = built(build, documents)
     unknown = sorted(situations - files.preferred.situations)
     if unknown:
         known = ", ".join(sorted(files.preferred.situations)) or "none"
         raise InstanceError(f"--while {unknown[0]}: no requirement says so; there are {known}")
     return files
+
+
+def built(build: Build, documents: Documents) -> ProblemFiles:
+    """Return a problem with preferences.
+
+    Raises:
+        ConflictError: if it has no plan, with a smallest set of requirements that contradict.
+    """
+    try:
+        return build(documents)
+    except InfeasibleError as error:
+        raise ConflictError.of(error, documents, build) from error
 
 
 def read_order(options: argparse.Namespace) -> Prepared:
@@ -190,7 +200,6 @@ def _read_stored(
 ) -> tuple[list[tuple[str, object]], Build]:
     """Return the documents of an order of the production database, and what makes its problem."""
     # SQLAlchemy takes longer to load than most problems to plan, and files do not need it.
-    from remodel_planning.core.decomposition.preparation import prepare
     from remodel_production.edge.database.production_database import ProductionDatabase
 
     with closing(ProductionDatabase(options.database)) as database:
@@ -198,15 +207,26 @@ def _read_stored(
         preferences = database.preferences(options.order)
     if preferences is not None:
         documents = [(f"preferences of order {stored.name}", preferences), *documents]
-    with blamed(f"order {stored.name}"):
-        order, use_case = design_order(stored, options)
+    return documents, build_of(stored, options, situations)
+
+
+def build_of(order: Order, options: argparse.Namespace, situations: frozenset[str]) -> Build:
+    """Return what makes the problem of an imported order, with preferences.
+
+    Raises:
+        PlannerError: if nothing of the order can be planned.
+    """
+    from remodel_planning.core.decomposition.preparation import prepare
+
+    with blamed(f"order {order.name}"):
+        work, use_case = design_order(order, options)
 
     def build(preferences: Documents) -> ProblemFiles:
-        with blamed(f"order {stored.name}"):
-            prepared = prepare(order, use_case, preferences, situations)
+        with blamed(f"order {order.name}"):
+            prepared = prepare(work, use_case, preferences, situations)
         return ProblemFiles(prepared.preferred, prepared)
 
-    return documents, build
+    return build
 
 
 def _read_file(file: Path, situations: frozenset[str]) -> Build:

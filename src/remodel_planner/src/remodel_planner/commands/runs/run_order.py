@@ -41,7 +41,7 @@ def main(arguments: list[str] | None = None) -> int:
     parser = argparse.ArgumentParser(
         prog="planner run_order",
         description="Let the use case supervisor place the wires of an order, and report.",
-        epilog="Exit code: 0 all wires placed, 1 not all, 2 wrong usage or no such order, 3 ROS "
+        epilog="Exit code: 0 all wires placed, 1 not all, or no such order, 2 wrong usage, 3 ROS "
         "master, cell, engine, synthesizer or supervisor is not running or refuses, 130 "
         "interrupted.",
     )
@@ -80,7 +80,7 @@ def main(arguments: list[str] | None = None) -> int:
         order = database.order(options.order).in_cabinet()
     except PlannerError as error:
         print(f"run_order: {error}", file=sys.stderr)
-        return 2
+        return 1
     try:
         require_master(options.wait)
         join_interruptibly("run_order")

@@ -159,7 +159,9 @@ class _Run:
         self._task = task
         self._first = first
         self._limits = limits
-        self._rejected: dict[tuple[str, str], str] = {}
+        self._rejected: dict[tuple[str, str], str] = {}  # methods that cannot be taken
+        self._outranked: dict[tuple[str, str], str] = {}  # those that could
+        self._impossible: set[str] = set()  # tasks that none of their methods could do
         # Many states of the search ask for the same.
         self._features: dict[tuple[float, int, End | None], Features] = {}
         self._expected: dict[tuple[str, float, int, End | None], Expectation] = {}
@@ -170,12 +172,17 @@ class _Run:
             barred = [s for s in route.segments if s in self._limits.segments]
             if barred:
                 name = self._limits.segments[barred[0]]
+                self._impossible.add("route")
                 self._reject("route", str(number), f"goes through {barred[0]} (`{name}`)")
             else:
                 states = self._all(self._sequence(route, hands_over=hands_over), [_State()])
                 ended += [(route, state) for state in states]
         if not ended:
-            reasons = "; ".join(f"{t} {m}: {why}" for (t, m), why in self._rejected.items())
+            reasons = "; ".join(
+                f"{task} {method}: {why}"
+                for (task, method), why in self._rejected.items()
+                if task in self._impossible
+            )
             raise InfeasibleError(
                 f"task {self._task.name}: no method of {self._d.use_case.file_name} does it: "
                 f"{reasons}"
@@ -184,10 +191,12 @@ class _Run:
         for number, other in enumerate(self._task.routes, 1):
             ranks = [found.rank for ended_route, found in ended if ended_route is other]
             if other is not route and ranks:
-                self._reject("route", str(number), _behind(min(ranks), state.rank))
+                self._outranked["route", str(number)] = _behind(min(ranks), state.rank)
         taken = {pair for step in state.steps for pair in step.methods}
         rejected = tuple(
-            Rejected(*pair, why) for pair, why in self._rejected.items() if pair not in taken
+            Rejected(*pair, why)
+            for pair, why in (self._outranked | self._rejected).items()
+            if pair not in taken
         )
         return Decomposition(
             self._task, route, self._first, state.steps, cost_s=state.cost_s, rejected=rejected
@@ -252,9 +261,11 @@ class _Run:
                 for state in self._all(inner, states)
             ]
         ranks = {name: min(s.rank for s in found) for name, found in after.items() if found}
+        if states and not ranks:
+            self._impossible.add(task)
         for name, rank in ranks.items():
             if rank > min(ranks.values()):
-                self._reject(task, name, _behind(rank, min(ranks.values())))
+                self._outranked.setdefault((task, name), _behind(rank, min(ranks.values())))
         return _cheapest(state for found in after.values() for state in found)
 
     def _part(self, route: Route, method: Method, subtask: Subtask) -> Route:

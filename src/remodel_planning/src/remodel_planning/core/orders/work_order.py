@@ -181,7 +181,13 @@ class OtherMethod:
 
     def __str__(self) -> str:
         """Return the line for a person."""
-        return f"{len(self.tasks)} by {self.method}, such as {self.tasks[0]}: not {self.reason}"
+        first, *others = self.tasks
+        which = (
+            f"{len(self.tasks)} by {self.method}, such as {first}"
+            if others
+            else (f"{first} by {self.method}")
+        )
+        return f"{which}: not {self.reason}"
 
 
 @dataclass(frozen=True)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Sequence
+from dataclasses import replace
 
 from remodel_production.core.catalogue import Catalogue
 from remodel_production.core.imports.design_format import DesignFile, DesignFormat
@@ -100,10 +101,15 @@ def import_design(
 ) -> Imported:
     """Read a design file, and fill in by the catalogue what it does not say of its terminals.
 
+    A design without a title is called by its file.
+
     Raises:
         DesignError: if it is refused, with the place, what was found, and what is needed.
     """
-    return with_access(form.read(data, name, source, catalogue), catalogue)
+    imported = form.read(data, name, source, catalogue)
+    if not imported.order.title:
+        imported = replace(imported, order=replace(imported.order, title=source))
+    return with_access(imported, catalogue)
 
 
 def _unknown(file: DesignFile, formats: Sequence[DesignFormat]) -> DesignError:

@@ -16,6 +16,7 @@ from itertools import pairwise
 from lxml import etree
 
 from remodel_production.core.catalogue import Catalogue
+from remodel_production.core.counted import counted
 from remodel_production.core.imports.kbl_parts.modules import kbl_modules
 from remodel_production.core.imports.kbl_parts.other_parts import (
     is_splice,
@@ -190,7 +191,9 @@ class _Reader:
         ends = self._ends(element)
         wires = self._tree.referred(element, "Wire")
         if len(ends) < 2:
-            self._left_out.append(LeftOut(source, f"{len(ends)} of its ends have a contact point"))
+            self._left_out.append(
+                LeftOut(source, f"{counted(len(ends), 'end')} at a contact point; two are needed")
+            )
             return
         if why := self._modules.why_not(*wires, *(wire.getparent() for wire in wires)):
             self._left_out.append(LeftOut(source, why))

@@ -117,13 +117,15 @@ def prepended(before: Sequence[tuple[str, bytes]], data: bytes) -> bytes:
 
 def lines_of(before: Sequence[tuple[str, bytes]], data: bytes) -> str:
     """Return which lines of a file after others are those of the others; empty for none."""
+    if not before:
+        return ""
     parts, last = [], 0
     texts = [decode(each)[0] for each in (*(content for _, content in before), data)]
     for (name, _), text, replaced in zip(before, texts, _replaced(texts), strict=False):
         first, last = last + 1, last + _ended(text).count("\n")
         lost = f", whose {' and '.join(replaced)} those of a later file replace" if replaced else ""
         parts.append(f"lines {first} to {last} are those of {name}{lost}")
-    return f" ({'; '.join(parts)}; its own begin at line {last + 1})" if parts else ""
+    return f" ({'; '.join(parts)}; its own begin at line {last + 1})"
 
 
 def _replaced(texts: Sequence[str]) -> list[list[str]]:

@@ -37,6 +37,11 @@ class ShowStructure:
 
 
 @dataclass(frozen=True, slots=True)
+class ShowValues:
+    """Publish the active state with its values, for a node that has just subscribed."""
+
+
+@dataclass(frozen=True, slots=True)
 class ForceOutcome:
     """Take the outcome with this index in the active state, if `target` is its name."""
 
@@ -86,4 +91,6 @@ class Release:
 
 
 StateCommand = ForceOutcome | Lock | Unlock | Pause | Resume | Repeat
-Command = Preempt | SetAutonomy | Attach | Sync | ShowStructure | Release | StateCommand
+Command = (
+    Preempt | SetAutonomy | Attach | Sync | ShowStructure | ShowValues | Release | StateCommand
+)

@@ -29,11 +29,19 @@ def kbl_modules(tree: KblTree, asked: Asked) -> ModuleChoice:
 
 def _module(tree: KblTree, module: etree._Element) -> Composite:
     configurations = list(children(module, "Module_configuration"))
-    parts = frozenset(
+    controlled = [
         part
         for configuration in configurations
         for part in tree.referred(configuration, "Controlled_components")
-    )
+    ]
+    # A connection or a wiring group among them stands for its wires.
+    wires = [
+        wire
+        for part in controlled
+        for key in ("Wire", "Assigned_wire")
+        for wire in tree.referred(part, key)
+    ]
+    parts = frozenset([*controlled, *wires])
     return Composite(parts, True, next(_conditions(configurations), None))
 
 

@@ -40,7 +40,7 @@ def twisted_groups(tree: KblTree) -> dict[etree._Element, str]:
     groups: dict[etree._Element, str] = {}
     for group in tree.all("Wiring_group"):
         name = text_of(group, "Id") or group.get("id") or line_of(group)
-        for wire in tree.referred(group, "Assigned_wires"):
+        for wire in tree.referred(group, "Assigned_wire"):
             groups.setdefault(wire, name)
     return groups
 

@@ -75,7 +75,7 @@ class ModuleChoice:
         if asked.codes:
             known = sorted({code for condition in written for code in condition.codes()})
             codes = [code for code in asked.codes if code]
-            _require_known("variant code", codes, known, "--variant; others change nothing")
+            _require_known("variant code", codes, known, "--variant")
         chosen = [composites[name] for name in asked.modules]
         if asked.codes and not asked.modules:
             chosen = [
@@ -105,10 +105,8 @@ def _parts(composites: Collection[Composite]) -> frozenset[etree._Element]:
 def _require_known(what: str, asked: Collection[str], known: Collection[str], option: str) -> None:
     unknown = [name for name in asked if name not in known]
     if unknown:
-        raise DesignError(
-            f"no {what} {unknown[0]}; there are {_shown(known) or 'none'}: give one of them to "
-            f"{option}"
-        )
+        advice = f"; there are {_shown(known)}: give one of them to" if known else ": omit"
+        raise DesignError(f"the file has no {what} {unknown[0]}{advice} {option}")
 
 
 def _notes(asked: Asked, names: list[str], modules: int, conditions: int) -> list[str]:
@@ -125,9 +123,9 @@ def _notes(asked: Asked, names: list[str], modules: int, conditions: int) -> lis
         notes.append(f"the wires of a vehicle with the variant codes {codes} are read")
     elif conditions:
         notes.append(
-            f"the parts of all variants are read, as of one harness, whatever "
-            f"{counted(conditions, 'condition')} of variant codes say; --variant gives the codes "
-            "of one vehicle"
+            "the parts of all variants are read, as of one harness, without regard to "
+            f"{counted(conditions, 'condition')} of variant codes; --variant gives the codes of "
+            "one vehicle"
         )
     return notes
 

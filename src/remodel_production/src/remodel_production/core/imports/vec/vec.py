@@ -15,6 +15,7 @@ from collections.abc import Iterator
 from lxml import etree
 
 from remodel_production.core.catalogue import Catalogue
+from remodel_production.core.counted import counted
 from remodel_production.core.imports.kbl_routes import ordered_route
 from remodel_production.core.imports.kbl_tree import KblTree, children, text_of
 from remodel_production.core.imports.shared.account import Account, Imported, LeftOut
@@ -31,6 +32,7 @@ from remodel_production.core.imports.shared.xml_tree import line_of
 from remodel_production.core.imports.vec.geometry import node_positions
 from remodel_production.core.imports.vec.modules import vec_modules
 from remodel_production.core.production import (
+    TWISTED,
     Cable,
     Clip,
     Node,
@@ -46,6 +48,8 @@ ROOT = "VecContent"
 _TYPE = "{http://www.w3.org/2001/XMLSchema-instance}type"
 _COMPONENTS = ("Component", "PartUsage")
 _COLOURS = ("BaseColor", "FirstIdentificationColor", "SecondIdentificationColor")
+# What a grouping names its wire elements by: since version 1.2, and before.
+_GROUPED = ("RelatedWireElementReference", "RelatedWireRole")
 # Of several lengths, the one to cut a wire to comes first.
 _LENGTH_TYPES = ("production", "cutting", "physical", "designed", "dmu")
 _ASSUMED_SEGMENT_M = 0.1
@@ -105,6 +109,7 @@ class _Reader:
                 if component is not None:
                     self._at.setdefault(component, []).extend(children(placement, "Location"))
         self._cavities = self._cavity_names()
+        self._groups = self._wire_groups()
         self._kinds: dict[str, dict[str, str]] = {}
         self._joints: set[str] = set()
 
@@ -199,6 +204,21 @@ class _Reader:
             used.add(names[reference])
         return names
 
+    def _wire_groups(self) -> dict[etree._Element, str]:
+        """Return the names of the groups of wires, such as twisted pairs, by wire element.
+
+        What a grouping contains, such as the pair of a shielded one, belongs to it.
+        """
+        groups: dict[etree._Element, str] = {}
+        taken = {*self._names.values()}
+        for grouping in self._tree.all("WireGrouping"):
+            name = unique_name(text_of(grouping, "Identification") or line_of(grouping), taken)
+            taken.add(name)
+            for part in grouping.iter():
+                for key in _GROUPED:
+                    groups |= dict.fromkeys(self._tree.referred(part, key), name)
+        return groups
+
     def _ends(self) -> dict[etree._Element, TerminalRef]:
         """Return the terminals that wire ends are mounted in."""
         ends: dict[etree._Element, TerminalRef] = {}
@@ -269,7 +289,7 @@ class _Reader:
             reason = (
                 "both its ends are at the same terminal"
                 if len(refs) == 2
-                else f"{len(refs)} of its ends have a contact point; two are needed"
+                else f"{counted(len(refs), 'end')} at a contact point; two are needed"
             )
             self._left_out.append(LeftOut(source, reason))
             return None
@@ -286,16 +306,18 @@ class _Reader:
             route = ()
         length = self._length(reference, "WireLength", "LengthType", "LengthValue")
         section, colour = self._material(reference)
+        name = f"{owner}.{core}" if is_core else owner or core
+        group = "" if is_core else self._groups.get(reference, "")
         return Connection(
             refs[0],
             refs[1],
             self._assumptions.colour(colour, source),
             self._assumptions.section(section, source),
             source=source,
-            name=f"{owner}.{core}" if is_core else owner or core,
+            name=name,
             length_m=length,
-            cable=owner if is_core else "",
-            core=core if is_core else "",
+            cable=owner if is_core else group,
+            core=core if is_core else name if group else "",
             route=tuple(segment.name for segment in route),
         )
 
@@ -352,6 +374,9 @@ class _Reader:
         for element, name in self._names.items():
             if name in used:
                 yield Cable(name, self._part_number(element), None, False, source=line_of(element))
+        for group in dict.fromkeys(self._groups.values()):
+            if group in used:
+                yield Cable(group, TWISTED, None, False, source=f"wire grouping {group}")
 
     def _omitted(self) -> Iterator[LeftOut]:
         """Yield the components that the order has nothing of, and why."""

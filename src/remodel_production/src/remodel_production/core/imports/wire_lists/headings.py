@@ -197,7 +197,7 @@ def fields_of(headings: Sequence[str]) -> dict[Field, int]:
     A component or a terminal without an end belongs to the end of the heading before it, or, of two
     such headings, the first to the one and the second to the other end. Of several columns that
     mean the same the first is taken; a mere "No" or "Name" is a wire's if nothing else is, and so
-    is a signal.
+    are the core of a list without cables, and a signal.
     """
     words = _apart([_words(_without_unit(heading)) for heading in headings])
     has_b = any("b" in each for each in words)
@@ -232,6 +232,8 @@ def fields_of(headings: Sequence[str]) -> dict[Field, int]:
     found |= _single_end(found, [(part, i) for i in undirected if (part := readings[i][1])])
     names = [i for names in (_NAMES, _NUMBERS) for i, each in enumerate(words) if names >= {*each}]
     name = next((i for i in names if words[i] and i not in found.values()), None)
+    if Field.WIRE not in found and name is None and Field.CABLE not in found:
+        name = found.pop(Field.CORE, None)  # "Ader" is both
     signals = (i for i, each in enumerate(words) if _names_signal(each))
     name = next(signals, None) if name is None else name
     if Field.WIRE not in found and name is not None:

@@ -1,0 +1,12 @@
+"""PyBullet prints nothing of its own."""
+
+import subprocess
+import sys
+
+
+def test_loading_and_connecting_print_nothing():
+    program = "from remodel_sim.physics.bullet import connect; connect().disconnect()"
+    ended = subprocess.run(
+        [sys.executable, "-c", program], capture_output=True, text=True, timeout=120
+    )
+    assert (ended.returncode, ended.stdout, ended.stderr) == (0, "", "")
