@@ -4,9 +4,9 @@
 laying.py WIRE... [--seed 1] [--cell two_arms_cabinet] [--pictures DIR]; the workspace must be
 sourced. Each wire of the household board is placed from its feed to its second clamp: robot_1
 inserts end a and leads the wire (LayWire), robot_2 holds end b and inserts it. A line is printed
-for each step: wall time, the cell's time since the feed, and what the cell measured; after the last one, where the
-ends sit and which share of the route in ducts is below the rims, by the physics. Ends with 1 at the
-first wire that is not placed.
+for each step: wall time, the cell's time since the feed, and what the cell measured; after the
+last one, where the ends sit and which share of the route in ducts is below the rims, by the
+physics. Ends with 1 at the first wire that is not placed.
 """
 
 from __future__ import annotations

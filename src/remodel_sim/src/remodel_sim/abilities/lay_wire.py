@@ -19,7 +19,7 @@ from remodel_sim.abilities.ability import ability
 from remodel_sim.abilities.execution.robot_context import RobotContext, Steps
 from remodel_sim.abilities.primitives.carrying import SNAG_S
 from remodel_sim.abilities.primitives.force_motion import ForceMotion
-from remodel_sim.abilities.primitives.grasping import check_grip, pick_end, release
+from remodel_sim.abilities.primitives.grasping import check_grip, release
 from remodel_sim.abilities.primitives.holding import STEEP, bring_together
 from remodel_sim.abilities.primitives.motions import (
     APPROACH_SPEED,
@@ -107,10 +107,9 @@ def _goal(message: Message) -> LayGoal:
 
 @ability("LayWire", _goal)
 def lay_wire(holder: RobotContext, guide: RobotContext, goal: LayGoal) -> Steps[WireLaid]:
-    """Take the free end, lead the wire along its route, and see that it lies in its ducts."""
+    """Lead the wire along its route, and inspect whether it lies in its ducts."""
     _check_camera(guide)
     try:
-        yield from _take_free_end(holder)
         route = _route(holder)
         peak = yield from _lead(holder, guide, route)
     except AbilityError:
@@ -158,15 +157,6 @@ def _laid_places(guide: RobotContext, route: list[Array]) -> dict[Duct, tuple[Po
     return duct_places(
         guide, tuple(Pose.level(*(float(v) for v in point), 0.0) for point in points)
     )
-
-
-def _take_free_end(holder: RobotContext) -> Steps[None]:
-    belief = holder.belief
-    if belief.grip is not None:
-        return
-    end = next(end for end, state in belief.ends.items() if state is EndState.LOOSE)
-    socket = WORLD_FROM_PANEL @ holder.panel.panel_from_socket(*holder.wire.goes_to(end))
-    yield from pick_end(holder, end, 0.0, socket, shares=(0.0, 0.2))
 
 
 def _route(holder: RobotContext) -> list[Array]:

@@ -144,12 +144,15 @@ def check_tracking(context: RobotContext) -> None:
 
 def swing_to(context: RobotContext, target: ToolPose) -> Steps[None]:
     """Move the empty hand, high up, past other robots; raises UNREACHABLE before it starts."""
-    for leg in _past_robots(context, target):
+    for leg in past_robots(context, target) or (target,):
         yield from _swing(context, leg)
 
 
-def _past_robots(context: RobotContext, target: ToolPose) -> tuple[ToolPose, ...]:
-    """Return the legs to a tool pose: over a corner where a robot stands in the direct way."""
+def past_robots(context: RobotContext, target: ToolPose) -> tuple[ToolPose, ...]:
+    """Return legs to a tool pose, over a corner where a robot stands in the direct way.
+
+    None where robots stand in all ways.
+    """
     here, arm = context.commanded, context.arm
     corners = (replace(target, x=here.x, z=here.z), replace(target, y=here.y, z=here.z))
     for legs in ((target,), *((corner, target) for corner in corners)):
@@ -158,7 +161,7 @@ def _past_robots(context: RobotContext, target: ToolPose) -> tuple[ToolPose, ...
         stops = [arm.joints_for(leg) for leg in (here, *legs)]
         if all(context.has_way(_through(*pair)) for pair in pairwise(stops)):
             return legs
-    return (target,)
+    return ()
 
 
 def _through(start: Array, end: Array) -> Array:

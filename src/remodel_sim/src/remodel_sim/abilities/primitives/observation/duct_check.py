@@ -11,7 +11,7 @@ from collections.abc import Iterator, Mapping, Sequence
 import numpy as np
 
 from remodel_sim.abilities.execution.robot_context import RobotContext, Steps
-from remodel_sim.abilities.primitives.motions import FREE_SPEED, move_to, wait
+from remodel_sim.abilities.primitives.motions import past_robots, swing_to, wait
 from remodel_sim.abilities.primitives.observation.observing import STILL_S
 from remodel_sim.abilities.primitives.observation.route_check import RouteObservation
 from remodel_sim.abilities.primitives.observation.viewpoints import camera_above
@@ -46,7 +46,7 @@ def share_in_ducts(context: RobotContext, places: Mapping[Duct, Sequence[Pose]])
     for duct, part in _parts(places):
         for tool in _inspecting(context, part):
             try:
-                yield from move_to(context, tool, FREE_SPEED)
+                yield from swing_to(context, tool)
             except AbilityError as error:
                 if error.code not in (Code.UNREACHABLE, Code.ROBOT_IN_THE_WAY):
                     raise
@@ -83,7 +83,7 @@ def _inspecting(context: RobotContext, part: Sequence[Pose]) -> Iterator[ToolPos
     along = part[0].rotation[:, 0]
     for away in ALONG_M:
         tool = camera_above(context, (middle + away * along)[:2], part[0].yaw, INSPECT_Z)
-        if context.arm.reaches(tool) and context.has_room(tool):
+        if context.arm.reaches(tool) and past_robots(context, tool):
             yield tool
 
 
