@@ -100,7 +100,7 @@ class FakeSite:
 
     def hand_is_empty(self) -> bool:
         """Return whether nothing is held."""
-        return not any(hand.held for hand in self._world.read().world.hands.values())
+        return not any(hands.held for hands in self._world.read().world.hands.values())
 
     def cell_s(self, events: Sequence[Event]) -> float:
         """Return what the operations would take in a true cell."""

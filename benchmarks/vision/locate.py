@@ -24,7 +24,7 @@ from label_scenes import Condition, LabelScene
 from row import Row, report
 
 from remodel_sim.abilities.locate_gearbox_component import VIEWS
-from remodel_sim.abilities.primitives.viewpoints import LABEL_ASIDE_M
+from remodel_sim.abilities.primitives.observation.viewpoints import LABEL_ASIDE_M
 from remodel_sim.core.camera import Picture
 from remodel_sim.core.geometry import Array, Pose
 from remodel_sim.core.vision.label_pose import LabelView, locate_component

@@ -164,8 +164,9 @@ class OrderClient:
 
     @property
     def held(self) -> str:
-        """What the robot holds, by the cell's world; empty if nothing."""
-        return "".join(str(hand.held or "") for hand in self.world.read().world.hands.values())
+        """Ends that robots hold, by the cell's world; empty if none."""
+        cells = self.world.read().world.hands.values()
+        return "".join(end for hands in cells for end in hands.held.values())
 
     # --- processes
 

@@ -212,6 +212,13 @@ def test_a_task_that_no_robot_can_do_is_by_hand_and_the_rest_is_planned():
     assert planned.makespan > 0
 
 
+def test_the_method_of_the_second_end_is_no_other_one_and_two_robots_are_planned_as_one():
+    ducts = find_use_case("cabinet_ducts")
+    made = work(order(("Q1:B1", "Q2:T1"), ("Q1:B2", "Q2:T2")), ducts)
+    assert [arm.name for arm in made.arms] == ["robot_1"]
+    assert triaged(made, ducts).other_methods == ()
+
+
 def test_a_task_that_no_method_does_is_by_hand_with_what_rules_out_each_method():
     made = order(("Q1:B1", "Q2:T1"), ("Q1:B2", "Q2:T2"))
     thick = replace(made, wires=(replace(made.wires[0], section_mm2=6.0), made.wires[1]))

@@ -10,8 +10,9 @@ from remodel_planning.core.decomposition.decomposed import Limits
 from remodel_planning.core.decomposition.decomposition import Decomposer
 from remodel_planning.core.decomposition.outline import outline
 from remodel_planning.core.decomposition.preparation import prepare
-from remodel_planning.core.decomposition.wiring_problem import decompose_order
+from remodel_planning.core.decomposition.wiring_problem import decompose_order, decomposer_of
 from remodel_planning.core.orders.work_order import order_from
+from remodel_planning.core.problem.problem import End
 from remodel_planning.core.task_charts.demands import Demands, demands_of
 from remodel_planning.core.task_charts.planned_tasks import planned_tasks
 from remodel_planning.core.use_case.expectation import Expectation
@@ -164,6 +165,35 @@ def test_a_use_case_is_added_by_a_file_alone(tmp_path, monkeypatch):
     assert actions(decomposer.decompose(rope, cabinet.tasks[0].first)) == ["take"]
 
 
+def test_methods_may_differ_between_the_end_that_is_inserted_first_and_the_other_one():
+    found = order_from(in_ducts())
+    use_case = find_use_case("cabinet_ducts")
+    task = found.tasks[0]
+    decomposer = decomposer_of(found, use_case, None)
+    for first in End:
+        decomposition = decomposer.decompose(task, first)
+        pushes = [step for step in decomposition.steps if "push_in" in step.action.name]
+        assert [(step.action.name, step.end) for step in pushes] == [
+            ("push_in_first", first),
+            ("push_in_second", first.other),
+        ]
+        assert ("insert", "the first end") in pushes[0].methods
+
+
+def test_an_order_for_two_robots_at_each_wire_demands_both():
+    prepared = prepare(order_from(in_ducts()), find_use_case("cabinet_ducts"))
+    plan = plan_problem(prepared.preferred.problem, 0.0).plan
+    demands = demands_of(task.chart for task in planned_tasks(prepared, plan))
+    assert demands == Demands(("robot_1", "robot_2"), (("InsertCable", 8.0),))
+
+
+def in_ducts():
+    """Return the example of a cabinet, its wires thin, as an order of cabinet_ducts."""
+    text = (PACKAGE / "examples" / "cabinet.yaml").read_text()
+    stated = yaml.safe_load(text.replace("section_mm2: 6.0", "section_mm2: 2.5"))
+    return {**stated, "use_case": "cabinet_ducts"}
+
+
 def learned(ability, frozen, least, most, values):
     bounds = f"frozen: {frozen}, at_least: {least}, at_most: {most}, values: {values}"
     return f"learned: {{{ability}: {{force: {{{bounds}}}}}}}"
@@ -179,6 +209,8 @@ def learned(ability, frozen, least, most, values):
         ),
         (("give_up: take", ""), "methods, cell; missing: give_up"),
         (("give_up: take", "give_up: drop"), "give_up: no action drop; there are take"),
+        (("give_up: take", "give_up: [take, drop]"), "give_up: no action drop; there are take"),
+        (("give_up: take", "give_up: []"), "give_up: found []; allowed: "),
         (
             ("give_up: take", "give_up: take\ndiscard: drop"),
             "discard: no action drop; there are take",
@@ -192,7 +224,7 @@ def learned(ability, frozen, least, most, values):
         ),
         (
             ("name: take it, do", "name: take it, when: {size: 3}, do"),
-            "methods.pick.take it.when: no characteristic size; there are clips, colour, length_m",
+            "methods.pick.take it.when: no characteristic size; there are clips, colour, end, le",
         ),
         (("  pick: [{name: take it, do: [take]}]\n", ""), "methods: none for pick"),
         (

@@ -109,6 +109,7 @@ def test_a_cell_of_ones_own_is_read_from_its_path(tmp_path):
             ),
             r"robots\[0\].limits: joint 1 has -2.9671 to 2.9671 rad; allowed within -2.8973",
         ),
+        (lambda c: c["robots"][0].update(arm="portal"), r"robots\[0\]: found .*; missing: travel"),
         (
             lambda c: c["robots"][0].update(axis={**AXIS, "along": "z"}),
             r"robots\[0\].axis.along: found 'z'; allowed: y",
@@ -123,13 +124,13 @@ def test_a_cell_of_ones_own_is_read_from_its_path(tmp_path):
         ),
         (
             lambda c: c["robots"][0]["gripper"].update(
-                fingers={**FINGERS, "notch": {"depth": 0.001, "height": 0.012}}
+                fingers={**FINGERS, "eyelet": {**FINGERS["eyelet"], "above": 0.005}}
             ),
-            r"robots\[0\].gripper.fingers.notch.height: found 0.012; allowed: less than twice",
+            r"robots\[0\].gripper.fingers.eyelet.above: found 0.005; allowed: 0.006 or more",
         ),
         (
             lambda c: c["robots"][0]["gripper"].update(fingers={**FINGERS, "pad_height": 0.008}),
-            r"robots\[0\].gripper.fingers.pad_height: found 0.008; allowed: 0.0085 or more",
+            r"robots\[0\].gripper.fingers.pad_height: found 0.008; allowed: 0.022 or more",
         ),
         (
             lambda c: c["robots"][0]["gripper"].update(

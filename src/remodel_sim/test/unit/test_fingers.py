@@ -1,6 +1,4 @@
-"""The fingers of a cell's file in the physics: where they end, and what their notch holds."""
-
-import math
+"""The fingers of a cell's file in the physics: where they end, what they grip and lead."""
 
 import numpy as np
 import pytest
@@ -15,8 +13,8 @@ from remodel_sim.physics.world import CONTACT_STIFFNESS, GRAVITY, MASS_SCALE, Wo
 
 (CABINET,) = read_cell("cabinet").robots
 SLIM = CABINET.arm
-# Fingers that let a wire slide stand so much further apart than it is thick.
-CAGING_M = 0.0010
+# Pads that are so near to each other have closed.
+SHUT_M = 0.0008
 # What the pads yield to a grip of 30 N, both sides together: the contacts' stiffness.
 YIELDS_M = 2 * 30.0 / CONTACT_STIFFNESS
 # Two thirds of what the friction of a grip of 30 N holds, and far less.
@@ -65,24 +63,18 @@ def test_the_tips_are_as_wide_and_reach_as_far_as_the_data_says(arm):
     np.testing.assert_allclose(points[:, 2].max(), fingers.below, atol=1e-6)
     tips = points[points[:, 2] > -fingers.below]
     np.testing.assert_allclose(np.abs(tips[:, 0]).max(), fingers.width / 2, atol=1e-6)
-    lip = 0.0 if fingers.notch is None else fingers.notch.depth
-    np.testing.assert_allclose(np.abs(tips[:, 1]).min(), fingers.opening / 2 - lip, atol=1e-6)
-    outer = fingers.opening / 2 + fingers.outer_m
+    np.testing.assert_allclose(np.abs(tips[:, 1]).min(), fingers.opening / 2, atol=1e-6)
+    tip_outer, stem_outer = fingers.thickness, fingers.stem.behind + fingers.stem.thickness
+    np.testing.assert_allclose(np.abs(tips[:, 1]).max(), fingers.opening / 2 + tip_outer, atol=1e-6)
+    outer = fingers.opening / 2 + max(tip_outer, stem_outer)
     np.testing.assert_allclose(np.abs(points[:, 1]).max(), outer, atol=1e-6)
     world.close()
 
 
 @pytest.mark.parametrize("diameter", [0.003, 0.006])
-def test_notched_pads_grip_wires_of_all_thicknesses(diameter):
+def test_slim_pads_grip_wires_of_all_thicknesses(diameter):
     world = World(240)
-    world.bullet.setGravity(0, 0, 0)
-    robot, cable = wire_in_hand(world, SLIM, diameter=diameter)
-    robot.drive_fingers(0.0)
-    for _ in range(120):
-        world.step()
-    world.bullet.setGravity(0, 0, -GRAVITY / MASS_SCALE)
-    for _ in range(240):
-        world.step()
+    robot, cable = closed_on_a_wire(world, diameter, above=0.0)
     assert robot.finger_gap == pytest.approx(diameter - YIELDS_M, abs=3e-4)
     assert robot.finger_load > 20.0
     assert abs(height_in_hand(cable)) < 0.001
@@ -91,27 +83,36 @@ def test_notched_pads_grip_wires_of_all_thicknesses(diameter):
     world.close()
 
 
-def test_a_notch_that_does_not_grip_keeps_a_wire_from_dropping_out_and_lets_it_slide():
-    world = World(240)
-    world.bullet.setGravity(0, 0, 0)
-    robot, cable = wire_in_hand(world, SLIM, diameter=0.003)
-    robot.drive_fingers(0.0015 + CAGING_M / 2)
-    for _ in range(120):
-        world.step()
-    world.bullet.setGravity(0, 0, -GRAVITY / MASS_SCALE)
-    for _ in range(240):
-        world.step()
-    assert abs(height_in_hand(cable)) < SLIM.fingers.notch.height / 2, "the wire left the notch"
+@pytest.mark.parametrize("diameter", [0.003, 0.006])
+def test_a_closed_eyelet_keeps_a_wire_from_dropping_out_and_lets_it_slide(diameter):
+    world, eyelet = World(240), SLIM.fingers.eyelet
+    robot, cable = closed_on_a_wire(world, diameter, above=eyelet.above)
+    assert robot.finger_gap < SHUT_M
+    away = abs(height_in_hand(cable) - eyelet.above)
+    assert away < eyelet.height / 2, "the wire left the eyelet"
     before = pull(world, cable, SLIDES_N, steps=120)
     assert cable.tip(WireEnd.B)[0][1] - before[1] > 0.01, "the wire does not slide"
     world.close()
 
 
-def test_empty_fingers_stop_where_their_lips_meet():
+def test_empty_fingers_stop_where_their_pads_meet():
     world = World(240)
     robot = Robot(world, TOOL, SLIM)
     robot.drive_fingers(0.0)
     for _ in range(240):
         world.step()
-    assert math.isclose(robot.finger_gap, SLIM.fingers.shut_m, abs_tol=1e-4)
+    assert robot.finger_gap < SHUT_M
     world.close()
+
+
+def closed_on_a_wire(world, diameter, above):
+    """Return a robot whose fingers have closed on a wire so far above the tool centre [m]."""
+    world.bullet.setGravity(0, 0, 0)
+    robot, cable = wire_in_hand(world, SLIM, above=above, diameter=diameter)
+    robot.drive_fingers(0.0)
+    for _ in range(120):
+        world.step()
+    world.bullet.setGravity(0, 0, -GRAVITY / MASS_SCALE)
+    for _ in range(240):
+        world.step()
+    return robot, cable

@@ -5,7 +5,7 @@ import pytest
 from panels import panel
 
 from remodel_sim.core import goals
-from remodel_sim.core.belief.belief_state import BeliefState, EndState, Feed, Grip
+from remodel_sim.core.belief.belief_state import NO_CHANNEL, BeliefState, EndState, Feed, Grip
 from remodel_sim.core.errors import AbilityError
 from remodel_sim.core.geometry import Pose
 from remodel_sim.core.goals.requirements import parse_end
@@ -145,6 +145,15 @@ def test_an_end_in_another_robots_hand_is_left_there():
             goal.check(panel(), other)
         assert caught.value.code is Code.OTHER_CABLE_HELD
     goals.PickGoal("robot_2", "W1", WireEnd.B, 0.0).check(panel(), other)
+
+
+def test_an_end_from_the_magazine_is_laid_down_wherever_the_goal_says():
+    belief = holding(WireEnd.A)
+    goal = goals.PlaceGoal("robot_1", "W1", pose_with((1.5, 0, 0.1)))
+    with pytest.raises(AbilityError, match="no arm posture"):
+        goal.check(panel(), belief)
+    belief.feed = Feed("W1", NO_CHANNEL, 1)
+    goal.check(panel(), belief)
 
 
 def test_an_occupied_terminal_names_its_occupant():

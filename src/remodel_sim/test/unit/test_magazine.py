@@ -5,14 +5,16 @@ import math
 import numpy as np
 import pytest
 from dense_board import board_wire, dense_panel
-from place_wire import ROBOT, do, fix, insert, locate
+from place_wire import ROBOT, do, fix, insert, lay_down, locate
 
 from remodel_sim.abilities.detect_cable import detect_cable
 from remodel_sim.abilities.discard_cable import discard_cable
+from remodel_sim.abilities.pick_cable import pick_cable
 from remodel_sim.cell import Cell
 from remodel_sim.core import goals
 from remodel_sim.core.cell.magazine import Magazine, plan_presentation
 from remodel_sim.core.errors import PanelError
+from remodel_sim.core.geometry import Pose
 from remodel_sim.core.workpiece.panel import WireEnd
 from remodel_sim.edge.cell_file import read_cell
 from remodel_sim.physics.magazine import present
@@ -60,7 +62,8 @@ def test_the_ends_rest_at_their_places_and_one_comes_out_at_a_light_force(length
     world = World(240.0)
     wire = board_wire("W1", ("N1", "b1"), ("N2", "b10"), length, **changes)
     noise = np.random.default_rng(1)
-    cable, presentation = present(world, MAGAZINE, dense_panel([wire]), wire, noise)
+    cable, presentation, clips = present(world, MAGAZINE, dense_panel([wire]), wire, noise)
+    assert len({*clips[WireEnd.A], *clips[WireEnd.B]}) == 4, "two clips hold each end"
     for end in WireEnd:
         away = cable.tip(end)[0] - presentation.tips[end].position
         assert np.abs(away).max() < RESTS_WITHIN_M, f"end {end.value} rests {away} m away"
@@ -114,3 +117,13 @@ def test_an_end_goes_from_its_clips_into_its_terminal_and_the_wire_can_be_discar
     do(cabinet, discard_cable, goals.DiscardGoal(ROBOT, "W1"))
     assert cabinet.plant.live is None
     assert cabinet.context.belief.fed == []
+
+
+def test_an_end_is_released_where_the_hand_is_wherever_it_is_to_be_laid_down(cabinet):
+    cabinet.feed("W1", "")
+    do(cabinet, pick_cable, goals.PickGoal(ROBOT, "W1", WireEnd.A, 0.0))
+    held_at = cabinet.context.commanded
+    lay_down(cabinet, "W1", Pose.level(5.0, 5.0, 0.06, 0.0))
+    assert cabinet.context.belief.grip is None
+    away = cabinet.plant.live.cable.tip(WireEnd.A)[0][:2] - held_at.position[:2]
+    assert np.linalg.norm(away) < 0.15

@@ -7,7 +7,7 @@ import place_wire as do
 import pytest
 from formboards import along_clips, duct, formboard
 
-from remodel_sim.abilities.primitives.route_check import check_ducts
+from remodel_sim.abilities.primitives.observation.route_check import check_ducts
 from remodel_sim.cell import Cell
 from remodel_sim.core import goals
 from remodel_sim.core.errors import AbilityError

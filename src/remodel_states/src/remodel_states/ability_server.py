@@ -46,8 +46,8 @@ from remodel_states.core.ability_error import AbilityError
 from remodel_states.core.ability_tables import Ability
 from remodel_states.core.goal_limits import beyond_limit, limits_of
 from remodel_states.core.goal_owner import owner_of
+from remodel_states.core.table_error import TableError
 from remodel_states.edge.exported_tables import read_abilities
-from remodel_states.errors import TableError
 from remodel_states.serving.ability_messages import message_class
 from remodel_states.serving.invalid_goal import why_invalid
 from remodel_states.serving.robot import Robot

@@ -14,7 +14,7 @@ from remodel_states.testing.faults import Behaves, Cure, InjectedFault
 from remodel_states.testing.ledger import Deed, Entry
 from remodel_states.testing.operations import OPERATIONS, fail, perform
 from remodel_states.testing.robot_lock import RobotLock
-from remodel_states.testing.world import Hand, Panel, Seat, World
+from remodel_states.testing.world import Hands, Panel, Seat, World
 from remodel_states.testing.world_file import WorldFile
 
 CELL = "cell_1"
@@ -25,6 +25,7 @@ PANEL = Panel(
     {"Q1": (0.0, 0.0, 0.0, 0.0)},
     openings={f"Q1/{n}": (0.0, 0.01 * n, 0.02, 1.5) for n in (1, 2, 3)},
     channels=("A",),
+    ducts={"W1": ("D1", "D2")},
 )
 
 
@@ -84,11 +85,11 @@ def test_a_wire_is_placed_end_by_end(a_fixed):
     fixed = do(inserted, "FixCable", terminal_id="2")
     assert fixed.world.is_placed("W1")
     assert fixed.entries == (Entry(Deed.FIX, CELL, "W1", "b", terminal="Q1/2", goal="g"),)
-    assert fixed.world.hand(CELL) == Hand("W1", "")
+    assert fixed.world.hands_in(CELL) == Hands("W1")
 
 
 def test_inserting_picks_first_and_goes_on_holding(fed):
-    assert do(fed, "InsertCable").world.hand(CELL).held == "a"
+    assert do(fed, "InsertCable").world.hands_in(CELL).held == {"robot_1": "a"}
 
 
 @pytest.mark.parametrize(
@@ -148,7 +149,7 @@ def test_carrying_a_seated_end_pulls_it_out(fed):
     assert do(inserted, "RouteWire").world.seat("W1", "a") is None
     placed = do(inserted, "PlaceCable").world
     assert placed.seat("W1", "a") is None
-    assert not placed.hand(CELL).held
+    assert not placed.hands_in(CELL).held
 
 
 def test_extracting_a_fixed_end_is_a_deed(a_fixed):
@@ -173,9 +174,9 @@ def refused_feed(world, wire="W1", cell=CELL):
 def test_an_untouched_piece_is_presented_again(fed):
     assert fed.feed(CELL, "W1", "A") == fed
     other = fed.feed(CELL, "W2", "A")
-    assert other.hand(CELL).live == "W2"
+    assert other.hands_in(CELL).live == "W2"
     again = other.feed(CELL, "W1", "A")
-    assert (again.fed, again.hand(CELL).live) == (("W1", "W2"), "W1")
+    assert (again.fed, again.hands_in(CELL).live) == (("W1", "W2"), "W1")
     assert do(fed, "DetectCable").world.feed(CELL, "W1", "A") == fed
 
 
@@ -193,9 +194,9 @@ def test_a_discarded_wire_is_gone_with_its_connections(a_fixed):
     for fields in ({}, {"cable_id": ""}):
         effect = do(held, "DiscardCable", **fields)
         assert (effect.world.fed, effect.world.seats) == ((), {})
-        assert effect.world.hand(CELL) == Hand()
+        assert effect.world.hands_in(CELL) == Hands()
         assert effect.entries == (Entry(Deed.DISCARD, CELL, "W1", goal="g"),)
-        assert effect.world.feed(CELL, "W1", "A").hand(CELL).live == "W1"
+        assert effect.world.feed(CELL, "W1", "A").hands_in(CELL).live == "W1"
 
 
 def test_discarding_nothing_succeeds(fed):
@@ -207,7 +208,7 @@ def test_discarding_nothing_succeeds(fed):
 def test_a_hand_discards_no_wire_but_its_own(fed):
     held = do(fed, "PickCable").world
     assert code_of(held, "DiscardCable", cable_id="W2") == ErrorCode.OTHER_CABLE_HELD
-    other = held.feed("cell_2", "W2", "A").with_hand("cell_2", held="a")
+    other = held.feed("cell_2", "W2", "A").with_held("cell_2", "robot_1", "a")
     wire_of_other = do(other, "PlaceCable").world
     code = code_of(wire_of_other, "DiscardCable", cable_id="W2")
     assert code == ErrorCode.ROBOT_IN_THE_WAY
@@ -223,18 +224,91 @@ def test_discarding_extracts_the_ends_that_are_connected(fed, a_fixed):
 
 def test_what_the_hand_holds_is_laid_down_without_its_name(fed):
     placed = do(do(fed, "PickCable").world, "PlaceCable", cable_id="")
-    assert placed.world.hand(CELL).held == ""
+    assert not placed.world.hands_in(CELL).held
     assert "W1" in placed.said
 
 
 def test_a_failed_insertion_leaves_the_wire_in_the_hand(fed):
     jammed = fail(fed, CELL, "InsertCable", ErrorCode.INSERTION_JAMMED, goal=goal())
-    assert jammed.hand(CELL).held == "a"
+    assert jammed.hands_in(CELL).of("robot_1") == "a"
     assert jammed.seat("W1", "a") is None
     contested = perform("InsertCable", fed, CELL, goal(), code=ErrorCode.SEVERAL_SERVERS)
     assert contested.world == fed
     slipped = fail(jammed, CELL, "RouteWire", ErrorCode.GRASP_SLIPPED, goal=goal())
-    assert not slipped.hand(CELL).held
+    assert not slipped.hands_in(CELL).held
+
+
+# --- two robots
+
+
+@pytest.fixture
+def both_held(fed):
+    """Return a world in which robot_1 holds end a, and robot_2 end b."""
+    return do(do(fed, "PickCable").world, "PickCable", robot_name="robot_2", cable_end="b").world
+
+
+@pytest.fixture
+def to_be_laid(both_held):
+    """Return a world in which end a is fixed, and robot_2 holds end b."""
+    return do(do(both_held, "InsertCable").world, "FixCable").world
+
+
+LAY = {"robot_name": "robot_2", "guide_name": "robot_1"}
+
+
+def test_one_robot_inserts_an_end_while_another_holds_the_other_one(both_held, to_be_laid):
+    assert both_held.hands_in(CELL).held == {"robot_1": "a", "robot_2": "b"}
+    assert to_be_laid.seat("W1", "a") == Seat("Q1/1", True)
+    assert to_be_laid.hands_in(CELL).held == {"robot_2": "b"}
+    second = {"robot_name": "robot_2", "cable_end": "b", "terminal_id": "2"}
+    inserted = do(to_be_laid, "InsertCable", **second).world
+    fixed = do(inserted, "FixCable", **second).world
+    assert fixed.is_placed("W1")
+    assert not fixed.hands_in(CELL).held
+
+
+def test_an_end_that_another_robot_holds_is_neither_picked_nor_inserted(both_held, to_be_laid):
+    other = {"robot_name": "robot_1", "cable_end": "b"}
+    assert code_of(to_be_laid, "PickCable", **other) == ErrorCode.OTHER_CABLE_HELD
+    assert code_of(to_be_laid, "InsertCable", **other) == ErrorCode.OTHER_CABLE_HELD
+    assert refused_feed(to_be_laid, "W2") == ErrorCode.OTHER_CABLE_HELD
+    for wire in ("W1", ""):
+        assert code_of(both_held, "DiscardCable", cable_id=wire) == ErrorCode.OTHER_CABLE_HELD
+
+
+def test_each_robot_places_and_loses_only_what_it_holds(both_held):
+    assert do(both_held, "PlaceCable").world.hands_in(CELL).held == {"robot_2": "b"}
+    slipped = fail(both_held, CELL, "FixCable", ErrorCode.GRASP_SLIPPED, goal=goal())
+    assert slipped.hands_in(CELL).held == {"robot_2": "b"}
+    assert code_of(slipped, "PlaceCable") == ErrorCode.NOTHING_HELD
+    pins = SimpleNamespace(robot_1_name="robot_1", robot_2_name="robot_2")
+    slipped = fail(both_held, CELL, "PlacePin", ErrorCode.GRASP_SLIPPED, goal=pins)
+    assert not slipped.hands_in(CELL).held
+
+
+def test_a_wire_is_laid_by_one_robot_while_another_holds_its_free_end(to_be_laid):
+    effect = do(to_be_laid, "LayWire", **LAY)
+    assert effect.world == to_be_laid
+    assert effect.found["in_ducts"] == 1.0
+    assert effect.said == "W1 laid into D1, D2"
+
+
+def test_a_wire_is_not_laid_unless_it_is_fixed_held_and_to_be_led(fed, both_held, to_be_laid):
+    for world in (both_held, do(both_held, "InsertCable").world):
+        assert code_of(world, "LayWire", **LAY) == ErrorCode.INVALID_GOAL
+    placed = do(to_be_laid, "PlaceCable", robot_name="robot_2").world
+    assert code_of(placed, "LayWire", **LAY) == ErrorCode.NOTHING_HELD
+    turned = {"robot_name": "robot_1", "guide_name": "robot_2"}
+    by_guide = do(placed, "PickCable", cable_end="b").world.with_held(CELL, "robot_2", "a")
+    assert code_of(by_guide, "LayWire", **turned) == ErrorCode.OTHER_CABLE_HELD
+    for fields, code in (
+        ({"guide_name": "robot_9"}, ErrorCode.UNKNOWN_NAME),
+        ({"robot_name": "robot_1"}, ErrorCode.INVALID_GOAL),
+        ({"cable_id": "W2"}, ErrorCode.WIRE_NOT_FED),
+    ):
+        assert code_of(to_be_laid, "LayWire", **{**LAY, **fields}) == code
+    without = replace(to_be_laid, panel=replace(PANEL, ducts={}))
+    assert code_of(without, "LayWire", **LAY) == ErrorCode.INVALID_GOAL
 
 
 # --- on disk

@@ -6,8 +6,8 @@ from pathlib import Path
 import pytest
 import yaml
 
+from remodel_states.core.table_error import TableError
 from remodel_states.edge.table_files import faults_from
-from remodel_states.errors import TableError
 
 MSGS = Path(__file__).parents[3] / "remodel_msgs"
 OWN = {

@@ -169,6 +169,16 @@ def test_an_empty_hand_at_the_end_is_not_the_cause_of_a_failure(run):
     )
 
 
+def test_each_hand_that_a_task_gives_up_with_may_be_left_full(run):
+    for slipped, empty, full in ((0, 0, False), (JAM, 0, True), (0, JAM, True)):
+        run.begin("W1")
+        run.add(OperationEnded("W1", operation(JAM)))
+        for code in (slipped, empty):
+            run.add(OperationEnded("W1", replace(operation(code), ability="PlaceCable")))
+        run.end("W1", "failed")
+        assert run.state.tasks["W1"].hand_may_hold is full
+
+
 def test_a_fixing_that_fails_is_tried_again_with_more_force_of_its_insertion(run):
     run.possible = POSSIBLE | {Do.RETRY_WITH}
     run.begin("W1")

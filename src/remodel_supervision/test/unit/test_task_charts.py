@@ -281,11 +281,66 @@ def test_who_takes_over_does_what_follows_the_handover():
         param.value
         for node in task.chart.nodes
         for param in node.params
-        if param.name == "robot_name" and not node.id.startswith("Extract")
+        if param.name == "robot_name" and not node.id.startswith(("Extract", "Lay aside"))
     ]
     given = robots.index(task.arms[1])
     assert set(robots[:given]) == {task.arms[0]}
     assert set(robots[given:]) == {task.arms[1]}
+
+
+@pytest.fixture(scope="module")
+def in_ducts():
+    text = (PACKAGE / "examples" / "cabinet.yaml").read_text()
+    thin = text.replace("section_mm2: 6.0", "section_mm2: 2.5")
+    return tasks_of(thin.replace("use_case: switchgear", "use_case: cabinet_ducts"))
+
+
+def robots_of(chart):
+    """Return the robots of a chart's nodes by their ids."""
+    named = [(node.id, p) for node in chart.nodes for p in node.params if p.name == "robot_name"]
+    return {node: param.value for node, param in named}
+
+
+def test_two_robots_do_a_wire_by_name(in_ducts, library):
+    chart = in_ducts["W1"].chart
+    assert list(robots_of(chart).items())[:7] == [
+        ("Hold", "robot_2"),
+        ("Grasp", "robot_1"),
+        ("Insert a", "robot_1"),
+        ("Fix a", "robot_1"),
+        ("Lay", "robot_2"),
+        ("Insert b", "robot_2"),
+        ("Fix b", "robot_2"),
+    ]
+    flows = {(c.output_state_id, c.output, c.input_state_id) for c in chart.connections}
+    assert ("Locate first", "socket_pose", "Insert a") in flows
+    assert ("Locate second", "socket_pose", "Extract b") in flows
+    for chart in (in_ducts["W1"].chart, in_ducts["W1"].clear(), in_ducts["W1"].discard()):
+        assert check_chart(escalating(chart), library, {}).problems == ()
+
+
+def test_a_task_that_is_given_up_empties_the_hands_of_all_its_robots(in_ducts):
+    chart = in_ducts["W1"].chart
+    nodes, robots = transitions(chart), robots_of(chart)
+    assert nodes["Lay"]["exhausted"] == nodes["Hold"]["command_error"] == "Release"
+    assert set(nodes["Release"].values()) == {"Release 2"}
+    assert set(nodes["Release 2"].values()) == {"failed"}
+    assert (robots["Release"], robots["Release 2"]) == ("robot_1", "robot_2")
+    handed_over = tasks_of((PACKAGE / "examples" / "automotive_harness.yaml").read_text())["W1"]
+    robots = robots_of(handed_over.chart)
+    assert (robots["Lay aside"], robots["Lay aside 2"]) == handed_over.arms
+    cleared = in_ducts["W1"].clear()
+    assert list(robots_of(cleared).values()) == ["robot_1", "robot_2"]
+    assert transitions(cleared)["Release"] == {
+        "placed": "Release 2",
+        "failed": "failed",
+        "command_error": "Release 2",
+    }
+
+
+def test_what_is_left_begins_with_all_that_it_needs_in_order(in_ducts):
+    left = [step.title for step in in_ducts["W1"].left("a")]
+    assert left == ["Find ends", "Locate second", "Hold", "Lay", "Insert b", "Fix b"]
 
 
 def test_unchanged_charts_are_kept_and_changed_ones_have_another_mark(tmp_path, cabinet):

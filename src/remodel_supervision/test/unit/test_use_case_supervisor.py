@@ -236,6 +236,10 @@ def test_a_server_that_died_is_the_cause_and_not_what_its_heir_does_not_know():
     unfed = Operation("/Lay down", "PlaceCable", "failed", 403, "not fed", 3.0, 1.0)
     assert cause_of([lost, unfed]) is lost
     assert cause_of([unfed]) is unfed
+    laid_down = replace(unfed, outcome="placed", error_code=0)
+    for given_up in ([unfed, unfed], [unfed, laid_down], [laid_down, unfed]):
+        assert cause_of([lost, *given_up]) is lost
+    assert cause_of([lost, unfed, lost]) is lost
 
 
 def test_a_run_stops_when_what_was_lost_does_not_answer_again(bench):

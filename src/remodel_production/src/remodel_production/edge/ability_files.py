@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from remodel_production.core.ability import Ability, AbilityParameter
 from remodel_production.errors import PlannerError
+from remodel_states.core.table_error import TableError
 from remodel_states.edge import exported_tables
-from remodel_states.errors import TableError
 
 
 def read_abilities() -> tuple[Ability, ...]:

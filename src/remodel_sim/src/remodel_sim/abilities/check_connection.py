@@ -13,11 +13,14 @@ import numpy as np
 
 from remodel_sim.abilities.ability import ability
 from remodel_sim.abilities.execution.robot_context import RobotContext, Steps
-from remodel_sim.abilities.primitives.component_views import ComponentViews, expected_place
 from remodel_sim.abilities.primitives.grasping import holds
 from remodel_sim.abilities.primitives.motions import park
-from remodel_sim.abilities.primitives.observing import go_and_see
-from remodel_sim.abilities.primitives.viewpoints import camera_above
+from remodel_sim.abilities.primitives.observation.component_views import (
+    ComponentViews,
+    expected_place,
+)
+from remodel_sim.abilities.primitives.observation.observing import go_and_see
+from remodel_sim.abilities.primitives.observation.viewpoints import camera_above
 from remodel_sim.core.camera import Picture
 from remodel_sim.core.errors import AbilityError
 from remodel_sim.core.geometry import Pose

@@ -8,7 +8,7 @@ import numpy as np
 
 from remodel_sim.abilities.ability import ability
 from remodel_sim.abilities.execution.robot_context import RobotContext, Steps
-from remodel_sim.abilities.primitives.observing import (
+from remodel_sim.abilities.primitives.observation.observing import (
     GraspObservation,
     OverheadObservation,
     loose_ends,

@@ -26,7 +26,7 @@ from remodel_sim.abilities.primitives.motions import (
     rise,
     wait,
 )
-from remodel_sim.abilities.primitives.observing import loose_ends
+from remodel_sim.abilities.primitives.observation.observing import loose_ends
 from remodel_sim.core.belief.openings import TerminalKey, nearest_terminal, opening_of
 from remodel_sim.core.errors import AbilityError
 from remodel_sim.core.geometry import Pose

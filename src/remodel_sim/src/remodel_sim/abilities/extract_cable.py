@@ -153,16 +153,17 @@ def _regrasp(context: RobotContext, end: WireEnd, goal: ExtractGoal) -> Steps[No
     connector = context.wire.connector_at(end)
     inside = terminal.depth if connector is None else connector.pin_length
     try:
-        yield from _grasp_at_opening(context, end, goal.socket, inside)
+        yield from _grasp_at_opening(context, end, goal, inside)
     except AbilityError as error:
         if error.code is not Code.GRASP_MISSED:
             raise
 
 
 def _grasp_at_opening(
-    context: RobotContext, end: WireEnd, socket: Pose, inside: float
+    context: RobotContext, end: WireEnd, goal: ExtractGoal, inside: float
 ) -> Steps[None]:
     """Grasp the wire just outside an opening; `inside` [m] of it are in the terminal."""
+    socket, terminal = goal.socket, (goal.component_id, goal.terminal_id)
     then = context.belief.picked_at[end]
     distance = inside + OUTSIDE_M
     place = tool_before(
@@ -178,7 +179,7 @@ def _grasp_at_opening(
     tool = ToolPose(place.x, place.y, place.z, socket.yaw - flip)
     yield from clear_hand(context)
     yield from swing_to(context, tool.at(z=max(TRAVEL_Z, context.commanded.z)))
-    context.drive_fingers(opening_beside_neighbours(context))
+    context.drive_fingers(opening_beside_neighbours(context, terminal))
     yield from move_to(context, tool.at(z=tool.z + 0.03), FREE_SPEED)
     yield from move_to(context, tool, APPROACH_SPEED)
     picked = context.belief.picked_at[end]

@@ -9,15 +9,15 @@ import numpy as np
 
 from remodel_sim.abilities.ability import ability
 from remodel_sim.abilities.execution.robot_context import RobotContext, Steps
-from remodel_sim.abilities.primitives.component_views import (
+from remodel_sim.abilities.primitives.motions import disengage, park
+from remodel_sim.abilities.primitives.observation.component_views import (
     ComponentViews,
     expected_place,
     find_panel,
     to_be_seen,
 )
-from remodel_sim.abilities.primitives.motions import disengage, park
-from remodel_sim.abilities.primitives.observing import go_and_see
-from remodel_sim.abilities.primitives.viewpoints import component_views
+from remodel_sim.abilities.primitives.observation.observing import go_and_see
+from remodel_sim.abilities.primitives.observation.viewpoints import component_views
 from remodel_sim.core.camera import Picture
 from remodel_sim.core.errors import AbilityError
 from remodel_sim.core.geometry import Pose

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from remodel_sim.abilities.ability import ability
 from remodel_sim.abilities.execution.robot_context import RobotContext, Steps
 from remodel_sim.abilities.primitives.grasping import RELEASE_OPENING_M, release
-from remodel_sim.abilities.primitives.laying import lay_down
+from remodel_sim.abilities.primitives.laying import lay_down, let_down
 from remodel_sim.abilities.primitives.motions import (
     held_tool,
     rise,
@@ -46,11 +46,14 @@ def place_cable(context: RobotContext, goal: PlaceGoal) -> Steps[CablePlaced]:
     """Carry the held end to the target, release it there, and lift the empty hand.
 
     An end that sits in a terminal is pulled out; one that is fixed there is released where it is.
+    An end from the magazine has no place on the board: it is released above where the hand is.
     """
     yield from _draw_out(context)
-    target = held_tool(context, goal.target)
-    yield from lay_down(context, target, (0.0, 1.0))
-    x, y = target.x, target.y
+    if context.belief.by_magazine:
+        yield from let_down(context)
+    else:
+        yield from lay_down(context, held_tool(context, goal.target), (0.0, 1.0))
+    x, y = context.commanded.x, context.commanded.y
     return CablePlaced(f"{context.wire.id} laid down at x {x * 1e3:.0f}, y {y * 1e3:.0f} mm")
 
 

@@ -28,25 +28,24 @@ from remodel_sim.abilities.primitives.motions import (
     CARRY_Z,
     HAND_OPEN_M,
     disengage,
-    move_to,
     park,
     rise,
     wait,
 )
-from remodel_sim.abilities.primitives.observing import (
+from remodel_sim.abilities.primitives.observation.observing import (
     OverheadObservation,
     mark_end,
     observe_from_above,
 )
 from remodel_sim.abilities.primitives.pushing import tool_before
+from remodel_sim.abilities.primitives.together import move_together
 from remodel_sim.core.belief.belief_state import Grip
 from remodel_sim.core.errors import AbilityError
-from remodel_sim.core.geometry import Array, Pose, wrap_angle
+from remodel_sim.core.geometry import Array, Pose
 from remodel_sim.core.goals.goal_pose import Message
 from remodel_sim.core.goals.pin_goal import PlacePinGoal, pin_row
 from remodel_sim.core.robot.arm import ToolPose
 from remodel_sim.core.robot.force_control import WIRE_STIFFNESS, ForceControl
-from remodel_sim.core.robot.motion import MAX_TURN_RATE, PEAK_OVER_MEAN
 from remodel_sim.core.vision.drawing import ORANGE, Drawing
 from remodel_sim.core.vision.wire_ends import line_from
 from remodel_sim.core.workpiece.panel import WireEnd
@@ -58,7 +57,6 @@ PIN_TOLERANCE_M = 0.015
 PATH_TOLERANCE_M = 0.025
 # The feeder's fork waits here while the wire is laid, beyond the plate [m].
 FORK_AWAY_M = (0.50, 0.62)
-SLOWEST = 1e-3  # [m/s]
 # A wire is taut at this pull [N]; each arm draws so fast [m/s], and so far at most [m].
 TAUT_N = 2.0
 DRAW_SPEED = 0.010
@@ -114,11 +112,11 @@ def place_pin(one: RobotContext, two: RobotContext, goal: PlacePinGoal) -> Steps
     yield from concurrently(*(_pick(hand) for hand in hands))
     one.move_fork(*FORK_AWAY_M)
     one.report("carrying both ends to their connectors", 0.5)
-    yield from _move_both(hands, [_above(hand) for hand in hands], CARRY_SPEED)
+    yield from move_together([(hand.context, _above(hand)) for hand in hands], CARRY_SPEED)
     for hand in hands:
         check_grip(hand.context)
     one.report("laying both pins down", 0.65)
-    yield from _move_both(hands, [_lying(hand) for hand in hands], APPROACH_SPEED)
+    yield from move_together([(hand.context, _lying(hand)) for hand in hands], APPROACH_SPEED)
     one.report("drawing the wire taut", 0.7)
     yield from concurrently(*(_draw(hand) for hand in hands))
     yield from concurrently(*(_release(hand) for hand in hands))
@@ -180,27 +178,6 @@ def _above(hand: Hand) -> ToolPose:
 def _lying(hand: Hand) -> ToolPose:
     tool = tool_before(hand.pin, _grip(hand), 0.0)
     return tool.at(z=max(tool.z, hand.context.fingers.below + FLOOR_CLEARANCE_M))
-
-
-def _move_both(hands: list[Hand], targets: list[ToolPose], speed: float) -> Steps[None]:
-    """Move both tools in straight lines that begin and end at the same time.
-
-    So the distance between them is never more than at the start or at the end, and the wire is
-    never pulled taut on the way.
-    """
-    ways, turns = [], []
-    for hand, target in zip(hands, targets, strict=True):
-        now = hand.context.commanded
-        ways.append(float(np.linalg.norm(target.position - now.position)))
-        turns.append(abs(wrap_angle(target.yaw - now.yaw)))
-    duration = max(max(ways) / speed, max(turns) / MAX_TURN_RATE) * PEAK_OVER_MEAN
-    yield from concurrently(
-        *(
-            move_to(hand.context, target, max(SLOWEST, PEAK_OVER_MEAN * way / duration))
-            for hand, target, way in zip(hands, targets, ways, strict=True)
-            if way > 0
-        )
-    )
 
 
 def _draw(hand: Hand) -> Steps[None]:

@@ -13,7 +13,7 @@ from remodel_sim.abilities.primitives.clipping import lay_into, press_from_above
 from remodel_sim.abilities.primitives.grasping import check_grip
 from remodel_sim.abilities.primitives.laying import lay_down
 from remodel_sim.abilities.primitives.motions import CARRY_SPEED, disengage, held_tool
-from remodel_sim.abilities.primitives.route_check import (
+from remodel_sim.abilities.primitives.observation.route_check import (
     check_ducts,
     clip_fault,
     judge_clips,

@@ -24,8 +24,10 @@ from remodel_sim.core.cell.feeding import Feeder
 from remodel_sim.core.cell.magazine import Magazine
 from remodel_sim.core.errors import CellFileError
 from remodel_sim.core.robot.arm import ARM_MODELS, Arm, ToolPose
-from remodel_sim.core.robot.fingers import PANDA_FINGERS, Fingers, Notch, Stem
+from remodel_sim.core.robot.fingers import PANDA_FINGERS, Eyelet, Fingers, Stem
+from remodel_sim.core.robot.kinematics import Kinematics
 from remodel_sim.core.robot.linear_axis import LinearAxis
+from remodel_sim.core.robot.portal import Portal
 from remodel_sim.core.workpiece.panel import Duct, PanelClip
 from remodel_states.core.schema_problems import schema_problems
 
@@ -98,30 +100,32 @@ def _magazine(parsed: dict[str, Any]) -> Magazine:
 
 
 def _robot(parsed: dict[str, Any]) -> RobotDesign:
-    limits = parsed.get("limits", {"lower_deg": (), "upper_deg": ()})
-    lower, upper = (
-        tuple(math.radians(angle) for angle in limits[key]) for key in ("lower_deg", "upper_deg")
-    )
     camera = parsed["camera"]
     return RobotDesign(
         name=parsed["name"],
-        arm=Arm(
-            ARM_MODELS[parsed["arm"]],
-            _placed(parsed["base"]),
-            lower,
-            upper,
-            fingers=_fingers(parsed["gripper"]),
-            axis=_axis(parsed),
-        ),
+        arm=_kinematics(parsed),
         home=ToolPose(*_placed(parsed["home"])),
         gripper=Gripper(
             float(parsed["gripper"]["grip_force"]), float(parsed["gripper"]["pad_friction"])
         ),
-        camera=WristCamera(camera["name"], _lens(camera)),
+        camera=WristCamera(camera["name"], _lens(camera), camera.get("depth", False)),
         prefix=parsed["prefix"],
         scrap_bin=ToolPose(*_placed(parsed["scrap_bin"])) if "scrap_bin" in parsed else None,
         clearance=float(parsed["clearance"]) if "clearance" in parsed else None,
     )
+
+
+def _kinematics(parsed: dict[str, Any]) -> Kinematics:
+    base, fingers = _placed(parsed["base"]), _fingers(parsed["gripper"])
+    if parsed["arm"] == "portal":
+        lower, upper = (_point(parsed["travel"][key]) for key in ("lower", "upper"))
+        return Portal(base, lower, upper, fingers)
+    limits = parsed.get("limits", {"lower_deg": (), "upper_deg": ()})
+    least, most = (
+        tuple(math.radians(angle) for angle in limits[key]) for key in ("lower_deg", "upper_deg")
+    )
+    model = ARM_MODELS[parsed["arm"]]
+    return Arm(model, base, least, most, fingers=fingers, axis=_axis(parsed))
 
 
 def _axis(robot: dict[str, Any]) -> LinearAxis | None:
@@ -134,8 +138,8 @@ def _fingers(gripper: dict[str, Any]) -> Fingers:
     if "fingers" not in gripper:
         return PANDA_FINGERS
     parsed = gripper["fingers"]
-    notch = Notch(**parsed["notch"]) if "notch" in parsed else None
-    return Fingers(**{**parsed, "stem": Stem(**parsed["stem"]), "notch": notch})
+    eyelet = Eyelet(**parsed["eyelet"]) if "eyelet" in parsed else None
+    return Fingers(**{**parsed, "stem": Stem(**parsed["stem"]), "eyelet": eyelet})
 
 
 def _lens(parsed: dict[str, Any]) -> Lens:

@@ -16,7 +16,8 @@ from typing import Any
 import numpy as np
 
 from remodel_sim.core.geometry import Pose, turn_between
-from remodel_sim.core.robot.arm import Arm, ToolPose
+from remodel_sim.core.robot.arm import ToolPose
+from remodel_sim.core.robot.kinematics import Kinematics
 from remodel_sim.core.workpiece.obstacles import Obstacles
 from remodel_sim.physics.bullet import connect
 from remodel_sim.physics.robot_description import FINGERS, HAND, robot_description
@@ -81,7 +82,7 @@ class Touch:
 class CollisionCheck:
     """A shadow of an arm among obstacles. Only the thread that made it may use it."""
 
-    def __init__(self, arm: Arm, clearance: float) -> None:
+    def __init__(self, arm: Kinematics, clearance: float) -> None:
         """Load the shadow; `clearance` is kept to every obstacle [m]."""
         self._bullet = connect()
         self._arm, self._clearance = arm, clearance

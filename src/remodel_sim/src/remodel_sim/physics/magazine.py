@@ -30,13 +30,17 @@ REST_S = 0.5
 
 def present(
     world: World, magazine: Magazine, panel: Panel, wire: PanelWire, noise: np.random.Generator
-) -> tuple[SimulatedWire, Presentation]:
-    """Put a wire into the magazine's clips; return it, and where its ends should be."""
+) -> tuple[SimulatedWire, Presentation, dict[WireEnd, tuple[int, ...]]]:
+    """Put a wire into the magazine's clips.
+
+    Returns:
+        The wire, where its ends should be, and the clips that hold each end.
+    """
     presentation = plan_presentation(magazine, panel, wire)
     tips = {end: disturbed(tip, noise) for end, tip in presentation.tips.items()}
-    for tip in tips.values():
-        for clip, pose in fork_clips(wire, tip):
-            add_clip(world, clip, pose)
+    clips: dict[WireEnd, tuple[int, ...]] = {}
+    for end, tip in tips.items():
+        clips[end] = tuple(add_clip(world, clip, pose) for clip, pose in fork_clips(wire, tip))
         add_static(world.bullet, [stop_box(wire)], tip)
     a, b = (HeldEnd(tips[end].position, tips[end].rotation[:, 0], held_length()) for end in WireEnd)
     cable = hanging_cable(world, wire, a, b)
@@ -45,7 +49,7 @@ def present(
     for holder in holders:
         world.bullet.removeConstraint(holder)
     _rest(world, REST_S)
-    return cable, presentation
+    return cable, presentation, clips
 
 
 def _hold(world: World, cable: SimulatedWire, end: WireEnd) -> int:

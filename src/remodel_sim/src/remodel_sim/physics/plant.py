@@ -31,6 +31,7 @@ from remodel_sim.physics import cameras
 from remodel_sim.physics.collision_check import CollisionCheck
 from remodel_sim.physics.feeder import lay
 from remodel_sim.physics.fixtures.clamps import close_clamp
+from remodel_sim.physics.fixtures.clips import open_clip
 from remodel_sim.physics.fixtures.latches import Header
 from remodel_sim.physics.fixtures.panel_scene import PanelScene
 from remodel_sim.physics.live_wire import LiveWire, bent_cable
@@ -151,6 +152,7 @@ class Plant:
         """
         self.world.clear()
         self._fork: int | None = None
+        self._magazine_clips: dict[WireEnd, tuple[int, ...]] = {}
         magazine = self.design.magazine
         edge = None if magazine is None else magazine.x + TABLE_EDGE_M
         self._scene = PanelScene(
@@ -197,7 +199,9 @@ class Plant:
         if magazine is None:
             cable, presentation = self._lay(wire, channel_id)
         else:
-            cable, presentation = present(self.world, magazine, self.panel, wire, self._noise)
+            cable, presentation, self._magazine_clips = present(
+                self.world, magazine, self.panel, wire, self._noise
+            )
         self.live = LiveWire(wire, cable)
         self.live.watch_headers(self.world, self._headers)
         return presentation
@@ -270,6 +274,11 @@ class Plant:
     def lower_fork(self) -> None:
         """Draw the feeder's fork in under the plate."""
         self._put_fork(0.0, 0.0, FORK_DOWN_M)
+
+    def open_magazine(self, end: WireEnd) -> None:
+        """Open the magazine's clips that hold an end."""
+        for clip in self._magazine_clips.pop(end, ()):
+            open_clip(self.world, clip)
 
     def _put_fork(self, x: float, y: float, z: float) -> None:
         if self._fork is not None:
@@ -438,8 +447,9 @@ class Plant:
         return self._take_picture("overhead", self.design.overhead, depth=True)
 
     def take_wrist_picture(self, robot: str) -> Picture:
-        """Take a colour picture from a robot's hand."""
-        return self._take_picture(self._camera(robot).name, self.wrist_view(robot), depth=False)
+        """Take a picture from a robot's hand, with depth if its camera measures it."""
+        camera = self._camera(robot)
+        return self._take_picture(camera.name, self.wrist_view(robot), depth=camera.depth)
 
     def _camera(self, robot: str) -> WristCamera:
         return next(design.camera for design in self.design.robots if design.name == robot)

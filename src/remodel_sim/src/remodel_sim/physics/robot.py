@@ -10,13 +10,15 @@ import numpy as np
 
 from remodel_sim.core.cell.cell_design import Gripper
 from remodel_sim.core.geometry import Array, Pose
-from remodel_sim.core.robot.arm import PANDA_AT_ORIGIN, Arm, ToolPose
+from remodel_sim.core.robot.arm import PANDA_AT_ORIGIN, ToolPose
+from remodel_sim.core.robot.kinematics import Kinematics
+from remodel_sim.core.robot.portal import Portal
 from remodel_sim.physics.robot_description import (
     AXIS_FORCE_N,
-    BASE_LINKS,
     CAMERA_MOUNT,
     FINGERS,
     HAND,
+    foot_link,
     robot_description,
 )
 from remodel_sim.physics.world import CONTACT_DAMPING, CONTACT_STIFFNESS, World
@@ -52,6 +54,13 @@ FORCE_TIME_CONSTANT = 0.008
 Controller = Callable[[Array, float], Array]
 
 
+def _servo_forces(arm: Kinematics) -> list[float]:
+    """Return what the servos of all joints can do [N, N m]."""
+    if isinstance(arm, Portal):
+        return [AXIS_FORCE_N] * 3 + [ARM_TORQUE]
+    return [*([] if arm.axis is None else [AXIS_FORCE_N]), *[ARM_TORQUE] * 7]
+
+
 class Robot:
     """An arm on its base with a hand, pointing its tool down.
 
@@ -67,7 +76,7 @@ class Robot:
         self,
         world: World,
         start: ToolPose,
-        arm: Arm = PANDA_AT_ORIGIN,
+        arm: Kinematics = PANDA_AT_ORIGIN,
         gripper: Gripper = HAND_30_N,
     ) -> None:
         """Load the arm in a posture, fingers open."""
@@ -89,16 +98,15 @@ class Robot:
         links = {info[12].decode(): info[0] for info in infos}
         # The fixed joint between flange and hand, where the force sensor sits, and the hand's link.
         self._wrist = links[HAND]
-        self._base = links.get(BASE_LINKS[arm.model.name])
+        self._base = links.get(foot_link(arm))
         self._fingers = [links[finger] for finger in FINGERS]
-        forces = [ARM_TORQUE] * 7
-        self._joint_forces = forces if arm.axis is None else [AXIS_FORCE_N, *forces]
+        self._joint_forces = _servo_forces(arm)
         self._joints = list(range(len(self._joint_forces)))
         self.joint_names = [infos[i][1].decode() for i in self._joints + self._fingers]
         self.grip_force = gripper.grip_force
         self._force = np.zeros(3)
         self._controller: Controller | None = None
-        self._least, self._most = arm.fingers.shut_m / 2, arm.fingers.opening / 2
+        self._most = arm.fingers.opening / 2
         self._opening = self._target = self._most
         self._touch_gap = TOUCH_GAP
         self._grips = False
@@ -163,7 +171,7 @@ class Robot:
 
         Closing, they stop on what they grip, slow where the pads are within `touch_gap` [m].
         """
-        self._target = min(self._most, max(self._least, opening))
+        self._target = min(self._most, max(0.0, opening))
         self._touch_gap = touch_gap
 
     def _move_fingers(self) -> None:

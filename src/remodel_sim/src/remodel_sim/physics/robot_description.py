@@ -1,20 +1,23 @@
 """Descriptions of the arms.
 
-Pybullet_data's Franka Panda or KUKA iiwa, either with the Panda's hand, and on it the cell's own
-fingers and a wrist camera; below it a linear axis, if the arm has one.
+Pybullet_data's Franka Panda or KUKA iiwa, or a portal, each with the Panda's hand, and on it the
+cell's own fingers and a wrist camera; below an arm a linear axis, if it has one.
 """
 
 from __future__ import annotations
 
 import math
 import xml.etree.ElementTree as ElementTree
+from collections.abc import Iterator
 from pathlib import Path
 
 import pybullet_data
 
 from remodel_sim.core.robot.arm import FRANKA_PANDA, KUKA_IIWA, Arm
 from remodel_sim.core.robot.fingers import Fingers
+from remodel_sim.core.robot.kinematics import Kinematics
 from remodel_sim.core.robot.linear_axis import LinearAxis
+from remodel_sim.core.robot.portal import JOINT_NAMES, TURN_RAD, Portal
 from remodel_sim.core.workpiece.component_shape import Box
 
 FINGER_ROOT_M = 0.0584  # hand frame to finger frame, as in the original
@@ -40,20 +43,33 @@ IIWA_FLANGE_M = 0.045
 IIWA_HAND_TURN = math.pi - KUKA_IIWA.yaw_zero
 
 
-def robot_description(arm: Arm) -> str:
-    """Return the URDF of an arm with its hand and fingers as text, with absolute mesh paths."""
+# A portal's ram hangs from so far above the tool where the z axis stands lowest [m]: the beams are
+# above the overhead camera, and not drawn.
+RAM_WIDTH_M = 0.05
+RAM_LENGTH_M = 0.9
+PORTAL_FRAME = "portal_frame"
+PORTAL_LINK_KG = 10.0
+
+
+def robot_description(arm: Kinematics) -> str:
+    """Return the URDF of a robot with its hand and fingers as text, with absolute mesh paths."""
     data = Path(pybullet_data.getDataPath())
     root = _read(data / "franka_panda/panda.urdf", "package://meshes")
-    if arm.model == KUKA_IIWA:
-        root = _with_hand_of(_read(data / "kuka_iiwa/model.urdf", "meshes"), root)
+    if isinstance(arm, Portal):
+        root = _with_hand_of(_portal(arm), root, JOINT_NAMES[-1], (0.0, 0.0, arm.fingers.tool_m))
+    elif _is_iiwa(arm):
+        iiwa = _read(data / "kuka_iiwa/model.urdf", "meshes")
+        root = _with_hand_of(iiwa, root, "lbr_iiwa_link_7", (0.0, 0.0, IIWA_FLANGE_M))
     links = {link.get("name"): link for link in root.iter("link")}
     for name, side in zip(FINGERS, (1, -1), strict=True):
         _replace_finger(links[name], arm.fingers, side)
-    for limit in root.findall("joint[@type='prismatic']/limit"):
-        limit.set("upper", f"{arm.fingers.opening / 2:g}")
+    for joint in root.iter("joint"):
+        child, limit = joint.find("child"), joint.find("limit")
+        if child is not None and limit is not None and child.get("link") in FINGERS:
+            limit.set("upper", f"{arm.fingers.opening / 2:g}")
     _add_camera(links[HAND])
     if arm.axis is not None:
-        _put_on_axis(root, BASE_LINKS[arm.model.name], arm.axis)
+        _put_on_axis(root, foot_link(arm), arm.axis)
     return ElementTree.tostring(root, encoding="unicode")
 
 
@@ -63,20 +79,79 @@ def _read(file: Path, meshes: str) -> ElementTree.Element:
     return ElementTree.fromstring(text)
 
 
-def _with_hand_of(iiwa: ElementTree.Element, panda: ElementTree.Element) -> ElementTree.Element:
-    """Bolt the Panda's hand to the iiwa's flange."""
+def foot_link(arm: Kinematics) -> str:
+    """Return the link of a robot that its base, or its axis, carries."""
+    if isinstance(arm, Portal):
+        return PORTAL_FRAME
+    assert isinstance(arm, Arm), "an arm or a portal"
+    return BASE_LINKS[arm.model.name]
+
+
+def _is_iiwa(arm: Kinematics) -> bool:
+    return isinstance(arm, Arm) and arm.model == KUKA_IIWA
+
+
+def _with_hand_of(
+    robot: ElementTree.Element,
+    panda: ElementTree.Element,
+    flange: str,
+    place: tuple[float, float, float],
+) -> ElementTree.Element:
+    """Bolt the Panda's hand to another robot's flange, a link, at a place in it [m]."""
     parts = (HAND, *FINGERS)
-    iiwa.extend(link for link in panda.iter("link") if link.get("name") in parts)
+    robot.extend(link for link in panda.iter("link") if link.get("name") in parts)
     for joint in panda.iter("joint"):
         child, parent, origin = (joint.find(tag) for tag in ("child", "parent", "origin"))
         if child is None or parent is None or child.get("link") not in parts:
             continue
         if child.get("link") == HAND and origin is not None:
-            parent.set("link", "lbr_iiwa_link_7")
-            origin.set("xyz", f"0 0 {IIWA_FLANGE_M}")
-            origin.set("rpy", f"0 0 {IIWA_HAND_TURN:.8f}")
-        iiwa.append(joint)
-    return iiwa
+            parent.set("link", flange)
+            origin.set("xyz", "{:.6f} {:.6f} {:.6f}".format(*place))
+            roll, yaw = (math.pi, 0.0) if flange == JOINT_NAMES[-1] else (0.0, IIWA_HAND_TURN)
+            origin.set("rpy", f"{roll:.8f} 0 {yaw:.8f}")
+        robot.append(joint)
+    return robot
+
+
+def _portal(portal: Portal) -> ElementTree.Element:
+    """Return three carriages, one on the other, and what turns the hand, a link per joint."""
+    root = ElementTree.Element("robot", name="portal")
+    _add_link(root, PORTAL_FRAME)
+    parent = PORTAL_FRAME
+    limits = [*zip(portal.lower, portal.upper, strict=True), (-TURN_RAD, TURN_RAD)]
+    axes = ("1 0 0", "0 1 0", "0 0 1", "0 0 1")
+    for name, axis, (lower, upper) in zip(JOINT_NAMES, axes, limits, strict=True):
+        link = _add_link(root, name)
+        turns = name == JOINT_NAMES[-1]
+        joint = ElementTree.SubElement(
+            root, "joint", name=name, type="revolute" if turns else "prismatic"
+        )
+        ElementTree.SubElement(joint, "parent", link=parent)
+        ElementTree.SubElement(joint, "child", link=name)
+        ElementTree.SubElement(joint, "axis", xyz=axis)
+        ElementTree.SubElement(
+            joint,
+            "limit",
+            lower=f"{lower:g}",
+            upper=f"{upper:g}",
+            velocity="2",
+            effort=f"{AXIS_FORCE_N:g}",
+        )
+        parent = name
+    middle = (0.0, 0.0, portal.fingers.tool_m + RAM_LENGTH_M / 2)
+    ram = (RAM_WIDTH_M, RAM_WIDTH_M, RAM_LENGTH_M)
+    _add_box(link, "visual", middle, ram, rgb=STEEL)
+    _add_box(link, "collision", middle, ram)
+    return root
+
+
+def _add_link(root: ElementTree.Element, name: str) -> ElementTree.Element:
+    link = ElementTree.SubElement(root, "link", name=name)
+    inertial = ElementTree.SubElement(link, "inertial")
+    ElementTree.SubElement(inertial, "mass", value=f"{PORTAL_LINK_KG:g}")
+    moments = {"ixx": "0.1", "ixy": "0", "ixz": "0", "iyy": "0.1", "iyz": "0", "izz": "0.1"}
+    ElementTree.SubElement(inertial, "inertia", moments)
+    return link
 
 
 def _put_on_axis(root: ElementTree.Element, base: str, axis: LinearAxis) -> None:
@@ -106,31 +181,27 @@ def _replace_finger(link: ElementTree.Element, fingers: Fingers, side: int) -> N
     for box in _finger_boxes(fingers):
         x, y, z = box.centre
         _add_box(link, "visual", (x, side * y, z), box.size, rgb=box.rgb)
-    for box in _finger_boxes(fingers):
-        x, y, z = box.centre
         _add_box(link, "collision", (x, side * y, z), box.size)
 
 
-def _finger_boxes(fingers: Fingers) -> list[Box]:
-    """Return a finger's boxes: z down from its root, y outward from the face that grips."""
-    tip, stem = fingers.tip_m - FINGER_ROOT_M, fingers.stem
-    pad = tip - fingers.pad_height
-    stem_length = tip - fingers.pad_height / 2
-    stem_size = (stem.width, stem.thickness, stem_length)
-    boxes = [
-        Box((0.0, stem.behind + stem.thickness / 2, stem_length / 2), stem_size, STEEL),
-        _part_of_tip(fingers, 0.0, fingers.thickness, pad, tip),
-    ]
-    if fingers.notch is not None:
-        tool, half = tip - fingers.below, fingers.notch.height / 2
-        for top, bottom in ((pad, tool - half), (tool + half, tip)):
-            boxes.append(_part_of_tip(fingers, -fingers.notch.depth, 0.0, top, bottom))
-    return boxes
+def _finger_boxes(fingers: Fingers) -> Iterator[Box]:
+    """Yield a finger's boxes: z down from its root, y outward from the face that grips."""
+    tip, stem, eyelet = fingers.tip_m - FINGER_ROOT_M, fingers.stem, fingers.eyelet
+    pad, stem_end = tip - fingers.pad_height, tip - fingers.pad_height / 2
+    if eyelet is None:
+        yield _part_of_tip(fingers, fingers.thickness, pad, tip)
+    else:
+        # The stem is the back of the eyelet.
+        middle = tip - fingers.below - eyelet.above
+        stem_end = middle + eyelet.height / 2
+        yield _part_of_tip(fingers, eyelet.depth, pad, middle - eyelet.height / 2)
+        yield _part_of_tip(fingers, fingers.thickness, stem_end, tip)
+    stem_size = (stem.width, stem.thickness, stem_end)
+    yield Box((0.0, stem.behind + stem.thickness / 2, stem_end / 2), stem_size, STEEL)
 
 
-def _part_of_tip(fingers: Fingers, inner: float, outer: float, top: float, bottom: float) -> Box:
-    centre = (0.0, (inner + outer) / 2, (top + bottom) / 2)
-    return Box(centre, (fingers.width, outer - inner, bottom - top), RUBBER)
+def _part_of_tip(fingers: Fingers, outer: float, top: float, bottom: float) -> Box:
+    return Box((0.0, outer / 2, (top + bottom) / 2), (fingers.width, outer, bottom - top), RUBBER)
 
 
 def _add_camera(hand: ElementTree.Element) -> None:

@@ -6,9 +6,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from remodel_sim.core.geometry import Array
-from remodel_sim.core.workpiece.panel import PanelClip, WireEnd
-from remodel_sim.core.workpiece.routes import world_from_clip
+from remodel_sim.core.geometry import Array, Pose
+from remodel_sim.core.workpiece.layout import WORLD_FROM_PANEL
+from remodel_sim.core.workpiece.panel import Duct, PanelClip, WireEnd
+from remodel_sim.core.workpiece.routes import places_in, world_from_clip
 from remodel_sim.physics.plant import Plant
 
 # A tip that is so near to the bottom sits at it; InsertCable judges by the same distance. The
@@ -76,6 +77,32 @@ def lies_in(plant: Plant, wire_id: str, clip: PanelClip) -> bool:
     order = np.argsort(x)
     aside, height = (float(np.interp(0.0, x[order], v[order])) for v in (y, z))
     return bool(x.min() < 0 < x.max()) and max(abs(aside), abs(height - clip.height)) < IN_CLIP_M
+
+
+def share_in_ducts(plant: Plant, wire_id: str) -> float:
+    """Return at which share of its places in ducts a wire that was fed lies below their rims."""
+    if plant.live is not None and plant.live.wire.id == wire_id:
+        nodes = plant.live.cable.nodes()
+    else:
+        nodes = plant.parked[wire_id].nodes
+    wire = plant.panel.wire(wire_id)
+    route = tuple(Pose.level(*WORLD_FROM_PANEL.apply(np.array(p)).tolist()) for p in wire.route)
+    ducts = [duct for duct in plant.panel.ducts if duct.id in wire.ducts]
+    inside = [
+        _passes_below(nodes, place, duct) for duct in ducts for place in places_in(duct, route)
+    ]
+    return sum(inside) / len(inside) if inside else 0.0
+
+
+def _passes_below(nodes: Array, place: Pose, duct: Duct) -> bool:
+    """Return whether a wire crosses a place's plane between a duct's walls, below the rim."""
+    x, y, z = place.inverse().apply(nodes).T
+    for i in np.flatnonzero(x[:-1] * x[1:] <= 0):
+        share = x[i] / (x[i] - x[i + 1]) if x[i] != x[i + 1] else 0.0
+        aside, height = y[i] + share * (y[i + 1] - y[i]), z[i] + share * (z[i + 1] - z[i])
+        if abs(aside) < duct.width / 2 and height < duct.height:
+            return True
+    return False
 
 
 def _end_truth(

@@ -18,11 +18,10 @@ from remodel_states.ability_server import AbilityServer
 from remodel_states.core.ability_tables import Ability
 from remodel_states.core.codes import Code
 from remodel_states.core.goal_owner import owner_of
+from remodel_states.core.robot_fields import ROBOT_FIELDS
 from remodel_states.serving.running_goal import RunningGoal
 
 MAX_TIMEOUT_S = 3600.0
-# The fields of goals that name a robot.
-ROBOT_FIELDS = ("robot_name", "robot_1_name", "robot_2_name")
 
 
 class CellAbilityServer(AbilityServer):

@@ -23,7 +23,7 @@ class Job:
     """An accepted goal, its steps and its end; all in the owner's thread.
 
     Attributes:
-        robots: that do it; the first one's progress is reported.
+        robots: that do it; the progress of the one that is furthest is reported.
     """
 
     def __init__(
@@ -76,7 +76,8 @@ class Job:
             rospy.logerr("%s: %s", self, traceback.format_exc())
             self._end(Code.INTERNAL, f"{type(error).__name__}: {error}; the log has more", {})
         else:
-            progress = self._contexts[0].progress
+            every = (context.progress for context in self._contexts)
+            progress = max(every, key=lambda progress: progress.share)
             self._running.report(progress.message, 100.0 * progress.share)
             return False
         return True

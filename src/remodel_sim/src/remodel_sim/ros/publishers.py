@@ -14,14 +14,14 @@ from remodel_sim.core.camera import Picture
 from remodel_sim.core.cell.cell_design import CellDesign, RobotDesign
 from remodel_sim.core.geometry import Pose
 from remodel_sim.core.goals.goal_pose import PANEL, WORLD
-from remodel_sim.core.robot.arm import Arm
+from remodel_sim.core.robot.kinematics import Kinematics
 from remodel_sim.core.workpiece.layout import WORLD_FROM_PANEL
 from remodel_sim.physics.plant import Plant
 from remodel_sim.physics.robot_description import (
-    BASE_LINKS,
     CAMERA_MOUNT,
     HAND,
     RAIL,
+    foot_link,
     robot_description,
 )
 from remodel_sim.ros.conversions import camera_info, image
@@ -122,7 +122,7 @@ class RobotState:
             self._wrenches[design.name].publish(wrench)
             moving = {hand: robot.world_from_hand}
             if design.arm.axis is not None:
-                moving[design.prefix + BASE_LINKS[design.arm.model.name]] = robot.world_from_base
+                moving[design.prefix + foot_link(design.arm)] = robot.world_from_base
             self._moving.sendTransform(
                 [_transform(WORLD, frame, pose, self._clock.now) for frame, pose in moving.items()]
             )
@@ -134,9 +134,9 @@ def _described(robot: RobotDesign) -> dict[str, str]:
     return {"description": robot_description(robot.arm), "prefix": robot.prefix}
 
 
-def _foot(arm: Arm) -> str:
-    """Return the link of an arm that is bolted down."""
-    return BASE_LINKS[arm.model.name] if arm.axis is None else RAIL
+def _foot(arm: Kinematics) -> str:
+    """Return the link of a robot that is bolted down."""
+    return foot_link(arm) if arm.axis is None else RAIL
 
 
 def _transform(parent: str, child: str, pose: Pose, stamp: rospy.Time) -> TransformStamped:

@@ -12,7 +12,7 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 
-from remodel_states.errors import TableError
+from remodel_states.core.table_error import TableError
 
 SOURCE = "parameter /remodel/limits"
 

@@ -18,8 +18,8 @@ import rospkg
 
 from remodel_states.core.ability_tables import Ability
 from remodel_states.core.fault_tables import CONTRACT, FaultTables
+from remodel_states.core.table_error import TableError
 from remodel_states.edge.table_files import abilities_in, faults_from
-from remodel_states.errors import TableError
 
 EXPORT = "remodel_states"
 

@@ -13,7 +13,7 @@ from remodel_states.core.ability_tables import Ability, abilities_from
 from remodel_states.core.action_file import Action, action_from
 from remodel_states.core.fault_tables import FaultTables, join_fault_tables
 from remodel_states.core.schema_problems import schema_problems
-from remodel_states.errors import TableError
+from remodel_states.core.table_error import TableError
 
 # The C parser takes a tenth of the time.
 _LOADER = getattr(yaml, "CSafeLoader", yaml.SafeLoader)

@@ -6,7 +6,7 @@ from genpy import Message
 from roslib.message import get_message_class
 
 from remodel_states.core.ability_tables import Ability
-from remodel_states.errors import TableError
+from remodel_states.core.table_error import TableError
 
 
 def message_class(ability: Ability, part: str) -> type[Message]:

@@ -14,15 +14,18 @@ from typing import Any
 from remodel_msgs.msg import ErrorCode
 
 from remodel_states.core.ability_error import AbilityError
+from remodel_states.core.robot_fields import ROBOT_FIELDS
 from remodel_states.testing import requirements
 from remodel_states.testing.ledger import Deed, Entry
 from remodel_states.testing.requirements import Goal, terminal_of
 from remodel_states.testing.world import Place, Seat, World
 
-# What is measured where nothing is: [m] an end is deep, [N] it took, [m] between the pads.
+# What is measured where nothing is: [m] an end is deep, [N] it took, [m] between the pads, [N] a
+# wire pulls at the hand that leads it.
 DEPTH_M = 0.012
 PUSH_N = 5.0
 GRIP_M = 0.003
+LEAD_N = 4.0
 
 # Failures of which the table of error codes states that nothing moved.
 _UNMOVED = frozenset({ErrorCode.STALE_OWNER, ErrorCode.SEVERAL_SERVERS})
@@ -68,11 +71,11 @@ def fail(world: World, cell: str, ability: str, code: int, goal: Goal) -> World:
     if code in _UNMOVED:
         return world
     if code == ErrorCode.GRASP_SLIPPED:
-        return _release(world, cell)
+        return _release(world, cell, goal)
     if ability == "InsertCable" and code < ErrorCode.UNKNOWN_NAME:
-        return world.with_hand(cell, held=goal.cable_end)  # it was picked, or held before
+        return _grip(world, cell, goal)  # it was picked, or held before
     if ability == "PickCable" and code == ErrorCode.TWO_CABLES_HELD:
-        return world.with_hand(cell, held=goal.cable_end)
+        return _grip(world, cell, goal)
     return world
 
 
@@ -101,12 +104,12 @@ def _check_connection(world: World, _: str, goal: Goal) -> Effect:
 
 def _pick(world: World, cell: str, goal: Goal) -> Effect:
     text = f"end {goal.cable_end} of {goal.cable_id} held"
-    return Effect(world.with_hand(cell, held=goal.cable_end), text, found={"grip_width": GRIP_M})
+    return Effect(_grip(world, cell, goal), text, found={"grip_width": GRIP_M})
 
 
 def _place(world: World, cell: str, goal: Goal) -> Effect:
-    text = f"{world.hand(cell).live} laid down"
-    return Effect(_release(_disengaged(world, cell), cell), text)
+    text = f"{world.hands_in(cell).live} laid down"
+    return Effect(_release(_disengaged(world, cell, goal), cell, goal), text)
 
 
 def _discard(world: World, cell: str, goal: Goal) -> Effect:
@@ -126,11 +129,17 @@ def _extracts_ends(world: World, cell: str, goal: Goal) -> tuple[str, ...]:
 def _route(world: World, cell: str, goal: Goal) -> Effect:
     count = len(goal.path)
     text = f"{goal.cable_id} carried along {count} poses"
-    return Effect(_disengaged(world, cell), text, found={"reached": count})
+    return Effect(_disengaged(world, cell, goal), text, found={"reached": count})
+
+
+def _lay(world: World, _: str, goal: Goal) -> Effect:
+    ducts = ", ".join(world.panel.ducts[goal.cable_id])
+    found = {"in_ducts": 1.0, "peak_force": LEAD_N}
+    return Effect(world, f"{goal.cable_id} laid into {ducts}", found=found)
 
 
 def _insert(world: World, cell: str, goal: Goal) -> Effect:
-    held = world.with_hand(cell, held=goal.cable_end)
+    held = _grip(world, cell, goal)
     after = held.with_seat(goal.cable_id, goal.cable_end, Seat(terminal_of(goal), False))
     text = f"end {goal.cable_end} of {goal.cable_id} seated in {terminal_of(goal)}"
     found = {"depth": DEPTH_M, "peak_force": min(PUSH_N, goal.force_limit)}
@@ -138,14 +147,14 @@ def _insert(world: World, cell: str, goal: Goal) -> Effect:
 
 
 def _fix(world: World, cell: str, goal: Goal) -> Effect:
-    end = world.hand(cell).held
+    end = world.hands_in(cell).of(goal.robot_name)
     terminal = terminal_of(goal)
     if world.seat(goal.cable_id, end) != Seat(terminal, False):
         raise AbilityError(
             ErrorCode.NOT_SEATED,
             f"the screw of {terminal!r} met nothing: end {end} is not in it; insert it first",
         )
-    after = _release(world, cell).with_seat(goal.cable_id, end, Seat(terminal, True))
+    after = _release(world, cell, goal).with_seat(goal.cable_id, end, Seat(terminal, True))
     entry = Entry(Deed.FIX, cell, goal.cable_id, end, terminal=terminal, goal=goal.id)
     return Effect(after, f"end {end} of {goal.cable_id} fixed in {terminal}", (entry,))
 
@@ -153,7 +162,7 @@ def _fix(world: World, cell: str, goal: Goal) -> Effect:
 def _extract(world: World, cell: str, goal: Goal) -> Effect:
     end = _end_meant(world, cell, goal)
     seat = world.seat(goal.cable_id, end)
-    after = _release(world, cell).with_seat(goal.cable_id, end, None)
+    after = _release(world, cell, goal).with_seat(goal.cable_id, end, None)
     if seat is None or not seat.fixed:
         return Effect(after, f"end {end} of {goal.cable_id} laid down")
     entry = Entry(Deed.LOOSEN, cell, goal.cable_id, end, terminal=seat.terminal, goal=goal.id)
@@ -162,7 +171,7 @@ def _extract(world: World, cell: str, goal: Goal) -> Effect:
 
 def _mate(world: World, cell: str, goal: Goal) -> Effect:
     found = {"depth": DEPTH_M, "peak_force": min(PUSH_N, goal.force_limit)}
-    return Effect(_release(world, cell), f"{goal.connector_id} mated", found=found)
+    return Effect(_release(world, cell, goal), f"{goal.connector_id} mated", found=found)
 
 
 def _place_pin(world: World, _: str, __: Goal) -> Effect:
@@ -174,14 +183,15 @@ def _place_pin(world: World, _: str, __: Goal) -> Effect:
 
 def _wire_to_discard(world: World, cell: str, goal: Goal) -> str:
     """Return the wire that is meant, or the one in the hand; empty if there is none."""
-    hand = world.hand(cell)
-    return goal.cable_id or (hand.live if hand.held else "")
+    hands = world.hands_in(cell)
+    return goal.cable_id or (hands.live if hands.of(goal.robot_name) else "")
 
 
 def _end_meant(world: World, cell: str, goal: Goal) -> str:
     """Return the end in the hand, the one in that terminal, or the one that belongs there."""
-    if world.hand(cell).held:
-        return world.hand(cell).held
+    held = world.hands_in(cell).of(goal.robot_name)
+    if held:
+        return held
     for end in "ab":
         seat = world.seat(goal.cable_id, end)
         if seat is not None and seat.terminal == terminal_of(goal):
@@ -189,14 +199,20 @@ def _end_meant(world: World, cell: str, goal: Goal) -> str:
     return "b" if world.panel.wires[goal.cable_id][1] == terminal_of(goal) else "a"
 
 
-def _disengaged(world: World, cell: str) -> World:
+def _disengaged(world: World, cell: str, goal: Goal) -> World:
     """Return the world with the held end out of the terminal that it may be seated in."""
-    hand = world.hand(cell)
-    return world.with_seat(hand.live, hand.held, None)
+    hands = world.hands_in(cell)
+    return world.with_seat(hands.live, hands.of(goal.robot_name), None)
 
 
-def _release(world: World, cell: str) -> World:
-    return world.with_hand(cell, held="")
+def _grip(world: World, cell: str, goal: Goal) -> World:
+    return world.with_held(cell, goal.robot_name, goal.cable_end)
+
+
+def _release(world: World, cell: str, goal: Goal) -> World:
+    for robot in [getattr(goal, name) for name in ROBOT_FIELDS if hasattr(goal, name)]:
+        world = world.with_held(cell, robot, "")
+    return world
 
 
 # --- all that change or observe the world
@@ -211,6 +227,7 @@ OPERATIONS: Mapping[str, Operation] = MappingProxyType(
         "ExtractCable": Operation(requirements.check_extract, _extract),
         "FixCable": Operation(requirements.check_fix, _fix),
         "InsertCable": Operation(requirements.check_insert, _insert),
+        "LayWire": Operation(requirements.check_lay, _lay),
         "LocateGearboxComponent": Operation(requirements.check_locate, _locate, observes=True),
         "PickCable": Operation(requirements.check_pick, _pick),
         "PlaceCable": Operation(requirements.check_place, _place),

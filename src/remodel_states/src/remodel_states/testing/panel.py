@@ -44,6 +44,7 @@ def panel_from(message: remodel_msgs.Panel) -> Panel:
         places,
         openings=openings,
         channels=tuple(channel.id for channel in message.channels),
+        ducts={wire.id: tuple(wire.ducts) for wire in message.wires if wire.ducts},
         serial=message.serial,
     )
 

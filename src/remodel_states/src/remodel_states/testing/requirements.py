@@ -69,12 +69,13 @@ def check_pick(world: World, cell: str, goal: Goal) -> None:
     if goal.grasp_distance:
         _check_number("grasp_distance", goal.grasp_distance, *GRASP_RANGE_M)
     check_live(world, cell, goal)
-    hand = world.hand(cell)
-    if hand.held:
+    held = world.hands_in(cell).of(goal.robot_name)
+    if held:
         raise AbilityError(
             ErrorCode.OTHER_CABLE_HELD,
-            f"the gripper holds end {hand.held} of {hand.live!r} already; place it first",
+            f"{goal.robot_name} holds end {held} of {goal.cable_id!r} already; place it first",
         )
+    _check_hand(world, cell, goal)
     _check_loose(world, goal)
 
 
@@ -85,7 +86,7 @@ def check_carry(world: World, cell: str, goal: Goal) -> None:
     if poses is not None and not poses:
         raise AbilityError(ErrorCode.INVALID_GOAL, "path is empty; it must have one pose or more")
     check_live(world, cell, goal)
-    _check_held(world, cell)
+    _check_held(world, cell, goal)
 
 
 def check_place(world: World, cell: str, goal: Goal) -> None:
@@ -94,26 +95,26 @@ def check_place(world: World, cell: str, goal: Goal) -> None:
         check_carry(world, cell, goal)
     else:
         _check_robot(goal)
-        _check_held(world, cell)
+        _check_held(world, cell, goal)
 
 
 def check_discard(world: World, cell: str, goal: Goal) -> None:
     """Check that a wire can be discarded."""
     _check_robot(goal)
-    if not goal.cable_id:
-        return
-    known(world.panel.wires, goal.cable_id, "wire")
-    hand = world.hand(cell)
-    if hand.held and hand.live != goal.cable_id:
-        raise AbilityError(
-            ErrorCode.OTHER_CABLE_HELD,
-            f"the gripper holds end {hand.held} of {hand.live!r}; place or discard it first",
-        )
+    if goal.cable_id:
+        known(world.panel.wires, goal.cable_id, "wire")
+    hands = world.hands_in(cell)
+    for robot, end in hands.held.items():
+        if robot != goal.robot_name or goal.cable_id not in ("", hands.live):
+            raise AbilityError(
+                ErrorCode.OTHER_CABLE_HELD,
+                f"{robot} holds end {end} of {hands.live!r}; have it placed first",
+            )
     for name, other in world.hands.items():
         if name != cell and other.held and other.live == goal.cable_id:
             raise AbilityError(
                 ErrorCode.ROBOT_IN_THE_WAY,
-                f"the robot of {name} holds end {other.held} of {goal.cable_id!r}",
+                f"a robot of {name} holds {goal.cable_id!r}",
             )
 
 
@@ -124,12 +125,13 @@ def check_insert(world: World, cell: str, goal: Goal) -> None:
     _check_number("force_limit", goal.force_limit, 1.0, MAX_FORCE_N)
     check_live(world, cell, goal)
     _check_terminal(world, goal)
-    held = world.hand(cell).held
+    held = world.hands_in(cell).of(goal.robot_name)
     if held and held != goal.cable_end:
         raise AbilityError(
             ErrorCode.OTHER_CABLE_HELD,
-            f"the gripper holds end {held}, not end {goal.cable_end}; place it first",
+            f"{goal.robot_name} holds end {held}, not end {goal.cable_end}; place it first",
         )
+    _check_hand(world, cell, goal)
     _check_loose(world, goal)
     occupant = world.occupant(terminal_of(goal))
     if occupant is not None:
@@ -144,7 +146,7 @@ def check_fix(world: World, cell: str, goal: Goal) -> None:
     _check_number("pull_test_force", goal.pull_test_force, 0.0, MAX_FORCE_N)
     check_live(world, cell, goal)
     _check_terminal(world, goal)
-    _check_held(world, cell)
+    _check_held(world, cell, goal)
 
 
 def check_extract(world: World, cell: str, goal: Goal) -> None:
@@ -160,6 +162,33 @@ def check_connector(world: World, _: str, goal: Goal) -> None:
     if not goal.connector_id:
         raise AbilityError(ErrorCode.UNKNOWN_NAME, "connector_id is empty")
     _check_number("force_limit", goal.force_limit, 1.0, math.inf)
+
+
+def check_lay(world: World, cell: str, goal: Goal) -> None:
+    """Check that a wire can be laid into its ducts by a robot that holds it and one that leads."""
+    _check_robot(goal)
+    known(ROBOTS, goal.guide_name, "robot")
+    if goal.robot_name == goal.guide_name:
+        text = f"robot_name and guide_name are both {goal.robot_name!r}; it takes two robots"
+        raise AbilityError(ErrorCode.INVALID_GOAL, text)
+    check_live(world, cell, goal)
+    if not world.panel.ducts.get(goal.cable_id):
+        text = f"the route of {goal.cable_id!r} passes no duct; carry it with RouteWire"
+        raise AbilityError(ErrorCode.INVALID_GOAL, text)
+    seats = {end: world.seat(goal.cable_id, end) for end in "ab"}
+    loose = [end for end, seat in seats.items() if seat is None]
+    if len(loose) != 1 or not any(seat.fixed for seat in seats.values() if seat is not None):
+        raise AbilityError(
+            ErrorCode.INVALID_GOAL,
+            f"of {goal.cable_id!r}, one end must be fixed and the other one loose",
+        )
+    _check_held(world, cell, goal)
+    led = world.hands_in(cell).of(goal.guide_name)
+    if led:
+        raise AbilityError(
+            ErrorCode.OTHER_CABLE_HELD,
+            f"{goal.guide_name}, which leads the wire, holds end {led}; place it first",
+        )
 
 
 def check_pin(_: World, __: str, goal: Goal) -> None:
@@ -197,7 +226,7 @@ def _check_terminal(world: World, goal: Goal) -> None:
 def check_live(world: World, cell: str, goal: Goal) -> None:
     """Check that a wire is the one fed last."""
     known(world.panel.wires, goal.cable_id, "wire")
-    live = world.hand(cell).live
+    live = world.hands_in(cell).live
     if live != goal.cable_id:
         raise AbilityError(
             ErrorCode.WIRE_NOT_FED,
@@ -206,10 +235,18 @@ def check_live(world: World, cell: str, goal: Goal) -> None:
         )
 
 
-def _check_held(world: World, cell: str) -> None:
-    if not world.hand(cell).held:
-        text = "the gripper is empty; pick the wire first"
+def _check_held(world: World, cell: str, goal: Goal) -> None:
+    if not world.hands_in(cell).of(goal.robot_name):
+        text = f"the gripper of {goal.robot_name} is empty; pick the wire first"
         raise AbilityError(ErrorCode.NOTHING_HELD, text)
+
+
+def _check_hand(world: World, cell: str, goal: Goal) -> None:
+    """Check that no other robot holds the end that a goal is about."""
+    for robot, end in world.hands_in(cell).others(goal.robot_name):
+        if end == goal.cable_end:
+            text = f"{robot} holds end {end}; have it placed first"
+            raise AbilityError(ErrorCode.OTHER_CABLE_HELD, text)
 
 
 def _check_loose(world: World, goal: Goal) -> None:

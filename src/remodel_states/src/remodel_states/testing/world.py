@@ -1,12 +1,12 @@
 """The physical world of a fake cell, as a value.
 
 A wire's end is loose, seated (pushed into a terminal, its clamp open) or fixed (clamp closed). Each
-cell has one hand and one feeder; several cells may work on one panel.
+cell has robots with a hand each, and one feeder; several cells may work on one panel.
 """
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field, replace
 
 from remodel_msgs.msg import ErrorCode
@@ -28,6 +28,7 @@ class Panel:
         components: component -> place of its base.
         openings: "component/terminal" -> place of its opening, yaw into the terminal.
         channels: in which wires are fed; none: they are presented in a magazine.
+        ducts: wire -> ducts that its route passes; wires without are not listed.
         serial: serial number of the product that is built on it.
     """
 
@@ -37,6 +38,7 @@ class Panel:
     components: Mapping[str, Place] = field(default_factory=dict)
     openings: Mapping[str, Place] = field(default_factory=dict)
     channels: tuple[str, ...] = ()
+    ducts: Mapping[str, tuple[str, ...]] = field(default_factory=dict)
     serial: str = ""
 
 
@@ -49,16 +51,24 @@ class Seat:
 
 
 @dataclass(frozen=True)
-class Hand:
-    """One cell's feeder and gripper.
+class Hands:
+    """One cell's feeder, and the hands of its robots.
 
     Attributes:
         live: wire that the feeder presented last; empty: none.
-        held: end of the live wire in the fingers, "a" or "b"; empty: none.
+        held: robot -> end of the live wire in its fingers, "a" or "b"; empty hands are not listed.
     """
 
     live: str = ""
-    held: str = ""
+    held: Mapping[str, str] = field(default_factory=dict)
+
+    def of(self, robot: str) -> str:
+        """Return the end in a robot's fingers; empty: none."""
+        return self.held.get(robot, "")
+
+    def others(self, robot: str) -> Iterator[tuple[str, str]]:
+        """Yield each other robot that holds an end, with the end."""
+        return ((name, end) for name, end in self.held.items() if name != robot)
 
 
 @dataclass(frozen=True)
@@ -70,7 +80,7 @@ class World:
         fed: wires of which there is a piece, in the order of their feeding.
         untouched: wire that lies as it was presented -> cell whose feeder has it.
         seats: "wire/end" -> where it sits; loose ends are not listed.
-        hands: cell -> its hand.
+        hands: cell -> its hands.
         loaded_by: cell that has loaded the panel.
     """
 
@@ -78,7 +88,7 @@ class World:
     fed: tuple[str, ...] = ()
     untouched: Mapping[str, str] = field(default_factory=dict)
     seats: Mapping[str, Seat] = field(default_factory=dict)
-    hands: Mapping[str, Hand] = field(default_factory=dict)
+    hands: Mapping[str, Hands] = field(default_factory=dict)
     loaded_by: str = ""
 
     def load(self, cell: str, panel: Panel, *, keep: bool) -> World:
@@ -96,9 +106,9 @@ class World:
             return self
         return World(panel, loaded_by=cell)
 
-    def hand(self, cell: str) -> Hand:
-        """Return a cell's hand."""
-        return self.hands.get(cell, Hand())
+    def hands_in(self, cell: str) -> Hands:
+        """Return a cell's hands."""
+        return self.hands.get(cell, Hands())
 
     def seat(self, wire: str, end: str) -> Seat | None:
         """Return where an end sits; None if it is loose."""
@@ -117,9 +127,19 @@ class World:
         ends = zip(("a", "b"), self.panel.wires[wire], strict=True)
         return all(self.seat(wire, end) == Seat(terminal, True) for end, terminal in ends)
 
-    def with_hand(self, cell: str, **changes: str) -> World:
-        """Return the world with a cell's hand changed."""
-        return replace(self, hands={**self.hands, cell: replace(self.hand(cell), **changes)})
+    def with_live(self, cell: str, wire: str) -> World:
+        """Return the world with a wire presented by a cell's feeder."""
+        return self._with_hands(cell, replace(self.hands_in(cell), live=wire))
+
+    def with_held(self, cell: str, robot: str, end: str) -> World:
+        """Return the world with an end of the live wire in a robot's fingers; empty: with none."""
+        hands = self.hands_in(cell)
+        others = dict(hands.others(robot))
+        held = {**others, robot: end} if end else others
+        return self._with_hands(cell, replace(hands, held=held))
+
+    def _with_hands(self, cell: str, hands: Hands) -> World:
+        return replace(self, hands={**self.hands, cell: hands})
 
     def with_seat(self, wire: str, end: str, seat: Seat | None) -> World:
         """Return the world with an end seated, fixed, or loose."""
@@ -132,20 +152,20 @@ class World:
         A piece that lies there as it was presented is presented again. Nothing else vanishes.
 
         Raises:
-            AbilityError: if there is no such wire or channel, the hand holds a wire, or a piece of
+            AbilityError: if there is no such wire or channel, a hand holds a wire, or a piece of
                 this wire is elsewhere in the cell.
         """
         known(self.panel.wires, wire, "wire")
         # A panel without channels has its wires presented in a magazine.
         if channel or self.panel.channels:
             known(self.panel.channels, channel, "channel")
-        hand = self.hand(cell)
-        if hand.held:
+        hands = self.hands_in(cell)
+        for robot, end in hands.held.items():
             raise AbilityError(
                 ErrorCode.OTHER_CABLE_HELD,
-                f"the gripper holds end {hand.held} of {hand.live!r}; place it first",
+                f"{robot} holds end {end} of {hands.live!r}; place it first",
             )
-        live = self.with_hand(cell, live=wire)
+        live = self.with_live(cell, wire)
         if self.untouched.get(wire) == cell:
             return live
         if wire in self.fed:
@@ -165,7 +185,9 @@ class World:
     def discard(self, wire: str) -> World:
         """Return the world without the piece of a wire: its ends are out, and no hand has it."""
         loose = self.touched(wire).with_seat(wire, "a", None).with_seat(wire, "b", None)
-        hands = {name: Hand() if hand.live == wire else hand for name, hand in self.hands.items()}
+        hands = {
+            name: Hands() if hands.live == wire else hands for name, hands in self.hands.items()
+        }
         return replace(loose, fed=tuple(name for name in self.fed if name != wire), hands=hands)
 
 

@@ -19,7 +19,7 @@ from remodel_planning.edge.use_case_files import find_use_case
 from remodel_production.edge.database.cell_ownership import CellOwnership
 from remodel_production.edge.database.production_database import ProductionDatabase
 from remodel_production.errors import PlannerError
-from remodel_states.errors import TableError
+from remodel_states.core.table_error import TableError
 from remodel_supervision.edge.escalation_hook import EscalationHook
 from remodel_supervision.edge.run_log import RunLog
 from remodel_supervision.ros.event_loop import RosEventLoop

@@ -22,7 +22,15 @@ from remodel_planning.core.decomposition.decomposed import Decomposition, Limits
 from remodel_planning.core.orders.work_order import Access, Route, RouteClip, Task
 from remodel_planning.core.problem.problem import End
 from remodel_planning.core.use_case.expectation import NOTHING, Expectation, Expectations
-from remodel_planning.core.use_case.model import Action, Macro, Method, Scope, Subtask, UseCase
+from remodel_planning.core.use_case.model import (
+    INSERTED,
+    Action,
+    Macro,
+    Method,
+    Scope,
+    Subtask,
+    UseCase,
+)
 from remodel_production.errors import InfeasibleError
 
 
@@ -305,7 +313,11 @@ class _Run:
     def _features_of(self, head: _Pending) -> Features:
         key = (head.route.length_m, len(head.route.clips), head.end)
         if key not in self._features:
-            self._features[key] = self._d.features(self._task, head.route, head.end)
+            features = self._d.features(self._task, head.route, head.end)
+            if head.end is not None:
+                order = "first" if head.end is self._first else "second"
+                features = {**features, INSERTED: order}
+            self._features[key] = features
         return self._features[key]
 
     def _expected_of(self, action: Action, head: _Pending) -> Expectation:

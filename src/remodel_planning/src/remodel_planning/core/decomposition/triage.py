@@ -7,14 +7,14 @@ done by another method than the preferred one.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 
-from remodel_planning.core.condition import Value
+from remodel_planning.core.condition import Features, Value
 from remodel_planning.core.decomposition.decomposed import Decomposition
 from remodel_planning.core.decomposition.wiring_problem import decompose_task, decomposer_of
 from remodel_planning.core.orders.work_order import ByHand, OtherMethod, WorkOrder
-from remodel_planning.core.use_case.model import UseCase
+from remodel_planning.core.use_case.model import INSERTED, Method, UseCase
 from remodel_production.core.whole_task import whole_tasks
 from remodel_production.errors import InstanceError
 
@@ -58,9 +58,13 @@ def _note_methods(
 ) -> None:
     """Add a task to the methods that it is done by, as far as they are not the preferred ones."""
     rejected = {(each.task, each.method): each.reason for each in decomposition.rejected}
-    taken = dict.fromkeys(pair for step in decomposition.steps for pair in step.methods)
-    for name, method in taken:
-        preferred = use_case.methods[name][0].name
+    taken = {
+        (pair, step.features.get(INSERTED)): step.features
+        for step in decomposition.steps
+        for pair in step.methods
+    }
+    for ((name, method), _), features in taken.items():
+        preferred = _preferred(use_case.methods[name], features)
         if method != preferred:
             why = rejected.get((name, preferred))
             reason = f"{preferred}: {why}" if why else f"{preferred} at one of its ends"
@@ -68,6 +72,15 @@ def _note_methods(
             known = others.get(key, OtherMethod(key, (), reason))
             if task not in known.tasks[-1:]:  # another core of the same cable
                 others[key] = replace(known, tasks=(*known.tasks, task))
+
+
+def _preferred(methods: Sequence[Method], features: Features) -> str:
+    """Return the name of the first method for this end, be it the first one or the second one."""
+    return next(
+        method.name
+        for method in methods
+        if all(test.passes(features) for test in method.when.tests if test.name == INSERTED)
+    )
 
 
 def _refused_characteristic(stated: Mapping[str, Value], use_case: UseCase) -> str:

@@ -14,13 +14,13 @@ class Surroundings:
     """What a use case states of its cell, around the points that the arms must reach."""
 
     def __init__(self, points: Iterable[Point], designs: Designs, arms: int) -> None:
-        """Take the points, and how many arms there are: 1 or 2."""
+        """Take the points, and how many arms there are at most: 1 or 2."""
         points = list(points)
         self.left, self.right = min(x for x, _ in points), max(x for x, _ in points)
         low = min(y for _, y in points)
         self.slot_y = low - round(1e3 * designs.magazine_below_m)
         self._home_y = low - round(1e3 * designs.home_below_m)
-        self.arms = self._placed(designs, arms)
+        self.arms = self._placed(designs, min(arms, len(designs.arms)))
 
     def _placed(self, designs: Designs, count: int) -> tuple[PlannedArm, ...]:
         beside, beyond = (

@@ -6,9 +6,9 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 
 from flexbe_synthesizer.core.chart.model import Chart, State, walk_nodes
+from remodel_states.core.robot_fields import ROBOT_FIELDS
 
-# Parameters of states that name a robot, and the one that limits a force.
-_ROBOTS = ("robot_name", "robot_1_name", "robot_2_name")
+# Parameter of states that limits a force.
 _FORCE = "force_limit"
 
 
@@ -35,7 +35,7 @@ def demands_of(charts: Iterable[Chart]) -> Demands:
                 continue
             ability = node.type.removesuffix("State")
             for param in node.params:
-                if param.name in _ROBOTS:
+                if param.name in ROBOT_FIELDS:
                     robots.add(str(param.value))
                 elif param.name == _FORCE and isinstance(param.value, int | float):
                     forces_n[ability] = max(forces_n.get(ability, 0.0), float(param.value))

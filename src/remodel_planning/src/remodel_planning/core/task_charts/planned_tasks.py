@@ -12,7 +12,7 @@ from remodel_planning.core.plan.listing import listing_of
 from remodel_planning.core.problem.modes import Mode
 from remodel_planning.core.problem.problem import Plan
 from remodel_planning.core.task_charts.state_path import step_of
-from remodel_planning.core.task_charts.task_chart import in_turn, task_chart
+from remodel_planning.core.task_charts.task_chart import emptying, in_turn, task_chart
 from remodel_planning.core.use_case.model import Action, Macro, UseCase
 from remodel_planning.errors import UseCaseError
 from remodel_production.errors import InstanceError
@@ -61,10 +61,11 @@ class PlannedTask:
 
         An arm that refuses, such as one whose hand is empty, does not keep the other from it.
         """
-        give_up = self.use_case.actions[self.use_case.give_up]
-        inputs = tuple((key, "" if value == "$task" else value) for key, value in give_up.inputs)
-        action = replace(give_up, inputs=inputs)
-        charts = [replace(self, arms=(arm,))._alone(action, " Clear") for arm in self.arms]
+        charts = []
+        for give_up, arm in emptying(self.use_case, self.arms):
+            inputs = tuple((k, "" if value == "$task" else value) for k, value in give_up.inputs)
+            action = replace(give_up, inputs=inputs)
+            charts.append(replace(self, arms=(arm,))._alone(action, " Clear"))
         return charts[0] if len(charts) == 1 else in_turn(charts)
 
     def discard(self) -> Chart:
@@ -193,13 +194,25 @@ def with_other_method(
 
 
 def _observations(before: Sequence[Step], left: Sequence[Step]) -> tuple[Step, ...]:
-    """Return the steps before whose findings are needed, once each."""
+    """Return the steps before whose findings are needed, also by each other, in their order."""
+    chosen: set[int] = set()
+    while True:
+        observations = tuple(before[number] for number in sorted(chosen))
+        needed = set(_sources(before, (*observations, *left)))
+        if needed <= chosen:
+            return observations
+        chosen |= needed
+
+
+def _sources(before: Sequence[Step], steps: Sequence[Step]) -> Iterator[int]:
+    """Yield which steps before reveal what some steps need and do not reveal themselves."""
     known: set[str] = set()
-    observations: dict[str, Step] = {}
-    for step in left:
-        for fact, _ in step.action.needs:
-            revealing = [s for s in before if fact in (name for name, _ in s.action.reveals)]
-            if fact not in known and revealing:
-                observations[fact] = revealing[-1]
+    for step in steps:
+        for fact in {fact for fact, _ in step.action.needs} - known:
+            revealing = [
+                number
+                for number, earlier in enumerate(before)
+                if fact in (name for name, _ in earlier.action.reveals)
+            ]
+            yield from revealing[-1:]
         known |= {fact for fact, _ in step.action.reveals}
-    return tuple(dict.fromkeys(observations.values()))

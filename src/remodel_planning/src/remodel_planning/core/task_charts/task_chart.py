@@ -2,7 +2,8 @@
 
 Each step becomes a state, or a behavior that exists, and goes on to the next one. What fails is
 tried again as often as its action says, or sends the task back to the action that it names. What
-is given up ends in the use case's `give_up` action, so that the hand is empty when the task failed.
+is given up ends in the use case's `give_up` actions, so that all hands are empty when the task
+failed.
 What the task says about itself stands in the chart's inputs; what observations reveal flows from
 the latest observing state to those that need it.
 """
@@ -10,7 +11,7 @@ the latest observing state to those that need it.
 from __future__ import annotations
 
 import hashlib
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
 
 from flexbe_synthesizer.core.chart.chart_writer import write_chart
@@ -31,7 +32,7 @@ from remodel_planning.core.decomposition.decomposed import Decomposition, Step
 from remodel_planning.core.orders.work_order import Task
 from remodel_planning.core.problem.problem import End
 from remodel_planning.core.task_charts.task_values import TaskValues
-from remodel_planning.core.use_case.model import Macro, UseCase
+from remodel_planning.core.use_case.model import Action, Macro, UseCase
 from remodel_planning.core.use_case.plain_name import plain_name
 from remodel_planning.errors import UseCaseError
 
@@ -88,12 +89,10 @@ def in_turn(charts: Sequence[Chart]) -> Chart:
     """
     nodes: list[AnyNode] = []
     connections: list[Connection] = []
-    last = len(charts) - 1
-    for number, chart in enumerate(charts):
+    ids = list(numbered(chart.nodes[0].id for chart in charts))
+    for chart, new_id, following in zip(charts, ids, [*ids[1:], ""], strict=True):
         (node,) = chart.nodes
-        new_id = node.id if number == 0 else f"{node.id} {number + 1}"
-        following = f"{node.id} {number + 2}"
-        goes_on = (FINISHED, _COMMAND_ERROR) if number < last else ()
+        goes_on = (FINISHED, _COMMAND_ERROR) if following else ()
         transitions = tuple(
             replace(each, target=following)
             if each.target in goes_on or each.event in goes_on
@@ -115,11 +114,28 @@ def content_mark(chart: Chart) -> str:
 
 def node_ids(steps: Sequence[Step]) -> Iterator[str]:
     """Yield the id of each step's node in the chart of these steps."""
+    return numbered(step.title for step in steps)
+
+
+def numbered(titles: Iterable[str]) -> Iterator[str]:
+    """Yield an id for each title; repeated ones are numbered."""
     counts: dict[str, int] = {}
-    for step in steps:
-        counts[step.title] = counts.get(step.title, 0) + 1
-        count = counts[step.title]
-        yield step.title if count == 1 else f"{step.title} {count}"
+    for title in titles:
+        counts[title] = counts.get(title, 0) + 1
+        yield title if counts[title] == 1 else f"{title} {counts[title]}"
+
+
+def emptying(use_case: UseCase, arms: tuple[str, ...]) -> tuple[tuple[Action, str], ...]:
+    """Return the actions that empty the hands when a task is given up, each with its arm.
+
+    Each arm of the task does an action of any arm.
+    """
+    actions = (use_case.actions[name] for name in use_case.give_up)
+    return tuple(
+        (action, arm)
+        for action in actions
+        for arm in (dict.fromkeys(arms) if action.is_of_any_arm else arms[:1])
+    )
 
 
 @dataclass(frozen=True)
@@ -146,6 +162,8 @@ class _Charting:
         self._values = TaskValues(self._task, decomposition.first, component_of, height_m)
         self._name = behavior_name(use_case, self._task.name) + suffix
         self._placed = tuple(_place(decomposition.steps, arms))
+        self._emptying = emptying(use_case, arms)
+        self._up_ids = tuple(numbered(action.title for action, _ in self._emptying))
         self._inputs: dict[str, Input] = {}
         self._connections: list[Connection] = []
         self._recoveries: list[State | Behavior] = []
@@ -156,7 +174,7 @@ class _Charting:
         nodes = [self._node(index) for index in range(len(self._placed))]
         nodes += self._recoveries
         if any(placed.step.action.grasps for placed in self._placed):
-            nodes.append(self._give_up())
+            nodes += self._give_up()
         return Chart(
             name=self._name,
             initial=nodes[0].id,
@@ -208,12 +226,14 @@ class _Charting:
         )
         return placed.id
 
-    def _give_up(self) -> State | Behavior:
-        action = self._use_case.actions[self._use_case.give_up]
+    def _give_up(self) -> Iterator[State | Behavior]:
+        """Yield the nodes that empty the hands, one after another, whatever each one reports."""
         last = self._placed[-1]
-        step = replace(last.step, action=action, end=None, clip=None)
-        ended = dict.fromkeys((*action.done, FAILED), FAILED)
-        return self._aside(_Placed(step, self._up_id, last.arm), ended, FAILED, ())
+        following = (*self._up_ids[1:], FAILED)
+        for (action, arm), id_, after in zip(self._emptying, self._up_ids, following, strict=True):
+            step = replace(last.step, action=action, end=None, clip=None)
+            ended = dict.fromkeys((*action.done, FAILED), after)
+            yield self._aside(_Placed(step, id_, arm), ended, after, ())
 
     def _aside(
         self, placed: _Placed, ended: dict[str, str], refused: str, known: tuple[Input, ...]
@@ -230,14 +250,10 @@ class _Charting:
             transitions=_transitions(ended),
         )
 
-    @property
-    def _up_id(self) -> str:
-        return self._use_case.actions[self._use_case.give_up].title
-
     def _up(self, index: int) -> str:
-        """Return where giving up leads: to emptying the hand, if it may hold something."""
+        """Return where giving up leads: to emptying the hands, if one may hold something."""
         held = any(placed.step.action.grasps for placed in self._placed[: index + 1])
-        return self._up_id if held else FAILED
+        return self._up_ids[0] if held else FAILED
 
     def _earlier(self, index: int, action: str) -> str | None:
         """Return the node of the last step before that is this action."""

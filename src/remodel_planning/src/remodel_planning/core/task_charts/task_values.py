@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from remodel_planning.core.decomposition.decomposed import Step
 from remodel_planning.core.orders.work_order import Task
 from remodel_planning.core.problem.problem import End, Point
-from remodel_planning.core.use_case.model import FORCE
+from remodel_planning.core.use_case.model import ARM, FORCE
 
 
 @dataclass(frozen=True)
@@ -31,7 +31,7 @@ class TaskValues:
         """Return what references may name in a step that an arm does."""
         values: dict[str, object] = {
             "task": self.task.name,
-            "arm": arm,
+            ARM: arm,
             "slot_pose": poses([self.task.slot_mm], self.height_m)[0],
             "path": poses(step.route.path_mm, self.height_m),
             **self._of_end("first_", self.first),

@@ -30,7 +30,8 @@ class Designs:
     Attributes:
         default_for: the designs that are done by this use case unless another one is asked for.
         tasks: what becomes one.
-        arms: names of the left one and the right one; the first is the one that works alone.
+        arms: names of the left one and the right one; the first is the one that works alone. One
+            name: tasks are done one after another, whatever robots their actions name.
         tool: in the arms' hands at first.
         magazine_below_m: [m] of the slots and the stations, below the board.
         station_beside_m: [m] of a station, beside its arm's side of the board.
@@ -41,7 +42,7 @@ class Designs:
 
     default_for: DesignKind | None
     tasks: DesignTasks
-    arms: tuple[str, str]
+    arms: tuple[str, ...]
     tool: str
     magazine_below_m: float
     station_beside_m: float

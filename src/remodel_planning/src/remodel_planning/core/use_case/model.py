@@ -17,6 +17,10 @@ from remodel_planning.core.use_case.policy import Policy
 
 # What actions refer to for the force with which they may push.
 FORCE = "force_n"
+# The same for the arm that does them.
+ARM = "arm"
+# What conditions refer to for which end of its task is inserted, "first" or "second".
+INSERTED = "end"
 
 
 class Macro(Enum):
@@ -127,6 +131,11 @@ class Action:
         """Whether it takes the force limit as a parameter, and so can push less hard."""
         return f"${FORCE}" in dict(self.params).values()
 
+    @property
+    def is_of_any_arm(self) -> bool:
+        """Whether the plan chooses the arm that does it; else its parameters name the robot."""
+        return f"${ARM}" in dict(self.params).values()
+
 
 @dataclass(frozen=True)
 class Subtask:
@@ -185,7 +194,7 @@ class UseCase:
         heavy: which tasks are to come before the others.
         learned: ability -> parameter -> within which values runs may choose it.
         methods: by the name of the task that they do, in the order in which they are preferred.
-        give_up: the action that empties the hand when a task is given up.
+        give_up: the actions that empty the hands, one after another, when a task is given up.
         discard: the action that takes a task's part off the panel into the scrap bin; empty: none.
         preferences: weights, preferences and requirements, as in a preferences document.
         recovery: what is done about tasks that fail.
@@ -205,7 +214,7 @@ class UseCase:
     methods: dict[str, tuple[Method, ...]]
     rules: tuple[ControlRule, ...]
     cell: CellTimes
-    give_up: str
+    give_up: tuple[str, ...]
     discard: str
     preferences: dict[str, object]
     recovery: Policy

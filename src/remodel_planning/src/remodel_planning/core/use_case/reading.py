@@ -15,6 +15,7 @@ from remodel_planning.core.use_case.bounds import Bounds, settings
 from remodel_planning.core.use_case.designs import designs_from
 from remodel_planning.core.use_case.expectation import Frozen, FrozenExpectations
 from remodel_planning.core.use_case.model import (
+    INSERTED,
     Action,
     CellTimes,
     Characteristic,
@@ -32,8 +33,8 @@ from remodel_planning.errors import UseCaseError
 Json = dict[str, Any]
 
 _REQUIRED = (Macro.PICK, Macro.INSERT, Macro.ROUTE, Macro.FIX)
-# What every task has, besides what the use case declares.
-_COMPUTED = {"length_m": 0.0, "clips": 0.0}
+# What every task has, besides what the use case declares; the end where one is inserted.
+_COMPUTED = ("length_m", "clips", INSERTED)
 
 
 def use_case_from(data: Json) -> UseCase:
@@ -65,7 +66,7 @@ def use_case_from(data: Json) -> UseCase:
             for item in data.get("rules", [])
         ),
         cell=CellTimes(**data["cell"]),
-        give_up=data["give_up"],
+        give_up=tuple(_several(data["give_up"])),
         discard=data.get("discard", ""),
         preferences=data.get("preferences", {}),
         recovery=policy_from(data.get("recovery", {})),
@@ -166,7 +167,7 @@ def _unknown_names(use_case: UseCase) -> Iterator[str]:
     actions, facts = use_case.actions, use_case.facts
     tasks = [macro.value for macro in _REQUIRED if macro.value not in use_case.methods]
     yield from (f"methods: none for {task}, of which every task is made" for task in tasks)
-    yield from _missing("give_up", [use_case.give_up], actions, "action")
+    yield from _missing("give_up", use_case.give_up, actions, "action")
     discard = [use_case.discard] if use_case.discard else []
     yield from _missing("discard", discard, actions, "action")
     for name, fact in facts.items():

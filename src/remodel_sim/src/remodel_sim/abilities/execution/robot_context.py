@@ -142,6 +142,10 @@ class RobotContext:
         other = self._traffic.claim(self.name, volume_of(self.arm, postures))
         return None if other is None else self.robots[other]
 
+    def take_space(self, postures: Array) -> None:
+        """Claim the space of a path, (n, joints), which its caller has seen to be free."""
+        self._traffic.stand(self.name, volume_of(self.arm, postures))
+
     def first_touch(
         self, path: Callable[[float], ToolPose], length: float, allowed: Set[str]
     ) -> Touch | None:
@@ -180,10 +184,13 @@ class RobotContext:
 
     def has_room(self, tool: ToolPose) -> bool:
         """Return whether no other robot obstructs the arm at a tool pose."""
+        return self.has_way(self.arm.joints_for(tool))
+
+    def has_way(self, postures: Array) -> bool:
+        """Return whether no other robot obstructs the arm in postures, (joints,) or (n, joints)."""
         if len(self.robots) == 1:
             return True
-        there = volume_of(self.arm, self.arm.joints_for(tool))
-        return self._traffic.in_the_way(self.name, there) is None
+        return self._traffic.in_the_way(self.name, volume_of(self.arm, postures)) is None
 
     def stand(self) -> None:
         """Release all claimed space but that of the commanded posture."""
@@ -299,6 +306,16 @@ class RobotContext:
         return robot.world_from_hand.rotation @ robot.wrist_force
 
     @property
+    def overhead_view(self) -> View:
+        """Where the overhead camera is."""
+        return self._plant.design.overhead
+
+    @property
+    def hand_sees_depth(self) -> bool:
+        """Whether the wrist camera measures depth."""
+        return self._design.camera.depth
+
+    @property
     def wrist_view(self) -> View:
         """Where the wrist camera is, by the arm's own measure."""
         return self._plant.wrist_view(self.name)
@@ -308,7 +325,7 @@ class RobotContext:
         return self._observed("overhead", self._plant.take_overhead_picture())
 
     def take_wrist_picture(self) -> Picture:
-        """Take a colour picture from the hand."""
+        """Take a picture from the hand, with depth if its camera measures it."""
         return self._observed(self._camera, self._plant.take_wrist_picture(self.name))
 
     def _observed(self, camera: str, picture: Picture) -> Picture:
@@ -385,6 +402,10 @@ class RobotContext:
         self._plant.discard()
         for context in self.robots.values():
             context.belief.end_wire(wire_id)
+
+    def open_magazine(self, end: WireEnd) -> None:
+        """Open the magazine's clips that hold an end; it has others for the other end."""
+        self._plant.open_magazine(end)
 
     def move_fork(self, x: float, y: float) -> None:
         """Bring the feeder's fork up around a wire, world frame [m].

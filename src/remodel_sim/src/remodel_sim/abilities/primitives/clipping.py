@@ -26,8 +26,8 @@ from remodel_sim.abilities.primitives.motions import (
     swing_to,
     wait,
 )
-from remodel_sim.abilities.primitives.observing import go_and_see
-from remodel_sim.abilities.primitives.viewpoints import camera_above
+from remodel_sim.abilities.primitives.observation.observing import go_and_see
+from remodel_sim.abilities.primitives.observation.viewpoints import camera_above
 from remodel_sim.core.errors import AbilityError
 from remodel_sim.core.geometry import Array, Pose
 from remodel_sim.core.robot.arm import ToolPose
@@ -200,7 +200,7 @@ def _grasp(context: RobotContext, grasp: Pose) -> Steps[None]:
         yield from move_to(context, tool.at(z=tool.z + above), APPROACH_SPEED)
         context.drive_fingers(0.0)
         yield from _fingers_still(context)
-        if not grips_nothing(context, context.finger_gap, context.wire.diameter):
+        if not grips_nothing(context.finger_gap, context.wire.diameter):
             return
         context.drive_fingers(HAND_OPEN_M)
         yield from wait(context, OPEN_S)

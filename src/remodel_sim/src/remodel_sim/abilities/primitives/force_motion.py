@@ -1,11 +1,14 @@
-"""A straight motion of the tool under force control, as steps of an ability."""
+"""A motion of the tool under force control, as steps of an ability."""
 
 from __future__ import annotations
+
+from collections.abc import Callable
 
 import numpy as np
 
 from remodel_sim.abilities.execution.robot_context import RobotContext, Steps
 from remodel_sim.core.geometry import Array
+from remodel_sim.core.robot.arm import ToolPose
 from remodel_sim.core.robot.force_control import ForceControl
 
 # A motion that gets no further than this within this time has met its limit as well: what it rests
@@ -15,7 +18,9 @@ STALLED_S = 0.3
 
 
 class ForceMotion:
-    """A push or pull along a line, which slows down as the force rises and keeps to its limit.
+    """A push or pull along a line, or a way near it.
+
+    It slows down as the force rises, and keeps to its limit.
 
     Commands at the abilities' 120 Hz would be too late: between two of them a push at 20 mm/s
     raises the force on a terminal's bottom by 10 N, and the servo and the sensor's low pass lag by
@@ -28,7 +33,12 @@ class ForceMotion:
     """
 
     def __init__(
-        self, context: RobotContext, along: Array, control: ForceControl, free: Array | None = None
+        self,
+        context: RobotContext,
+        along: Array,
+        control: ForceControl,
+        free: Array | None = None,
+        way: Callable[[float], ToolPose] | None = None,
     ) -> None:
         """Prepare a motion from where the tool was sent.
 
@@ -38,10 +48,13 @@ class ForceMotion:
             control: its limit.
             free: what the wrist feels of a hand that touches nothing, world frame (3,) [N]; None:
                 as kept by the context.
+            way: the tool pose for each travel, which begins where the tool was sent; None: straight
+                on along the line.
         """
         self._context, self._along, self._control = context, along, control
         self._free = context.free_force if free is None else free
-        self._start, self._hand_mass = context.commanded, context.hand_mass
+        start, self._hand_mass = context.commanded, context.hand_mass
+        self._way = way or (lambda travel: start.moved(along, travel))
         self._speed = self._wanted = 0.0
         self._acceleration = 0.0
         self.travel = self.peak = 0.0
@@ -67,9 +80,9 @@ class ForceMotion:
         self._wanted = speed
         self._from = self.travel
         self._reach = speed * context.tick_s
-        here = self._start.moved(self._along, self.travel)
+        here, there = self._way(self.travel), self._way(self.travel + self._reach)
         self._joints = context.arm.joints_for(here)
-        self._turn = context.arm.joints_for(here.moved(self._along, self._reach)) - self._joints
+        self._turn = context.arm.joints_for(there) - self._joints
         context.drive_by(self._step, here)
         yield
         self._stalled_s += context.tick_s
@@ -78,7 +91,7 @@ class ForceMotion:
 
     def stop(self) -> None:
         """Keep the tool where it is."""
-        self._context.drive(self._start.moved(self._along, self.travel))
+        self._context.drive(self._way(self.travel))
 
     def _step(self, wrist_force: Array, time_step: float) -> Array:
         """Return the joints of the next step, (joints,), see `Robot.drive_by`."""

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import math
 
+import numpy as np
+
 from remodel_sim.abilities.execution.robot_context import RobotContext, Steps
 from remodel_sim.abilities.primitives.motions import (
     APPROACH_SPEED,
@@ -16,13 +18,14 @@ from remodel_sim.abilities.primitives.motions import (
     rise,
     wait,
 )
-from remodel_sim.abilities.primitives.observing import GraspObservation, observe_end
+from remodel_sim.abilities.primitives.observation.observing import GraspObservation, observe_end
 from remodel_sim.core.belief.belief_state import EndState, Grip
 from remodel_sim.core.belief.openings import TerminalKey
 from remodel_sim.core.cell.magazine import GRASP_M
 from remodel_sim.core.errors import AbilityError
 from remodel_sim.core.geometry import Pose
-from remodel_sim.core.robot.arm import Arm, ToolPose
+from remodel_sim.core.robot.arm import ToolPose
+from remodel_sim.core.robot.kinematics import Kinematics
 from remodel_sim.core.workpiece.layout import GRASP_DISTANCE_M, WORLD_FROM_PANEL
 from remodel_sim.core.workpiece.panel import WireEnd, unit_x
 from remodel_states.core.codes import Code
@@ -44,8 +47,11 @@ CLEAR_SPEED = 0.05  # [m/s]
 CLEAR_OF_WIRE_M = 0.02
 # Of an end that is fixed; no wider: the pad on the side to which it bends would push it there.
 RELEASE_OPENING_M = 0.0025
-# The lips of notched fingers clear the wire by so much on each side [m].
-CLEAR_OF_LIPS_M = 0.0004
+# Fingers open by so much at least, and keep so far from the wires of neighbouring terminals, whose
+# openings are within so much of the own one along it [m].
+LEAST_OPENING_M = 0.0006
+CLEAR_OF_NEIGHBOURS_M = 0.0005
+BESIDE_M = 0.02
 # An open finger reaches so far to the side of the wire.
 FINGER_ROOM_M = HAND_OPEN_M + 0.012
 
@@ -78,6 +84,7 @@ def pick_end(
     yield from close_on_wire(
         context, Grip(end=end, distance=distance, height=height, flip=flip, tool=tool)
     )
+    context.open_magazine(end)
     if context.belief.ends[end.other] is not EndState.LOOSE:
         context.lower_fork()  # it has nothing more to keep, and the wire could hang on it
     context.report(f"lifting end {end.value}", first + 0.9 * (last - first))
@@ -111,7 +118,7 @@ def _check_room(context: RobotContext, seen: GraspObservation) -> None:
 
 
 def _grasp_pose(
-    arm: Arm, seen: GraspObservation, distance: float, socket: Pose
+    arm: Kinematics, seen: GraspObservation, distance: float, socket: Pose
 ) -> tuple[ToolPose, float]:
     x, y, z = (float(v) for v in seen.point)
     into = unit_x(socket)
@@ -134,7 +141,7 @@ def close_on_wire(context: RobotContext, grip: Grip) -> Steps[None]:
         before, gap = gap, context.finger_gap
         if abs(before - gap) < 1e-5:
             break
-    if grips_nothing(context, gap, thickness):
+    if grips_nothing(gap, thickness):
         context.drive_fingers(HAND_OPEN_M)
         yield from wait(context, 0.2)
         yield from rise(context)
@@ -148,10 +155,9 @@ def close_on_wire(context: RobotContext, grip: Grip) -> Steps[None]:
     context.belief.picked_at[grip.end] = grip
 
 
-def grips_nothing(context: RobotContext, gap: float, thickness: float) -> bool:
+def grips_nothing(gap: float, thickness: float) -> bool:
     """Return whether closed fingers with a gap [m] have missed what is so thick [m]."""
-    shut = context.fingers.shut_m
-    return gap - shut < MISSED_SHARE * (thickness - shut)
+    return gap < MISSED_SHARE * thickness
 
 
 def holds(context: RobotContext) -> bool:
@@ -186,18 +192,23 @@ def release(context: RobotContext, opening: float) -> Steps[None]:
     yield from move_to(context, context.commanded.at(z=clear), CLEAR_SPEED)
 
 
-def _release_opening(context: RobotContext) -> float:
-    """Return how far each finger opens to release a fixed end [m]: between neighbours no more."""
-    notch = context.fingers.notch
-    return RELEASE_OPENING_M if notch is None else notch.depth + CLEAR_OF_LIPS_M
+def _room_beside(context: RobotContext, terminal: TerminalKey) -> float:
+    """Return how far a finger may open beside a wire in a terminal, its neighbours wired [m]."""
+    own, half = context.panel.panel_from_socket(*terminal), context.wire.radius
+    rooms = [HAND_OPEN_M]
+    for wire in context.panel.wires:
+        for end in WireEnd:
+            place = context.panel.panel_from_socket(*wire.goes_to(end)).position
+            away, aside, _ = np.abs(own.inverse().apply(place))
+            if away < BESIDE_M and 0 < aside < 2 * HAND_OPEN_M:
+                taken = wire.radius + half + context.fingers.outer_m + CLEAR_OF_NEIGHBOURS_M
+                rooms.append(float(aside) - taken)
+    return max(LEAST_OPENING_M, min(rooms))
 
 
-def opening_beside_neighbours(context: RobotContext) -> float:
-    """Return how far each finger opens to go down on a wire at its terminal [m]."""
-    notch = context.fingers.notch
-    if notch is None:
-        return HAND_OPEN_M
-    return context.wire.radius + notch.depth + CLEAR_OF_LIPS_M
+def opening_beside_neighbours(context: RobotContext, terminal: TerminalKey) -> float:
+    """Return how far from the middle each finger goes down on a wire at its terminal [m]."""
+    return min(HAND_OPEN_M, context.wire.radius + _room_beside(context, terminal))
 
 
 def release_fixed(context: RobotContext, end: WireEnd, terminal: TerminalKey) -> Steps[None]:
@@ -207,7 +218,8 @@ def release_fixed(context: RobotContext, end: WireEnd, terminal: TerminalKey) ->
         belief.seat(end, terminal)
     belief.ends[end] = EndState.FIXED
     context.report("releasing", 0.8)
-    yield from release(context, _release_opening(context))
+    opening = min(RELEASE_OPENING_M, _room_beside(context, terminal))
+    yield from release(context, opening)
     yield from move_to(context, context.commanded.at(z=TRAVEL_Z), APPROACH_SPEED * 2)
     if belief.ends[end.other] is EndState.LOOSE and end.other in belief.expected:
         belief.tips.pop(end.other, None)

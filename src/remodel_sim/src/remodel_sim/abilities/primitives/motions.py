@@ -4,13 +4,16 @@ from __future__ import annotations
 
 import math
 from collections.abc import Set
+from dataclasses import replace
+from itertools import pairwise
 
 import numpy as np
 
 from remodel_sim.abilities.execution.robot_context import RobotContext, Steps
 from remodel_sim.core.errors import AbilityError
 from remodel_sim.core.geometry import Array, Pose, wrap_angle
-from remodel_sim.core.robot.arm import Arm, ToolPose
+from remodel_sim.core.robot.arm import ToolPose
+from remodel_sim.core.robot.kinematics import Kinematics
 from remodel_sim.core.robot.motion import JOINT_SPEED, PEAK_OVER_MEAN, Line
 from remodel_sim.physics.collision_check import Touch
 from remodel_states.core.codes import Code
@@ -60,11 +63,21 @@ def move_to(
         for tick in range(1, math.ceil(line.duration / context.tick_s) + 1):
             context.follow(line.at(tick * context.tick_s))
             yield
-            _check_lag(context)
+            check_lag(context)
         context.follow(line.end)
         yield
         context.stand()
         check_tracking(context)
+
+
+def straight_line(context: RobotContext, target: ToolPose, speed: float) -> Line:
+    """Return the straight line to a tool pose; raises UNREACHABLE when it would touch something."""
+    start, end = canonical(context, context.commanded), canonical(context, target)
+    line = Line(start, end, speed).paced(context.arm)
+    touch = _touch_on(context, line, NOTHING)
+    if touch is not None:
+        raise _blocked(touch, target)
+    return line
 
 
 def _clear_lines(
@@ -74,7 +87,7 @@ def _clear_lines(
     arm, start = context.arm, context.commanded
 
     def line(first: ToolPose, second: ToolPose) -> Line:
-        return Line(_canonical(context, first), _canonical(context, second), speed).paced(arm)
+        return Line(canonical(context, first), canonical(context, second), speed).paced(arm)
 
     direct = line(start, target)
     touch = _touch_on(context, direct, allowed)
@@ -107,7 +120,7 @@ def _blocked(touch: Touch, target: ToolPose) -> AbilityError:
     )
 
 
-def _check_lag(context: RobotContext) -> None:
+def check_lag(context: RobotContext) -> None:
     """Stop the arm and raise MOTION_FAULT when something holds it up."""
     sent, tool = context.commanded, context.tool
     lag = float(np.linalg.norm(tool.position - sent.position))
@@ -130,7 +143,34 @@ def check_tracking(context: RobotContext) -> None:
 
 
 def swing_to(context: RobotContext, target: ToolPose) -> Steps[None]:
-    """Move the empty hand, high up, through joint space; raises UNREACHABLE before it starts.
+    """Move the empty hand, high up, past other robots; raises UNREACHABLE before it starts."""
+    for leg in past_robots(context, target) or (target,):
+        yield from _swing(context, leg)
+
+
+def past_robots(context: RobotContext, target: ToolPose) -> tuple[ToolPose, ...]:
+    """Return legs to a tool pose, over a corner where a robot stands in the direct way.
+
+    None where robots stand in all ways.
+    """
+    here, arm = context.commanded, context.arm
+    corners = (replace(target, x=here.x, z=here.z), replace(target, y=here.y, z=here.z))
+    for legs in ((target,), *((corner, target) for corner in corners)):
+        if not all(arm.reaches(leg) for leg in legs):
+            continue
+        stops = [arm.joints_for(leg) for leg in (here, *legs)]
+        if all(context.has_way(_through(*pair)) for pair in pairwise(stops)):
+            return legs
+    return ()
+
+
+def _through(start: Array, end: Array) -> Array:
+    """Return postures between two, (n, joints), CHECK_STEP_RAD apart or less."""
+    return np.linspace(start, end, math.ceil(np.abs(end - start).max() / CHECK_STEP_RAD) + 2)
+
+
+def _swing(context: RobotContext, target: ToolPose) -> Steps[None]:
+    """Move the empty hand, high up, through joint space.
 
     An arm on an axis goes straight: a posture that its axis's rule does not give has no tool pose
     to resume from when it is stopped.
@@ -140,7 +180,6 @@ def swing_to(context: RobotContext, target: ToolPose) -> Steps[None]:
         return
     start, end = context.arm.joints_for(context.commanded), context.arm.joints_for(target)
     farthest = float(np.abs(end - start).max())
-    parts = math.ceil(farthest / CHECK_STEP_RAD) + 1
     touch = context.first_touch(
         lambda share: context.arm.tool_of(start + share * (end - start)),
         SWING_M * farthest,
@@ -148,7 +187,7 @@ def swing_to(context: RobotContext, target: ToolPose) -> Steps[None]:
     )
     if touch is not None:
         raise _blocked(touch, target)
-    yield from clear_path(context, np.linspace(start, end, parts + 1))
+    yield from clear_path(context, _through(start, end))
     ticks = math.ceil(PEAK_OVER_MEAN * farthest / JOINT_SPEED / context.tick_s)
     for tick in range(1, ticks + 1):
         t = tick / ticks
@@ -266,7 +305,7 @@ def disengage(context: RobotContext) -> Steps[None]:
 
 
 def choose_flip(
-    arm: Arm,
+    arm: Kinematics,
     at: tuple[float, float],
     tip_yaw: float,
     then_at: tuple[float, float],
@@ -302,13 +341,14 @@ def choose_flip(
     return best[1]
 
 
-def nearest_hand_yaw(arm: Arm, x: float, y: float, yaw: float, near: float) -> float:
+def nearest_hand_yaw(arm: Kinematics, x: float, y: float, yaw: float, near: float) -> float:
     """Return `yaw`, or that turned by pi, whichever joint 7 reaches with less turning."""
     options = [arm.canonical_yaw(x, y, yaw + turn) for turn in (0.0, math.pi)]
     reachable = [option for option in options if option is not None]
     return min(reachable, key=lambda option: abs(option - near), default=yaw)
 
 
-def _canonical(context: RobotContext, tool: ToolPose) -> ToolPose:
+def canonical(context: RobotContext, tool: ToolPose) -> ToolPose:
+    """Return a tool pose with the yaw that the arm takes, of those that are a full turn apart."""
     yaw = context.arm.canonical_yaw(tool.x, tool.y, tool.yaw)
     return tool if yaw is None else ToolPose(tool.x, tool.y, tool.z, yaw)

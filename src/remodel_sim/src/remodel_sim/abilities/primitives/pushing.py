@@ -2,22 +2,33 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+import math
+from collections.abc import Callable
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from remodel_sim.abilities.execution.robot_context import RobotContext, Steps
 from remodel_sim.abilities.primitives.force_motion import ForceMotion
+from remodel_sim.abilities.primitives.holding import bring_together, free_length, holder_of
 from remodel_sim.abilities.primitives.laying import carry_over
-from remodel_sim.abilities.primitives.motions import APPROACH_SPEED, move_to, wait
+from remodel_sim.abilities.primitives.motions import (
+    APPROACH_SPEED,
+    CARRY_SPEED,
+    TRAVEL_Z,
+    move_to,
+    wait,
+)
+from remodel_sim.abilities.primitives.together import move_together
 from remodel_sim.core.belief.belief_state import Grip
 from remodel_sim.core.errors import AbilityError
 from remodel_sim.core.geometry import Array, Pose
 from remodel_sim.core.robot.arm import ToolPose
 from remodel_sim.core.robot.force_control import WIRE_STIFFNESS, ForceControl
 from remodel_sim.core.robot.push_monitor import PushMonitor
-from remodel_sim.core.workpiece.layout import STANDOFF_M
+from remodel_sim.core.workpiece.layout import STANDOFF_M, WORLD_FROM_PANEL
 from remodel_sim.core.workpiece.panel import PanelTerminal, unit_x
+from remodel_sim.core.workpiece.slots import slot_before
 from remodel_states.core.codes import Code
 
 # The tip goes to the opening faster than into it [m/s]: what stops it there must not hurt it.
@@ -34,6 +45,11 @@ BEYOND_BOTTOM_M = 0.006
 # Resistance before this depth is the face's or the funnel's.
 FACE_M = 0.003
 STILL_S = 0.15
+# A wire that comes through a slot beside the opening's axis is turned into the axis up to this
+# depth [m]: kept straight from the slot on, it does not lean on the funnel.
+TURNED_IN_M = 0.010
+# Two hands carry a wire so high that its loop clears what stands on the plate [m].
+BOTH_CARRY_Z = 0.32
 
 
 @dataclass(frozen=True)
@@ -96,11 +112,68 @@ def tool_before(socket: Pose, grip: Grip, ahead: float) -> ToolPose:
 
 
 def bring_before(context: RobotContext, socket: Pose) -> Steps[None]:
-    """Carry the held end to in front of an opening."""
+    """Carry the held end to in front of an opening.
+
+    Where a slotted duct stands before it, the hand comes down beside the opening, so that the wire
+    behind it goes down into a slot: over the wall it would have to bend upwards beside the grip.
+    """
     target = tool_before(socket, _grip(context), -STANDOFF_M)
-    yield from carry_over(context, target)
-    yield from move_to(context, target, APPROACH_SPEED)
+    slot = slot_before(context.panel, WORLD_FROM_PANEL.inverse() @ socket)
+    above = target.moved(socket.rotation[:, 1], slot.aside if slot else 0.0)
+    holder = holder_of(context)
+    if holder is not None:
+        yield from _carry_both(context, holder, above, -unit_x(socket))
+    yield from carry_over(context, above)
+    yield from move_to(context, context.commanded.at(z=target.z), APPROACH_SPEED)
+    slant = _slant(context, socket)
+    yield from move_to(context, _way_in(socket, slant, _grip(context), target)(0.0), APPROACH_SPEED)
     yield from wait(context, STILL_S)
+
+
+def _slant(context: RobotContext, socket: Pose) -> float:
+    """Return the yaw from an opening's axis at which the held end comes to it [rad].
+
+    A wire comes straight from the slot before the opening; a connector goes in straight.
+    """
+    slot = slot_before(context.panel, WORLD_FROM_PANEL.inverse() @ socket)
+    is_wire = context.wire.connector_at(_grip(context).end) is None
+    return slot.slant if slot is not None and is_wire else 0.0
+
+
+def _way_in(
+    socket: Pose, slant: float, grip: Grip, straight: ToolPose
+) -> Callable[[float], ToolPose]:
+    """Return the tool poses that push an end in, for each travel [m] from STANDOFF_M before it.
+
+    Args:
+        socket: the opening's frame, x into the terminal.
+        slant: yaw from its axis at which the end comes to it [rad].
+        grip: on the end.
+        straight: the tool pose that holds the end along the axis.
+    """
+
+    def tool(travel: float) -> ToolPose:
+        ahead = travel - STANDOFF_M
+        turn = slant * (1.0 - min(1.0, max(0.0, ahead / TURNED_IN_M)))
+        along = socket.rotation @ np.array([math.cos(turn), math.sin(turn), 0.0])
+        tip = socket.position + (unit_x(socket) if ahead > 0 else along) * ahead
+        x, y, _ = (float(v) for v in tip - along * grip.distance)
+        return ToolPose(x, y, straight.z, straight.yaw + turn)
+
+    return tool
+
+
+def _carry_both(
+    context: RobotContext, holder: RobotContext, target: ToolPose, out: Array
+) -> Steps[None]:
+    """Carry a wire that two hands hold: this one to above its target, the other out of its way."""
+    both = (context, holder)
+    high = [(robot, robot.commanded.at(z=max(BOTH_CARRY_Z, robot.commanded.z))) for robot in both]
+    yield from move_together(high, CARRY_SPEED)
+    length = free_length(context, holder)
+    for height in (BOTH_CARRY_Z, TRAVEL_Z):
+        for move in bring_together(context, target.at(z=height), holder, out, length):
+            yield from move_together(move, CARRY_SPEED)
 
 
 def _grip(context: RobotContext) -> Grip:
@@ -124,7 +197,9 @@ def push_in(
     into, grip = unit_x(socket), _grip(context)
     context.free_force = context.force
     monitor = PushMonitor(manner.buckles)
-    motion = ForceMotion(context, into, ForceControl(limit, manner.stiffness))
+    slant, here = _slant(context, socket), context.commanded
+    way = _way_in(socket, slant, grip, replace(here, yaw=here.yaw - slant)) if slant else None
+    motion = ForceMotion(context, into, ForceControl(limit, manner.stiffness), way=way)
     ahead, stopped = -STANDOFF_M, False
     while ahead < bottom + OVERTRAVEL_M and not stopped:
         yield from motion.advance(manner.speed_at(ahead, bottom))
@@ -135,7 +210,10 @@ def push_in(
     motion.stop()
     at = context.tool
     yield from wait(context, 0.1)
-    tip = at.position + into * grip.distance + np.array([0.0, 0.0, grip.height])
+    along = into
+    if slant:
+        along = np.array([math.cos(at.yaw + grip.flip), math.sin(at.yaw + grip.flip), 0.0])
+    tip = at.position + along * grip.distance + np.array([0.0, 0.0, grip.height])
     return Push(tip, float((tip - socket.position) @ into), motion.peak, stopped)
 
 

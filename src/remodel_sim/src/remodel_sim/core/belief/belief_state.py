@@ -10,7 +10,8 @@ import numpy as np
 from remodel_sim.core.belief.openings import TerminalKey
 from remodel_sim.core.belief.placed_wires import PlacedWires
 from remodel_sim.core.geometry import Array, Pose
-from remodel_sim.core.robot.arm import PANDA_AT_ORIGIN, Arm, ToolPose
+from remodel_sim.core.robot.arm import PANDA_AT_ORIGIN, ToolPose
+from remodel_sim.core.robot.kinematics import Kinematics
 from remodel_sim.core.workpiece.layout import GRASP_DISTANCE_M
 from remodel_sim.core.workpiece.panel import WireEnd
 
@@ -119,7 +120,7 @@ class BeliefState:
     """
 
     robot: str = "robot_1"
-    arm: Arm = PANDA_AT_ORIGIN
+    arm: Kinematics = PANDA_AT_ORIGIN
     feed: Feed | None = None
     hands: dict[str, Grip] = field(default_factory=dict)
     engaged: Pose | None = None
@@ -133,7 +134,7 @@ class BeliefState:
     seen: dict[str, Pose] = field(default_factory=dict)
     panel_at: list[Pose] = field(default_factory=list)
 
-    def beside(self, robot: str, arm: Arm) -> BeliefState:
+    def beside(self, robot: str, arm: Kinematics) -> BeliefState:
         """Return the belief state of another robot of the same cell."""
         return replace(self, robot=robot, arm=arm, engaged=None)
 

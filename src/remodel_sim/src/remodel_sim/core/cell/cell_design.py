@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import math
 from collections import Counter
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from itertools import combinations
 
@@ -17,6 +17,7 @@ from remodel_sim.core.cell.feeding import Feeder
 from remodel_sim.core.cell.magazine import Magazine
 from remodel_sim.core.errors import AbilityError
 from remodel_sim.core.robot.arm import Arm, ToolPose
+from remodel_sim.core.robot.kinematics import Kinematics
 from remodel_sim.core.workpiece.panel import Duct, PanelClip
 
 # Two bases need this much room between them [m].
@@ -38,10 +39,15 @@ class Gripper:
 
 @dataclass(frozen=True)
 class WristCamera:
-    """A camera on the side of a hand that looks straight down; its name is part of its topics."""
+    """A camera on the side of a hand that looks straight down; its name is part of its topics.
+
+    Attributes:
+        depth: whether it measures depth, beside colour.
+    """
 
     name: str
     lens: Lens
+    depth: bool = False
 
 
 @dataclass(frozen=True)
@@ -60,7 +66,7 @@ class RobotDesign:
     """
 
     name: str
-    arm: Arm
+    arm: Kinematics
     home: ToolPose
     gripper: Gripper
     camera: WristCamera
@@ -107,7 +113,7 @@ class CellDesign:
     labels: bool = True
 
     @property
-    def arms(self) -> tuple[Arm, ...]:
+    def arms(self) -> tuple[Kinematics, ...]:
         """The robots' arms."""
         return tuple(robot.arm for robot in self.robots)
 
@@ -154,18 +160,19 @@ def _axes(design: CellDesign) -> Iterator[str]:
 def _fingers(design: CellDesign) -> Iterator[str]:
     for i, robot in enumerate(design.robots):
         fingers = robot.arm.fingers
-        place, half = f"robots[{i}].gripper.fingers", 0.0
-        if fingers.notch is not None:
-            half = fingers.notch.height / 2
-            if fingers.below <= half:
+        place, eyelet = f"robots[{i}].gripper.fingers", fingers.eyelet
+        least = fingers.below
+        if eyelet is not None:
+            least += eyelet.above + eyelet.height / 2
+            if eyelet.above < eyelet.height / 2:
                 yield (
-                    f"{place}.notch.height: found {fingers.notch.height}; allowed: less than "
-                    f"twice below, {2 * fingers.below}: the lips under the notch need the rest"
+                    f"{place}.eyelet.above: found {eyelet.above}; allowed: {eyelet.height / 2} or "
+                    "more: the pads below it grip"
                 )
-        if fingers.pad_height < fingers.below + half:
+        if fingers.pad_height < least:
             yield (
-                f"{place}.pad_height: found {fingers.pad_height}; allowed: {fingers.below + half} "
-                "or more: from the tips to above the wire"
+                f"{place}.pad_height: found {fingers.pad_height}; allowed: {least:.5g} or more: "
+                "from the tips to above the wire and the eyelet"
             )
         if fingers.pad_height > fingers.length:
             yield f"{place}.pad_height: found {fingers.pad_height}; allowed: up to the length"
@@ -173,8 +180,11 @@ def _fingers(design: CellDesign) -> Iterator[str]:
 
 def _homes(design: CellDesign) -> Iterator[str]:
     for i, robot in enumerate(design.robots):
-        lower, higher = (limits[-7:] for limits in robot.arm.limits)
-        wide = zip(robot.arm.model.lower, robot.arm.model.higher, strict=True)
+        lower, higher = robot.arm.limits
+        wide: Sequence[tuple[float, float]] = ()
+        if isinstance(robot.arm, Arm):
+            lower, higher = lower[-7:], higher[-7:]
+            wide = tuple(zip(robot.arm.model.lower, robot.arm.model.higher, strict=True))
         for j, (least, most) in enumerate(wide):
             if not least <= lower[j] <= higher[j] <= most:
                 yield (
@@ -202,7 +212,8 @@ def _presenting(design: CellDesign) -> Iterator[str]:
 
 
 def _bases(design: CellDesign) -> Iterator[str]:
-    for first, second in combinations(design.robots, 2):
+    standing = [robot for robot in design.robots if isinstance(robot.arm, Arm)]
+    for first, second in combinations(standing, 2):
         (xa, ya, *_), (xb, yb, *_) = first.arm.base, second.arm.base
         apart = math.hypot(xb - xa, yb - ya)
         if apart < BASES_APART_M:

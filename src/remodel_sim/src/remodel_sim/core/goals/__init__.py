@@ -14,6 +14,7 @@ from remodel_sim.core.goals.ability_goals import (
     RouteGoal,
 )
 from remodel_sim.core.goals.discard_goal import DiscardGoal
+from remodel_sim.core.goals.lay_goal import LayGoal
 from remodel_sim.core.goals.pin_goal import PlacePinGoal
 
 __all__ = [
@@ -25,6 +26,7 @@ __all__ = [
     "FixGoal",
     "Goal",
     "InsertGoal",
+    "LayGoal",
     "LocateGoal",
     "PickGoal",
     "PlaceGoal",

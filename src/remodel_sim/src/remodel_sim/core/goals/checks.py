@@ -10,7 +10,8 @@ from remodel_sim.core.belief.belief_state import BeliefState
 from remodel_sim.core.belief.openings import nearest_terminal, opening_of
 from remodel_sim.core.errors import AbilityError
 from remodel_sim.core.geometry import Pose, wrap_angle
-from remodel_sim.core.robot.arm import Arm, ToolPose
+from remodel_sim.core.robot.arm import ToolPose
+from remodel_sim.core.robot.kinematics import Kinematics
 from remodel_sim.core.workpiece.layout import GRASP_DISTANCE_M, STANDOFF_M, WORLD_FROM_PANEL
 from remodel_sim.core.workpiece.panel import Panel, WireEnd, unit_x
 from remodel_states.core.codes import Code
@@ -146,7 +147,7 @@ def check_tool_path(path: tuple[Pose, ...], belief: BeliefState) -> None:
         belief.arm.joints_for(ToolPose(x, y, z, pose.yaw - flip))
 
 
-def check_reach(arm: Arm, tool: ToolPose) -> None:
+def check_reach(arm: Kinematics, tool: ToolPose) -> None:
     """Raise UNREACHABLE when neither the pose nor that with the hand turned by pi is reached."""
     try:
         arm.joints_for(tool)

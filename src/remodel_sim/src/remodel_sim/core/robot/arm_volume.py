@@ -6,12 +6,16 @@ real one. The numbers were measured on the meshes; test_arm_volume.py measures t
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
 
 from remodel_sim.core.geometry import Array
 from remodel_sim.core.robot.arm import FRANKA_PANDA, KUKA_IIWA, Arm
+from remodel_sim.core.robot.fingers import Fingers
+from remodel_sim.core.robot.kinematics import Kinematics
+from remodel_sim.core.robot.portal import Portal
 
 # Radii around the axes [m]: of the foot, the column below the shoulder, the upper and the fore
 # link, the wrist, and the flange.
@@ -31,6 +35,9 @@ BEYOND_PAD_M = 0.015
 FINGERS_RADIUS_M = 0.022
 CAMERA_AT_M = (0.112, 0.040)
 CAMERA_RADIUS_M = 0.035
+# A portal's ram, above the flange.
+RAM_M = 0.9
+RAM_RADIUS_M = 0.040
 # Shorter axes than its square root are points [m^2].
 TINY_M2 = 1e-12
 
@@ -49,9 +56,54 @@ class Volume:
     radii: Array
 
 
-def volume_of(arm: Arm, postures: Array) -> Volume:
-    """Return the space that an arm occupies in downward postures, (m, joints), all of them."""
+def volume_of(arm: Kinematics, postures: Array) -> Volume:
+    """Return the space that a robot occupies in downward postures, (m, joints), all of them."""
     postures = np.atleast_2d(postures)
+    if isinstance(arm, Portal):
+        return _portal_volume(arm, postures)
+    assert isinstance(arm, Arm), "an arm or a portal"
+    return _arm_volume(arm, postures)
+
+
+def _portal_volume(portal: Portal, postures: Array) -> Volume:
+    """Return the space of the ram and the hand."""
+    places = portal.world_from_base.apply(postures[:, :3])
+    yaw = portal.base[3] + postures[:, 3]
+    flange = places[:, 2] + portal.fingers.tool_m
+
+    def hand(along_y: float, below: float) -> Array:
+        """Map places of the hand's plane to the world; its y is to the right of x."""
+        x, y = along_y * np.sin(yaw), -along_y * np.cos(yaw)
+        return np.stack([places[:, 0] + x, places[:, 1] + y, flange - below], axis=1)
+
+    ram = (hand(0.0, 0.0), hand(0.0, -RAM_M), RAM_RADIUS_M)
+    return _volume([ram, *_hand_capsules(hand, portal.fingers)], len(postures))
+
+
+Capsule = tuple[Array, Array, float]
+
+
+def _hand_capsules(hand: Callable[[float, float], Array], fingers: Fingers) -> list[Capsule]:
+    """Return the capsules of a hand; `hand` maps its places along y and below the flange [m]."""
+    low, side = fingers.tool_m, fingers.opening / 2 + BEYOND_PAD_M
+    across = HAND_HALF_WIDTH_M
+    return [
+        (hand(-across, HAND_M), hand(across, HAND_M), HAND_RADIUS_M),
+        (hand(-side, FINGERS_M), hand(-side, low), FINGERS_RADIUS_M),
+        (hand(side, FINGERS_M), hand(side, low), FINGERS_RADIUS_M),
+        (hand(CAMERA_AT_M[0], CAMERA_AT_M[1]), hand(*CAMERA_AT_M), CAMERA_RADIUS_M),
+    ]
+
+
+def _volume(capsules: list[Capsule], postures: int) -> Volume:
+    return Volume(
+        np.concatenate([start for start, _, _ in capsules]),
+        np.concatenate([end for _, end, _ in capsules]),
+        np.repeat([radius for *_, radius in capsules], postures),
+    )
+
+
+def _arm_volume(arm: Arm, postures: Array) -> Volume:
     q1, q2, _, q4, _, _, q7 = postures[:, -7:].T
     model = arm.model
     heading, lean, fore = arm.base[3] + q1, q2, q2 - q4
@@ -78,8 +130,6 @@ def volume_of(arm: Arm, postures: Array) -> Volume:
         return at(out + along_y * y_out, flange - below, along_y * y_side)
 
     foot, column, upper, lower, bulk, end = LINK_RADII_M[model.name]
-    low = arm.fingers.tool_m
-    side = arm.fingers.opening / 2 + BEYOND_PAD_M
     capsules = [
         (at(0.0 * q1, 0.0), at(0.0 * q1, FOOT_M), foot),
         (at(0.0 * q1, 0.0), at(0.0 * q1, shoulder), column),
@@ -88,16 +138,9 @@ def volume_of(arm: Arm, postures: Array) -> Volume:
         (at(*shin), at(*wrist), lower),
         (at(*wrist), at(out, wrist[1]), bulk),
         (at(out, wrist[1]), at(out, flange), end),
-        (hand(-HAND_HALF_WIDTH_M, HAND_M), hand(HAND_HALF_WIDTH_M, HAND_M), HAND_RADIUS_M),
-        (hand(-side, FINGERS_M), hand(-side, low), FINGERS_RADIUS_M),
-        (hand(side, FINGERS_M), hand(side, low), FINGERS_RADIUS_M),
-        (hand(CAMERA_AT_M[0], CAMERA_AT_M[1]), hand(*CAMERA_AT_M), CAMERA_RADIUS_M),
+        *_hand_capsules(hand, arm.fingers),
     ]
-    return Volume(
-        np.concatenate([start for start, _, _ in capsules]),
-        np.concatenate([end for _, end, _ in capsules]),
-        np.repeat([radius for *_, radius in capsules], len(q1)),
-    )
+    return _volume(capsules, len(q1))
 
 
 def gap_between(first: Volume, second: Volume) -> float:

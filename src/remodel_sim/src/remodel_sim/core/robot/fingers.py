@@ -1,8 +1,13 @@
 """The fingers that a hand carries, as data: what fits between neighbours, and what they hold.
 
-The fingers close along the hand's y axis on a wire along its x axis. A tip with a notch holds a
-wire without gripping it: the wire slides along between the two notches, and the lips below them
-keep it from dropping out.
+The fingers close along the hand's y axis on a wire along its x axis. Seen along the wire:
+
+    |  |      |  |   stems
+    |  |__  __|  |   upper lips
+    |  |      |  |   eyelet: leads a wire that slides
+    |____|  |____|
+      |  |  |  |     flat pads: grip a wire
+      |__|  |__|
 """
 
 from __future__ import annotations
@@ -31,16 +36,20 @@ class Stem:
 
 
 @dataclass(frozen=True)
-class Notch:
-    """A groove along the wire in a pad, level with the tool centre; lengths in metres.
+class Eyelet:
+    """A notch along the wire in each pad, above where it grips; lengths in metres.
+
+    Closed pads make it an eyelet: a wire slides along in it, and cannot leave it.
 
     Attributes:
-        depth: of the groove; its floor is the face that grips.
-        height: of the groove.
+        depth: of each notch.
+        height: of the notch.
+        above: its middle is so far above the tool centre.
     """
 
     depth: float
     height: float
+    above: float
 
 
 @dataclass(frozen=True)
@@ -56,7 +65,7 @@ class Fingers:
         below: the tips reach so far below the tool centre.
         opening: between the pads when the hand is open.
         stem: above the tips.
-        notch: in each pad; None: the pads are flat.
+        eyelet: above the part that grips; None: there is none.
     """
 
     name: str
@@ -67,7 +76,7 @@ class Fingers:
     below: float
     opening: float
     stem: Stem
-    notch: Notch | None = None
+    eyelet: Eyelet | None = None
 
     @property
     def tip_m(self) -> float:
@@ -80,13 +89,13 @@ class Fingers:
         return round(self.tip_m - self.below, DIGITS)
 
     @property
-    def shut_m(self) -> float:
-        """Between the faces that grip when the empty hand is closed: lips meet first [m]."""
-        return 0.0 if self.notch is None else 2 * self.notch.depth
-
-    @property
     def outer_m(self) -> float:
-        """From the face that grips to the outer side of the thicker of tip and stem [m]."""
+        """From the face that grips to the outer side of what stands beside the wire [m].
+
+        Above an eyelet the finger may be thicker: neighbours of the wire are lower.
+        """
+        if self.eyelet is not None:
+            return self.thickness
         return max(self.thickness, self.stem.behind + self.stem.thickness)
 
 

@@ -8,7 +8,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from remodel_sim.core.geometry import Array
-from remodel_sim.core.robot.arm import Arm, ToolPose
+from remodel_sim.core.robot.arm import ToolPose
+from remodel_sim.core.robot.kinematics import Kinematics
 
 # A minimum-jerk motion peaks at 15/8 of its mean speed.
 PEAK_OVER_MEAN = 15.0 / 8.0
@@ -68,7 +69,7 @@ class Line:
             a.yaw + share * (b.yaw - a.yaw),
         )
 
-    def postures(self, arm: Arm) -> Array:
+    def postures(self, arm: Kinematics) -> Array:
         """Return the arm's postures along the path, (n, joints).
 
         Raises UNREACHABLE if one does not exist.
@@ -77,7 +78,7 @@ class Line:
         parts = max(1, math.ceil(max(self.distance / CHECK_STEP_M, turn / CHECK_STEP_RAD)))
         return np.array([arm.joints_for(self.between(i / parts)) for i in range(parts + 1)])
 
-    def paced(self, arm: Arm) -> Line:
+    def paced(self, arm: Kinematics) -> Line:
         """Return the line, slowed so that no joint of an arm on an axis is too fast.
 
         Raises UNREACHABLE if a posture does not exist.

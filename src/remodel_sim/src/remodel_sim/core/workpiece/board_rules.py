@@ -12,7 +12,8 @@ from itertools import pairwise
 import numpy as np
 
 from remodel_sim.core.geometry import Pose, wrap_angle
-from remodel_sim.core.robot.arm import Arm, ToolPose
+from remodel_sim.core.robot.arm import ToolPose
+from remodel_sim.core.robot.kinematics import Kinematics
 from remodel_sim.core.workpiece.limits import within
 from remodel_sim.core.workpiece.panel import Component, Duct, Panel, PanelWire, WireEnd, unit_x
 
@@ -32,7 +33,7 @@ Sockets = Mapping[tuple[str, str], Pose]
 
 
 def board_problems(
-    panel: Panel, arms: Sequence[Arm], sockets: Sockets, standoff_m: float
+    panel: Panel, arms: Sequence[Kinematics], sockets: Sockets, standoff_m: float
 ) -> Iterator[str]:
     """Yield what of a board the arms cannot wire, a sentence each.
 
@@ -45,7 +46,7 @@ def board_problems(
         yield from _wire(wire, panel)
 
 
-def _reach(arms: Sequence[Arm], sockets: Sockets, standoff_m: float) -> Iterator[str]:
+def _reach(arms: Sequence[Kinematics], sockets: Sockets, standoff_m: float) -> Iterator[str]:
     """One sentence for all terminals that no arm reaches, with the farthest of them."""
     poses = {name: _tools(socket, standoff_m) for name, socket in sockets.items()}
     missed = [name for name, tools in poses.items() if not _reached(arms, tools)]
@@ -70,11 +71,11 @@ def _tools(socket: Pose, standoff_m: float) -> list[ToolPose]:
     return [ToolPose(x, y, z, socket.yaw + turn) for turn in (0.0, math.pi)]
 
 
-def _reached(arms: Sequence[Arm], tools: Sequence[ToolPose]) -> bool:
+def _reached(arms: Sequence[Kinematics], tools: Sequence[ToolPose]) -> bool:
     return any(arm.reaches(tool) for arm in arms for tool in tools)
 
 
-def _out_of_reach(arms: Sequence[Arm], tools: Sequence[ToolPose]) -> tuple[float, str]:
+def _out_of_reach(arms: Sequence[Kinematics], tools: Sequence[ToolPose]) -> tuple[float, str]:
     """Return by how much [m] an arm would have to stand nearer, and in which direction."""
     directions = {"+x": (1, 0), "-x": (-1, 0), "+y": (0, 1), "-y": (0, -1)}
     for off in np.arange(STEP_M, FARTHEST_M, STEP_M):
@@ -85,7 +86,7 @@ def _out_of_reach(arms: Sequence[Arm], tools: Sequence[ToolPose]) -> tuple[float
     return FARTHEST_M, ""
 
 
-def _room(panel: Panel, arms: Sequence[Arm], standoff_m: float) -> Iterator[str]:
+def _room(panel: Panel, arms: Sequence[Kinematics], standoff_m: float) -> Iterator[str]:
     """Between an opening and the wall of the duct before it: wire, fingers, standoff."""
     width = min(arm.fingers.width for arm in arms)
     needed = GRASP_M + standoff_m + width / 2
@@ -117,7 +118,7 @@ def _room_before(panel: Panel, component: Component, terminal_id: str, duct: Duc
     return float(abs(y) - duct.width / 2)
 
 
-def _neighbours(panel: Panel, arms: Sequence[Arm]) -> Iterator[str]:
+def _neighbours(panel: Panel, arms: Sequence[Kinematics]) -> Iterator[str]:
     """One sentence for all terminals that are too near to the next one for a finger."""
     finger = min(arm.fingers.outer_m for arm in arms)
     thick = {wire.goes_to(end): wire.diameter for wire in panel.wires for end in WireEnd}

@@ -9,7 +9,8 @@ from dataclasses import fields, is_dataclass
 from itertools import pairwise
 
 from remodel_sim.core.geometry import Pose, wrap_angle
-from remodel_sim.core.robot.arm import PANDA_AT_ORIGIN, Arm, ToolPose
+from remodel_sim.core.robot.arm import PANDA_AT_ORIGIN, ToolPose
+from remodel_sim.core.robot.kinematics import Kinematics
 from remodel_sim.core.workpiece.board_rules import board_problems
 from remodel_sim.core.workpiece.limits import within
 from remodel_sim.core.workpiece.panel import (
@@ -94,7 +95,7 @@ MARKER_IDS = 250
 
 def find_problems(
     panel: Panel,
-    arms: Sequence[Arm] = (PANDA_AT_ORIGIN,),
+    arms: Sequence[Kinematics] = (PANDA_AT_ORIGIN,),
     *,
     has_magazine: bool = False,
     has_labels: bool = True,
@@ -203,7 +204,7 @@ def _clip(clip: PanelClip, panel: Panel) -> Iterator[str]:
     yield from _on_plate(name, clip.pose, clip.length / 2, panel)
 
 
-def _duct(duct: Duct, panel: Panel, arms: Sequence[Arm]) -> Iterator[str]:
+def _duct(duct: Duct, panel: Panel, arms: Sequence[Kinematics]) -> Iterator[str]:
     name = f"duct {duct.id!r}"
     yield from within(f"{name}: width", duct.width, DUCT_WIDTH_M)
     least, most = DUCT_HEIGHT_M
@@ -234,7 +235,7 @@ def _on_plate(
         yield f"{name} reaches beyond the plate"
 
 
-def _component(component: Component, panel: Panel, arms: Sequence[Arm]) -> Iterator[str]:
+def _component(component: Component, panel: Panel, arms: Sequence[Kinematics]) -> Iterator[str]:
     name = f"component {component.id!r}"
     depth, width, height = component.size
     yield from within(f"{name}: height", height, COMPONENT_HEIGHT_M)
@@ -288,7 +289,7 @@ def _header(terminal: PanelTerminal, name: str) -> Iterator[str]:
 
 
 def _terminal(
-    terminal: PanelTerminal, component: Component, panel: Panel, arms: Sequence[Arm]
+    terminal: PanelTerminal, component: Component, panel: Panel, arms: Sequence[Kinematics]
 ) -> Iterator[str]:
     name = f"terminal '{component.id}/{terminal.id}'"
     x, y, z = terminal.mouth
@@ -313,7 +314,9 @@ def _terminal(
     yield from _reach(name, socket, panel, arms)
 
 
-def _reach(name: str, panel_from_socket: Pose, panel: Panel, arms: Sequence[Arm]) -> Iterator[str]:
+def _reach(
+    name: str, panel_from_socket: Pose, panel: Panel, arms: Sequence[Kinematics]
+) -> Iterator[str]:
     opening, into = panel_from_socket.position, unit_x(panel_from_socket)
     channel = panel.channel_in_front_of(opening)
     edge = channel.x + math.copysign(channel.width / 2, into[0])

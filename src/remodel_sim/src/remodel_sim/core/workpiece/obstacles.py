@@ -72,7 +72,7 @@ def _panel_solids(panel: Panel, seen: Mapping[str, Pose]) -> Iterator[Solid]:
         yield Solid(f"rail {rail.id!r}", _placed(box, WORLD_FROM_PANEL @ rail.panel_from_rail))
     for duct in panel.ducts:
         place = WORLD_FROM_PANEL @ duct.panel_from_duct
-        for wall in duct_boxes(duct):
+        for wall in duct_boxes(duct, panel.ducts):
             yield Solid(f"duct {duct.id!r}", _placed(wall, place))
     for clip in panel.clips:
         place = WORLD_FROM_PANEL @ clip.panel_from_clip

@@ -37,6 +37,7 @@ from remodel_supervision.core.runs.events import (
     TaskReturned,
 )
 from remodel_supervision.core.runs.state import (
+    EMPTYING,
     FINISHED,
     INTERRUPTION_LIMIT,
     NOTHING_TO_LAY_DOWN,
@@ -49,10 +50,8 @@ from remodel_supervision.core.runs.state import (
     Stage,
     TaskProgress,
     cause_of,
+    last_of_each_hand,
 )
-
-# The abilities that end with an empty hand.
-_EMPTYING = ("PlaceCable", "DiscardCable")
 
 
 def state_after(events: Iterable[Event], state: RunState | None = None) -> RunState:
@@ -348,18 +347,19 @@ def _may_hold_something(task: TaskProgress) -> bool:
         return task.part is Part.CLEAR and task.outcome != FINISHED
     if task.needs_person:
         return True  # it was not allowed to lay down what it held
-    # Each operation that clears is of a hand of its own.
-    telling = task.operations if task.part is Part.CLEAR else task.operations[-1:]
+    # Each operation that clears, or gives up, is of a hand of its own.
+    clearing = task.part is Part.CLEAR
+    telling = task.operations if clearing else last_of_each_hand(task.operations)
     return any(_may_have_left_something(each) for each in telling)
 
 
 def _may_have_left_something(operation: Operation) -> bool:
-    """Return whether the hand may hold something after an operation."""
+    """Return whether a hand may hold something after an operation."""
     code = operation.error_code
     if code in NOTHING_TO_LAY_DOWN or not code:
         return False
     in_trouble = code in SERVER_TROUBLE or code == Code.OTHER_CABLE_HELD
-    return in_trouble or operation.ability in _EMPTYING
+    return in_trouble or operation.ability in EMPTYING
 
 
 def _failed(state: RunState, task: TaskProgress) -> RunState:

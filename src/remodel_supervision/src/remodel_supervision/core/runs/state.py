@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from enum import Enum
+from itertools import takewhile
 
 from remodel_planning.core.use_case.fault import Do
 from remodel_production.core.whole_task import WholeTask, whole_tasks
@@ -40,6 +41,9 @@ PERSON_FIRST = frozenset(
 
 # Of a hand that has nothing to lay down.
 NOTHING_TO_LAY_DOWN = frozenset({Code.NOTHING_HELD, Code.WIRE_NOT_FED})
+
+# The abilities that end with an empty hand.
+EMPTYING = ("PlaceCable", "DiscardCable")
 
 # Of a task that failed though no ability reported an error.
 UNREPORTED = Code.INTERNAL
@@ -207,14 +211,20 @@ class RunState:
 def cause_of(operations: Sequence[Operation]) -> Operation | None:
     """Return the operation that a behavior failed with: the last that failed; None if none did.
 
-    A behavior that gives up empties the hand last. That the hand is empty by then, or that a cell
+    A behavior that gives up empties the hands last. That a hand is empty by then, or that a cell
     which was restarted does not know the wire, is not the cause. What a person is to answer first
     is always the cause.
     """
     failed = [operation for operation in operations if operation.error_code]
     if first := [operation for operation in failed if operation.error_code in PERSON_FIRST]:
         return first[-1]
-    gave_up = failed[1:] and failed[-1] is operations[-1]
-    if gave_up and failed[-1].error_code in NOTHING_TO_LAY_DOWN:
+    last = last_of_each_hand(operations)
+    while failed[1:] and failed[-1] in last and failed[-1].error_code in NOTHING_TO_LAY_DOWN:
         failed.pop()
     return failed[-1] if failed else None
+
+
+def last_of_each_hand(operations: Sequence[Operation]) -> Sequence[Operation]:
+    """Return the last operations of a behavior: those that empty hands one by one, or just one."""
+    emptying = tuple(takewhile(lambda each: each.ability in EMPTYING, reversed(operations)))
+    return emptying or operations[-1:]

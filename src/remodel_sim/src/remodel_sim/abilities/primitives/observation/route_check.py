@@ -33,6 +33,11 @@ def observe_route(context: RobotContext) -> Steps[WireLines]:
     """Observe the plate from above, the empty hand out of the way."""
     if context.belief.grip is None:
         yield from park(context)
+    return (yield from observe_board(context))
+
+
+def observe_board(context: RobotContext) -> Steps[WireLines]:
+    """Observe the plate from above, the hands where they are."""
     picture = context.take_overhead_picture()
     yield
     return WireLines(picture, context.wire)
@@ -74,7 +79,7 @@ def check_ducts(context: RobotContext, path: tuple[Pose, ...]) -> Steps[None]:
         AbilityError: OUT_OF_DUCT when it lies beside one, CABLE_OCCLUDED when it is not visible
             in one.
     """
-    places = {duct: found for duct in context.panel.ducts if (found := places_in(duct, path))}
+    places = duct_places(context, path)
     if not places:
         return
     context.report("observing the ducts from above", 0.95)
@@ -83,6 +88,12 @@ def check_ducts(context: RobotContext, path: tuple[Pose, ...]) -> Steps[None]:
     _show(context, seen, [place for at in places.values() for place in at], faults)
     if faults:
         raise _out(context, faults)
+
+
+def duct_places(context: RobotContext, path: tuple[Pose, ...]) -> dict[Duct, tuple[Pose, ...]]:
+    """Return where a path runs in ducts."""
+    found = {duct: tuple(places_in(duct, path)) for duct in context.panel.ducts}
+    return {duct: places for duct, places in found.items() if places}
 
 
 def _duct_fault(duct: Duct, places: Sequence[Pose], seen: WireLines) -> str:

@@ -1,4 +1,4 @@
-"""Errors of remodel_states."""
+"""What is wrong with a table of abilities or faults."""
 
 from __future__ import annotations
 

@@ -17,7 +17,7 @@ from remodel_sim.abilities.primitives.motions import (
     swing_to,
     wait,
 )
-from remodel_sim.abilities.primitives.viewpoints import views_around
+from remodel_sim.abilities.primitives.observation.viewpoints import views_around
 from remodel_sim.core.belief.belief_state import EndState, TipObservation
 from remodel_sim.core.camera import Picture
 from remodel_sim.core.errors import AbilityError

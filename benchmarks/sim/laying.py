@@ -1,0 +1,142 @@
+#!/usr/bin/env python3
+"""Wire a board's wires through its ducts with two robots, without ROS, and compare with the truth.
+
+laying.py WIRE... [--seed 1] [--cell two_arms_cabinet] [--pictures DIR]; the workspace must be
+sourced. Each wire of the household board is placed from its feed to its second clamp: robot_1
+inserts end a and leads the wire (LayWire), robot_2 holds end b and inserts it. A line is printed
+for each step: wall time, the cell's time since the feed, and what the cell measured; after the
+last one, where the ends sit and which share of the route in ducts is below the rims, by the
+physics. Ends with 1 at the first wire that is not placed.
+"""
+
+from __future__ import annotations
+
+import argparse
+import sys
+import time
+from collections.abc import Callable
+from pathlib import Path
+from typing import TypeVar
+
+import cv2
+
+from remodel_sim.abilities.detect_cable import detect_cable
+from remodel_sim.abilities.execution.robot_context import RobotContext, Steps
+from remodel_sim.abilities.fix_cable import fix_cable
+from remodel_sim.abilities.insert_cable import insert_cable
+from remodel_sim.abilities.lay_wire import lay_wire
+from remodel_sim.abilities.locate_gearbox_component import locate_gearbox_component
+from remodel_sim.abilities.pick_cable import pick_cable
+from remodel_sim.cell import Cell
+from remodel_sim.core import goals
+from remodel_sim.core.errors import AbilityError
+from remodel_sim.core.workpiece.panel import WireEnd
+from remodel_sim.edge.cell_file import read_cell
+from remodel_sim.edge.wire_material_file import read_wire_materials
+from remodel_sim.physics.truth import ground_truth, share_in_ducts
+from remodel_sim.ros.conversions import read_panel
+
+CONFIG = Path(__file__).parents[2] / "src" / "remodel_sim" / "config"
+GUIDE, HOLDER = "robot_1", "robot_2"
+FORCE_LIMIT_N, PULL_TEST_N = 8.0, 5.0
+
+G = TypeVar("G", bound=goals.Goal)
+T = TypeVar("T")
+
+
+class Laying:
+    """Places wires in one cell."""
+
+    def __init__(self, cell: Cell) -> None:
+        """Take over a cell."""
+        self.cell = cell
+        self._began = time.monotonic()
+
+    def place(self, wire_id: str) -> None:
+        """Place a wire; raises what an ability raises."""
+        wire = self.cell.plant.panel.wire(wire_id)
+        a, b = (wire.goes_to(end) for end in (WireEnd.A, WireEnd.B))
+        self.cell.feed(wire_id, "")
+        self._do(GUIDE, detect_cable, goals.DetectGoal(wire_id))
+        at_a, at_b = (
+            self._do(GUIDE, locate_gearbox_component, goals.LocateGoal(*key)).socket_pose
+            for key in (a, b)
+        )
+        self._do(HOLDER, pick_cable, goals.PickGoal(HOLDER, wire_id, WireEnd.B, 0.0))
+        insert = goals.InsertGoal(GUIDE, wire_id, WireEnd.A, *a, at_a, FORCE_LIMIT_N)
+        self._do(GUIDE, insert_cable, insert)
+        self._do(GUIDE, fix_cable, goals.FixGoal(GUIDE, wire_id, *a, PULL_TEST_N))
+        lay = goals.LayGoal(HOLDER, GUIDE, wire_id)
+        contexts = self.cell.contexts
+        steps = lay_wire(contexts[HOLDER], contexts[GUIDE], lay)
+        self._tell("LayWire", self.cell.run(steps, HOLDER, GUIDE))
+        insert = goals.InsertGoal(HOLDER, wire_id, WireEnd.B, *b, at_b, FORCE_LIMIT_N)
+        self._do(HOLDER, insert_cable, insert)
+        self._do(HOLDER, fix_cable, goals.FixGoal(HOLDER, wire_id, *b, PULL_TEST_N))
+
+    def _cell_s(self) -> float:
+        """Return the cell's time since the wire was fed [s]."""
+        world = self.cell.plant.world
+        return world.steps * world.time_step
+
+    def _do(self, robot: str, ability: Callable[[RobotContext, G], Steps[T]], goal: G) -> T:
+        context = self.cell.contexts[robot]
+        goal.check(context.panel, context.belief)
+        found = self.cell.run(ability(context, goal), robot)
+        self._tell(type(goal).__name__.removesuffix("Goal"), found)
+        return found
+
+    def _tell(self, step: str, found: object) -> None:
+        message = getattr(found, "message", found)
+        wall, cell = time.monotonic() - self._began, self._cell_s()
+        _tell(f"{wall:6.1f} s  {cell:6.1f} s  {step}: {message}")
+
+
+def _photograph(cell: Cell, folder: Path, wire_id: str) -> None:
+    for camera in ("scene", "overhead"):
+        picture = cv2.cvtColor(cell.plant.photograph(camera).rgb, cv2.COLOR_RGB2BGR)
+        cv2.imwrite(str(folder / f"{wire_id}_{camera}.png"), picture)
+
+
+def _tell(line: str) -> None:
+    sys.stdout.write(f"{line}\n")
+    sys.stdout.flush()
+
+
+def main() -> int:
+    """Place the wires; return 0 if all are placed."""
+    parser = argparse.ArgumentParser(description="Wire a board's wires through its ducts.")
+    parser.add_argument("wires", nargs="+", metavar="WIRE", help="such as W3")
+    parser.add_argument("--seed", type=int, default=1, help="of all noise")
+    parser.add_argument("--cell", default="two_arms_cabinet", help="name or file")
+    parser.add_argument("--pictures", type=Path, help="folder for pictures after each wire")
+    options = parser.parse_args()
+    if options.pictures is not None:
+        options.pictures.mkdir(parents=True, exist_ok=True)
+    panel = read_panel(CONFIG / "household.yaml", read_wire_materials())
+    cell = Cell(panel, design=read_cell(options.cell), seed=options.seed)
+    laying = Laying(cell)
+    placed = 0
+    for wire_id in options.wires:
+        try:
+            laying.place(wire_id)
+        except AbilityError as error:
+            _tell(f"{wire_id}: {error.code.name}: {error}")
+        (truth,) = ground_truth(cell.plant, [wire_id])
+        placed += truth.placed
+        depths = ", ".join(f"{end.depth * 1e3:.1f} mm" for end in (truth.a, truth.b))
+        in_ducts = share_in_ducts(cell.plant, wire_id)
+        _tell(
+            f"{wire_id}: {'placed' if truth.placed else 'not placed'}, ends {depths} deep, "
+            f"{in_ducts:.0%} of its route in ducts below the rims"
+        )
+        if options.pictures is not None:
+            _photograph(cell, options.pictures, wire_id)
+        if not truth.placed:
+            break
+    cell.close()
+    return 0 if placed == len(options.wires) else 1
+
+
+if __name__ == "__main__":
+    sys.exit(main())

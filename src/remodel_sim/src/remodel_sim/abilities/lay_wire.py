@@ -1,0 +1,399 @@
+"""LayWire: one robot leads a wire into the ducts of its route, another holds its free end.
+
+The leading hand closes its eyelet around the wire: the wire slides through it, and lies along the
+duct behind it. The holding hand keeps the free part off the
+board, and comes nearer as that part becomes shorter.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Sequence
+from contextlib import suppress
+from dataclasses import dataclass, replace
+from itertools import pairwise
+
+import numpy as np
+
+from remodel_sim.abilities.ability import ability
+from remodel_sim.abilities.execution.robot_context import RobotContext, Steps
+from remodel_sim.abilities.primitives.carrying import SNAG_S
+from remodel_sim.abilities.primitives.force_motion import ForceMotion
+from remodel_sim.abilities.primitives.grasping import check_grip, release
+from remodel_sim.abilities.primitives.holding import STEEP, bring_together
+from remodel_sim.abilities.primitives.motions import (
+    APPROACH_SPEED,
+    FREE_SPEED,
+    HAND_OPEN_M,
+    TRAVEL_Z,
+    move_to,
+    rise,
+    wait,
+)
+from remodel_sim.abilities.primitives.observation.duct_check import share_in_ducts
+from remodel_sim.abilities.primitives.observation.route_check import duct_places, observe_board
+from remodel_sim.abilities.primitives.observation.sight_lines import clear_sight
+from remodel_sim.abilities.primitives.together import move_together
+from remodel_sim.core.belief.belief_state import EndState
+from remodel_sim.core.errors import AbilityError
+from remodel_sim.core.geometry import Array, Pose, wrap_angle
+from remodel_sim.core.goals import LayGoal
+from remodel_sim.core.goals.goal_pose import Message
+from remodel_sim.core.robot.arm import ToolPose
+from remodel_sim.core.robot.force_control import WIRE_STIFFNESS, ForceControl
+from remodel_sim.core.vision.laid_wire import wire_past
+from remodel_sim.core.workpiece.layout import WORLD_FROM_PANEL
+from remodel_sim.core.workpiece.panel import Duct, WireEnd, unit_x
+from remodel_sim.core.workpiece.slots import slot_before
+from remodel_states.core.codes import Code
+
+# Pads that are so near to each other have nothing between them; if the wire is there instead of in
+# the eyelet, the hand goes down by so much, so often [m].
+CLOSED_M = 0.0008
+STEP_DOWN_M = 0.004
+TAKES = 4
+# The leading hand begins to turn so far before a corner, and ends so far behind it [m].
+CORNER_M = 0.030
+# So much of the turn it has done in the middle of the corner and where it ends; all, so far behind.
+TURNED_SHARES = (0.3, 0.65)
+STRAIGHT_AGAIN_M = 0.070
+# A wire that is straight leaves its first duct through the slots of both walls: the hand lifts it
+# so far over their rim, turns it, and lays it down between them [m].
+OVER_RIM_M = 0.008
+# It is led so far below the rim, above the wires that lie there: ahead of the hand it rises over
+# the wall behind a corner, and it sinks behind the hand [m].
+UNDER_RIM_M = 0.012
+# The leading hand goes along a duct so fast, the holding hand through the air [m/s].
+LEAD_SPEED = 0.15
+HOLD_SPEED = 0.45
+# The wire may pull at the leading hand, level, with so much of what its terminal holds.
+MAX_PULL_SHARE = 0.3
+# Where the wire crosses its first duct it is searched for so far to each side of the slot [m].
+SEARCH_M = 0.030
+CLOSE_S = 0.6
+# The holder draws the wire straight with so much, no further than so far [N, m, m/s]. A wire that
+# sags gives way, and becomes stiff only when it is straight [N/m].
+TIGHT_N = 2.0
+SAGGING_STIFFNESS = WIRE_STIFFNESS / 10
+TIGHTEN_M = 0.10
+TIGHTEN_SPEED = 0.10
+# The wire must lie below the rim at so much of its route in ducts. So far before the last slot it
+# rises to the holding hand, and is not judged [m].
+LEAST_IN_DUCTS = 0.8
+RISES_M = 0.12
+# The leading hand leaves the wire so far back along it, then upwards [m].
+BACK_M = 0.012
+# So much of the wire is inside its terminal, about [m].
+INSIDE_M = 0.014
+
+
+@dataclass(frozen=True)
+class WireLaid:
+    """A wire in its ducts, its free end in the holding hand.
+
+    Attributes:
+        message: for a person.
+        in_ducts: share of the route's places in ducts at which the wire lies below the rim.
+        peak_force: the largest level force at the leading hand [N].
+    """
+
+    message: str
+    in_ducts: float
+    peak_force: float
+
+
+def _goal(message: Message) -> LayGoal:
+    return LayGoal(message.robot_name, message.guide_name, message.cable_id)
+
+
+@ability("LayWire", _goal)
+def lay_wire(holder: RobotContext, guide: RobotContext, goal: LayGoal) -> Steps[WireLaid]:
+    """Lead the wire along its route, and inspect whether it lies in its ducts."""
+    _check_camera(guide)
+    try:
+        route = _route(holder)
+        peak = yield from _lead(holder, guide, route)
+    except AbilityError:
+        # What went wrong first is what counts.
+        with suppress(AbilityError):
+            yield from _withdraw(guide, holder)
+        raise
+    guide.report("inspecting the ducts", 0.95)
+    in_ducts = yield from share_in_ducts(guide, _laid_places(guide, route))
+    if in_ducts < LEAST_IN_DUCTS:
+        raise AbilityError(
+            Code.OUT_OF_DUCT,
+            f"{goal.cable_id!r} lies below the rims of its ducts at {in_ducts:.0%} of its route; "
+            f"allowed: {LEAST_IN_DUCTS:.0%} or more; draw it out and place it again",
+        )
+    return WireLaid(f"{goal.cable_id} laid into {', '.join(holder.wire.ducts)}", in_ducts, peak)
+
+
+def _check_camera(guide: RobotContext) -> None:
+    """Raise INVALID_GOAL unless a robot can inspect the ducts that it leads a wire into."""
+    if not guide.hand_sees_depth:
+        raise AbilityError(
+            Code.INVALID_GOAL,
+            f"the hand's camera of {guide.name} measures no depth; lead wires with a robot whose "
+            "camera does (camera.depth in the cell's file)",
+        )
+
+
+def _withdraw(guide: RobotContext, holder: RobotContext) -> Steps[None]:
+    """Open the leading hand, and take it back along the laid wire before it rises."""
+    yield from release(guide, HAND_OPEN_M)
+    here = guide.commanded
+    back = np.array([math.cos(here.yaw), math.sin(here.yaw), 0.0])
+    if back @ (here.position - holder.commanded.position) < 0:
+        back = -back
+    yield from move_to(guide, guide.commanded.moved(back, BACK_M), APPROACH_SPEED)
+    yield from rise(guide)
+
+
+def _laid_places(guide: RobotContext, route: list[Array]) -> dict[Duct, tuple[Pose, ...]]:
+    """Return where a route runs in ducts, up to where the wire rises to the holding hand."""
+    last = route[-2] - route[-3]
+    rises = min(RISES_M, float(np.linalg.norm(last)))
+    points = [*route[:-2], route[-2] - last / np.linalg.norm(last) * rises]
+    return duct_places(
+        guide, tuple(Pose.level(*(float(v) for v in point), 0.0) for point in points)
+    )
+
+
+def _route(holder: RobotContext) -> list[Array]:
+    """Return the route from the fixed end to the free one, (3,) each [m], world frame.
+
+    It enters and leaves the ducts where there are slots.
+    """
+    wire, grip = holder.wire, holder.belief.grip
+    assert grip is not None, "the holder has the free end"
+    points = [WORLD_FROM_PANEL.apply(np.array(point)) for point in wire.route]
+    if grip.end is WireEnd.A:
+        points.reverse()
+    for end, index in ((grip.end.other, 1), (grip.end, -2)):
+        opening = holder.panel.panel_from_socket(*wire.goes_to(end))
+        slot = slot_before(holder.panel, opening)
+        aside = 0.0 if slot is None else slot.aside
+        points[index] = points[index] + aside * (WORLD_FROM_PANEL @ opening).rotation[:, 1]
+    return points
+
+
+def _lead(holder: RobotContext, guide: RobotContext, route: list[Array]) -> Steps[float]:
+    """Take the wire where it comes out of the first slot, and lead it to the last one."""
+    grip = holder.belief.grip
+    assert grip is not None, "the holder has the free end"
+    fixed = WORLD_FROM_PANEL @ guide.panel.panel_from_socket(*guide.wire.goes_to(grip.end.other))
+    depths = [np.array([0.0, 0.0, _rim(guide, at) - UNDER_RIM_M - at[2]]) for at in route[1:-1]]
+    places = list(_places_along([at + d for at, d in zip(route[1:-1], depths, strict=True)]))
+    over = _rim(guide, route[1]) + OVER_RIM_M
+    places.insert(0, replace(places[0], at=np.array([*places[0].at[:2], over])))
+    out = -unit_x(fixed)
+    yaw = math.atan2(out[1], out[0])
+    guide.report("searching for the wire at its slot", 0.2)
+    tool = yield from _find(holder, guide, route[1], out)
+    tool = replace(tool, yaw=_hand_yaw(guide, [yaw, *(place.yaw for place in places)]))
+    guide.report("taking the wire", 0.3)
+    yield from _take(guide, tool)
+    free = guide.force
+    lifted = guide.commanded.at(z=over - _eyelet_above(guide))
+    peak = yield from _watched(guide, [(guide, lifted)], free)
+    left = guide.wire.length - grip.distance - INSIDE_M
+    left -= float(np.linalg.norm(route[1] - route[0]))
+    here = route[1]
+    for i, place in enumerate(places):
+        guide.report(f"leading the wire, {i + 1} of {len(places)}", 0.35 + 0.5 * i / len(places))
+        left -= float(np.linalg.norm(place.at - here))
+        turn = float(wrap_angle(place.yaw - yaw))
+        peak = max(peak, (yield from _bring(holder, guide, place, turn, left, free)))
+        left = yield from _tighten(holder, place.at, left)
+        check_grip(holder)
+        here, yaw = place.at, place.yaw
+    guide.report("releasing the wire", 0.9)
+    yield from _withdraw(guide, holder)
+    return peak
+
+
+def _rim(guide: RobotContext, point: Array) -> float:
+    """Return the height of the walls of the wire's duct at a point (3,) [m]."""
+    place = WORLD_FROM_PANEL.inverse().apply(point)
+    ducts = [duct for duct in guide.panel.ducts if duct.id in guide.wire.ducts]
+    nearest = min(ducts, key=lambda duct: _outside(duct, place))
+    return nearest.height
+
+
+def _outside(duct: Duct, place: Array) -> float:
+    """Return how far a point (3,) is outside a duct [m], panel frame."""
+    along, across = np.abs(duct.panel_from_duct.inverse().apply(place)[:2])
+    return float(max(along - duct.length / 2, across - duct.width / 2))
+
+
+@dataclass(frozen=True)
+class _Place:
+    """Where the leading hand goes.
+
+    Attributes:
+        at: of the eyelet's middle, (3,) [m], world frame.
+        heading: in which the wire goes on [rad].
+        yaw: in which the eyelet looks [rad].
+    """
+
+    at: Array
+    heading: float
+    yaw: float
+
+
+def _hand_yaw(guide: RobotContext, yaws: Sequence[float]) -> float:
+    """Return the hand's yaw at the first of the eyelet's yaws, from which it turns to all others.
+
+    A closed eyelet looks both ways: of the two yaws it takes the one from which it turns less far
+    from its middle.
+    """
+    turns = np.concatenate([[0.0], np.cumsum([wrap_angle(b - a) for a, b in pairwise(yaws)])])
+    base = guide.arm.base[3]
+    middle = wrap_angle(yaws[0] + float(turns.max() + turns.min()) / 2 - base)
+    flip = 0.0 if abs(middle) <= math.pi / 2 else math.copysign(math.pi, -middle)
+    return base + float(middle) - float(turns.max() + turns.min()) / 2 + flip
+
+
+def _places_along(points: list[Array]) -> Iterator[_Place]:
+    """Yield where the leading hand goes along a polyline, (3,) each [m].
+
+    The eyelet turns later than the way does: it looks along the wire that lies behind it, which
+    would be kinked between its edges otherwise.
+    """
+    legs = [(a, b - a) for a, b in pairwise(points) if float(np.linalg.norm((b - a)[:2])) > 1e-3]
+    headings = [math.atan2(leg[1], leg[0]) for _, leg in legs]
+    lengths = [float(np.linalg.norm(leg)) for _, leg in legs]
+    units = [leg / length for (_, leg), length in zip(legs, lengths, strict=True)]
+    cuts = [unit * min(length / 2, CORNER_M) for unit, length in zip(units, lengths, strict=True)]
+    yield _Place(legs[0][0] + cuts[0], headings[0], headings[0])
+    for i in range(1, len(legs)):
+        corner, last = legs[i][0], headings[i - 1]
+        turn = float(wrap_angle(headings[i] - last))
+        yield _Place(corner - cuts[i - 1], last, last)
+        yield _Place(corner - cuts[i - 1], last + turn / 4, last)
+        middle = corner + (cuts[i] - cuts[i - 1]) / 4
+        yield _Place(middle, last + turn / 2, last + TURNED_SHARES[0] * turn)
+        yield _Place(middle, last + 3 * turn / 4, last + TURNED_SHARES[0] * turn)
+        yield _Place(corner + cuts[i], headings[i], last + TURNED_SHARES[1] * turn)
+        after = corner + units[i] * min(lengths[i] / 2, STRAIGHT_AGAIN_M)
+        yield _Place(after, headings[i], headings[i])
+    yield _Place(points[-1], headings[-1], headings[-1])
+
+
+def _find(
+    holder: RobotContext, guide: RobotContext, crossing: Array, out: Array
+) -> Steps[ToolPose]:
+    """Return the tool pose at which the wire crosses its first duct, as seen from above."""
+    yield from clear_sight(guide, crossing[None])
+    seen = yield from observe_board(guide)
+    yaw = math.atan2(out[1], out[0])
+    place = Pose.level(*(float(v) for v in crossing), yaw)
+    passing = wire_past(place, SEARCH_M, seen)
+    if passing is None:
+        raise AbilityError(
+            Code.CABLE_NOT_FOUND,
+            f"{guide.wire.id!r} is not seen where it leaves the slot of its terminal, within "
+            f"{SEARCH_M * 1e3:.0f} mm; extract it and insert it again",
+        )
+    at = place.apply(np.array([0.0, passing.aside, 0.0]))
+    z = max(_lowest(guide), float(passing.height) - _eyelet_above(guide))
+    return ToolPose(float(at[0]), float(at[1]), z, yaw)
+
+
+def _eyelet_above(guide: RobotContext) -> float:
+    """Return how high the eyelet is above the tool centre [m]."""
+    assert guide.fingers.eyelet is not None, "the goal's check"
+    return guide.fingers.eyelet.above
+
+
+def _take(guide: RobotContext, tool: ToolPose) -> Steps[None]:
+    """Close the eyelet around the wire; raises GRASP_MISSED when the wire is not in it."""
+    guide.drive_fingers(HAND_OPEN_M)
+    yield from move_to(guide, tool.at(z=max(TRAVEL_Z, guide.commanded.z)), FREE_SPEED)
+    yield from move_to(guide, tool, APPROACH_SPEED)
+    for _ in range(TAKES):
+        guide.drive_fingers(0.0)
+        yield from wait(guide, CLOSE_S)
+        if guide.finger_gap < CLOSED_M:
+            return
+        # The wire is between the pads, below the eyelet or above it.
+        guide.drive_fingers(HAND_OPEN_M)
+        yield from wait(guide, CLOSE_S)
+        lower = max(_lowest(guide), guide.commanded.z - STEP_DOWN_M)
+        yield from move_to(guide, guide.commanded.at(z=lower), APPROACH_SPEED)
+    raise AbilityError(
+        Code.GRASP_MISSED,
+        f"the eyelet of {guide.name} does not close around {guide.wire.id!r} at {tool}: the pads "
+        f"stay {guide.finger_gap * 1e3:.1f} mm apart; observe the wire again",
+    )
+
+
+def _lowest(guide: RobotContext) -> float:
+    """Return the lowest height of the tool at which the fingers clear the plate [m]."""
+    return guide.fingers.below + 0.002
+
+
+def _bring(
+    holder: RobotContext,
+    guide: RobotContext,
+    place: _Place,
+    turn: float,
+    left: float,
+    free: Array,
+) -> Steps[float]:
+    """Lead the wire to a place and heading; the holder keeps `left` [m] of it off the board."""
+    x, y, z = (float(v) for v in place.at)
+    z = max(_lowest(guide), z - _eyelet_above(guide))
+    tool = ToolPose(x, y, z, guide.commanded.yaw + turn)
+    out = np.array([math.cos(place.heading), math.sin(place.heading), 0.0])
+    peak = 0.0
+    for move in bring_together(guide, tool, holder, out, left, STEEP, place.yaw):
+        peak = max(peak, (yield from _watched(guide, move, free)))
+    return peak
+
+
+def _tighten(holder: RobotContext, eyelet: Array, left: float) -> Steps[float]:
+    """Draw the wire straight; return its length from the eyelet (3,) to the holder [m].
+
+    A wire that sags ahead of the hand goes through the slots of the walls.
+    """
+    along = holder.commanded.position - eyelet
+    motion = ForceMotion(
+        holder, along / np.linalg.norm(along), ForceControl(TIGHT_N, SAGGING_STIFFNESS)
+    )
+    while not motion.met_limit and motion.travel < TIGHTEN_M:
+        yield from motion.advance(TIGHTEN_SPEED)
+    motion.stop()
+    if not motion.met_limit:
+        return left
+    return float(np.linalg.norm(holder.commanded.position - eyelet))
+
+
+def _max_pull(guide: RobotContext) -> float:
+    """Return the pull that the wire's fixed ends stand [N]."""
+    ends = guide.belief.ends.items()
+    keys = [guide.wire.goes_to(end) for end, state in ends if state is EndState.FIXED]
+    terminals = [guide.panel.component(part).terminal(name) for part, name in keys]
+    return MAX_PULL_SHARE * min(terminal.retention_force for terminal in terminals)
+
+
+def _watched(
+    guide: RobotContext, move: list[tuple[RobotContext, ToolPose]], free: Array
+) -> Steps[float]:
+    """Move the hands together; return the peak of the level pull at the guide [N]."""
+    peak, pulled_s, limit = 0.0, 0.0, _max_pull(guide)
+    for _ in move_together(move, LEAD_SPEED, HOLD_SPEED):
+        yield
+        pull = float(np.linalg.norm((guide.force - free)[:2]))
+        peak = max(peak, pull)
+        pulled_s = pulled_s + guide.tick_s if pull > limit else 0.0
+        if pulled_s > SNAG_S:
+            for context, _ in move:
+                context.drive(context.tool)
+            raise AbilityError(
+                Code.SNAGGED,
+                f"{guide.wire.id!r} pulls at the leading hand with {pull:.0f} N at {guide.tool}, "
+                f"allowed: {limit:.0f} N; it hangs on something: draw it out and place it again",
+            )
+    return peak
