@@ -35,6 +35,8 @@ from remodel_states.core.codes import Code
 STILL_S = 0.10
 # A wire is drawn so far behind its tip [m].
 TRACE_M = 0.075
+# The line between the pads is measured at so many places.
+PLACES_BETWEEN_PADS = 9
 
 
 @dataclass(frozen=True, eq=False)
@@ -202,10 +204,7 @@ def _search(
     line = picture.view.on_plane(pixels, z)
     below = math.tan(pitch) * arc_lengths(line[:, :2])
     line = picture.view.on_plane(pixels, z - below)
-    point, _ = at_distance(line[:, :2], distance)
-    # The hand is turned as the wire runs from one side of its pads to the other.
-    half = context.fingers.width / 2
-    (ahead, _), (behind, _) = (at_distance(line[:, :2], distance + d) for d in (-half, half))
+    point, out = _between_pads(line[:, :2], distance, context.fingers.width)
     drawing.path(pixels[: _count_within(line, TRACE_M)])
     mark_end(drawing, observation, f"{wire.id} end {end.value}")
     grasp = np.array([*point, z - math.tan(pitch) * distance])
@@ -215,8 +214,15 @@ def _search(
     context.show("wrist", picture, drawing.image)
     tip = replace(observation.tip, pitch=pitch)
     context.belief.tips[end] = tip
-    out = ahead - behind
     return GraspObservation(grasp, math.atan2(out[1], out[0]), tip, line)
+
+
+def _between_pads(line: Array, distance: float, width: float) -> tuple[Array, Array]:
+    """Return the middle (2,) and the direction (2,) out of a wire between pads of a width [m]."""
+    offsets = np.linspace(-0.5, 0.5, PLACES_BETWEEN_PADS)
+    places = np.array([at_distance(line, distance + offset * width)[0] for offset in offsets])
+    # Least squares: the direction of the straight line through places in even steps.
+    return places.mean(axis=0), -offsets @ places
 
 
 def _count_within(line: Array, length: float) -> int:
