@@ -1,8 +1,8 @@
 """LayWire: one robot leads a wire into the ducts of its route, another holds its free end.
 
 The leading hand closes its eyelet around the wire: the wire slides through it, and lies along the
-duct behind it. The holding hand keeps the free part off the
-board, and comes nearer as that part becomes shorter.
+duct behind it. The holding hand keeps the free part off the board, and comes nearer as that part
+becomes shorter.
 """
 
 from __future__ import annotations
