@@ -1,8 +1,8 @@
 """LayWire: one robot leads a wire into the ducts of its route, another holds its free end.
 
 The leading hand closes its eyelet around the wire: the wire slides through it, and lies along the
-duct behind it. The holding hand keeps the free part off the
-board, and comes nearer as that part becomes shorter.
+duct behind it. The holding hand keeps the free part off the board, and comes nearer as that part
+becomes shorter.
 """
 
 from __future__ import annotations
@@ -71,10 +71,11 @@ MAX_PULL_SHARE = 0.3
 # Where the wire crosses its first duct it is searched for so far to each side of the slot [m].
 SEARCH_M = 0.030
 CLOSE_S = 0.6
-# The holder draws the wire straight with so much, no further than so far [N, m, m/s]. A wire that
-# sags gives way, and becomes stiff only when it is straight [N/m].
+# The holder draws the wire straight until it feels so much, no further than so far [N, m, m/s]. It
+# may pull with more before it has stopped, but no more than the other limit [N]: the larger that
+# is, the faster it draws.
 TIGHT_N = 2.0
-SAGGING_STIFFNESS = WIRE_STIFFNESS / 10
+MAX_TIGHT_N = 8.0
 TIGHTEN_M = 0.10
 TIGHTEN_SPEED = 0.10
 # The wire must lie below the rim at so much of its route in ducts. So far before the last slot it
@@ -360,12 +361,12 @@ def _tighten(holder: RobotContext, eyelet: Array, left: float) -> Steps[float]:
     """
     along = holder.commanded.position - eyelet
     motion = ForceMotion(
-        holder, along / np.linalg.norm(along), ForceControl(TIGHT_N, SAGGING_STIFFNESS)
+        holder, along / np.linalg.norm(along), ForceControl(MAX_TIGHT_N, WIRE_STIFFNESS)
     )
-    while not motion.met_limit and motion.travel < TIGHTEN_M:
+    while motion.force < TIGHT_N and not motion.met_limit and motion.travel < TIGHTEN_M:
         yield from motion.advance(TIGHTEN_SPEED)
     motion.stop()
-    if not motion.met_limit:
+    if motion.force < TIGHT_N and not motion.met_limit:
         return left
     return float(np.linalg.norm(holder.commanded.position - eyelet))
 

@@ -151,7 +151,7 @@ def swing_to(context: RobotContext, target: ToolPose) -> Steps[None]:
 def past_robots(context: RobotContext, target: ToolPose) -> tuple[ToolPose, ...]:
     """Return legs to a tool pose, over a corner where a robot stands in the direct way.
 
-    None where robots stand in all ways.
+    There are none where robots stand in all ways.
     """
     here, arm = context.commanded, context.arm
     corners = (replace(target, x=here.x, z=here.z), replace(target, y=here.y, z=here.z))

@@ -1,0 +1,103 @@
+"""LayWire in the cell of two heads, on the board of a household."""
+
+import itertools
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+from place_wire import do, fix, insert, locate
+
+from remodel_sim.abilities.detect_cable import detect_cable
+from remodel_sim.abilities.lay_wire import lay_wire
+from remodel_sim.abilities.pick_cable import pick_cable
+from remodel_sim.abilities.primitives.observation.duct_check import share_in_ducts
+from remodel_sim.abilities.primitives.observation.route_check import duct_places
+from remodel_sim.cell import Cell
+from remodel_sim.core import goals
+from remodel_sim.core.belief.placed_wires import ParkedWire
+from remodel_sim.core.errors import AbilityError
+from remodel_sim.core.geometry import Pose
+from remodel_sim.core.workpiece.layout import WORLD_FROM_PANEL
+from remodel_sim.core.workpiece.panel import WireEnd
+from remodel_sim.edge.cell_file import read_cell
+from remodel_sim.edge.wire_material_file import read_wire_materials
+from remodel_sim.physics import truth
+from remodel_sim.ros.conversions import read_panel
+from remodel_states.core.codes import Code
+
+CONFIG = Path(__file__).parents[2] / "config"
+GUIDE, HOLDER, WIRE = "robot_1", "robot_2", "W3"
+DESIGN = read_cell("two_arms_cabinet")
+
+
+def cell_of(design=DESIGN):
+    panel = read_panel(
+        CONFIG / "household.yaml", read_wire_materials(CONFIG / "wire_materials.yaml")
+    )
+    return Cell(panel, design=design, seed=1)
+
+
+def lay(cell):
+    goal = goals.LayGoal(HOLDER, GUIDE, WIRE)
+    steps = lay_wire(cell.contexts[HOLDER], cell.contexts[GUIDE], goal)
+    return cell.run(steps, HOLDER, GUIDE)
+
+
+def route_of(cell):
+    points = [WORLD_FROM_PANEL.apply(np.array(at)) for at in cell.plant.panel.wire(WIRE).route]
+    return np.array(points)
+
+
+def test_a_wire_is_led_into_its_ducts():
+    cell = cell_of()
+    wire = cell.plant.panel.wire(WIRE)
+    cell.feed(WIRE, "")
+    do(cell, detect_cable, goals.DetectGoal(WIRE))
+    key = wire.goes_to(WireEnd.A)
+    socket = locate(cell, *key)
+    holder = cell.contexts[HOLDER]
+    cell.run(pick_cable(holder, goals.PickGoal(HOLDER, WIRE, WireEnd.B, 0.0)), HOLDER)
+    insert(cell, WIRE, WireEnd.A, *key, socket)
+    fix(cell, WIRE, *key, pull=5.0)
+    laid = lay(cell)
+    assert laid.in_ducts >= 0.8
+    assert holder.belief.grip is not None, "the holder keeps the free end"
+    assert truth.share_in_ducts(cell.plant, WIRE) >= 0.8
+    (found,) = truth.ground_truth(cell.plant, [WIRE])
+    assert found.a.seated and found.a.fixed
+    cell.close()
+
+
+def test_a_leading_hand_without_depth_is_refused_before_anything_moves():
+    blind = replace(DESIGN.robots[0], camera=replace(DESIGN.robots[0].camera, depth=False))
+    cell = cell_of(replace(DESIGN, robots=(blind, DESIGN.robots[1])))
+    cell.feed(WIRE, "")
+    before = {name: context.commanded for name, context in cell.contexts.items()}
+    with pytest.raises(AbilityError, match="measures no depth") as caught:
+        lay(cell)
+    assert caught.value.code is Code.INVALID_GOAL
+    assert {name: context.commanded for name, context in cell.contexts.items()} == before
+    cell.close()
+
+
+def test_a_wire_that_is_not_in_view_in_its_ducts_is_occluded():
+    cell = cell_of()
+    cell.feed(WIRE, "")
+    guide = cell.contexts[GUIDE]
+    path = tuple(Pose.level(*map(float, point)) for point in route_of(cell))
+    with pytest.raises(AbilityError, match="in view at 0%") as caught:
+        cell.run(share_in_ducts(guide, duct_places(guide, path)), GUIDE)
+    assert caught.value.code is Code.CABLE_OCCLUDED
+    cell.close()
+
+
+@pytest.mark.parametrize(("height", "share"), [(0.020, 1.0), (0.065, 0.0)])
+def test_the_truth_counts_places_below_the_rims(height, share):
+    cell = cell_of()
+    route = route_of(cell)
+    route[:, 2] = height
+    ways = [np.linspace(a, b, 200) for a, b in itertools.pairwise(route)]
+    cell.plant.parked[WIRE] = ParkedWire(np.concatenate(ways), frozenset())
+    assert truth.share_in_ducts(cell.plant, WIRE) == pytest.approx(share)
+    cell.close()
