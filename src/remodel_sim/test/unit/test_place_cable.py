@@ -1,5 +1,6 @@
 """Laying a held end down, wherever an interruption left it."""
 
+import numpy as np
 import pytest
 from place_wire import BESIDE, ROBOT, carry, do, insert, locate
 from place_wire import lay_down as lay_down_wire
@@ -10,12 +11,14 @@ from remodel_sim.core.belief.belief_state import EndState
 from remodel_sim.core.errors import AbilityError
 from remodel_sim.core.geometry import Pose
 from remodel_sim.core.goals import DetectGoal, PickGoal
+from remodel_sim.core.workpiece.layout import GRASP_DISTANCE_M
 from remodel_sim.core.workpiece.panel import WireEnd
 from remodel_sim.physics.truth import ground_truth
 from remodel_states.core.codes import Code
 
-# Low in the channel: an end that is released high above the plate may stick to a finger.
-NEAR_PLATE = Pose.level(0.50, 0.14, 0.012, 1.5707963)
+# Where end a was picked, low in the channel: an end that is released high above the plate may stick
+# to a finger, and one that is turned round stands up.
+WHERE_FED = Pose.level(0.50, -0.13, 0.012, -1.5707963)
 # So low that the fingers reach down to where the feeder's fork stands.
 LOW = Pose.level(0.50, 0.11, 0.008, 1.5707963)
 
@@ -31,12 +34,15 @@ def hold_end_a_in_its_terminal(cell):
 
 def test_an_end_that_is_pushed_in_is_drawn_out_and_can_be_picked_again(cell):
     hold_end_a_in_its_terminal(cell)
-    lay_down(cell, NEAR_PLATE)
+    lay_down(cell, WHERE_FED)
     assert cell.context.belief.ends[WireEnd.A] is EndState.LOOSE
     (truth,) = ground_truth(cell.plant, ["W1"])
     assert truth.a.at == ""
     do(cell, detect_cable, DetectGoal("W1"))
     do(cell, pick_cable, PickGoal(ROBOT, "W1", WireEnd.A, 0.0))
+    tip, _ = cell.plant.live.cable.tip(WireEnd.A)
+    held_at = cell.context.tool.position
+    assert np.linalg.norm(tip - held_at) < GRASP_DISTANCE_M + 0.010, "end a, not end b"
 
 
 def test_whatever_the_hand_holds_is_laid_down_when_no_wire_is_named(cell):

@@ -34,7 +34,7 @@ from remodel_states.core.codes import Code
 # The arm rings down before a picture is taken [s].
 STILL_S = 0.10
 # A wire is drawn so far behind its tip [m].
-TRACE_M = 0.075
+DRAWN_M = 0.075
 # The line between the pads is measured at so many places.
 PLACES_BETWEEN_PADS = 9
 
@@ -205,7 +205,7 @@ def _search(
     below = math.tan(pitch) * arc_lengths(line[:, :2])
     line = picture.view.on_plane(pixels, z - below)
     point, out = _between_pads(line[:, :2], distance, context.fingers.width)
-    drawing.path(pixels[: _count_within(line, TRACE_M)])
+    drawing.path(pixels[: _count_within(line, DRAWN_M)])
     mark_end(drawing, observation, f"{wire.id} end {end.value}")
     grasp = np.array([*point, z - math.tan(pitch) * distance])
     drawing.circle(picture.view.project(grasp)[0], 9, ORANGE)
