@@ -15,6 +15,7 @@ from remodel_sim.core.geometry import Array, Pose, wrap_angle
 from remodel_sim.core.robot.arm import ToolPose
 from remodel_sim.core.robot.kinematics import Kinematics
 from remodel_sim.core.robot.motion import JOINT_SPEED, PEAK_OVER_MEAN, Line
+from remodel_sim.core.workpiece.layout import STANDOFF_M
 from remodel_sim.physics.collision_check import Touch
 from remodel_states.core.codes import Code
 
@@ -40,8 +41,6 @@ WAIT_S = 0.1
 TRACKING_TOLERANCE_M = 0.003
 # The servo lags by up to 8 mm at full speed; more means that something is in the way.
 MAX_LAG_M = 0.015
-# A held end is pulled so far out of an opening.
-CLEAR_OF_OPENING_M = 0.008
 
 
 def move_to(
@@ -299,7 +298,7 @@ def disengage(context: RobotContext) -> Steps[None]:
     into = socket.rotation[:, 0]
     grip, at = context.belief.grip, context.commanded
     ahead = float((at.position - socket.position) @ into) + grip.distance
-    back = max(0.0, ahead + CLEAR_OF_OPENING_M)
+    back = max(0.0, ahead + STANDOFF_M)
     yield from move_to(context, at.moved(into, -back), APPROACH_SPEED / 2)
     context.belief.engaged = None
 
