@@ -39,6 +39,8 @@ from remodel_states.core.codes import Code
 # A wire that is drawn out of clips or out of a duct pulls more than a free one; one that pulls more
 # than the grip holds safely hangs on something [N].
 MAX_PULL_N = 25.0
+# A wire is drawn up out of its ducts to the highest of so many heights that the hand reaches.
+HEIGHTS = 20
 # The fingers are open after this [s].
 OPENING_S = 0.2
 
@@ -143,12 +145,24 @@ def _toward(above_bin: ToolPose, context: RobotContext, end: WireEnd) -> Pose:
     return Pose.level(above_bin.x, above_bin.y, above_bin.z, out * math.pi / 2)
 
 
+def _drawn_up_z(context: RobotContext, least: float) -> float:
+    """Return the height to which the hand draws the wire up [m]: out of its ducts, if it has any.
+
+    Drawn aside, it would catch on their walls.
+    """
+    if not context.wire.ducts:
+        return least
+    heights = np.linspace(max(least, context.wire.length), least, HEIGHTS)
+    reached = (z for z in heights if context.arm.reaches(context.commanded.at(z=float(z))))
+    return float(next(reached, least))
+
+
 def _drop(context: RobotContext, above_bin: ToolPose) -> Steps[None]:
     """Carry the wire in the hand over the bin, and open."""
     context.report("carrying the wire to the scrap bin", 0.7)
     free, now = context.force, context.commanded
     context.lower_fork()
-    yield from rise(context, above_bin.z)
+    yield from rise(context, _drawn_up_z(context, above_bin.z))
     yaw = nearest_hand_yaw(context.arm, above_bin.x, above_bin.y, now.yaw, near=now.yaw)
     over = ToolPose(above_bin.x, above_bin.y, context.commanded.z, yaw)
     yield from carry(context, over, CARRY_SPEED, free, most=MAX_PULL_N)

@@ -177,7 +177,8 @@ def _swing(context: RobotContext, target: ToolPose) -> Steps[None]:
     if context.arm.axis is not None:
         yield from move_to(context, target, FREE_SPEED)
         return
-    start, end = context.arm.joints_for(context.commanded), context.arm.joints_for(target)
+    start = context.arm.joints_for(context.commanded)
+    end = context.arm.joints_for(canonical(context, target))
     farthest = float(np.abs(end - start).max())
     touch = context.first_touch(
         lambda share: context.arm.tool_of(start + share * (end - start)),
@@ -323,8 +324,10 @@ def choose_flip(
     best: tuple[float, float] | None = None
     for flip in (0.0, math.pi):
         first = arm.canonical_yaw(*at, tip_yaw - flip)
-        second = arm.canonical_yaw(*then_at, then_tip_yaw - flip)
-        if first is None or second is None or abs(second - first - turn) > 0.5:
+        if first is None:
+            continue
+        second = arm.canonical_yaw(*then_at, first + turn)
+        if second is None or abs(second - first - turn) > 0.5:
             continue
         q7 = [arm.last_joint(*at, first), arm.last_joint(*then_at, second)]
         cost = max(abs(q) for q in q7)
@@ -342,12 +345,17 @@ def choose_flip(
 
 def nearest_hand_yaw(arm: Kinematics, x: float, y: float, yaw: float, near: float) -> float:
     """Return `yaw`, or that turned by pi, whichever joint 7 reaches with less turning."""
-    options = [arm.canonical_yaw(x, y, yaw + turn) for turn in (0.0, math.pi)]
+    turns = (wrap_angle(yaw + turn - near) for turn in (0.0, math.pi))
+    options = [arm.canonical_yaw(x, y, near + float(turn)) for turn in turns]
     reachable = [option for option in options if option is not None]
     return min(reachable, key=lambda option: abs(option - near), default=yaw)
 
 
 def canonical(context: RobotContext, tool: ToolPose) -> ToolPose:
-    """Return a tool pose with the yaw that the arm takes, of those that are a full turn apart."""
-    yaw = context.arm.canonical_yaw(tool.x, tool.y, tool.yaw)
+    """Return a tool pose with the yaw that the arm takes, of those that are a full turn apart.
+
+    Of several the one nearest to the present yaw.
+    """
+    now = context.commanded.yaw
+    yaw = context.arm.canonical_yaw(tool.x, tool.y, now + float(wrap_angle(tool.yaw - now)))
     return tool if yaw is None else ToolPose(tool.x, tool.y, tool.z, yaw)

@@ -431,14 +431,11 @@ def _do(do: Do, state: RunState, task: TaskProgress, because: str) -> RunState:
 
 
 def _is_to_be_discarded(do: Do, task: TaskProgress) -> bool:
-    """Return whether the piece is taken away first; of a task that is left only a loose one."""
+    """Return whether the piece is taken away first: left there, it would be in others' way."""
     if not task.piece:
         return False
-    if do is not Do.SET_ASIDE:
-        return True
-    return not (
-        task.connected or task.unseen or task.undiscarded or Code.EXTRACTION_STUCK in task.codes
-    )
+    stuck = task.undiscarded or Code.EXTRACTION_STUCK in task.codes
+    return do is not Do.SET_ASIDE or not (task.unseen or stuck)
 
 
 def _under_way(state: RunState, task: TaskProgress) -> RunState:
