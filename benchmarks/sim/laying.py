@@ -63,16 +63,22 @@ class Laying:
             for key in (a, b)
         )
         self._do(HOLDER, pick_cable, goals.PickGoal(HOLDER, wire_id, first.other, 0.0))
-        insert = goals.InsertGoal(GUIDE, wire_id, first, *a, at_a, FORCE_LIMIT_N)
-        self._do(GUIDE, insert_cable, insert)
+        self._insert(goals.InsertGoal(GUIDE, wire_id, first, *a, at_a, FORCE_LIMIT_N))
         self._do(GUIDE, fix_cable, goals.FixGoal(GUIDE, wire_id, *a, PULL_TEST_N))
         lay = goals.LayGoal(HOLDER, GUIDE, wire_id)
         contexts = self.cell.contexts
         steps = lay_wire(contexts[HOLDER], contexts[GUIDE], lay)
         self._tell("LayWire", self.cell.run(steps, HOLDER, GUIDE))
-        insert = goals.InsertGoal(HOLDER, wire_id, first.other, *b, at_b, FORCE_LIMIT_N)
-        self._do(HOLDER, insert_cable, insert)
+        self._insert(goals.InsertGoal(HOLDER, wire_id, first.other, *b, at_b, FORCE_LIMIT_N))
         self._do(HOLDER, fix_cable, goals.FixGoal(HOLDER, wire_id, *b, PULL_TEST_N))
+
+    def _insert(self, goal: goals.InsertGoal) -> None:
+        """Insert an end, as often as the use case tries."""
+        try:
+            self._do(goal.robot_name, insert_cable, goal)
+        except AbilityError as error:
+            self._tell("Insert", f"{error.code.name}: {error}")
+            self._do(goal.robot_name, insert_cable, goal)
 
     def _cell_s(self) -> float:
         """Return the cell's time since the wire was fed [s]."""

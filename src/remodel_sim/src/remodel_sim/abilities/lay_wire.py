@@ -75,7 +75,7 @@ CLOSE_S = 0.6
 # is, the faster it draws.
 TIGHT_N = 2.0
 MAX_TIGHT_N = 8.0
-TIGHTEN_M = 0.10
+TIGHTEN_M = 0.20
 TIGHTEN_SPEED = 0.10
 # The wire must lie below the rim at so much of its route in ducts. So far before the last slot it
 # rises to the holding hand, and is not judged [m].
@@ -390,9 +390,9 @@ def _tighten(holder: RobotContext, eyelet: Array, left: float) -> Steps[float]:
             break
         yield from motion.advance(TIGHTEN_SPEED)
     motion.stop()
-    if motion.force < TIGHT_N and not motion.met_limit:
-        return left
-    return float(np.linalg.norm(holder.commanded.position - eyelet))
+    apart = float(np.linalg.norm(holder.commanded.position - eyelet))
+    is_tight = motion.force >= TIGHT_N or motion.met_limit
+    return apart if is_tight else max(left, apart)
 
 
 def _max_pull(guide: RobotContext) -> float:

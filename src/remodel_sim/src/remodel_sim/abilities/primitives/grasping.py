@@ -23,7 +23,7 @@ from remodel_sim.core.belief.belief_state import EndState, Grip
 from remodel_sim.core.belief.openings import TerminalKey
 from remodel_sim.core.cell.magazine import GRASP_M
 from remodel_sim.core.errors import AbilityError
-from remodel_sim.core.geometry import Pose
+from remodel_sim.core.geometry import Pose, wrap_angle
 from remodel_sim.core.robot.arm import ToolPose
 from remodel_sim.core.robot.kinematics import Kinematics
 from remodel_sim.core.workpiece.layout import GRASP_DISTANCE_M, WORLD_FROM_PANEL
@@ -126,7 +126,8 @@ def _grasp_pose(
     flip = choose_flip(
         arm, (x, y), seen.tip_yaw, (float(then[0]), float(then[1])), then_tip_yaw=socket.yaw
     )
-    return ToolPose(x, y, max(z, arm.fingers.below + FLOOR_CLEARANCE_M), seen.tip_yaw - flip), flip
+    yaw = float(wrap_angle(seen.tip_yaw - flip))
+    return ToolPose(x, y, max(z, arm.fingers.below + FLOOR_CLEARANCE_M), yaw), flip
 
 
 def close_on_wire(context: RobotContext, grip: Grip) -> Steps[None]:

@@ -323,7 +323,7 @@ def choose_flip(
     turn = wrap_angle(then_tip_yaw - tip_yaw)
     best: tuple[float, float] | None = None
     for flip in (0.0, math.pi):
-        first = arm.canonical_yaw(*at, tip_yaw - flip)
+        first = arm.canonical_yaw(*at, float(wrap_angle(tip_yaw - flip)))
         if first is None:
             continue
         second = arm.canonical_yaw(*then_at, first + turn)
@@ -354,8 +354,11 @@ def nearest_hand_yaw(arm: Kinematics, x: float, y: float, yaw: float, near: floa
 def canonical(context: RobotContext, tool: ToolPose) -> ToolPose:
     """Return a tool pose with the yaw that the arm takes, of those that are a full turn apart.
 
-    Of several the one nearest to the present yaw.
+    Of several the one as given; with a wire in the hand, which it would wind up, the nearest.
     """
-    now = context.commanded.yaw
-    yaw = context.arm.canonical_yaw(tool.x, tool.y, now + float(wrap_angle(tool.yaw - now)))
+    wanted = tool.yaw
+    if context.belief.grip is not None:
+        now = context.commanded.yaw
+        wanted = now + float(wrap_angle(tool.yaw - now))
+    yaw = context.arm.canonical_yaw(tool.x, tool.y, wanted)
     return tool if yaw is None else ToolPose(tool.x, tool.y, tool.z, yaw)

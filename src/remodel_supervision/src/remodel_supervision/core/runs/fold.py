@@ -431,11 +431,18 @@ def _do(do: Do, state: RunState, task: TaskProgress, because: str) -> RunState:
 
 
 def _is_to_be_discarded(do: Do, task: TaskProgress) -> bool:
-    """Return whether the piece is taken away first: left there, it would be in others' way."""
+    """Return whether the piece is taken away first: left there, it would be in others' way.
+
+    What is connected of a task that a person skips is left to that person.
+    """
     if not task.piece:
         return False
+    if do is not Do.SET_ASIDE:
+        return True
+    by = task.decisions[-1].by if task.decisions else POLICY
+    to_person = bool(task.connected) and by != POLICY
     stuck = task.undiscarded or Code.EXTRACTION_STUCK in task.codes
-    return do is not Do.SET_ASIDE or not (task.unseen or stuck)
+    return not (to_person or task.unseen or stuck)
 
 
 def _under_way(state: RunState, task: TaskProgress) -> RunState:
