@@ -19,8 +19,8 @@ from remodel_sim.abilities.ability import ability
 from remodel_sim.abilities.execution.robot_context import RobotContext, Steps
 from remodel_sim.abilities.primitives.carrying import SNAG_S
 from remodel_sim.abilities.primitives.force_motion import ForceMotion
-from remodel_sim.abilities.primitives.grasping import check_grip, release
-from remodel_sim.abilities.primitives.holding import STEEP, bring_together
+from remodel_sim.abilities.primitives.grasping import check_grip, open_fingers
+from remodel_sim.abilities.primitives.holding import SLACK, STEEP, Hold, bring_together
 from remodel_sim.abilities.primitives.motions import (
     APPROACH_SPEED,
     FREE_SPEED,
@@ -146,7 +146,7 @@ def _check_camera(guide: RobotContext) -> None:
 
 def _withdraw(guide: RobotContext, holder: RobotContext) -> Steps[None]:
     """Open the leading hand, and take it back along the laid wire before it rises."""
-    yield from release(guide, HAND_OPEN_M)
+    yield from open_fingers(guide, HAND_OPEN_M)
     here = guide.commanded
     back = np.array([math.cos(here.yaw), math.sin(here.yaw), 0.0])
     if back @ (here.position - holder.commanded.position) < 0:
@@ -205,15 +205,18 @@ def _lead(holder: RobotContext, guide: RobotContext, route: list[Array]) -> Step
     left -= float(np.linalg.norm(route[1] - route[0]))
     here = route[1]
     for i, place in enumerate(places):
-        if place is places[-1]:
-            place = _last(place, here, left)
         guide.report(f"leading the wire, {i + 1} of {len(places)}", 0.35 + 0.5 * i / len(places))
-        left -= float(np.linalg.norm(place.at - here))
-        turn = float(wrap_angle(place.yaw - yaw))
-        peak = max(peak, (yield from _bring(holder, guide, place, turn, left, free)))
-        left = yield from _tighten(holder, place.at, left)
+        # Released, a wire that is pulled upwards would leave its ducts.
+        is_last = place is places[-1]
+        target = _last(place, here, left) if is_last else place
+        left -= float(np.linalg.norm(target.at - here))
+        turn = float(wrap_angle(target.yaw - yaw))
+        hold = SLACK if is_last else STEEP
+        peak = max(peak, (yield from _bring(holder, guide, target, turn, left, free, hold)))
+        if not is_last:
+            left = yield from _tighten(holder, target.at, left)
         check_grip(holder)
-        here, yaw = place.at, place.yaw
+        here, yaw = target.at, target.yaw
     guide.report("releasing the wire", 0.9)
     yield from _withdraw(guide, holder)
     return peak
@@ -364,6 +367,7 @@ def _bring(
     turn: float,
     left: float,
     free: Array,
+    hold: Hold,
 ) -> Steps[float]:
     """Lead the wire to a place and heading; the holder keeps `left` [m] of it off the board."""
     x, y, z = (float(v) for v in place.at)
@@ -371,7 +375,7 @@ def _bring(
     tool = ToolPose(x, y, z, guide.commanded.yaw + turn)
     out = np.array([math.cos(place.heading), math.sin(place.heading), 0.0])
     peak = 0.0
-    for move in bring_together(guide, tool, holder, out, left, STEEP, place.yaw):
+    for move in bring_together(guide, tool, holder, out, left, hold, place.yaw):
         peak = max(peak, (yield from _watched(guide, move, free)))
     return peak
 

@@ -179,9 +179,16 @@ def check_grip(context: RobotContext) -> None:
 
 
 def release(context: RobotContext, opening: float) -> Steps[None]:
-    """Open the fingers a little, leave the wire where it is, and lift the hand clear of it.
+    """Open the fingers a little, leave the wire where it is, and lift the hand clear of it."""
+    yield from open_fingers(context, opening)
+    clear = context.commanded.z + CLEAR_OF_WIRE_M
+    yield from move_to(context, context.commanded.at(z=clear), CLEAR_SPEED)
 
-    Slowly: a bent wire leans on a pad, and one that is thrown aside pulls at its fixed end.
+
+def open_fingers(context: RobotContext, opening: float) -> Steps[None]:
+    """Open the fingers a little, slowly.
+
+    A bent wire leans on a pad, and one that is thrown aside pulls at its fixed end.
     """
     start = context.finger_gap / 2
     context.belief.grip = None
@@ -189,8 +196,6 @@ def release(context: RobotContext, opening: float) -> Steps[None]:
     for tick in range(1, math.ceil(opening / OPEN_SPEED / context.tick_s) + 1):
         context.drive_fingers(start + min(opening, tick * OPEN_SPEED * context.tick_s))
         yield
-    clear = context.commanded.z + CLEAR_OF_WIRE_M
-    yield from move_to(context, context.commanded.at(z=clear), CLEAR_SPEED)
 
 
 def _room_beside(context: RobotContext, terminal: TerminalKey) -> float:
