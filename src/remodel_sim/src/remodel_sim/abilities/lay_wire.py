@@ -207,17 +207,15 @@ def _lead(holder: RobotContext, guide: RobotContext, route: list[Array]) -> Step
     here = route[1]
     for i, place in enumerate(places):
         guide.report(f"leading the wire, {i + 1} of {len(places)}", 0.35 + 0.5 * i / len(places))
-        # Released, a wire that is pulled upwards would leave its ducts.
-        is_last = place is places[-1]
-        target = _last(place, here, left) if is_last else place
+        target = place if place is not places[-1] else _last(place, here, left)
         left -= float(np.linalg.norm(target.at - here))
         turn = float(wrap_angle(target.yaw - yaw))
-        hold = SLACK if is_last else STEEP
-        peak = max(peak, (yield from _bring(holder, guide, target, turn, left, free, hold)))
-        if not is_last:
-            left = yield from _tighten(holder, target.at, left)
+        peak = max(peak, (yield from _bring(holder, guide, target, turn, left, free, STEEP)))
+        left = yield from _tighten(holder, target.at, left)
         check_grip(holder)
         here, yaw = target.at, target.yaw
+    # Released, a wire that is pulled upwards would leave its ducts.
+    yield from _bring(holder, guide, replace(target, yaw=yaw), 0.0, left, free, SLACK)
     guide.report("releasing the wire", 0.9)
     yield from _withdraw(guide, holder)
     return peak
