@@ -20,7 +20,7 @@ from remodel_sim.abilities.execution.robot_context import RobotContext, Steps
 from remodel_sim.abilities.primitives.carrying import SNAG_S
 from remodel_sim.abilities.primitives.force_motion import ForceMotion
 from remodel_sim.abilities.primitives.grasping import check_grip, open_fingers
-from remodel_sim.abilities.primitives.holding import SLACK, STEEP, Hold, bring_together
+from remodel_sim.abilities.primitives.holding import SLACK, STEEP, bring_together
 from remodel_sim.abilities.primitives.motions import (
     APPROACH_SPEED,
     FREE_SPEED,
@@ -88,7 +88,7 @@ BACK_M = 0.012
 INSIDE_M = 0.014
 # Two hands need so much of the wire between them: where less is left at the last slot, the leading
 # hand releases the wire before it, where it rises to the holding hand anyway [m].
-LEAST_HELD_M = 0.16
+LEAST_HELD_M = 0.20
 # The direction of the wire at its slot is taken over so much to each side [m].
 DIRECTION_M = 0.012
 
@@ -152,7 +152,7 @@ def _withdraw(guide: RobotContext, holder: RobotContext) -> Steps[None]:
     back = np.array([math.cos(here.yaw), math.sin(here.yaw), 0.0])
     if back @ (here.position - holder.commanded.position) < 0:
         back = -back
-    yield from move_to(guide, guide.commanded.moved(back, BACK_M), APPROACH_SPEED)
+    yield from move_to(guide, here.moved(back, BACK_M), APPROACH_SPEED)
     yield from rise(guide)
 
 
@@ -210,12 +210,12 @@ def _lead(holder: RobotContext, guide: RobotContext, route: list[Array]) -> Step
         target = place if place is not places[-1] else _last(place, here, left)
         left -= float(np.linalg.norm(target.at - here))
         turn = float(wrap_angle(target.yaw - yaw))
-        peak = max(peak, (yield from _bring(holder, guide, target, turn, left, free, STEEP)))
+        peak = max(peak, (yield from _bring(holder, guide, target, turn, left, free)))
         left = yield from _tighten(holder, target.at, left)
         check_grip(holder)
         here, yaw = target.at, target.yaw
     # Released, a wire that is pulled upwards would leave its ducts.
-    yield from _bring(holder, guide, replace(target, yaw=yaw), 0.0, left, free, SLACK)
+    yield from _loosen(holder, guide, target, left)
     guide.report("releasing the wire", 0.9)
     yield from _withdraw(guide, holder)
     return peak
@@ -366,7 +366,6 @@ def _bring(
     turn: float,
     left: float,
     free: Array,
-    hold: Hold,
 ) -> Steps[float]:
     """Lead the wire to a place and heading; the holder keeps `left` [m] of it off the board."""
     x, y, z = (float(v) for v in place.at)
@@ -374,9 +373,19 @@ def _bring(
     tool = ToolPose(x, y, z, guide.commanded.yaw + turn)
     out = np.array([math.cos(place.heading), math.sin(place.heading), 0.0])
     peak = 0.0
-    for move in bring_together(guide, tool, holder, out, left, hold, place.yaw):
+    for move in bring_together(guide, tool, holder, out, left, STEEP, place.yaw):
         peak = max(peak, (yield from _watched(guide, move, free)))
     return peak
+
+
+def _loosen(holder: RobotContext, guide: RobotContext, place: _Place, left: float) -> Steps[None]:
+    """Give the free part of the wire slack, `left` [m] of it, and the leading hand room to rise."""
+    here = guide.commanded
+    out = np.array([math.cos(place.heading), math.sin(place.heading), 0.0])
+    risen = here.moved(-out, BACK_M).at(z=max(here.z, TRAVEL_Z))
+    moves = bring_together(guide, here, holder, out, left, SLACK, place.yaw, then=risen)
+    for move in moves:
+        yield from move_together(move, LEAD_SPEED, HOLD_SPEED)
 
 
 def _tighten(holder: RobotContext, eyelet: Array, left: float) -> Steps[float]:
@@ -418,7 +427,7 @@ def _watched(
         pulled_s = pulled_s + guide.tick_s if pull > limit else 0.0
         if pulled_s > SNAG_S:
             for context, _ in move:
-                context.drive(context.tool)
+                context.follow(context.tool)
             raise AbilityError(
                 Code.SNAGGED,
                 f"{guide.wire.id!r} pulls at the leading hand with {pull:.0f} N at {guide.tool}, "

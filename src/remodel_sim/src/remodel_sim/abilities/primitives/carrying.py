@@ -54,7 +54,7 @@ def carry(
         pull = float(np.linalg.norm((context.force - free)[:2]))
         pulled_s = pulled_s + context.tick_s if pull > most else 0.0
         if pulled_s > SNAG_S:
-            context.drive(context.tool)
+            context.follow(context.tool)
             raise AbilityError(
                 Code.SNAGGED,
                 f"{context.wire.id!r} pulls at the hand with {pull:.0f} N at {context.tool}: it "

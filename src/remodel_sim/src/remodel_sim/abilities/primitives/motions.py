@@ -124,7 +124,7 @@ def check_lag(context: RobotContext) -> None:
     sent, tool = context.commanded, context.tool
     lag = float(np.linalg.norm(tool.position - sent.position))
     if lag > MAX_LAG_M:
-        context.drive(tool)
+        context.follow(tool)
         raise AbilityError(
             Code.MOTION_FAULT,
             f"the tool is held up at {tool}, {lag * 1e3:.0f} mm behind; check for a collision",
