@@ -99,3 +99,13 @@ def test_an_end_that_a_wire_in_the_air_hides_from_above_is_found_from_aside(cell
     assert WireEnd.A not in seen, "the wire above hides it"
     do(cell, detect_cable, DetectGoal("W1"))
     assert np.linalg.norm(cell.context.belief.tips[WireEnd.A].tip[:2] - tip[:2]) < 0.003
+
+
+def test_an_end_that_lies_elsewhere_is_not_mistaken_for_the_other_one(cell):
+    cell.feed("W1", "A")
+    expected = cell.context.belief.expected
+    expected[WireEnd.A] = expected[WireEnd.B] + np.array([0.030, 0.0, 0.0])
+    with pytest.raises(AbilityError, match=r"end a of 'W1' .* is hidden") as caught:
+        do(cell, detect_cable, DetectGoal("W1"))
+    assert caught.value.code is Code.TIP_NOT_FOUND
+    assert WireEnd.A not in cell.context.belief.tips

@@ -35,6 +35,8 @@ from remodel_states.core.codes import Code
 STILL_S = 0.10
 # A wire is drawn so far behind its tip [m].
 DRAWN_M = 0.075
+# What is seen so near to where the other loose end was seen is that end [m].
+SAME_TIP_M = 0.005
 # The line between the pads is measured at so many places.
 PLACES_BETWEEN_PADS = 9
 
@@ -194,11 +196,11 @@ def _search(
         context.belief.tips.pop(end, None)
         raise
     drawing = Drawing(picture.rgb, picture.view)
-    if end not in ends:
+    observation = ends.get(end)
+    if observation is None or _is_other_end(context, end, observation):
         drawing.title(f"End {end.value} of {wire.id} not seen")
         context.show("wrist", picture, drawing.image)
         return None
-    observation = ends[end]
     z = float(observation.tip.tip[2])
     pixels = line_from(observation, lines)
     line = picture.view.on_plane(pixels, z)
@@ -215,6 +217,14 @@ def _search(
     tip = replace(observation.tip, pitch=pitch)
     context.belief.tips[end] = tip
     return GraspObservation(grasp, math.atan2(out[1], out[0]), tip, line)
+
+
+def _is_other_end(context: RobotContext, end: WireEnd, observation: EndObservation) -> bool:
+    """Return whether what was taken for an end lies where the other one was seen."""
+    known = context.belief.tips.get(end.other)
+    if known is None or end.other not in loose_ends(context):
+        return False
+    return float(np.linalg.norm((observation.tip.tip - known.tip)[:2])) < SAME_TIP_M
 
 
 def _between_pads(line: Array, distance: float, width: float) -> tuple[Array, Array]:
