@@ -1,5 +1,6 @@
 """A run is followed from its request on, whatever the supervisor reports of earlier ones."""
 
+import itertools
 import threading
 
 import pytest
@@ -57,6 +58,7 @@ class Supervised:
         self.hear = None
         monkeypatch.setattr(run_follower, "ActionServer", FakeServer)
         monkeypatch.setattr(run_follower.rospy, "Subscriber", self.subscribe)
+        monkeypatch.setattr(run_follower.rospy, "get_time", itertools.count(3.0, 0.25).__next__)
         self.database = ProductionDatabase(url)
         self.database.add_order(HOUSE)
         self.log = RunLog(self.database)
@@ -95,6 +97,14 @@ def test_what_is_said_of_an_earlier_run_is_not_followed(supervised, monkeypatch)
     assert FakeServer.sent.use_case == "cabinet"
     assert supervised.follower.number == 2
     assert state.ended.because == "run 2"
+
+
+def test_a_run_is_timed_from_its_beginning_by_both_clocks(supervised, monkeypatch):
+    begins = threading.Timer(0.05, lambda: supervised.publish(supervised.do_run()))
+    monkeypatch.setattr(FakeServer, "on_goal", staticmethod(begins.start))
+    supervised.follower.run(2)
+    assert supervised.follower.ros_s == 0.25, "one reading after the first"
+    assert 0.0 < supervised.follower.wall_s < 1.0
 
 
 def test_a_refusal_is_reported(supervised, monkeypatch):

@@ -20,6 +20,7 @@ from remodel_supervision.core.runs.attempts import Attempt, Attempts
 from remodel_supervision.core.runs.events import Event, Part, Planned, RunBegun
 from remodel_supervision.core.runs.fold import state_after
 from remodel_supervision.core.runs.state import RunState, Stage
+from remodel_supervision.core.runs.steady_clock import SteadyClock
 from remodel_supervision.edge.run_log import RunLog
 from remodel_supervision.errors import CellError
 from remodel_supervision.ros.action_server import ActionServer, Goal
@@ -55,6 +56,8 @@ class RunFollower:
     Attributes:
         number: of the run.
         attempts: that have ended.
+        wall_s: [s] wall time since the run began.
+        ros_s: [s] ROS time since then.
     """
 
     def __init__(self, log: RunLog, order: Order) -> None:
@@ -73,6 +76,7 @@ class RunFollower:
         self._ended = Attempts()
         self.number = 0
         self.attempts: tuple[Attempt, ...] = ()
+        self.wall_s = self.ros_s = 0.0
         self._expected_s: dict[str, float] = {}
         self._is_replanned = True
         self._tasks = rospy.ServiceProxy(TASKS, GetTasks)
@@ -98,10 +102,15 @@ class RunFollower:
             again=again,
         )
         goal = self._accepted(request)
+        clock, began_s = SteadyClock(), time.monotonic()
+        began_ros_s = clock.read(rospy.get_time(), began_s)
         total = len(self._log.state(self.number).tasks)
         with RunBar(total) as bar:
             while True:
                 goal.wait(_READ_S)
+                now_s = time.monotonic()
+                self.wall_s = now_s - began_s
+                self.ros_s = clock.read(rospy.get_time(), now_s) - began_ros_s
                 state, lines = self._news()
                 for line in lines:
                     bar.write(line)
