@@ -10,9 +10,11 @@ from remodel_msgs.msg import LevelState, OperatorQuestion, UseCaseState
 
 from remodel_planner.commands.runs import run_follower
 from remodel_planner.commands.runs.run_bar import doing, share
-from remodel_planner.commands.runs.run_follower import RunFollower
+from remodel_planner.commands.runs.run_follower import RunFollower, attempt_line
 from remodel_production.edge.database.production_database import ProductionDatabase
-from remodel_supervision.core.runs.events import Ending, RunBegun, RunEnded
+from remodel_supervision.core.run import Execution
+from remodel_supervision.core.runs.attempts import Attempt
+from remodel_supervision.core.runs.events import Ending, Part, RunBegun, RunEnded
 from remodel_supervision.core.runs.fold import state_after
 from remodel_supervision.edge.run_log import RunLog
 from remodel_supervision.errors import CellError
@@ -175,3 +177,16 @@ def test_the_bar_shows_what_a_run_is_doing(fields, text):
 )
 def test_the_bar_moves_within_a_task_and_does_not_end_it(now_s, expected_s, shown):
     assert share(state_of(stamp=rospy.Time(now_s)), {"W1": expected_s}) == shown
+
+
+@pytest.mark.parametrize(
+    ("part", "outcome", "said"),
+    [
+        (Part.DISCARD, "finished", "  discarded, 0 insertions, 12.0 s"),
+        (Part.DISCARD, "failed", "  NOT discarded, 0 insertions, 12.0 s"),
+        (Part.WHOLE, "finished", "  finished, not confirmed by the cell's ground truth, "),
+    ],
+)
+def test_what_a_behavior_did_to_a_wire_is_named(part, outcome, said):
+    execution = Execution("W1", "Lead Wire W1", 1, outcome, False, 0.0, 12.0, ())
+    assert said in attempt_line(Attempt(execution, part, "<chart/>"), {})

@@ -164,7 +164,7 @@ class RunFollower:
         attempts = self._ended.ended
         if attempts and state.current and state.tasks[state.current].stage is Stage.FAILED:
             attempts = attempts[:-1]  # what is done about it comes next
-        lines += [_line(attempt, self._wires) for attempt in attempts[len(self.attempts) :]]
+        lines += [attempt_line(attempt, self._wires) for attempt in attempts[len(self.attempts) :]]
         self.attempts = attempts
         return state, lines + self._hold_lines()
 
@@ -219,7 +219,8 @@ def _event_lines(event: Event) -> list[str]:
     return []
 
 
-def _line(attempt: Attempt, wires: dict[str, Wire]) -> str:
+def attempt_line(attempt: Attempt, wires: dict[str, Wire]) -> str:
+    """Return what a behavior did to its wire, with its failures in lines of their own."""
     execution = attempt.execution
     result = "placed" if execution.placed else f"NOT placed ({execution.outcome})"
     if execution.outcome == "finished" and not execution.placed:
@@ -228,6 +229,8 @@ def _line(attempt: Attempt, wires: dict[str, Wire]) -> str:
         result = f"interrupted ({attempt.because})"
     if attempt.part is Part.CLEAR:
         result = "hand emptied"
+    if attempt.part is Part.DISCARD:
+        result = "discarded" if execution.outcome == "finished" else "NOT discarded"
     if execution.attempt > 1:
         result += f" at attempt {execution.attempt}"
     if attempt.decision:
