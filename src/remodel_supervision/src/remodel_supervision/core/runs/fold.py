@@ -8,7 +8,7 @@ from functools import singledispatch
 
 from remodel_planning.core.use_case.fault import Do
 from remodel_states.core.codes import Code
-from remodel_supervision.core.run import Operation
+from remodel_supervision.core.run import EMPTYING, NOTHING_TO_LAY_DOWN, Operation
 from remodel_supervision.core.runs.events import (
     POLICY,
     Answer,
@@ -38,10 +38,8 @@ from remodel_supervision.core.runs.events import (
     TaskReturned,
 )
 from remodel_supervision.core.runs.state import (
-    EMPTYING,
     FINISHED,
     INTERRUPTION_LIMIT,
-    NOTHING_TO_LAY_DOWN,
     PERSON_FIRST,
     PREEMPTED,
     SERVER_TROUBLE,
