@@ -7,6 +7,8 @@ import rosgraph
 import rospy
 import rostest
 
+from remodel_planner.commands.runs.built_in_cell import wires_in_cell
+from remodel_production.core.production import Order
 from remodel_states.edge.exported_tables import read_abilities
 from remodel_supervision.ros.peers.cell import Cell
 
@@ -27,6 +29,12 @@ class CellServicesTest(unittest.TestCase):
         cell = Cell()
         cell.wait(LIMIT_S)
         self.assertIsNone(cell.placed("W1"))
+
+    def test_the_report_says_that_a_cell_without_ground_truth_is_not_read_back(self):
+        Cell().wait(LIMIT_S)
+        found, unread = wires_in_cell(Order("house", "", "", (), wires=()))
+        self.assertEqual(found, {})
+        self.assertIn("the cell gave no ground truth, as no real cell does", unread)
 
     def test_each_ability_is_served_by_one_node(self):
         names = {name.lower() for name in read_abilities()}

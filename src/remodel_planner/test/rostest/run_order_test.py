@@ -58,24 +58,41 @@ class RunOrderTest(unittest.TestCase):
             printed, _ = run.communicate(timeout=LIMIT_S)
         self.assertEqual(run.returncode, 0, printed)
         self.assertIn("2 of 2 wires placed", printed)
-        self.assertIn("net list: 2 of 2 wires as designed", printed)
+        self.assertIn("net list: 2 of 2 wires as designed\n", printed)
+        self.assertIn(" seated by the first insertion; ", printed)
+        self.assertIn(" s simulated in ", printed)
         wires = rospy.ServiceProxy("cell/ground_truth", GetGroundTruth)().wires
         self.assertEqual([wire.placed for wire in wires], [True, True], "the first one stayed")
         self.check_report()
         ProductionDatabase(DATABASE).order("house")
 
+    def check_what_was_built(self, report):
+        """The killed cell remembers the first wire, which is parked; the second one is live."""
+        self.assertEqual(report["unread"], "")
+        nets = report["net_list"]
+        self.assertEqual([net["wire"] for net in nets], ["W1", "W3"])
+        for net in nets:
+            self.assertEqual(sorted(net["cell"]), sorted(net["design"]))
+            self.assertEqual((net["verdict"], net["fixed"]), ("as designed", [True, True]))
+            self.assertEqual(net["duct_length_m"], 0.0, "this panel has no ducts")
+        self.assertGreater(report["simulated_s"], report["cell_s"])
+        self.assertAlmostEqual(
+            report["real_time_factor"], report["simulated_s"] / report["wall_s"], delta=0.02
+        )
+
     def check_report(self):
         report = json.loads((OUTPUT / "report.json").read_text())
         self.assertTrue(report["complete"])
-        nets = report["net_list"]
-        self.assertEqual(
-            [(net["cell"], net["right"]) for net in nets], [(net["design"], True) for net in nets]
-        )
+        self.check_what_was_built(report)
         first = report["wires"][0]
         abilities = [operation["ability"] for operation in first["operations"]]
         self.assertEqual(abilities[0], "DetectCable")
         self.assertEqual(abilities[-1], "FixCable")
         page = html.fromstring((OUTPUT / "report.html").read_text())
+        built = page.xpath("//h2[@id='built']/following-sibling::*")
+        self.assertTrue(any(part.xpath(".//img[starts-with(@src, 'data:')]") for part in built))
+        text = " ".join(part.text_content() for part in built)
+        self.assertIn("The net list is equal to the design's: 2 of 2 wires.", text)
         pictures = page.xpath("//img[starts-with(@src, 'data:image/jpeg')]")
         self.assertGreaterEqual(len(pictures), 4)
         # The task, and Place Connector for each end.

@@ -1,5 +1,6 @@
 """A run is followed from its request on, whatever the supervisor reports of earlier ones."""
 
+import itertools
 import threading
 
 import pytest
@@ -9,9 +10,11 @@ from remodel_msgs.msg import LevelState, OperatorQuestion, UseCaseState
 
 from remodel_planner.commands.runs import run_follower
 from remodel_planner.commands.runs.run_bar import doing, share
-from remodel_planner.commands.runs.run_follower import RunFollower
+from remodel_planner.commands.runs.run_follower import RunFollower, attempt_line
 from remodel_production.edge.database.production_database import ProductionDatabase
-from remodel_supervision.core.runs.events import Ending, RunBegun, RunEnded
+from remodel_supervision.core.run import Execution
+from remodel_supervision.core.runs.attempts import Attempt
+from remodel_supervision.core.runs.events import Ending, Part, RunBegun, RunEnded
 from remodel_supervision.core.runs.fold import state_after
 from remodel_supervision.edge.run_log import RunLog
 from remodel_supervision.errors import CellError
@@ -57,6 +60,7 @@ class Supervised:
         self.hear = None
         monkeypatch.setattr(run_follower, "ActionServer", FakeServer)
         monkeypatch.setattr(run_follower.rospy, "Subscriber", self.subscribe)
+        monkeypatch.setattr(run_follower.rospy, "get_time", itertools.count(3.0, 0.25).__next__)
         self.database = ProductionDatabase(url)
         self.database.add_order(HOUSE)
         self.log = RunLog(self.database)
@@ -95,6 +99,14 @@ def test_what_is_said_of_an_earlier_run_is_not_followed(supervised, monkeypatch)
     assert FakeServer.sent.use_case == "cabinet"
     assert supervised.follower.number == 2
     assert state.ended.because == "run 2"
+
+
+def test_a_run_is_timed_from_its_beginning_by_both_clocks(supervised, monkeypatch):
+    begins = threading.Timer(0.05, lambda: supervised.publish(supervised.do_run()))
+    monkeypatch.setattr(FakeServer, "on_goal", staticmethod(begins.start))
+    supervised.follower.run(2)
+    assert supervised.follower.ros_s == 0.25, "one reading after the first"
+    assert 0.0 < supervised.follower.wall_s < 1.0
 
 
 def test_a_refusal_is_reported(supervised, monkeypatch):
@@ -165,3 +177,16 @@ def test_the_bar_shows_what_a_run_is_doing(fields, text):
 )
 def test_the_bar_moves_within_a_task_and_does_not_end_it(now_s, expected_s, shown):
     assert share(state_of(stamp=rospy.Time(now_s)), {"W1": expected_s}) == shown
+
+
+@pytest.mark.parametrize(
+    ("part", "outcome", "said"),
+    [
+        (Part.DISCARD, "finished", "  discarded, 0 insertions, 12.0 s"),
+        (Part.DISCARD, "failed", "  NOT discarded, 0 insertions, 12.0 s"),
+        (Part.WHOLE, "finished", "  finished, not confirmed by the cell's ground truth, "),
+    ],
+)
+def test_what_a_behavior_did_to_a_wire_is_named(part, outcome, said):
+    execution = Execution("W1", "Lead Wire W1", 1, outcome, False, 0.0, 12.0, ())
+    assert said in attempt_line(Attempt(execution, part, "<chart/>"), {})

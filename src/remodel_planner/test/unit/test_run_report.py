@@ -5,7 +5,7 @@ from pathlib import Path
 
 from lxml import html
 
-from remodel_planner.core.reports.net_list import net_list
+from remodel_planner.core.reports.net_list import FoundEnd, FoundWire, net_list
 from remodel_planner.core.reports.run_report import (
     AttemptReport,
     Drawing,
@@ -15,6 +15,7 @@ from remodel_planner.core.reports.run_report import (
     report_data,
     timeline,
 )
+from remodel_planner.core.reports.run_summary import summary_lines
 from remodel_production.core.production import Component, Order, TerminalRef, Wire
 from remodel_production.core.whole_task import whole_tasks
 from remodel_supervision.core.run import Execution, Operation
@@ -174,38 +175,134 @@ def test_bars_lie_where_the_operations_were():
     assert first.colour == "#ffb703"
 
 
-def test_a_wrong_connection_is_shown_in_the_net_list():
+def found(a, b, *, fixed=(True, True), duct_length_m=0.0, in_ducts=0.0):
+    """Return a wire whose ends are in terminals, such as "Q1:B1"; empty: in none."""
+    ends = [
+        FoundEnd(TerminalRef(*at.split(":")) if at else None, is_fixed)
+        for at, is_fixed in zip((a, b), fixed, strict=True)
+    ]
+    return FoundWire(*ends, duct_length_m=duct_length_m, in_ducts=in_ducts)
+
+
+def read_back(*attempts, wires=4):
+    """Return a report of four wires: as designed, turned round, in a wrong terminal, missing."""
     one = attempted("W1", GOOD)
-    wires = [dataclasses.replace(one.wire, name=name) for name in ("W1", "W2", "W3", "W4")]
+    designed = [dataclasses.replace(one.wire, name=f"W{n + 1}") for n in range(wires)]
     nets = net_list(
-        wires,
+        designed,
+        [wire.name for wire in designed],
         {
-            "W1": ("Q1/B1", "Q2/T1", True),
-            "W2": ("Q2/T1", "Q1/B1", True),
-            "W3": ("Q1/B1", "", False),
-            "W4": ("Q1/B1", "Q2/T2", True),
+            "W1": found("Q1:B1", "Q2:T1", duct_length_m=0.6, in_ducts=1.0),
+            "W2": found("Q2:T1", "Q1:B1", duct_length_m=0.2, in_ducts=0.5),
+            "W3": found("Q1:B1", "Q2:T2"),
         },
+        by_hand=["W4"],
     )
-    assert [(net.wire, net.is_right) for net in nets] == [
-        ("W1", True),
-        ("W2", True),
-        ("W3", False),
-        ("W4", False),
+    return dataclasses.replace(report(*(attempts or (one,))), nets=nets)
+
+
+def built(made):
+    """Return the last section of the page."""
+    page = html.fromstring(render_html(TEMPLATE, made, COLOURS))
+    (heading,) = page.xpath("//h2[@id='built']")
+    assert not heading.xpath("following::h2"), "the report ends with it"
+    return heading.xpath("following-sibling::*")
+
+
+def test_the_report_ends_with_each_connection_beside_the_designs():
+    parts = built(read_back())
+    (table,) = (part for part in parts if part.tag == "table")
+    cells = [[td.text_content() for td in row.xpath("td")] for row in table.xpath(".//tr[td]")]
+    assert cells == [
+        ["W1", "Q1:B1 to Q2:T1", "Q1:B1 to Q2:T1", "as designed", "0.60 m", "100 %"],
+        ["W2", "Q1:B1 to Q2:T1", "Q2:T1 to Q1:B1", "as designed", "0.20 m", "50 %"],
+        ["W3", "Q1:B1 to Q2:T1", "Q1:B1 to Q2:T2", "wrong", "", ""],
+        ["W4", "Q1:B1 to Q2:T1", "nowhere", "missing", "", ""],
     ]
-    made = dataclasses.replace(report(one), nets=nets)
-    cells = html.fromstring(render_html(TEMPLATE, made, COLOURS)).xpath(
-        "//h2[.='Net list']/following-sibling::table[1]//tr[td]"
+    text = " ".join(part.text_content() for part in parts)
+    assert "differs from the design's in 2 of 4 wires" in text
+    assert "W3 wrong: designed Q1:B1 to Q2:T1, in Q2:T2 instead of Q2:T1" in text
+    assert "W4 missing: designed Q1:B1 to Q2:T1, no piece of it in the cell" in text
+    assert "87.5 %of the wires' routes in ducts" in text
+
+
+def test_an_equal_net_list_is_said_to_be_equal():
+    made = read_back()
+    text = built(dataclasses.replace(made, nets=made.nets[:2]))[1].text_content()
+    assert "equal to the design's: 2 of 2 wires" in text
+
+
+def test_a_cell_without_ground_truth_leaves_figures_and_says_so():
+    made = dataclasses.replace(report(attempted("W1", BAD, GOOD)), unread="a <real> cell")
+    text = " ".join(part.text_content() for part in built(made))
+    assert "Not read back: a <real> cell." in text
+    assert "0 of 1wires placed at the first attempt" in text
+    assert "1wire recovered" in text
+    assert report_data(made)["unread"] == "a <real> cell"
+
+
+def test_the_data_has_each_connection_beside_the_designs():
+    data = report_data(read_back())
+    assert data["in_ducts"] == 0.875
+    assert data["net_list"][1:3] == [
+        {
+            "wire": "W2",
+            "design": ["Q1:B1", "Q2:T1"],
+            "cell": ["Q2:T1", "Q1:B1"],
+            "fixed": [True, True],
+            "verdict": "as designed",
+            "difference": "",
+            "duct_length_m": 0.2,
+            "in_ducts": 0.5,
+        },
+        {
+            "wire": "W3",
+            "design": ["Q1:B1", "Q2:T1"],
+            "cell": ["Q1:B1", "Q2:T2"],
+            "fixed": [True, True],
+            "verdict": "wrong",
+            "difference": "in Q2:T2 instead of Q2:T1",
+            "duct_length_m": 0.0,
+            "in_ducts": None,
+        },
+    ]
+
+
+def test_first_insertions_and_recovered_wires_are_counted_over_all_attempts():
+    at = {"component_id": "Q1", "terminal_id": "B1"}
+    seated = dataclasses.replace(GOOD, parameters=tuple(at.items()))
+    jammed = dataclasses.replace(BAD, parameters=tuple(at.items()))
+    other = dataclasses.replace(GOOD, parameters=(("component_id", "Q2"), ("terminal_id", "T1")))
+    made = report(
+        attempted("W1", seated, other),
+        attempted("W2", jammed, placed=False),
+        attempted("W2", seated, other, attempt=2),
+        attempted("W3", jammed, placed=False),
     )
-    assert [[td.text_content() for td in row.xpath("td")] for row in cells] == [
-        ["W1", "Q1:B1 to Q2:T1", "Q1:B1 to Q2:T1", "as designed"],
-        ["W2", "Q1:B1 to Q2:T1", "Q2:T1 to Q1:B1", "as designed"],
-        ["W3", "Q1:B1 to Q2:T1", "Q1:B1 to nowhere, not fixed", "wrong"],
-        ["W4", "Q1:B1 to Q2:T1", "Q1:B1 to Q2:T2", "wrong"],
+    assert made.insertions == (3, 5)
+    assert (made.first_pass, made.recovered) == (1, 1)
+
+
+def test_the_summary_is_what_the_report_ends_with():
+    made = dataclasses.replace(read_back(), wall_s=20.0, simulated_s=30.0)
+    assert list(summary_lines(made)) == [
+        "1 of 1 wire placed, 1 without a failed operation; 0 failed operations; "
+        "10 s in the cell, 20 s on the clock",
+        "1 of 1 end seated by the first insertion; 0 wires recovered",
+        "30 s simulated in 20 s, real-time factor 1.50",
+        "net list: 2 of 4 wires as designed, 1 wrong, 1 missing",
+        "  W3 wrong: designed Q1:B1 to Q2:T1, in Q2:T2 instead of Q2:T1",
+        "  W4 missing: designed Q1:B1 to Q2:T1, no piece of it in the cell, to be placed by hand",
+        "routes: below the rims at 87.5% of their length in ducts",
     ]
-    assert report_data(made)["net_list"][3] == {
-        "wire": "W4",
-        "design": ["Q1:B1", "Q2:T1"],
-        "cell": ["Q1:B1", "Q2:T2"],
-        "fixed": True,
-        "right": False,
-    }
+
+
+def test_the_summary_lists_the_first_differences():
+    lines = list(summary_lines(read_back(wires=40)))
+    assert [line for line in lines if line.startswith("  ")][-1] == "  and 30 more"
+    assert len(lines) < 16
+
+
+def test_the_summary_says_why_nothing_was_read_back():
+    made = dataclasses.replace(report(attempted("W1", GOOD)), unread="no ground truth")
+    assert list(summary_lines(made))[-1] == "net list: not read back: no ground truth"

@@ -181,10 +181,12 @@ def test_methods_may_differ_between_the_end_that_is_inserted_first_and_the_other
 
 
 def test_an_order_for_two_robots_at_each_wire_demands_both():
-    prepared = prepare(order_from(in_ducts()), find_use_case("cabinet_ducts"))
+    use_case = find_use_case("cabinet_ducts")
+    prepared = prepare(order_from(in_ducts()), use_case)
     plan = plan_problem(prepared.preferred.problem, 0.0).plan
     demands = demands_of(task.chart for task in planned_tasks(prepared, plan))
-    assert demands == Demands(("robot_1", "robot_2"), (("InsertCable", 8.0),))
+    force_n = use_case.actions["push_in_first"].force_n
+    assert demands == Demands(("robot_1", "robot_2"), (("InsertCable", force_n),))
 
 
 def in_ducts():

@@ -46,7 +46,6 @@ class Cell:
         seed: int = 0,
         rate_hz: float = 240.0,
         gui: bool = False,
-        solid_parked: bool = False,
         observers: Observers | None = None,
         memory: CellMemory | None = None,
     ) -> None:
@@ -54,14 +53,7 @@ class Cell:
 
         `memory` keeps the wires that have their place for the next cell; None: they are lost.
         """
-        self.plant = Plant(
-            design or read_cell(),
-            panel,
-            seed=seed,
-            rate_hz=rate_hz,
-            gui=gui,
-            solid_parked=solid_parked,
-        )
+        self.plant = Plant(design or read_cell(), panel, seed=seed, rate_hz=rate_hz, gui=gui)
         self._observers = observers or Observers()
         self._memory = memory
         self._newest_owner = memory.owner if memory else NO_OWNER

@@ -11,6 +11,7 @@ from place_wire import do, fix, insert, locate
 from remodel_sim.abilities.detect_cable import detect_cable
 from remodel_sim.abilities.lay_wire import lay_wire
 from remodel_sim.abilities.pick_cable import pick_cable
+from remodel_sim.abilities.place_cable import place_cable
 from remodel_sim.abilities.primitives.observation.duct_check import share_in_ducts
 from remodel_sim.abilities.primitives.observation.route_check import duct_places
 from remodel_sim.cell import Cell
@@ -29,6 +30,8 @@ from remodel_states.core.codes import Code
 CONFIG = Path(__file__).parents[2] / "config"
 GUIDE, HOLDER, WIRE = "robot_1", "robot_2", "W3"
 DESIGN = read_cell("two_arms_cabinet")
+# So far beside an opening a tip meets the terminal's face.
+BESIDE_M = 0.004
 
 
 def cell_of(design=DESIGN):
@@ -66,6 +69,28 @@ def test_a_wire_is_led_into_its_ducts():
     assert truth.share_in_ducts(cell.plant, WIRE) >= 0.8
     (found,) = truth.ground_truth(cell.plant, [WIRE])
     assert found.a.seated and found.a.fixed
+    cell.close()
+
+
+def test_a_wire_that_missed_its_terminal_leaves_the_cell_from_hand_to_hand():
+    cell = cell_of()
+    wire = cell.plant.panel.wire(WIRE)
+    cell.feed(WIRE, "")
+    do(cell, detect_cable, goals.DetectGoal(WIRE))
+    key = wire.goes_to(WireEnd.A)
+    socket = locate(cell, *key)
+    holder = cell.contexts[HOLDER]
+    cell.run(pick_cable(holder, goals.PickGoal(HOLDER, WIRE, WireEnd.B, 0.0)), HOLDER)
+    beside = replace(socket, position=socket.position + np.array([0.0, 0.0, BESIDE_M]))
+    with pytest.raises(AbilityError) as caught:
+        insert(cell, WIRE, WireEnd.A, *key, beside)
+    assert caught.value.code is Code.INSERTION_MISALIGNED
+    let_down = do(cell, place_cable, goals.PlaceGoal(GUIDE, WIRE, socket))
+    assert "laid down" in let_down.message, "the other hand has the wire"
+    dropped = cell.run(place_cable(holder, goals.PlaceGoal(HOLDER, WIRE, socket)), HOLDER)
+    assert "dropped into the scrap bin" in dropped.message
+    assert cell.context.belief.fed == []
+    assert cell.plant.live is None
     cell.close()
 
 

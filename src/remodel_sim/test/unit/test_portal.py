@@ -5,7 +5,9 @@ import math
 import numpy as np
 import pytest
 
+from remodel_sim.abilities.primitives.motions import choose_flip
 from remodel_sim.core.errors import AbilityError
+from remodel_sim.core.geometry import wrap_angle
 from remodel_sim.core.robot.arm import ToolPose
 from remodel_sim.core.robot.fingers import PANDA_FINGERS
 from remodel_sim.core.robot.portal import Portal
@@ -36,3 +38,18 @@ def test_a_place_out_of_reach_is_refused_with_the_joint(tool, joint):
         PORTAL.joints_for(tool)
     assert caught.value.code is Code.UNREACHABLE
     assert not PORTAL.reaches(tool)
+
+
+@pytest.mark.parametrize("then_yaw", [math.pi, 0.0, math.pi / 2, -math.pi / 2])
+@pytest.mark.parametrize("tip_yaw", [math.pi / 2, -math.pi / 2, 3.0])
+def test_a_wire_is_held_so_that_the_hand_turns_it_the_short_way(tip_yaw, then_yaw):
+    flip = choose_flip(PORTAL, (0.3, 0.1), tip_yaw, (0.6, 0.1), then_yaw)
+    first = wrap_angle(tip_yaw - flip)
+    turned = first + wrap_angle(then_yaw - tip_yaw)
+    assert PORTAL.canonical_yaw(0.6, 0.1, turned) == pytest.approx(turned)
+    assert math.remainder(turned + flip - then_yaw, 2 * math.pi) == pytest.approx(0.0)
+
+
+def test_a_hand_leads_a_wire_around_three_corners():
+    yaws = [PORTAL.base[3] + 0.75 * math.pi - turn for turn in np.linspace(0, 1.5 * math.pi, 7)]
+    assert [PORTAL.canonical_yaw(0.5, 0.0, yaw) for yaw in yaws] == pytest.approx(yaws)

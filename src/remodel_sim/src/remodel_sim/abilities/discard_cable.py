@@ -11,20 +11,15 @@ from remodel_sim.abilities.ability import ability
 from remodel_sim.abilities.execution.robot_context import RobotContext, Steps
 from remodel_sim.abilities.extract_cable import draw_out, put_away
 from remodel_sim.abilities.locate_gearbox_component import locate_gearbox_component
-from remodel_sim.abilities.primitives.carrying import carry
+from remodel_sim.abilities.primitives.carrying import drop_into_bin
 from remodel_sim.abilities.primitives.grasping import (
     RELEASE_OPENING_M,
-    check_grip,
     holds,
     pick_end,
     release,
 )
 from remodel_sim.abilities.primitives.motions import (
-    CARRY_SPEED,
-    HAND_OPEN_M,
-    nearest_hand_yaw,
     rise,
-    wait,
 )
 from remodel_sim.abilities.primitives.observation.observing import loose_ends
 from remodel_sim.core.belief.openings import TerminalKey, nearest_terminal, opening_of
@@ -35,12 +30,6 @@ from remodel_sim.core.goals.goal_pose import Message
 from remodel_sim.core.robot.arm import ToolPose
 from remodel_sim.core.workpiece.panel import WireEnd
 from remodel_states.core.codes import Code
-
-# A wire that is drawn out of clips or out of a duct pulls more than a free one; one that pulls more
-# than the grip holds safely hangs on something [N].
-MAX_PULL_N = 25.0
-# The fingers are open after this [s].
-OPENING_S = 0.2
 
 
 @dataclass(frozen=True)
@@ -74,7 +63,7 @@ def discard_cable(context: RobotContext, goal: DiscardGoal) -> Steps[CableDiscar
     yield from _release_ends(context)
     if belief.grip is None:
         yield from _pick_an_end(context, above_bin)
-    yield from _drop(context, above_bin)
+    yield from drop_into_bin(context, (0.7, 1.0))
     return CableDiscarded(f"{wire_id} dropped into the scrap bin")
 
 
@@ -141,19 +130,3 @@ def _toward(above_bin: ToolPose, context: RobotContext, end: WireEnd) -> Pose:
     assert feed is not None, "the wire is live"
     out = feed.direction if end is WireEnd.B else -feed.direction
     return Pose.level(above_bin.x, above_bin.y, above_bin.z, out * math.pi / 2)
-
-
-def _drop(context: RobotContext, above_bin: ToolPose) -> Steps[None]:
-    """Carry the wire in the hand over the bin, and open."""
-    context.report("carrying the wire to the scrap bin", 0.7)
-    free, now = context.force, context.commanded
-    context.lower_fork()
-    yield from rise(context, above_bin.z)
-    yaw = nearest_hand_yaw(context.arm, above_bin.x, above_bin.y, now.yaw, near=now.yaw)
-    over = ToolPose(above_bin.x, above_bin.y, context.commanded.z, yaw)
-    yield from carry(context, over, CARRY_SPEED, free, most=MAX_PULL_N)
-    check_grip(context)
-    context.report("dropping the wire", 0.95)
-    context.drive_fingers(HAND_OPEN_M)
-    yield from wait(context, OPENING_S)
-    context.discard()

@@ -12,6 +12,7 @@ from remodel_sim.abilities.execution.robot_context import RobotContext, Steps
 from remodel_sim.abilities.primitives.grasping import (
     FLOOR_CLEARANCE_M,
     close_on_wire,
+    grasp_distance,
     holds,
     opening_beside_neighbours,
 )
@@ -165,7 +166,9 @@ def _grasp_at_opening(
     """Grasp the wire just outside an opening; `inside` [m] of it are in the terminal."""
     socket, terminal = goal.socket, (goal.component_id, goal.terminal_id)
     then = context.belief.picked_at[end]
-    distance = inside + OUTSIDE_M
+    # Between a terminal and a duct there is no more room than an insertion takes.
+    by_magazine = context.belief.by_magazine
+    distance = grasp_distance(context, end) if by_magazine else inside + OUTSIDE_M
     place = tool_before(
         socket, Grip(end=end, distance=distance, height=0.0, flip=0.0, tool=then.tool), inside
     )

@@ -10,9 +10,9 @@ from remodel_sim.abilities.primitives.grasping import check_grip, pick_end
 from remodel_sim.abilities.primitives.motions import disengage
 from remodel_sim.abilities.primitives.pushing import (
     bring_before,
+    find_in,
     judge_alignment,
     judge_depth,
-    push_in,
 )
 from remodel_sim.core.belief.openings import opening_of
 from remodel_sim.core.goals import InsertGoal
@@ -59,7 +59,7 @@ def insert_cable(context: RobotContext, goal: InsertGoal) -> Steps[CableInserted
     context.report("pushing", 0.75)
     context.belief.engaged = goal.socket
     terminal = context.panel.component(goal.component_id).terminal(goal.terminal_id)
-    push = yield from push_in(context, goal.socket, terminal.depth, goal.force_limit)
+    push = yield from find_in(context, goal.socket, terminal.depth, goal.force_limit)
     check_grip(context)
     key = (goal.component_id, goal.terminal_id)
     where = f"'{goal.component_id}/{goal.terminal_id}'"

@@ -19,8 +19,8 @@ from remodel_sim.abilities.ability import ability
 from remodel_sim.abilities.execution.robot_context import RobotContext, Steps
 from remodel_sim.abilities.primitives.carrying import SNAG_S
 from remodel_sim.abilities.primitives.force_motion import ForceMotion
-from remodel_sim.abilities.primitives.grasping import check_grip, release
-from remodel_sim.abilities.primitives.holding import STEEP, bring_together
+from remodel_sim.abilities.primitives.grasping import check_grip, open_fingers
+from remodel_sim.abilities.primitives.holding import SLACK, STEEP, bring_together
 from remodel_sim.abilities.primitives.motions import (
     APPROACH_SPEED,
     FREE_SPEED,
@@ -76,7 +76,7 @@ CLOSE_S = 0.6
 # is, the faster it draws.
 TIGHT_N = 2.0
 MAX_TIGHT_N = 8.0
-TIGHTEN_M = 0.10
+TIGHTEN_M = 0.20
 TIGHTEN_SPEED = 0.10
 # The wire must lie below the rim at so much of its route in ducts. So far before the last slot it
 # rises to the holding hand, and is not judged [m].
@@ -86,6 +86,11 @@ RISES_M = 0.12
 BACK_M = 0.012
 # So much of the wire is inside its terminal, about [m].
 INSIDE_M = 0.014
+# Two hands need so much of the wire between them: where less is left at the last slot, the leading
+# hand releases the wire before it, where it rises to the holding hand anyway [m].
+LEAST_HELD_M = 0.20
+# The direction of the wire at its slot is taken over so much to each side [m].
+DIRECTION_M = 0.012
 
 
 @dataclass(frozen=True)
@@ -142,12 +147,12 @@ def _check_camera(guide: RobotContext) -> None:
 
 def _withdraw(guide: RobotContext, holder: RobotContext) -> Steps[None]:
     """Open the leading hand, and take it back along the laid wire before it rises."""
-    yield from release(guide, HAND_OPEN_M)
+    yield from open_fingers(guide, HAND_OPEN_M)
     here = guide.commanded
     back = np.array([math.cos(here.yaw), math.sin(here.yaw), 0.0])
     if back @ (here.position - holder.commanded.position) < 0:
         back = -back
-    yield from move_to(guide, guide.commanded.moved(back, BACK_M), APPROACH_SPEED)
+    yield from move_to(guide, here.moved(back, BACK_M), APPROACH_SPEED)
     yield from rise(guide)
 
 
@@ -188,10 +193,9 @@ def _lead(holder: RobotContext, guide: RobotContext, route: list[Array]) -> Step
     places = list(_places_along([at + d for at, d in zip(route[1:-1], depths, strict=True)]))
     over = _rim(guide, route[1]) + OVER_RIM_M
     places.insert(0, replace(places[0], at=np.array([*places[0].at[:2], over])))
-    out = -unit_x(fixed)
-    yaw = math.atan2(out[1], out[0])
     guide.report("searching for the wire at its slot", 0.2)
-    tool = yield from _find(holder, guide, route[1], out)
+    tool = yield from _find(guide, route[1], -unit_x(fixed))
+    yaw = tool.yaw
     tool = replace(tool, yaw=_hand_yaw(guide, [yaw, *(place.yaw for place in places)]))
     guide.report("taking the wire", 0.3)
     yield from _take(guide, tool)
@@ -203,15 +207,32 @@ def _lead(holder: RobotContext, guide: RobotContext, route: list[Array]) -> Step
     here = route[1]
     for i, place in enumerate(places):
         guide.report(f"leading the wire, {i + 1} of {len(places)}", 0.35 + 0.5 * i / len(places))
-        left -= float(np.linalg.norm(place.at - here))
-        turn = float(wrap_angle(place.yaw - yaw))
-        peak = max(peak, (yield from _bring(holder, guide, place, turn, left, free)))
-        left = yield from _tighten(holder, place.at, left)
+        target = place if place is not places[-1] else _last(place, here, left)
+        left -= float(np.linalg.norm(target.at - here))
+        turn = float(wrap_angle(target.yaw - yaw))
+        peak = max(peak, (yield from _bring(holder, guide, target, turn, left, free)))
+        left = yield from _tighten(holder, target.at, left)
         check_grip(holder)
-        here, yaw = place.at, place.yaw
+        here, yaw = target.at, target.yaw
+    # Released, a wire that is pulled upwards would leave its ducts.
+    yield from _loosen(holder, guide, target, left)
     guide.report("releasing the wire", 0.9)
     yield from _withdraw(guide, holder)
     return peak
+
+
+def _last(place: _Place, here: Array, left: float) -> _Place:
+    """Return where the leading hand releases the wire: at the last slot, or before it.
+
+    Args:
+        place: at the last slot.
+        here: where the eyelet is, (3,) [m].
+        left: how long the wire is from there to the holder [m].
+    """
+    way = here - place.at
+    length = float(np.linalg.norm(way))
+    back = min(max(0.0, LEAST_HELD_M - (left - length)), RISES_M, length)
+    return replace(place, at=place.at + way / length * back)
 
 
 def _rim(guide: RobotContext, point: Array) -> float:
@@ -282,24 +303,27 @@ def _places_along(points: list[Array]) -> Iterator[_Place]:
     yield _Place(points[-1], headings[-1], headings[-1])
 
 
-def _find(
-    holder: RobotContext, guide: RobotContext, crossing: Array, out: Array
-) -> Steps[ToolPose]:
-    """Return the tool pose at which the wire crosses its first duct, as seen from above."""
+def _find(guide: RobotContext, crossing: Array, out: Array) -> Steps[ToolPose]:
+    """Return the tool pose on the wire in its first duct, along the wire, as seen from above."""
     yield from clear_sight(guide, crossing[None])
     seen = yield from observe_board(guide)
-    yaw = math.atan2(out[1], out[0])
-    place = Pose.level(*(float(v) for v in crossing), yaw)
-    passing = wire_past(place, SEARCH_M, seen)
-    if passing is None:
+    place = Pose.level(*(float(v) for v in crossing), math.atan2(out[1], out[0]))
+    before, here, beyond = (
+        wire_past(place @ Pose.level(along, 0.0, 0.0, 0.0), SEARCH_M, seen)
+        for along in (-DIRECTION_M, 0.0, DIRECTION_M)
+    )
+    if here is None:
         raise AbilityError(
             Code.CABLE_NOT_FOUND,
             f"{guide.wire.id!r} is not seen where it leaves the slot of its terminal, within "
             f"{SEARCH_M * 1e3:.0f} mm; extract it and insert it again",
         )
-    at = place.apply(np.array([0.0, passing.aside, 0.0]))
-    z = max(_lowest(guide), float(passing.height) - _eyelet_above(guide))
-    return ToolPose(float(at[0]), float(at[1]), z, yaw)
+    turn = 0.0
+    if before is not None and beyond is not None:
+        turn = math.atan2(beyond.aside - before.aside, 2 * DIRECTION_M)
+    at = place.apply(np.array([0.0, here.aside, 0.0]))
+    z = max(_lowest(guide), float(here.height) - _eyelet_above(guide))
+    return ToolPose(float(at[0]), float(at[1]), z, place.yaw + turn)
 
 
 def _eyelet_above(guide: RobotContext) -> float:
@@ -354,21 +378,33 @@ def _bring(
     return peak
 
 
+def _loosen(holder: RobotContext, guide: RobotContext, place: _Place, left: float) -> Steps[None]:
+    """Give the free part of the wire slack, `left` [m] of it, and the leading hand room to rise."""
+    here = guide.commanded
+    out = np.array([math.cos(place.heading), math.sin(place.heading), 0.0])
+    risen = here.moved(-out, BACK_M).at(z=max(here.z, TRAVEL_Z))
+    moves = bring_together(guide, here, holder, out, left, SLACK, place.yaw, then=risen)
+    for move in moves:
+        yield from move_together(move, LEAD_SPEED, HOLD_SPEED)
+
+
 def _tighten(holder: RobotContext, eyelet: Array, left: float) -> Steps[float]:
     """Draw the wire straight; return its length from the eyelet (3,) to the holder [m].
 
     A wire that sags ahead of the hand goes through the slots of the walls.
     """
-    along = holder.commanded.position - eyelet
-    motion = ForceMotion(
-        holder, along / np.linalg.norm(along), ForceControl(MAX_TIGHT_N, WIRE_STIFFNESS)
-    )
+    start = holder.commanded
+    unit = (start.position - eyelet) / np.linalg.norm(start.position - eyelet)
+    motion = ForceMotion(holder, unit, ForceControl(MAX_TIGHT_N, WIRE_STIFFNESS))
     while motion.force < TIGHT_N and not motion.met_limit and motion.travel < TIGHTEN_M:
+        ahead = motion.travel + TIGHTEN_SPEED * holder.tick_s
+        if not holder.arm.reaches(start.moved(unit, ahead)):
+            break
         yield from motion.advance(TIGHTEN_SPEED)
     motion.stop()
-    if motion.force < TIGHT_N and not motion.met_limit:
-        return left
-    return float(np.linalg.norm(holder.commanded.position - eyelet))
+    apart = float(np.linalg.norm(holder.commanded.position - eyelet))
+    is_tight = motion.force >= TIGHT_N or motion.met_limit
+    return apart if is_tight else max(left, apart)
 
 
 def _max_pull(guide: RobotContext) -> float:
@@ -391,7 +427,7 @@ def _watched(
         pulled_s = pulled_s + guide.tick_s if pull > limit else 0.0
         if pulled_s > SNAG_S:
             for context, _ in move:
-                context.drive(context.tool)
+                context.follow(context.tool)
             raise AbilityError(
                 Code.SNAGGED,
                 f"{guide.wire.id!r} pulls at the leading hand with {pull:.0f} N at {guide.tool}, "

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 
 from remodel_sim.abilities.ability import ability
 from remodel_sim.abilities.execution.robot_context import RobotContext, Steps
+from remodel_sim.abilities.primitives.carrying import drop_into_bin
 from remodel_sim.abilities.primitives.grasping import RELEASE_OPENING_M, release
 from remodel_sim.abilities.primitives.laying import lay_down, let_down
 from remodel_sim.abilities.primitives.motions import (
@@ -46,15 +47,29 @@ def place_cable(context: RobotContext, goal: PlaceGoal) -> Steps[CablePlaced]:
     """Carry the held end to the target, release it there, and lift the empty hand.
 
     An end that sits in a terminal is pulled out; one that is fixed there is released where it is.
-    An end from the magazine has no place on the board: it is released above where the hand is.
+    An end from the magazine has no place on the board: it is released above where the hand is. If
+    nothing else holds the wire, it is dropped into the scrap bin.
     """
     yield from _draw_out(context)
+    if context.belief.by_magazine and not _is_held_elsewhere(context):
+        wire_id = context.wire.id
+        yield from drop_into_bin(context, (0.2, 1.0))
+        return CablePlaced(f"{wire_id} dropped into the scrap bin: nothing else held it")
     if context.belief.by_magazine:
         yield from let_down(context)
     else:
         yield from lay_down(context, held_tool(context, goal.target), (0.0, 1.0))
     x, y = context.commanded.x, context.commanded.y
     return CablePlaced(f"{context.wire.id} laid down at x {x * 1e3:.0f}, y {y * 1e3:.0f} mm")
+
+
+def _is_held_elsewhere(context: RobotContext) -> bool:
+    """Return whether a terminal or another robot holds the other end."""
+    belief = context.belief
+    assert belief.grip is not None, "the goal's check"
+    other = belief.grip.end.other
+    in_hand = any(grip.end is other for grip in belief.hands.values())
+    return in_hand or belief.ends[other] is not EndState.LOOSE
 
 
 def _draw_out(context: RobotContext) -> Steps[None]:

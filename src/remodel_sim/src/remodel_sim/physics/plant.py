@@ -80,15 +80,10 @@ class Plant:
         seed: int,
         rate_hz: float,
         gui: bool = False,
-        solid_parked: bool = False,
     ) -> None:
-        """Build the cell; raises PanelError.
-
-        `solid_parked`: whether live wires touch parked ones.
-        """
+        """Build the cell; raises PanelError."""
         self.design = design
         self.seed = seed
-        self._solid_parked = solid_parked
         self.world = World(rate_hz, gui=gui)
         self.collision_checks = {
             robot.name: CollisionCheck(robot.arm, robot.clearance)
@@ -208,14 +203,12 @@ class Plant:
 
     def _lay(self, wire: PanelWire, channel_id: str) -> tuple[SimulatedWire, Presentation]:
         assert self.design.feeder is not None, "a cell has a feeder or a magazine"
-        lying = [other.nodes for other in self.parked.values()] if self._solid_parked else []
         cable, laying, self._fork = lay(
             self.world,
             self.design.feeder,
             self.panel,
             wire,
             channel=self.panel.channel(channel_id),
-            parked=lying,
             noise=self._noise,
         )
         return cable, laying.presentation(wire)
@@ -296,7 +289,7 @@ class Plant:
 
     def _add_parked(self, wire: PanelWire, parked: ParkedWire) -> None:
         draw_parked(self.world, parked.nodes, wire)
-        if self._solid_parked:
+        if self.design.magazine is not None:
             add_solid(self.world, parked.nodes, wire)
 
     def _keep_shape(self) -> None:

@@ -9,7 +9,7 @@ import numpy as np
 from remodel_sim.core.geometry import Array, Pose
 from remodel_sim.core.workpiece.layout import WORLD_FROM_PANEL
 from remodel_sim.core.workpiece.panel import Duct, PanelClip, WireEnd
-from remodel_sim.core.workpiece.routes import places_in, world_from_clip
+from remodel_sim.core.workpiece.routes import places_in, step_in, world_from_clip
 from remodel_sim.physics.plant import Plant
 
 # A tip that is so near to the bottom sits at it; InsertCable judges by the same distance. The
@@ -38,11 +38,18 @@ class EndTruth:
 
 @dataclass(frozen=True)
 class WireTruth:
-    """A wire that was fed."""
+    """A wire that was fed.
+
+    Attributes:
+        duct_length: of its planned route in ducts [m].
+        in_ducts: share of that length at which it lies below the rims; 0 without ducts.
+    """
 
     wire_id: str
     a: EndTruth
     b: EndTruth
+    duct_length: float
+    in_ducts: float
 
     @property
     def placed(self) -> bool:
@@ -55,43 +62,52 @@ def ground_truth(plant: Plant, wire_ids: list[str]) -> list[WireTruth]:
     truths = []
     for wire_id in wire_ids:
         if plant.live is not None and plant.live.wire.id == wire_id:
-            nodes, fixed = plant.live.cable.nodes(), plant.live.fixed
+            fixed = plant.live.fixed
         elif wire_id in plant.parked:
-            parked = plant.parked[wire_id]
-            nodes, fixed = parked.nodes, parked.fixed
+            fixed = plant.parked[wire_id].fixed
         else:
             continue
+        nodes = _nodes(plant, wire_id)
         a = _end_truth(plant, wire_id, WireEnd.A, nodes[0], fixed=fixed)
         b = _end_truth(plant, wire_id, WireEnd.B, nodes[-1], fixed=fixed)
-        truths.append(WireTruth(wire_id, a, b))
+        planned, found = _lengths_in_ducts(plant, wire_id)
+        share = found / planned if planned else 0.0
+        truths.append(WireTruth(wire_id, a, b, duct_length=planned, in_ducts=share))
     return truths
 
 
 def lies_in(plant: Plant, wire_id: str, clip: PanelClip) -> bool:
     """Return whether a wire that was fed runs through a clip, below its lips."""
-    if plant.live is not None and plant.live.wire.id == wire_id:
-        nodes = plant.live.cable.nodes()
-    else:
-        nodes = plant.parked[wire_id].nodes
-    x, y, z = world_from_clip(clip).inverse().apply(nodes).T
+    x, y, z = world_from_clip(clip).inverse().apply(_nodes(plant, wire_id)).T
     order = np.argsort(x)
     aside, height = (float(np.interp(0.0, x[order], v[order])) for v in (y, z))
     return bool(x.min() < 0 < x.max()) and max(abs(aside), abs(height - clip.height)) < IN_CLIP_M
 
 
 def share_in_ducts(plant: Plant, wire_id: str) -> float:
-    """Return at which share of its places in ducts a wire that was fed lies below their rims."""
-    if plant.live is not None and plant.live.wire.id == wire_id:
-        nodes = plant.live.cable.nodes()
-    else:
-        nodes = plant.parked[wire_id].nodes
-    wire = plant.panel.wire(wire_id)
+    """Return at which share of its route in ducts a wire that was fed lies below their rims."""
+    planned, found = _lengths_in_ducts(plant, wire_id)
+    return found / planned if planned else 0.0
+
+
+def _lengths_in_ducts(plant: Plant, wire_id: str) -> tuple[float, float]:
+    """Return how long a wire's planned route in ducts is, and how much of it is kept [m]."""
+    nodes, wire = _nodes(plant, wire_id), plant.panel.wire(wire_id)
     route = tuple(Pose.level(*WORLD_FROM_PANEL.apply(np.array(p)).tolist()) for p in wire.route)
-    ducts = [duct for duct in plant.panel.ducts if duct.id in wire.ducts]
-    inside = [
-        _passes_below(nodes, place, duct) for duct in ducts for place in places_in(duct, route)
-    ]
-    return sum(inside) / len(inside) if inside else 0.0
+    planned = found = 0.0
+    for duct in plant.panel.ducts:
+        if duct.id in wire.ducts:
+            inside = [_passes_below(nodes, place, duct) for place in places_in(duct, route)]
+            planned += len(inside) * step_in(duct)
+            found += sum(inside) * step_in(duct)
+    return planned, found
+
+
+def _nodes(plant: Plant, wire_id: str) -> Array:
+    """Return the nodes of a wire that was fed, live or parked, from tip to tip; (n, 3) [m]."""
+    if plant.live is not None and plant.live.wire.id == wire_id:
+        return plant.live.cable.nodes()
+    return plant.parked[wire_id].nodes
 
 
 def _passes_below(nodes: Array, place: Pose, duct: Duct) -> bool:

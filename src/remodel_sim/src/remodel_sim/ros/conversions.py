@@ -221,6 +221,8 @@ def truth_message(truth: WireTruth) -> WireTruthMsg:
         b_depth=b.depth,
         a_fixed=a.fixed,
         b_fixed=b.fixed,
+        duct_length=truth.duct_length,
+        in_ducts=truth.in_ducts,
     )
 
 

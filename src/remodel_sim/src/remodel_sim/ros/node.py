@@ -78,7 +78,6 @@ def _build(materials: WireMaterials, closing: ExitStack) -> Owner:
         seed=int(rospy.get_param("~seed", 0)),
         rate_hz=rate_hz,
         gui=bool(rospy.get_param("~gui", False)),
-        solid_parked=bool(rospy.get_param("~solid_parked", False)),
         observers=Observers(Pictures(design, clock), fixed),
         memory=memory,
     )

@@ -4,6 +4,14 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+from remodel_states.core.codes import Code
+
+# Of a hand that has nothing to lay down.
+NOTHING_TO_LAY_DOWN = frozenset({Code.NOTHING_HELD, Code.WIRE_NOT_FED})
+
+# The abilities that end with an empty hand.
+EMPTYING = ("PlaceCable", "DiscardCable")
+
 
 @dataclass(frozen=True)
 class Operation:
@@ -65,8 +73,13 @@ class Execution:
 
     @property
     def failures(self) -> tuple[Operation, ...]:
-        """The operations that did not succeed."""
-        return tuple(operation for operation in self.operations if operation.error_code)
+        """The operations that did not succeed; that a hand was empty already is no failure."""
+        return tuple(
+            each
+            for each in self.operations
+            if each.error_code
+            and not (each.ability in EMPTYING and each.error_code in NOTHING_TO_LAY_DOWN)
+        )
 
     def tries(self, ability: str) -> int:
         """Return how often an ability was tried."""

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import base64
 from pathlib import Path
 
 from flexbe_synthesizer.core.chart.chart_reader import parse_chart
@@ -43,7 +42,7 @@ class AttemptReporter:
     def overview(self, attempt: Attempt) -> tuple[Picture, ...]:
         """Return the picture of the whole cell after an attempt."""
         last = [name for name in self._there(attempt) if name.endswith("_scene.jpg")]
-        return tuple(Picture("The cell at the end", self._uri(name)) for name in last)
+        return tuple(self._read("The cell at the end", name) for name in last)
 
     def _there(self, attempt: Attempt) -> list[str]:
         return [name for name in attempt.pictures if (self._pictures / name).is_file()]
@@ -51,12 +50,11 @@ class AttemptReporter:
     def _picture(self, name: str, operations: tuple[Operation, ...]) -> Picture:
         camera, stamp_s = seen_by(name)
         if camera == "scene":
-            return Picture("The panel afterwards", self._uri(name))
-        return Picture(_caption(stamp_s, camera, operations), self._uri(name))
+            return self._read("The panel afterwards", name)
+        return self._read(_caption(stamp_s, camera, operations), name)
 
-    def _uri(self, name: str) -> str:
-        jpeg = (self._pictures / name).read_bytes()
-        return f"data:image/jpeg;base64,{base64.b64encode(jpeg).decode()}"
+    def _read(self, caption: str, name: str) -> Picture:
+        return Picture.of_jpeg(caption, (self._pictures / name).read_bytes())
 
 
 def _drawings(taken: Trace) -> list[Drawing]:

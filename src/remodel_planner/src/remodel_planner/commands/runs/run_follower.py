@@ -20,6 +20,7 @@ from remodel_supervision.core.runs.attempts import Attempt, Attempts
 from remodel_supervision.core.runs.events import Event, Part, Planned, RunBegun
 from remodel_supervision.core.runs.fold import state_after
 from remodel_supervision.core.runs.state import RunState, Stage
+from remodel_supervision.core.runs.steady_clock import SteadyClock
 from remodel_supervision.edge.run_log import RunLog
 from remodel_supervision.errors import CellError
 from remodel_supervision.ros.action_server import ActionServer, Goal
@@ -55,6 +56,8 @@ class RunFollower:
     Attributes:
         number: of the run.
         attempts: that have ended.
+        wall_s: [s] wall time since the run began.
+        ros_s: [s] ROS time since then.
     """
 
     def __init__(self, log: RunLog, order: Order) -> None:
@@ -73,6 +76,7 @@ class RunFollower:
         self._ended = Attempts()
         self.number = 0
         self.attempts: tuple[Attempt, ...] = ()
+        self.wall_s = self.ros_s = 0.0
         self._expected_s: dict[str, float] = {}
         self._is_replanned = True
         self._tasks = rospy.ServiceProxy(TASKS, GetTasks)
@@ -98,10 +102,15 @@ class RunFollower:
             again=again,
         )
         goal = self._accepted(request)
+        clock, began_s = SteadyClock(), time.monotonic()
+        began_ros_s = clock.read(rospy.get_time(), began_s)
         total = len(self._log.state(self.number).tasks)
         with RunBar(total) as bar:
             while True:
                 goal.wait(_READ_S)
+                now_s = time.monotonic()
+                self.wall_s = now_s - began_s
+                self.ros_s = clock.read(rospy.get_time(), now_s) - began_ros_s
                 state, lines = self._news()
                 for line in lines:
                     bar.write(line)
@@ -155,7 +164,7 @@ class RunFollower:
         attempts = self._ended.ended
         if attempts and state.current and state.tasks[state.current].stage is Stage.FAILED:
             attempts = attempts[:-1]  # what is done about it comes next
-        lines += [_line(attempt, self._wires) for attempt in attempts[len(self.attempts) :]]
+        lines += [attempt_line(attempt, self._wires) for attempt in attempts[len(self.attempts) :]]
         self.attempts = attempts
         return state, lines + self._hold_lines()
 
@@ -210,7 +219,8 @@ def _event_lines(event: Event) -> list[str]:
     return []
 
 
-def _line(attempt: Attempt, wires: dict[str, Wire]) -> str:
+def attempt_line(attempt: Attempt, wires: dict[str, Wire]) -> str:
+    """Return what a behavior did to its wire, with its failures in lines of their own."""
     execution = attempt.execution
     result = "placed" if execution.placed else f"NOT placed ({execution.outcome})"
     if execution.outcome == "finished" and not execution.placed:
@@ -219,6 +229,8 @@ def _line(attempt: Attempt, wires: dict[str, Wire]) -> str:
         result = f"interrupted ({attempt.because})"
     if attempt.part is Part.CLEAR:
         result = "hand emptied"
+    if attempt.part is Part.DISCARD:
+        result = "discarded" if execution.outcome == "finished" else "NOT discarded"
     if execution.attempt > 1:
         result += f" at attempt {execution.attempt}"
     if attempt.decision:

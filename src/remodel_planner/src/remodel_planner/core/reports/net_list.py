@@ -2,56 +2,154 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections import Counter
+from collections.abc import Container, Mapping, Sequence
 from dataclasses import dataclass
+from enum import Enum
 
 from remodel_production.core.production import TerminalRef, Wire
+
+
+@dataclass(frozen=True)
+class FoundEnd:
+    """Where the cell has an end of a wire.
+
+    Attributes:
+        at: terminal that holds it; None: none does.
+        is_fixed: whether its clamp is closed on the end.
+    """
+
+    at: TerminalRef | None = None
+    is_fixed: bool = False
+
+
+@dataclass(frozen=True)
+class FoundWire:
+    """A wire of which the cell has a piece.
+
+    Attributes:
+        a: its end a; the cell's ends a and b may be the design's b and a.
+        b: its end b.
+        duct_length_m: [m] of its planned route in ducts; 0: none, or not known.
+        in_ducts: share of that length at which it lies below the ducts' rims.
+    """
+
+    a: FoundEnd
+    b: FoundEnd
+    duct_length_m: float = 0.0
+    in_ducts: float = 0.0
+
+
+class Verdict(Enum):
+    """How a wire compares with the design."""
+
+    AS_DESIGNED = "as designed"
+    MISSING = "missing"
+    WRONG = "wrong"
 
 
 @dataclass(frozen=True)
 class Connection:
     """A wire's two ends by the design, and where the cell has them.
 
+    Which of its ends is called a does not matter: a layout may turn a wire round.
+
     Attributes:
         wire: its name.
         designed: the terminals of ends a and b.
-        found: the terminals that hold them, "component/terminal"; empty: none. The cell's ends a
-            and b may be the design's b and a.
-        is_fixed: whether both are held by closed clamps.
+        found: None if the cell has no piece of it.
+        by_hand: whether a person is to place it.
     """
 
     wire: str
     designed: tuple[TerminalRef, TerminalRef]
-    found: tuple[str, str]
-    is_fixed: bool
+    found: FoundWire | None
+    by_hand: bool = False
 
     @property
-    def is_right(self) -> bool:
-        """Whether the wire connects what the design says, and stays there.
+    def verdict(self) -> Verdict:
+        """How it compares with the design: a single end in another terminal makes it wrong."""
+        if self._wrong:
+            return Verdict.WRONG
+        return Verdict.MISSING if self._missing or self._loose else Verdict.AS_DESIGNED
 
-        Which of its ends is called a does not matter: a layout may turn a wire round.
-        """
-        wanted = [f"{ref.component}/{ref.terminal}" for ref in self.designed]
-        return self.is_fixed and sorted(self.found) == sorted(wanted)
+    @property
+    def difference(self) -> str:
+        """What differs from the design, for a person; empty if nothing does."""
+        if self.found is None:
+            return f"no piece of it in the cell{', to be placed by hand' if self.by_hand else ''}"
+        parts = []
+        if self._wrong:
+            parts.append(f"in {_listed(self._wrong)} instead of {_listed(self._missing)}")
+        elif self._missing:
+            parts.append(f"no end in {_listed(self._missing)}")
+        if self._loose:
+            parts.append(f"not fixed in {_listed(self._loose)}")
+        return "; ".join(parts)
 
     @property
     def says(self) -> str:
-        """What the cell says, for a person."""
-        ends = " to ".join(at.replace("/", ":") or "nowhere" for at in self.found)
-        return ends if self.is_fixed else f"{ends}, not fixed"
+        """Where the cell has its ends, for a person."""
+        if self.found is None:
+            return "nowhere"
+        return " to ".join(str(end.at or "nowhere") for end in self._ends)
+
+    @property
+    def _ends(self) -> tuple[FoundEnd, ...]:
+        return (self.found.a, self.found.b) if self.found is not None else ()
+
+    @property
+    def _held(self) -> Counter[TerminalRef]:
+        return Counter(end.at for end in self._ends if end.at is not None)
+
+    @property
+    def _wrong(self) -> tuple[TerminalRef, ...]:
+        """The terminals that hold ends which do not belong there."""
+        return tuple((self._held - Counter(self.designed)).elements())
+
+    @property
+    def _missing(self) -> tuple[TerminalRef, ...]:
+        """The terminals of the design that hold no end of it."""
+        return tuple((Counter(self.designed) - self._held).elements())
+
+    @property
+    def _loose(self) -> tuple[TerminalRef, ...]:
+        """The terminals that hold an end by an open clamp."""
+        return tuple(end.at for end in self._ends if end.at is not None and not end.is_fixed)
 
 
 def net_list(
-    wires: Sequence[Wire], found: Mapping[str, tuple[str, str, bool]]
+    wires: Sequence[Wire],
+    asked: Sequence[str],
+    found: Mapping[str, FoundWire],
+    by_hand: Container[str] = (),
 ) -> tuple[Connection, ...]:
-    """Return the connections of the wires of which the cell has a piece.
+    """Return the connections of the wires that were asked for or are in the cell.
 
     Args:
         wires: of the order.
-        found: where the cell has the ends a and b of a wire, and whether both are fixed, by name.
+        asked: names of the wires that were to be connected.
+        found: the wires of which the cell has a piece, by name.
+        by_hand: names of the wires that a person is to place.
     """
+    shown = {*asked, *found}
     return tuple(
-        Connection(wire.name, (wire.a, wire.b), found[wire.name][:2], found[wire.name][2])
+        Connection(wire.name, (wire.a, wire.b), found.get(wire.name), wire.name in by_hand)
         for wire in wires
-        if wire.name in found
+        if wire.name in shown
     )
+
+
+def share_in_ducts(nets: Sequence[Connection]) -> float | None:
+    """Return at which share of their planned length in ducts all wires lie below the rims.
+
+    None if none of the wires that the cell has is planned in a duct.
+    """
+    wires = [net.found for net in nets if net.found is not None]
+    length_m = sum(wire.duct_length_m for wire in wires)
+    inside_m = sum(wire.duct_length_m * wire.in_ducts for wire in wires)
+    return inside_m / length_m if length_m else None
+
+
+def _listed(terminals: Sequence[TerminalRef]) -> str:
+    return " and ".join(map(str, terminals))

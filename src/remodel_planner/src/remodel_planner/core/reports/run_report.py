@@ -5,15 +5,18 @@ The page stands alone (pictures and drawings are in it), so that it can be maile
 
 from __future__ import annotations
 
+import base64
 from collections.abc import Mapping
 from dataclasses import asdict, dataclass
 
 from jinja2 import Environment, StrictUndefined
 
-from remodel_planner.core.reports.net_list import Connection
+from remodel_planner.core.reports.net_list import Connection, Verdict, share_in_ducts
 from remodel_production.core.production import Order, Wire
 from remodel_production.core.whole_task import WholeTask
 from remodel_supervision.core.run import Execution, Operation
+
+INSERTION = "InsertCable"
 
 # Of an ability without a colour of its own.
 _OTHER_COLOUR = "#adb5bd"
@@ -42,6 +45,11 @@ class Picture:
 
     caption: str
     uri: str
+
+    @classmethod
+    def of_jpeg(cls, caption: str, jpeg: bytes) -> Picture:
+        """Return a picture from the content of a JPEG file."""
+        return cls(caption, f"data:image/jpeg;base64,{base64.b64encode(jpeg).decode()}")
 
 
 @dataclass(frozen=True)
@@ -85,12 +93,15 @@ class Report:
 
     Attributes:
         tasks: that were to be done.
-        wall_s: [s] wall time from the first task's start to the last one's end.
+        wall_s: [s] wall time from the beginning of the run to its end.
         overview: pictures of the whole cell.
         stopped: why the run ended before its time; empty if it did not.
         before: names of the wires that earlier runs, or other cells, have placed.
         triage: a line for each wire by hand, and for wires that are done by another method.
-        nets: what the cell connects, as it says itself; empty if it cannot say.
+        nets: what the design connects, beside what a simulated cell says that it has.
+        unread: why the cell did not say what was built; empty if it did.
+        simulated_s: [s] ROS time of the run; None if that is wall time.
+        finished: pictures of what was built, at the end.
     """
 
     order: Order
@@ -102,6 +113,9 @@ class Report:
     before: frozenset[str] = frozenset()
     triage: tuple[str, ...] = ()
     nets: tuple[Connection, ...] = ()
+    unread: str = ""
+    simulated_s: float | None = None
+    finished: tuple[Picture, ...] = ()
 
     @property
     def planned(self) -> int:
@@ -116,8 +130,11 @@ class Report:
     @property
     def placed_wires(self) -> frozenset[str]:
         """The names of the wires placed; this run's by the cell's ground truth, if it has one."""
-        here = (each.execution.wire for each in self.attempts if each.execution.placed)
-        return self.before.union(here)
+        return self.before | self._placed_here
+
+    @property
+    def _placed_here(self) -> frozenset[str]:
+        return frozenset(each.execution.wire for each in self.attempts if each.execution.placed)
 
     @property
     def placed(self) -> int:
@@ -146,6 +163,46 @@ class Report:
         """The number of wires placed at the first attempt without one failed operation."""
         first = (attempt.execution for attempt in self.attempts if attempt.execution.attempt == 1)
         return sum(execution.placed and not execution.failures for execution in first)
+
+    @property
+    def recovered(self) -> int:
+        """The number of wires placed though an operation, or a whole attempt, had failed."""
+        return len(self._placed_here) - self.first_pass
+
+    @property
+    def insertions(self) -> tuple[int, int]:
+        """How many ends the first insertion seated, and how many ends were inserted at all."""
+        seated: dict[tuple[str, str, str], bool] = {}
+        for attempt in self.attempts:
+            for operation in attempt.execution.operations:
+                if operation.ability == INSERTION:
+                    given = dict(operation.parameters)
+                    terminal = (given.get("component_id", ""), given.get("terminal_id", ""))
+                    end = (attempt.execution.wire, *terminal)
+                    seated.setdefault(end, operation.error_code == 0)
+        return sum(seated.values()), len(seated)
+
+    @property
+    def differences(self) -> tuple[Connection, ...]:
+        """The wires that are not as designed, wrong ones first."""
+        return tuple(
+            net
+            for verdict in (Verdict.WRONG, Verdict.MISSING)
+            for net in self.nets
+            if net.verdict is verdict
+        )
+
+    @property
+    def in_ducts(self) -> float | None:
+        """At which share of their routes in ducts the wires lie below the rims."""
+        return share_in_ducts(self.nets)
+
+    @property
+    def real_time_factor(self) -> float | None:
+        """How much faster than the wall clock the cell's time passed."""
+        if self.simulated_s is None or not self.wall_s:
+            return None
+        return self.simulated_s / self.wall_s
 
     @property
     def failures(self) -> int:
@@ -227,24 +284,39 @@ def report_data(report: Report) -> Mapping[str, object]:
         "failures": report.failures,
         "complete": report.complete,
         "stopped": report.stopped,
+        "recovered": report.recovered,
+        "insertions": dict(zip(("seated_at_once", "ends"), report.insertions, strict=True)),
         "wall_s": round(report.wall_s, 1),
+        "simulated_s": _rounded(report.simulated_s, 1),
+        "real_time_factor": _rounded(report.real_time_factor, 2),
         "cell_s": round(report.cell_s, 1),
         "cables": list(report.cables.values()),
         "wires": [_attempt_data(attempt) for attempt in report.attempts],
         "triage": list(report.triage),
+        "unread": report.unread,
         "net_list": [_net_data(net) for net in report.nets],
+        "in_ducts": _rounded(report.in_ducts, 4),
         "notes": list(report.order.notes),
     }
 
 
 def _net_data(net: Connection) -> Mapping[str, object]:
+    found = net.found
+    ends = (found.a, found.b) if found is not None else ()
     return {
         "wire": net.wire,
-        "design": [f"{ref}" for ref in net.designed],
-        "cell": [at.replace("/", ":") for at in net.found],
-        "fixed": net.is_fixed,
-        "right": net.is_right,
+        "design": [str(ref) for ref in net.designed],
+        "cell": [str(end.at or "") for end in ends],
+        "fixed": [end.is_fixed for end in ends],
+        "verdict": net.verdict.value,
+        "difference": net.difference,
+        "duct_length_m": _rounded(found.duct_length_m if found else None, 3),
+        "in_ducts": _rounded(found.in_ducts if found and found.duct_length_m else None, 4),
     }
+
+
+def _rounded(value: float | None, digits: int) -> float | None:
+    return None if value is None else round(value, digits)
 
 
 def _attempt_data(attempt: AttemptReport) -> Mapping[str, object]:
@@ -256,7 +328,7 @@ def _attempt_data(attempt: AttemptReport) -> Mapping[str, object]:
         "attempt": execution.attempt,
         "outcome": execution.outcome,
         "placed": execution.placed,
-        "insertions": execution.tries("InsertCable"),
+        "insertions": execution.tries(INSERTION),
         "failures": [failure_line(operation) for operation in execution.failures],
         "cell_s": round(execution.cell_s, 2),
         "operations": [asdict(operation) for operation in execution.operations],

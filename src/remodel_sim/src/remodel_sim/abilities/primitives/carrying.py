@@ -1,11 +1,19 @@
-"""Carry a held wire and stop when it snags, as steps of an ability."""
+"""Carry a held wire, also to the scrap bin, and stop when it snags, as steps of an ability."""
 
 from __future__ import annotations
 
 import numpy as np
 
 from remodel_sim.abilities.execution.robot_context import RobotContext, Steps
-from remodel_sim.abilities.primitives.motions import move_to
+from remodel_sim.abilities.primitives.grasping import check_grip
+from remodel_sim.abilities.primitives.motions import (
+    CARRY_SPEED,
+    HAND_OPEN_M,
+    move_to,
+    nearest_hand_yaw,
+    rise,
+    wait,
+)
 from remodel_sim.core.errors import AbilityError
 from remodel_sim.core.geometry import Array
 from remodel_sim.core.robot.arm import ToolPose
@@ -17,6 +25,13 @@ from remodel_states.core.codes import Code
 SNAG_N = 9.5
 SNAG_S = 0.05
 TIGHTEST_BEND_M = 0.020
+# A wire that is drawn out of clips or out of a duct pulls more than a free one; one that pulls more
+# than the grip holds safely hangs on something [N].
+MAX_PULL_N = 25.0
+# A wire is drawn up out of its ducts to the highest of so many heights that the hand reaches.
+HEIGHTS = 20
+# The fingers are open after this [s].
+OPENING_S = 0.2
 
 
 def carry(
@@ -39,9 +54,43 @@ def carry(
         pull = float(np.linalg.norm((context.force - free)[:2]))
         pulled_s = pulled_s + context.tick_s if pull > most else 0.0
         if pulled_s > SNAG_S:
-            context.drive(context.tool)
+            context.follow(context.tool)
             raise AbilityError(
                 Code.SNAGGED,
                 f"{context.wire.id!r} pulls at the hand with {pull:.0f} N at {context.tool}: it "
                 "hangs on something or is too short; move back, observe it, take another route",
             )
+
+
+def drop_into_bin(context: RobotContext, shares: tuple[float, float]) -> Steps[None]:
+    """Carry the wire in the hand over the robot's scrap bin, and open.
+
+    Raises:
+        AbilityError: SNAGGED, GRASP_SLIPPED.
+    """
+    first, last = shares
+    context.report("carrying the wire to the scrap bin", first)
+    free, above_bin = context.force, context.scrap_bin
+    context.lower_fork()
+    yield from rise(context, _drawn_up_z(context, above_bin.z))
+    now = context.commanded
+    yaw = nearest_hand_yaw(context.arm, above_bin.x, above_bin.y, now.yaw, near=now.yaw)
+    over = ToolPose(above_bin.x, above_bin.y, now.z, yaw)
+    yield from carry(context, over, CARRY_SPEED, free, most=MAX_PULL_N)
+    check_grip(context)
+    context.report("dropping the wire", first + 0.8 * (last - first))
+    context.drive_fingers(HAND_OPEN_M)
+    yield from wait(context, OPENING_S)
+    context.discard()
+
+
+def _drawn_up_z(context: RobotContext, least: float) -> float:
+    """Return the height to which the hand draws the wire up [m]: out of its ducts, if it has any.
+
+    Drawn aside, it would catch on their walls.
+    """
+    if not context.wire.ducts:
+        return least
+    heights = np.linspace(max(least, context.wire.length), least, HEIGHTS)
+    reached = (z for z in heights if context.arm.reaches(context.commanded.at(z=float(z))))
+    return float(next(reached, least))

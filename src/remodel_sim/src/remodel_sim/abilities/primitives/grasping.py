@@ -23,7 +23,7 @@ from remodel_sim.core.belief.belief_state import EndState, Grip
 from remodel_sim.core.belief.openings import TerminalKey
 from remodel_sim.core.cell.magazine import GRASP_M
 from remodel_sim.core.errors import AbilityError
-from remodel_sim.core.geometry import Pose
+from remodel_sim.core.geometry import Pose, wrap_angle
 from remodel_sim.core.robot.arm import ToolPose
 from remodel_sim.core.robot.kinematics import Kinematics
 from remodel_sim.core.workpiece.layout import GRASP_DISTANCE_M, WORLD_FROM_PANEL
@@ -126,7 +126,8 @@ def _grasp_pose(
     flip = choose_flip(
         arm, (x, y), seen.tip_yaw, (float(then[0]), float(then[1])), then_tip_yaw=socket.yaw
     )
-    return ToolPose(x, y, max(z, arm.fingers.below + FLOOR_CLEARANCE_M), seen.tip_yaw - flip), flip
+    yaw = float(wrap_angle(seen.tip_yaw - flip))
+    return ToolPose(x, y, max(z, arm.fingers.below + FLOOR_CLEARANCE_M), yaw), flip
 
 
 def close_on_wire(context: RobotContext, grip: Grip) -> Steps[None]:
@@ -178,9 +179,16 @@ def check_grip(context: RobotContext) -> None:
 
 
 def release(context: RobotContext, opening: float) -> Steps[None]:
-    """Open the fingers a little, leave the wire where it is, and lift the hand clear of it.
+    """Open the fingers a little, leave the wire where it is, and lift the hand clear of it."""
+    yield from open_fingers(context, opening)
+    clear = context.commanded.z + CLEAR_OF_WIRE_M
+    yield from move_to(context, context.commanded.at(z=clear), CLEAR_SPEED)
 
-    Slowly: a bent wire leans on a pad, and one that is thrown aside pulls at its fixed end.
+
+def open_fingers(context: RobotContext, opening: float) -> Steps[None]:
+    """Open the fingers a little, slowly.
+
+    A bent wire leans on a pad, and one that is thrown aside pulls at its fixed end.
     """
     start = context.finger_gap / 2
     context.belief.grip = None
@@ -188,8 +196,6 @@ def release(context: RobotContext, opening: float) -> Steps[None]:
     for tick in range(1, math.ceil(opening / OPEN_SPEED / context.tick_s) + 1):
         context.drive_fingers(start + min(opening, tick * OPEN_SPEED * context.tick_s))
         yield
-    clear = context.commanded.z + CLEAR_OF_WIRE_M
-    yield from move_to(context, context.commanded.at(z=clear), CLEAR_SPEED)
 
 
 def _room_beside(context: RobotContext, terminal: TerminalKey) -> float:

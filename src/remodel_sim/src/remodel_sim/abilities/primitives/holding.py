@@ -81,6 +81,7 @@ def bring_together(
     length: float,
     hold: Hold = SLACK,
     front: float | None = None,
+    then: ToolPose | None = None,
 ) -> list[list[tuple[RobotContext, ToolPose]]]:
     """Plan how a robot moves with a part of a wire while another one keeps the rest off the board.
 
@@ -92,6 +93,7 @@ def bring_together(
         length: of the wire from there to the holder's grip [m].
         hold: how tightly and steeply.
         front: yaw of the working hand's side at which the wire leaves it [rad]; None: of `out`.
+        then: where the working hand goes afterwards, while the other one stays.
 
     Returns:
         Moves, one after the other: all robots of a move move at the same time.
@@ -108,11 +110,12 @@ def bring_together(
         for _, place in places:
             if not holder.arm.reaches(place):
                 continue
+            after = [] if then is None else [[(working, then), (holder, place)]]
             for moves in _orders(working, tool, holder, place):
                 if (
                     _is_slack(moves, hold.most * length)
                     and _leaves_in_front(moves, tool.yaw - front)
-                    and _are_apart(moves)
+                    and _are_apart([*moves, *after])
                 ):
                     return moves
     raise AbilityError(

@@ -15,6 +15,7 @@ from remodel_sim.core.geometry import Array, Pose, wrap_angle
 from remodel_sim.core.robot.arm import ToolPose
 from remodel_sim.core.robot.kinematics import Kinematics
 from remodel_sim.core.robot.motion import JOINT_SPEED, PEAK_OVER_MEAN, Line
+from remodel_sim.core.workpiece.layout import STANDOFF_M
 from remodel_sim.physics.collision_check import Touch
 from remodel_states.core.codes import Code
 
@@ -40,8 +41,6 @@ WAIT_S = 0.1
 TRACKING_TOLERANCE_M = 0.003
 # The servo lags by up to 8 mm at full speed; more means that something is in the way.
 MAX_LAG_M = 0.015
-# A held end is pulled so far out of an opening.
-CLEAR_OF_OPENING_M = 0.008
 
 
 def move_to(
@@ -125,7 +124,7 @@ def check_lag(context: RobotContext) -> None:
     sent, tool = context.commanded, context.tool
     lag = float(np.linalg.norm(tool.position - sent.position))
     if lag > MAX_LAG_M:
-        context.drive(tool)
+        context.follow(tool)
         raise AbilityError(
             Code.MOTION_FAULT,
             f"the tool is held up at {tool}, {lag * 1e3:.0f} mm behind; check for a collision",
@@ -178,7 +177,8 @@ def _swing(context: RobotContext, target: ToolPose) -> Steps[None]:
     if context.arm.axis is not None:
         yield from move_to(context, target, FREE_SPEED)
         return
-    start, end = context.arm.joints_for(context.commanded), context.arm.joints_for(target)
+    start = context.arm.joints_for(context.commanded)
+    end = context.arm.joints_for(canonical(context, target))
     farthest = float(np.abs(end - start).max())
     touch = context.first_touch(
         lambda share: context.arm.tool_of(start + share * (end - start)),
@@ -299,7 +299,7 @@ def disengage(context: RobotContext) -> Steps[None]:
     into = socket.rotation[:, 0]
     grip, at = context.belief.grip, context.commanded
     ahead = float((at.position - socket.position) @ into) + grip.distance
-    back = max(0.0, ahead + CLEAR_OF_OPENING_M)
+    back = max(0.0, ahead + STANDOFF_M)
     yield from move_to(context, at.moved(into, -back), APPROACH_SPEED / 2)
     context.belief.engaged = None
 
@@ -323,9 +323,11 @@ def choose_flip(
     turn = wrap_angle(then_tip_yaw - tip_yaw)
     best: tuple[float, float] | None = None
     for flip in (0.0, math.pi):
-        first = arm.canonical_yaw(*at, tip_yaw - flip)
-        second = arm.canonical_yaw(*then_at, then_tip_yaw - flip)
-        if first is None or second is None or abs(second - first - turn) > 0.5:
+        first = arm.canonical_yaw(*at, float(wrap_angle(tip_yaw - flip)))
+        if first is None:
+            continue
+        second = arm.canonical_yaw(*then_at, first + turn)
+        if second is None or abs(second - first - turn) > 0.5:
             continue
         q7 = [arm.last_joint(*at, first), arm.last_joint(*then_at, second)]
         cost = max(abs(q) for q in q7)
@@ -343,12 +345,20 @@ def choose_flip(
 
 def nearest_hand_yaw(arm: Kinematics, x: float, y: float, yaw: float, near: float) -> float:
     """Return `yaw`, or that turned by pi, whichever joint 7 reaches with less turning."""
-    options = [arm.canonical_yaw(x, y, yaw + turn) for turn in (0.0, math.pi)]
+    turns = (wrap_angle(yaw + turn - near) for turn in (0.0, math.pi))
+    options = [arm.canonical_yaw(x, y, near + float(turn)) for turn in turns]
     reachable = [option for option in options if option is not None]
     return min(reachable, key=lambda option: abs(option - near), default=yaw)
 
 
 def canonical(context: RobotContext, tool: ToolPose) -> ToolPose:
-    """Return a tool pose with the yaw that the arm takes, of those that are a full turn apart."""
-    yaw = context.arm.canonical_yaw(tool.x, tool.y, tool.yaw)
+    """Return a tool pose with the yaw that the arm takes, of those that are a full turn apart.
+
+    Of several the one as given; with a wire in the hand, which it would wind up, the nearest.
+    """
+    wanted = tool.yaw
+    if context.belief.grip is not None:
+        now = context.commanded.yaw
+        wanted = now + float(wrap_angle(tool.yaw - now))
+    yaw = context.arm.canonical_yaw(tool.x, tool.y, wanted)
     return tool if yaw is None else ToolPose(tool.x, tool.y, tool.z, yaw)

@@ -8,18 +8,17 @@ from remodel_sim.abilities.primitives.motions import wait
 from remodel_sim.core.errors import AbilityError
 from remodel_sim.core.geometry import Pose
 from remodel_sim.core.robot.force_control import ForceControl
+from remodel_sim.core.workpiece.layout import STANDOFF_M
 from remodel_sim.core.workpiece.panel import unit_x
 from remodel_states.core.codes import Code
 
 PULL_SPEED = 0.04  # [m/s]
-# The tip is pulled so far out of the opening.
-CLEAR_M = 0.015
 # A hand that gives up waits for the wire's tension to relax before anything else is done [s].
 RELAX_S = 0.15
 
 
 def pull_out(context: RobotContext, socket: Pose, most_n: float) -> Steps[float]:
-    """Pull the held end straight back until its tip is clear of the opening.
+    """Pull the held end straight back to where a push begins, its tip clear of the opening.
 
     Args:
         context: the cell; its hand holds the end.
@@ -36,7 +35,7 @@ def pull_out(context: RobotContext, socket: Pose, most_n: float) -> Steps[float]
     grip, start = context.belief.grip, context.commanded
     assert grip is not None, "the end is held"
     ahead = float((start.position - socket.position) @ -out) + grip.distance
-    length = max(0.0, ahead) + CLEAR_M
+    length = max(0.0, ahead) + STANDOFF_M
     motion = ForceMotion(context, out, ForceControl(most_n))
     while motion.travel < length:
         yield from motion.advance(PULL_SPEED)

@@ -48,6 +48,11 @@ STILL_S = 0.15
 # A wire that comes through a slot beside the opening's axis is turned into the axis up to this
 # depth [m]: kept straight from the slot on, it does not lean on the funnel.
 TURNED_IN_M = 0.010
+# A tip that is stopped at the face or in the funnel is turned upwards in the grip, if it was pulled
+# at behind the hand, or bent: the opening is felt for with the hand so far higher [m], with so much
+# force [N].
+FEELS_M = (-0.0025, -0.005, -0.0075, 0.0025)
+FEEL_N = 5.0
 # Two hands carry a wire so high that its loop clears what stands on the plate [m].
 BOTH_CARRY_Z = 0.32
 
@@ -215,6 +220,32 @@ def push_in(
         along = np.array([math.cos(at.yaw + grip.flip), math.sin(at.yaw + grip.flip), 0.0])
     tip = at.position + along * grip.distance + np.array([0.0, 0.0, grip.height])
     return Push(tip, float((tip - socket.position) @ into), motion.peak, stopped)
+
+
+def find_in(context: RobotContext, socket: Pose, bottom: float, limit: float) -> Steps[Push]:
+    """Push the held end in as `push_in`; feel for the opening when the tip is stopped early."""
+    start = context.commanded
+    push = yield from push_in(context, socket, bottom, limit)
+    for above in FEELS_M:
+        if not push.stopped or push.depth >= bottom / 2:
+            break
+        context.report("feeling for the opening", 0.8)
+        beside = start.at(z=start.z + above)
+        yield from _back_to(context, start, beside)
+        felt = yield from push_in(context, socket, bottom, min(limit, FEEL_N))
+        if felt.depth >= bottom / 2:
+            yield from _back_to(context, beside, beside)
+            felt = yield from push_in(context, socket, bottom, limit)
+            tip = felt.tip - np.array([0.0, 0.0, above])
+            push = replace(felt, tip=tip, peak_force=max(push.peak_force, felt.peak_force))
+    return push
+
+
+def _back_to(context: RobotContext, start: ToolPose, then: ToolPose) -> Steps[None]:
+    """Draw the end back to where its push began, and bring it beside that."""
+    for tool in (start, then):
+        yield from move_to(context, tool, APPROACH_SPEED / 2)
+    yield from wait(context, STILL_S)
 
 
 def judge_alignment(push: Push, mouth: Pose, terminal: PanelTerminal, where: str) -> None:

@@ -22,7 +22,7 @@ DOWN = np.array([0.0, 0.0, -1.0])
 BOLTED = 1e3
 # So far a node moves in one iteration at most, and at the end [m].
 STEP_M = 0.05
-CONVERGED_M = 1e-5
+CONVERGED_M = 1e-4
 ITERATIONS = 300
 # The line that the search starts from leaves a holder by about so much [m].
 LEAVING_M = 0.08

@@ -8,8 +8,9 @@ from dataclasses import dataclass, replace
 from itertools import pairwise
 
 import numpy as np
+import numpy.typing as npt
 
-from remodel_sim.core.geometry import Pose, wrap_angle
+from remodel_sim.core.geometry import Array, Pose, wrap_angle
 from remodel_sim.core.workpiece.layout import WORLD_FROM_PANEL
 from remodel_sim.core.workpiece.panel import Duct, Panel, PanelClip
 
@@ -55,17 +56,23 @@ def _turned(clip: PanelClip) -> PanelClip:
     return replace(clip, pose=(x, y, yaw + math.pi))
 
 
+def step_in(duct: Duct) -> float:
+    """Return how far apart the places are that are checked in a duct [m], about DUCT_STEP_M."""
+    return duct.length / max(1, round(duct.length / DUCT_STEP_M))
+
+
 def places_in(duct: Duct, path: tuple[Pose, ...]) -> tuple[Pose, ...]:
     """Return frames along the middle of a duct, where the path runs in it; x along it, world frame.
 
-    They are DUCT_STEP_M apart.
+    They are `step_in` the duct apart.
     """
     middle = WORLD_FROM_PANEL @ duct.panel_from_duct
-    count = max(1, round(duct.length / DUCT_STEP_M))
-    along = (np.arange(count) + 0.5) * duct.length / count - duct.length / 2
+    step = step_in(duct)
+    along = np.arange(step / 2, duct.length, step) - duct.length / 2
     places = [middle @ Pose.level(float(x), 0.0, 0.0) for x in along]
-    lines = tuple(_lines(path))
-    return tuple(place for place in places if any(_passes(line, place, duct) for line in lines))
+    middles = np.array([place.position for place in places])
+    passed = [_passes(line, middles, middle.yaw, duct) for line in _lines(path)]
+    return tuple(place for place, *by in zip(places, *passed, strict=True) if any(by))
 
 
 @dataclass(frozen=True, eq=False)
@@ -84,7 +91,8 @@ def _lines(path: tuple[Pose, ...]) -> Iterator[_Line]:
             yield _Line(Pose(start.position, here.quaternion), math.hypot(x, y))
 
 
-def _passes(line: _Line, place: Pose, duct: Duct) -> bool:
-    x, y, _ = line.frame.inverse().apply(place.position)
-    turned = abs(wrap_angle(2 * (place.yaw - line.frame.yaw)) / 2)
-    return bool(0 <= x < line.length and abs(y) < duct.width / 2 and turned < math.pi / 4)
+def _passes(line: _Line, places: Array, yaw: float, duct: Duct) -> npt.NDArray[np.bool_]:
+    """Return which places (n, 3) [m] in a duct, all turned by a yaw, a line passes along it."""
+    x, y, _ = line.frame.inverse().apply(places).T
+    turned = abs(wrap_angle(2 * (yaw - line.frame.yaw)) / 2)
+    return (x >= 0) & (x < line.length) & (abs(y) < duct.width / 2) & (turned < math.pi / 4)

@@ -11,7 +11,7 @@ from remodel_planning.core.use_case.policy import Policy
 from remodel_supervision.core.recovery.decide import decide
 from remodel_supervision.core.recovery.failure import Failure, Spent
 from remodel_supervision.core.run import Operation
-from remodel_supervision.core.runs.events import Decided
+from remodel_supervision.core.runs.events import POLICY, Decided
 from remodel_supervision.core.runs.state import (
     PERSON_FIRST,
     STUCK_HAND_LIMIT,
@@ -21,7 +21,6 @@ from remodel_supervision.core.runs.state import (
     cause_of,
 )
 
-POLICY = "policy"
 NO_BOUNDS: Mapping[str, float] = MappingProxyType({})
 
 

@@ -14,6 +14,9 @@ from remodel_planning.core.use_case.fault import Do
 from remodel_production.core.whole_task import WholeTask, whole_tasks
 from remodel_supervision.core.run import Operation
 
+# Who decides, when no operator does.
+POLICY = "policy"
+
 
 class Part(Enum):
     """What of a task a behavior does.
@@ -251,7 +254,7 @@ class Decided:
         ability: that failed; empty if none did.
         state_path: of the state that asked for it; empty without one.
         change: parameter -> new value; only with Do.RETRY_WITH and Do.LOOK_AGAIN.
-        by: who decided: "policy", or an operator's name.
+        by: who decided: POLICY, or an operator's name.
     """
 
     task: str

@@ -8,8 +8,9 @@ from functools import singledispatch
 
 from remodel_planning.core.use_case.fault import Do
 from remodel_states.core.codes import Code
-from remodel_supervision.core.run import Operation
+from remodel_supervision.core.run import EMPTYING, NOTHING_TO_LAY_DOWN, Operation
 from remodel_supervision.core.runs.events import (
+    POLICY,
     Answer,
     Answered,
     Asked,
@@ -37,10 +38,8 @@ from remodel_supervision.core.runs.events import (
     TaskReturned,
 )
 from remodel_supervision.core.runs.state import (
-    EMPTYING,
     FINISHED,
     INTERRUPTION_LIMIT,
-    NOTHING_TO_LAY_DOWN,
     PERSON_FIRST,
     PREEMPTED,
     SERVER_TROUBLE,
@@ -431,14 +430,18 @@ def _do(do: Do, state: RunState, task: TaskProgress, because: str) -> RunState:
 
 
 def _is_to_be_discarded(do: Do, task: TaskProgress) -> bool:
-    """Return whether the piece is taken away first; of a task that is left only a loose one."""
+    """Return whether the piece is taken away first: left there, it would be in others' way.
+
+    What is connected of a task that a person skips is left to that person.
+    """
     if not task.piece:
         return False
     if do is not Do.SET_ASIDE:
         return True
-    return not (
-        task.connected or task.unseen or task.undiscarded or Code.EXTRACTION_STUCK in task.codes
-    )
+    by = task.decisions[-1].by if task.decisions else POLICY
+    to_person = bool(task.connected) and by != POLICY
+    stuck = task.undiscarded or Code.EXTRACTION_STUCK in task.codes
+    return not (to_person or task.unseen or stuck)
 
 
 def _under_way(state: RunState, task: TaskProgress) -> RunState:

@@ -10,7 +10,7 @@ from itertools import takewhile
 from remodel_planning.core.use_case.fault import Do
 from remodel_production.core.whole_task import WholeTask, whole_tasks
 from remodel_states.core.codes import Code
-from remodel_supervision.core.run import Operation
+from remodel_supervision.core.run import EMPTYING, NOTHING_TO_LAY_DOWN, Operation
 from remodel_supervision.core.runs.events import Asked, Decided, Part, RunEnded
 
 # How often a task may be interrupted before that counts as its failure, and how often in a row the
@@ -38,12 +38,6 @@ SERVER_GONE = frozenset({Code.SERVER_LOST, Code.SERVER_HUNG})
 PERSON_FIRST = frozenset(
     {Code.STALE_OWNER, Code.SEVERAL_SERVERS, Code.EXTRACTION_STUCK, Code.MOTION_FAULT}
 )
-
-# Of a hand that has nothing to lay down.
-NOTHING_TO_LAY_DOWN = frozenset({Code.NOTHING_HELD, Code.WIRE_NOT_FED})
-
-# The abilities that end with an empty hand.
-EMPTYING = ("PlaceCable", "DiscardCable")
 
 # Of a task that failed though no ability reported an error.
 UNREPORTED = Code.INTERNAL
