@@ -27,7 +27,8 @@ from remodel_production.errors import OrderError
 from remodel_supervision.ros.server.work import WorkMaker
 
 DESIGNS = Path(__file__).parents[3] / "remodel_production/test/unit/designs"
-HOUSEHOLD_PANEL = Path(__file__).parents[3] / "remodel_sim/config/household.yaml"
+PANELS = Path(__file__).parents[3] / "remodel_sim/config"
+HARNESS = Path(__file__).parents[3] / "remodel_planning/examples/harness.yml"
 DESIGN = Path("/usr/share/qelectrotech/examples/tableau_domestique.qet")
 
 
@@ -328,15 +329,16 @@ def test_the_board_of_an_order_is_drawn(tmp_path, database, capsys):
     assert "layout: the database has no order hosue; it has: house" in capsys.readouterr().err
 
 
-def test_the_panel_of_an_order_is_written_for_the_cell(tmp_path, database, capsys):
-    import_design.main([str(DESIGN), "--order", "household", "--database", database])
-    panel = tmp_path / "household.yaml"
-    assert layout.main(["household", "--panel", str(panel), "--database", database]) == 0
+@pytest.mark.parametrize(("name", "design"), [("household", DESIGN), ("harness", HARNESS)])
+def test_the_panel_of_an_order_is_written_for_the_cell(name, design, tmp_path, database, capsys):
+    import_design.main([str(design), "--order", name, "--database", database])
+    panel = tmp_path / f"{name}.yaml"
+    assert layout.main([name, "--panel", str(panel), "--database", database]) == 0
     assert f"panel: {panel}" in capsys.readouterr().out
     # If it differs because the board does: write the file again by this command.
-    assert panel.read_text() == HOUSEHOLD_PANEL.read_text()
+    assert panel.read_text() == (PANELS / f"{name}.yaml").read_text()
     with pytest.raises(SystemExit):
-        layout.main(["household", "--database", database])
+        layout.main([name, "--database", database])
     assert "give --output FILE, --panel FILE, or both" in capsys.readouterr().err
 
 
