@@ -2,13 +2,13 @@
 SHELL := /bin/bash
 .SHELLFLAGS := -euo pipefail -c
 .DEFAULT_GOAL := help
-.PHONY: help build demo film test install docker generate behaviors unit rostest lint bench-engine bench-planner bench-synthesis bench-console bench-drawing bench-sim bench-vision bench-learning bench-pause bench-replan bench-scale docs evaluate-abilities schedules chaos campaign clean
+.PHONY: help build demo harness film test install docker generate behaviors unit rostest lint bench-engine bench-planner bench-synthesis bench-console bench-drawing bench-sim bench-vision bench-learning bench-pause bench-replan bench-scale docs evaluate-abilities schedules chaos campaign clean
 
 # The workspace's own Python first, whatever else the shell has on its path; no other workspace.
 export PATH := $(CURDIR)/.venv/bin:/usr/local/sbin:/usr/local/bin:/usr/sbin:/usr/bin:/sbin:/bin
 unexport PYTHONPATH PYTHONHOME ROS_PACKAGE_PATH CMAKE_PREFIX_PATH ROS_MASTER_URI VIRTUAL_ENV
 
-WIRES ?= 6
+DEMO := /usr/share/qelectrotech/examples/tableau_domestique.qet
 PREFIX ?= install
 SOURCED := set +u; . devel/setup.sh; set -u;
 RESULTS := build/test_results
@@ -37,10 +37,13 @@ docker: ## Make a container image of Debian 12 with the built workspace, by dock
 	@echo "Next: docker run -it --rm --network host remodel make demo"
 
 demo: build ## Wire a real cabinet in the simulated cell (WIRES=6); report in out/demo/report.html
-	@$(SOURCED) tools/demo.sh $(WIRES)
+	@$(SOURCED) tools/demo.sh demo $(DEMO) $(or $(WIRES),6) one_panda switchgear
+
+harness: build ## Build a harness on a formboard in the simulated cell, by two arms (WIRES=12); report in out/harness/report.html
+	@$(SOURCED) tools/demo.sh harness src/remodel_planning/examples/harness.yml $(or $(WIRES),12) two_arms_formboard harness_formboard
 
 film: build ## Record the demo as the moving picture of the README, docs/demo.webp
-	@$(SOURCED) tools/demo.sh $(WIRES) record:=$(CURDIR)/out/demo/film
+	@$(SOURCED) tools/demo.sh demo $(DEMO) $(or $(WIRES),6) one_panda switchgear record:=$(CURDIR)/out/demo/film
 	@tools/film.py out/demo/film docs/demo.webp
 
 test: build ## Set up, then lint, unit tests and ROS tests; ends with a count

@@ -1,11 +1,10 @@
 #!/usr/bin/env bash
-# Import a real cabinet's design, and wire it in the simulated cell. Usage: demo.sh WIRES [argument of order.launch]...
+# Import a design, and wire it in the simulated cell. Usage: demo.sh NAME DESIGN WIRES CELL USE_CASE [argument of order.launch]...
 set -euo pipefail
 cd "$(dirname "$0")/.."
 
-wires=$1
-design=/usr/share/qelectrotech/examples/tableau_domestique.qet
-out=$PWD/out/demo
+name=$1 design=$2 wires=$3 cell=$4 use_case=$5
+out=$PWD/out/$name
 rm -rf "$out"
 mkdir -p "$out/charts"
 
@@ -15,9 +14,9 @@ export ROS_MASTER_URI=http://127.0.0.1:$port ROS_IP=127.0.0.1 ROS_LOG_DIR=$out/l
 export REMODEL_DATABASE=sqlite:///$out/production.sqlite
 export ROS_PACKAGE_PATH=$out/remodel_order_behaviors:$ROS_PACKAGE_PATH
 
-rosrun remodel_planner planner import "$design" --order demo
+rosrun remodel_planner planner import "$design" --order "$name" --use-case "$use_case"
 
-roslaunch -p "$port" remodel_planner order.launch output:="$out" database:="$REMODEL_DATABASE" "${@:2}" >"$out/nodes.log" 2>&1 &
+roslaunch -p "$port" remodel_planner order.launch output:="$out" database:="$REMODEL_DATABASE" cell:="$cell" "${@:6}" >"$out/nodes.log" 2>&1 &
 nodes=$!
 stop_nodes() {
   kill -INT "$nodes" 2>/dev/null || true
@@ -25,5 +24,5 @@ stop_nodes() {
 }
 trap stop_nodes EXIT
 
-echo "cell, synthesizer and engine are starting (log: out/demo/nodes.log)"
-rosrun remodel_planner planner run_order demo --wait 60 --wires "$wires" --output "$out"
+echo "cell, synthesizer and engine are starting (log: out/$name/nodes.log)"
+rosrun remodel_planner planner run_order "$name" --use-case "$use_case" --wait 60 --wires "$wires" --output "$out"
