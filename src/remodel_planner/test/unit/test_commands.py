@@ -223,6 +223,25 @@ def test_an_order_without_a_task_for_robots_is_accepted_by_every_command(
             cell.work("feeder", "", 0, owner=1)
 
 
+def test_paths_of_a_harness_are_those_of_the_panel_that_the_cell_builds(database):
+    import_design.main([str(HARNESS), "--order", "harness", "--database", database])
+    with closing(ProductionDatabase(database)) as opened:
+        cell = WorkMaker(
+            *(opened, read_faults(), "cell", "harness_formboard"),
+            attended=False,
+            reconnect_s=1.0,
+            lease_s=1.0,
+            search_s=0.0,
+        )
+        work = cell.work("harness", "", 2, owner=1)
+    routes = {wire.id: [(p.x, p.y) for p in wire.route] for wire in work.panel.wires}
+    assert len(work.planner.order.tasks) == 2
+    for task in work.planner.order.tasks:
+        assert [pose[:2] for pose in dict(task.values)["path"]] == [
+            pytest.approx(point) for point in routes[task.name]
+        ]
+
+
 def test_preferences_come_with_the_order_and_must_fit_it(tmp_path, database, capsys):
     file = tmp_path / "preferences.yaml"
     preference = "{name: first, pick: W1, before: %s, weight: 2}"
