@@ -2,7 +2,7 @@
 SHELL := /bin/bash
 .SHELLFLAGS := -euo pipefail -c
 .DEFAULT_GOAL := help
-.PHONY: help build demo cabinet film test install docker generate behaviors unit rostest lint bench-engine bench-planner bench-synthesis bench-console bench-drawing bench-sim bench-vision bench-learning bench-pause bench-replan bench-scale docs evaluate-abilities schedules chaos campaign clean
+.PHONY: help build demo cabinet harness film test install docker generate behaviors unit rostest lint bench-engine bench-planner bench-synthesis bench-console bench-drawing bench-sim bench-vision bench-learning bench-pause bench-replan bench-scale docs evaluate-abilities schedules chaos campaign clean
 
 # The workspace's own Python first, whatever else the shell has on its path; no other workspace.
 export PATH := $(CURDIR)/.venv/bin:/usr/local/sbin:/usr/local/bin:/usr/sbin:/usr/bin:/sbin:/bin
@@ -10,7 +10,10 @@ unexport PYTHONPATH PYTHONHOME ROS_PACKAGE_PATH CMAKE_PREFIX_PATH ROS_MASTER_URI
 
 demo film: WIRES ?= 6
 cabinet: WIRES ?= 58
+harness: WIRES ?= 12
 SEED ?= 1
+CABINET := /usr/share/qelectrotech/examples/tableau_domestique.qet
+HARNESS := src/remodel_planning/examples/harness.yml
 PREFIX ?= install
 SOURCED := set +u; . devel/setup.sh; set -u;
 RESULTS := build/test_results
@@ -39,13 +42,16 @@ docker: ## Make a container image of Debian 12 with the built workspace, by dock
 	@echo "Next: docker run -it --rm --network host remodel make demo"
 
 demo: build ## Wire a real cabinet in the simulated cell (WIRES=6); report in out/demo/report.html
-	@$(SOURCED) tools/wire_board.sh demo $(WIRES) ''
+	@$(SOURCED) tools/wire_board.sh demo $(CABINET) $(WIRES) ''
 
 cabinet: build ## Wire all wires of that cabinet into its ducts by two robots (WIRES=12 SEED=1); report in out/cabinet/report.html
-	@$(SOURCED) tools/wire_board.sh cabinet $(WIRES) cabinet_ducts cell:=two_arms_cabinet seed:=$(SEED)
+	@$(SOURCED) tools/wire_board.sh cabinet $(CABINET) $(WIRES) cabinet_ducts cell:=two_arms_cabinet seed:=$(SEED)
+
+harness: build ## Build a harness on a formboard by two robots (WIRES=12 SEED=1); report in out/harness/report.html
+	@$(SOURCED) tools/wire_board.sh harness $(HARNESS) $(WIRES) harness_formboard cell:=two_arms_formboard seed:=$(SEED)
 
 film: build ## Record the demo as the moving picture of the README, docs/demo.webp
-	@$(SOURCED) tools/wire_board.sh demo $(WIRES) '' record:=$(CURDIR)/out/demo/film
+	@$(SOURCED) tools/wire_board.sh demo $(CABINET) $(WIRES) '' record:=$(CURDIR)/out/demo/film
 	@tools/film.py out/demo/film docs/demo.webp
 
 test: build ## Set up, then lint, unit tests and ROS tests; ends with a count

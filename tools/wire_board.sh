@@ -1,11 +1,10 @@
 #!/usr/bin/env bash
-# Import a real cabinet's design, and wire it in the simulated cell; the report is in out/NAME.
-# Usage: wire_board.sh NAME WIRES USE_CASE [argument of order.launch]...; an empty USE_CASE is the supervisor's default.
+# Import a design, and wire it in the simulated cell; the report is in out/NAME.
+# Usage: wire_board.sh NAME DESIGN WIRES USE_CASE [argument of order.launch]...; an empty USE_CASE is the supervisor's default.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 
-name=$1 wires=$2 use_case=$3
-design=/usr/share/qelectrotech/examples/tableau_domestique.qet
+name=$1 design=$2 wires=$3 use_case=$4
 out=$PWD/out/$name
 rm -rf "$out"
 mkdir -p "$out/charts"
@@ -18,7 +17,7 @@ export ROS_PACKAGE_PATH=$out/remodel_order_behaviors:$ROS_PACKAGE_PATH
 
 rosrun remodel_planner planner import "$design" --order "$name" ${use_case:+--use-case "$use_case"}
 
-roslaunch -p "$port" remodel_planner order.launch output:="$out" database:="$REMODEL_DATABASE" "${@:4}" >"$out/nodes.log" 2>&1 &
+roslaunch -p "$port" remodel_planner order.launch output:="$out" database:="$REMODEL_DATABASE" "${@:5}" >"$out/nodes.log" 2>&1 &
 nodes=$!
 stop_nodes() {
   kill -INT "$nodes" 2>/dev/null || true

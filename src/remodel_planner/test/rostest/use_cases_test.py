@@ -19,6 +19,7 @@ from remodel_supervision.core.runs.events import Ending
 OUTPUT = Path(sys.argv[1])
 DATABASE = f"sqlite:///{OUTPUT}/production.sqlite"
 DESIGNS = Path(__file__).parents[3] / "remodel_production/test/unit/designs"
+HARNESS = Path(__file__).parents[3] / "remodel_planning/examples/harness.yml"
 
 # A design for each shipped use case, how many of its wires are asked for, and how many of these
 # are placed: the others are by hand.
@@ -26,6 +27,7 @@ SHIPPED = {
     "switchgear": (DESIGN, 3, 3),
     "cabinet": (DESIGN, 3, 3),
     "cabinet_ducts": (DESIGN, 6, 3),
+    "harness_formboard": (HARNESS, 3, 3),
     "automotive_formboard": (DESIGNS / "loom.kbl", 2, 2),
     "medical_hoses": (DESIGNS / "harness.yml", 3, 3),
 }
@@ -77,6 +79,9 @@ class UseCasesTest(unittest.TestCase):
 
     def test_cabinet_ducts_carries_its_order_out(self):
         self.carries_its_order_out("cabinet_ducts")
+
+    def test_harness_formboard_carries_its_order_out(self):
+        self.carries_its_order_out("harness_formboard")
 
     def test_two_robots_release_discard_and_begin_again_with_a_new_wire(self):
         self.add_order("slipping")

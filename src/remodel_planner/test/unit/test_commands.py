@@ -27,7 +27,8 @@ from remodel_production.errors import OrderError
 from remodel_supervision.ros.server.work import WorkMaker
 
 DESIGNS = Path(__file__).parents[3] / "remodel_production/test/unit/designs"
-HOUSEHOLD_PANEL = Path(__file__).parents[3] / "remodel_sim/config/household.yaml"
+PANELS = Path(__file__).parents[3] / "remodel_sim/config"
+HARNESS = Path(__file__).parents[3] / "remodel_planning/examples/harness.yml"
 DESIGN = Path("/usr/share/qelectrotech/examples/tableau_domestique.qet")
 
 
@@ -222,6 +223,25 @@ def test_an_order_without_a_task_for_robots_is_accepted_by_every_command(
             cell.work("feeder", "", 0, owner=1)
 
 
+def test_paths_of_a_harness_are_those_of_the_panel_that_the_cell_builds(database):
+    import_design.main([str(HARNESS), "--order", "harness", "--database", database])
+    with closing(ProductionDatabase(database)) as opened:
+        cell = WorkMaker(
+            *(opened, read_faults(), "cell", "harness_formboard"),
+            attended=False,
+            reconnect_s=1.0,
+            lease_s=1.0,
+            search_s=0.0,
+        )
+        work = cell.work("harness", "", 2, owner=1)
+    routes = {wire.id: [(p.x, p.y) for p in wire.route] for wire in work.panel.wires}
+    assert len(work.planner.order.tasks) == 2
+    for task in work.planner.order.tasks:
+        assert [pose[:2] for pose in dict(task.values)["path"]] == [
+            pytest.approx(point) for point in routes[task.name]
+        ]
+
+
 def test_preferences_come_with_the_order_and_must_fit_it(tmp_path, database, capsys):
     file = tmp_path / "preferences.yaml"
     preference = "{name: first, pick: W1, before: %s, weight: 2}"
@@ -328,15 +348,16 @@ def test_the_board_of_an_order_is_drawn(tmp_path, database, capsys):
     assert "layout: the database has no order hosue; it has: house" in capsys.readouterr().err
 
 
-def test_the_panel_of_an_order_is_written_for_the_cell(tmp_path, database, capsys):
-    import_design.main([str(DESIGN), "--order", "household", "--database", database])
-    panel = tmp_path / "household.yaml"
-    assert layout.main(["household", "--panel", str(panel), "--database", database]) == 0
+@pytest.mark.parametrize(("name", "design"), [("household", DESIGN), ("harness", HARNESS)])
+def test_the_panel_of_an_order_is_written_for_the_cell(name, design, tmp_path, database, capsys):
+    import_design.main([str(design), "--order", name, "--database", database])
+    panel = tmp_path / f"{name}.yaml"
+    assert layout.main([name, "--panel", str(panel), "--database", database]) == 0
     assert f"panel: {panel}" in capsys.readouterr().out
     # If it differs because the board does: write the file again by this command.
-    assert panel.read_text() == HOUSEHOLD_PANEL.read_text()
+    assert panel.read_text() == (PANELS / f"{name}.yaml").read_text()
     with pytest.raises(SystemExit):
-        layout.main(["household", "--database", database])
+        layout.main([name, "--database", database])
     assert "give --output FILE, --panel FILE, or both" in capsys.readouterr().err
 
 

@@ -15,6 +15,7 @@ from remodel_planning.core.decomposition.preparation import prepare
 from remodel_planning.core.decomposition.triage import triaged
 from remodel_planning.core.orders.board_order import board_order, kind_of
 from remodel_planning.core.problem.defects import require_sound
+from remodel_planning.core.problem.problem import End
 from remodel_planning.core.task_charts.planned_tasks import planned_tasks
 from remodel_planning.core.use_case.designs import DesignKind
 from remodel_planning.edge.order_planner import plan_problem
@@ -325,3 +326,14 @@ def test_seals_and_twisted_wires_are_known_to_tasks_and_an_end_in_a_splice_is_no
     }
     assert ("Release b", "release_end") in steps["W3"]
     assert ("Pull b", "pull_test") in steps["W2"]
+
+
+def test_a_use_case_states_which_end_is_inserted_first():
+    example = imported(Path(__file__).parents[2] / "examples" / "harness.yml")
+    formboard = find_use_case("harness_formboard")
+    made = board_order(board_of(example, CATALOGUE), formboard, arms=1)
+    assert {task.first for task in made.tasks} == {End.A}
+    assert {plan.alone.first for plan in prepare(made, formboard).plans} == {End.A}
+    free = replace(formboard, designs=replace(formboard.designs, first=None))
+    freely = board_order(board_of(example, CATALOGUE), free, arms=1)
+    assert {task.first for task in freely.tasks} == {None}

@@ -145,9 +145,15 @@ class CabinetRules:
 
 @dataclass(frozen=True)
 class ForkSize:
-    """A fork, or two rows of posts, through which a bundle runs [m]."""
+    """A fork, or two rows of posts, through which a bundle runs [m].
+
+    Attributes:
+        width: the least between the posts.
+        play: between the posts and the outermost straight wires, of both sides together.
+    """
 
     width: float
+    play: float
     height: float
     length: float
 
@@ -163,9 +169,20 @@ class ClipSize:
 
 @dataclass(frozen=True)
 class FormboardRules:
-    """What surrounds the connectors of a harness on its formboard [m]."""
+    """What surrounds the connectors of a harness on its formboard [m].
+
+    Attributes:
+        connector_gap: between connectors in a row.
+        trunk: between two rows of connectors, if no wire's length is known.
+        wire_slack: by which a wire is longer than the straight line between its openings.
+        fork_spacing: between forks of a harness whose design has none.
+    """
 
     cavity_pitch: float
+    connector_gap: float
+    trunk: float
+    wire_slack: float
+    fork_spacing: float
     fork: ForkSize
     clip: ClipSize
     plate_margin: float

@@ -10,12 +10,14 @@ from remodel_sim.abilities.ability import ability
 from remodel_sim.abilities.execution.robot_context import RobotContext, Steps
 from remodel_sim.abilities.primitives.carrying import carry
 from remodel_sim.abilities.primitives.clipping import lay_into, press_from_above
+from remodel_sim.abilities.primitives.forks import let_into_forks
 from remodel_sim.abilities.primitives.grasping import check_grip
 from remodel_sim.abilities.primitives.laying import lay_down
 from remodel_sim.abilities.primitives.motions import CARRY_SPEED, disengage, held_tool
 from remodel_sim.abilities.primitives.observation.route_check import (
     check_ducts,
     clip_fault,
+    duct_places,
     judge_clips,
     observe_route,
 )
@@ -56,15 +58,19 @@ def _goal(message: Message) -> RouteGoal:
 
 @ability("RouteWire", _goal)
 def route_wire(context: RobotContext, goal: RouteGoal) -> Steps[WireRouted]:
-    """Go from pose to pose with the end; where the path passes clips, lay the wire into them.
+    """Go from pose to pose with the end; lay the wire into the clips or forks that the path passes.
 
-    Whether it lies in clips and ducts is seen from above. The end stays in the hand, or lies loose
-    when there are clips.
+    Whether it lies in clips, forks and ducts is seen from above. The end stays in the hand, or lies
+    loose when there are clips.
     """
     yield from disengage(context)
     clips = clips_along(goal.path, context.panel)
+    forks = [duct for duct in duct_places(context, goal.path) if duct.is_fork]
     if clips:
         yield from _lay_into_all(context, clips)
+    elif forks and context.belief.by_magazine:
+        context.report("letting the wire down into its forks", 0.1)
+        yield from let_into_forks(context, forks)
     else:
         yield from _carry_along(context, goal)
     count = len(goal.path)
@@ -73,9 +79,8 @@ def route_wire(context: RobotContext, goal: RouteGoal) -> Steps[WireRouted]:
     except AbilityError as error:
         error.found["reached"] = count
         raise
-    done = (
-        f"laid into {', '.join(c.id for c in clips)}" if clips else f"carried along {count} poses"
-    )
+    holders = [holder.id for holder in (*clips, *forks)]
+    done = f"laid into {', '.join(holders)}" if holders else f"carried along {count} poses"
     return WireRouted(f"{goal.cable_id} {done}", count)
 
 

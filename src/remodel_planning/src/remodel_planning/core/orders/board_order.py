@@ -67,6 +67,7 @@ class _Wiring:
         self._board = board
         self._use_case = use_case
         self._around = surroundings
+        self._first = None if use_case.designs is None else use_case.designs.first
         self._wires = [wire for wire in board.order.wires if wire.name in board.routes]
         self._cores: dict[str, list[Wire]] = {}
         for wire in self._wires:
@@ -160,6 +161,7 @@ class _Wiring:
                     tuple(sorted(set(wire.route))),
                 ),
             ),
+            first=self._first,
             meeting_mm=None if able else self._around.meeting(path),
             preferred_arm=nearer.name if nearer else None,
         )

@@ -3,24 +3,48 @@
 from __future__ import annotations
 
 import math
-from collections import Counter
-from collections.abc import Mapping
+from collections import Counter, defaultdict
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from itertools import pairwise
 
 from remodel_production.core.board.cabinet import clamp_pitches, is_cabinet, laid_out, on_plate
+from remodel_production.core.board.connector_rows import Stand, row_of
 from remodel_production.core.board.formboard import Point, flattened
 from remodel_production.core.catalogue import Catalogue
-from remodel_production.core.production import Component, Order, Segment, Side, TerminalRef, Wire
+from remodel_production.core.production import (
+    Component,
+    Order,
+    Role,
+    Segment,
+    Side,
+    TerminalRef,
+    Wire,
+)
+
+# Nodes that lie so near to a line are on it [m].
+_STRAIGHT_M = 1e-6
 
 
 @dataclass(frozen=True)
 class PlacedDevice:
-    """A component as a rectangle [m]: its centre and its size."""
+    """A component as a rectangle [m]: its centre and its size.
+
+    Attributes:
+        turn: by which it is turned to the left, with its size and its sides [rad].
+    """
 
     component: Component
     centre: Point
     size: tuple[float, float]
+    turn: float = 0.0
+
+    @property
+    def half_extent(self) -> tuple[float, float]:
+        """How far it reaches from its centre, along x and y [m]."""
+        cos, sin = abs(math.cos(self.turn)), abs(math.sin(self.turn))
+        width, depth = self.size
+        return (cos * width + sin * depth) / 2, (sin * width + cos * depth) / 2
 
 
 @dataclass(frozen=True)
@@ -118,7 +142,13 @@ def _formboard(order: Order, catalogue: Catalogue) -> Board:
     devices, openings = [], {}
     loose_x = left
     at_node: Counter[str] = Counter()
+    standing = _standing(order, nodes, catalogue)
     for component in order.components:
+        if component.name in standing:
+            device, of_device = standing[component.name]
+            devices.append(device)
+            openings.update(of_device)
+            continue
         part = catalogue.device_class(component.role, component.part_number, component.kind)
         depth = part.depth_m
         size = (max(1, len(component.terminals)) * pitch, depth)
@@ -149,6 +179,36 @@ def _formboard(order: Order, catalogue: Catalogue) -> Board:
     )
 
 
+def _standing(
+    order: Order, nodes: Mapping[str, Point], catalogue: Catalogue
+) -> dict[str, tuple[PlacedDevice, dict[TerminalRef, Point]]]:
+    """Return the connectors at the ends of bundles, which open towards them, and their openings."""
+    rules = catalogue.formboard
+    bundles = defaultdict(list)
+    for segment in order.segments:
+        bundles[segment.start].append(segment.end)
+        bundles[segment.end].append(segment.start)
+    at = defaultdict(list)
+    for component in order.components:
+        if component.role is Role.CONNECTOR and len(bundles[component.node]) == 1:
+            at[component.node].append(component)
+    found = {}
+    for node, components in at.items():
+        (x, y), (to_x, to_y) = nodes[node], nodes[bundles[node][0]]
+        stand = Stand((x, y), math.atan2(to_y - y, to_x - x))
+        row = row_of(components, rules.cavity_pitch, rules.connector_gap)
+        for component in components:
+            part = catalogue.device_class(component.role, component.part_number, component.kind)
+            centre = stand.place(row.middles[component.name], part.depth_m / 2)
+            size = (row.widths[component.name], part.depth_m)
+            refs = [TerminalRef(component.name, terminal.name) for terminal in component.terminals]
+            found[component.name] = (
+                PlacedDevice(component, centre, size, stand.turn),
+                {ref: stand.place(row.cavities[ref], 0.0) for ref in refs},
+            )
+    return found
+
+
 def _along_bundles(
     order: Order, wire: Wire, openings: Mapping[TerminalRef, Point], nodes: Mapping[str, Point]
 ) -> tuple[Point, ...]:
@@ -157,7 +217,17 @@ def _along_bundles(
     for index, (segment, is_forward) in enumerate(route):
         first, last = (segment.start, segment.end)[:: 1 if is_forward else -1]
         passed += [nodes[first], nodes[last]] if not index else [nodes[last]]
+    # Through bundles in one line a wire runs straight from opening to opening.
+    if passed and _is_straight(passed):
+        passed = []
     return (openings[wire.a], *passed, openings[wire.b])
+
+
+def _is_straight(points: Sequence[Point]) -> bool:
+    (x, y), (to_x, to_y) = points[0], points[-1]
+    length = math.hypot(to_x - x, to_y - y)
+    aside = [abs((to_x - x) * (q - y) - (to_y - y) * (p - x)) / length for p, q in points[1:-1]]
+    return max(aside, default=0.0) < _STRAIGHT_M
 
 
 def _along(line: tuple[Point, Point], along: float) -> Point:

@@ -21,6 +21,7 @@ from dataclasses import dataclass, replace
 from itertools import pairwise
 
 from remodel_production.core.board.duct_graph import DuctGraph
+from remodel_production.core.board.trunk import with_trunk
 from remodel_production.core.catalogue import CabinetRules, Catalogue
 from remodel_production.core.production import (
     Component,
@@ -42,12 +43,16 @@ _PASSES = 40
 def laid_out(order: Order, catalogue: Catalogue) -> Order:
     """Return the order with the places, ducts, routes and lengths that its design leaves open.
 
-    A design with segments of its own, such as a harness, is returned unchanged. Wires that leave
-    the cabinet get no route, and components outside it no place.
+    A design with segments of its own, such as a harness, is returned unchanged; a harness between
+    two rows of connectors gets a trunk. Wires that leave the cabinet get no route, and components
+    outside it no place.
     """
     inside = order.in_cabinet()
     if order.segments or not inside.wires:
         return order
+    harness = with_trunk(order, catalogue)
+    if harness is not None:
+        return harness
     return _Cabinet(order, inside, catalogue).order()
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator
 from dataclasses import dataclass
 from xml.sax.saxutils import escape, quoteattr
@@ -132,11 +133,18 @@ def _devices(board: Board, view: _View) -> Iterator[str]:
         width, height = device.size
         x, y = view.place((device.centre[0] - width / 2, device.centre[1] + height / 2))
         title = " ".join(filter(None, (device.component.name, device.component.kind)))
+        turned = _turned(device.turn, view.place(device.centre))
         yield (
             f'<rect x="{x:.1f}" y="{y:.1f}" width="{width * view.scale:.1f}" '
             f'height="{height * view.scale:.1f}" rx="2" fill="#f7f7f4" stroke="#8a8a80" '
-            f'stroke-width="0.8"><title>{escape(title)}</title></rect>'
+            f'stroke-width="0.8"{turned}><title>{escape(title)}</title></rect>'
         )
+
+
+def _turned(turn: float, about: Point) -> str:
+    """Return the attribute that turns what is drawn to the left [rad] about a place."""
+    x, y = about
+    return f' transform="rotate({-math.degrees(turn):.1f} {x:.1f} {y:.1f})"' if turn else ""
 
 
 def _openings(board: Board, catalogue: Catalogue, view: _View) -> Iterator[str]:
@@ -148,9 +156,10 @@ def _openings(board: Board, catalogue: Catalogue, view: _View) -> Iterator[str]:
             width, depth = opening.bore or _OPENING_M, opening.depth or _OPENING_M
             top = y if opening.insertion_yaw else y + depth
             left, upper = view.place((x - width / 2, top))
+            turned = _turned(device.yaw, view.place((x, y)))
             yield (
                 f'<rect x="{left:.1f}" y="{upper:.1f}" width="{width * view.scale:.1f}" '
-                f'height="{depth * view.scale:.1f}" fill="#8a8a80">'
+                f'height="{depth * view.scale:.1f}" fill="#8a8a80"{turned}>'
                 f"<title>{escape(str(ref))}</title></rect>"
             )
 

@@ -32,6 +32,8 @@ _LARGEST_LABEL_M = 0.024
 _LABEL_STEP_M = 0.001
 # Numbers of positions, lengths and forces keep so many decimals.
 _DECIMALS = 6
+# A route of so many points is straight.
+_STRAIGHT_POINTS = 2
 # Rows of devices run along the panel's y.
 _ALONG_ROW = round(math.pi / 2, _DECIMALS)
 
@@ -58,7 +60,11 @@ class PanelOpening:
 
 @dataclass(frozen=True)
 class PanelDevice:
-    """A device with its label: centre of its base [m], and its size along x, y and z [m]."""
+    """A device with its label: centre of its base [m], and its size along its x, y and z [m].
+
+    Attributes:
+        yaw: by which it is turned [rad].
+    """
 
     name: str
     kind: str
@@ -67,6 +73,7 @@ class PanelDevice:
     place: Point
     size: Vector
     openings: tuple[PanelOpening, ...]
+    yaw: float = 0.0
 
 
 @dataclass(frozen=True)
@@ -183,11 +190,10 @@ class _Maker:
     def _bounds(self) -> tuple[float, float, float, float]:
         """Return left, low, right and top of the plate, in the board's frame [m]."""
         board, catalogue = self._board, self._catalogue
-        boxes = [
-            (d.centre[axis] + sign * d.size[axis] / 2 for d in board.devices for sign in (-1, 1))
+        xs, ys = (
+            [d.centre[axis] + sign * d.half_extent[axis] for d in board.devices for sign in (-1, 1)]
             for axis in (0, 1)
-        ]
-        xs, ys = map(list, boxes)
+        )
         margin = catalogue.formboard.plate_margin
         beside = 0.0
         if board.is_cabinet:
@@ -220,13 +226,16 @@ class _Maker:
             openings=tuple(
                 self._opening(device, terminal, part) for terminal in component.terminals
             ),
+            yaw=_number(device.turn),
         )
 
     def _opening(self, device: PlacedDevice, terminal: Terminal, part: DeviceClass) -> PanelOpening:
         ref = TerminalRef(device.component.name, terminal.name)
         x, y = self._board.openings[ref]
-        up, aside = y - device.centre[1], device.centre[0] - x
-        is_top = terminal.side is Side.TOP
+        cos, sin = math.cos(device.turn), math.sin(device.turn)
+        out, left = y - device.centre[1], device.centre[0] - x
+        up, aside = cos * out + sin * left, cos * left - sin * out
+        is_top = terminal.side is Side.TOP if self._board.is_cabinet else up > 0
         kind = self._types.get(ref)
         screw = None
         if part.screw_m is not None:
@@ -315,7 +324,9 @@ class _Maker:
                 clips.append(PanelClip(clip.name, pose, thick[0], *size))
             else:
                 # Two wires beside each other, and the others above them.
-                width = round(max(rules.fork.width, 2.2 * max(thick)), _DECIMALS)
+                least = max(rules.fork.width, 2.2 * max(thick))
+                passing = [wire for wire in self._routed if clip in passed[wire.name]]
+                width = round(max(least, self._spread(clip, passing)), _DECIMALS)
                 fork = rules.fork
                 forks[clip.name] = PanelDuct(
                     clip.name, pose, fork.length, width=width, height=fork.height
@@ -325,6 +336,23 @@ class _Maker:
             for name, held in passed.items()
         }
         return tuple(forks.values()), tuple(clips), forks_of
+
+    def _spread(self, clip: Clip, wires: Sequence[Wire]) -> float:
+        """Return the width between the posts of a fork for the wires that pass it straight [m]."""
+        yaw = self._along(clip)
+        x, y = self._at(self._board.clips[clip.name])
+        asides = []
+        for wire in wires:
+            route = self._board.routes[wire.name]
+            if len(route) > _STRAIGHT_POINTS:
+                continue
+            (ax, ay), (bx, by) = (
+                (math.cos(yaw) * (p - x) + math.sin(yaw) * (q - y),
+                 math.cos(yaw) * (q - y) - math.sin(yaw) * (p - x))
+                for p, q in map(self._at, route)
+            )  # fmt: skip
+            asides.append(abs(ay - (by - ay) * ax / (bx - ax)) if ax != bx else 0.0)
+        return 2 * max(asides) + self._catalogue.formboard.fork.play if asides else 0.0
 
     def _along(self, clip: Clip) -> float:
         """Return the direction of a clip's wire in the panel's frame [rad]."""

@@ -22,7 +22,7 @@ from remodel_sim.abilities.primitives.motions import (
 from remodel_sim.abilities.primitives.together import move_together
 from remodel_sim.core.belief.belief_state import Grip
 from remodel_sim.core.errors import AbilityError
-from remodel_sim.core.geometry import Array, Pose
+from remodel_sim.core.geometry import Array, Pose, wrap_angle
 from remodel_sim.core.robot.arm import ToolPose
 from remodel_sim.core.robot.force_control import WIRE_STIFFNESS, ForceControl
 from remodel_sim.core.robot.push_monitor import PushMonitor
@@ -53,6 +53,9 @@ TURNED_IN_M = 0.010
 # force [N].
 FEELS_M = (-0.0025, -0.005, -0.0075, 0.0025)
 FEEL_N = 5.0
+# An end so near to its place before an opening was brought there already [m, rad].
+ALREADY_THERE_M = 0.004
+ALREADY_THERE_RAD = 0.05
 # Two hands carry a wire so high that its loop clears what stands on the plate [m].
 BOTH_CARRY_Z = 0.32
 
@@ -121,18 +124,26 @@ def bring_before(context: RobotContext, socket: Pose) -> Steps[None]:
 
     Where a slotted duct stands before it, the hand comes down beside the opening, so that the wire
     behind it goes down into a slot: over the wall it would have to bend upwards beside the grip.
+    An end that is there already stays low: lifted, the wire would leave its forks.
     """
     target = tool_before(socket, _grip(context), -STANDOFF_M)
     slot = slot_before(context.panel, WORLD_FROM_PANEL.inverse() @ socket)
     above = target.moved(socket.rotation[:, 1], slot.aside if slot else 0.0)
-    holder = holder_of(context)
-    if holder is not None:
-        yield from _carry_both(context, holder, above, -unit_x(socket))
-    yield from carry_over(context, above)
+    if not _is_at(context, above):
+        holder = holder_of(context)
+        if holder is not None:
+            yield from _carry_both(context, holder, above, -unit_x(socket))
+        yield from carry_over(context, above)
     yield from move_to(context, context.commanded.at(z=target.z), APPROACH_SPEED)
     slant = _slant(context, socket)
     yield from move_to(context, _way_in(socket, slant, _grip(context), target)(0.0), APPROACH_SPEED)
     yield from wait(context, STILL_S)
+
+
+def _is_at(context: RobotContext, target: ToolPose) -> bool:
+    here = context.commanded
+    away = float(np.linalg.norm(here.position - target.position))
+    return away < ALREADY_THERE_M and abs(wrap_angle(here.yaw - target.yaw)) < ALREADY_THERE_RAD
 
 
 def _slant(context: RobotContext, socket: Pose) -> float:

@@ -22,6 +22,10 @@ GRASP_M = 0.025
 LENGTH_M = (0.30, 3.0)
 # A slot lets a wire through that is thinner by this.
 SLOT_PLAY_M = 0.0003
+# A wire that is let down into forks is so much longer than the line between its openings: shorter,
+# its second end does not come in front of its opening; longer, it bows out between the forks.
+SPARE_M = (0.028, 0.060)
+STRAIGHT_RAD = math.radians(5.0)
 # Between a finger and the wire in the next terminal.
 FINGER_PLAY_M = 0.0005
 # How far out of reach a terminal is, is found in steps of [m], up to this.
@@ -154,6 +158,8 @@ def _wire(wire: PanelWire, panel: Panel) -> Iterator[str]:
             f"{name}: it is {wire.length:.2f} m long and its route {along:.2f} m, "
             f"{along - wire.length:.2f} m too short: cut it to the route's length and both bends"
         )
+    if any(duct.is_fork and duct.id in wire.ducts for duct in panel.ducts):
+        yield from _through_forks(wire, along)
     ducts = {duct.id: duct for duct in panel.ducts}
     for duct_id in dict.fromkeys(wire.ducts):
         duct = ducts.get(duct_id)
@@ -168,3 +174,23 @@ def _wire(wire: PanelWire, panel: Panel) -> Iterator[str]:
                 f"are {duct.slot_width * 1e3:.1f} mm wide, {lack * 1e3:.1f} mm too narrow: slots "
                 f"of {(wire.diameter + SLOT_PLAY_M) * 1e3:.1f} mm"
             )
+
+
+def _through_forks(wire: PanelWire, along: float) -> Iterator[str]:
+    """Yield why a wire with a route of a length [m] cannot be let down into its forks."""
+    name = f"wire {wire.id!r}"
+    headings = [math.atan2(q[1] - p[1], q[0] - p[0]) for p, q in pairwise(wire.route)]
+    turn = max((abs(float(wrap_angle(b - a))) for a, b in pairwise(headings)), default=0.0)
+    if turn > STRAIGHT_RAD:
+        yield (
+            f"{name}: its route turns by {math.degrees(turn):.0f} deg; the cell lets wires down "
+            "into forks in a straight line only: connectors that face each other"
+        )
+        return
+    least, most = SPARE_M
+    if not least - 1e-6 <= wire.length - along <= most + 1e-6:
+        yield (
+            f"{name}: it is {wire.length:.3f} m long and its openings are {along:.3f} m apart, "
+            f"through forks; allowed: {least * 1e3:.0f} to {most * 1e3:.0f} mm more: cut it to "
+            f"{along + least:.3f} to {along + most:.3f} m"
+        )

@@ -24,6 +24,8 @@ class Named(Protocol):
 Item = TypeVar("Item", bound=Named)
 # Pitches that differ by less are the same [m].
 PITCH_TOLERANCE_M = 1e-5
+# Walls along a wire that are no longer than this are the posts of a fork [m].
+FORK_LENGTH_M = 0.02
 
 
 class WireEnd(Enum):
@@ -140,6 +142,11 @@ class Duct:
     slot_pitch: float = 0.0
     slot_width: float = 0.0
     slot_bottom: float = 0.0
+
+    @property
+    def is_fork(self) -> bool:
+        """Whether it is no trough, but the posts of a fork: walls too short to hold a wire bent."""
+        return not self.slot_pitch and self.length <= FORK_LENGTH_M
 
     @property
     def panel_from_duct(self) -> Pose:

@@ -105,7 +105,7 @@ def _component(device: PanelDevice, names: Mapping[TerminalRef, str]) -> Compone
         kind=device.kind,
         marker_id=device.label,
         marker_size=device.label_size,
-        pose=Pose2D(*device.place, 0.0),
+        pose=Pose2D(*device.place, device.yaw),
         size=Vector3(*device.size),
         terminals=[
             _terminal(opening, names[TerminalRef(device.name, opening.name)])

@@ -10,8 +10,10 @@ from remodel_msgs.msg import Panel
 from remodel_planning.core.decomposition.triage import triaged
 from remodel_planning.core.orders.board_order import board_order
 from remodel_planning.core.orders.cell_order import USE_CASE, cell_order
-from remodel_planning.core.orders.work_order import WorkOrder
+from remodel_planning.core.orders.work_order import Task, WorkOrder
 from remodel_planning.core.problem.preferences import about_wires
+from remodel_planning.core.problem.problem import End
+from remodel_planning.core.task_charts.task_values import poses
 from remodel_planning.core.use_case.fault import FaultTable
 from remodel_planning.core.use_case.model import UseCase
 from remodel_planning.edge.use_case_files import find_use_case
@@ -134,7 +136,8 @@ def _in_cell(
             "(designs: {tasks: wires}), or plan it with `planner plan`"
         )
     panel = board_message(panel_of(board, catalogue), order)
-    first = replace(order, tasks=order.tasks[: tasks or None])
+    done = [_on_panel(task, panel, use_case) for task in order.tasks[: tasks or None]]
+    first = replace(order, tasks=tuple(done))
     found = triaged(first, use_case)
     if not found.tasks:
         raise OrderError(
@@ -142,3 +145,16 @@ def _in_cell(
             f"such as {found.by_hand[0]}"
         )
     return found, panel, {}
+
+
+def _on_panel(task: Task, panel: Panel, use_case: UseCase) -> Task:
+    """Return a task whose path is that of its wire on the panel, in the panel's frame.
+
+    Of a task whose first end the planner chooses, the path stays in the frame of its board.
+    """
+    if task.first is None:
+        return task
+    (wire,) = (wire for wire in panel.wires if wire.id == task.name)
+    points = [(round(1e3 * p.x, 3), round(1e3 * p.y, 3)) for p in wire.route]
+    path = poses(points if task.first is End.A else points[::-1], use_case.cell.carry_height_m)
+    return replace(task, values=(*task.values, ("path", path)))

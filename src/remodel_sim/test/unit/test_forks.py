@@ -1,0 +1,104 @@
+"""Wires that are let down into the forks of a formboard: what fits the cell, and how it goes."""
+
+import math
+from dataclasses import replace
+from pathlib import Path
+
+import pytest
+from place_wire import do, fix, insert, locate
+
+from remodel_sim.abilities.detect_cable import detect_cable
+from remodel_sim.abilities.pick_cable import pick_cable
+from remodel_sim.abilities.route_wire import route_wire
+from remodel_sim.cell import Cell
+from remodel_sim.core import goals
+from remodel_sim.core.errors import AbilityError
+from remodel_sim.core.geometry import Pose
+from remodel_sim.core.workpiece.layout import WORLD_FROM_PANEL, find_problems
+from remodel_sim.core.workpiece.panel import WireEnd
+from remodel_sim.edge.cell_file import read_cell
+from remodel_sim.edge.wire_material_file import read_wire_materials
+from remodel_sim.physics.truth import share_in_ducts
+from remodel_sim.ros.conversions import read_panel
+from remodel_states.core.codes import Code
+
+CONFIG = Path(__file__).parents[2] / "config"
+DESIGN = read_cell("two_arms_formboard")
+HARNESS = read_panel(CONFIG / "harness.yaml", read_wire_materials(CONFIG / "wire_materials.yaml"))
+WIRE = "W1.4"
+HOLDER = "robot_2"
+
+
+def problems(panel):
+    arms = [robot.arm for robot in DESIGN.robots]
+    return find_problems(panel, arms, has_magazine=True)
+
+
+def with_wire(**fields):
+    first, *others = HARNESS.wires
+    return replace(HARNESS, wires=(replace(first, **fields), *others))
+
+
+def test_the_harness_fits_the_cell_for_formboards():
+    assert problems(HARNESS) == ()
+
+
+def test_a_route_that_bends_is_refused_with_the_angle():
+    (ax, ay, z), (bx, by, _) = HARNESS.wires[0].route
+    (problem,) = problems(with_wire(route=((ax, ay, z), (bx, ay, z), (bx, by, z)), length=0.60))
+    assert "'W1.1': its route turns by 90 deg" in problem
+    assert "connectors that face each other" in problem
+
+
+@pytest.mark.parametrize("length", [0.495, 0.60])
+def test_a_wire_too_short_or_too_long_for_its_forks_is_refused_with_the_allowed_length(length):
+    (problem,) = problems(with_wire(length=length))
+    apart = math.dist(*(point[:2] for point in HARNESS.wires[0].route))
+    assert f"'W1.1': it is {length:.3f} m long and its openings are {apart:.3f} m apart" in problem
+    assert f"cut it to {apart + 0.028:.3f} to {apart + 0.060:.3f} m" in problem
+
+
+def path_of(cell):
+    """Return the wire's route as the use case gives it to RouteWire."""
+    (ax, ay, _), (bx, by, _) = cell.plant.panel.wire(WIRE).route
+    yaw = math.atan2(by - ay, bx - ax)
+    return tuple(WORLD_FROM_PANEL @ Pose.level(x, y, 0.06, yaw) for x, y in ((ax, ay), (bx, by)))
+
+
+def route(cell):
+    holder = cell.contexts[HOLDER]
+    goal = goals.RouteGoal(HOLDER, WIRE, path_of(cell))
+    return cell.run(route_wire(holder, goal), HOLDER)
+
+
+def test_a_wire_is_let_down_into_its_forks_once_its_other_end_is_fixed():
+    cell = Cell(HARNESS, design=DESIGN, seed=1)
+    wire = cell.plant.panel.wire(WIRE)
+    holder = cell.contexts[HOLDER]
+    cell.feed(WIRE, "")
+    do(cell, detect_cable, goals.DetectGoal(WIRE))
+    key = wire.goes_to(WireEnd.A)
+    socket = locate(cell, *key)
+    pick = goals.PickGoal(HOLDER, WIRE, WireEnd.B, 0.0)
+    cell.run(pick_cable(holder, pick), HOLDER)
+    with pytest.raises(AbilityError, match="end a of 'W1\\.4' is not fixed") as raised:
+        route(cell)
+    assert raised.value.code is Code.INVALID_GOAL
+    cell.close()
+
+    cell = Cell(HARNESS, design=DESIGN, seed=1)
+    holder = cell.contexts[HOLDER]
+    cell.feed(WIRE, "")
+    do(cell, detect_cable, goals.DetectGoal(WIRE))
+    insert(cell, WIRE, WireEnd.A, *key, socket)
+    fix(cell, WIRE, *key, 5.0)
+    do(cell, detect_cable, goals.DetectGoal(WIRE))
+    cell.run(pick_cable(holder, pick), HOLDER)
+    assert route(cell).message == f"{WIRE} laid into F1, F2, F3"
+    # In front of its opening, and below the tops of all posts, by the physics.
+    opening = WORLD_FROM_PANEL @ cell.plant.panel.panel_from_socket(*wire.goes_to(WireEnd.B))
+    tip = opening.inverse().apply(cell.plant.live.cable.nodes()[-1])
+    assert -0.015 < tip[0] < 0
+    assert abs(tip[1]) < 0.003
+    assert share_in_ducts(cell.plant, WIRE) == 1.0
+    cell.close()
