@@ -353,6 +353,21 @@ def test_a_new_piece_is_placed_when_the_old_one_is_discarded(run):
     assert run.end("W2") == EndRun(Ending.INCOMPLETE, "skipped: W1")
 
 
+def test_a_run_whose_behaviors_are_all_interrupted_stops(run):
+    run.policy = Policy(unattended=Do.SET_ASIDE)
+    run.possible = POSSIBLE - {Do.ASK_OPERATOR}
+    run.begin("W1")
+    for _ in range(100):
+        run.add(Interrupted("the cell does not answer"))
+        if run.state.tasks["W1"].stage is Stage.FAILED and not run.state.stop:
+            run.decide("W1")
+        if not isinstance(run.next, Execute):
+            break
+        run.begin("W1", run.next.part)
+    assert isinstance(run.next, EndRun)
+    assert "W1 was interrupted" in run.next.because
+
+
 def test_a_server_that_was_lost_may_have_left_something_in_the_hand(run):
     run.policy = Policy({"server_lost": (Response(Do.NEW_PART), Response(Do.SET_ASIDE))})
     run.begin("W1")

@@ -195,7 +195,12 @@ def _apply_interrupted(event: Interrupted, state: RunState) -> RunState:
         return _for_a_person(state, task)
     if task.interruptions > INTERRUPTION_LIMIT:
         task = replace(task, stage=Stage.FAILED, codes=(*task.codes, Code.SERVER_LOST))
-        return state.with_task(task, failures=state.failures + 1)
+        # What was decided then is interrupted, too.
+        goes_on = task.interruptions <= 2 * INTERRUPTION_LIMIT
+        stop = f"{task.name} was interrupted {task.interruptions} times: {event.because}"
+        return state.with_task(
+            task, failures=state.failures + 1, stop=state.stop if goes_on else stop
+        )
     then = _then_of_skipped(state, task)
     return state.with_task(replace(task, stage=Stage.READY, part=Part.CLEAR, then=then))
 
