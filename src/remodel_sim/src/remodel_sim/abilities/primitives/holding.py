@@ -9,7 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from remodel_sim.abilities.execution.robot_context import RobotContext
-from remodel_sim.abilities.primitives.motions import canonical, nearest_hand_yaw
+from remodel_sim.abilities.primitives.motions import canonical
 from remodel_sim.abilities.primitives.together import least_gap
 from remodel_sim.core.belief.belief_state import EndState
 from remodel_sim.core.errors import AbilityError
@@ -183,7 +183,11 @@ def _places(
             z = float(np.clip(tool.z + straight * math.sin(up), *HEIGHTS_M))
             level, yaw = math.sqrt(straight**2 - min(straight, z - tool.z) ** 2), heading + aside
             x, y = tool.x + level * math.cos(yaw), tool.y + level * math.sin(yaw)
-            hand = nearest_hand_yaw(holder.arm, x, y, yaw - grip.flip, holder.commanded.yaw)
+            # The tip points away: the other way round the wire would turn back beside the hand.
+            now = holder.commanded.yaw
+            hand = holder.arm.canonical_yaw(x, y, now + float(wrap_angle(yaw - grip.flip - now)))
+            if hand is None:
+                continue
             place = ToolPose(x, y, z, hand)
             way = float(np.linalg.norm(place.position - holder.commanded.position))
             yield abs(aside) + 0.3 * abs(up - ups[0]) + WAY_COST * way, place

@@ -19,9 +19,9 @@ from remodel_sim.core.robot.linear_axis import LinearAxis
 from remodel_states.core.codes import Code
 
 JOINT_NAMES = ("portal_x", "portal_y", "portal_z", "portal_turn")
-# The hand turns by so much to either side of the base's yaw [rad]: it leads a wire around corners
-# that are a full turn together, whichever of its two sides it begins with.
-TURN_RAD = 1.5 * math.pi
+# The hand turns by so much to either side of the base's yaw [rad]: it follows a wire around corners
+# that are a full turn together, whichever way round it begins.
+TURN_RAD = 2.5 * math.pi
 
 
 @dataclass(frozen=True)
