@@ -84,6 +84,8 @@ LEAST_IN_DUCTS = 0.8
 RISES_M = 0.12
 # The leading hand leaves the wire so far back along it, then upwards [m].
 BACK_M = 0.012
+# It is released with the free part so far to the inner side of its last corner [rad].
+INWARD_RAD = math.radians(35.0)
 # So much of the wire is inside its terminal, about [m].
 INSIDE_M = 0.014
 # Two hands need so much of the wire between them: where less is left at the last slot, the leading
@@ -215,7 +217,7 @@ def _lead(holder: RobotContext, guide: RobotContext, route: list[Array]) -> Step
         check_grip(holder)
         here, yaw = target.at, target.yaw
     # Released, a wire that is pulled upwards would leave its ducts.
-    yield from _loosen(holder, guide, target, left)
+    yield from _loosen(holder, guide, target, left, _last_turn(places))
     guide.report("releasing the wire", 0.9)
     yield from _withdraw(guide, holder)
     return peak
@@ -378,12 +380,26 @@ def _bring(
     return peak
 
 
-def _loosen(holder: RobotContext, guide: RobotContext, place: _Place, left: float) -> Steps[None]:
-    """Give the free part of the wire slack, `left` [m] of it, and the leading hand room to rise."""
+def _last_turn(places: Sequence[_Place]) -> float:
+    """Return by how much the way turns at its last corner [rad], positive to the left."""
+    turns = [float(wrap_angle(b.heading - a.heading)) for a, b in pairwise(places)]
+    return next((turn for turn in reversed(turns) if abs(turn) > 1e-6), 0.0)
+
+
+def _loosen(
+    holder: RobotContext, guide: RobotContext, place: _Place, left: float, turn: float
+) -> Steps[None]:
+    """Give the free part of the wire slack, and the leading hand room to rise.
+
+    After its last `turn` [rad] the wire springs outwards, into the notch of an open finger: the
+    holder bends it the other way. `left` is how long the free part is [m].
+    """
     here = guide.commanded
     out = np.array([math.cos(place.heading), math.sin(place.heading), 0.0])
     risen = here.moved(-out, BACK_M).at(z=max(here.z, TRAVEL_Z))
-    moves = bring_together(guide, here, holder, out, left, SLACK, place.yaw, then=risen)
+    inward = place.heading + math.copysign(INWARD_RAD, turn) if turn else place.heading
+    inwards = np.array([math.cos(inward), math.sin(inward), 0.0])
+    moves = bring_together(guide, here, holder, inwards, left, SLACK, place.yaw, then=risen)
     for move in moves:
         yield from move_together(move, LEAD_SPEED, HOLD_SPEED)
 
