@@ -155,3 +155,22 @@ def test_a_wire_rests_on_a_parked_one_that_is_solid():
 
     assert crossing_height(draw_parked) == pytest.approx(1.0, abs=0.1)
     assert 2.0 < crossing_height(draw_parked, add_solid) < 3.1
+
+
+def test_a_parked_wire_that_is_solid_has_the_colour_of_the_wire():
+    def seen(*additions):
+        world = World(240)
+        bullet = world.bullet
+        line = np.linspace(-0.1, 0.1, 20)[:, None] * np.array([0.0, 1.0, 0.0])
+        for add in additions:
+            add(world, line, ordered(0.2, colour="BU"))
+        view = bullet.computeViewMatrix([0.0, 0.0, 0.2], [0.0, 0.0, 0.0], [0.0, 1.0, 0.0])
+        lens = bullet.computeProjectionMatrixFOV(60.0, 1.0, 0.01, 1.0)
+        renderer = bullet.ER_TINY_RENDERER
+        _, _, rgba, _, _ = bullet.getCameraImage(200, 200, view, lens, renderer=renderer)
+        world.close()
+        return np.reshape(rgba, (200, 200, 4))[:, :, :3].astype(float)
+
+    drawn = seen(draw_parked)
+    assert np.ptp(drawn) > 100, "the wire is in view"
+    assert np.abs(seen(draw_parked, add_solid) - drawn).max() < 10

@@ -81,7 +81,9 @@ def add_solid(world: World, nodes: Array, wire: PanelWire) -> None:
 
 
 def _add_capsules(world: World, nodes: Array, radius: float) -> int:
-    parts = []
+    # Bullet draws, in white, the solids of a link that has nothing to draw: it gets a speck.
+    speck = '<visual><origin xyz="{:.6f} {:.6f} {:.6f}"/>'.format(*nodes[0])
+    parts = [f'{speck}<geometry><box size="1e-6 1e-6 1e-6"/></geometry></visual>']
     for start, end in pairwise(nodes):
         axis = end - start
         length = float(np.linalg.norm(axis))
