@@ -9,6 +9,7 @@ import pytest
 from panels import panel
 from place_wire import insert
 
+from remodel_sim.abilities.primitives.pushing import FEEL_N, FEELS_M
 from remodel_sim.cell import Cell
 from remodel_sim.core.errors import AbilityError
 from remodel_sim.core.workpiece.panel import WireEnd
@@ -59,6 +60,7 @@ def test_a_blocked_opening_is_pressed_no_harder_than_allowed(cell_of, pushes, li
     with pytest.raises(AbilityError) as caught:
         push(cell, limit)
     assert caught.value.code is Code.INSERTION_JAMMED
-    (record,) = pushes
-    assert caught.value.found["peak_force"] <= record.allowed
-    assert record.peak <= record.allowed
+    pushed, *felt = pushes
+    assert caught.value.found["peak_force"] <= pushed.allowed
+    assert all(record.peak <= record.allowed for record in pushes)
+    assert [record.limit for record in felt] == [min(limit, FEEL_N)] * len(FEELS_M)

@@ -41,6 +41,17 @@ def cell_of(design=DESIGN):
     return Cell(panel, design=design, seed=1)
 
 
+def hold_end_b(cell):
+    """Feed the wire and hold its end b; return where end a goes, by name and as it was located."""
+    cell.feed(WIRE, "")
+    do(cell, detect_cable, goals.DetectGoal(WIRE))
+    key = cell.plant.panel.wire(WIRE).goes_to(WireEnd.A)
+    socket = locate(cell, *key)
+    pick = goals.PickGoal(HOLDER, WIRE, WireEnd.B, 0.0)
+    cell.run(pick_cable(cell.contexts[HOLDER], pick), HOLDER)
+    return key, socket
+
+
 def lay(cell):
     goal = goals.LayGoal(HOLDER, GUIDE, WIRE)
     steps = lay_wire(cell.contexts[HOLDER], cell.contexts[GUIDE], goal)
@@ -54,18 +65,17 @@ def route_of(cell):
 
 def test_a_wire_is_led_into_its_ducts():
     cell = cell_of()
-    wire = cell.plant.panel.wire(WIRE)
-    cell.feed(WIRE, "")
-    do(cell, detect_cable, goals.DetectGoal(WIRE))
-    key = wire.goes_to(WireEnd.A)
-    socket = locate(cell, *key)
+    key, socket = hold_end_b(cell)
     holder = cell.contexts[HOLDER]
-    cell.run(pick_cable(holder, goals.PickGoal(HOLDER, WIRE, WireEnd.B, 0.0)), HOLDER)
     insert(cell, WIRE, WireEnd.A, *key, socket)
     fix(cell, WIRE, *key, pull=5.0)
     laid = lay(cell)
     assert laid.in_ducts >= 0.8
-    assert holder.belief.grip is not None, "the holder keeps the free end"
+    grip = holder.belief.grip
+    assert grip is not None, "the holder keeps the free end"
+    tip_yaw = holder.commanded.yaw + grip.flip
+    away = holder.commanded.position - route_of(cell)[-2]
+    assert away[:2] @ [np.cos(tip_yaw), np.sin(tip_yaw)] > 0, "its tip points away from the duct"
     assert truth.share_in_ducts(cell.plant, WIRE) >= 0.8
     (found,) = truth.ground_truth(cell.plant, [WIRE])
     assert found.a.seated and found.a.fixed
@@ -74,13 +84,8 @@ def test_a_wire_is_led_into_its_ducts():
 
 def test_a_wire_that_missed_its_terminal_leaves_the_cell_from_hand_to_hand():
     cell = cell_of()
-    wire = cell.plant.panel.wire(WIRE)
-    cell.feed(WIRE, "")
-    do(cell, detect_cable, goals.DetectGoal(WIRE))
-    key = wire.goes_to(WireEnd.A)
-    socket = locate(cell, *key)
+    key, socket = hold_end_b(cell)
     holder = cell.contexts[HOLDER]
-    cell.run(pick_cable(holder, goals.PickGoal(HOLDER, WIRE, WireEnd.B, 0.0)), HOLDER)
     beside = replace(socket, position=socket.position + np.array([0.0, 0.0, BESIDE_M]))
     with pytest.raises(AbilityError) as caught:
         insert(cell, WIRE, WireEnd.A, *key, beside)

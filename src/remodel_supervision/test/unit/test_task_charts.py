@@ -314,7 +314,7 @@ def test_two_robots_do_a_wire_by_name(in_ducts, library):
     ]
     flows = {(c.output_state_id, c.output, c.input_state_id) for c in chart.connections}
     assert ("Locate first", "socket_pose", "Insert a") in flows
-    assert ("Locate second", "socket_pose", "Extract b") in flows
+    assert ("Locate second", "socket_pose", "Insert b") in flows
     for chart in (in_ducts["W1"].chart, in_ducts["W1"].clear(), in_ducts["W1"].discard()):
         assert check_chart(escalating(chart), library, {}).problems == ()
 
@@ -322,7 +322,7 @@ def test_two_robots_do_a_wire_by_name(in_ducts, library):
 def test_a_task_that_is_given_up_empties_the_hands_of_all_its_robots(in_ducts):
     chart = in_ducts["W1"].chart
     nodes, robots = transitions(chart), robots_of(chart)
-    assert nodes["Lay"]["exhausted"] == nodes["Hold"]["command_error"] == "Release"
+    assert nodes["Lay"]["failed"] == nodes["Hold"]["command_error"] == "Release"
     assert set(nodes["Release"].values()) == {"Release 2"}
     assert set(nodes["Release 2"].values()) == {"failed"}
     assert (robots["Release"], robots["Release 2"]) == ("robot_1", "robot_2")
