@@ -11,7 +11,6 @@ import numpy as np
 from remodel_sim.abilities.execution.robot_context import RobotContext
 from remodel_sim.abilities.primitives.motions import canonical
 from remodel_sim.abilities.primitives.together import least_gap
-from remodel_sim.core.belief.belief_state import EndState
 from remodel_sim.core.errors import AbilityError
 from remodel_sim.core.geometry import Array, wrap_angle
 from remodel_sim.core.robot.arm import ToolPose
@@ -191,10 +190,3 @@ def _places(
             place = ToolPose(x, y, z, hand)
             way = float(np.linalg.norm(place.position - holder.commanded.position))
             yield abs(aside) + 0.3 * abs(up - ups[0]) + WAY_COST * way, place
-
-
-def is_held(context: RobotContext) -> bool:
-    """Return whether no end of the live wire is loose and free."""
-    belief = context.belief
-    held = {grip.end for grip in belief.hands.values()}
-    return all(end in held or state is not EndState.LOOSE for end, state in belief.ends.items())

@@ -245,16 +245,16 @@ def find_in(context: RobotContext, socket: Pose, bottom: float, limit: float) ->
         yield from _back_to(context, start, beside)
         felt = yield from push_in(context, socket, bottom, min(limit, FEEL_N))
         if felt.depth >= bottom / 2:
-            yield from _back_to(context, beside, beside)
+            yield from _back_to(context, beside)
             felt = yield from push_in(context, socket, bottom, limit)
             tip = felt.tip - np.array([0.0, 0.0, above])
             push = replace(felt, tip=tip, peak_force=max(push.peak_force, felt.peak_force))
     return push
 
 
-def _back_to(context: RobotContext, start: ToolPose, then: ToolPose) -> Steps[None]:
-    """Draw the end back to where its push began, and bring it beside that."""
-    for tool in (start, then):
+def _back_to(context: RobotContext, *tools: ToolPose) -> Steps[None]:
+    """Draw the end back to where its push began, and on to where the next one begins."""
+    for tool in tools:
         yield from move_to(context, tool, APPROACH_SPEED / 2)
     yield from wait(context, STILL_S)
 
