@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """Wire a board's wires through its ducts with two robots, without ROS, and compare with the truth.
 
-laying.py WIRE... [--first a] [--seed 1] [--cell two_arms_cabinet] [--pictures DIR]; the workspace
+laying.py WIRE... [--first b] [--seed 1] [--cell two_arms_cabinet] [--pictures DIR]; the workspace
 must be sourced. Each wire of the household board is placed from its feed to its second clamp:
 robot_1 inserts the first end and leads the wire (LayWire), robot_2 holds the other end and inserts
 it. A line is printed for each step: wall time, the cell's time since the feed, and what the cell
@@ -20,6 +20,7 @@ from typing import TypeVar
 
 import cv2
 
+from remodel_planning.core.orders.laying_order import first_ends
 from remodel_sim.abilities.detect_cable import detect_cable
 from remodel_sim.abilities.execution.robot_context import RobotContext, Steps
 from remodel_sim.abilities.fix_cable import fix_cable
@@ -30,7 +31,7 @@ from remodel_sim.abilities.pick_cable import pick_cable
 from remodel_sim.cell import Cell
 from remodel_sim.core import goals
 from remodel_sim.core.errors import AbilityError
-from remodel_sim.core.workpiece.panel import WireEnd
+from remodel_sim.core.workpiece.panel import Panel, WireEnd
 from remodel_sim.edge.cell_file import read_cell
 from remodel_sim.edge.wire_material_file import read_wire_materials
 from remodel_sim.physics.truth import ground_truth, share_in_ducts
@@ -98,6 +99,16 @@ class Laying:
         _tell(f"{wall:6.1f} s  {cell:6.1f} s  {step}: {message}")
 
 
+def _first_ends(panel: Panel) -> dict[str, WireEnd]:
+    """Return the end of each wire in ducts that is inserted first, as the use case chooses it."""
+    routes = {wire.id: wire.route for wire in panel.wires if wire.ducts}
+    paths = {
+        name: [(round(1e3 * x), round(1e3 * y)) for x, y, _ in route]
+        for name, route in routes.items()
+    }
+    return {name: WireEnd[end.name] for name, end in first_ends(paths).items()}
+
+
 def _photograph(cell: Cell, folder: Path, wire_id: str) -> None:
     for camera in ("scene", "overhead"):
         picture = cv2.cvtColor(cell.plant.photograph(camera).rgb, cv2.COLOR_RGB2BGR)
@@ -113,7 +124,7 @@ def main() -> int:
     """Place the wires; return 0 if all are placed."""
     parser = argparse.ArgumentParser(description="Wire a board's wires through its ducts.")
     parser.add_argument("wires", nargs="+", metavar="WIRE", help="such as W3")
-    parser.add_argument("--first", choices=("a", "b"), default="a", help="end inserted first")
+    parser.add_argument("--first", choices=("a", "b"), help="end inserted first")
     parser.add_argument("--seed", type=int, default=1, help="of all noise")
     parser.add_argument("--cell", default="two_arms_cabinet", help="name or file")
     parser.add_argument("--pictures", type=Path, help="folder for pictures after each wire")
@@ -123,10 +134,11 @@ def main() -> int:
     panel = read_panel(CONFIG / "household.yaml", read_wire_materials())
     cell = Cell(panel, design=read_cell(options.cell), seed=options.seed)
     laying = Laying(cell)
+    first = _first_ends(panel)
     placed = 0
     for wire_id in options.wires:
         try:
-            laying.place(wire_id, WireEnd(options.first))
+            laying.place(wire_id, WireEnd(options.first) if options.first else first[wire_id])
         except AbilityError as error:
             _tell(f"{wire_id}: {error.code.name}: {error}")
         (truth,) = ground_truth(cell.plant, [wire_id])

@@ -47,9 +47,11 @@ from remodel_sim.core.workpiece.panel import Duct, WireEnd, unit_x
 from remodel_sim.core.workpiece.slots import slot_before
 from remodel_states.core.codes import Code
 
-# Pads that are so near to each other have nothing between them; if the wire is there instead of in
-# the eyelet, the hand goes down by so much, so often [m].
-CLOSED_M = 0.0008
+# The pads stay so far apart, so that the edges of the eyelet do not pinch the wire; pads that are so
+# near to each other have nothing between them; if the wire is there instead of in the eyelet, the
+# hand goes down by so much, so often [m].
+APART_M = 0.0010
+CLOSED_M = 0.0016
 STEP_DOWN_M = 0.004
 TAKES = 4
 # The leading hand begins to turn so far before a corner, and ends so far behind it [m].
@@ -340,7 +342,7 @@ def _take(guide: RobotContext, tool: ToolPose) -> Steps[None]:
     yield from move_to(guide, tool.at(z=max(TRAVEL_Z, guide.commanded.z)), FREE_SPEED)
     yield from move_to(guide, tool, APPROACH_SPEED)
     for _ in range(TAKES):
-        guide.drive_fingers(0.0)
+        guide.drive_fingers(APART_M / 2)
         yield from wait(guide, CLOSE_S)
         if guide.finger_gap < CLOSED_M:
             return

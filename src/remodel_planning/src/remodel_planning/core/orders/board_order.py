@@ -1,9 +1,9 @@
 """A laid-out design as an order of a use case, which says what its tasks are: wires, or branches.
 
 Lengths are in mm in the board's frame. Of what the design says, a task states what the use case has
-a characteristic for: `section_mm2`, `colour`, `cable`, `core`, `seal`, `twisted`, `length_mm` and
-`left_end_mm` (the least x of its ends) of a wire, `role` and `part_number` of a component. Cores
-of a cable, and the wires of a twisted group, have one slot of the magazine and one preferred arm,
+a characteristic for: `section_mm2`, `colour`, `cable`, `core`, `seal`, `twisted`, `length_mm`,
+`left_end_mm` (the least x of its ends) and `laying_turn` (`laying_order.py`) of a wire, `role` and
+`part_number` of a component. Cores of a cable, and the wires of a twisted group, have one slot of the magazine and one preferred arm,
 and where no arm reaches all their ends, each of them may be handed over.
 """
 
@@ -14,16 +14,19 @@ from dataclasses import replace
 
 from remodel_planning.core.condition import Value
 from remodel_planning.core.orders.branch_order import branch_order
+from remodel_planning.core.orders.laying_order import first_ends, laying_turns
 from remodel_planning.core.orders.surroundings import Surroundings, in_mm
 from remodel_planning.core.orders.work_order import Access, Route, RouteClip, Task, WorkOrder
-from remodel_planning.core.problem.problem import PlannedTerminal
-from remodel_planning.core.use_case.designs import DesignKind, DesignTasks
+from remodel_planning.core.problem.problem import End, PlannedTerminal
+from remodel_planning.core.use_case.designs import LONGER_LEG, DesignKind, DesignTasks
 from remodel_planning.core.use_case.model import UseCase, declared
 from remodel_planning.core.use_case.plain_name import take_name
 from remodel_production.core.board.board import Board
 from remodel_production.core.imports.shared.assembly import unique_name
 from remodel_production.core.production import Component, Role, Terminal, TerminalRef, Wire
 from remodel_production.errors import OrderError
+
+LAYING_TURN = "laying_turn"
 
 
 def kind_of(board: Board) -> DesignKind:
@@ -67,8 +70,10 @@ class _Wiring:
         self._board = board
         self._use_case = use_case
         self._around = surroundings
-        self._first = None if use_case.designs is None else use_case.designs.first
         self._wires = [wire for wire in board.order.wires if wire.name in board.routes]
+        self._paths = {w.name: tuple(map(in_mm, board.routes[w.name])) for w in self._wires}
+        self._first = self._first_ends()
+        self._turns = self._laying_turns()
         self._cores: dict[str, list[Wire]] = {}
         for wire in self._wires:
             if wire.cable:
@@ -104,6 +109,21 @@ class _Wiring:
                 if (ref := TerminalRef(component.name, terminal.name)) in self._names
             },
         )
+
+    def _first_ends(self) -> dict[str, End]:
+        """Return the end of each wire that is inserted first, unless the planner chooses."""
+        first = None if self._use_case.designs is None else self._use_case.designs.first
+        if first is None:
+            return {}
+        if first == LONGER_LEG:
+            return first_ends(self._paths)
+        return dict.fromkeys(self._paths, End[first.upper()])
+
+    def _laying_turns(self) -> dict[str, int]:
+        """Return the turns in which wires are led into ducts, if the use case asks for them."""
+        if not self._first or LAYING_TURN not in self._use_case.task_characteristics:
+            return {}
+        return laying_turns(self._paths, self._first)
 
     def _terminal_names(self) -> dict[TerminalRef, str]:
         """Return a name for each terminal; those that read the same stay apart."""
@@ -144,7 +164,7 @@ class _Wiring:
         # may pick it.
         low = min((reach[0] for reach in able), default=arms[-1].reach_mm[0])
         high = max((reach[1] for reach in able), default=arms[0].reach_mm[1])
-        path = tuple(map(in_mm, self._board.routes[wire.name]))
+        path = self._paths[wire.name]
         clips = order.clips_of(wire) if wire.route else ()
         nearer = self._around.nearer(*self._middle(wire))
         return Task(
@@ -161,7 +181,7 @@ class _Wiring:
                     tuple(sorted(set(wire.route))),
                 ),
             ),
-            first=self._first,
+            first=self._first.get(wire.name),
             meeting_mm=None if able else self._around.meeting(path),
             preferred_arm=nearer.name if nearer else None,
         )
@@ -176,6 +196,7 @@ class _Wiring:
             "twisted": wire.cable in self._twisted,
             "length_mm": round(1e3 * self._board.length_of(wire)),
             "left_end_mm": min(self._ends_x(wire)),
+            LAYING_TURN: self._turns.get(wire.name, 0),
         }
         return declared(said, self._use_case.task_characteristics)
 

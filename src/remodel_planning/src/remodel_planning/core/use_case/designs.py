@@ -5,7 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 from enum import Enum
 
-from remodel_planning.core.problem.problem import End
+# A value of `first`.
+LONGER_LEG = "longer_leg"
 
 
 class DesignKind(Enum):
@@ -40,8 +41,9 @@ class Designs:
         home_below_m: [m] of the arms at first, below the board.
         reach_beyond_m: [m] of an arm, past its side of the board.
         reach_of_two: share of the board's width that each of two arms reaches from its side.
-        first: end of each wire that is inserted first, such as the one that a magazine presents in
-            front of its terminal; None: the planner chooses.
+        first: end of each wire that is inserted first: "a" or "b", such as the one that a magazine
+            presents in front of its terminal, or the one with the "longer_leg" in its first duct;
+            None: the planner chooses.
     """
 
     default_for: DesignKind | None
@@ -53,7 +55,7 @@ class Designs:
     home_below_m: float
     reach_beyond_m: float
     reach_of_two: float
-    first: End | None = None
+    first: str | None = None
 
 
 def designs_from(stated: dict[str, object] | None) -> Designs | None:
@@ -62,7 +64,6 @@ def designs_from(stated: dict[str, object] | None) -> Designs | None:
         return None
     default_for = stated.get("default_for")
     read: dict[str, object] = {
-        "first": End[str(stated["first"]).upper()] if "first" in stated else None,
         "default_for": DesignKind(default_for) if default_for else None,
         "tasks": DesignTasks(stated["tasks"]),
         "arms": tuple(stated["arms"]),  # type: ignore[arg-type]  # the schema says it is a list
