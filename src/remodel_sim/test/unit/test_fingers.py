@@ -3,12 +3,17 @@
 import numpy as np
 import pytest
 from holds import TOOL, wire_in_hand
+from panels import wire
 
+from remodel_sim.core.geometry import Pose
 from remodel_sim.core.robot.arm import PANDA_AT_ORIGIN
+from remodel_sim.core.workpiece.component_shape import Box
 from remodel_sim.core.workpiece.panel import WireEnd
 from remodel_sim.edge.cell_file import read_cell
 from remodel_sim.physics.robot import Robot
 from remodel_sim.physics.robot_description import FINGERS
+from remodel_sim.physics.static_body import add_static
+from remodel_sim.physics.wires.parked_wire import add_solid
 from remodel_sim.physics.world import CONTACT_STIFFNESS, GRAVITY, MASS_SCALE, World
 
 (CABINET,) = read_cell("cabinet").robots
@@ -103,6 +108,30 @@ def test_empty_fingers_stop_where_their_pads_meet():
         world.step()
     assert robot.finger_gap < SHUT_M
     world.close()
+
+
+def test_parked_wires_let_the_hand_pass_and_solids_do_not():
+    def touches(add):
+        world = World(240)
+        robot, fingers = Robot(world, TOOL, SLIM), SLIM.fingers
+        in_finger = TOOL.x + (fingers.opening + fingers.thickness) / 2
+        body = add(world, np.array([in_finger, TOOL.y, TOOL.z]))
+        world.step()
+        found = world.bullet.getContactPoints(bodyA=robot.body, **body)
+        world.close()
+        return len(found) > 0
+
+    def parked(world, middle):
+        line = middle + np.linspace(-0.1, 0.1, 11)[:, None] * np.array([0.0, 1.0, 0.0])
+        add_solid(world, line, wire("W", ("X", "1"), ("Y", "1"), 0.2))
+        return {}
+
+    def block(world, middle):
+        box = Box((0.0, 0.0, 0.0), (0.005, 0.2, 0.005), (1.0, 1.0, 1.0))
+        return {"bodyB": add_static(world.bullet, [box], Pose.level(*middle.tolist()))}
+
+    assert touches(block)
+    assert not touches(parked)
 
 
 def closed_on_a_wire(world, diameter, above):

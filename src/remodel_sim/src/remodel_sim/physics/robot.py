@@ -21,6 +21,7 @@ from remodel_sim.physics.robot_description import (
     foot_link,
     robot_description,
 )
+from remodel_sim.physics.wires.parked_wire import PARKED_GROUP
 from remodel_sim.physics.world import CONTACT_DAMPING, CONTACT_STIFFNESS, World
 
 ARM_TORQUE = 200.0  # [N m] stiff servo: the arm follows to 0.05 mm
@@ -127,7 +128,9 @@ class Robot:
                 frictionAnchor=1,  # without it a gripped wire creeps by 1 mm/s
             )
         for link in range(-1, self._bullet.getNumJoints(self.body)):
-            self._bullet.setCollisionFilterGroupMask(self.body, link, COLLISION_GROUP, -1)
+            self._bullet.setCollisionFilterGroupMask(
+                self.body, link, COLLISION_GROUP, ~PARKED_GROUP
+            )
         if self._base is not None:
             # It slides along its rail, on the plane that wires lie on.
             self._bullet.setCollisionFilterGroupMask(self.body, self._base, 0, 0)

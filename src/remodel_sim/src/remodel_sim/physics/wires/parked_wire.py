@@ -21,9 +21,10 @@ from remodel_sim.physics.world import World
 
 SIDES = 8
 STEP_M = 0.004
-# Bullet's own group of what moves; the hand is not in it (robot.py).
+# Bullet's own group of what moves, which an arm is not in. Two bodies touch if either one's mask has
+# the other one's group, so an arm leaves this one out of its mask (robot.py).
 MOVING_GROUP = 1
-STATIC_GROUP = 2
+PARKED_GROUP = 8
 # Of wire with EI 1e-3 N m^2, pushed in the middle between rests 60 mm apart: 48 EI / L^3.
 STIFFNESS_N_M = 220.0
 DAMPING_NS_M = 1.0
@@ -77,7 +78,7 @@ def add_solid(world: World, nodes: Array, wire: PanelWire) -> None:
         contactStiffness=STIFFNESS_N_M,
         contactDamping=DAMPING_NS_M,
     )
-    world.bullet.setCollisionFilterGroupMask(body, -1, STATIC_GROUP, MOVING_GROUP)
+    world.bullet.setCollisionFilterGroupMask(body, -1, PARKED_GROUP, MOVING_GROUP)
 
 
 def _add_capsules(world: World, nodes: Array, radius: float) -> int:
