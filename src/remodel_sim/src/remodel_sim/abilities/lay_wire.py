@@ -47,7 +47,7 @@ from remodel_sim.core.workpiece.panel import Duct, WireEnd, unit_x
 from remodel_sim.core.workpiece.slots import slot_before
 from remodel_states.core.codes import Code
 
-# The pads stay so far apart, so that the edges of the eyelet do not pinch the wire; pads that are so
+# The pads stay so far apart that the edges of the eyelet do not pinch the wire; pads that are so
 # near to each other have nothing between them; if the wire is there instead of in the eyelet, the
 # hand goes down by so much, so often [m].
 APART_M = 0.0010

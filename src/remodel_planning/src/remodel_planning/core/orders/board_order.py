@@ -3,8 +3,9 @@
 Lengths are in mm in the board's frame. Of what the design says, a task states what the use case has
 a characteristic for: `section_mm2`, `colour`, `cable`, `core`, `seal`, `twisted`, `length_mm`,
 `left_end_mm` (the least x of its ends) and `laying_turn` (`laying_order.py`) of a wire, `role` and
-`part_number` of a component. Cores of a cable, and the wires of a twisted group, have one slot of the magazine and one preferred arm,
-and where no arm reaches all their ends, each of them may be handed over.
+`part_number` of a component. Cores of a cable, and the wires of a twisted group, have one slot of
+the magazine and one preferred arm, and where no arm reaches all their ends, each of them may be
+handed over.
 """
 
 from __future__ import annotations

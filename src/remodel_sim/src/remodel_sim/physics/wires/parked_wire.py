@@ -21,8 +21,8 @@ from remodel_sim.physics.world import World
 
 SIDES = 8
 STEP_M = 0.004
-# Bullet's own group of what moves, which an arm is not in. Two bodies touch if either one's mask has
-# the other one's group, so an arm leaves this one out of its mask (robot.py).
+# Bullet's own group of what moves, which an arm is not in. Two bodies touch if the mask of either
+# has the group of the other, so an arm leaves this one out of its mask (robot.py).
 MOVING_GROUP = 1
 PARKED_GROUP = 8
 # Of wire with EI 1e-3 N m^2, pushed in the middle between rests 60 mm apart: 48 EI / L^3.
