@@ -43,6 +43,15 @@ def test_six_millimetres_beside_the_opening_is_refused(cell):
     do.insert(cell, "W1", WireEnd.A, "X1", terminal="1", socket=do.locate(cell, "X1", "1"))
 
 
+def test_an_opening_below_the_pose_of_the_goal_is_felt_for(cell):
+    cell.feed("W1", "A")
+    socket = do.locate(cell, "X1", "1")
+    above = Pose(socket.position + np.array([0.0, 0.0, 0.006]), socket.quaternion)
+    do.insert(cell, "W1", WireEnd.A, "X1", terminal="1", socket=above)
+    (truth,) = ground_truth(cell.plant, ["W1"])
+    assert truth.a.seated
+
+
 def test_a_blocked_socket_jams_and_yields_when_cleared(cell):
     cell.feed("W1", "A")
     cell.plant.block_socket("X1", "1")

@@ -99,12 +99,14 @@ class Push:
         peak_force: the largest in any step, not filtered [N].
         stopped: whether it was stopped by the force limit, or by a wire that gave way at the
             bottom.
+        felt: whether the opening was felt for: then the arm does not tell the height of the tip.
     """
 
     tip: Array
     depth: float
     peak_force: float
     stopped: bool
+    felt: bool = False
 
     @property
     def readings(self) -> dict[str, float]:
@@ -247,8 +249,8 @@ def find_in(context: RobotContext, socket: Pose, bottom: float, limit: float) ->
         if felt.depth >= bottom / 2:
             yield from _back_to(context, beside)
             felt = yield from push_in(context, socket, bottom, limit)
-            tip = felt.tip - np.array([0.0, 0.0, above])
-            push = replace(felt, tip=tip, peak_force=max(push.peak_force, felt.peak_force))
+            peak_force = max(push.peak_force, felt.peak_force)
+            push = replace(felt, peak_force=peak_force, felt=True)
     return push
 
 
@@ -260,8 +262,12 @@ def _back_to(context: RobotContext, *tools: ToolPose) -> Steps[None]:
 
 
 def judge_alignment(push: Push, mouth: Pose, terminal: PanelTerminal, where: str) -> None:
-    """Raise INSERTION_MISALIGNED when the tip is beside the opening, as last observed."""
-    aside = float(np.linalg.norm(mouth.inverse().apply(push.tip)[1:]))
+    """Raise INSERTION_MISALIGNED when the tip is beside the opening, as last observed.
+
+    Openings stand in a row: of a tip that was felt in, its distance along the row tells which one.
+    """
+    beside = mouth.inverse().apply(push.tip)[1:]
+    aside = abs(float(beside[0])) if push.felt else float(np.linalg.norm(beside))
     reach = terminal.bore / 2 + terminal.chamfer
     if aside > reach:
         raise AbilityError(
