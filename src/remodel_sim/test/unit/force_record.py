@@ -12,7 +12,7 @@ AFTER_S = 0.05
 
 @dataclass
 class ForceRecord:
-    """One push or pull.
+    """One push or pull, as long as it keeps to one limit.
 
     Attributes:
         limit: its force limit [N].
@@ -48,8 +48,9 @@ def recorded():
 
     def begin(robot, controller):
         motion = controller.__self__
-        if robot not in current or current[robot].motion is not motion:
-            current[robot] = ForceRecord(motion._control.limit, motion)
+        limit, now = motion._control.limit, current.get(robot)
+        if now is None or now.motion is not motion or now.limit != limit:
+            current[robot] = ForceRecord(limit, motion)
             records.append(current[robot])
         current[robot].since_s = 0.0
         drive_by(robot, controller)

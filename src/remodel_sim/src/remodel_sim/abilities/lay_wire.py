@@ -412,6 +412,9 @@ def _tighten(holder: RobotContext, eyelet: Array, left: float) -> Steps[float]:
     """Draw the wire straight; return its length from the eyelet (3,) to the holder [m].
 
     A wire that sags ahead of the hand goes through the slots of the walls.
+
+    Raises:
+        AbilityError: GRASP_MISSED when it does not become straight: the eyelet does not lead it.
     """
     away, step = holder.commanded.position - eyelet, TIGHTEN_SPEED * holder.tick_s
     unit = away / np.linalg.norm(away)
@@ -423,8 +426,16 @@ def _tighten(holder: RobotContext, eyelet: Array, left: float) -> Steps[float]:
         yield from motion.advance(TIGHTEN_SPEED)
     motion.stop()
     apart = float(np.linalg.norm(holder.commanded.position - eyelet))
-    is_tight = motion.force >= TIGHT_N or motion.met_limit
-    return apart if is_tight else max(left, apart)
+    if motion.force >= TIGHT_N or motion.met_limit:
+        return apart
+    if motion.travel >= TIGHTEN_M:
+        raise AbilityError(
+            Code.GRASP_MISSED,
+            f"{holder.wire.id!r} is not in the eyelet of the leading hand: drawn by "
+            f"{motion.travel * 1e3:.0f} mm, it pulls with {motion.force:.1f} N, expected "
+            f"{TIGHT_N:.1f} N; draw it out and place it again",
+        )
+    return max(left, apart)
 
 
 def _max_pull(guide: RobotContext) -> float:

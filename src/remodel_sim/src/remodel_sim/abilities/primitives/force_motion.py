@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import replace
 
 import numpy as np
 
@@ -69,6 +70,10 @@ class ForceMotion:
     def met_limit(self) -> bool:
         """Whether the force has reached its limit, or lets the tool no further."""
         return self.force >= self._control.limit or self._stalled_s > STALLED_S
+
+    def limit_to(self, force: float) -> None:
+        """Go on with another limit [N]."""
+        self._control = replace(self._control, limit=force)
 
     def advance(self, speed: float) -> Steps[None]:
         """Move on for one tick, at a speed [m/s] or less.

@@ -49,8 +49,8 @@ STILL_S = 0.15
 # depth [m]: kept straight from the slot on, it does not lean on the funnel.
 TURNED_IN_M = 0.010
 # A tip that is stopped at the face or in the funnel is turned upwards in the grip, if it was pulled
-# at behind the hand, or bent: the opening is felt for with the hand so far higher [m], with so much
-# force [N].
+# at behind the hand, or bent: the opening is felt for with the hand so far higher [m]. Until the
+# tip is in, it is pushed with so much force [N].
 FEELS_M = (-0.0025, -0.005, -0.0075, 0.0025)
 FEEL_N = 5.0
 # An end so near to its place before an opening was brought there already [m, rad].
@@ -201,7 +201,12 @@ def _grip(context: RobotContext) -> Grip:
 
 
 def push_in(
-    context: RobotContext, socket: Pose, bottom: float, limit: float, manner: Manner = WIRE
+    context: RobotContext,
+    socket: Pose,
+    bottom: float,
+    limit: float,
+    manner: Manner = WIRE,
+    until_in: float = math.inf,
 ) -> Steps[Push]:
     """Push the held end from in front of an opening until a force stops it, or gives way.
 
@@ -211,17 +216,21 @@ def push_in(
         bottom: how deep the tip should come [m].
         limit: force at which the push stops [N].
         manner: how it is pushed.
+        until_in: the same, until the tip is half as deep: it may be beside the opening [N].
     """
     into, grip = unit_x(socket), _grip(context)
     context.free_force = context.force
     monitor = PushMonitor(manner.buckles)
     slant, here = _slant(context, socket), context.commanded
     way = _way_in(socket, slant, grip, replace(here, yaw=here.yaw - slant)) if slant else None
-    motion = ForceMotion(context, into, ForceControl(limit, manner.stiffness), way=way)
+    control = ForceControl(min(limit, until_in), manner.stiffness)
+    motion = ForceMotion(context, into, control, way=way)
     ahead, stopped = -STANDOFF_M, False
     while ahead < bottom + OVERTRAVEL_M and not stopped:
         yield from motion.advance(manner.speed_at(ahead, bottom))
         ahead = motion.travel - STANDOFF_M
+        if ahead >= bottom / 2:
+            motion.limit_to(limit)
         monitor = monitor.then(motion.force, near_bottom=ahead >= bottom - SHORT_OF_BOTTOM_M)
         stopped = motion.met_limit or monitor.gave_way
         context.report("pushing", 0.75 + 0.2 * np.clip(ahead / bottom, 0, 1))
@@ -236,22 +245,22 @@ def push_in(
 
 
 def find_in(context: RobotContext, socket: Pose, bottom: float, limit: float) -> Steps[Push]:
-    """Push the held end in as `push_in`; feel for the opening when the tip is stopped early."""
-    start = context.commanded
-    push = yield from push_in(context, socket, bottom, limit)
-    for above in FEELS_M:
+    """Push the held end in as `push_in`; feel for the opening when the tip is stopped early.
+
+    A ferrule that is pushed harder against the face folds at its joint with the wire.
+    """
+    start, peak_force = context.commanded, 0.0
+    for above in (0.0, *FEELS_M):
+        if above:
+            context.report("feeling for the opening", 0.8)
+            yield from _back_to(context, start, start.at(z=start.z + above))
+        push = yield from push_in(context, socket, bottom, limit, until_in=FEEL_N)
+        peak_force = max(peak_force, push.peak_force)
         if not push.stopped or push.depth >= bottom / 2:
-            break
-        context.report("feeling for the opening", 0.8)
-        beside = start.at(z=start.z + above)
-        yield from _back_to(context, start, beside)
-        felt = yield from push_in(context, socket, bottom, min(limit, FEEL_N))
-        if felt.depth >= bottom / 2:
-            yield from _back_to(context, beside)
-            felt = yield from push_in(context, socket, bottom, limit)
-            peak_force = max(push.peak_force, felt.peak_force)
-            push = replace(felt, peak_force=peak_force, felt=True)
-    return push
+            return replace(push, peak_force=peak_force, felt=above != 0.0)
+    yield from _back_to(context, start)
+    push = yield from push_in(context, socket, bottom, limit)
+    return replace(push, peak_force=max(peak_force, push.peak_force))
 
 
 def _back_to(context: RobotContext, *tools: ToolPose) -> Steps[None]:

@@ -91,10 +91,15 @@ def crossings(line: Array, at: float) -> list[float]:
 
 def _height(picture: Picture, points: Array) -> float:
     """Return the height that the depth camera sees around points (n, 3) [m], their median."""
-    assert picture.depth is not None, "the overhead camera measures depth"
+    return float(np.median(heights_at(picture, points)))
+
+
+def heights_at(picture: Picture, points: Array) -> Array:
+    """Return the heights (n,) [m] that a depth camera sees where it looks at points (n, 3) [m]."""
+    assert picture.depth is not None, "the camera measures depth"
     pixels = picture.view.project(points)
     depths = _sample(picture.depth.astype(np.float32), pixels)
-    return float(np.median(picture.view.at_depth(pixels, depths)[:, 2]))
+    return picture.view.at_depth(pixels, depths)[:, 2]
 
 
 def _sample(image: npt.NDArray[np.float32], pixels: Array) -> Array:

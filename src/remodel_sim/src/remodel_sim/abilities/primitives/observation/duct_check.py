@@ -7,6 +7,7 @@ holds the rest of the wire; a hand looks down into each part of a duct from stra
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -14,11 +15,12 @@ from remodel_sim.abilities.execution.robot_context import RobotContext, Steps
 from remodel_sim.abilities.primitives.motions import past_robots, swing_to, wait
 from remodel_sim.abilities.primitives.observation.observing import STILL_S
 from remodel_sim.abilities.primitives.observation.viewpoints import camera_above
+from remodel_sim.core.camera import Picture
 from remodel_sim.core.errors import AbilityError
 from remodel_sim.core.geometry import Pose
 from remodel_sim.core.robot.arm import ToolPose
 from remodel_sim.core.vision.drawing import BLUE, ORANGE, Drawing
-from remodel_sim.core.vision.laid_wire import wire_past
+from remodel_sim.core.vision.laid_wire import heights_at, wire_past
 from remodel_sim.core.vision.wire_lines import WireLines
 from remodel_sim.core.workpiece.panel import Duct
 from remodel_states.core.codes import Code
@@ -28,21 +30,44 @@ from remodel_states.core.codes import Code
 IN_A_VIEW = 6
 INSPECT_Z = 0.25
 ALONG_M = (0.0, 0.06, -0.06, 0.12, -0.12)
-# The wire must be seen in its duct or above it at this share of the places.
-LEAST_OBSERVED = 0.5
+# The wire itself must be seen at this share of the places: in a full duct others lie over it.
+LEAST_SEEN = 0.15
+# What stands so far above a rim is a wire that does not lie in its duct; what is higher than the
+# second hangs between two hands, and hides what is below [m].
+ABOVE_M = 0.003
+OVERHEAD_M = 0.060
+# So far beyond a duct's walls a wire may lie on them, or over them [m].
+BEYOND_M = 0.020
+# A duct is looked into at points that are so far apart [m].
+POINTS_M = 0.002
+
+
+@dataclass(frozen=True)
+class Inspected:
+    """What the camera shows of a place in a duct.
+
+    Attributes:
+        is_seen: whether the wire is.
+        is_below: whether it lies below the rim there; None: not to be told.
+    """
+
+    is_seen: bool
+    is_below: bool | None
 
 
 def share_in_ducts(context: RobotContext, places: Mapping[Duct, Sequence[Pose]]) -> Steps[float]:
     """Inspect ducts; return at which share of the observed places the wire lies below the rim.
+
+    It does where nothing stands above the rim, also where other wires hide it.
 
     Args:
         context: of a robot with an empty hand, whose camera measures depth.
         places: frames in each duct, x along it, world frame.
 
     Raises:
-        AbilityError: CABLE_OCCLUDED when the wire is observed at too few places.
+        AbilityError: CABLE_OCCLUDED when the wire is seen at too few places.
     """
-    below, above, unseen = 0, 0, 0
+    found: list[Inspected] = []
     for duct, part in _parts(places):
         for tool in _inspecting(context, part):
             try:
@@ -53,22 +78,20 @@ def share_in_ducts(context: RobotContext, places: Mapping[Duct, Sequence[Pose]])
                 continue
             break
         else:
-            unseen += len(part)
+            found += [Inspected(is_seen=False, is_below=None)] * len(part)
             continue
         yield from wait(context, STILL_S)
-        found = _inspect(context, duct, part)
+        found += _inspect(context, duct, part)
         yield
-        below += found.count(True)
-        above += found.count(False)
-        unseen += found.count(None)
-    observed = (below + above) / max(1, below + above + unseen)
-    if observed < LEAST_OBSERVED:
+    seen = sum(each.is_seen for each in found) / max(1, len(found))
+    judged = [each.is_below for each in found if each.is_below is not None]
+    if seen < LEAST_SEEN or not judged:
         raise AbilityError(
             Code.CABLE_OCCLUDED,
-            f"{context.wire.id!r} is in view at {observed:.0%} of its route in ducts; needed: "
-            f"{LEAST_OBSERVED:.0%} or more; draw it out and place it again",
+            f"{context.wire.id!r} is in view at {seen:.0%} of its route in ducts; needed: "
+            f"{LEAST_SEEN:.0%} or more; draw it out and place it again",
         )
-    return below / (below + above)
+    return sum(judged) / len(judged)
 
 
 def _parts(places: Mapping[Duct, Sequence[Pose]]) -> Iterator[tuple[Duct, Sequence[Pose]]]:
@@ -87,20 +110,40 @@ def _inspecting(context: RobotContext, part: Sequence[Pose]) -> Iterator[ToolPos
             yield tool
 
 
-def _inspect(context: RobotContext, duct: Duct, part: Sequence[Pose]) -> list[bool | None]:
-    """Return for each place whether the wire is below the rim; None: it is not seen there.
+def _inspect(context: RobotContext, duct: Duct, part: Sequence[Pose]) -> list[Inspected]:
+    """Inspect places of a duct in view of the hand's camera.
 
-    Beyond a duct's walls it is not searched for: devices may have its colour.
+    Beyond a duct's walls the wire is not searched for: devices may have its colour.
     """
     picture = context.take_wrist_picture()
     heights = tuple({float(place.position[2]) for place in part})
     lines = WireLines(picture, context.wire, heights)
-    passings = [wire_past(place, duct.width / 2, lines) for place in part]
-    found = [None if passing is None else passing.height < duct.height for passing in passings]
+    found = []
+    for place in part:
+        passing = wire_past(place, duct.width / 2, lines)
+        is_below = _nothing_above(picture, duct, place)
+        if passing is not None and not is_below:
+            is_below = passing.height < duct.height
+        found.append(Inspected(passing is not None, is_below))
     drawing = Drawing(picture.rgb, picture.view)
-    for place, is_below in zip(part, found, strict=True):
-        colour = BLUE if is_below else ORANGE
+    for place, each in zip(part, found, strict=True):
+        colour = BLUE if each.is_below else ORANGE
         drawing.circle(picture.view.project(place.position)[0], 6, colour)
-    drawing.title(f"{context.wire.id}: below the rim of {duct.id!r} at {found.count(True)} places")
+    below = sum(each.is_below is True for each in found)
+    drawing.title(f"{context.wire.id}: below the rim of {duct.id!r} at {below} places")
     context.show("wrist", picture, drawing.image)
     return found
+
+
+def _nothing_above(picture: Picture, duct: Duct, place: Pose) -> bool | None:
+    """Return whether nothing stands above the rim across a place; None: something hides it."""
+    half = duct.width / 2 + BEYOND_M
+    across = np.arange(-half, half, POINTS_M)
+    rim = duct.height - float(place.position[2])
+    points = place.apply(
+        np.column_stack([np.zeros_like(across), across, np.full_like(across, rim)])
+    )
+    above = heights_at(picture, points) - duct.height
+    if (above > OVERHEAD_M).any():
+        return None
+    return not (above > ABOVE_M).any()
