@@ -20,7 +20,17 @@ from remodel_production.edge.database.production_database import ProductionDatab
 DESIGN = "/usr/share/qelectrotech/examples/tableau_domestique.qet"
 OUTPUT = Path(sys.argv[1])
 DATABASE = f"sqlite:///{OUTPUT}/production.sqlite"
-LIMIT_S = 240
+LIMIT_S = 600
+# Of the first five wires; the others are placed by hand.
+BY_ROBOTS = ["W3", "W7"]
+DESIGNS = Path(__file__).parents[3] / "remodel_production/test/unit/designs"
+# Shipped use cases that this cell does not run, each with a design and what stands in its way.
+BUILT = r"cannot be built \(\d+ problems?\):\n  - .*[0-9]"
+REFUSED = {
+    "automotive_formboard": (DESIGNS / "loom.kbl", BUILT),
+    "medical_hoses": (DESIGNS / "harness.yml", BUILT),
+    "branched_harness": (DESIGNS / "loom.kbl", "are no wires of the design; run it by a use case"),
+}
 
 
 def line(*words):
@@ -29,10 +39,13 @@ def line(*words):
 
 
 class RunOrderTest(unittest.TestCase):
-    def setUp(self):
+    @classmethod
+    def setUpClass(cls):
         OUTPUT.mkdir(exist_ok=True)
-        self.addCleanup(shutil.rmtree, OUTPUT)
+        cls.addClassCleanup(shutil.rmtree, OUTPUT, ignore_errors=True)
         rospy.init_node("test_run_order")
+
+    def setUp(self):
         self.one_done, self.inserting_the_next = threading.Event(), threading.Event()
         rospy.Subscriber("remodel/use_case/state", UseCaseState, self.on_state)
         rospy.Subscriber(
@@ -47,9 +60,23 @@ class RunOrderTest(unittest.TestCase):
         if self.one_done.is_set():
             self.inserting_the_next.set()
 
+    def test_orders_whose_boards_the_cell_cannot_build_are_refused_with_the_reasons(self):
+        for name, (design, reason) in REFUSED.items():
+            subprocess.run(
+                line("import", str(design), "--order", name), check=True, timeout=LIMIT_S
+            )
+            words = line("run_order", name, "--use-case", name, "--wait", str(LIMIT_S))
+            run = subprocess.run(
+                words, capture_output=True, text=True, timeout=LIMIT_S, check=False, cwd=OUTPUT
+            )
+            self.assertEqual(run.returncode, 3, run.stdout + run.stderr)
+            self.assertRegex(run.stderr, reason)
+        wires = rospy.ServiceProxy("cell/ground_truth", GetGroundTruth)().wires
+        self.assertEqual(wires, [], "nothing was built")
+
     def test_wires_are_imported_planned_synthesized_placed_and_reported(self):
         subprocess.run(line("import", DESIGN, "--order", "house"), check=True, timeout=LIMIT_S)
-        words = line("run_order", "house", "--wires", "2", "--output", str(OUTPUT))
+        words = line("run_order", "house", "--wires", "5", "--output", str(OUTPUT))
         with subprocess.Popen(words, stdout=subprocess.PIPE, text=True) as run:
             self.addCleanup(run.kill)
             self.assertTrue(self.inserting_the_next.wait(LIMIT_S))
@@ -58,23 +85,24 @@ class RunOrderTest(unittest.TestCase):
             printed, _ = run.communicate(timeout=LIMIT_S)
         self.assertEqual(run.returncode, 0, printed)
         self.assertIn("2 of 2 wires placed", printed)
-        self.assertIn("net list: 2 of 2 wires as designed\n", printed)
+        self.assertIn("net list: 2 of 5 wires as designed, 3 missing\n", printed)
         self.assertIn(" seated by the first insertion; ", printed)
         self.assertIn(" s simulated in ", printed)
         wires = rospy.ServiceProxy("cell/ground_truth", GetGroundTruth)().wires
-        self.assertEqual([wire.placed for wire in wires], [True, True], "the first one stayed")
+        placed = {wire.wire_id for wire in wires if wire.placed}
+        self.assertEqual(placed, set(BY_ROBOTS), "the first one stayed")
         self.check_report()
         ProductionDatabase(DATABASE).order("house")
 
     def check_what_was_built(self, report):
         """The killed cell remembers the first wire, which is parked; the second one is live."""
         self.assertEqual(report["unread"], "")
-        nets = report["net_list"]
-        self.assertEqual([net["wire"] for net in nets], ["W1", "W3"])
+        nets = [net for net in report["net_list"] if net["wire"] in BY_ROBOTS]
+        self.assertEqual([net["wire"] for net in nets], BY_ROBOTS)
         for net in nets:
             self.assertEqual(sorted(net["cell"]), sorted(net["design"]))
             self.assertEqual((net["verdict"], net["fixed"]), ("as designed", [True, True]))
-            self.assertEqual(net["duct_length_m"], 0.0, "this panel has no ducts")
+            self.assertGreater(net["duct_length_m"], 0.0)
         self.assertGreater(report["simulated_s"], report["cell_s"])
         self.assertAlmostEqual(
             report["real_time_factor"], report["simulated_s"] / report["wall_s"], delta=0.02
@@ -92,11 +120,10 @@ class RunOrderTest(unittest.TestCase):
         built = page.xpath("//h2[@id='built']/following-sibling::*")
         self.assertTrue(any(part.xpath(".//img[starts-with(@src, 'data:')]") for part in built))
         text = " ".join(part.text_content() for part in built)
-        self.assertIn("The net list is equal to the design's: 2 of 2 wires.", text)
+        self.assertIn("2 of 5 wires", text)
         pictures = page.xpath("//img[starts-with(@src, 'data:image/jpeg')]")
         self.assertGreaterEqual(len(pictures), 4)
-        # The task, and Place Connector for each end.
-        self.assertGreaterEqual(len(page.xpath("//svg")), 3)
+        self.assertGreaterEqual(len(page.xpath("//svg")), 2)  # of each task
 
 
 if __name__ == "__main__":
