@@ -128,11 +128,11 @@ class SupervisionTest(unittest.TestCase):
         handle = self.start(4)
         self.wait(self.task_running, "the panel is loaded, which mends all faults")
         inject = rospy.ServiceProxy("cell/inject_fault", InjectFault)
-        caused = inject(kind="pulled_out", target="ask_operator", values=[])
+        caused = inject(kind="insertion_jammed", target="ask_operator", values=[])
         self.assertTrue(caused.success, caused.message)
         self.wait(lambda: self.last().phase == UseCaseState.ASKING, "the operator is asked")
         question = self.last().question
-        self.assertIn("Pulled out", question.text)
+        self.assertIn("Insertion jammed", question.text)
         wrong = call("answer", AnswerQuestion, question=question.number, choice="maybe", by="ann")
         self.assertFalse(wrong.success)
         given = {"question": question.number, "choice": OperatorQuestion.SKIP, "by": "ann"}

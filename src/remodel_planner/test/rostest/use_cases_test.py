@@ -145,7 +145,7 @@ class UseCasesTest(unittest.TestCase):
         ran = planner(*self.line("unknown", "cabinett", 2), database=DATABASE)
         self.assertEqual(ran.returncode, 3, ran.stdout)
         self.assertIn("no use case cabinett; there are automotive_formboard, ", ran.stderr)
-        self.assertIn("own_cabinet, ", ran.stderr)
+        self.assertIn("own_cabinet", ran.stderr)
         self.assertIn(f"(searched: {OUTPUT / 'use_cases'}, {use_case_folder()})", ran.stderr)
 
 
