@@ -249,8 +249,8 @@ def test_a_run_is_resumed_with_all_its_tasks_though_others_of_the_order_are_by_h
         assert begun == ["W3", "W7"]
         resumed = cell.work("house", "cabinet", begun, owner=1)
         assert [task.name for task in resumed.planner.order.tasks] == begun
-        with pytest.raises(OrderError, match="house has no task W0, which a run of it began with"):
-            cell.work("house", "cabinet", ["W0"], owner=1)
+        with pytest.raises(OrderError, match="house: W1, which a run began with, is no task for"):
+            cell.work("house", "cabinet", [*begun, "W1"], owner=1)
 
 
 def test_an_order_is_done_by_the_use_case_for_such_designs_unless_one_is_named(database):

@@ -83,7 +83,7 @@ class WorkMaker:
         found.recovery.require_known(self.faults)
         whole = _whole_order(board, found)
         panel = board_message(panel_of(board, catalogue), whole)
-        order = _robots_tasks(_asked(whole, tasks), panel, found)
+        order = _robots_tasks(whole, panel, found, tasks)
         experience = Experience(found, ability_calls(self.database), explore=self.explore)
         leases = TaskLeases(self.database, name, self.cell, self.lease_s, token=owner)
         self.descriptions = {
@@ -131,30 +131,32 @@ def _whole_order(board: Board, use_case: UseCase) -> WorkOrder:
     return order
 
 
-def _asked(order: WorkOrder, tasks: int | Collection[str]) -> WorkOrder:
-    """Return an order cut down to its first tasks (0: all), or to those of some names.
-
-    Raises:
-        OrderError: if it has no task of one of the names.
-    """
-    if isinstance(tasks, int):
-        return replace(order, tasks=order.tasks[: tasks or None])
-    missing = set(tasks) - {task.name for task in order.tasks}
-    if missing:
-        raise OrderError(
-            f"order {order.name} has no task {min(missing)}, which a run of it began with"
-        )
-    return replace(order, tasks=tuple(task for task in order.tasks if task.name in tasks))
-
-
-def _robots_tasks(order: WorkOrder, panel: Panel, use_case: UseCase) -> WorkOrder:
+def _robots_tasks(
+    order: WorkOrder, panel: Panel, use_case: UseCase, asked: int | Collection[str]
+) -> WorkOrder:
     """Return the tasks of the robot, in the panel's frame.
 
+    Args:
+        order: with all tasks, in the board's frame.
+        panel: to build.
+        use_case: by which the tasks are done.
+        asked: how many are asked for, from the first (0: all), or their names.
+
     Raises:
-        OrderError: if there is none.
+        OrderError: if there is none, or one of the names is of none.
     """
-    done = [_on_panel(task, panel, use_case) for task in order.tasks]
+    if isinstance(asked, int):
+        tasks, names = order.tasks[: asked or None], frozenset[str]()
+    else:
+        names = frozenset(asked)
+        tasks = tuple(task for task in order.tasks if task.name in names)
+    done = [_on_panel(task, panel, use_case) for task in tasks]
     found = triaged(replace(order, tasks=tuple(done)), use_case)
+    lost = names - {task.name for task in found.tasks}
+    if lost:
+        raise OrderError(
+            f"order {order.name}: {min(lost)}, which a run began with, is no task for the robot now"
+        )
     if not found.tasks:
         raise OrderError(
             f"order {order.name}: no task is for the robot: all {len(found.by_hand)} are by hand, "
