@@ -20,7 +20,7 @@ from remodel_production.edge.database.production_database import ProductionDatab
 DESIGN = "/usr/share/qelectrotech/examples/tableau_domestique.qet"
 OUTPUT = Path(sys.argv[1])
 DATABASE = f"sqlite:///{OUTPUT}/production.sqlite"
-LIMIT_S = 600
+LIMIT_S = 1200
 # Of the first two wires; the other one is placed by hand.
 BY_ROBOTS = "W3"
 DESIGNS = Path(__file__).parents[3] / "remodel_production/test/unit/designs"
