@@ -41,11 +41,11 @@ docker: ## Make a container image of Debian 12 with the built workspace, by dock
 	  $$tool build --tag remodel --file Containerfile .
 	@echo "Next: docker run -it --rm --network host remodel make demo"
 
-demo: build ## Wire a real cabinet in the simulated cell (WIRES=6); report in out/demo/report.html
-	@$(SOURCED) tools/wire_board.sh demo $(CABINET) $(WIRES) ''
+demo: build ## Wire the first wires of a real cabinet in the simulated cell (WIRES=6 SEED=1); report in out/demo/report.html
+	@$(SOURCED) tools/wire_board.sh demo $(CABINET) $(WIRES) '' seed:=$(SEED)
 
-cabinet: build ## Wire all wires of that cabinet into its ducts by two robots (WIRES=12 SEED=1); report in out/cabinet/report.html
-	@$(SOURCED) tools/wire_board.sh cabinet $(CABINET) $(WIRES) cabinet_ducts cell:=two_arms_cabinet seed:=$(SEED)
+cabinet: build ## Wire all wires of that cabinet (WIRES=12 SEED=1); report in out/cabinet/report.html
+	@$(SOURCED) tools/wire_board.sh cabinet $(CABINET) $(WIRES) '' seed:=$(SEED)
 
 harness: build ## Build a harness on a formboard by two robots (WIRES=12 SEED=1); report in out/harness/report.html
 	@$(SOURCED) tools/wire_board.sh harness $(HARNESS) $(WIRES) harness_formboard cell:=two_arms_formboard seed:=$(SEED)

@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # Import a design, and wire it in the simulated cell; the report is in out/NAME.
-# Usage: wire_board.sh NAME DESIGN WIRES USE_CASE [argument of order.launch]...; an empty USE_CASE is the supervisor's default.
+# Usage: wire_board.sh NAME DESIGN WIRES USE_CASE [argument of order.launch]...; an empty USE_CASE is the default of such designs.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 

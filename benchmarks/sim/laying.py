@@ -39,7 +39,7 @@ from remodel_sim.ros.conversions import read_panel
 
 CONFIG = Path(__file__).parents[2] / "src" / "remodel_sim" / "config"
 GUIDE, HOLDER = "robot_1", "robot_2"
-FORCE_LIMIT_N, PULL_TEST_N = 14.0, 5.0  # as the use case cabinet_ducts
+FORCE_LIMIT_N, PULL_TEST_N = 14.0, 5.0  # as the use case cabinet
 
 G = TypeVar("G", bound=goals.Goal)
 T = TypeVar("T")

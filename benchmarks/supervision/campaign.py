@@ -24,7 +24,7 @@ import signal
 import sys
 import time
 import uuid
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import asdict
 from pathlib import Path
 from typing import Any
@@ -38,7 +38,7 @@ from sites import FakeSite, SimulatedSite, Site
 from stack import ORDER, Stack, stack
 from table import docs_rows, print_table
 from tqdm import tqdm
-from trial import WIRES, Trial, drawn
+from trial import BY_HAND, WIRES, Trial, drawn
 from verdict import (
     Verdict,
     decided_first,
@@ -49,11 +49,10 @@ from verdict import (
 )
 
 from remodel_planner.commands.runs import explain_run, replay
-from remodel_planning.edge.use_case_files import VARIABLE, use_case_folder
-from remodel_production.core.panel.panel_layout import CutWire, PanelRules, lay_out
-from remodel_production.edge.catalogue_file import read_catalogue
+from remodel_planning.core.use_case.designs import DesignKind
+from remodel_planning.edge.use_case_files import VARIABLE, use_case_folder, use_case_for
+from remodel_production.core.production import TerminalRef
 from remodel_production.edge.database.production_database import ProductionDatabase
-from remodel_production.edge.package_files import catalogue_file
 from remodel_states.edge.exported_tables import read_faults
 from remodel_supervision.core.runs.events import Event
 from remodel_supervision.core.runs.fold import state_after
@@ -94,12 +93,10 @@ class Campaign:
 
     def use(self, policy: str) -> None:
         """Have the runs from now on follow a policy."""
-        own = self._output / "use_cases" / "switchgear.yaml"
-        if policy == TABLE:
-            own.unlink(missing_ok=True)
-            return
-        responses = dict.fromkeys(self._tables.faults, PLAIN_RETRY)
-        content = {**self._tables.use_case, "recovery": {"responses": responses}}
+        use_case = self._tables.use_case
+        responses = dict.fromkeys(self._tables.faults, PLAIN_RETRY) if policy == RETRY else {}
+        content = {**use_case, "recovery": {"responses": responses}}
+        own = self._output / "use_cases" / f"{use_case['name']}.yaml"
         own.write_text(yaml.safe_dump(content), encoding="utf-8")
 
     def tried(self, trial: Trial) -> Verdict:
@@ -107,7 +104,7 @@ class Campaign:
         self._site.arm(trial)
         began = time.monotonic()
         goal = self._server.send(
-            RunUseCaseGoal(id=uuid.uuid4().hex, order=ORDER, tasks=WIRES, again=True)
+            RunUseCaseGoal(id=uuid.uuid4().hex, order=ORDER, tasks=BY_HAND + WIRES, again=True)
         )
         hung = not goal.wait(self._site.limit_s)
         wall_s = time.monotonic() - began
@@ -150,7 +147,7 @@ class Tables:
     """What the campaign reads.
 
     Attributes:
-        faults: rows of faults.yaml, by name.
+        faults: rows of faults.yaml of abilities that the use case asks for, by name.
         codes: names of error codes -> numbers.
         use_case: the document of the use case.
         durations_s: [s] ability -> what the use case says that it takes.
@@ -160,11 +157,15 @@ class Tables:
     def __init__(self) -> None:
         """Read them."""
         tables = read_faults()
-        self.faults, self.codes = tables.faults, tables.numbers
-        self.use_case = _yaml(use_case_folder() / "switchgear.yaml")
+        self.codes = tables.numbers
+        self.use_case = _yaml(use_case_folder() / f"{use_case_for(DesignKind.CABINET).name}.yaml")
         stated = self.use_case["abilities"]
+        self.faults = {
+            name: row
+            for name, row in tables.faults.items()
+            if row["cause"]["interface"]["ability"] in stated
+        }
         self.durations_s = {name: float(row["duration_s"]) for name, row in stated.items()}
-        self.durations_s["ExtractCable"] = float(self.use_case["cell"]["extract_s"])
         self.inspection_s = self.durations_s["LocateGearboxComponent"]
 
 
@@ -179,10 +180,12 @@ def _yaml(file: Path) -> Any:  # noqa: ANN401 - any document
     return yaml.safe_load(file.read_text(encoding="utf-8"))
 
 
-def first_wire(database: str) -> CutWire:
-    """Return the wire of the order that is placed first."""
-    order = ProductionDatabase(database).order(ORDER).in_cabinet().first(WIRES)
-    return lay_out(order, read_catalogue(catalogue_file()), PanelRules()).wires[0]
+def ends_of_runs(database: str, use_case: Mapping[str, Any]) -> tuple[TerminalRef, ...]:
+    """Return the terminals of the wires that the robots place."""
+    wires = ProductionDatabase(database).order(ORDER).in_cabinet().wires[: BY_HAND + WIRES]
+    thickest_mm2 = use_case["characteristics"]["task"]["section_mm2"]["at_most"]
+    placed = [wire for wire in wires if wire.section_mm2 <= thickest_mm2]
+    return tuple(end for wire in placed for end in (wire.a, wire.b))
 
 
 def main() -> int:
@@ -217,8 +220,8 @@ def main() -> int:
         rospy.init_node("campaign", disable_signals=True)
         trials = [Trial("", seed) for seed in seeds[:_PLAIN]]
         if options.physical:
-            wire = first_wire(nodes.database)
-            trials += [physical.drawn(kind, seed, wire) for seed in seeds for kind in kinds]
+            ends = ends_of_runs(nodes.database, tables.use_case)
+            trials += [physical.drawn(kind, seed, ends) for seed in seeds for kind in kinds]
         else:
             trials += [drawn(tables.faults[kind], seed) for seed in seeds for kind in kinds]
         results = run_all(Campaign(site, nodes, tables), trials, options.policies, output)

@@ -145,7 +145,7 @@ def long_order(wires: int, name: str = "long") -> Order:
 def long_run(order: Order, cell: str = "cell") -> Iterator[Event]:
     """Yield the events of a run of an order, 14.4 a wire; one in 25 insertions jams once."""
     names = tuple(wire.name for wire in order.wires)
-    yield RunBegun(order.name, "switchgear", cell, names)
+    yield RunBegun(order.name, "cabinet", cell, names)
     yield Planned(names, "the run begins")
     chart = _CHART.read_text(encoding="utf-8")
     at_s = 100.0

@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from random import Random
 
 from trial import Trial
 
-from remodel_production.core.panel.panel_layout import CutWire
+from remodel_production.core.production import TerminalRef
 
 # Kind of remodel_msgs/InjectFault -> whether it can be put right without a person. A blocked
 # opening stays blocked. The shares and shifts are such as a cell meets: a mount that gives way by
@@ -19,20 +20,19 @@ KINDS = {
     "camera_bumped": True,
     "light_changed": True,
     "tip_bent": True,
-    "cable_in_the_way": True,
 }
 
 
-def drawn(kind: str, seed: int, wire: CutWire) -> Trial:
+def drawn(kind: str, seed: int, ends: Sequence[TerminalRef]) -> Trial:
     """Return a trial of a physical fault.
 
     Args:
         kind: of KINDS.
         seed: of the draw.
-        wire: that is placed first.
+        ends: terminals into which wires are inserted.
     """
     random = Random(f"{kind} {seed}")
-    end = random.choice([wire.first, wire.second])
+    end = random.choice(ends)
     sign = random.choice([-1.0, 1.0])
     target, values = {
         "component_moved": (
@@ -48,10 +48,6 @@ def drawn(kind: str, seed: int, wire: CutWire) -> Trial:
         ),
         "light_changed": ("", [random.uniform(0.4, 1.6)]),
         "tip_bent": (random.choice("ab"), [sign * random.uniform(0.1, 0.4)]),
-        "cable_in_the_way": (
-            wire.channel,
-            [random.uniform(-0.05, 0.05), random.uniform(-0.2, 0.2)],
-        ),
     }[kind]
     fault = {"kind": kind, "target": target, "values": values}
     cure = "any" if KINDS[kind] else ""

@@ -13,10 +13,12 @@ GOALS_OF_A_WIRE = {
     "LocateGearboxComponent": 2,
     "InsertCable": 2,
     "FixCable": 2,
-    "PickCable": 1,
-    "RouteWire": 1,
+    "PickCable": 2,
+    "LayWire": 1,
 }
 WIRES = 2
+# Of the first wires of the order, which are too thick for the robots.
+BY_HAND = 3
 
 # Responses that the fake cell knows as cures, beside an operator's, who is absent here.
 _CURES = ("retry", "retry_with", "look_again", "new_part", "replan")
@@ -82,9 +84,5 @@ def drawn(row: Mapping[str, Any], seed: int) -> Trial:
     if cure == "retry":
         fault["times"] = random.randint(1, times["retry"])
     if cure == "retry_with":
-        fault["at_least"] = random.uniform(9.0, 16.0)  # what 8 N and two changes reach
-    faults = [fault]
-    if cause["ability"] == "ExtractCable":  # which is requested only after a failure
-        nth = random.randint(1, WIRES * GOALS_OF_A_WIRE["InsertCable"])
-        faults = [{"name": "insertion_misaligned", "nth": nth}, {**fault, "nth": 1}]
-    return Trial(kind, seed, row["first_level"], tuple(row["codes"]), cure, tuple(faults))
+        fault["at_least"] = random.uniform(15.0, 20.0)  # what 14 N and two changes reach
+    return Trial(kind, seed, row["first_level"], tuple(row["codes"]), cure, (fault,))

@@ -57,7 +57,7 @@ BOARDS = {
     # Devices on rails: 2 mm between neighbours.
     "household": Board("cabinet", "household.yaml", 0.003, 0.0006, 0.0003, math.radians(0.4)),
     # Devices screwed to the plate, each by itself.
-    "switchgear": Board("one_panda", "panel.yaml", 0.0, 0.004, 0.003, math.radians(1.5)),
+    "example": Board("one_panda", "panel.yaml", 0.0, 0.004, 0.003, math.radians(1.5)),
 }
 
 

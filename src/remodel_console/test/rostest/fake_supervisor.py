@@ -107,7 +107,7 @@ def decided(task, fault, code, ability, text, do, because):
 def half_way(order):
     """Return the events of a run whose fourth of six tasks is under way."""
     return [
-        RunBegun(order, "switchgear", "cell 1", tuple(name for name, _ in WIRES), serial="SN-0042"),
+        RunBegun(order, "cabinet", "cell 1", tuple(name for name, _ in WIRES), serial="SN-0042"),
         Planned(tuple(name for name, _ in WIRES), "the run begins"),
         *attempt("W1", 1, 41.0),
         *attempt("W2", 1, 37.0, 205),

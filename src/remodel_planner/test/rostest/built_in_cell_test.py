@@ -69,7 +69,7 @@ class BuiltInCellTest(unittest.TestCase):
         cls.order = ProductionDatabase(database).order("house").in_cabinet()
         catalogue = read_catalogue(catalogue_file())
         board = board_of(cls.order, catalogue)
-        work = board_order(board, find_use_case("cabinet_ducts"), arms=1)
+        work = board_order(board, find_use_case("cabinet"), arms=1)
         message = board_message(panel_of(board, catalogue), work)
         load = rospy.ServiceProxy("cell/load_panel", LoadPanel)
         load.wait_for_service(LIMIT_S)  # a cell that starts writes its memory, too

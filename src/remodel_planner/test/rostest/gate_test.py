@@ -17,6 +17,7 @@ import rostest
 from actionlib_msgs.msg import GoalStatus
 from motion_watch import MotionWatch
 from order_client import (
+    BY_HAND,
     ORDER,
     SUPERVISOR,
     OrderClient,
@@ -265,7 +266,7 @@ class GateTest(unittest.TestCase):
         try:
             # A latched goal: the node that runs refuses it, and so does the next one.
             message = RunUseCaseActionGoal(
-                goal=RunUseCaseGoal(id="waiting", order=ORDER, tasks=2, again=True)
+                goal=RunUseCaseGoal(id="waiting", order=ORDER, tasks=BY_HAND + 2, again=True)
             )
             message.goal_id.id = "waiting"
             waiting.publish(message)

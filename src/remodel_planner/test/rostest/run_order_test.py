@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Two wires of a real design, from its file to their places in the cell, which dies meanwhile."""
+"""A wire of a real design, from its file to its place in the cell, which dies meanwhile."""
 
 import json
 import shutil
@@ -12,7 +12,7 @@ from pathlib import Path
 import rospy
 import rostest
 from lxml import html
-from remodel_msgs.msg import InsertCableActionFeedback, UseCaseState
+from remodel_msgs.msg import InsertCableActionFeedback
 from remodel_msgs.srv import GetGroundTruth, InjectFault
 
 from remodel_production.edge.database.production_database import ProductionDatabase
@@ -20,7 +20,17 @@ from remodel_production.edge.database.production_database import ProductionDatab
 DESIGN = "/usr/share/qelectrotech/examples/tableau_domestique.qet"
 OUTPUT = Path(sys.argv[1])
 DATABASE = f"sqlite:///{OUTPUT}/production.sqlite"
-LIMIT_S = 240
+LIMIT_S = 1200
+# Of the first two wires; the other one is placed by hand.
+BY_ROBOTS = "W3"
+DESIGNS = Path(__file__).parents[3] / "remodel_production/test/unit/designs"
+# Shipped use cases that this cell does not run, each with a design and what stands in its way.
+BUILT = r"cannot be built \(\d+ problems?\):\n  - .*[0-9]"
+REFUSED = {
+    "automotive_formboard": (DESIGNS / "loom.kbl", BUILT),
+    "medical_hoses": (DESIGNS / "harness.yml", BUILT),
+    "branched_harness": (DESIGNS / "loom.kbl", "are no wires of the design; run it by a use case"),
+}
 
 
 def line(*words):
@@ -29,52 +39,57 @@ def line(*words):
 
 
 class RunOrderTest(unittest.TestCase):
-    def setUp(self):
+    @classmethod
+    def setUpClass(cls):
         OUTPUT.mkdir(exist_ok=True)
-        self.addCleanup(shutil.rmtree, OUTPUT)
+        cls.addClassCleanup(shutil.rmtree, OUTPUT, ignore_errors=True)
         rospy.init_node("test_run_order")
-        self.one_done, self.inserting_the_next = threading.Event(), threading.Event()
-        rospy.Subscriber("remodel/use_case/state", UseCaseState, self.on_state)
-        rospy.Subscriber(
-            "remodel_abilities/insertcable/feedback", InsertCableActionFeedback, self.on_insertion
-        )
 
-    def on_state(self, state):
-        if state.done == 1:
-            self.one_done.set()
-
-    def on_insertion(self, _):
-        if self.one_done.is_set():
-            self.inserting_the_next.set()
+    def test_orders_whose_boards_the_cell_cannot_build_are_refused_with_the_reasons(self):
+        for name, (design, reason) in REFUSED.items():
+            subprocess.run(
+                line("import", str(design), "--order", name), check=True, timeout=LIMIT_S
+            )
+            words = line("run_order", name, "--use-case", name, "--wait", str(LIMIT_S))
+            run = subprocess.run(
+                words, capture_output=True, text=True, timeout=LIMIT_S, check=False, cwd=OUTPUT
+            )
+            self.assertEqual(run.returncode, 3, run.stdout + run.stderr)
+            self.assertRegex(run.stderr, reason)
+        wires = rospy.ServiceProxy("cell/ground_truth", GetGroundTruth)().wires
+        self.assertEqual(wires, [], "nothing was built")
 
     def test_wires_are_imported_planned_synthesized_placed_and_reported(self):
         subprocess.run(line("import", DESIGN, "--order", "house"), check=True, timeout=LIMIT_S)
         words = line("run_order", "house", "--wires", "2", "--output", str(OUTPUT))
+        inserting = threading.Event()
+        rospy.Subscriber(
+            "remodel_abilities/insertcable/feedback",
+            InsertCableActionFeedback,
+            lambda _: inserting.set(),
+        )
         with subprocess.Popen(words, stdout=subprocess.PIPE, text=True) as run:
             self.addCleanup(run.kill)
-            self.assertTrue(self.inserting_the_next.wait(LIMIT_S))
+            self.assertTrue(inserting.wait(LIMIT_S))
             killed = rospy.ServiceProxy("cell/inject_fault", InjectFault)("server_killed", "", [])
             self.assertTrue(killed.success, killed.message)
             printed, _ = run.communicate(timeout=LIMIT_S)
         self.assertEqual(run.returncode, 0, printed)
-        self.assertIn("2 of 2 wires placed", printed)
-        self.assertIn("net list: 2 of 2 wires as designed\n", printed)
+        self.assertIn("1 of 1 wire placed", printed)
+        self.assertIn("net list: 1 of 2 wires as designed, 1 missing\n", printed)
         self.assertIn(" seated by the first insertion; ", printed)
         self.assertIn(" s simulated in ", printed)
         wires = rospy.ServiceProxy("cell/ground_truth", GetGroundTruth)().wires
-        self.assertEqual([wire.placed for wire in wires], [True, True], "the first one stayed")
+        self.assertEqual([(wire.wire_id, wire.placed) for wire in wires], [(BY_ROBOTS, True)])
         self.check_report()
         ProductionDatabase(DATABASE).order("house")
 
     def check_what_was_built(self, report):
-        """The killed cell remembers the first wire, which is parked; the second one is live."""
         self.assertEqual(report["unread"], "")
-        nets = report["net_list"]
-        self.assertEqual([net["wire"] for net in nets], ["W1", "W3"])
-        for net in nets:
-            self.assertEqual(sorted(net["cell"]), sorted(net["design"]))
-            self.assertEqual((net["verdict"], net["fixed"]), ("as designed", [True, True]))
-            self.assertEqual(net["duct_length_m"], 0.0, "this panel has no ducts")
+        (net,) = [net for net in report["net_list"] if net["wire"] == BY_ROBOTS]
+        self.assertEqual(sorted(net["cell"]), sorted(net["design"]))
+        self.assertEqual((net["verdict"], net["fixed"]), ("as designed", [True, True]))
+        self.assertGreater(net["duct_length_m"], 0.0)
         self.assertGreater(report["simulated_s"], report["cell_s"])
         self.assertAlmostEqual(
             report["real_time_factor"], report["simulated_s"] / report["wall_s"], delta=0.02
@@ -84,19 +99,18 @@ class RunOrderTest(unittest.TestCase):
         report = json.loads((OUTPUT / "report.json").read_text())
         self.assertTrue(report["complete"])
         self.check_what_was_built(report)
-        first = report["wires"][0]
-        abilities = [operation["ability"] for operation in first["operations"]]
+        last = report["wires"][-1]
+        abilities = [operation["ability"] for operation in last["operations"]]
         self.assertEqual(abilities[0], "DetectCable")
         self.assertEqual(abilities[-1], "FixCable")
         page = html.fromstring((OUTPUT / "report.html").read_text())
         built = page.xpath("//h2[@id='built']/following-sibling::*")
         self.assertTrue(any(part.xpath(".//img[starts-with(@src, 'data:')]") for part in built))
         text = " ".join(part.text_content() for part in built)
-        self.assertIn("The net list is equal to the design's: 2 of 2 wires.", text)
+        self.assertIn("differs from the design's in 1 of 2 wires", text)
         pictures = page.xpath("//img[starts-with(@src, 'data:image/jpeg')]")
         self.assertGreaterEqual(len(pictures), 4)
-        # The task, and Place Connector for each end.
-        self.assertGreaterEqual(len(page.xpath("//svg")), 3)
+        self.assertTrue(page.xpath("//svg"))
 
 
 if __name__ == "__main__":

@@ -15,11 +15,12 @@ import actionlib
 import rosgraph
 import rospy
 import rostest
+from order_client import BY_HAND, DESIGN
 from remodel_msgs.msg import (
     ErrorCode,
+    LayWireActionGoal,
+    LayWireActionResult,
     OperatorQuestion,
-    RouteWireActionGoal,
-    RouteWireActionResult,
     RunUseCaseAction,
     RunUseCaseGoal,
     TaskState,
@@ -31,7 +32,6 @@ from remodel_states.edge.exported_tables import read_abilities
 from remodel_states.testing.ledger import account
 from remodel_states.testing.world_file import WorldFile
 
-DESIGN = "/usr/share/qelectrotech/examples/tableau_domestique.qet"
 OUTPUT = Path(sys.argv[1])
 DATABASE = f"sqlite:///{OUTPUT}/production.sqlite"
 LIMIT_S = 120.0
@@ -83,13 +83,13 @@ class SupervisionTest(unittest.TestCase):
         self.wait(lambda: self.pid(node) not in (0, before), f"{node} respawns")
 
     def start(self, tasks, again=True):
-        """Have tasks of the order done, and return the client when the run has begun."""
+        """Have tasks for robots of the order done, and return the client when the run has begun."""
         client = actionlib.ActionClient("remodel/run_use_case", RunUseCaseAction)
         self.assertTrue(client.wait_for_server(rospy.Duration(30.0)))
         free = (UseCaseState.IDLE, UseCaseState.ENDED)
         self.wait(lambda: self.last().phase in free, "no run is under way")
         run = self.last().run
-        goal = RunUseCaseGoal(id="test", order="house", tasks=tasks, again=again)
+        goal = RunUseCaseGoal(id="test", order="house", tasks=BY_HAND + tasks, again=again)
         handle = client.send_goal(goal)
         self.wait(lambda: self.last().run > run, "the run begins")
         return handle
@@ -128,11 +128,11 @@ class SupervisionTest(unittest.TestCase):
         handle = self.start(4)
         self.wait(self.task_running, "the panel is loaded, which mends all faults")
         inject = rospy.ServiceProxy("cell/inject_fault", InjectFault)
-        caused = inject(kind="pulled_out", target="ask_operator", values=[])
+        caused = inject(kind="insertion_jammed", target="ask_operator", values=[])
         self.assertTrue(caused.success, caused.message)
         self.wait(lambda: self.last().phase == UseCaseState.ASKING, "the operator is asked")
         question = self.last().question
-        self.assertIn("Pulled out", question.text)
+        self.assertIn("Insertion jammed", question.text)
         wrong = call("answer", AnswerQuestion, question=question.number, choice="maybe", by="ann")
         self.assertFalse(wrong.success)
         given = {"question": question.number, "choice": OperatorQuestion.SKIP, "by": "ann"}
@@ -169,9 +169,9 @@ class SupervisionTest(unittest.TestCase):
             )
             for ability in read_abilities()
         ]
-        route = "remodel_abilities/routewire"
-        routes = rospy.Subscriber(f"{route}/goal", RouteWireActionGoal, on_goal)
-        results = rospy.Subscriber(f"{route}/result", RouteWireActionResult, blocked.append)
+        lay = "remodel_abilities/laywire"
+        layings = rospy.Subscriber(f"{lay}/goal", LayWireActionGoal, on_goal)
+        results = rospy.Subscriber(f"{lay}/result", LayWireActionResult, blocked.append)
         inject = rospy.ServiceProxy("cell/inject_fault", InjectFault)
         self.start(2)
         self.wait(self.task_running, "the panel is loaded, which mends all faults")
@@ -191,7 +191,7 @@ class SupervisionTest(unittest.TestCase):
         self.assertTrue(call("answer", AnswerQuestion, **given).success)
         self.wait(lambda: self.last().phase == UseCaseState.ENDED, "the run ends")
         self.assertIn("had ended", planner("explain", str(self.last().run)).stdout)
-        for subscriber in (*goals, results, routes):
+        for subscriber in (*goals, results, layings):
             subscriber.unregister()
 
 

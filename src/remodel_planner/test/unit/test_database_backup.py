@@ -17,7 +17,7 @@ from remodel_supervision.core.runs.events import Interrupted, RunBegun
 from remodel_supervision.core.runs.fold import state_after
 from remodel_supervision.edge.run_log import RunLog
 
-BEGUN = RunBegun("house", "switchgear", "cell", ("W1", "W2"))
+BEGUN = RunBegun("house", "cabinet", "cell", ("W1", "W2"))
 
 
 @pytest.fixture

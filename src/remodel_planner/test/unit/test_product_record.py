@@ -70,7 +70,7 @@ def url(tmp_path):
     database.add_order(HOUSE)
     log, owner = RunLog(database), owner_of(database)
     for again in (False, True, False):
-        begun = RunBegun("house", "switchgear", "cell", ("W1", "W2"))
+        begun = RunBegun("house", "cabinet", "cell", ("W1", "W2"))
         run, begun = log.begin(begun, owner, again=again)
         state = state_after([begun])
         for event in EVENTS:

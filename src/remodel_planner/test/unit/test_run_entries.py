@@ -13,7 +13,7 @@ from remodel_supervision.core.runs.events import (
 )
 from remodel_supervision.ros.server.run_entries import entries_of
 
-BEGUN = RunBegun("house", "switchgear", "cell", ("W1", "W2"))
+BEGUN = RunBegun("house", "cabinet", "cell", ("W1", "W2"))
 
 
 def test_positions_have_no_gaps_and_entries_are_only_added():

@@ -110,7 +110,7 @@ def keep(url):
     def keep(*events):
         database = ProductionDatabase(url)
         database.add_order(HOUSE)
-        first = RunBegun("house", "switchgear", "cell", ("W1", "W2"))
+        first = RunBegun("house", "cabinet", "cell", ("W1", "W2"))
         log, state = RunLog(database), state_after([first])
         owner = owner_of(database)
         run, _ = log.begin(first, owner)

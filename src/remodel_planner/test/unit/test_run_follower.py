@@ -50,7 +50,7 @@ class FakeServer:
         return FakeGoal(self.refuses)
 
 
-BEGUN = RunBegun("house", "switchgear", "cell", ("W1", "W2"))
+BEGUN = RunBegun("house", "cabinet", "cell", ("W1", "W2"))
 
 
 class Supervised:
@@ -138,7 +138,7 @@ def test_what_a_run_waits_for_is_reported_once(supervised):
         supervised.hear(UseCaseState(run=1, order="house", **fields))
         return follower._news()[1]
 
-    begun = "order house, use case switchgear, product house-0001: 2 tasks"
+    begun = "order house, use case cabinet, product house-0001: 2 tasks"
     assert lines(phase="running") == [begun]
     stopped = lines(phase="protective_stop", stopped_by="light curtain 2")
     assert stopped[0].startswith("protective stop by light curtain 2; release it, then rosservice")

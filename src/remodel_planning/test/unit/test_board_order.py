@@ -19,7 +19,12 @@ from remodel_planning.core.problem.problem import End
 from remodel_planning.core.task_charts.planned_tasks import planned_tasks
 from remodel_planning.core.use_case.designs import DesignKind
 from remodel_planning.edge.order_planner import plan_problem
-from remodel_planning.edge.use_case_files import VARIABLE, default_use_case, find_use_case
+from remodel_planning.edge.use_case_files import (
+    VARIABLE,
+    find_use_case,
+    read_use_case,
+    use_case_for,
+)
 from remodel_planning.errors import UseCaseError
 from remodel_production.core.board.board import board_of
 from remodel_production.core.imports.formats import built_in_formats, format_of, import_design
@@ -51,6 +56,7 @@ NAMES = ("industrial", "tableau_domestique", "Projet_vierge")
 CABINET, FORMBOARD, BRANCHES = map(
     find_use_case, ("cabinet", "automotive_formboard", "branched_harness")
 )
+GRIPPERS = read_use_case(Path(__file__).parents[1] / "use_cases" / "grippers.yaml")
 
 
 def imported(file):
@@ -83,11 +89,11 @@ def order(*pairs, section_mm2=2.5, outside=()):
     return Order("test", "", "", components, wires=tuple(wires))
 
 
-def work(stored, use_case=CABINET, arms=2):
+def work(stored, use_case=GRIPPERS, arms=2):
     return board_order(board_of(stored, CATALOGUE), use_case, arms)
 
 
-def problem(stored, use_case=CABINET, arms=2):
+def problem(stored, use_case=GRIPPERS, arms=2):
     return prepare(work(stored, use_case, arms), use_case).preferred.problem
 
 
@@ -188,9 +194,9 @@ def test_wires_that_leave_the_cabinet_are_no_tasks():
 
 
 def test_what_cannot_be_an_order_is_refused():
-    switchgear = find_use_case("switchgear")
-    with pytest.raises(OrderError, match="switchgear takes no imported designs"):
-        work(project("industrial"), switchgear)
+    own = replace(CABINET, name="ropes", designs=None)
+    with pytest.raises(OrderError, match="ropes takes no imported designs"):
+        work(project("industrial"), own)
     thick = order(("Q1:B1", "Q2:T1"), section_mm2=400.0)
     with pytest.raises(InstanceError, match=r"task W1: section_mm2 is 400\.0, and must be"):
         problem(thick)
@@ -200,55 +206,54 @@ def test_a_task_that_no_robot_can_do_is_by_hand_and_the_rest_is_planned():
     made = order(("Q1:B1", "Q2:T1"), ("Q1:B2", "Q2:T2"), ("Q1:B3", "Q2:T3"))
     wires = [replace(w, section_mm2=s) for w, s in zip(made.wires, (1.5, 400.0, 2.5), strict=True)]
     thick = work(replace(made, wires=tuple(wires)))
-    found = triaged(thick, CABINET)
+    found = triaged(thick, GRIPPERS)
     assert [task.name for task in found.tasks] == ["W1", "W3"]
     assert list(map(str, found.by_hand)) == [
         "W2: by hand, section_mm2 is 400.0, and must be a number from 0.05 to 300 "
-        "(characteristics.task.section_mm2 in cabinet.yaml)"
+        "(characteristics.task.section_mm2 in grippers.yaml)"
     ]
     assert list(map(str, found.other_methods)) == [
-        "W3 by methods.pick.medium in cabinet.yaml: not thin: section_mm2 is 2.5, not at most 1.5"
+        "W3 by methods.pick.medium in grippers.yaml: not thin: section_mm2 is 2.5, not at most 1.5"
     ]
-    planned = plan_problem(prepare(found, CABINET).preferred.problem, time_limit_s=0.05)
+    planned = plan_problem(prepare(found, GRIPPERS).preferred.problem, time_limit_s=0.05)
     assert planned.makespan > 0
 
 
 def test_the_method_of_the_second_end_is_no_other_one_and_two_robots_are_planned_as_one():
-    ducts = find_use_case("cabinet_ducts")
-    made = work(order(("Q1:B1", "Q2:T1"), ("Q1:B2", "Q2:T2")), ducts)
+    made = work(order(("Q1:B1", "Q2:T1"), ("Q1:B2", "Q2:T2")), CABINET)
     assert [arm.name for arm in made.arms] == ["robot_1"]
-    assert triaged(made, ducts).other_methods == ()
+    assert triaged(made, CABINET).other_methods == ()
 
 
 def test_a_task_that_no_method_does_is_by_hand_with_what_rules_out_each_method():
     made = order(("Q1:B1", "Q2:T1"), ("Q1:B2", "Q2:T2"))
     thick = replace(made, wires=(replace(made.wires[0], section_mm2=6.0), made.wires[1]))
-    thin = replace(CABINET, methods={**CABINET.methods, "pick": CABINET.methods["pick"][:2]})
+    thin = replace(GRIPPERS, methods={**GRIPPERS.methods, "pick": GRIPPERS.methods["pick"][:2]})
     found = triaged(work(thick, thin), thin)
     assert [task.name for task in found.tasks] == ["W2"]
     assert str(found.by_hand[0]).startswith(
-        "W1: by hand, no method of cabinet.yaml does it: pick thin: "
+        "W1: by hand, no method of grippers.yaml does it: pick thin: "
     )
 
 
 def test_of_a_task_that_no_method_does_only_what_rules_methods_out_is_a_reason():
     gently = {"name": "gently", "insert": {"component": "Q2"}, "force_n": 20}
     document = {"format": "remodel-preferences-1", "require": [gently]}
-    found = triaged(work(order(("Q1:B1", "Q2:T1"))), CABINET)
+    found = triaged(work(order(("Q1:B1", "Q2:T1"))), GRIPPERS)
     with pytest.raises(InfeasibleError) as refused:
-        prepare(found, CABINET, [("wishes", document)])
+        prepare(found, GRIPPERS, [("wishes", document)])
     assert str(refused.value).endswith(
-        "no method of cabinet.yaml does it: insert push in and close: push_in pushes with 40 N, "
+        "no method of grippers.yaml does it: insert push in and close: push_in pushes with 40 N, "
         "over 20 N (`gently`)"
     )
 
 
 def test_an_order_without_a_task_for_the_robot_has_an_empty_plan():
-    found = triaged(work(order(("Q1:B1", "Q2:T1"), section_mm2=400.0)), CABINET)
+    found = triaged(work(order(("Q1:B1", "Q2:T1"), section_mm2=400.0)), GRIPPERS)
     assert (found.tasks, [each.task for each in found.by_hand]) == ((), ["W1"])
-    planned = plan_problem(prepare(found, CABINET).preferred.problem, time_limit_s=0.05)
+    planned = plan_problem(prepare(found, GRIPPERS).preferred.problem, time_limit_s=0.05)
     assert (planned.cost, planned.plan.actions) == (0, ())
-    assert not triaged(work(order(("Q1:B1", "Q2:T1"))), CABINET).by_hand
+    assert not triaged(work(order(("Q1:B1", "Q2:T1"))), GRIPPERS).by_hand
 
 
 def test_the_default_use_case_follows_from_the_design_and_the_users_own_come_first(
@@ -256,8 +261,8 @@ def test_the_default_use_case_follows_from_the_design_and_the_users_own_come_fir
 ):
     assert kind_of(board_of(loom(), CATALOGUE)) is DesignKind.HARNESS
     assert kind_of(board_of(project("industrial"), CATALOGUE)) is DesignKind.CABINET
-    assert default_use_case(DesignKind.HARNESS).name == "automotive_formboard"
-    assert default_use_case(DesignKind.CABINET).name == "cabinet"
+    assert use_case_for(DesignKind.HARNESS).name == "automotive_formboard"
+    assert use_case_for(DesignKind.CABINET).name == "cabinet"
     own = yaml.safe_load(
         (
             (Path(__file__).parents[3] / "remodel_planning/config/use_cases") / "cabinet.yaml"
@@ -266,11 +271,11 @@ def test_the_default_use_case_follows_from_the_design_and_the_users_own_come_fir
     own |= {"name": "own", "designs": {**own["designs"], "arms": ["left", "right"]}}
     (tmp_path / "own.yaml").write_text(yaml.safe_dump(own))
     monkeypatch.setenv(VARIABLE, str(tmp_path))
-    use_case = default_use_case(DesignKind.CABINET)
+    use_case = use_case_for(DesignKind.CABINET)
     assert [arm.name for arm in work(order(("Q1:B1", "Q2:T1")), use_case).arms] == ["left", "right"]
     monkeypatch.setattr("remodel_planning.edge.use_case_files.use_case_folder", lambda: tmp_path)
     with pytest.raises(UseCaseError, match=r"no use case says `designs: \{default_for: harness\}`"):
-        default_use_case(DesignKind.HARNESS)
+        use_case_for(DesignKind.HARNESS)
 
 
 @pytest.fixture(scope="module")
@@ -293,7 +298,7 @@ def library():
 )
 def test_the_synthesizer_accepts_the_charts_of_every_format(file, use_case, arms, library):
     board = board_of(imported(file), CATALOGUE)
-    prepared = prepare(board_order(board, use_case, arms), use_case)
+    prepared = prepare(triaged(board_order(board, use_case, arms), use_case), use_case)
     plan = plan_problem(prepared.preferred.problem, 0.02).plan
     tasks = list(planned_tasks(prepared, plan))
     assert {task.name for task in tasks} == {task.name for task in prepared.order.tasks}

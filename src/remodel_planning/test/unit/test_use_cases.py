@@ -25,6 +25,7 @@ from remodel_production.errors import InstanceError
 PACKAGE = Path(__file__).parents[2]
 FOLDER = PACKAGE / "config" / "use_cases"
 HOSES = PACKAGE / "examples" / "dialysis_hoses.yaml"
+CABINET = PACKAGE / "examples" / "cabinet.yaml"
 
 
 def order(file):
@@ -158,7 +159,7 @@ def test_a_use_case_is_added_by_a_file_alone(tmp_path, monkeypatch):
         find_use_case("ropes")
     monkeypatch.setenv(VARIABLE, str(tmp_path))
     use_case = find_use_case("ropes")
-    cabinet = order(PACKAGE / "examples" / "cabinet.yaml")
+    cabinet = order(CABINET)
     rope = replace(cabinet.tasks[0], characteristics={"colour": "white"})
     component_of = {terminal.name: terminal.component for terminal in cabinet.terminals}
     decomposer = Decomposer(use_case, cabinet.components, component_of)
@@ -166,8 +167,7 @@ def test_a_use_case_is_added_by_a_file_alone(tmp_path, monkeypatch):
 
 
 def test_methods_may_differ_between_the_end_that_is_inserted_first_and_the_other_one():
-    found = order_from(in_ducts())
-    use_case = find_use_case("cabinet_ducts")
+    found, use_case = order(CABINET), find_use_case("cabinet")
     task = found.tasks[0]
     decomposer = decomposer_of(found, use_case, None)
     for first in End:
@@ -181,19 +181,12 @@ def test_methods_may_differ_between_the_end_that_is_inserted_first_and_the_other
 
 
 def test_an_order_for_two_robots_at_each_wire_demands_both():
-    use_case = find_use_case("cabinet_ducts")
-    prepared = prepare(order_from(in_ducts()), use_case)
+    use_case = find_use_case("cabinet")
+    prepared = prepare(order(CABINET), use_case)
     plan = plan_problem(prepared.preferred.problem, 0.0).plan
     demands = demands_of(task.chart for task in planned_tasks(prepared, plan))
     force_n = use_case.actions["push_in_first"].force_n
     assert demands == Demands(("robot_1", "robot_2"), (("InsertCable", force_n),))
-
-
-def in_ducts():
-    """Return the example of a cabinet, its wires thin, as an order of cabinet_ducts."""
-    text = (PACKAGE / "examples" / "cabinet.yaml").read_text()
-    stated = yaml.safe_load(text.replace("section_mm2: 6.0", "section_mm2: 2.5"))
-    return {**stated, "use_case": "cabinet_ducts"}
 
 
 def learned(ability, frozen, least, most, values):

@@ -18,10 +18,6 @@ class CatalogueError(PlannerError):
     """The catalogue of wires and mounting rules is malformed."""
 
 
-class LayoutError(PlannerError):
-    """The order's components do not fit on the panel."""
-
-
 class OrderError(PlannerError):
     """The database has no such order, or has it already."""
 

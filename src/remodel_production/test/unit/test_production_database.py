@@ -220,9 +220,3 @@ def test_a_url_that_is_none_is_an_order_error_without_its_password(url):
     with pytest.raises(OrderError, match="database ") as caught:
         ProductionDatabase(url)
     assert "secret" not in str(caught.value)
-
-
-def test_the_first_wires_take_only_the_terminals_they_need():
-    first = ORDER.first(1)
-    assert [wire.name for wire in first.wires] == ["W1"]
-    assert [[t.name for t in c.terminals] for c in first.components] == [["B1"], ["T1"]]

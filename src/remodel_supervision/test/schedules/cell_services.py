@@ -45,7 +45,7 @@ class CellServices(Node):
         self._site.load(self._cell, serial, keep=keep)
         self.deliver(self.simulation.random.uniform(*_TAKES_S), reply, None)
 
-    def on_feed(self, wire: str, channel: str, owner: int, reply: Reply) -> None:
+    def on_feed(self, wire: str, owner: int, reply: Reply) -> None:
         """Present a piece of a wire."""
         site = self._site
         if site.locks.get(self._cell) is not None:
@@ -72,7 +72,7 @@ class CellServices(Node):
         def take_effect() -> None:
             try:
                 admitted(site.owners, self._cell, owner)
-                site.feed(self._cell, wire, channel)
+                site.feed(self._cell, wire)
             except AbilityError as error:
                 self._release()
                 reply(error)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Collection
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
@@ -86,16 +86,16 @@ class SimulatedWork:
         self._station = station
         self._database = database
 
-    def work(self, name: str, use_case: str, tasks: int, owner: int) -> Work:
+    def work(self, name: str, use_case: str, tasks: int | Collection[str], owner: int) -> Work:
         """Return the work of the first tasks of the order."""
         station, setting = self._station, self._station.setting
         if station.simulation.now_s < station.unmade_until_s:
             raise PlannerError("no use case")
+        count = tasks if isinstance(tasks, int) else len(tasks)
         return Work(
-            planner=SimulatedPlanner(tasks, setting.question_timeout_s),  # type: ignore[arg-type]
+            planner=SimulatedPlanner(count, setting.question_timeout_s),  # type: ignore[arg-type]
             faults=plant().faults,
             panel=True,
-            channels=plant().channels,
             leases=TaskLeases(self._database, name, station.cell, LEASE_S, token=owner),
             attended=setting.attended,
             reconnect_s=setting.reconnect_s,

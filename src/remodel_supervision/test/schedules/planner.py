@@ -8,7 +8,7 @@ from functools import cache
 from pathlib import Path
 
 from flexbe_synthesizer.core.chart.model import Chart, Outcome, Param, State, Transition
-from remodel_planning.core.orders.cell_order import USE_CASE, cell_order
+from remodel_planning.core.orders.board_order import board_order, kind_of
 from remodel_planning.core.orders.work_order import WorkOrder
 from remodel_planning.core.problem.problem import End
 from remodel_planning.core.task_charts.demands import Demands
@@ -16,8 +16,9 @@ from remodel_planning.core.task_charts.planned_tasks import PlannedTask
 from remodel_planning.core.use_case.fault import Do, FaultTable
 from remodel_planning.core.use_case.policy import Limits, Policy
 from remodel_planning.edge.fault_file import read_faults
-from remodel_planning.edge.use_case_files import find_use_case
-from remodel_production.core.panel.panel_layout import PanelRules, lay_out
+from remodel_planning.edge.use_case_files import use_case_for
+from remodel_production.core.board.board import board_of
+from remodel_production.core.board.panel import panel_of as board_panel
 from remodel_production.core.production import Component, Order, Side, Terminal, TerminalRef, Wire
 from remodel_production.edge.catalogue_file import read_catalogue
 from remodel_states.testing.panel import panel_from
@@ -26,7 +27,7 @@ from remodel_supervision.core.learning.experience import Experience
 from remodel_supervision.core.run import Operation
 from remodel_supervision.core.runs.events import Chosen, Decided, Part
 from remodel_supervision.edge.work_planner import WorkPlanner
-from remodel_supervision.ros.peers.panel_message import panel_message
+from remodel_supervision.ros.peers.board_message import board_message
 
 WIRES = 5
 ORDER = Order(
@@ -59,30 +60,27 @@ class Plant:
     Attributes:
         order: with all tasks.
         tasks: as the real planner plans them, by name.
-        channels: where each wire is fed.
     """
 
     panel: Panel
     order: WorkOrder
     tasks: dict[str, PlannedTask]
-    channels: dict[str, str]
     faults: FaultTable
 
 
 @cache
 def plant() -> Plant:
     """Return it, made once."""
-    rules = PanelRules()
-    layout = lay_out(ORDER, read_catalogue(_CATALOGUE), rules)
-    use_case = find_use_case(USE_CASE)
-    order = cell_order(layout)
+    catalogue = read_catalogue(_CATALOGUE)
+    board = board_of(ORDER, catalogue)
+    use_case = use_case_for(kind_of(board))
+    order = board_order(board, use_case, arms=1)
     real = WorkPlanner(order, use_case, Experience(use_case, ()), 0.0)
     names = real.plan([task.name for task in order.tasks])
     return Plant(
-        panel_from(panel_message(layout, rules)),
+        panel_from(board_message(board_panel(board, catalogue), order)),
         order,
         {name: real.task(name) for name in names},
-        {cut.wire.name: cut.channel for cut in layout.wires},
         read_faults(),
     )
 
@@ -114,7 +112,7 @@ class SimulatedPlanner:
         limits = Limits(run_s=1e6)
         question = replace(Policy().question, timeout_s=question_timeout_s)
         recovery = Policy(limits=limits, question=question)
-        self.use_case = _UseCase(USE_CASE, recovery)
+        self.use_case = _UseCase(order.use_case, recovery)
 
     def plan(self, names: Collection[str], *_: object) -> tuple[str, ...]:
         """Return tasks in the order of their names."""

@@ -203,9 +203,9 @@ class SimulatedCell:
         """Build a panel."""
         self._ask(self._services.on_load, serial, owner, keep)
 
-    def feed(self, wire: str, channel: str, owner: int) -> None:
+    def feed(self, wire: str, owner: int) -> None:
         """Present a piece of a wire."""
-        self._ask(self._services.on_feed, wire, channel, owner)
+        self._ask(self._services.on_feed, wire, owner)
 
     def placed(self, wire: str) -> bool | None:
         """Return whether a wire is placed, by ground truth."""

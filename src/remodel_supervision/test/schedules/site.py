@@ -79,13 +79,13 @@ class Site:
         self.faults = ()
         self.write(Entry(Deed.LOAD, cell, serial))
 
-    def feed(self, cell: str, wire: str, channel: str) -> None:
+    def feed(self, cell: str, wire: str) -> None:
         """Present a piece of a wire."""
         is_new = wire not in self.world.fed
-        self.world = self.world.feed(cell, wire, channel)
+        self.world = self.world.feed(cell, wire, channel="")
         if is_new:
             self.faults = when_fed(self.faults, wire)
-            self.write(Entry(Deed.FEED, cell, wire, terminal=channel))
+            self.write(Entry(Deed.FEED, cell, wire))
 
     def write(self, entry: Entry) -> None:
         """Write a deed down."""

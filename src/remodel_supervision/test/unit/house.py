@@ -1,6 +1,11 @@
 """A small order that tests run, and a cell to run it."""
 
+from pathlib import Path
+
+from remodel_planning.core.orders.board_order import board_order
+from remodel_production.core.board.board import board_of
 from remodel_production.core.production import Component, Order, Side, Terminal, TerminalRef, Wire
+from remodel_production.edge.catalogue_file import read_catalogue
 from remodel_production.edge.database.cell_ownership import CellOwnership
 
 HOUSE = Order(
@@ -16,6 +21,15 @@ HOUSE = Order(
         Wire("W2", TerminalRef("Q1", "B2"), TerminalRef("Q2", "T2"), "BU", 1.5, "line 2"),
     ),
 )
+CATALOGUE = read_catalogue(
+    Path(__file__).parents[3] / "remodel_production" / "config" / "catalogue.yaml"
+)
+BOARD = board_of(HOUSE, CATALOGUE)
+
+
+def house_order(use_case):
+    """Return the order of a use case, for one arm."""
+    return board_order(BOARD, use_case, arms=1)
 
 
 def owner_of(database, cell="cell", station="station"):

@@ -1,16 +1,15 @@
 """A supervisor of an order, with everything beside it faked but the database."""
 
 from dataclasses import replace
-from pathlib import Path
 from types import SimpleNamespace
 
-from house import HOUSE, owner_of
+from house import BOARD, CATALOGUE, house_order, owner_of
 
-from remodel_planning.core.orders.cell_order import USE_CASE, cell_order
+from remodel_planning.core.orders.board_order import kind_of
+from remodel_planning.core.use_case.policy import Policy
 from remodel_planning.edge.fault_file import read_faults
-from remodel_planning.edge.use_case_files import find_use_case
-from remodel_production.core.panel.panel_layout import PanelRules, lay_out
-from remodel_production.edge.catalogue_file import read_catalogue
+from remodel_planning.edge.use_case_files import use_case_for
+from remodel_production.core.board.panel import panel_of
 from remodel_production.edge.database.production_database import ProductionDatabase
 from remodel_production.errors import LostError
 from remodel_supervision.core.learning.experience import Experience
@@ -23,17 +22,13 @@ from remodel_supervision.edge.run_log import RunLog
 from remodel_supervision.edge.task_leases import TaskLeases
 from remodel_supervision.edge.work_planner import WorkPlanner
 from remodel_supervision.errors import LeavingError
-from remodel_supervision.ros.peers.panel_message import panel_message
+from remodel_supervision.ros.peers.board_message import board_message
 from remodel_supervision.supervisors.ports import BehaviorEnd, EndKind, server_of
 from remodel_supervision.supervisors.run_record import RunRecord
 from remodel_supervision.supervisors.use_case_supervisor import UseCaseSupervisor
 from remodel_supervision.supervisors.work import Peers, Work
 
-CATALOGUE = read_catalogue(
-    Path(__file__).parents[3] / "remodel_production" / "config" / "catalogue.yaml"
-)
 FAULTS = read_faults()
-LAYOUT = lay_out(HOUSE, CATALOGUE, PanelRules())
 
 
 class FakeLoop:
@@ -93,11 +88,11 @@ class FakeCell:
         self.demands = demands
         self.loaded.append((serial, keep))
 
-    def feed(self, wire, channel, owner):
+    def feed(self, wire, owner):
         if self.trouble:
             trouble, self.trouble = self.trouble, None
             raise trouble
-        self.fed.append((wire, channel))
+        self.fed.append(wire)
 
     def placed(self, wire):
         return self.truth
@@ -179,7 +174,7 @@ class FakeEngine:
         else:
             self.end = BehaviorEnd(EndKind.FINISHED, ending)
 
-    def operate(self, behavior, code, path="/Connect a/InsertCable"):
+    def operate(self, behavior, code, path="/Insert a"):
         """Have an operation granted and recorded; return the permit."""
         tasks = self.supervisor().tasks
         permit, _ = tasks.begin_operation(behavior, path, "InsertCable")
@@ -195,7 +190,7 @@ class FakeEngine:
         self.end = self.end or BehaviorEnd(EndKind.PREEMPTED, "stopped")
 
     def path(self):
-        return ("/Connect a/InsertCable", "/Find wire")
+        return ("/Insert a", "/Find ends")
 
 
 class FakeInspection:
@@ -227,9 +222,7 @@ class Bench:
     def __init__(self, url, attended=False, explore=False, timeout_s=0.0, policy=None):
         self.database = ProductionDatabase(url)
         self.log = RunLog(self.database)
-        use_case = find_use_case(USE_CASE)
-        if policy:
-            use_case = replace(use_case, recovery=policy)
+        use_case = replace(use_case_for(kind_of(BOARD)), recovery=policy or Policy())
         experience = Experience(use_case, ability_calls(self.database), explore=explore)
         self.loop, self.notified = FakeLoop(), []
         self.cell, self.maker, self.engine = FakeCell(), FakeMaker(), FakeEngine()
@@ -237,17 +230,17 @@ class Bench:
         self.engine.supervisor = lambda: self.supervisor
         self.owner = owner_of(self.database)
         self.leases = TaskLeases(self.database, "house", "cell", 30.0, self.owner)
+        order = house_order(use_case)
         self.work = Work(
-            WorkPlanner(cell_order(LAYOUT), use_case, experience, 0.0),
+            WorkPlanner(order, use_case, experience, 0.0),
             FAULTS,
-            panel_message(LAYOUT, PanelRules()),
-            channels={cut.wire.name: cut.channel for cut in LAYOUT.wires},
+            board_message(panel_of(BOARD, CATALOGUE), order),
             leases=self.leases,
             attended=attended,
             reconnect_s=1.0,
             notify=self.notified.append,
         )
-        begun = RunBegun("house", USE_CASE, "cell", ("W1", "W2"), timeout_s=timeout_s)
+        begun = RunBegun("house", use_case.name, "cell", ("W1", "W2"), timeout_s=timeout_s)
         self.number, _ = self.log.begin(begun, self.owner)
         self.take_up()
 

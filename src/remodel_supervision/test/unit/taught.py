@@ -8,4 +8,7 @@ def forced(force_limit, error_code=0, section_mm2=2.5):
     return Call("InsertCable", features, error_code, 5.0, {"force_limit": force_limit})
 
 
-TAUGHT = [*[forced(4.0, 301), forced(16.0, 303)] * 20, *[forced(8.0, 301), forced(12.0)] * 60]
+TAUGHT = [
+    *[forced(8.0, 301), forced(10.0, 301), forced(20.0, 303)] * 20,
+    *[forced(14.0, 301), forced(12.0)] * 60,
+]

@@ -202,7 +202,7 @@ def test_the_frozen_value_must_be_safe():
         ParameterChoice(VALUES, 15.0)
 
 
-FORCE = {"force_limit": Bounds(8.0, 4.0, 16.0, 4)}
+FORCE = {"force_limit": Bounds(14.0, 8.0, 20.0, 7)}
 
 
 def test_bounds_hold_the_frozen_value_and_their_ends():
@@ -220,8 +220,8 @@ def test_a_setting_is_expected_to_be_like_its_neighbour_towards_the_frozen_one()
     assert nearer[(force, 4.0), (speed, 3.0)] == ((force, 4.0), (speed, 2.0))
     learned = LearnedParameters([forced(12.0)] * 30)
     beliefs = learned.beliefs("InsertCable", {}, FORCE)
-    assert beliefs[((force, 16.0),)].mean > 0.9
-    assert beliefs[((force, 4.0),)].mean == pytest.approx(0.5)
+    assert beliefs[((force, 10.0),)].mean > 0.9
+    assert beliefs[((force, 16.0),)].mean == pytest.approx(0.5)
 
 
 @pytest.mark.parametrize("wrong", [(3.0, 4.0, 16.0, 4), (8.0, 4.0, 16.0, 1), (8.0, 4.0, math.inf)])
@@ -267,40 +267,40 @@ HERE = {"section_mm2": 2.5, "terminal_type": "clamp"}
 
 
 def test_experience_chooses_within_what_is_allowed():
-    switchgear = find_use_case("switchgear")
-    experience = Experience(switchgear, TAUGHT, explore=True)
+    cabinet = find_use_case("cabinet")
+    experience = Experience(cabinet, TAUGHT, explore=True)
     chosen = {
         experience.parameters("InsertCable", HERE, {}, str(seed)).get("force_limit")
         for seed in range(50)
     }
     assert 12.0 in chosen
-    assert 8.0 not in chosen, "the use case's own is left as it is"
+    assert 14.0 not in chosen, "the use case's own is left as it is"
     for seed in range(50):
-        limited = experience.parameters("InsertCable", HERE, {"force_limit": 10.0}, str(seed))
-        assert limited.get("force_limit", 8.0) <= 10.0
-    assert experience.parameters("InsertCable", HERE, {"force_limit": 7.0}, "1") == {}
+        limited = experience.parameters("InsertCable", HERE, {"force_limit": 16.0}, str(seed))
+        assert limited.get("force_limit", 14.0) <= 16.0
+    assert experience.parameters("InsertCable", HERE, {"force_limit": 13.0}, "1") == {}
     assert experience.parameters("FixCable", HERE, {}, "1") == {}
 
 
 @pytest.mark.parametrize("calls", [(), TAUGHT], ids=["empty database", "many runs"])
 def test_no_force_but_the_stated_one_is_used_unless_exploring_is_asked_for(calls):
-    experience = Experience(find_use_case("switchgear"), calls)
+    experience = Experience(find_use_case("cabinet"), calls)
     for seed in range(50):
         assert experience.parameters("InsertCable", HERE, {}, str(seed)) == {}
 
 
 def test_without_exploring_the_policy_is_followed_as_it_stands():
-    switchgear = find_use_case("switchgear")
+    cabinet = find_use_case("cabinet")
     hopeless = [TriedResponse("jammed", Do.RETRY, helped=False)] * 30
-    assert Experience(switchgear).unpromising("jammed", {Do.RETRY}, hopeless) == frozenset()
-    exploring = Experience(switchgear, explore=True)
+    assert Experience(cabinet).unpromising("jammed", {Do.RETRY}, hopeless) == frozenset()
+    exploring = Experience(cabinet, explore=True)
     assert exploring.unpromising("jammed", {Do.RETRY}, hopeless) == {Do.RETRY}
 
 
 def test_durations_and_successes_are_learned_without_exploring_too():
-    switchgear = find_use_case("switchgear")
-    stated = switchgear.expectations.expect("InsertCable", HERE)
-    learned = Experience(switchgear, TAUGHT).expectations.expect("InsertCable", HERE)
+    cabinet = find_use_case("cabinet")
+    stated = cabinet.expectations.expect("InsertCable", HERE)
+    learned = Experience(cabinet, TAUGHT).expectations.expect("InsertCable", HERE)
     assert learned.success != stated.success
 
 
@@ -327,11 +327,11 @@ def test_a_context_goes_from_the_general_to_the_special():
     )
 
 
-STATED = find_use_case("switchgear").expectations
+STATED = find_use_case("cabinet").expectations
 FEATURES = {"section_mm2": 2.5}
 
 
-def calls(count, error_code=0, elapsed_s=6.3, features=FEATURES, ability="InsertCable"):
+def calls(count, error_code=0, elapsed_s=10.0, features=FEATURES, ability="InsertCable"):
     return [Call(ability, features, error_code, elapsed_s)] * count
 
 
@@ -344,7 +344,7 @@ def test_without_records_the_stated_is_expected():
 
 
 def test_records_change_what_is_expected():
-    learned = LearnedExpectations(STATED, [*calls(60, elapsed_s=12.6), *calls(40, error_code=301)])
+    learned = LearnedExpectations(STATED, [*calls(60, elapsed_s=20.0), *calls(40, error_code=301)])
     expected = learned.expect("InsertCable", FEATURES)
     assert expected.success < 0.75
     assert expected.duration_s > 1.5 * STATED.expect("InsertCable", FEATURES).duration_s

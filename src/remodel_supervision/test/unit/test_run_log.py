@@ -39,7 +39,7 @@ from remodel_supervision.edge.recorded_lessons import ability_calls
 from remodel_supervision.edge.run_log import RunLog
 from remodel_supervision.edge.task_leases import Holding, TaskLeases
 
-BEGUN = RunBegun("house", "switchgear", "cell", ("W1", "W2"))
+BEGUN = RunBegun("house", "cabinet", "cell", ("W1", "W2"))
 JAM = Operation(
     "/Connect a/InsertCable",
     "InsertCable",
@@ -203,7 +203,7 @@ def test_an_order_done_again_begins_from_nothing_but_not_beside_others(
     keep, log, owner, database, url
 ):
     run = keep(Planned(("W1", "W2"), ""), WHOLE, TaskEnded("W1", "finished", 2.0, True))
-    other = RunBegun("house", "switchgear", "other", ("W1", "W2"))
+    other = RunBegun("house", "cabinet", "other", ("W1", "W2"))
     other_owner = owner_of(database, "other", "another station")
     with pytest.raises(OrderError, match="cannot be done again: cell cell works on it"):
         log.begin(other, other_owner, again=True)
@@ -305,14 +305,14 @@ def in_file(file):
 
 
 def test_a_product_stays_on_the_panel_of_its_use_case(log, owner, keep):
-    other = replace(BEGUN, use_case="cabinet")
+    other = replace(BEGUN, use_case="own_cabinet")
     keep(RunEnded(Ending.STOPPED, "refused"))
     run, begun = log.begin(other, owner)
     assert begun == product(other, 1, keep_panel=True), "nothing was built for the other use case"
     state = log.append(run, PanelLoaded("house-0001"), state_after([begun]), owner)
     log.append(run, RunEnded(Ending.STOPPED, "ann stopped it"), state, owner)
     with pytest.raises(
-        OrderError, match="begun by use case cabinet, asked for switchgear"
+        OrderError, match="begun by use case own_cabinet, asked for cabinet"
     ) as caught:
         log.begin(BEGUN, owner)
     assert "--again" in str(caught.value)
@@ -452,7 +452,7 @@ def test_cells_share_an_order_and_one_that_dies_loses_nothing(url, cells):
         own = ProductionDatabase(url)
         owner = owner_of(own, cell, cell)
         leases, log = TaskLeases(own, "long", cell, 3.0, owner), RunLog(own)
-        begun = RunBegun("long", "switchgear", cell, tuple(names))
+        begun = RunBegun("long", "cabinet", cell, tuple(names))
         (run, _), state = log.begin(begun, owner), state_after([begun])
         end = time.monotonic() + 60.0
         left = list(names)

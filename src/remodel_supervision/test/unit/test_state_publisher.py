@@ -60,7 +60,7 @@ class Supervised:
 
     def begin(self, tasks):
         cables = {"W2": "C1", "W3": "C1"}
-        begun = RunBegun("house", "switchgear", "cell", tasks, "house-0042", cables=cables)
+        begun = RunBegun("house", "cabinet", "cell", tasks, "house-0042", cables=cables)
         self.state = state_after([begun])
         self.doing, self.view_fields = None, {}
 

@@ -35,7 +35,7 @@ def attempt(task, number, took_s, *operations, outcome=FINISHED):
 
 def a_run(*events):
     names = ("W1", "W2")
-    return [RunBegun("o", "switchgear", "cell 1", names), Planned(names, ""), *events]
+    return [RunBegun("o", "cabinet", "cell 1", names), Planned(names, ""), *events]
 
 
 def of_run(number, *events):

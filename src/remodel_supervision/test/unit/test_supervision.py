@@ -70,7 +70,7 @@ class Run:
     """A run as its events make it."""
 
     def __init__(self, *tasks, policy=None, possible=POSSIBLE):
-        self.events = [RunBegun("house", "switchgear", "cell", tasks)]
+        self.events = [RunBegun("house", "cabinet", "cell", tasks)]
         self.state = state_after(self.events)
         self.policy = policy or Policy()
         self.possible = possible

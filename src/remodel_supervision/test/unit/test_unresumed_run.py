@@ -12,7 +12,7 @@ from remodel_supervision.supervisors.cell.unresumed_run import UnresumedRun
 @pytest.fixture
 def unresumed(bench):
     state = bench.log.state(bench.number)
-    return UnresumedRun(bench.number, bench.owner, state, bench.log, "no use case 'switchgear'")
+    return UnresumedRun(bench.number, bench.owner, state, bench.log, "no use case 'cabinet'")
 
 
 def given(bench, unresumed, command):
@@ -26,7 +26,7 @@ def given(bench, unresumed, command):
 
 
 def test_it_names_the_reason_and_what_to_do(bench, unresumed):
-    assert "run 1 of order house cannot be resumed: no use case 'switchgear'" in unresumed.text
+    assert "run 1 of order house cannot be resumed: no use case 'cabinet'" in unresumed.text
     assert given(bench, unresumed, Command.PAUSE) == [(False, unresumed.text)]
     assert not unresumed.is_over
 
@@ -45,7 +45,7 @@ def test_it_is_ended_when_nothing_moves(bench, unresumed):
     bench.abilities.stalled = ()
     bench.loop.run_until(lambda: False, 1.0)
     assert replies == [(True, "run 1 has ended")]
-    assert [event.because for event in bench.events(Blocked)] == ["no use case 'switchgear'"]
+    assert [event.because for event in bench.events(Blocked)] == ["no use case 'cabinet'"]
     assert [event.ending for event in bench.events(RunEnded)] == [Ending.STOPPED]
     events = bench.events(object)
     assert [frame.differs for frame in replayed(events) if frame.differs] == []

@@ -4,6 +4,8 @@ import gc
 import random
 import threading
 from dataclasses import replace
+from functools import cache
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -16,10 +18,11 @@ from remodel_planning.core.problem.part import defer, part_of
 from remodel_planning.core.problem.preferences import FORMAT
 from remodel_planning.core.problem.problem import Under
 from remodel_planning.core.search.tables import tables_of
+from remodel_planning.core.use_case.bounds import Bounds
 from remodel_planning.core.use_case.fault import Do
 from remodel_planning.edge.anytime_planner import AnytimePlanner
 from remodel_planning.edge.search_kernel import Kernel, KernelSearch
-from remodel_planning.edge.use_case_files import find_use_case
+from remodel_planning.edge.use_case_files import read_use_case
 from remodel_production.core.board.board import board_of
 from remodel_production.core.production import Component, Order, Side, Terminal, TerminalRef, Wire
 from remodel_production.edge.catalogue_file import read_catalogue
@@ -30,13 +33,22 @@ from remodel_supervision.core.runs.events import Decided, Part
 from remodel_supervision.edge import work_planner
 from remodel_supervision.edge.work_planner import WorkPlanner
 
-CABINET = find_use_case("cabinet")
+GRIPPERS = read_use_case(
+    Path(__file__).parents[3] / "remodel_planning/test/use_cases/grippers.yaml"
+)
+LEARNING = replace(GRIPPERS, learned={"InsertCable": {"force_limit": Bounds(40.0, 32.0, 48.0, 5)}})
 CATALOGUE = read_catalogue(catalogue_file())
 WIRES = 40
 
 
 def cabinet_order(arms):
-    """Return an order of wires between random terminals of eight devices."""
+    """Return an order of the wires of the board."""
+    return board_order(cabinet_board(), GRIPPERS, arms)
+
+
+@cache
+def cabinet_board():
+    """Return a board of wires between random terminals of eight devices."""
     chance = random.Random(3)
     ends = [(f"Q{i // 10}", f"{'TB'[i % 2]}{i}") for i in range(2 * WIRES)]
     terminals = {name: [] for name, _ in ends}
@@ -55,12 +67,11 @@ def cabinet_order(arms):
         for i in range(WIRES)
     )
     components = tuple(Component(name, "", tuple(there)) for name, there in terminals.items())
-    stored = Order("test", "", "", components, wires)
-    return board_order(board_of(stored, CATALOGUE), CABINET, arms)
+    return board_of(Order("test", "", "", components, wires), CATALOGUE)
 
 
 def planner_of(order, search_s=0.02, documents=()):
-    return WorkPlanner(order, CABINET, Experience(CABINET), search_s, documents)
+    return WorkPlanner(order, GRIPPERS, Experience(GRIPPERS), search_s, documents)
 
 
 def modes_of(planner, order, names):
@@ -76,7 +87,9 @@ def modes_of(planner, order, names):
 def cost(order, names, modes, last=()):
     """Return what doing the tasks of these names in this order costs."""
     tasks = tuple(task for task in order.tasks if task.name in names)
-    tables = tables_of(defer(prepare(replace(order, tasks=tasks), CABINET).preferred.problem, last))
+    tables = tables_of(
+        defer(prepare(replace(order, tasks=tasks), GRIPPERS).preferred.problem, last)
+    )
     number = {name: i for i, name in enumerate(tables.wires)}
     listed = np.array([number[name] for name in names], np.int32)
     kept = np.array([modes[name] for name in tables.wires], np.int32)
@@ -214,12 +227,12 @@ def test_what_is_left_of_a_preparation_is_what_preparing_it_gives():
             {"name": "rank", "route": "all", "in_order_of": "section_mm2", "from": "least"}
         ],
     }
-    whole = prepare(order, CABINET, [("preferences", preferences)])
+    whole = prepare(order, GRIPPERS, [("preferences", preferences)])
     chance = random.Random(3)
     for count in (1, 2, 13, WIRES):
         names = {f"W{i}" for i in chance.sample(range(WIRES), count)}
         tasks = tuple(task for task in order.tasks if task.name in names)
-        alone = prepare(replace(order, tasks=tasks), CABINET, [("preferences", preferences)])
+        alone = prepare(replace(order, tasks=tasks), GRIPPERS, [("preferences", preferences)])
         left = whole.only(names)
         assert left.order == alone.order
         assert left.plans == alone.plans
@@ -276,7 +289,7 @@ def test_tasks_put_off_come_last_unless_another_must_come_after_them():
 
 
 def test_a_part_of_a_problem_keeps_what_its_wires_ask_for():
-    problem = prepare(cabinet_order(1), CABINET).preferred.problem
+    problem = prepare(cabinet_order(1), GRIPPERS).preferred.problem
     ranking = problem.rankings[0]
     part = part_of(problem, ranking.groups[0])
     assert part.rankings == (), "wires of one rank can be picked in any order"
@@ -349,6 +362,37 @@ def test_an_end_that_another_plan_has_connected_is_not_taken_for_the_last(arms):
         with pytest.raises(ValueError, match=f"{name} connects {first.letter} first"):
             usual.left(first.other.letter)
     assert usual.left("ab") == ()
+
+
+def chosen_forces(requirements=(), use_case=LEARNING):
+    """Return the forces that 40 attempts at a wire try instead of the use case's own."""
+    document = {"format": FORMAT, "require": list(requirements)}
+    order = board_order(cabinet_board(), use_case, 1)
+    experience = Experience(use_case, explore=True)
+    planner = WorkPlanner(order, use_case, experience, 0.02, [("preferences", document)])
+    name = planner.plan([task.name for task in order.tasks])[0]
+    attempts = [planner.choose(name, (), str(seed)) for seed in range(40)]
+    forces = {each.value for chosen in attempts for each in chosen}
+    for chosen in attempts:
+        chart = planner.chart(name, Part.WHOLE, (), (), chosen=chosen)
+        pushed = {p.value for node in chart.nodes for p in node.params if p.name == "force_limit"}
+        assert pushed <= {40.0, *forces}
+        assert {each.value for each in chosen} <= pushed
+    return forces
+
+
+def test_a_learned_force_replaces_the_stated_one_within_what_requirements_allow():
+    gently = {"name": "gently", "insert": "all", "force_n": 44}
+    assert max(chosen_forces()) > 44.0
+    assert 40.0 < max(chosen_forces([gently])) <= 44.0
+
+
+def test_a_force_that_an_action_states_as_a_number_is_not_learned():
+    stated = replace(
+        LEARNING.actions["push_in"], params=(("robot_name", "$arm"), ("force_limit", 40.0))
+    )
+    fixed = replace(LEARNING, actions={**LEARNING.actions, "push_in": stated})
+    assert chosen_forces(use_case=fixed) == set()
 
 
 def test_each_arm_that_has_a_part_in_a_task_is_cleared():

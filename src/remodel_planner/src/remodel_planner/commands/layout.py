@@ -9,7 +9,7 @@ from pathlib import Path
 from remodel_planner.commands.options.database_option import add_database_option
 from remodel_planner.commands.options.entry import refuses
 from remodel_planning.core.orders.board_order import board_order, kind_of
-from remodel_planning.edge.use_case_files import default_use_case
+from remodel_planning.edge.use_case_files import use_case_for
 from remodel_production.core.board.board import board_of
 from remodel_production.core.board.drawing import draw_board
 from remodel_production.core.board.panel import panel_of
@@ -46,7 +46,7 @@ def main(arguments: list[str] | None = None) -> int:
     if options.output:
         write_text(options.output, draw_board(board, catalogue))
     if options.panel:
-        use_case = default_use_case(kind_of(board))
+        use_case = use_case_for(kind_of(board))
         message = board_message(panel_of(board, catalogue), board_order(board, use_case, arms=1))
         write_text(options.panel, panel_text(message))
     wires = [wire for wire in board.order.wires if wire.name in board.routes]

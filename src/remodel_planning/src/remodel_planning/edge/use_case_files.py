@@ -37,12 +37,18 @@ def find_use_case(name: str) -> UseCase:
     )
 
 
-def default_use_case(kind: DesignKind) -> UseCase:
+def use_case_for(kind: DesignKind, name: str = "") -> UseCase:
     """Return the use case by which designs of a kind are done; the user's own come first.
+
+    Args:
+        kind: of design.
+        name: of another use case that is asked for; empty: none.
 
     Raises:
         UseCaseError: if there is none, or the file of one is malformed.
     """
+    if name:
+        return find_use_case(name)
     for file in _files():
         data = _parsed(file)
         designs = data.get("designs") if isinstance(data, dict) else None

@@ -252,20 +252,6 @@ class Catalogue:
         known = [section for section in self.wires if section >= section_mm2]
         return self.wires[min(known, default=max(self.wires))].pitch_m
 
-    def wire_type(self, section_mm2: float) -> WireType:
-        """Return the properties of a wire of that section.
-
-        Raises:
-            CatalogueError: if the catalogue has no such section.
-        """
-        if section_mm2 not in self.wires:
-            known = ", ".join(f"{section:g}" for section in sorted(self.wires))
-            raise CatalogueError(
-                f"the catalogue has no wire of {section_mm2:g} mm2; it has {known}: add a line to "
-                "`wires` in config/catalogue.yaml"
-            )
-        return self.wires[section_mm2]
-
 
 def catalogue_from(data: Mapping[str, Any]) -> Catalogue:
     """Build a catalogue from a document in the form of config/catalogue.schema.json.

@@ -14,7 +14,7 @@ cabinet, the vehicle's or the formboard's for a harness), those of terminals in 
 
 from __future__ import annotations
 
-from collections.abc import Collection, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from enum import Enum
 from functools import cached_property
@@ -255,18 +255,10 @@ class Order:
     segments: tuple[Segment, ...] = ()
     clips: tuple[Clip, ...] = ()
 
-    def first(self, count: int) -> Order:
-        """Return the order cut down to its first wires and the components that they need."""
-        return self._with_wires(self.wires[:count])
-
     def in_cabinet(self) -> Order:
         """Return the order cut down to the wires with both ends on the plate."""
         plate = {c.name for c in self.components if c.mount is Mount.PLATE}
-        return self._with_wires(
-            [wire for wire in self.wires if {wire.a.component, wire.b.component} <= plate]
-        )
-
-    def _with_wires(self, wires: Collection[Wire]) -> Order:
+        wires = [wire for wire in self.wires if {wire.a.component, wire.b.component} <= plate]
         ends = {end for wire in wires for end in (wire.a, wire.b)}
         components = []
         for component in self.components:

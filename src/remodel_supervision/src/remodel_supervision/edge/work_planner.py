@@ -214,7 +214,7 @@ class WorkPlanner:
     def choose(self, name: str, decisions: Sequence[Decided], seed: str) -> tuple[Chosen, ...]:
         """Return the parameters by which a task is to be done, other than its use case's own.
 
-        What a chart itself says of a parameter stays.
+        What the use case's actions state of a parameter stays, unless it is the force.
 
         Args:
             name: of the task.
@@ -229,15 +229,16 @@ class WorkPlanner:
             for parameter, value in self.experience.parameters(
                 ability, step.features, task.bounds(step.title), f"{seed} {step.title}"
             ).items()
+            if step.action.leaves_open(parameter)
         )
         chart = task.chart
         return tuple(each for each in chosen if self._with(each, chart) != chart)
 
     def _with(self, chosen: Chosen, chart: Chart) -> Chart:
-        """Return a chart with a parameter, unless the chart itself states it."""
+        """Return a chart with a parameter."""
         types = self._adjustable.parameters.get(chosen.ability, {})
         parameters = {chosen.ability: {p: t for p, t in types.items() if p == chosen.parameter}}
-        adjustable = replace(self._adjustable, parameters=parameters, keeps_stated=True)
+        adjustable = replace(self._adjustable, parameters=parameters)
         return with_parameters(chart, chosen.step, {chosen.parameter: chosen.value}, adjustable)
 
     def chart(

@@ -171,8 +171,8 @@ class Cell(Protocol):
     def load(self, panel: object, serial: str, owner: int, *, demands: Demands, keep: bool) -> None:
         """Build a panel; RefusedError if the cell cannot, or cannot do what goals will demand."""
 
-    def feed(self, wire: str, channel: str, owner: int) -> None:
-        """Present a piece of a wire in a channel; RefusedError if the feeder cannot."""
+    def feed(self, wire: str, owner: int) -> None:
+        """Present a piece of a wire; RefusedError if the feeder cannot."""
 
     def placed(self, wire: str) -> bool | None:
         """Return whether a wire is placed, by ground truth; None if there is none of it."""

@@ -72,7 +72,7 @@ class TaskExecutor:
         self._gates.enter(FEEDER, f"feeding {name}")
         gate = self._gates.gate
         try:
-            self._peers.cell.feed(name, self._work.channels.get(name, ""), self._record.owner)
+            self._peers.cell.feed(name, self._record.owner)
         except RefusedError as error:
             gate.end(FEEDER)
             self._record.append(FeedRefused(name, error.code, str(error), self._loop.now_s()))

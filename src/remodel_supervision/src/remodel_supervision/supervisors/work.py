@@ -26,7 +26,6 @@ class Work:
         planner: of the order.
         faults: that there are.
         panel: that the cell builds; None if it stands there.
-        channels: where each task's piece is presented, by the task's name.
         leases: on the tasks.
         attended: whether there is an operator who can be asked.
         reconnect_s: [s] wall time that a process that is lost or silent gets to answer again.
@@ -36,7 +35,6 @@ class Work:
     planner: WorkPlanner
     faults: FaultTable
     panel: object
-    channels: dict[str, str]
     leases: Leases
     attended: bool
     reconnect_s: float

@@ -37,14 +37,13 @@ def design_order(stored: Order, options: argparse.Namespace) -> tuple[WorkOrder,
     # They take longer to load than most problems to plan, and the commands of files need none.
     from remodel_planning.core.decomposition.triage import triaged
     from remodel_planning.core.orders.board_order import board_order, kind_of
-    from remodel_planning.edge.use_case_files import default_use_case, find_use_case
+    from remodel_planning.edge.use_case_files import use_case_for
     from remodel_production.core.board.board import board_of
     from remodel_production.edge.catalogue_file import read_catalogue
     from remodel_production.edge.package_files import catalogue_file
 
     board = board_of(stored, read_catalogue(catalogue_file()))
-    asked = options.use_case
-    use_case = find_use_case(asked) if asked else default_use_case(kind_of(board))
+    use_case = use_case_for(kind_of(board), options.use_case or "")
     return triaged(board_order(board, use_case, options.arms), use_case), use_case
 
 

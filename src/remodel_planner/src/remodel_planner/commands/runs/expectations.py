@@ -27,7 +27,7 @@ def main(arguments: list[str] | None = None) -> int:
         "the 90 % interval of the belief.",
         epilog="Exit code: 0 printed, 1 no such use case or database, 2 wrong usage.",
     )
-    parser.add_argument("use_case", metavar="USE_CASE", help="such as switchgear")
+    parser.add_argument("use_case", metavar="USE_CASE", help="such as cabinet")
     add_database_option(parser)
     options = parser.parse_args(arguments)
     use_case = find_use_case(options.use_case)

@@ -13,10 +13,8 @@ from remodel_planner.core.reports.net_list import net_list
 from remodel_planner.core.reports.run_report import Report
 from remodel_planning.core.decomposition.triage import triaged
 from remodel_planning.core.orders.board_order import board_order
-from remodel_planning.core.orders.cell_order import USE_CASE
 from remodel_planning.edge.use_case_files import find_use_case
-from remodel_production.core.board.board import board_of
-from remodel_production.core.panel.panel_layout import PanelRules, lay_out
+from remodel_production.core.board.board import Board, board_of
 from remodel_production.core.production import Order
 from remodel_production.edge.catalogue_file import read_catalogue
 from remodel_production.edge.package_files import catalogue_file
@@ -41,11 +39,12 @@ def order_report(
     reporter = AttemptReporter(folder / "runs" / str(follower.number))
     reported = [attempt for attempt in attempts if attempt.part is not Part.CLEAR]
     by_name = {wire.name: wire for wire in order.wires}
-    lengths = _lengths(order, state) if reported else {}
+    board = board_of(order, read_catalogue(catalogue_file()))
+    lengths = {w.name: board.length_of(w) for w in order.wires if w.name in board.routes}
     here = {attempt.execution.wire for attempt in attempts}
     done = [name for name, task in state.tasks.items() if task.stage is Stage.DONE]
     is_stopped = state.ended is not None and state.ended.ending is Ending.STOPPED
-    triage, by_hand = _triage(order, state.use_case)
+    triage, by_hand = _triage(board, state.use_case)
     if is_stopped and not attempts:  # a cell that refuses a panel keeps another one
         found, unread = {}, "nothing was built"
     else:
@@ -71,30 +70,17 @@ def order_report(
     )
 
 
-def _triage(order: Order, use_case: str) -> tuple[tuple[str, ...], frozenset[str]]:
+def _triage(board: Board, use_case: str) -> tuple[tuple[str, ...], frozenset[str]]:
     """Return a line for each wire by hand, and for wires that are done by another method.
 
     And the names of the wires by hand.
     """
-    if use_case in ("", USE_CASE):
+    if not use_case:  # no run began
         return (), frozenset()
     try:
         methods = find_use_case(use_case)
-        board = board_of(order, read_catalogue(catalogue_file()))
         found = triaged(board_order(board, methods, arms=1), methods)
     except PlannerError as error:  # the run is over, and its report is worth more than this part
         return (str(error),), frozenset()
     lines = tuple(map(str, (*found.other_methods, *found.by_hand)))
     return lines, frozenset(wire for each in found.by_hand for wire in each.wires)
-
-
-def _lengths(order: Order, state: RunState) -> dict[str, float]:
-    """Return the length of each wire [m], as it was cut."""
-    catalogue = read_catalogue(catalogue_file())
-    if state.use_case != USE_CASE:
-        board = board_of(order, catalogue)
-        return {
-            wire.name: board.length_of(wire) for wire in order.wires if wire.name in board.routes
-        }
-    layout = lay_out(order.first(len(state.tasks)), catalogue, PanelRules())
-    return {cut.wire.name: cut.length for cut in layout.wires}

@@ -13,7 +13,6 @@ import rospy
 
 from flexbe_core.ros.master import NoMasterError, join, require_master, spin
 from remodel_planner.commands.options.database_option import add_database_option
-from remodel_planning.core.orders.cell_order import USE_CASE
 from remodel_planning.edge.fault_file import read_faults
 from remodel_planning.edge.use_case_files import find_use_case
 from remodel_production.edge.database.cell_ownership import CellOwnership
@@ -49,9 +48,9 @@ def main(arguments: list[str] | None = None) -> int:
     )
     parser.add_argument(
         "--use-case",
-        default=USE_CASE,
+        default="",
         metavar="NAME",
-        help=f"by which orders are done (default {USE_CASE}: that of the simulated cell)",
+        help="by which orders are done (default: by what their designs are, docs/use-cases.md)",
     )
     parser.add_argument(
         "--unattended", action="store_true", help="no operator is present to answer questions"
@@ -97,7 +96,8 @@ def main(arguments: list[str] | None = None) -> int:
         hook = EscalationHook.from_option(options.escalate, rospy.logwarn)
         database = ProductionDatabase(options.database)
         faults = read_faults()
-        find_use_case(options.use_case)
+        if options.use_case:
+            find_use_case(options.use_case)
         require_master()
     except (PlannerError, NoMasterError, TableError) as error:
         print(f"use_case_supervisor: {error}", file=sys.stderr)

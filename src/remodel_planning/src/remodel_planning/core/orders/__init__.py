@@ -2,5 +2,4 @@
 
 work_order   an order of a use case, and its form
 board_order  a board as an order: wires, or (branch_order) branches, in its surroundings
-cell_order   the wires of the simulated cell's panel as an order
 """

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Collection, Iterator, Sequence
 from dataclasses import dataclass, replace
 
@@ -25,12 +26,14 @@ class PlannedTask:
     Attributes:
         component_of: components by the names of terminals.
         arms: the one that begins, and the one that it hands over to, if it does.
+        limits: what the user's requirements forbid.
     """
 
     use_case: UseCase
     decomposition: Decomposition
     component_of: dict[str, str]
     arms: tuple[str, ...]
+    limits: Limits
 
     @property
     def name(self) -> str:
@@ -43,14 +46,19 @@ class PlannedTask:
         return task_chart(self.use_case, self.decomposition, self.component_of, self.arms)
 
     def bounds(self, state_path: str) -> dict[str, float]:
-        """Return what the terminal bears that a state is about, by the name of the parameter."""
+        """Return what a state's parameters must not exceed, by their names.
+
+        That is the force that its terminal bears, and that requirements allow.
+        """
         title = step_of(state_path)
-        limits = [
+        allowed, _ = self.limits.force_n.get(self.name, (math.inf, ""))
+        borne = [
             step.access.force_limit_n
             for step in self.decomposition.steps
             if step.title == title and step.access.force_limit_n is not None
         ]
-        return {"force_limit": min(limits)} if limits else {}
+        limit = min([allowed, *borne])
+        return {"force_limit": limit} if limit < math.inf else {}
 
     def rest(self, connected: Collection[str]) -> Chart:
         """Return the chart of what is left when the ends with these letters are connected."""
@@ -140,7 +148,9 @@ def planned_task(
     arms = names[mode.arm : mode.arm + 1]
     if mode.hands_over:
         arms.append(names[1 - mode.arm])
-    return PlannedTask(prepared.use_case, decomposition, prepared.component_of, tuple(arms))
+    return PlannedTask(
+        prepared.use_case, decomposition, prepared.component_of, tuple(arms), limits=prepared.limits
+    )
 
 
 def continuing_from(

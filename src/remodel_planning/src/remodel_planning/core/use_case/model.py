@@ -131,6 +131,10 @@ class Action:
         """Whether it takes the force limit as a parameter, and so can push less hard."""
         return f"${FORCE}" in dict(self.params).values()
 
+    def leaves_open(self, parameter: str) -> bool:
+        """Return whether a run may choose a parameter: one that is not stated, or the force."""
+        return dict(self.params).get(parameter) in (None, f"${FORCE}")
+
     @property
     def is_of_any_arm(self) -> bool:
         """Whether the plan chooses the arm that does it; else its parameters name the robot."""

@@ -28,12 +28,10 @@ class Adjustable:
     Attributes:
         parameters: ability -> its goal's parameters by name, with their ROS types.
         nested: charts of the behaviors that tasks nest, by name.
-        keeps_stated: whether what a chart itself says of a parameter stays.
     """
 
     parameters: Mapping[str, Mapping[str, str]]
     nested: Mapping[str, Chart]
-    keeps_stated: bool = False
 
 
 def with_parameters(
@@ -74,11 +72,10 @@ def observing_from(chart: Chart, view: int, adjustable: Adjustable) -> Chart:
 def _changed(node: AnyNode, values: Mapping[str, float], adjustable: Adjustable) -> AnyNode:
     if isinstance(node, State):
         taken = adjustable.parameters.get(node.type.removesuffix("State"), {})
-        stated = {param.name for param in node.params} if adjustable.keeps_stated else set()
         new = tuple(
             Param(name, _literal(value, taken[name]))
             for name, value in values.items()
-            if name in taken and name not in stated
+            if name in taken
         )
         kept = tuple(p for p in node.params if p.name not in {param.name for param in new})
         return replace(node, params=(*kept, *new))

@@ -90,14 +90,13 @@ class Cell:
             force_limits=[force_n for _, force_n in demands.forces_n],
         )
 
-    def feed(self, wire: str, channel: str, owner: int) -> None:
-        """Present a piece of a wire in a channel.
+    def feed(self, wire: str, owner: int) -> None:
+        """Present a piece of a wire.
 
         Raises:
             RefusedError: if the feeder cannot.
         """
-        what = f"feed wire {wire}"
-        self._ask("feed_wire", what, wire_id=wire, channel_id=channel, owner=owner)
+        self._ask("feed_wire", f"feed wire {wire}", wire_id=wire, owner=owner)
 
     def placed(self, wire: str) -> bool | None:
         """Return whether a wire is placed, by ground truth; None if there is none of it.

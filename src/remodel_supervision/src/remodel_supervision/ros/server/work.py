@@ -2,25 +2,22 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 from dataclasses import dataclass, field, replace
 
 from remodel_msgs.msg import Panel
 
 from remodel_planning.core.decomposition.triage import triaged
-from remodel_planning.core.orders.board_order import board_order
-from remodel_planning.core.orders.cell_order import USE_CASE, cell_order
+from remodel_planning.core.orders.board_order import board_order, kind_of
 from remodel_planning.core.orders.work_order import Task, WorkOrder
 from remodel_planning.core.problem.preferences import about_wires
 from remodel_planning.core.problem.problem import End
 from remodel_planning.core.task_charts.task_values import poses
 from remodel_planning.core.use_case.fault import FaultTable
 from remodel_planning.core.use_case.model import UseCase
-from remodel_planning.edge.use_case_files import find_use_case
-from remodel_production.core.board.board import board_of
+from remodel_planning.edge.use_case_files import use_case_for
+from remodel_production.core.board.board import Board, board_of
 from remodel_production.core.board.panel import panel_of
-from remodel_production.core.panel.panel_layout import PanelRules, lay_out
-from remodel_production.core.production import Order
 from remodel_production.edge.catalogue_file import read_catalogue
 from remodel_production.edge.database.production_database import ProductionDatabase
 from remodel_production.edge.package_files import catalogue_file
@@ -31,7 +28,6 @@ from remodel_supervision.edge.recorded_lessons import ability_calls
 from remodel_supervision.edge.task_leases import TaskLeases
 from remodel_supervision.edge.work_planner import WorkPlanner
 from remodel_supervision.ros.peers.board_message import board_message
-from remodel_supervision.ros.peers.panel_message import panel_message
 from remodel_supervision.supervisors.work import Work
 
 
@@ -43,7 +39,8 @@ class WorkMaker:
         database: that has the orders.
         faults: that there are.
         cell: name of the cell.
-        use_case: name of the use case by which orders are done whose goal names none.
+        use_case: name of the use case by which orders are done whose goal names none; empty: the
+            one that is the default for such designs.
         attended: whether there is an operator who can be asked.
         reconnect_s: [s] wall time that a process that is lost or silent gets to answer again.
         lease_s: [s] wall time for which a task is taken.
@@ -66,22 +63,27 @@ class WorkMaker:
     escalation: EscalationHook | None = None
     descriptions: Mapping[str, str] = field(default_factory=dict)
 
-    def work(self, name: str, use_case: str, tasks: int, owner: int) -> Work:
+    def work(self, name: str, use_case: str, tasks: int | Collection[str], owner: int) -> Work:
         """Make the work of an order.
 
         Args:
             name: of the order.
             use_case: name of the use case; empty: the default.
-            tasks: how many, from the first; 0 for all.
+            tasks: how many, from the first, those by hand among them; 0 for all. Or the names of
+                those that a run began with.
             owner: token of the ownership of the cell.
 
         Raises:
             PlannerError: if there is no such order, or the cell cannot do it.
         """
         stored = self.database.order(name).in_cabinet()
-        found = find_use_case(use_case or self.use_case)
+        catalogue = read_catalogue(catalogue_file())
+        board = board_of(stored, catalogue)
+        found = use_case_for(kind_of(board), use_case or self.use_case)
         found.recovery.require_known(self.faults)
-        order, panel, channels = _in_cell(stored, found, tasks)
+        whole = _whole_order(board, found)
+        panel = board_message(panel_of(board, catalogue), whole)
+        order = _robots_tasks(whole, panel, found, tasks)
         experience = Experience(found, ability_calls(self.database), explore=self.explore)
         leases = TaskLeases(self.database, name, self.cell, self.lease_s, token=owner)
         self.descriptions = {
@@ -94,7 +96,6 @@ class WorkMaker:
             ),
             faults=self.faults,
             panel=panel,
-            channels=channels,
             leases=leases,
             attended=self.attended,
             reconnect_s=self.reconnect_s,
@@ -110,41 +111,58 @@ class WorkMaker:
         return [(f"preferences of order {name}", about_wires(document, present))]
 
 
-def _in_cell(
-    stored: Order, use_case: UseCase, tasks: int
-) -> tuple[WorkOrder, Panel, dict[str, str]]:
-    """Return an order's first tasks (0: all), the panel to build, and the channels of wires.
+def _whole_order(board: Board, use_case: UseCase) -> WorkOrder:
+    """Return the order of all tasks on a board, in the board's frame.
 
-    A magazine presents the wires that have no channel.
+    Raises:
+        OrderError: if there is none, or they are no wires.
     """
-    catalogue = read_catalogue(catalogue_file())
-    if use_case.name == USE_CASE:
-        rules = PanelRules()
-        layout = lay_out(stored.first(tasks or len(stored.wires)), catalogue, rules)
-        channels = {cut.wire.name: cut.channel for cut in layout.wires}
-        return cell_order(layout), panel_message(layout, rules), channels
-    board = board_of(stored, catalogue)
     order = board_order(board, use_case, arms=1)
     if not order.tasks:
-        raise OrderError(f"order {stored.name}: no wire has both its ends in the cabinet")
+        raise OrderError(f"order {order.name}: no wire has both its ends in the cabinet")
     # Leases are kept for wires.
-    others = {task.name for task in order.tasks} - {wire.name for wire in stored.wires}
+    others = {task.name for task in order.tasks} - {wire.name for wire in board.order.wires}
     if others:
         raise OrderError(
-            f"order {stored.name} cannot be run by use case {use_case.name}: its tasks, such as "
+            f"order {order.name} cannot be run by use case {use_case.name}: its tasks, such as "
             f"{min(others)}, are no wires of the design; run it by a use case of wires "
             "(designs: {tasks: wires}), or plan it with `planner plan`"
         )
-    panel = board_message(panel_of(board, catalogue), order)
-    done = [_on_panel(task, panel, use_case) for task in order.tasks[: tasks or None]]
-    first = replace(order, tasks=tuple(done))
-    found = triaged(first, use_case)
+    return order
+
+
+def _robots_tasks(
+    order: WorkOrder, panel: Panel, use_case: UseCase, asked: int | Collection[str]
+) -> WorkOrder:
+    """Return the tasks of the robot, in the panel's frame.
+
+    Args:
+        order: with all tasks, in the board's frame.
+        panel: to build.
+        use_case: by which the tasks are done.
+        asked: how many are asked for, from the first (0: all), or their names.
+
+    Raises:
+        OrderError: if there is none, or one of the names is of none.
+    """
+    if isinstance(asked, int):
+        tasks, names = order.tasks[: asked or None], frozenset[str]()
+    else:
+        names = frozenset(asked)
+        tasks = tuple(task for task in order.tasks if task.name in names)
+    done = [_on_panel(task, panel, use_case) for task in tasks]
+    found = triaged(replace(order, tasks=tuple(done)), use_case)
+    lost = names - {task.name for task in found.tasks}
+    if lost:
+        raise OrderError(
+            f"order {order.name}: {min(lost)}, which a run began with, is no task for the robot now"
+        )
     if not found.tasks:
         raise OrderError(
-            f"order {stored.name}: no task is for the robot: all {len(found.by_hand)} are by hand, "
+            f"order {order.name}: no task is for the robot: all {len(found.by_hand)} are by hand, "
             f"such as {found.by_hand[0]}"
         )
-    return found, panel, {}
+    return found
 
 
 def _on_panel(task: Task, panel: Panel, use_case: UseCase) -> Task:

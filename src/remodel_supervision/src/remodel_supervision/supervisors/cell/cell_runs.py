@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Collection
 from typing import Protocol
 
 from remodel_production.errors import LostError, OwnerError, PlannerError, RecordLostError
@@ -25,13 +26,14 @@ STARTING = "this node is starting; ask again"
 class WorkSource(Protocol):
     """Makes what a run is about."""
 
-    def work(self, name: str, use_case: str, tasks: int, owner: int) -> Work:
+    def work(self, name: str, use_case: str, tasks: int | Collection[str], owner: int) -> Work:
         """Make the work of an order; PlannerError if that fails.
 
         Args:
             name: of the order.
             use_case: name of the use case; empty: the default.
-            tasks: how many, from the first; 0 for all.
+            tasks: how many, from the first, those by hand among them; 0 for all. Or the names of
+                those that a run began with.
             owner: token of the ownership of the cell.
         """
 
@@ -212,7 +214,7 @@ class CellRuns:
         self._observer.on_resume(run, state)
         try:
             work = self._source.work(
-                state.order, state.use_case, len(state.tasks), self._cell.token
+                state.order, state.use_case, tuple(state.tasks), self._cell.token
             )
         except (LostError, OwnerError, RecordLostError):
             raise

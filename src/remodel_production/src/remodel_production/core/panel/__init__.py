@@ -1,1 +1,0 @@
-"""The panel of a cell: where components are placed, and how long wires are."""
