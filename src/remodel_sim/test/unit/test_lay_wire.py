@@ -30,8 +30,13 @@ from remodel_states.core.codes import Code
 CONFIG = Path(__file__).parents[2] / "config"
 GUIDE, HOLDER, WIRE = "robot_1", "robot_2", "W3"
 DESIGN = read_cell("two_arms_cabinet")
-# So far beside an opening a tip meets the terminal's face.
+# So far beside an opening, along the row, a tip meets the terminal's face.
 BESIDE_M = 0.004
+# Wires of the same diameter, of the same colour and of another one.
+ALIKE, UNLIKE = "W15", "W7"
+# On each leg of a route; and so much of a wire lies under another one.
+NODES = 40
+HIDDEN = 0.7
 
 
 def cell_of(design=DESIGN):
@@ -63,6 +68,13 @@ def route_of(cell):
     return np.array(points)
 
 
+def laid(route, height):
+    """Return a wire's nodes (n, 3) [m] along a route, all at one height [m]."""
+    flat = np.column_stack([route[:, :2], np.full(len(route), height)])
+    legs = [np.linspace(a, b, NODES, endpoint=False) for a, b in itertools.pairwise(flat)]
+    return np.concatenate([*legs, flat[-1:]])
+
+
 def test_a_wire_is_led_into_its_ducts():
     cell = cell_of()
     key, socket = hold_end_b(cell)
@@ -86,7 +98,7 @@ def test_a_wire_that_missed_its_terminal_leaves_the_cell_from_hand_to_hand():
     cell = cell_of()
     key, socket = hold_end_b(cell)
     holder = cell.contexts[HOLDER]
-    beside = replace(socket, position=socket.position + np.array([0.0, 0.0, BESIDE_M]))
+    beside = replace(socket, position=socket.position + np.array([0.0, BESIDE_M, 0.0]))
     with pytest.raises(AbilityError) as caught:
         insert(cell, WIRE, WireEnd.A, *key, beside)
     assert caught.value.code is Code.INSERTION_MISALIGNED
@@ -122,12 +134,23 @@ def test_a_wire_that_is_not_in_view_in_its_ducts_is_occluded():
     cell.close()
 
 
+@pytest.mark.parametrize(("height", "share"), [(0.020, 1.0), (0.070, 0.0)])
+def test_a_wire_that_others_hide_lies_below_the_rims_if_nothing_stands_above(height, share):
+    cell = cell_of()
+    line = laid(route_of(cell), height)
+    over = line[: round(HIDDEN * len(line))] + np.array([0.0, 0.0, 0.004])
+    cell.plant.parked[ALIKE] = ParkedWire(line, frozenset())
+    cell.plant.parked[UNLIKE] = ParkedWire(over, frozenset())
+    cell.feed(WIRE, "")
+    path = tuple(Pose.level(*map(float, point)) for point in route_of(cell))
+    places = duct_places(cell.context, path)
+    assert cell.run(share_in_ducts(cell.context, places), GUIDE) == pytest.approx(share, abs=0.1)
+    cell.close()
+
+
 @pytest.mark.parametrize(("height", "share"), [(0.020, 1.0), (0.065, 0.0)])
 def test_the_truth_counts_places_below_the_rims(height, share):
     cell = cell_of()
-    route = route_of(cell)
-    route[:, 2] = height
-    ways = [np.linspace(a, b, 200) for a, b in itertools.pairwise(route)]
-    cell.plant.parked[WIRE] = ParkedWire(np.concatenate(ways), frozenset())
+    cell.plant.parked[WIRE] = ParkedWire(laid(route_of(cell), height), frozenset())
     assert truth.share_in_ducts(cell.plant, WIRE) == pytest.approx(share)
     cell.close()
