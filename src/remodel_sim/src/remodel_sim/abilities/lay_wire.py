@@ -20,7 +20,7 @@ from remodel_sim.abilities.execution.robot_context import RobotContext, Steps
 from remodel_sim.abilities.primitives.carrying import SNAG_S
 from remodel_sim.abilities.primitives.force_motion import ForceMotion
 from remodel_sim.abilities.primitives.grasping import check_grip, open_fingers
-from remodel_sim.abilities.primitives.holding import SLACK, STEEP, bring_together
+from remodel_sim.abilities.primitives.holding import FLAT, SLACK, STEEP, bring_together, hold_off
 from remodel_sim.abilities.primitives.motions import (
     APPROACH_SPEED,
     FREE_SPEED,
@@ -200,6 +200,11 @@ def _lead(holder: RobotContext, guide: RobotContext, route: list[Array]) -> Step
     over = _rim(guide, route[1]) + OVER_RIM_M
     places.insert(0, replace(places[0], at=np.array([*places[0].at[:2], over])))
     guide.report("searching for the wire at its slot", 0.2)
+    left = guide.wire.length - grip.distance - INSIDE_M - float(np.linalg.norm(route[1] - route[0]))
+    slot = ToolPose(*(float(v) for v in route[1]), 0.0)
+    flat = hold_off(holder, slot, -unit_x(fixed), left, FLAT)
+    if flat:
+        yield from move_together(flat, HOLD_SPEED)
     tool = yield from _find(guide, route[1], -unit_x(fixed))
     yaw = tool.yaw
     tool = replace(tool, yaw=_hand_yaw(guide, [yaw, *(place.yaw for place in places)]))
@@ -208,8 +213,6 @@ def _lead(holder: RobotContext, guide: RobotContext, route: list[Array]) -> Step
     free = guide.force
     lifted = guide.commanded.at(z=over - _eyelet_above(guide))
     peak = yield from _watched(guide, [(guide, lifted)], free)
-    left = guide.wire.length - grip.distance - INSIDE_M
-    left -= float(np.linalg.norm(route[1] - route[0]))
     here = route[1]
     for i, place in enumerate(places):
         guide.report(f"leading the wire, {i + 1} of {len(places)}", 0.35 + 0.5 * i / len(places))

@@ -54,6 +54,9 @@ STEEP = Hold(
     tuple(np.radians([55.0, 48.0, 62.0, 40.0, 70.0, 30.0, 20.0])),
 )
 
+# It leaves a terminal and its slot so flatly that an eyelet closes around it there.
+FLAT = Hold((0.95, 0.90, 0.85, 0.80), 1.0, tuple(np.radians([20.0, 25.0, 30.0, 15.0, 35.0, 40.0])))
+
 
 def holder_of(context: RobotContext) -> RobotContext | None:
     """Return the other robot that holds the live wire's other end and does nothing else."""
@@ -122,6 +125,33 @@ def bring_together(
         f"{holder.name} has no place to hold the other end of {working.wire.id!r} while "
         f"{working.name} is at {tool}; present the wire nearer to its terminals",
     )
+
+
+def hold_off(
+    holder: RobotContext, at: ToolPose, out: Array, length: float, hold: Hold
+) -> list[tuple[RobotContext, ToolPose]]:
+    """Plan where a robot holds a wire that is fixed at its other end; the other robots stay.
+
+    Args:
+        holder: holds the free end.
+        at: where the wire comes from.
+        out: in which it goes on from there, unit vector (3,), level.
+        length: of the wire from there to the holder's grip [m].
+        hold: how tightly and steeply.
+
+    Returns:
+        A move of all robots at the same time; none where there is no such place.
+    """
+    others = [(peer, peer.commanded) for peer in holder.peers]
+    for share in hold.shares:
+        places = sorted(
+            _places(holder, at, out, share * length, hold.up_rad), key=lambda found: found[0]
+        )
+        for _, place in places:
+            move = [(holder, place), *others]
+            if holder.arm.reaches(place) and _are_apart([move]):
+                return move
+    return []
 
 
 def _orders(
