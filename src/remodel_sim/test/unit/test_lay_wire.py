@@ -63,20 +63,22 @@ def lay(cell):
     return cell.run(steps, HOLDER, GUIDE)
 
 
-def route_of(cell):
-    points = [WORLD_FROM_PANEL.apply(np.array(at)) for at in cell.plant.panel.wire(WIRE).route]
+def route_of(cell, wire_id=WIRE):
+    points = [WORLD_FROM_PANEL.apply(np.array(at)) for at in cell.plant.panel.wire(wire_id).route]
     return np.array(points)
 
 
-def laid(route, height):
+def along(route, height):
     """Return a wire's nodes (n, 3) [m] along a route, all at one height [m]."""
     flat = np.column_stack([route[:, :2], np.full(len(route), height)])
     legs = [np.linspace(a, b, NODES, endpoint=False) for a, b in itertools.pairwise(flat)]
     return np.concatenate([*legs, flat[-1:]])
 
 
-def test_a_wire_is_led_into_its_ducts():
+def test_a_wire_is_led_into_its_ducts_over_one_that_lies_there():
     cell = cell_of()
+    there = along(route_of(cell, ALIKE), 0.020)
+    cell.plant.parked[ALIKE] = ParkedWire(there, frozenset(WireEnd))
     key, socket = hold_end_b(cell)
     holder = cell.contexts[HOLDER]
     insert(cell, WIRE, WireEnd.A, *key, socket)
@@ -137,7 +139,7 @@ def test_a_wire_that_is_not_in_view_in_its_ducts_is_occluded():
 @pytest.mark.parametrize(("height", "share"), [(0.020, 1.0), (0.070, 0.0)])
 def test_a_wire_that_others_hide_lies_below_the_rims_if_nothing_stands_above(height, share):
     cell = cell_of()
-    line = laid(route_of(cell), height)
+    line = along(route_of(cell), height)
     over = line[: round(HIDDEN * len(line))] + np.array([0.0, 0.0, 0.004])
     cell.plant.parked[ALIKE] = ParkedWire(line, frozenset())
     cell.plant.parked[UNLIKE] = ParkedWire(over, frozenset())
@@ -151,6 +153,6 @@ def test_a_wire_that_others_hide_lies_below_the_rims_if_nothing_stands_above(hei
 @pytest.mark.parametrize(("height", "share"), [(0.020, 1.0), (0.065, 0.0)])
 def test_the_truth_counts_places_below_the_rims(height, share):
     cell = cell_of()
-    cell.plant.parked[WIRE] = ParkedWire(laid(route_of(cell), height), frozenset())
+    cell.plant.parked[WIRE] = ParkedWire(along(route_of(cell), height), frozenset())
     assert truth.share_in_ducts(cell.plant, WIRE) == pytest.approx(share)
     cell.close()
