@@ -26,6 +26,13 @@ def test_all_wires_begin_on_the_side_whose_shortest_leg_is_longer():
     assert first_ends({"far": paths["far"]}) == {"far": End.A}
 
 
+def test_a_wire_that_passes_no_duct_begins_at_end_a_and_has_no_turn():
+    paths = {"near": path(450, 300), "direct": [(0, 0), (100, 0)]}
+    first = first_ends(paths)
+    assert first == {"near": End.B, "direct": End.A}
+    assert laying_turns(paths, first) == {"near": 0}
+
+
 def test_a_wire_that_ends_farther_in_is_led_before_those_whose_loops_it_would_pass():
     paths = {"middle": path(0, 300), "inner": path(10, 200), "outer": path(20, 400)}
     turns = laying_turns(paths, dict.fromkeys(paths, End.A))

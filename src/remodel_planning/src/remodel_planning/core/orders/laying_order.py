@@ -18,6 +18,9 @@ LOOP_MM = 20.0
 # A point so near to a way is on it [mm].
 BESIDE_MM = 2.0
 
+# What a path has at least that passes a duct: two openings, where it enters, and where it leaves.
+_DUCT_POINTS = 4
+
 # Of a wire: opening a, where it enters and leaves ducts and turns, opening b.
 Path = Sequence[Point]
 
@@ -26,29 +29,31 @@ def first_ends(paths: Mapping[str, Path]) -> dict[str, End]:
     """Return the end at which each wire begins: on the side where the shortest leg is longer.
 
     A leg is the way from an opening's slot to the first corner; a wire lies down there before it is
-    bent around the corner. All legs that end in one corner are a side. Of two alike it is end a.
+    bent around the corner. All legs that end in one corner are a side. Of two alike, and of a wire
+    that passes no duct, it is end a.
     """
+    in_ducts = _in_ducts(paths)
     shortest: dict[Point, float] = {}
-    for path in paths.values():
+    for path in in_ducts.values():
         for slot, corner in (_leg(path, end) for end in End):
             shortest[corner] = min(shortest.get(corner, math.inf), math.dist(slot, corner))
 
     def begins_at(path: Path) -> End:
         return max(End, key=lambda end: shortest[_leg(path, end)[1]])
 
-    return {name: begins_at(path) for name, path in paths.items()}
+    return {name: begins_at(path) if name in in_ducts else End.A for name, path in paths.items()}
 
 
 def laying_turns(paths: Mapping[str, Path], first: Mapping[str, End]) -> dict[str, int]:
-    """Return each wire's turn, from 0: wires of one turn are in no one's way.
+    """Return the turn of each wire in ducts, from 0: wires of one turn are in no one's way.
 
     Args:
-        paths: of the wires in ducts, by name.
+        paths: of wires, by name.
         first: the end at which each begins.
     """
     led = {
         name: list(path[1:-1]) if first[name] is End.A else list(path[-2:0:-1])
-        for name, path in paths.items()
+        for name, path in _in_ducts(paths).items()
     }
     # For each wire those that pass its loop.
     before = {
@@ -64,6 +69,11 @@ def laying_turns(paths: Mapping[str, Path], first: Mapping[str, End]) -> dict[st
         turn = max(turns.values(), default=-1) + 1
         turns.update(dict.fromkeys(ready if fewest == 0 else ready[:1], turn))
     return turns
+
+
+def _in_ducts(paths: Mapping[str, Path]) -> dict[str, Path]:
+    """Return the paths that enter and leave a duct between their openings."""
+    return {name: path for name, path in paths.items() if len(path) >= _DUCT_POINTS}
 
 
 def _leg(path: Path, end: End) -> tuple[Point, Point]:
