@@ -45,7 +45,7 @@ CLEAR_OF_SLOPES_M = 0.007
 # The swing leaves so much slack, and as much more in each further attempt.
 SLACK_M = 0.0015
 # The wire lies so high in the grip, above the tool centre, more or less.
-IN_GRIP_M = 0.004
+IN_GRIP_M = -0.001
 # Held this far above a clip, a wire clears it.
 CLEAR_M = 0.005
 # The fingers clear a wire that stands off its clips by so much.
@@ -63,9 +63,9 @@ ENOUGH = 1.5
 ABOVE_LIPS_M = 0.00015
 # A wire that takes more than so many times the clip's force does not go in.
 EXCESS = 2.5
-# A wire between two clips may hang in the air; the fingers close at these heights, one after the
-# other.
-RISES_M = (0.0, 0.010)
+# A wire between two clips may hang in the air. The fingers close at these heights above the plate,
+# the highest first: so the wire lies low between the pads, and they press it down below the lips.
+RISES_M = (0.020, 0.016, 0.012, 0.008, 0.004, 0.0)
 OPEN_S = 0.2
 STILL_S = 0.10
 ATTEMPTS = 3
@@ -114,7 +114,7 @@ def _bring_into(
     beside = _beside(context, clip)
     grasp = yield from _find(context, clip, held_at, slack)
     free = context.force
-    yield from _grasp(context, grasp)
+    yield from grip_from_above(context, grasp)
     for place in (grasp, beside):
         over = _lifted(place, held_at, _clear_height(context, clip))
         yield from carry(
@@ -190,8 +190,8 @@ def _find(context: RobotContext, clip: PanelClip, held_at: Array, slack: float) 
     return grasp
 
 
-def _grasp(context: RobotContext, grasp: Pose) -> Steps[None]:
-    """Close the fingers on the wire where it lies; raises GRASP_MISSED."""
+def grip_from_above(context: RobotContext, grasp: Pose) -> Steps[None]:
+    """Close the fingers on the wire where it lies, low between the pads; raises GRASP_MISSED."""
     tool = _tool(context, grasp, context.fingers.below + FLOOR_CLEARANCE_M)
     yield from clear_hand(context)
     yield from move_to(context, tool.at(z=context.commanded.z), FREE_SPEED)
@@ -208,7 +208,7 @@ def _grasp(context: RobotContext, grasp: Pose) -> Steps[None]:
     raise AbilityError(
         Code.GRASP_MISSED,
         f"the fingers found no {context.wire.id!r} between the plate and "
-        f"{(RISES_M[-1] + context.fingers.pad_height) * 1e3:.0f} mm above it; route it again",
+        f"{(RISES_M[0] + context.fingers.pad_height) * 1e3:.0f} mm above it; route it again",
     )
 
 
