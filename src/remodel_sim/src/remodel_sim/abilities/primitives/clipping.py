@@ -131,8 +131,12 @@ def _bring_into(
 
 def _beside(context: RobotContext, clip: PanelClip) -> Pose:
     """Return where the hand grips the wire for a clip, x along the wire, world frame."""
-    behind = context.fingers.width / 2 + CLEAR_OF_SLOPES_M
-    return world_from_clip(clip) @ Pose.level(clip.length / 2 + behind, 0.0, 0.0)
+    return world_from_clip(clip) @ Pose.level(_beside_clip(context, clip), 0.0, 0.0)
+
+
+def _beside_clip(context: RobotContext, clip: PanelClip) -> float:
+    """Return how far from a clip's middle the hand clears it along the wire [m]."""
+    return clip.length / 2 + (context.fingers.width / 2 + CLEAR_OF_SLOPES_M)
 
 
 def _clear_height(context: RobotContext, clip: PanelClip) -> float:
@@ -244,13 +248,41 @@ def _release(context: RobotContext) -> Steps[None]:
 
 def press_from_above(context: RobotContext, clip: PanelClip) -> Steps[bool]:
     """Press the wire between the lips with closed fingers; return whether they come down there."""
-    above = _tool(context, world_from_clip(clip), _clear_height(context, clip) + ABOVE_WIRE_M)
+    bottom = lip_top(clip) + ABOVE_LIPS_M
+    return (yield from _press_at(context, clip, 0.0, bottom, EXCESS * clip.retention_force))
+
+
+def press_around(context: RobotContext, clip: PanelClip) -> Steps[None]:
+    """Press a wire that stands off its clip between the lips, and down beside both ends.
+
+    The fingers come no deeper than the lips' top, where a wire may stick between them: bent down
+    beside them it is drawn in.
+    """
+    yield from press_from_above(context, clip)
+    out = _beside_clip(context, clip)
+    for along in (-out, out):
+        yield from _press_at(context, clip, along, FLOOR_CLEARANCE_M, ENOUGH * clip.retention_force)
+
+
+def _press_at(
+    context: RobotContext, clip: PanelClip, along: float, bottom: float, limit: float
+) -> Steps[bool]:
+    """Press on the wire with closed fingers; return whether their tips come down to the bottom.
+
+    Args:
+        context: the cell, its hand empty.
+        clip: that the wire is pressed into.
+        along: from the clip's middle, along the wire [m].
+        bottom: above the plate [m].
+        limit: of the force [N].
+    """
+    place = world_from_clip(clip) @ Pose.level(along, 0.0, 0.0)
+    above = _tool(context, place, _clear_height(context, clip) + ABOVE_WIRE_M)
     yield from rise(context)
     context.drive_fingers(0.0)
     yield from swing_to(context, above.at(z=context.commanded.z))
     yield from move_to(context, above, APPROACH_SPEED)
     yield from _fingers_still(context)
-    bottom = above.at(z=lip_top(clip) + ABOVE_LIPS_M + context.fingers.below)
-    went_in = yield from _press_to(context, bottom, EXCESS * clip.retention_force)
+    arrived = yield from _press_to(context, above.at(z=bottom + context.fingers.below), limit)
     yield from move_to(context, above, APPROACH_SPEED)
-    return went_in
+    return arrived
