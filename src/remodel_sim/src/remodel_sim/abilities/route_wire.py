@@ -9,7 +9,7 @@ import numpy as np
 from remodel_sim.abilities.ability import ability
 from remodel_sim.abilities.execution.robot_context import RobotContext, Steps
 from remodel_sim.abilities.primitives.carrying import carry
-from remodel_sim.abilities.primitives.clipping import lay_into, press_from_above
+from remodel_sim.abilities.primitives.clipping import lay_into, press_around
 from remodel_sim.abilities.primitives.forks import let_into_forks
 from remodel_sim.abilities.primitives.grasping import check_grip
 from remodel_sim.abilities.primitives.laying import lay_down
@@ -119,7 +119,7 @@ def _lay_into_all(context: RobotContext, clips: tuple[PanelClip, ...]) -> Steps[
         if not standing_off:
             break
         for clip in standing_off:
-            yield from press_from_above(context, clip)
+            yield from press_around(context, clip)
         seen = yield from observe_route(context)
     judge_clips(context, clips, seen)
 

@@ -45,7 +45,7 @@ CLEAR_OF_SLOPES_M = 0.007
 # The swing leaves so much slack, and as much more in each further attempt.
 SLACK_M = 0.0015
 # The wire lies so high in the grip, above the tool centre, more or less.
-IN_GRIP_M = 0.004
+IN_GRIP_M = -0.001
 # Held this far above a clip, a wire clears it.
 CLEAR_M = 0.005
 # The fingers clear a wire that stands off its clips by so much.
@@ -63,9 +63,9 @@ ENOUGH = 1.5
 ABOVE_LIPS_M = 0.00015
 # A wire that takes more than so many times the clip's force does not go in.
 EXCESS = 2.5
-# A wire between two clips may hang in the air; the fingers close at these heights, one after the
-# other.
-RISES_M = (0.0, 0.010)
+# A wire between two clips may hang in the air. The fingers close at these heights above the plate,
+# the highest first: so the wire lies low between the pads, and they press it down below the lips.
+RISES_M = (0.020, 0.016, 0.012, 0.008, 0.004, 0.0)
 OPEN_S = 0.2
 STILL_S = 0.10
 ATTEMPTS = 3
@@ -114,7 +114,7 @@ def _bring_into(
     beside = _beside(context, clip)
     grasp = yield from _find(context, clip, held_at, slack)
     free = context.force
-    yield from _grasp(context, grasp)
+    yield from grip_from_above(context, grasp)
     for place in (grasp, beside):
         over = _lifted(place, held_at, _clear_height(context, clip))
         yield from carry(
@@ -131,8 +131,12 @@ def _bring_into(
 
 def _beside(context: RobotContext, clip: PanelClip) -> Pose:
     """Return where the hand grips the wire for a clip, x along the wire, world frame."""
-    behind = context.fingers.width / 2 + CLEAR_OF_SLOPES_M
-    return world_from_clip(clip) @ Pose.level(clip.length / 2 + behind, 0.0, 0.0)
+    return world_from_clip(clip) @ Pose.level(_beside_clip(context, clip), 0.0, 0.0)
+
+
+def _beside_clip(context: RobotContext, clip: PanelClip) -> float:
+    """Return how far from a clip's middle the hand clears it along the wire [m]."""
+    return clip.length / 2 + (context.fingers.width / 2 + CLEAR_OF_SLOPES_M)
 
 
 def _clear_height(context: RobotContext, clip: PanelClip) -> float:
@@ -190,8 +194,8 @@ def _find(context: RobotContext, clip: PanelClip, held_at: Array, slack: float) 
     return grasp
 
 
-def _grasp(context: RobotContext, grasp: Pose) -> Steps[None]:
-    """Close the fingers on the wire where it lies; raises GRASP_MISSED."""
+def grip_from_above(context: RobotContext, grasp: Pose) -> Steps[None]:
+    """Close the fingers on the wire where it lies, low between the pads; raises GRASP_MISSED."""
     tool = _tool(context, grasp, context.fingers.below + FLOOR_CLEARANCE_M)
     yield from clear_hand(context)
     yield from move_to(context, tool.at(z=context.commanded.z), FREE_SPEED)
@@ -208,7 +212,7 @@ def _grasp(context: RobotContext, grasp: Pose) -> Steps[None]:
     raise AbilityError(
         Code.GRASP_MISSED,
         f"the fingers found no {context.wire.id!r} between the plate and "
-        f"{(RISES_M[-1] + context.fingers.pad_height) * 1e3:.0f} mm above it; route it again",
+        f"{(RISES_M[0] + context.fingers.pad_height) * 1e3:.0f} mm above it; route it again",
     )
 
 
@@ -244,13 +248,41 @@ def _release(context: RobotContext) -> Steps[None]:
 
 def press_from_above(context: RobotContext, clip: PanelClip) -> Steps[bool]:
     """Press the wire between the lips with closed fingers; return whether they come down there."""
-    above = _tool(context, world_from_clip(clip), _clear_height(context, clip) + ABOVE_WIRE_M)
+    bottom = lip_top(clip) + ABOVE_LIPS_M
+    return (yield from _press_at(context, clip, 0.0, bottom, EXCESS * clip.retention_force))
+
+
+def press_around(context: RobotContext, clip: PanelClip) -> Steps[None]:
+    """Press a wire that stands off its clip between the lips, and down beside both ends.
+
+    The fingers come no deeper than the lips' top, where a wire may stick between them: bent down
+    beside them it is drawn in.
+    """
+    yield from press_from_above(context, clip)
+    out = _beside_clip(context, clip)
+    for along in (-out, out):
+        yield from _press_at(context, clip, along, FLOOR_CLEARANCE_M, ENOUGH * clip.retention_force)
+
+
+def _press_at(
+    context: RobotContext, clip: PanelClip, along: float, bottom: float, limit: float
+) -> Steps[bool]:
+    """Press on the wire with closed fingers; return whether their tips come down to the bottom.
+
+    Args:
+        context: the cell, its hand empty.
+        clip: that the wire is pressed into.
+        along: from the clip's middle, along the wire [m].
+        bottom: above the plate [m].
+        limit: of the force [N].
+    """
+    place = world_from_clip(clip) @ Pose.level(along, 0.0, 0.0)
+    above = _tool(context, place, _clear_height(context, clip) + ABOVE_WIRE_M)
     yield from rise(context)
     context.drive_fingers(0.0)
     yield from swing_to(context, above.at(z=context.commanded.z))
     yield from move_to(context, above, APPROACH_SPEED)
     yield from _fingers_still(context)
-    bottom = above.at(z=lip_top(clip) + ABOVE_LIPS_M + context.fingers.below)
-    went_in = yield from _press_to(context, bottom, EXCESS * clip.retention_force)
+    arrived = yield from _press_to(context, above.at(z=bottom + context.fingers.below), limit)
     yield from move_to(context, above, APPROACH_SPEED)
-    return went_in
+    return arrived
