@@ -99,7 +99,7 @@ class Push:
         peak_force: the largest in any step, not filtered [N].
         stopped: whether it was stopped by the force limit, or by a wire that gave way at the
             bottom.
-        felt: whether the opening was felt for: then the arm does not tell the height of the tip.
+        felt: whether the opening was felt for: then the height of the tip is unknown.
     """
 
     tip: Array
@@ -247,7 +247,7 @@ def push_in(
 def find_in(context: RobotContext, socket: Pose, bottom: float, limit: float) -> Steps[Push]:
     """Push the held end in as `push_in`; feel for the opening when the tip is stopped early.
 
-    A ferrule that is pushed harder against the face folds at its joint with the wire.
+    A ferrule that is pushed harder against the face bends at its joint with the wire.
     """
     start, peak_force = context.commanded, 0.0
     for above in (0.0, *FEELS_M):
@@ -273,7 +273,7 @@ def _back_to(context: RobotContext, *tools: ToolPose) -> Steps[None]:
 def judge_alignment(push: Push, mouth: Pose, terminal: PanelTerminal, where: str) -> None:
     """Raise INSERTION_MISALIGNED when the tip is beside the opening, as last observed.
 
-    Openings stand in a row: of a tip that was felt in, its distance along the row tells which one.
+    Openings stand in a row: a tip that was felt in is in the one at its place along the row.
     """
     beside = mouth.inverse().apply(push.tip)[1:]
     aside = abs(float(beside[0])) if push.felt else float(np.linalg.norm(beside))

@@ -48,7 +48,7 @@ class Inspected:
 
     Attributes:
         is_seen: whether the wire is.
-        is_below: whether it lies below the rim there; None: not to be told.
+        is_below: whether it lies below the rim there; None: unknown.
     """
 
     is_seen: bool
@@ -65,7 +65,7 @@ def share_in_ducts(context: RobotContext, places: Mapping[Duct, Sequence[Pose]])
         places: frames in each duct, x along it, world frame.
 
     Raises:
-        AbilityError: CABLE_OCCLUDED when the wire is seen at too few places.
+        AbilityError: CABLE_OCCLUDED when the wire is visible in too few places.
     """
     found: list[Inspected] = []
     for duct, part in _parts(places):
