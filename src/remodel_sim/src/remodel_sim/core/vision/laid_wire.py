@@ -95,7 +95,7 @@ def _height(picture: Picture, points: Array) -> float:
 
 
 def heights_at(picture: Picture, points: Array) -> Array:
-    """Return the heights (n,) [m] that a depth camera sees in the directions of points (n, 3) [m]."""
+    """Return the heights (n,) [m] that a depth camera sees in directions of points (n, 3) [m]."""
     assert picture.depth is not None, "the camera measures depth"
     pixels = picture.view.project(points)
     depths = _sample(picture.depth.astype(np.float32), pixels)
