@@ -22,7 +22,7 @@ from remodel_production.edge.database.production_database import ProductionDatab
 
 OUTPUT = Path(sys.argv[1])
 DATABASE = f"sqlite:///{OUTPUT}/production.sqlite"
-WORK_MS = 600_000.0  # in which the cell tries a wire, on a machine that is busy
+WORK_MS = 1_200_000.0  # in which the cell tries a wire, on a machine that is busy
 
 
 class OperatorTest(BrowserTest):
