@@ -48,7 +48,8 @@ def test_an_end_is_seated_with_the_force_that_was_allowed(cell_of, pushes, limit
     inserted = push(cell, limit)
     (truth,) = ground_truth(cell.plant, [cell.plant.panel.wires[0].id])
     assert truth.a.seated
-    (record,) = pushes
+    *until_in, record = pushes
+    assert [before.limit for before in until_in] == ([FEEL_N] if limit > FEEL_N else [])
     assert limit <= inserted.peak_force <= record.allowed
     assert record.peak == pytest.approx(inserted.peak_force, rel=0.1)
 
@@ -60,7 +61,8 @@ def test_a_blocked_opening_is_pressed_no_harder_than_allowed(cell_of, pushes, li
     with pytest.raises(AbilityError) as caught:
         push(cell, limit)
     assert caught.value.code is Code.INSERTION_JAMMED
-    pushed, *felt = pushes
+    *felt, pushed = pushes
     assert caught.value.found["peak_force"] <= pushed.allowed
     assert all(record.peak <= record.allowed for record in pushes)
-    assert [record.limit for record in felt] == [min(limit, FEEL_N)] * len(FEELS_M)
+    assert [record.limit for record in felt] == [min(limit, FEEL_N)] * (1 + len(FEELS_M))
+    assert pushed.limit == limit

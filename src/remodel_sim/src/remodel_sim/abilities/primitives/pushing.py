@@ -52,7 +52,7 @@ TURNED_IN_M = 0.010
 # at behind the hand, or bent: the opening is felt for with the hand so far higher [m]. Until the
 # tip is in, it is pushed with so much force [N].
 FEELS_M = (-0.0025, -0.005, -0.0075, 0.0025)
-FEEL_N = 5.0
+FEEL_N = 8.0
 # An end so near to its place before an opening was brought there already [m, rad].
 ALREADY_THERE_M = 0.004
 ALREADY_THERE_RAD = 0.05
