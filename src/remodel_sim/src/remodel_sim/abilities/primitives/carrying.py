@@ -70,13 +70,14 @@ def drop_into_bin(context: RobotContext, shares: tuple[float, float]) -> Steps[N
     """
     first, last = shares
     context.report("carrying the wire to the scrap bin", first)
-    free, above_bin = context.force, context.scrap_bin
+    above_bin = context.scrap_bin
     context.lower_fork()
     yield from rise(context, _drawn_up_z(context, above_bin.z))
     now = context.commanded
     yaw = nearest_hand_yaw(context.arm, above_bin.x, above_bin.y, now.yaw, near=now.yaw)
     over = ToolPose(above_bin.x, above_bin.y, now.z, yaw)
-    yield from carry(context, over, CARRY_SPEED, free, most=MAX_PULL_N)
+    # Where it was drawn out, the wire may still pull.
+    yield from carry(context, over, CARRY_SPEED, context.free_force, most=MAX_PULL_N)
     check_grip(context)
     context.report("dropping the wire", first + 0.8 * (last - first))
     context.drive_fingers(HAND_OPEN_M)

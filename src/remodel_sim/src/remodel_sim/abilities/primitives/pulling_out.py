@@ -13,12 +13,14 @@ from remodel_sim.core.workpiece.panel import unit_x
 from remodel_states.core.codes import Code
 
 PULL_SPEED = 0.04  # [m/s]
+# A tip so far before the opening is out of its terminal [m].
+OUT_M = 0.003
 # A hand that gives up waits for the wire's tension to relax before anything else is done [s].
 RELAX_S = 0.15
 
 
 def pull_out(context: RobotContext, socket: Pose, most_n: float) -> Steps[float]:
-    """Pull the held end straight back to where a push begins, its tip clear of the opening.
+    """Pull the held end straight back to where a push begins, or until its tip is out at least.
 
     Args:
         context: the cell; its hand holds the end.
@@ -35,10 +37,12 @@ def pull_out(context: RobotContext, socket: Pose, most_n: float) -> Steps[float]
     grip, start = context.belief.grip, context.commanded
     assert grip is not None, "the end is held"
     ahead = float((start.position - socket.position) @ -out) + grip.distance
-    length = max(0.0, ahead) + STANDOFF_M
+    inside = max(0.0, ahead)
     motion = ForceMotion(context, out, ForceControl(most_n))
-    while motion.travel < length:
+    while motion.travel < inside + STANDOFF_M:
         yield from motion.advance(PULL_SPEED)
+        if motion.met_limit and motion.travel > inside + OUT_M:
+            break  # What holds it now is not the terminal, such as the slot that it passes.
         if motion.met_limit:
             stuck_at = motion.force  # before the hand goes back and the wire relaxes
             context.drive(start)
