@@ -9,6 +9,7 @@ import pytest
 from place_wire import do, fix, insert, locate
 
 from remodel_sim.abilities.detect_cable import detect_cable
+from remodel_sim.abilities.discard_cable import discard_cable
 from remodel_sim.abilities.lay_wire import lay_wire
 from remodel_sim.abilities.pick_cable import pick_cable
 from remodel_sim.abilities.place_cable import place_cable
@@ -46,13 +47,13 @@ def cell_of(design=DESIGN):
     return Cell(panel, design=design, seed=1)
 
 
-def hold_end_b(cell):
-    """Feed the wire and hold its end b; return where end a goes, by name and as it was located."""
-    cell.feed(WIRE, "")
-    do(cell, detect_cable, goals.DetectGoal(WIRE))
-    key = cell.plant.panel.wire(WIRE).goes_to(WireEnd.A)
+def hold_an_end(cell, wire_id=WIRE, end=WireEnd.B):
+    """Feed a wire and hold an end; return where the other goes, by name and as it was located."""
+    cell.feed(wire_id, "")
+    do(cell, detect_cable, goals.DetectGoal(wire_id))
+    key = cell.plant.panel.wire(wire_id).goes_to(end.other)
     socket = locate(cell, *key)
-    pick = goals.PickGoal(HOLDER, WIRE, WireEnd.B, 0.0)
+    pick = goals.PickGoal(HOLDER, wire_id, end, 0.0)
     cell.run(pick_cable(cell.contexts[HOLDER], pick), HOLDER)
     return key, socket
 
@@ -79,7 +80,7 @@ def test_a_wire_is_led_into_its_ducts_over_one_that_lies_there():
     cell = cell_of()
     there = along(route_of(cell, ALIKE), 0.020)
     cell.plant.parked[ALIKE] = ParkedWire(there, frozenset(WireEnd))
-    key, socket = hold_end_b(cell)
+    key, socket = hold_an_end(cell)
     holder = cell.contexts[HOLDER]
     insert(cell, WIRE, WireEnd.A, *key, socket)
     fix(cell, WIRE, *key, pull=5.0)
@@ -98,7 +99,7 @@ def test_a_wire_is_led_into_its_ducts_over_one_that_lies_there():
 
 def test_a_wire_that_missed_its_terminal_leaves_the_cell_from_hand_to_hand():
     cell = cell_of()
-    key, socket = hold_end_b(cell)
+    key, socket = hold_an_end(cell)
     holder = cell.contexts[HOLDER]
     beside = replace(socket, position=socket.position + np.array([0.0, BESIDE_M, 0.0]))
     with pytest.raises(AbilityError) as caught:
@@ -110,6 +111,20 @@ def test_a_wire_that_missed_its_terminal_leaves_the_cell_from_hand_to_hand():
     assert "dropped into the scrap bin" in dropped.message
     assert cell.context.belief.fed == []
     assert cell.plant.live is None
+    cell.close()
+
+
+def test_a_wire_that_hangs_from_its_first_terminal_is_discarded():
+    # Behind its slot it bends aside, and pulls at the hand that draws its end out.
+    bent, end = "W97", WireEnd.B
+    cell = cell_of()
+    key, socket = hold_an_end(cell, bent, end.other)
+    insert(cell, bent, end, *key, socket, force=14.0)
+    fix(cell, bent, *key, pull=5.0)
+    cell.run(place_cable(cell.contexts[HOLDER], goals.PlaceGoal(HOLDER, bent, socket)), HOLDER)
+    discarded = do(cell, discard_cable, goals.DiscardGoal(GUIDE, bent))
+    assert "dropped into the scrap bin" in discarded.message
+    assert cell.plant.live is None and bent not in cell.context.belief.fed
     cell.close()
 
 
