@@ -42,6 +42,9 @@ HOME_BEFORE_M = 0.0015
 # it does only in front of an obstacle.
 SHORT_OF_BOTTOM_M = 0.003
 BEYOND_BOTTOM_M = 0.006
+# A wire buckles at the bottom so near to where that should be: a force that falls before is that of
+# an end that is caught on its way in.
+BUCKLES_M = 0.001
 # Resistance before this depth is the face's or the funnel's.
 FACE_M = 0.003
 STILL_S = 0.15
@@ -49,10 +52,13 @@ STILL_S = 0.15
 # depth [m]: kept straight from the slot on, it does not lean on the funnel.
 TURNED_IN_M = 0.010
 # A tip that is stopped at the face or in the funnel is turned upwards in the grip, if it was pulled
-# at behind the hand, or bent: the opening is felt for with the hand so far higher [m]. Until the
-# tip is in, it is pushed with so much force [N].
+# at behind the hand, or bent: the opening is felt for with the hand so far higher [m], with so much
+# force [N].
 FEELS_M = (-0.0025, -0.005, -0.0075, 0.0025)
-FEEL_N = 8.0
+FEEL_N = 5.0
+# Pushed with 13 N against the face, a ferrule bends at its joint with the wire. A push that may be
+# harder than this begins with FEEL_N, until the tip is in [N].
+BENDS_N = 10.0
 # An end so near to its place before an opening was brought there already [m, rad].
 ALREADY_THERE_M = 0.004
 ALREADY_THERE_RAD = 0.05
@@ -231,7 +237,7 @@ def push_in(
         ahead = motion.travel - STANDOFF_M
         if ahead >= bottom / 2:
             motion.limit_to(limit)
-        monitor = monitor.then(motion.force, near_bottom=ahead >= bottom - SHORT_OF_BOTTOM_M)
+        monitor = monitor.then(motion.force, near_bottom=ahead >= bottom - BUCKLES_M)
         stopped = motion.met_limit or monitor.gave_way
         context.report("pushing", 0.75 + 0.2 * np.clip(ahead / bottom, 0, 1))
     motion.stop()
@@ -245,16 +251,15 @@ def push_in(
 
 
 def find_in(context: RobotContext, socket: Pose, bottom: float, limit: float) -> Steps[Push]:
-    """Push the held end in as `push_in`; feel for the opening when the tip is stopped early.
-
-    A ferrule that is pushed harder against the face bends at its joint with the wire.
-    """
+    """Push the held end in as `push_in`; feel for the opening when the tip is stopped early."""
     start, peak_force = context.commanded, 0.0
+    until_in = limit if limit <= BENDS_N else FEEL_N
     for above in (0.0, *FEELS_M):
         if above:
             context.report("feeling for the opening", 0.8)
             yield from _back_to(context, start, start.at(z=start.z + above))
-        push = yield from push_in(context, socket, bottom, limit, until_in=FEEL_N)
+            until_in = FEEL_N
+        push = yield from push_in(context, socket, bottom, limit, until_in=until_in)
         peak_force = max(peak_force, push.peak_force)
         if not push.stopped or push.depth >= bottom / 2:
             return replace(push, peak_force=peak_force, felt=above != 0.0)
