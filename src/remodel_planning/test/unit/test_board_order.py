@@ -241,7 +241,7 @@ def test_of_a_task_that_no_method_does_only_what_rules_methods_out_is_a_reason()
     document = {"format": "remodel-preferences-1", "require": [gently]}
     found = triaged(work(order(("Q1:B1", "Q2:T1"))), GRIPPERS)
     with pytest.raises(InfeasibleError) as refused:
-        prepare(found, GRIPPERS, [("wishes", document)])
+        prepare(found, GRIPPERS, [("preferences", document)])
     assert str(refused.value).endswith(
         "no method of grippers.yaml does it: insert push in and close: push_in pushes with 40 N, "
         "over 20 N (`gently`)"

@@ -10,7 +10,7 @@ from place_wire import do, fix, insert, locate
 
 from remodel_sim.abilities.detect_cable import detect_cable
 from remodel_sim.abilities.discard_cable import discard_cable
-from remodel_sim.abilities.lay_wire import lay_wire
+from remodel_sim.abilities.lay_wire import TIGHTEN_M, draw_straight, lay_wire
 from remodel_sim.abilities.pick_cable import pick_cable
 from remodel_sim.abilities.place_cable import place_cable
 from remodel_sim.abilities.primitives.observation.duct_check import share_in_ducts
@@ -125,6 +125,20 @@ def test_a_wire_that_hangs_from_its_first_terminal_is_discarded():
     discarded = do(cell, discard_cable, goals.DiscardGoal(GUIDE, bent))
     assert "dropped into the scrap bin" in discarded.message
     assert cell.plant.live is None and bent not in cell.context.belief.fed
+    cell.close()
+
+
+def test_a_wire_that_does_not_become_straight_is_not_in_the_eyelet():
+    cell = cell_of()
+    hold_an_end(cell)
+    holder = cell.contexts[HOLDER]
+    # Its other end lies in the magazine: the wire hangs far lower than the hand.
+    below = holder.commanded.position - np.array([0.0, 0.0, 0.1])
+    before = holder.commanded.z
+    with pytest.raises(AbilityError, match="is not in the eyelet") as caught:
+        cell.run(draw_straight(holder, below, 1.0), HOLDER)
+    assert caught.value.code is Code.GRASP_MISSED
+    assert holder.commanded.z - before == pytest.approx(TIGHTEN_M, abs=0.01)
     cell.close()
 
 

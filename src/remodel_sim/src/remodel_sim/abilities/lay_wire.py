@@ -220,7 +220,7 @@ def _lead(holder: RobotContext, guide: RobotContext, route: list[Array]) -> Step
         left -= float(np.linalg.norm(target.at - here))
         turn = float(wrap_angle(target.yaw - yaw))
         peak = max(peak, (yield from _bring(holder, guide, target, turn, left, free)))
-        left = yield from _tighten(holder, target.at, left)
+        left = yield from draw_straight(holder, target.at, left)
         check_grip(holder)
         here, yaw = target.at, target.yaw
     # Released, a wire that is pulled upwards would leave its ducts.
@@ -411,7 +411,7 @@ def _loosen(
         yield from move_together(move, LEAD_SPEED, HOLD_SPEED)
 
 
-def _tighten(holder: RobotContext, eyelet: Array, left: float) -> Steps[float]:
+def draw_straight(holder: RobotContext, eyelet: Array, left: float) -> Steps[float]:
     """Draw the wire straight; return its length from the eyelet (3,) to the holder [m].
 
     A wire that sags ahead of the hand goes through the slots of the walls.

@@ -84,13 +84,13 @@ def share_in_ducts(context: RobotContext, places: Mapping[Duct, Sequence[Pose]])
         found += _inspect(context, duct, part)
         yield
     seen = sum(each.is_seen for each in found) / max(1, len(found))
-    judged = [each.is_below for each in found if each.is_below is not None]
-    if seen < LEAST_SEEN or not judged:
+    if seen < LEAST_SEEN:
         raise AbilityError(
             Code.CABLE_OCCLUDED,
             f"{context.wire.id!r} is in view at {seen:.0%} of its route in ducts; needed: "
             f"{LEAST_SEEN:.0%} or more; draw it out and place it again",
         )
+    judged = [each.is_below for each in found if each.is_below is not None]
     return sum(judged) / len(judged)
 
 
