@@ -1,4 +1,6 @@
-"""The cells with a KUKA iiwa and with two Pandas, by physics, without ROS."""
+"""The shipped cells, by physics, without ROS."""
+
+from pathlib import Path
 
 import numpy as np
 import place_wire
@@ -20,10 +22,15 @@ from remodel_sim.core.errors import AbilityError
 from remodel_sim.core.geometry import Pose
 from remodel_sim.core.goals import PlacePinGoal
 from remodel_sim.core.robot.arm import ToolPose
+from remodel_sim.core.workpiece.layout import WORLD_FROM_PANEL
 from remodel_sim.core.workpiece.panel import WireEnd
 from remodel_sim.edge.cell_file import read_cell
+from remodel_sim.edge.wire_material_file import read_wire_materials
 from remodel_sim.physics.truth import ground_truth
+from remodel_sim.ros.conversions import read_panel
 from remodel_states.core.codes import Code
+
+CONFIG = Path(__file__).parents[2] / "config"
 
 
 def test_an_iiwa_places_a_whole_wire():
@@ -160,3 +167,16 @@ def test_two_arms_in_each_others_way_do_not_wait_forever(cell):
         run(cell.plant, one, crossing)
     assert caught.value.code is Code.ROBOT_IN_THE_WAY
     assert not one.busy and not two.busy
+
+
+def test_small_labels_show_no_tilt_where_there_is_none():
+    household = read_panel(CONFIG / "household.yaml", read_wire_materials())
+    made = Cell(household, design=read_cell("two_arms_cabinet"), seed=1)
+    made.feed("W105", "")
+    for terminal in (("Q3", "B2.7"), ("D31", "T2"), ("D35", "T2"), ("D32", "T1")):
+        for view in range(3):
+            goal = goals.LocateGoal(*terminal, view)
+            found = place_wire.do(made, locate_gearbox_component, goal).socket_pose
+            true = WORLD_FROM_PANEL @ household.panel_from_socket(*terminal)
+            np.testing.assert_allclose(found.position, true.position, atol=5e-4)
+    made.close()

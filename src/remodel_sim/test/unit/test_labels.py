@@ -147,6 +147,14 @@ def test_a_wire_over_the_label_does_not_move_it(looks):
     assert turned < 0.4
 
 
+def test_a_label_that_is_wholly_covered_is_not_seen_clearly(looks):
+    part, look = looks
+    first, _ = look(Pose.level(0.503, -0.004, 0.0, 0.07))
+    stripes = np.tile(np.uint8([[0], [255]]), (240, 640))
+    picture = Picture(np.repeat(stripes[..., None], 3, axis=2), None, first.picture.view)
+    assert not locate_component(part, [LabelView(picture, first.corners)]).clear
+
+
 TILTED = np.array([math.sin(math.radians(2)), -math.sin(math.radians(1)), 0.0, 0.9994])
 ASKEW = Pose.level(0.503, -0.004, 0.002, 0.07) @ Pose(np.zeros(3), TILTED / np.linalg.norm(TILTED))
 

@@ -38,6 +38,8 @@ ALIKE, UNLIKE = "W15", "W7"
 # On each leg of a route; and so much of a wire lies under another one.
 NODES = 40
 HIDDEN = 0.7
+# An empty hand feels no more than this across its weight [N].
+LEVEL_N = 0.3
 
 
 def cell_of(design=DESIGN):
@@ -84,6 +86,8 @@ def test_a_wire_is_led_into_its_ducts_over_one_that_lies_there():
     holder = cell.contexts[HOLDER]
     insert(cell, WIRE, WireEnd.A, *key, socket)
     fix(cell, WIRE, *key, pull=5.0)
+    empty = cell.contexts[GUIDE].empty_force
+    assert np.linalg.norm(empty[:2]) < LEVEL_N, "what the wire pulls with is not the hand's own"
     laid = lay(cell)
     assert laid.in_ducts >= 0.8
     grip = holder.belief.grip

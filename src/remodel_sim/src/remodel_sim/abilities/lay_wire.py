@@ -421,7 +421,8 @@ def draw_straight(holder: RobotContext, eyelet: Array, left: float) -> Steps[flo
     """
     away, step = holder.commanded.position - eyelet, TIGHTEN_SPEED * holder.tick_s
     unit = away / np.linalg.norm(away)
-    motion = ForceMotion(holder, unit, ForceControl(MAX_TIGHT_N, SAGGING_STIFFNESS))
+    control = ForceControl(MAX_TIGHT_N, SAGGING_STIFFNESS)
+    motion = ForceMotion(holder, unit, control, holder.empty_force)
     while motion.force < TIGHT_N and not motion.met_limit and motion.travel < TIGHTEN_M:
         # What was commanded is where this tick began.
         if not holder.arm.reaches(holder.commanded.moved(unit, 2 * step)):

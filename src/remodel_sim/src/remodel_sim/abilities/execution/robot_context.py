@@ -77,8 +77,9 @@ class RobotContext:
         belief: what the cell believes from its own actions and observations.
         progress: of the ability that runs.
         tick_s: time between two commands to the arm [s].
-        free_force: what the wrist felt, world frame (3,) [N], when the hand last touched nothing:
-            the hand always points down, so its weight reads the same everywhere.
+        empty_force: what the wrist felt, world frame (3,) [N], when the hand was last empty: the
+            hand always points down, so its weight reads the same everywhere.
+        free_force: the same when it last pushed nothing: with a wire in it, that may pull at it.
     """
 
     def __init__(
@@ -107,7 +108,7 @@ class RobotContext:
         self.tick_s = self.steps_per_tick * plant.world.time_step
         self.commanded = self.home
         self.stand()
-        self.free_force = self.force
+        self.empty_force = self.free_force = self.force
         self.fingers_open_to = self._robot.finger_gap / 2
 
     @property

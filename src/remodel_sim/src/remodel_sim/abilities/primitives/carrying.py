@@ -77,7 +77,7 @@ def drop_into_bin(context: RobotContext, shares: tuple[float, float]) -> Steps[N
     yaw = nearest_hand_yaw(context.arm, above_bin.x, above_bin.y, now.yaw, near=now.yaw)
     over = ToolPose(above_bin.x, above_bin.y, now.z, yaw)
     # Where it was drawn out, the wire may still pull.
-    yield from carry(context, over, CARRY_SPEED, context.free_force, most=MAX_PULL_N)
+    yield from carry(context, over, CARRY_SPEED, context.empty_force, most=MAX_PULL_N)
     check_grip(context)
     context.report("dropping the wire", first + 0.8 * (last - first))
     context.drive_fingers(HAND_OPEN_M)

@@ -135,6 +135,7 @@ def close_on_wire(context: RobotContext, grip: Grip) -> Steps[None]:
     wire = context.wire
     connector = wire.connector_at(grip.end)
     thickness = wire.diameter if connector is None else connector.body_width
+    context.empty_force = context.free_force = context.force
     context.close_fingers(thickness)
     gap = math.inf
     for _ in range(math.ceil(CLOSE_TIMEOUT_S / context.tick_s)):

@@ -59,9 +59,9 @@ class ComponentObservation:
 
 
 def solved(normal: Array, pull: Array) -> Array:
-    """Return the motion (k,) that normal equations (k, k), (k,) ask for."""
+    """Return the motion (k,) that normal equations (k, k), (k,) ask for; none where nothing does."""
     damping = DAMPING * np.trace(normal) * np.eye(len(pull))
-    return np.asarray(np.linalg.solve(normal + damping, pull))
+    return np.asarray(np.linalg.lstsq(normal + damping, pull, rcond=None)[0])
 
 
 def deviations_of(
