@@ -202,7 +202,10 @@ def _lead(holder: RobotContext, guide: RobotContext, route: list[Array]) -> Step
     guide.report("searching for the wire at its slot", 0.2)
     left = guide.wire.length - grip.distance - INSIDE_M - float(np.linalg.norm(route[1] - route[0]))
     slot = ToolPose(*(float(v) for v in route[1]), 0.0)
-    flat = hold_off(holder, slot, -unit_x(fixed), left, FLAT)
+    # On the side to which the wire goes on: a hand that swings across pitches the wire in its grip.
+    onward = (route[2] - route[1]) * [1.0, 1.0, 0.0]
+    out = onward / np.linalg.norm(onward) - unit_x(fixed)
+    flat = hold_off(holder, slot, out / np.linalg.norm(out), left, FLAT)
     if flat:
         yield from move_together(flat, HOLD_SPEED)
     tool = yield from _find(guide, route[1], -unit_x(fixed))

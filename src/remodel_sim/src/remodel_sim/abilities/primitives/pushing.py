@@ -51,10 +51,10 @@ STILL_S = 0.15
 # A wire that comes through a slot beside the opening's axis is turned into the axis up to this
 # depth [m]: kept straight from the slot on, it does not lean on the funnel.
 TURNED_IN_M = 0.010
-# A tip that is stopped at the face or in the funnel is turned upwards in the grip, if it was pulled
-# at behind the hand, or bent: the opening is felt for with the hand so far higher [m], with so much
-# force [N].
-FEELS_M = (-0.0025, -0.005, -0.0075, 0.0025)
+# A tip that is stopped at the face or in the funnel is turned upwards or downwards in the grip, if it
+# was pulled at behind the hand, or bent: the opening is felt for with the hand so far higher [m],
+# with so much force [N].
+FEELS_M = (-0.0025, 0.0025, -0.005, 0.005, -0.0075)
 FEEL_N = 5.0
 # Pushed with 13 N against the face, a ferrule bends at its joint with the wire. A push that may be
 # harder than this begins with FEEL_N, until the tip is in [N].
