@@ -55,7 +55,7 @@ TURNED_IN_M = 0.010
 # was pulled at behind the hand, or bent: the opening is felt for with the hand so far higher [m],
 # with so much force [N].
 FEELS_M = (-0.0025, 0.0025, -0.005, 0.005, -0.0075)
-FEEL_N = 5.0
+FEEL_N = 3.0
 # Pushed with 13 N against the face, a ferrule bends at its joint with the wire. A push that may be
 # harder than this begins with FEEL_N, until the tip is in [N].
 BENDS_N = 10.0
