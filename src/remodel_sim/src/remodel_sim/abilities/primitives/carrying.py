@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import math
+from itertools import pairwise
+
 import numpy as np
 
 from remodel_sim.abilities.execution.robot_context import RobotContext, Steps
@@ -9,6 +12,7 @@ from remodel_sim.abilities.primitives.grasping import check_grip
 from remodel_sim.abilities.primitives.motions import (
     CARRY_SPEED,
     HAND_OPEN_M,
+    TRAVEL_Z,
     move_to,
     nearest_hand_yaw,
     rise,
@@ -17,6 +21,8 @@ from remodel_sim.abilities.primitives.motions import (
 from remodel_sim.core.errors import AbilityError
 from remodel_sim.core.geometry import Array
 from remodel_sim.core.robot.arm import ToolPose
+from remodel_sim.core.workpiece.layout import WORLD_FROM_PANEL
+from remodel_sim.core.workpiece.panel import WireEnd
 from remodel_states.core.codes import Code
 
 # A wire that hangs on something pulls at the hand with so much more than a free one, and longer
@@ -72,6 +78,8 @@ def drop_into_bin(context: RobotContext, shares: tuple[float, float]) -> Steps[N
     context.report("carrying the wire to the scrap bin", first)
     above_bin = context.scrap_bin
     context.lower_fork()
+    if context.wire.ducts:
+        yield from _peel_off(context)
     yield from rise(context, _drawn_up_z(context, above_bin.z))
     now = context.commanded
     yaw = nearest_hand_yaw(context.arm, above_bin.x, above_bin.y, now.yaw, near=now.yaw)
@@ -83,6 +91,25 @@ def drop_into_bin(context: RobotContext, shares: tuple[float, float]) -> Steps[N
     context.drive_fingers(HAND_OPEN_M)
     yield from wait(context, OPENING_S)
     context.discard()
+
+
+def _peel_off(context: RobotContext) -> Steps[None]:
+    """Lift the wire out of its ducts along its route, from the held end on.
+
+    Drawn along its ducts, it would hang on corners and on the wires that lie over it.
+    """
+    grip = context.belief.grip
+    assert grip is not None, "the wire is in the hand"
+    points = [WORLD_FROM_PANEL.apply(np.array(point)) for point in context.wire.route]
+    if grip.end is WireEnd.B:
+        points.reverse()
+    lifted, highest = 0.0, _drawn_up_z(context, TRAVEL_Z)
+    for before, (x, y, z) in pairwise(points[:-1]):
+        lifted += math.dist(before, (x, y, z))
+        above = ToolPose(x, y, min(highest, max(TRAVEL_Z, z + lifted)), context.commanded.yaw)
+        if context.arm.reaches(above):
+            yield from carry(context, above, CARRY_SPEED, context.empty_force, most=MAX_PULL_N)
+            check_grip(context)
 
 
 def _drawn_up_z(context: RobotContext, least: float) -> float:
