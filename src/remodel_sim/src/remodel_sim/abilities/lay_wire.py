@@ -41,7 +41,7 @@ from remodel_sim.core.goals import LayGoal
 from remodel_sim.core.goals.goal_pose import Message
 from remodel_sim.core.robot.arm import ToolPose
 from remodel_sim.core.robot.force_control import ForceControl
-from remodel_sim.core.vision.laid_wire import wire_past
+from remodel_sim.core.vision.laid_wire import uppermost_past
 from remodel_sim.core.workpiece.layout import WORLD_FROM_PANEL
 from remodel_sim.core.workpiece.panel import Duct, WireEnd, unit_x
 from remodel_sim.core.workpiece.slots import slot_before
@@ -316,12 +316,15 @@ def _places_along(points: list[Array]) -> Iterator[_Place]:
 
 
 def _find(guide: RobotContext, crossing: Array, out: Array) -> Steps[ToolPose]:
-    """Return the tool pose on the wire in its first duct, along the wire, as seen from above."""
+    """Return the tool pose on the wire in its first duct, along the wire, as seen from above.
+
+    The other hand holds it off: it is above those that lie beside it.
+    """
     yield from clear_sight(guide, crossing[None])
     seen = yield from observe_board(guide)
     place = Pose.level(*(float(v) for v in crossing), math.atan2(out[1], out[0]))
     before, here, beyond = (
-        wire_past(place @ Pose.level(along, 0.0, 0.0, 0.0), SEARCH_M, seen)
+        uppermost_past(place @ Pose.level(along, 0.0, 0.0, 0.0), SEARCH_M, seen)
         for along in (-DIRECTION_M, 0.0, DIRECTION_M)
     )
     if here is None:

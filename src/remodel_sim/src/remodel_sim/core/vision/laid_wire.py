@@ -15,6 +15,11 @@ from remodel_sim.core.vision.wire_lines import WireLines
 
 # The height of a wire is measured so far along it to both sides of a place [m].
 ALONG_M = np.linspace(-0.0015, 0.0015, 7)
+# Wires that lie beside or over each other are so near [m]; what is around them is observed so far;
+# so much of it lies below the uppermost one's crest, but for the depth camera's noise [%].
+BESIDE_M = 0.010
+AROUND_M = 0.020
+TOP_PERCENT = 95.0
 # To each side of where it is expected a wire is searched for around a circle [rad].
 TURN_RAD = np.radians(60.0)
 # The camera looks along the wire's height twice: once at the height that is expected.
@@ -57,6 +62,41 @@ def wire_past(place: Pose, reach: float, lines: WireLines) -> Passing | None:
         crest[:, 2] = height + lines.wire.radius
         height = _height(lines.picture, crest) - lines.wire.radius
     return Passing(aside, height)
+
+
+def uppermost_past(place: Pose, reach: float, lines: WireLines) -> Passing | None:
+    """Return how the uppermost of the wires beside each other passes a place; None: none is seen.
+
+    Args:
+        place: where its axis is expected, x along it, world frame.
+        reach: how far to each side they are searched for [m].
+        lines: of one of the wires, in a picture from above with depth.
+    """
+    passing = wire_past(place, reach, lines)
+    if passing is None:
+        return None
+    at = place.apply(np.array([0.0, passing.aside, passing.height - place.position[2]]))
+    x, y, z = place.inverse().apply(_surface_around(lines.picture, at)).T
+    beside = (np.abs(x) <= ALONG_M[-1]) & (np.abs(y - passing.aside) <= BESIDE_M)
+    if not beside.any():
+        return passing
+    top, radius = float(np.percentile(z[beside], TOP_PERCENT)), lines.wire.radius
+    height = float(place.position[2]) + top - radius
+    if height < passing.height + radius:
+        return passing
+    return Passing(float(np.mean(y[beside & (z > top - radius / 2)])), height)
+
+
+def _surface_around(picture: Picture, point: Array) -> Array:
+    """Return what a depth camera sees around a point (3,), as points (n, 3) [m], world frame."""
+    assert picture.depth is not None, "the camera measures depth"
+    column, row = np.rint(picture.view.project(point)[0]).astype(int)
+    far = math.ceil(AROUND_M / picture.view.metres_per_pixel(float(point[2])))
+    height, width = picture.depth.shape
+    rows = np.arange(max(0, row - far), min(height, row + far + 1))
+    columns = np.arange(max(0, column - far), min(width, column + far + 1))
+    pixels = np.stack(np.meshgrid(columns, rows), axis=-1).reshape(-1, 2).astype(np.float64)
+    return picture.view.at_depth(pixels, picture.depth[np.ix_(rows, columns)].ravel())
 
 
 def wire_around(centre: Array, radius: float, towards: float, lines: WireLines) -> float | None:
