@@ -1,6 +1,7 @@
 """LayWire in the cell of two heads, on the board of a household."""
 
 import itertools
+import math
 from dataclasses import replace
 from pathlib import Path
 
@@ -10,7 +11,7 @@ from place_wire import do, fix, insert, locate
 
 from remodel_sim.abilities.detect_cable import detect_cable
 from remodel_sim.abilities.discard_cable import discard_cable
-from remodel_sim.abilities.lay_wire import TIGHTEN_M, draw_straight, lay_wire
+from remodel_sim.abilities.lay_wire import SEARCH_M, TIGHTEN_M, draw_straight, lay_wire
 from remodel_sim.abilities.pick_cable import pick_cable
 from remodel_sim.abilities.place_cable import place_cable
 from remodel_sim.abilities.primitives.observation.duct_check import share_in_ducts
@@ -20,6 +21,8 @@ from remodel_sim.core import goals
 from remodel_sim.core.belief.placed_wires import ParkedWire
 from remodel_sim.core.errors import AbilityError
 from remodel_sim.core.geometry import Pose
+from remodel_sim.core.vision.laid_wire import uppermost_past, wire_past
+from remodel_sim.core.vision.wire_lines import WireLines
 from remodel_sim.core.workpiece.layout import WORLD_FROM_PANEL
 from remodel_sim.core.workpiece.panel import WireEnd
 from remodel_sim.edge.cell_file import read_cell
@@ -180,6 +183,28 @@ def test_a_wire_that_others_hide_lies_below_the_rims_if_nothing_stands_above(hei
     path = tuple(Pose.level(*map(float, point)) for point in route_of(cell))
     places = duct_places(cell.context, path)
     assert cell.run(share_in_ducts(cell.context, places), GUIDE) == pytest.approx(share, abs=0.1)
+    cell.close()
+
+
+def test_the_uppermost_of_two_wires_beside_each_other_is_taken():
+    cell = cell_of()
+    lower = along(route_of(cell), 0.030)
+    upper = lower + np.array([BESIDE_M, 0.0, 0.008])
+    cell.plant.parked[ALIKE] = ParkedWire(lower, frozenset())
+    cell.plant.parked[UNLIKE] = ParkedWire(upper, frozenset())
+    cell.feed(WIRE, "")
+    picture = cell.context.take_overhead_picture()
+    lower_seen, upper_seen = (
+        WireLines(picture, cell.plant.panel.wire(name)) for name in (ALIKE, UNLIKE)
+    )
+    before, after = route_of(cell)[1:3]
+    x, y, _ = (before + after) / 2
+    place = Pose.level(float(x), float(y), 0.030, math.pi / 2)
+    alone = wire_past(place, SEARCH_M, upper_seen)
+    passing = uppermost_past(place, SEARCH_M, lower_seen)
+    assert alone is not None and passing is not None
+    assert passing.aside == pytest.approx(-BESIDE_M, abs=0.001)
+    assert passing.height == pytest.approx(alone.height, abs=0.001)
     cell.close()
 
 

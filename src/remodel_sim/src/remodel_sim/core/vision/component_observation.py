@@ -59,7 +59,7 @@ class ComponentObservation:
 
 
 def solved(normal: Array, pull: Array) -> Array:
-    """Return the motion (k,) that normal equations (k, k), (k,) ask for; none where nothing does."""
+    """Return the least motion (k,) that normal equations (k, k), (k,) ask for."""
     damping = DAMPING * np.trace(normal) * np.eye(len(pull))
     return np.asarray(np.linalg.lstsq(normal + damping, pull, rcond=None)[0])
 
