@@ -4,6 +4,7 @@ import math
 from dataclasses import replace
 from pathlib import Path
 
+import numpy as np
 import pytest
 from place_wire import do, fix, insert, locate
 
@@ -12,6 +13,7 @@ from remodel_sim.abilities.pick_cable import pick_cable
 from remodel_sim.abilities.route_wire import route_wire
 from remodel_sim.cell import Cell
 from remodel_sim.core import goals
+from remodel_sim.core.cell.magazine import GRASP_M, LEAST_GRASP_M
 from remodel_sim.core.errors import AbilityError
 from remodel_sim.core.geometry import Pose
 from remodel_sim.core.workpiece.layout import WORLD_FROM_PANEL, find_problems
@@ -27,6 +29,8 @@ DESIGN = read_cell("two_arms_formboard")
 HARNESS = read_panel(CONFIG / "harness.yaml", read_wire_materials(CONFIG / "wire_materials.yaml"))
 WIRE = "W1.4"
 HOLDER = "robot_2"
+# How far the other end's insertion may pull an end back [m], and here in how many steps.
+SLID_M, SLIDING_STEPS = 0.006, 120
 
 
 def problems(panel):
@@ -101,4 +105,32 @@ def test_a_wire_is_let_down_into_its_forks_once_its_other_end_is_fixed():
     assert -0.015 < tip[0] < 0
     assert abs(tip[1]) < 0.003
     assert share_in_ducts(cell.plant, WIRE) == 1.0
+    cell.close()
+
+
+def push_back(cell, link):
+    """Push the last link of end b back into its clips, along y."""
+    bullet, cable = cell.plant.world.bullet, cell.plant.live.cable
+    start, turn = cable.link_pose(link)
+    holder = bullet.createConstraint(
+        *link, -1, -1, bullet.JOINT_FIXED, [0, 0, 0],
+        [0, 0, 0], start.tolist(), [0, 0, 0, 1], turn.tolist(),
+    )  # fmt: skip
+    for step in range(1, SLIDING_STEPS + 1):
+        at = start - np.array([0.0, SLID_M * step / SLIDING_STEPS, 0.0])
+        bullet.changeConstraint(holder, at.tolist(), turn.tolist(), maxForce=500)
+        cell.plant.step()
+    bullet.removeConstraint(holder)
+
+
+def test_an_end_that_has_slid_back_into_its_clips_is_grasped_before_them():
+    cell = Cell(HARNESS, design=DESIGN, seed=1)
+    cell.feed(WIRE, "")
+    cable = cell.plant.live.cable
+    push_back(cell, cable.ferrule(WireEnd.B))
+    do(cell, detect_cable, goals.DetectGoal(WIRE))
+    pick = goals.PickGoal(HOLDER, WIRE, WireEnd.B, 0.0)
+    cell.run(pick_cable(cell.contexts[HOLDER], pick), HOLDER)
+    tool, tip = cell.contexts[HOLDER].tool, cable.tip(WireEnd.B)[0]
+    assert LEAST_GRASP_M - 0.002 < tip[1] - tool.y < GRASP_M - 0.001
     cell.close()

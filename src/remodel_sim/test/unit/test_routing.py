@@ -2,6 +2,7 @@
 
 import math
 from contextlib import nullcontext
+from dataclasses import replace
 
 import place_wire as do
 import pytest
@@ -12,8 +13,10 @@ from remodel_sim.cell import Cell
 from remodel_sim.core import goals
 from remodel_sim.core.errors import AbilityError
 from remodel_sim.core.geometry import Pose
+from remodel_sim.core.workpiece.component_shape import Box
 from remodel_sim.core.workpiece.layout import WORLD_FROM_PANEL
 from remodel_sim.core.workpiece.panel import WireEnd
+from remodel_sim.physics.static_body import add_static
 from remodel_sim.physics.truth import lies_in
 from remodel_states.core.codes import Code
 
@@ -63,3 +66,20 @@ def test_a_wire_beside_its_duct_is_seen_from_above(x, words):
     finally:
         cell.close()
     assert not words or caught.value.code is Code.OUT_OF_DUCT
+
+
+@pytest.mark.parametrize("hidden", [("D1",), ("D1", "D2")])
+def test_a_wire_that_is_hidden_in_one_duct_is_judged_by_the_others(hidden):
+    ducts = [duct(0.0, -0.1), replace(duct(0.0, 0.1), id="D2")]
+    cell = Cell(formboard(0, ducts), seed=1)
+    cell.feed("W1", "A")
+    for one in ducts:
+        if one.id in hidden:
+            cover = Box((0.0, 0.0, 0.03), (0.2, 0.2, 0.002), (0.5, 0.5, 0.5), solid=False)
+            add_static(cell.plant.world.bullet, [cover], WORLD_FROM_PANEL @ one.panel_from_duct)
+    try:
+        with pytest.raises(AbilityError) if len(hidden) > 1 else nullcontext() as caught:
+            cell.run(check_ducts(cell.context, (at(0.0, -0.2), at(0.0, 0.2))))
+    finally:
+        cell.close()
+    assert caught is None or caught.value.code is Code.CABLE_OCCLUDED

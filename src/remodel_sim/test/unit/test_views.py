@@ -1,5 +1,7 @@
 """Another view observes from elsewhere, and sees past what hides a thing from the usual places."""
 
+import math
+
 import numpy as np
 import place_wire as do
 import pytest
@@ -20,6 +22,8 @@ from remodel_states.core.codes import Code
 # A lens that is nearer to another one than this observes from the same place [m].
 APART_M = 0.02
 GREY = (0.5, 0.5, 0.5)
+# Far more than openings may be tilted [rad].
+LEAN_RAD = math.radians(4.0)
 
 
 @pytest.fixture
@@ -83,6 +87,15 @@ def test_a_label_hidden_from_the_usual_places_is_located_from_another_view(cell)
     found = locate(cell, 1)
     away = found.component_pose.position - world_from_component.position
     assert np.linalg.norm(away) < 0.001
+
+
+def test_a_component_whose_openings_are_tilted_is_reported_and_not_inserted_into(cell):
+    lean = np.array([0.0, math.sin(LEAN_RAD / 2), 0.0, math.cos(LEAN_RAD / 2)])
+    leaning = cell.plant.world_from_component("X1") @ Pose(np.zeros(3), lean)
+    cell.plant._scene.place_component("X1", leaning)
+    with pytest.raises(AbilityError, match=r"'X1' leans: .* tilted by -?[345]\.\d deg") as caught:
+        locate(cell, 0)
+    assert caught.value.code is Code.COMPONENT_DISPLACED
 
 
 def test_each_view_of_a_cable_is_taken_from_elsewhere(cell, places):

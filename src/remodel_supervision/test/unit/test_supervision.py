@@ -405,7 +405,9 @@ def test_what_cannot_be_seen_is_given_up_as_it_was_decided(run):
     run.add(OperationEnded("W1", replace(operation(NOTHING_HELD), ability="PlaceCable")))
     run.end("W1", "failed")
     run.decide("W1")
-    assert run.add(Settled("W1", (), 1, 101, "a hand is before it")) == Execute("W2", Part.WHOLE)
+    unseen = Settled("W1", (), 1, 101, "a hand is before it")
+    assert run.add(unseen) == Execute("W1", Part.DISCARD), "it would be in the way of W2"
+    assert run.discard("W1") == Execute("W2", Part.WHOLE)
     assert run.state.tasks["W1"].stage is Stage.SET_ASIDE
 
 

@@ -8,6 +8,7 @@ import numpy as np
 
 from remodel_sim.abilities.ability import ability
 from remodel_sim.abilities.execution.robot_context import RobotContext, Steps
+from remodel_sim.abilities.primitives.motions import park
 from remodel_sim.abilities.primitives.observation.observing import (
     GraspObservation,
     OverheadObservation,
@@ -143,6 +144,8 @@ def detect_cable(context: RobotContext, goal: DetectGoal) -> Steps[CableDetected
     if goal.view and context.belief.grip is None:
         hidden = wanted
     aside = yield from _observe_from_aside(context, above, hidden, goal.view)
+    if aside and context.peers and context.belief.grip is None:
+        yield from park(context)  # the robot that picks the end may be another one
     hangs = context.belief.by_magazine and not context.belief.is_touched
     line = _centreline(above, aside, wire, hangs=hangs)
     length = float(np.linalg.norm(np.diff(line, axis=0), axis=1).sum())

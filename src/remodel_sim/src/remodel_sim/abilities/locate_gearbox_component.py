@@ -23,11 +23,12 @@ from remodel_sim.core.errors import AbilityError
 from remodel_sim.core.geometry import Pose
 from remodel_sim.core.goals import LocateGoal
 from remodel_sim.core.goals.goal_pose import Message
+from remodel_sim.core.goals.requirements import LEVEL_RAD
 from remodel_sim.core.vision.component_observation import ComponentObservation
 from remodel_sim.core.vision.device_pose import stands_there
 from remodel_sim.core.vision.drawing import ORANGE, Drawing
 from remodel_sim.core.workpiece.layout import WORLD_FROM_PANEL
-from remodel_sim.core.workpiece.panel import Component
+from remodel_sim.core.workpiece.panel import Component, unit_x
 from remodel_states.core.codes import Code
 
 # Further than this from its place on the panel, something is wrong with the panel or the component.
@@ -99,6 +100,7 @@ def locate_gearbox_component(context: RobotContext, goal: LocateGoal) -> Steps[C
     socket = None
     if goal.terminal_id:
         socket = pose @ component.terminal(goal.terminal_id).component_from_socket
+        _check_level(component, socket)
     x, y, _ = pose.position
     message = (
         f"{component.id} located at x {x * 1e3:.1f}, y {y * 1e3:.1f} mm, "
@@ -174,6 +176,17 @@ def _draw(
         start = above - socket.rotation[:, 0] * 0.018
         drawing.arrow(view.project(start)[0], view.project(above)[0], ORANGE)
         drawing.note(f"{component.id}/{terminal.id}", view.project(start)[0], ORANGE)
+
+
+def _check_level(component: Component, socket: Pose) -> None:
+    """Raise COMPONENT_DISPLACED when an opening is tilted: hands push level only."""
+    tilt = math.asin(float(np.clip(unit_x(socket)[2], -1, 1)))
+    if abs(tilt) >= LEVEL_RAD:
+        raise AbilityError(
+            Code.COMPONENT_DISPLACED,
+            f"{component.id!r} leans: its openings are tilted by {math.degrees(tilt):.1f} deg, "
+            f"allowed: {math.degrees(LEVEL_RAD):.0f} deg; put it upright, or observe it again",
+        )
 
 
 def _check_place(component: Component, observation: ComponentObservation) -> None:

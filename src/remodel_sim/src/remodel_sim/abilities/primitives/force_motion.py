@@ -10,12 +10,16 @@ import numpy as np
 from remodel_sim.abilities.execution.robot_context import RobotContext, Steps
 from remodel_sim.core.geometry import Array
 from remodel_sim.core.robot.arm import ToolPose
-from remodel_sim.core.robot.force_control import ForceControl
+from remodel_sim.core.robot.force_control import ForceControl, Yielding
 
 # A motion that gets no further than this within this time has met its limit as well: what it rests
 # on may swing about the limit by less than the sensor's low pass lets through.
 STALLED_M = 1e-4
 STALLED_S = 0.3
+# Step of the numeric derivatives of the joints [m].
+STEP_M = 1e-3
+# A motion that gives way nowhere.
+RIGID = Yielding(np.zeros((0, 3)), np.zeros(0))
 
 
 class ForceMotion:
@@ -60,6 +64,19 @@ class ForceMotion:
         self._acceleration = 0.0
         self.travel = self.peak = 0.0
         self._farthest, self._stalled_s = 0.0, 0.0
+        self._yielding, self._aside = RIGID, np.zeros(0)
+        self._aside_speed = self._aside_acceleration = np.zeros(0)
+
+    @property
+    def yielded(self) -> Array:
+        """How far the tool gave way across the motion, (3,) [m]."""
+        return self._aside @ self._yielding.directions
+
+    def yield_to(self, yielding: Yielding) -> None:
+        """Give way to forces across the motion from now on."""
+        self._yielding = yielding
+        self._aside = np.zeros(len(yielding.most))
+        self._aside_speed = self._aside_acceleration = np.zeros(len(yielding.most))
 
     @property
     def force(self) -> float:
@@ -85,9 +102,16 @@ class ForceMotion:
         self._wanted = speed
         self._from = self.travel
         self._reach = speed * context.tick_s
-        here, there = self._way(self.travel), self._way(self.travel + self._reach)
+        here, there = self._tool(self.travel), self._tool(self.travel + self._reach)
         self._joints = context.arm.joints_for(here)
         self._turn = context.arm.joints_for(there) - self._joints
+        self._aside_from = self._aside
+        self._aside_turns = np.array(
+            [
+                (context.arm.joints_for(here.moved(direction, STEP_M)) - self._joints) / STEP_M
+                for direction in self._yielding.directions
+            ]
+        ).reshape(-1, len(self._joints))
         context.drive_by(self._step, here)
         yield
         self._stalled_s += context.tick_s
@@ -96,11 +120,18 @@ class ForceMotion:
 
     def stop(self) -> None:
         """Keep the tool where it is."""
-        self._context.drive(self._way(self.travel))
+        self._context.drive(self._tool(self.travel))
+
+    def _tool(self, travel: float) -> ToolPose:
+        tool = self._way(travel)
+        for direction, aside in zip(self._yielding.directions, self._aside, strict=True):
+            tool = tool.moved(direction, float(aside))
+        return tool
 
     def _step(self, wrist_force: Array, time_step: float) -> Array:
         """Return the joints of the next step, (joints,), see `Robot.drive_by`."""
-        felt = float((wrist_force - self._free) @ self._along)
+        all_felt = wrist_force - self._free
+        felt = float(all_felt @ self._along)
         force = felt - self._hand_mass * self._acceleration
         self.peak = max(self.peak, force)
         speed = self._control.speed(self._wanted, force, self._speed, time_step)
@@ -109,4 +140,16 @@ class ForceMotion:
         reached = (travel - self.travel) / time_step
         self._acceleration = (reached - self._speed) / time_step
         self.travel, self._speed = travel, reached
-        return self._joints + (travel - self._from) / self._reach * self._turn
+        aside = self._give_way(all_felt, time_step) @ self._aside_turns
+        return self._joints + (travel - self._from) / self._reach * self._turn + aside
+
+    def _give_way(self, felt: Array, time_step: float) -> Array:
+        """Give way across the motion for a step; return how far since the tick began, (k,) [m]."""
+        yielding, before = self._yielding, self._aside_speed
+        forces = yielding.directions @ felt - self._hand_mass * self._aside_acceleration
+        speeds = yielding.speeds(forces, before, time_step)
+        aside = np.clip(self._aside + speeds * time_step, -yielding.most, yielding.most)
+        self._aside_speed = (aside - self._aside) / time_step
+        self._aside_acceleration = (self._aside_speed - before) / time_step
+        self._aside = aside
+        return aside - self._aside_from

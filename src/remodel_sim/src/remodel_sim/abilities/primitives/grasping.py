@@ -21,7 +21,7 @@ from remodel_sim.abilities.primitives.motions import (
 from remodel_sim.abilities.primitives.observation.observing import GraspObservation, observe_end
 from remodel_sim.core.belief.belief_state import EndState, Grip
 from remodel_sim.core.belief.openings import TerminalKey
-from remodel_sim.core.cell.magazine import GRASP_M
+from remodel_sim.core.cell.magazine import GRASP_M, grasp_before_clips
 from remodel_sim.core.errors import AbilityError
 from remodel_sim.core.geometry import Pose, wrap_angle
 from remodel_sim.core.robot.arm import ToolPose
@@ -33,8 +33,9 @@ from remodel_states.core.codes import Code
 # The pads stop so far above the plate.
 FLOOR_CLEARANCE_M = 0.0003
 CLOSE_TIMEOUT_S = 1.5
-# A gap of less than this share of the wire's or connector's width means that it is not there.
-MISSED_SHARE = 0.45
+# A gap of less than this share of the wire's or connector's width means that it is not there; one
+# that is so much wider [m], that the fingers met something else.
+MISSED_SHARE, BLOCKED_M = 0.45, 0.003
 # Fingers that hold a wire feel tens of newtons; without one, nothing.
 HELD_LOAD_N = 4.0
 APPROACH_Z = 0.06
@@ -97,8 +98,20 @@ def grasp_distance(context: RobotContext, end: WireEnd) -> float:
     """Return where an end is grasped, from its tip [m]: a connector at its body's rear."""
     connector = context.wire.connector_at(end)
     if connector is None:
-        return GRASP_M if context.belief.by_magazine else GRASP_DISTANCE_M
+        return _wire_grasp_distance(context, end)
     return connector.length - context.fingers.width / 2
+
+
+def _wire_grasp_distance(context: RobotContext, end: WireEnd) -> float:
+    """Return where an end without a connector is grasped [m]; it may have slid in its clips."""
+    belief, seen = context.belief, context.belief.tips.get(end)
+    if not belief.by_magazine:
+        return GRASP_DISTANCE_M
+    if end in belief.picked_at or seen is None:
+        return GRASP_M
+    out = np.array([math.cos(seen.out_yaw), math.sin(seen.out_yaw)])
+    slid = float((belief.expected[end] - seen.tip)[:2] @ out)
+    return grasp_before_clips(slid, context.fingers.width)
 
 
 def _check_room(context: RobotContext, seen: GraspObservation) -> None:
@@ -143,10 +156,15 @@ def close_on_wire(context: RobotContext, grip: Grip) -> Steps[None]:
         before, gap = gap, context.finger_gap
         if abs(before - gap) < 1e-5:
             break
+    if gap > thickness + BLOCKED_M:
+        yield from _open_and_rise(context)
+        raise AbilityError(
+            Code.GRASP_MISSED,
+            f"the fingers met something {gap * 1e3:.1f} mm apart beside {wire.id!r}, which is "
+            f"{thickness * 1e3:.1f} mm thick; detect it again, clear what stands beside it",
+        )
     if grips_nothing(gap, thickness):
-        context.drive_fingers(HAND_OPEN_M)
-        yield from wait(context, 0.2)
-        yield from rise(context)
+        yield from _open_and_rise(context)
         raise AbilityError(
             Code.GRASP_MISSED,
             f"the fingers closed to {gap * 1e3:.1f} mm on {thickness * 1e3:.1f} mm of {wire.id!r}: "
@@ -155,6 +173,12 @@ def close_on_wire(context: RobotContext, grip: Grip) -> Steps[None]:
     context.belief.grip = grip
     context.belief.engaged = None
     context.belief.picked_at[grip.end] = grip
+
+
+def _open_and_rise(context: RobotContext) -> Steps[None]:
+    context.drive_fingers(HAND_OPEN_M)
+    yield from wait(context, 0.2)
+    yield from rise(context)
 
 
 def grips_nothing(gap: float, thickness: float) -> bool:

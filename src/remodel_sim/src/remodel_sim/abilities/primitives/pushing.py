@@ -24,7 +24,7 @@ from remodel_sim.core.belief.belief_state import Grip
 from remodel_sim.core.errors import AbilityError
 from remodel_sim.core.geometry import Array, Pose, wrap_angle
 from remodel_sim.core.robot.arm import ToolPose
-from remodel_sim.core.robot.force_control import WIRE_STIFFNESS, ForceControl
+from remodel_sim.core.robot.force_control import WIRE_STIFFNESS, ForceControl, Yielding
 from remodel_sim.core.robot.push_monitor import PushMonitor
 from remodel_sim.core.workpiece.layout import STANDOFF_M, WORLD_FROM_PANEL
 from remodel_sim.core.workpiece.panel import PanelTerminal, unit_x
@@ -59,6 +59,9 @@ FEEL_N = 3.0
 # Pushed with 13 N against the face, a ferrule bends at its joint with the wire. A push that may be
 # harder than this begins with FEEL_N, until the tip is in [N].
 BENDS_N = 10.0
+# An end that is in an opening guides the hand: a wire that lies askew in the grip would bend in
+# front of it. The hand gives way by so much along the row of openings, and up or down [m].
+YIELDS_ASIDE_M, YIELDS_UP_M = 0.0010, 0.0040
 # An end so near to its place before an opening was brought there already [m, rad].
 ALREADY_THERE_M = 0.004
 ALREADY_THERE_RAD = 0.05
@@ -231,10 +234,13 @@ def push_in(
     way = _way_in(socket, slant, grip, replace(here, yaw=here.yaw - slant)) if slant else None
     control = ForceControl(min(limit, until_in), manner.stiffness)
     motion = ForceMotion(context, into, control, way=way)
-    ahead, stopped = -STANDOFF_M, False
+    ahead, stopped, in_opening = -STANDOFF_M, False, False
     while ahead < bottom + OVERTRAVEL_M and not stopped:
         yield from motion.advance(manner.speed_at(ahead, bottom))
         ahead = motion.travel - STANDOFF_M
+        if manner.buckles and not in_opening and ahead >= FACE_M:
+            in_opening = True
+            motion.yield_to(_yielding(socket))
         if ahead >= bottom / 2:
             motion.limit_to(limit)
         monitor = monitor.then(motion.force, near_bottom=ahead >= bottom - BUCKLES_M)
@@ -247,7 +253,13 @@ def push_in(
     if slant:
         along = np.array([math.cos(at.yaw + grip.flip), math.sin(at.yaw + grip.flip), 0.0])
     tip = at.position + along * grip.distance + np.array([0.0, 0.0, grip.height])
+    tip -= motion.yielded  # the end is where the opening keeps it
     return Push(tip, float((tip - socket.position) @ into), motion.peak, stopped)
+
+
+def _yielding(socket: Pose) -> Yielding:
+    aside, up = socket.rotation[:, 1], np.array([0.0, 0.0, 1.0])
+    return Yielding(np.array([aside, up]), np.array([YIELDS_ASIDE_M, YIELDS_UP_M]))
 
 
 def find_in(context: RobotContext, socket: Pose, bottom: float, limit: float) -> Steps[Push]:

@@ -22,17 +22,20 @@ import numpy as np
 from remodel_sim.core.cell.presentation import Presentation
 from remodel_sim.core.geometry import Pose
 from remodel_sim.core.workpiece.component_shape import Box
+from remodel_sim.core.workpiece.fixtures import SLOPE_LENGTH_M
 from remodel_sim.core.workpiece.layout import WORLD_FROM_PANEL, feed_direction
 from remodel_sim.core.workpiece.panel import Panel, PanelClip, PanelWire, WireEnd
 
 RGB = (0.16, 0.45, 0.30)
 # Slim fingers grasp an end so far behind its tip [m]: farther off they do not fit between a device
-# and the duct before it.
-GRASP_M = 0.025
+# and the duct before it, nearer they would touch the device before the end is at its bottom.
+GRASP_M, LEAST_GRASP_M = 0.025, 0.0215
 # Clips hold each end so far behind its tip, their middles [m]: two, so that it lies level; the
 # fingers grasp before them.
 CLIPS_M = (0.044, 0.090)
 CLIP_LENGTH_M = 0.008
+# Fingers keep so far from where a clip may be [m].
+BESIDE_CLIP_M = 0.0005
 # A clip's wire lies so far above its foot [m].
 FOOT_M = 0.010
 # A clip lets the wire out at this force [N], or at so much per bending stiffness [1/m^2] if that is
@@ -114,6 +117,18 @@ def fork_clips(wire: PanelWire, tip: Pose) -> tuple[tuple[PanelClip, Pose], ...]
         retention_force=max(RETENTION_N, RETENTION_PER_STIFFNESS * wire.bending_stiffness),
     )
     return tuple((clip, tip @ Pose.level(-back, 0.0, -foot)) for back in CLIPS_M)
+
+
+def grasp_before_clips(slid: float, finger_width: float) -> float:
+    """Return where an end is grasped, from its tip [m], between the tip and the clips.
+
+    Args:
+        slid: how far the end is behind the place where it is presented [m].
+        finger_width: along the wire [m].
+    """
+    clip_from = CLIPS_M[0] - CLIP_LENGTH_M / 2 - SLOPE_LENGTH_M - ALONG_TOLERANCE_M - slid
+    room = clip_from - BESIDE_CLIP_M - finger_width / 2
+    return min(GRASP_M, max(LEAST_GRASP_M, room))
 
 
 def stop_box(wire: PanelWire) -> Box:

@@ -9,6 +9,10 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+import numpy as np
+
+from remodel_sim.core.geometry import Array
+
 # A wire in the grip, at the bottom of its terminal or in its clamp, gives by 1 mm at 60 N [N/m].
 WIRE_STIFFNESS = 6e4
 # T: three steps of 240 Hz, the slowest rate of the physics. With two, what is damped at a stop, a
@@ -44,3 +48,33 @@ class ForceControl:
         missing = (1 + AIMS_ABOVE) * self.limit - force
         allowed = missing / (self.stiffness * TIME_CONSTANT_S)
         return min(wanted, allowed, before + ACCELERATION * time_step)
+
+
+@dataclass(frozen=True, eq=False)
+class Yielding:
+    """How a tool gives way to forces across its motion.
+
+    A wire that lies askew in the grip leans on the opening that its end is pushed into: the hand
+    gives way until it does not, rather than bending it.
+
+    Attributes:
+        directions: (k, 3) unit vectors, square to the motion and to each other.
+        most: (k,) how far it gives way along each, to either side [m].
+        stiffness: with which the forces grow, at most [N/m].
+    """
+
+    directions: Array
+    most: Array
+    stiffness: float = WIRE_STIFFNESS
+
+    def speeds(self, forces: Array, before: Array, time_step: float) -> Array:
+        """Return the speeds of the next step, (k,) [m/s].
+
+        Args:
+            forces: of the tool on what it touches, (k,) [N].
+            before: speeds of the step before, (k,) [m/s].
+            time_step: [s].
+        """
+        wanted = -forces / (self.stiffness * TIME_CONSTANT_S)
+        change = ACCELERATION * time_step
+        return np.clip(wanted, before - change, before + change)

@@ -446,7 +446,7 @@ def _is_to_be_discarded(do: Do, task: TaskProgress) -> bool:
     by = task.decisions[-1].by if task.decisions else POLICY
     to_person = bool(task.connected) and by != POLICY
     stuck = task.undiscarded or Code.EXTRACTION_STUCK in task.codes
-    return not (to_person or task.unseen or stuck)
+    return not (to_person or stuck)
 
 
 def _under_way(state: RunState, task: TaskProgress) -> RunState:

@@ -11,7 +11,7 @@ from remodel_sim.abilities.primitives.motions import park
 from remodel_sim.core.errors import AbilityError
 from remodel_sim.core.geometry import Pose
 from remodel_sim.core.vision.drawing import BLUE, ORANGE, Drawing
-from remodel_sim.core.vision.laid_wire import wire_past
+from remodel_sim.core.vision.laid_wire import Passing, wire_past
 from remodel_sim.core.vision.wire_lines import WireLines
 from remodel_sim.core.workpiece.fixtures import SLOPE_LENGTH_M
 from remodel_sim.core.workpiece.panel import Duct, PanelClip
@@ -77,14 +77,22 @@ def check_ducts(context: RobotContext, path: tuple[Pose, ...]) -> Steps[None]:
 
     Raises:
         AbilityError: OUT_OF_DUCT when it lies beside one, CABLE_OCCLUDED when it is not visible
-            in one.
+            in any. Where other wires hide it, it lies below them: beside a duct there are none.
     """
     places = duct_places(context, path)
     if not places:
         return
     context.report("observing the ducts from above", 0.95)
     seen = yield from observe_route(context)
-    faults = [f for duct, at in places.items() if (f := _duct_fault(duct, at, seen))]
+    passings = {duct: _passings(duct, at, seen) for duct, at in places.items()}
+    if not any(passings.values()):
+        ducts = ", ".join(duct.id for duct in places)
+        raise AbilityError(
+            Code.CABLE_OCCLUDED,
+            f"{seen.wire.id!r} is seen in none of the ducts {ducts}, nor within "
+            f"{BESIDE_DUCT_M * 1e3:.0f} mm of one; observe it from another side",
+        )
+    faults = [f for duct, found in passings.items() if (f := _duct_fault(duct, found))]
     _show(context, seen, [place for at in places.values() for place in at], faults)
     if faults:
         raise _out(context, faults)
@@ -96,18 +104,15 @@ def duct_places(context: RobotContext, path: tuple[Pose, ...]) -> dict[Duct, tup
     return {duct: places for duct, places in found.items() if places}
 
 
-def _duct_fault(duct: Duct, places: Sequence[Pose], seen: WireLines) -> str:
-    """Return how far beside a duct the wire lies; what is still held above it does not count."""
+def _passings(duct: Duct, places: Sequence[Pose], seen: WireLines) -> list[Passing]:
+    """Return how the wire passes a duct, at the places where it is seen."""
     reach = duct.width / 2 + BESIDE_DUCT_M
-    passings = [
-        passing for place in places if (passing := wire_past(place, reach, seen)) is not None
-    ]
-    if not passings:
-        raise AbilityError(
-            Code.CABLE_OCCLUDED,
-            f"{seen.wire.id!r} is not seen in duct {duct.id!r} nor within "
-            f"{BESIDE_DUCT_M * 1e3:.0f} mm of it; observe it from another side",
-        )
+    found = [wire_past(place, reach, seen) for place in places]
+    return [passing for passing in found if passing is not None]
+
+
+def _duct_fault(duct: Duct, passings: Sequence[Passing]) -> str:
+    """Return how far beside a duct the wire lies; what is still held above it does not count."""
     down = [abs(passing.aside) for passing in passings if passing.height < duct.height]
     beside = max(down, default=0.0) - duct.width / 2
     return f"it lies {beside * 1e3:.0f} mm beside duct {duct.id!r}" if beside > 0 else ""

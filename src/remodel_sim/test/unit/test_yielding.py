@@ -1,0 +1,46 @@
+"""The hand gives way to an opening whose end it pushes in askew."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+from place_wire import do, insert
+
+from remodel_sim.abilities.detect_cable import detect_cable
+from remodel_sim.cell import Cell
+from remodel_sim.core import goals
+from remodel_sim.core.geometry import Pose
+from remodel_sim.core.robot.force_control import ACCELERATION, Yielding
+from remodel_sim.core.workpiece.panel import WireEnd
+from remodel_sim.edge.cell_file import read_cell
+from remodel_sim.edge.wire_material_file import read_wire_materials
+from remodel_sim.physics.truth import ground_truth
+from remodel_sim.ros.conversions import read_panel
+
+CONFIG = Path(__file__).parents[2] / "config"
+STEP_S = 1 / 240
+WIRE = "W1.4"
+
+
+def test_it_gives_way_against_the_force_no_faster_than_the_arm_speeds_up():
+    yielding = Yielding(np.eye(3)[:2], np.array([0.001, 0.004]), stiffness=1e3)
+    free = yielding.speeds(np.zeros(2), np.zeros(2), STEP_S)
+    pushed = yielding.speeds(np.array([-1.0, 0.01]), np.zeros(2), STEP_S)
+    np.testing.assert_allclose(free, 0.0)
+    assert pushed[0] == pytest.approx(ACCELERATION * STEP_S)
+    assert -ACCELERATION * STEP_S < pushed[1] < 0.0
+
+
+@pytest.mark.parametrize("low_m", [0.0025, -0.0025])
+def test_an_end_that_slim_fingers_hold_too_low_or_too_high_is_seated(low_m):
+    panel = read_panel(CONFIG / "harness.yaml", read_wire_materials(CONFIG / "wire_materials.yaml"))
+    cell = Cell(panel, design=read_cell("two_arms_formboard"), seed=1)
+    key = panel.wire(WIRE).goes_to(WireEnd.A)
+    cell.feed(WIRE, "")
+    do(cell, detect_cable, goals.DetectGoal(WIRE))
+    socket = cell.plant.world_from_socket(*key)
+    low = Pose(socket.position - np.array([0.0, 0.0, low_m]), socket.quaternion)
+    insert(cell, WIRE, WireEnd.A, *key, low)
+    (truth,) = ground_truth(cell.plant, [WIRE])
+    assert truth.a.seated
+    cell.close()
