@@ -11,7 +11,7 @@ from remodel_sim.abilities.ability import ability
 from remodel_sim.abilities.execution.robot_context import RobotContext, Steps
 from remodel_sim.abilities.extract_cable import draw_out, put_away
 from remodel_sim.abilities.locate_gearbox_component import locate_gearbox_component
-from remodel_sim.abilities.primitives.carrying import drop_into_bin
+from remodel_sim.abilities.primitives.carrying import drop_into_bin, lift_out
 from remodel_sim.abilities.primitives.grasping import (
     RELEASE_OPENING_M,
     holds,
@@ -60,9 +60,13 @@ def discard_cable(context: RobotContext, goal: DiscardGoal) -> Steps[CableDiscar
         if not goal.cable_id:
             raise AbilityError(Code.NOTHING_HELD, f"{wire_id!r} slipped out of the fingers")
     context.make_live(wire_id)
+    occupants = {wire for wire, _ in belief.occupied.values()}
+    was_connected = belief.engaged is not None or wire_id in occupants
     yield from _release_ends(context)
     if belief.grip is None:
         yield from _pick_an_end(context, above_bin)
+    elif context.wire.ducts and was_connected:
+        yield from lift_out(context)
     yield from drop_into_bin(context, (0.7, 1.0))
     return CableDiscarded(f"{wire_id} dropped into the scrap bin")
 

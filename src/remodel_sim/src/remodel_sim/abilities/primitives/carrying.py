@@ -78,8 +78,6 @@ def drop_into_bin(context: RobotContext, shares: tuple[float, float]) -> Steps[N
     context.report("carrying the wire to the scrap bin", first)
     above_bin = context.scrap_bin
     context.lower_fork()
-    if context.wire.ducts:
-        yield from _peel_off(context)
     yield from rise(context, _drawn_up_z(context, above_bin.z))
     now = context.commanded
     yaw = nearest_hand_yaw(context.arm, above_bin.x, above_bin.y, now.yaw, near=now.yaw)
@@ -93,11 +91,15 @@ def drop_into_bin(context: RobotContext, shares: tuple[float, float]) -> Steps[N
     context.discard()
 
 
-def _peel_off(context: RobotContext) -> Steps[None]:
+def lift_out(context: RobotContext) -> Steps[None]:
     """Lift the wire out of its ducts along its route, from the held end on.
 
     Drawn along its ducts, it would hang on corners and on the wires that lie over it.
+
+    Raises:
+        AbilityError: SNAGGED, GRASP_SLIPPED.
     """
+    yield from rise(context)
     grip = context.belief.grip
     assert grip is not None, "the wire is in the hand"
     points = [WORLD_FROM_PANEL.apply(np.array(point)) for point in context.wire.route]
