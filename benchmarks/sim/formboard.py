@@ -131,16 +131,16 @@ class Trial:
 
     def _failed(self, goal: goals.Goal, error: AbilityError) -> None:
         self.failed += 1
-        self._tell(type(goal).__name__.removesuffix("Goal"), f"{error.code.name}: {error}")
+        self._print(type(goal).__name__.removesuffix("Goal"), f"{error.code.name}: {error}")
 
     def _do(self, robot: str, ability: Callable[[RobotContext, G], Steps[T]], goal: G) -> T:
         context = self.cell.contexts[robot]
         goal.check(context.panel, context.belief)
         try:
             found = self.cell.run(ability(context, goal), robot)
-            self._tell(type(goal).__name__.removesuffix("Goal"), found)
+            self._print(type(goal).__name__.removesuffix("Goal"), found)
         finally:
-            self._tell_truth()
+            self._print_truth()
         if isinstance(found, ComponentLocated):
             self._compare(goal.component_id, found)
         return found
@@ -150,18 +150,18 @@ class Trial:
         off = true.inverse() @ found.component_pose
         tilt = math.degrees(math.acos(min(1.0, float(off.rotation[2, 2]))))
         x, y, z = off.position * 1e3
-        _tell(
+        _print_line(
             f"      {component}: {x:+.2f}, {y:+.2f}, {z:+.2f} mm, {math.degrees(off.yaw):+.2f} deg,"
             f" tilted {tilt:.2f} deg from the truth"
         )
 
-    def _tell_truth(self) -> None:
-        """Tell where the ends are, and where hands hold them."""
+    def _print_truth(self) -> None:
+        """Print where the ends are, and where hands hold them."""
         plant = self.cell.plant
         if plant.live is None:
             return
         (truth,) = ground_truth(plant, [plant.live.wire.id])
-        told = [
+        lines = [
             f"end {end.value} {found.depth * 1e3:.1f} mm deep in {found.at}"
             for end, found in zip(WireEnd, (truth.a, truth.b), strict=True)
             if found.at
@@ -176,20 +176,20 @@ class Trial:
             along = np.array([math.cos(yaw), math.sin(yaw), 0.0])
             off = tip - tool.position
             aside = float(off @ [-along[1], along[0], 0.0])
-            told.append(
+            lines.append(
                 f"{name} holds end {grip.end.value} {off @ along * 1e3:.1f} mm behind its tip"
                 f" (believed {grip.distance * 1e3:.1f}), tip {aside * 1e3:+.1f} mm aside,"
                 f" {off[2] * 1e3:+.1f} mm up (believed {grip.height * 1e3:+.1f}), it rises by"
                 f" {math.degrees(math.asin(out[2])):+.1f} deg"
             )
-        for line in told:
-            _tell(f"      {line}")
+        for line in lines:
+            _print_line(f"      {line}")
 
-    def _tell(self, step: str, found: object) -> None:
+    def _print(self, step: str, found: object) -> None:
         message = getattr(found, "message", found)
         wall, world = time.monotonic() - self._began, self.cell.plant.world
         cell = world.steps * world.time_step
-        _tell(f"{wall:6.1f} s  {cell:6.1f} s  {step}: {message}")
+        _print_line(f"{wall:6.1f} s  {cell:6.1f} s  {step}: {message}")
 
 
 def _path(wire: PanelWire) -> tuple[Pose, ...]:
@@ -218,7 +218,7 @@ def _keep_in(folder: Path) -> OnObservation:
     return keep
 
 
-def _tell(line: str) -> None:
+def _print_line(line: str) -> None:
     sys.stdout.write(f"{line}\n")
     sys.stdout.flush()
 
@@ -246,10 +246,10 @@ def main() -> int:
                 trial.place(wire_id)
             except AbilityError as error:
                 trial.failed += 1
-                _tell(f"{wire_id}: {error.code.name}: {error}")
+                _print_line(f"{wire_id}: {error.code.name}: {error}")
             (truth,) = ground_truth(cell.plant, [wire_id])
             depths = ", ".join(f"{end.depth * 1e3:.1f} mm" for end in (truth.a, truth.b))
-            _tell(
+            _print_line(
                 f"{wire_id}: {'placed' if truth.placed else 'NOT PLACED'}, ends {depths} deep, "
                 f"{truth.in_ducts:.0%} of its forks"
             )
@@ -261,10 +261,10 @@ def main() -> int:
             try:
                 trial.give_up(wire_id)
             except AbilityError as error:
-                _tell(f"{wire_id}: not discarded: {error.code.name}: {error}")
+                _print_line(f"{wire_id}: not discarded: {error.code.name}: {error}")
                 cell.close()
                 return 1
-    _tell(f"{placed} of {len(wires)} wires placed; {trial.failed} failed operations")
+    _print_line(f"{placed} of {len(wires)} wires placed; {trial.failed} failed operations")
     cell.close()
     return 0 if placed == len(wires) else 1
 
