@@ -205,6 +205,11 @@ def test_the_uppermost_of_two_wires_beside_each_other_is_taken():
     assert alone is not None and passing is not None
     assert passing.aside == pytest.approx(-BESIDE_M, abs=0.001)
     assert passing.height == pytest.approx(alone.height, abs=0.001)
+    other = replace(cell.plant.panel.wire(ALIKE), colour="YE")
+    assert wire_past(place, SEARCH_M, WireLines(picture, other)) is None
+    by_depth = uppermost_past(place, SEARCH_M, WireLines(picture, other))
+    assert by_depth is not None
+    assert by_depth.height == pytest.approx(alone.height, abs=0.001)
     cell.close()
 
 

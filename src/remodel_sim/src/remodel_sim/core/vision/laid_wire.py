@@ -20,6 +20,8 @@ ALONG_M = np.linspace(-0.0015, 0.0015, 7)
 BESIDE_M = 0.010
 AROUND_M = 0.020
 TOP_PERCENT = 95.0
+# What is lower than this share of where a wire is expected is what it lies on.
+LEAST_HEIGHT = 0.5
 # To each side of where it is expected a wire is searched for around a circle [rad].
 TURN_RAD = np.radians(60.0)
 # The camera looks along the wire's height twice: once at the height that is expected.
@@ -67,22 +69,24 @@ def wire_past(place: Pose, reach: float, lines: WireLines) -> Passing | None:
 def uppermost_past(place: Pose, reach: float, lines: WireLines) -> Passing | None:
     """Return how the uppermost of the wires beside each other passes a place; None: none is seen.
 
+    A wire over others of its colour may not be told from them by colour: then depth alone counts.
+
     Args:
         place: where its axis is expected, x along it, world frame.
         reach: how far to each side they are searched for [m].
         lines: of one of the wires, in a picture from above with depth.
     """
-    passing = wire_past(place, reach, lines)
-    if passing is None:
-        return None
-    at = place.apply(np.array([0.0, passing.aside, passing.height - place.position[2]]))
+    passing, expected = wire_past(place, reach, lines), float(place.position[2])
+    near = Passing(0.0, expected) if passing is None else passing
+    at = place.apply(np.array([0.0, near.aside, near.height - expected]))
     x, y, z = place.inverse().apply(_surface_around(lines.picture, at)).T
-    beside = (np.abs(x) <= ALONG_M[-1]) & (np.abs(y - passing.aside) <= BESIDE_M)
+    beside = (np.abs(x) <= ALONG_M[-1]) & (np.abs(y - near.aside) <= BESIDE_M)
     if not beside.any():
         return passing
     top, radius = float(np.percentile(z[beside], TOP_PERCENT)), lines.wire.radius
-    height = float(place.position[2]) + top - radius
-    if height < passing.height + radius:
+    height = expected + top - radius
+    least = LEAST_HEIGHT * expected if passing is None else passing.height + radius
+    if height < least:
         return passing
     return Passing(float(np.mean(y[beside & (z > top - radius / 2)])), height)
 
