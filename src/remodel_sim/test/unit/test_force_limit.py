@@ -49,7 +49,7 @@ def test_an_end_is_seated_with_the_force_that_was_allowed(cell_of, pushes, limit
     (truth,) = ground_truth(cell.plant, [cell.plant.panel.wires[0].id])
     assert truth.a.seated
     *until_in, record = pushes
-    assert [before.limit for before in until_in] == ([FEEL_N] if limit > BENDS_N else [])
+    assert [before.limit for before in until_in] == ([limit, FEEL_N] if limit > BENDS_N else [])
     assert limit <= inserted.peak_force <= record.allowed
     assert record.peak == pytest.approx(inserted.peak_force, rel=0.1)
 
@@ -64,6 +64,7 @@ def test_a_blocked_opening_is_pressed_no_harder_than_allowed(cell_of, pushes, li
     *felt, pushed = pushes
     assert caught.value.found["peak_force"] <= pushed.allowed
     assert all(record.peak <= record.allowed for record in pushes)
-    first = FEEL_N if limit > BENDS_N else limit
-    assert [record.limit for record in felt] == [first, *[min(limit, FEEL_N)] * len(FEELS_M)]
+    first = [limit, FEEL_N] if limit > BENDS_N else [limit]
+    feel = [limit, FEEL_N]
+    assert [record.limit for record in felt] == [*first, *feel * len(FEELS_M)]
     assert pushed.limit == limit

@@ -57,8 +57,9 @@ TURNED_IN_M = 0.010
 FEELS_M = (-0.0025, 0.0025, -0.005, 0.005, -0.0075)
 FEEL_N = 3.0
 # Pushed with 13 N against the face, a ferrule bends at its joint with the wire. A push that may be
-# harder than this begins with FEEL_N, until the tip is in [N].
+# harder than this goes on with FEEL_N from so far before the face, until the tip is in [N, m].
 BENDS_N = 10.0
+GENTLE_BEFORE_M = 0.003
 # An end that is in an opening guides the hand: a wire that lies askew in the grip would bend in
 # front of it. The hand gives way by so much along the row of openings, and up or down [m].
 YIELDS_ASIDE_M, YIELDS_UP_M = 0.0010, 0.0040
@@ -225,15 +226,15 @@ def push_in(
         bottom: how deep the tip should come [m].
         limit: force at which the push stops [N].
         manner: how it is pushed.
-        until_in: the same, until the tip is half as deep: it may be beside the opening [N].
+        until_in: the same, from the face until the tip is half as deep: it may be beside the
+            opening [N].
     """
     into, grip = unit_x(socket), _grip(context)
     context.free_force = context.force
     monitor = PushMonitor(manner.buckles)
     slant, here = _slant(context, socket), context.commanded
     way = _way_in(socket, slant, grip, replace(here, yaw=here.yaw - slant)) if slant else None
-    control = ForceControl(min(limit, until_in), manner.stiffness)
-    motion = ForceMotion(context, into, control, way=way)
+    motion = ForceMotion(context, into, ForceControl(limit, manner.stiffness), way=way)
     ahead, stopped, in_opening = -STANDOFF_M, False, False
     while ahead < bottom + OVERTRAVEL_M and not stopped:
         yield from motion.advance(manner.speed_at(ahead, bottom))
@@ -241,8 +242,8 @@ def push_in(
         if manner.buckles and not in_opening and ahead >= FACE_M:
             in_opening = True
             motion.yield_to(_yielding(socket))
-        if ahead >= bottom / 2:
-            motion.limit_to(limit)
+        at_face = -GENTLE_BEFORE_M <= ahead < bottom / 2
+        motion.limit_to(min(limit, until_in) if at_face else limit)
         monitor = monitor.then(motion.force, near_bottom=ahead >= bottom - BUCKLES_M)
         stopped = motion.met_limit or monitor.gave_way
         context.report("pushing", 0.75 + 0.2 * np.clip(ahead / bottom, 0, 1))
