@@ -69,7 +69,7 @@ def wire_past(place: Pose, reach: float, lines: WireLines) -> Passing | None:
 def uppermost_past(place: Pose, reach: float, lines: WireLines) -> Passing | None:
     """Return how the uppermost of the wires beside each other passes a place; None: none is seen.
 
-    A wire over others of its colour may not be told from them by colour: then depth alone counts.
+    Colour may not distinguish a wire from those below it: then depth alone counts.
 
     Args:
         place: where its axis is expected, x along it, world frame.
