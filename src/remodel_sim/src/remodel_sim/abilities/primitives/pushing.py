@@ -54,7 +54,7 @@ TURNED_IN_M = 0.010
 # A tip that is stopped at the face or in the funnel is turned up or down in the grip, if the wire
 # was pulled or bent behind the hand: the opening is felt for with the hand so far higher [m], with
 # so much force [N]; with 5 N the tip slides down the face.
-FEELS_M = (-0.0025, 0.0025, -0.005, 0.005, -0.0075)
+FEELS_M = (0.0025, -0.0025, 0.005, -0.005, -0.0075)
 FEEL_N = 3.0
 # Pushed with 13 N against the face, a ferrule bends at its joint with the wire. A push that may be
 # harder than this goes on with FEEL_N from so far before the face, until the tip is in [N, m].
