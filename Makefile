@@ -115,9 +115,9 @@ bench-synthesis: build ## CPU time of the synthesis by size of the chart, in doc
 	@$(SOURCED) benchmarks/synthesis/typing_check.py
 	@$(SOURCED) PYTHONPATH="src/flexbe_synthesizer/test:$$PYTHONPATH" python3 -m random_charts --count 10000 $(BENCH)
 
-bench-sim: build build/bench-venv/.ready ## Measure the simulated wire against theory, beside MuJoCo; figures in docs/figures/sim.jsonl
+bench-sim: build build/bench-venv/.ready ## Measure the simulated wire against theory, beside MuJoCo and Newton; figures in docs/figures/sim.jsonl
 	@$(SOURCED) benchmarks/sim/plots.py out/bench
-	@$(SOURCED) benchmarks/sim/run.py --mujoco build/bench-venv/bin/python docs/figures/sim.jsonl
+	@$(SOURCED) benchmarks/sim/run.py --peers build/bench-venv/bin/python docs/figures/sim.jsonl
 
 bench-vision: build ## Measure detecting cables and locating components on rendered scenes (BENCH="--scenes 50")
 	@$(SOURCED) benchmarks/vision/run.py $(BENCH)

@@ -1,9 +1,10 @@
 #!/usr/bin/env python3
 # ruff: noqa: T201 - a benchmark prints
-"""Measure the simulated physics against theory, and beside MuJoCo: run.py [--mujoco PYTHON] [FILE].
+"""Measure the simulated physics against theory, and beside others: run.py [--peers PYTHON] [FILE].
 
 Lines of JSON go to FILE (out/bench/sim.jsonl). What the parts measure: statics.py (sag, buckling),
-retention.py (grip, fixtures), speed.py (real-time factor), mujoco_peer.py (MuJoCo's cable plugin).
+retention.py (grip, fixtures), speed.py (real-time factor), long_wires.py (wires of 1 to 3 m),
+mujoco_peer.py (MuJoCo's cable plugin), newton_peer.py (Newton's VBD cable).
 Exits with 1 when a target is missed. evaluate_abilities.py measures the abilities.
 """
 
@@ -14,12 +15,15 @@ import json
 import subprocess
 import sys
 from collections.abc import Iterator
+from dataclasses import asdict
 from pathlib import Path
+from subprocess import DEVNULL
 
 HERE = Path(__file__).parent
 # The rigs are those of the unit tests.
 sys.path.insert(0, str(HERE.parents[1] / "src" / "remodel_sim" / "test" / "unit"))
 
+import long_wires  # noqa: E402
 import retention  # noqa: E402
 import speed  # noqa: E402
 import statics  # noqa: E402
@@ -33,39 +37,56 @@ def determinism_rows() -> Iterator[Row]:
     yield Row("same seed and goals in two processes: equal bits", float(same), "", least=1.0)
 
 
-def speed_rows(mujoco_python: str | None) -> Iterator[Row]:
-    """Yield real-time factors, and their ratios to the peer's."""
+def speed_rows(mujoco: dict | None) -> Iterator[Row]:
+    """Yield real-time factors, and their ratios to MuJoCo's; its figures if there are any."""
     own = []
     for row in speed.rows():
         own.append(row.value)
         yield row
-    if mujoco_python is None:
+    if mujoco is None:
         return
-    text = subprocess.check_output([mujoco_python, str(HERE / "mujoco_peer.py")], text=True)
-    peer = json.loads(text)
     beam = "sag error, w L^3 / EI = 5, N = 24"
-    yield Row(f"MuJoCo's cable: {beam}", peer["sag_raw"], "%")
-    yield Row(f"MuJoCo's cable: {beam}, clamp half a cell out", peer["sag_shifted"], "%")
-    for value, (rate, factor) in zip(own, peer["speed"].items(), strict=True):
+    yield Row(f"MuJoCo's cable: {beam}", mujoco["sag_raw"], "%")
+    yield Row(f"MuJoCo's cable: {beam}, clamp half a cell out", mujoco["sag_shifted"], "%")
+    for value, (rate, factor) in zip(own, mujoco["speed"].items(), strict=True):
         hertz = f"{float(rate):g} Hz"
         yield Row(f"MuJoCo's cable: real-time factor, the same scene, {hertz}", factor, "x")
         yield Row(f"real-time factor over MuJoCo's, {hertz}", value / factor, "", least=1.0)
+
+
+def figures_of(python: str | None, name: str) -> dict | None:
+    """Return what another simulator's program prints; None, and a line, where it is not installed.
+
+    Raises:
+        subprocess.CalledProcessError: the program failed.
+    """
+    found = python and not subprocess.call([python, "-c", f"import {name}"], stderr=DEVNULL)
+    if not found:
+        print(f"{name} is not installed in {python}: its rows are left out")
+        return None
+    wires = json.dumps([asdict(wire) for wire in long_wires.peer_wires()])
+    text = subprocess.check_output([python, str(HERE / f"{name}_peer.py"), wires], text=True)
+    return json.loads(text)
 
 
 def main() -> int:
     """Print the table; returns the exit code."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("file", nargs="?", type=Path, default=Path("out/bench/sim.jsonl"))
-    parser.add_argument("--mujoco", metavar="PYTHON", help="a Python that has mujoco")
+    parser.add_argument("--peers", metavar="PYTHON", help="a Python that has mujoco and newton")
     options = parser.parse_args()
     options.file.parent.mkdir(parents=True, exist_ok=True)
     options.file.write_text("")
+    mujoco, newton = (figures_of(options.peers, name) for name in ("mujoco", "newton"))
     print(head())
     parts = (
         statics.rows(),
         retention.rows(),
         determinism_rows(),
-        speed_rows(options.mujoco),
+        speed_rows(mujoco),
+        long_wires.rows(),
+        long_wires.peer_rows("MuJoCo's cable", mujoco),
+        long_wires.peer_rows("Newton's VBD cable", newton),
     )
     return 0 if all([report(rows, options.file) for rows in parts]) else 1
 

@@ -1,5 +1,6 @@
-"""Experiments on a wire without ferrules, clamped at one end, for tests and benchmarks."""
+"""Experiments on a wire that is clamped at one end, for tests and benchmarks."""
 
+import dataclasses
 import math
 
 import numpy as np
@@ -7,7 +8,8 @@ from elastica import buckling_load
 from panels import wire
 
 from remodel_sim.core.workpiece.panel import WireEnd
-from remodel_sim.core.workpiece.wire_mechanics import Piece, chain
+from remodel_sim.core.workpiece.wire_mechanics import Piece, chain, discretise
+from remodel_sim.edge.wire_material_file import read_wire_materials
 from remodel_sim.physics.wires.cable import SimulatedWire
 from remodel_sim.physics.world import GRAVITY, World
 
@@ -18,11 +20,12 @@ HEIGHT = 1.0
 ELASTIC = 1e6  # a yield curvature that is never reached [1/m]
 # A rod is at rest when no node has moved by more than this in a quarter of a second [m].
 STILL = 2e-7
-WAIT_LIMIT_S = 60.0
+# The heavy rods move slowly, the longer the more so: 3 m take some 90 s.
+WAIT_LIMIT_S = 180.0
 
 
 class Rod:
-    """A rod along x, its first link held by the world."""
+    """A rod along x without ferrules, its first link held by the world."""
 
     def __init__(self, *, cells=24, load=0.0, rate_hz=240.0, cut=None, **properties):
         """Make a rod of `cells` equal links beyond the clamp; `load` is w L^3 / EI.
@@ -33,20 +36,20 @@ class Rod:
         # Without weight, the lighter the rod the sooner it is at rest.
         density = load * values["bending_stiffness"] / (GRAVITY * LENGTH**3) if load else 0.001
         specimen = wire("rod", ("X", "1"), ("Y", "1"), LENGTH, linear_density=density, **values)
-        self.world = World(rate_hz)
+        world = World(rate_hz)
         if not load:
-            self.world.bullet.setGravity(0, 0, 0)
+            world.bullet.setGravity(0, 0, 0)
         cell = LENGTH / cells
         pieces = [Piece(cell, cell)] * (cells - 1) + [Piece(cell - specimen.radius, cell)]
         if cut is not None:
             pieces[cut : cut + 1] = [Piece(cell / 2, cell), Piece(cell / 2, cell, bolted=True)]
-        model = chain(specimen, [Piece(CLAMPED, 0.0), *pieces], self.world.time_step)
-        self.cable = SimulatedWire(self.world, model, "BU")
-        start = np.array([-CLAMPED - specimen.radius, 0.0, HEIGHT])
-        self.cable.lay(start, 0.0, np.zeros(len(model.spans)))
-        self._clamp()
+        self._clamp(world, chain(specimen, [Piece(CLAMPED, 0.0), *pieces], world.time_step))
 
-    def _clamp(self):
+    def _clamp(self, world, model):
+        """Lay the model straight, its first link's end at x = 0, and hold that link."""
+        self.world, self.cable = world, SimulatedWire(world, model, "BU")
+        start = np.array([-model.lengths[0] - model.radius, 0.0, HEIGHT])
+        self.cable.lay(start, 0.0, np.zeros(len(model.spans)))
         bullet, link = self.world.bullet, self.cable.ferrule(WireEnd.A)
         position, quaternion = self.cable.link_pose(link)
         hold = bullet.createConstraint(
@@ -91,9 +94,33 @@ class Rod:
         self.world.close()
 
 
+class CellRod(Rod):
+    """A rod along x that is a wire of 2.5 mm2 as the cell makes it, its ferrule a held."""
+
+    def __init__(self, length, load):
+        """Make a wire that is `length` beyond its ferrule a [m]; `load` is w L^3 / EI."""
+        specimen = cell_wire(length, yield_curvature=ELASTIC)
+        density = load * specimen.bending_stiffness / (GRAVITY * length**3)
+        specimen = dataclasses.replace(
+            specimen, length=length + specimen.ferrule_length, linear_density=density
+        )
+        world = World(240.0)
+        self._clamp(world, discretise(specimen, world.time_step))
+
+
+def cell_wire(length, **changes):
+    """Return a wire of 2.5 mm2 of the table of materials; length from tip to tip [m]."""
+    material = dataclasses.asdict(read_wire_materials().find("H07V-K", 2.5))
+    return wire("W", ("X", "1"), ("Y", "1"), length, section=2.5, **{**material, **changes})
+
+
 def sag(load, **options):
     """Return how far the tip of a rod hangs down whose w L^3 / EI is `load` [m]."""
-    rod = Rod(load=load, **options)
+    return drop_at_rest(Rod(load=load, **options))
+
+
+def drop_at_rest(rod):
+    """Return how far the tip of a rod hangs down [m]; ends its world."""
     rod.come_to_rest()
     drop = rod.drop
     rod.close()

@@ -62,6 +62,11 @@ def test_a_wire_of_two_bodies_hangs_like_one():
     assert rods.sag(5.0, cut=12) == pytest.approx(rods.sag(5.0), rel=1e-3)
 
 
+def test_a_wire_of_a_metre_as_the_cell_makes_it_hangs_like_the_heavy_elastica():
+    expected = cantilever_drop(1.0, 1.0, 5.0)
+    assert rods.drop_at_rest(rods.CellRod(1.0, load=5.0)) == pytest.approx(expected, rel=0.003)
+
+
 def test_a_pushed_wire_buckles_at_eulers_load_and_not_before():
     assert rods.buckle(0.97) < math.radians(0.5)
     assert rods.buckle(1.2) == pytest.approx(buckled_tip_angle(1.2), abs=math.radians(0.5))
