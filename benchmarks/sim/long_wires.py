@@ -12,7 +12,7 @@ from collections.abc import Iterator
 import numpy as np
 import rods
 from elastica import cantilever_drop
-from peer_wire import SAG_LOAD, PeerWire
+from peer_wire import REPEATS, SAG_LOAD, PeerWire
 from row import Row
 
 from remodel_sim.core.workpiece.panel import WireEnd
@@ -28,11 +28,10 @@ RATE_HZ = 240.0
 SPRING_N_M = 200.0
 DRAWN_M_S = 0.0005
 DAMPING_N_S_M = 1.0
-# It slides when the spring is as long as friction makes it, and a second later for certain.
+# How long after the spring is as long as friction makes it the wire slides for certain.
 SLIDES_S = 1.0
 REST_S = 0.5
 MEASURED_S = 1.5
-REPEATS = 5
 
 
 def rows() -> Iterator[Row]:

@@ -20,17 +20,16 @@ import numpy as np
 import warp
 
 sys.path.insert(0, str(Path(__file__).parents[2] / "src" / "remodel_sim" / "test" / "unit"))
-from peer_wire import GRAVITY, PeerWire
+from peer_wire import GRAVITY, REPEATS, PeerWire
 
 RATE_HZ = 240.0
 ITERATIONS = 5
 STRETCH_N = 2e3  # Newton's default of 1e5 N/m for a joint of 20 mm
 DAMPING_STEPS = 0.25  # of joints, in time steps, as ours
 HEIGHT_M = 4.0  # above the plate
-REST_S = 30.0
+REST_S = 10.0
 SETTLED_S = 0.5
 MEASURED_S = 1.5
-REPEATS = 5
 
 
 class Cable:

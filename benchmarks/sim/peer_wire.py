@@ -8,6 +8,7 @@ from elastica import cantilever_drop
 
 GRAVITY = 9.81
 SAG_LOAD = 5.0  # w L^3 / EI
+REPEATS = 3  # of a measurement of the speed of a long wire; the best counts
 
 
 @dataclass(frozen=True)
