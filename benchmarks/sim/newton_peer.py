@@ -1,9 +1,9 @@
 #!/usr/bin/env python3
 """The long wires in Newton's VBD cable, on the CPU: newton_peer.py JSON, a list of PeerWires.
 
-Run by an interpreter that has newton (requirements-bench.txt); prints one JSON object. The first
-segment is the clamp, so sag is compared with a beam that is clamped where its flexible half ends.
-Iterations are those of Newton's own cable examples; the time steps are ours.
+Run by an interpreter that has newton (requirements-bench.txt); its last line is a JSON object. The
+first segment is the clamp, so sag is compared with a beam that is clamped where its flexible half
+ends. Iterations are those of Newton's own cable examples; the time steps are ours.
 """
 # ruff: noqa: T201 - a benchmark prints
 
