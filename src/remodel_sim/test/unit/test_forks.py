@@ -29,8 +29,9 @@ DESIGN = read_cell("two_arms_formboard")
 HARNESS = read_panel(CONFIG / "harness.yaml", read_wire_materials(CONFIG / "wire_materials.yaml"))
 WIRE = "W1.4"
 HOLDER = "robot_2"
-# How far the other end's insertion may pull an end back [m], and here in how many steps.
-SLID_M, SLIDING_STEPS = 0.006, 120
+# How far the other end's insertion may pull an end back, and how far it may not [m]; in how many
+# steps it is pushed here.
+SLID_M, SLID_TOO_FAR_M, SLIDING_STEPS = 0.006, 0.012, 120
 
 
 def problems(panel):
@@ -108,8 +109,8 @@ def test_a_wire_is_let_down_into_its_forks_once_its_other_end_is_fixed():
     cell.close()
 
 
-def push_back(cell, link):
-    """Push the last link of end b back into its clips, along y."""
+def push_back(cell, link, far):
+    """Push the last link of end b back into its clips, along y, so far [m]."""
     bullet, cable = cell.plant.world.bullet, cell.plant.live.cable
     start, turn = cable.link_pose(link)
     holder = bullet.createConstraint(
@@ -117,7 +118,7 @@ def push_back(cell, link):
         [0, 0, 0], start.tolist(), [0, 0, 0, 1], turn.tolist(),
     )  # fmt: skip
     for step in range(1, SLIDING_STEPS + 1):
-        at = start - np.array([0.0, SLID_M * step / SLIDING_STEPS, 0.0])
+        at = start - np.array([0.0, far * step / SLIDING_STEPS, 0.0])
         bullet.changeConstraint(holder, at.tolist(), turn.tolist(), maxForce=500)
         cell.plant.step()
     bullet.removeConstraint(holder)
@@ -127,10 +128,23 @@ def test_an_end_that_has_slid_back_into_its_clips_is_grasped_before_them():
     cell = Cell(HARNESS, design=DESIGN, seed=1)
     cell.feed(WIRE, "")
     cable = cell.plant.live.cable
-    push_back(cell, cable.ferrule(WireEnd.B))
+    push_back(cell, cable.ferrule(WireEnd.B), SLID_M)
     do(cell, detect_cable, goals.DetectGoal(WIRE))
     pick = goals.PickGoal(HOLDER, WIRE, WireEnd.B, 0.0)
     cell.run(pick_cable(cell.contexts[HOLDER], pick), HOLDER)
     tool, tip = cell.contexts[HOLDER].tool, cable.tip(WireEnd.B)[0]
     assert LEAST_GRASP_M - 0.002 < tip[1] - tool.y < GRASP_M - 0.001
+    cell.close()
+
+
+def test_fingers_that_meet_the_clips_do_not_take_the_wire_out_of_them():
+    cell = Cell(HARNESS, design=DESIGN, seed=1)
+    cell.feed(WIRE, "")
+    push_back(cell, cell.plant.live.cable.ferrule(WireEnd.B), SLID_TOO_FAR_M)
+    do(cell, detect_cable, goals.DetectGoal(WIRE))
+    pick = goals.PickGoal(HOLDER, WIRE, WireEnd.B, 0.0)
+    with pytest.raises(AbilityError, match="the fingers met something") as caught:
+        cell.run(pick_cable(cell.contexts[HOLDER], pick), HOLDER)
+    assert caught.value.code is Code.GRASP_MISSED
+    assert cell.contexts[HOLDER].belief.grip is None
     cell.close()
