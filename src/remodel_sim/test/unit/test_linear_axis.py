@@ -12,7 +12,7 @@ from remodel_sim.cell import Cell
 from remodel_sim.core.cell.scrap_bin import bin_of
 from remodel_sim.core.robot.arm import ToolPose
 from remodel_sim.core.robot.arm_volume import gap_between, volume_of
-from remodel_sim.core.robot.motion import JOINT_SPEED, Line
+from remodel_sim.core.robot.motion import Line
 from remodel_sim.edge.cell_file import read_cell
 
 CELL, PAIR = read_cell("cabinet"), read_cell("two_arms_cabinet")
@@ -91,7 +91,7 @@ def test_a_straight_line_is_a_smooth_motion_within_the_limits_of_all_joints(star
     lower, higher = ARM.limits
     assert np.all((joints >= lower) & (joints <= higher))
     rates = np.abs(np.diff(joints, axis=0)).max(axis=0) / TICK_S
-    assert np.all(rates <= np.array([ARM.axis.speed, *[JOINT_SPEED] * 7]) * 1.02), rates
+    assert np.all(rates <= ARM.speeds * 1.02), rates
     jumps = np.abs(np.diff(joints, 2, axis=0)).max(axis=0) / TICK_S**2
     assert np.all(jumps < np.array([5.0, *[20.0] * 7])), jumps
     for tick, posture in enumerate(joints):

@@ -20,7 +20,14 @@ from remodel_sim.abilities.execution.robot_context import RobotContext, Steps
 from remodel_sim.abilities.primitives.carrying import SNAG_S
 from remodel_sim.abilities.primitives.force_motion import ForceMotion
 from remodel_sim.abilities.primitives.grasping import check_grip, open_fingers
-from remodel_sim.abilities.primitives.holding import FLAT, SLACK, STEEP, bring_together, hold_off
+from remodel_sim.abilities.primitives.holding import (
+    FLAT,
+    HOLD_SPEED,
+    SLACK,
+    STEEP,
+    bring_together,
+    hold_off,
+)
 from remodel_sim.abilities.primitives.motions import (
     APPROACH_SPEED,
     FREE_SPEED,
@@ -65,9 +72,8 @@ OVER_RIM_M = 0.008
 # It is led so far below the rim, above the wires that lie there: ahead of the hand it rises over
 # the wall behind a corner, and it sinks behind the hand [m].
 UNDER_RIM_M = 0.012
-# The leading hand goes along a duct so fast, the holding hand through the air [m/s].
-LEAD_SPEED = 0.15
-HOLD_SPEED = 0.45
+# The leading hand goes along a duct so fast [m/s].
+LEAD_SPEED = 0.25
 # The wire may pull at the leading hand, level, with so much of what its terminal holds.
 MAX_PULL_SHARE = 0.3
 # Where the wire crosses its first duct it is searched for so far to each side of the slot [m].
@@ -220,10 +226,12 @@ def _lead(holder: RobotContext, guide: RobotContext, route: list[Array]) -> Step
     for i, place in enumerate(places):
         guide.report(f"leading the wire, {i + 1} of {len(places)}", 0.35 + 0.5 * i / len(places))
         target = place if place is not places[-1] else _last(place, here, left)
-        left -= float(np.linalg.norm(target.at - here))
+        ahead = float(np.linalg.norm(target.at - here))
+        left -= ahead
         turn = float(wrap_angle(target.yaw - yaw))
         peak = max(peak, (yield from _bring(holder, guide, target, turn, left, free)))
-        left = yield from draw_straight(holder, target.at, left)
+        if ahead > 0:
+            left = yield from draw_straight(holder, target.at, left)
         check_grip(holder)
         here, yaw = target.at, target.yaw
     # Released, a wire that is pulled upwards would leave its ducts.
@@ -351,6 +359,7 @@ def _take(guide: RobotContext, tool: ToolPose) -> Steps[None]:
     """Close the eyelet around the wire; raises GRASP_MISSED when the wire is not in it."""
     guide.drive_fingers(HAND_OPEN_M)
     yield from move_to(guide, tool.at(z=max(TRAVEL_Z, guide.commanded.z)), FREE_SPEED)
+    yield from move_to(guide, tool.at(z=TRAVEL_Z), FREE_SPEED)
     yield from move_to(guide, tool, APPROACH_SPEED)
     for _ in range(TAKES):
         guide.drive_fingers(APART_M / 2)

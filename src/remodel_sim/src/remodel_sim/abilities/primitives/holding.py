@@ -25,6 +25,8 @@ MOST_ASIDE_RAD = math.radians(110.0)
 HEIGHTS_M = (0.12, 0.85)
 # Between the two robots there [m].
 APART_M = 0.035
+# The holding hand goes through the air so fast [m/s].
+HOLD_SPEED = 0.45
 # A way of a metre costs as much as so much aside [rad].
 WAY_COST = 1.0
 

@@ -14,12 +14,12 @@ from remodel_sim.core.errors import AbilityError
 from remodel_sim.core.geometry import Array, Pose, wrap_angle
 from remodel_sim.core.robot.arm import ToolPose
 from remodel_sim.core.robot.kinematics import Kinematics
-from remodel_sim.core.robot.motion import JOINT_SPEED, PEAK_OVER_MEAN, Line
+from remodel_sim.core.robot.motion import PEAK_OVER_MEAN, WIRE_TURN_RATE, Line
 from remodel_sim.core.workpiece.layout import STANDOFF_M
 from remodel_sim.physics.collision_check import Touch
 from remodel_states.core.codes import Code
 
-FREE_SPEED = 0.60  # [m/s], hand empty and high
+FREE_SPEED = 0.90  # [m/s], hand empty and high
 CARRY_SPEED = 0.30  # with a wire in the hand
 APPROACH_SPEED = 0.25  # near things
 # High enough for the fingers to clear components, 45 mm high, with a wire in the grip.
@@ -84,9 +84,11 @@ def _clear_lines(
 ) -> list[Line]:
     """Return the lines of a motion that touches nothing; raises UNREACHABLE."""
     arm, start = context.arm, context.commanded
+    turn_rate = float(arm.speeds[-1]) if context.belief.grip is None else WIRE_TURN_RATE
 
     def line(first: ToolPose, second: ToolPose) -> Line:
-        return Line(canonical(context, first), canonical(context, second), speed).paced(arm)
+        ends = canonical(context, first), canonical(context, second)
+        return Line(*ends, speed, turn_rate).paced(arm)
 
     direct = line(start, target)
     touch = _touch_on(context, direct, allowed)
@@ -188,7 +190,8 @@ def _swing(context: RobotContext, target: ToolPose) -> Steps[None]:
     if touch is not None:
         raise _blocked(touch, target)
     yield from clear_path(context, _through(start, end))
-    ticks = math.ceil(PEAK_OVER_MEAN * farthest / JOINT_SPEED / context.tick_s)
+    seconds = PEAK_OVER_MEAN * float((np.abs(end - start) / context.arm.speeds).max())
+    ticks = math.ceil(seconds / context.tick_s)
     for tick in range(1, ticks + 1):
         t = tick / ticks
         context.drive_joints(start + t**3 * (10 - 15 * t + 6 * t * t) * (end - start))

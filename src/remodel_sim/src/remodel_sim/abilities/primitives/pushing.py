@@ -10,7 +10,12 @@ import numpy as np
 
 from remodel_sim.abilities.execution.robot_context import RobotContext, Steps
 from remodel_sim.abilities.primitives.force_motion import ForceMotion
-from remodel_sim.abilities.primitives.holding import bring_together, free_length, holder_of
+from remodel_sim.abilities.primitives.holding import (
+    HOLD_SPEED,
+    bring_together,
+    free_length,
+    holder_of,
+)
 from remodel_sim.abilities.primitives.laying import carry_over
 from remodel_sim.abilities.primitives.motions import (
     APPROACH_SPEED,
@@ -197,11 +202,11 @@ def _carry_both(
     """Carry a wire that two hands hold: this one to above its target, the other out of its way."""
     both = (context, holder)
     high = [(robot, robot.commanded.at(z=max(BOTH_CARRY_Z, robot.commanded.z))) for robot in both]
-    yield from move_together(high, CARRY_SPEED)
+    yield from move_together(high, HOLD_SPEED)
     length = free_length(context, holder)
     for height in (BOTH_CARRY_Z, TRAVEL_Z):
         for move in bring_together(context, target.at(z=height), holder, out, length):
-            yield from move_together(move, CARRY_SPEED)
+            yield from move_together(move, CARRY_SPEED, HOLD_SPEED)
 
 
 def _grip(context: RobotContext) -> Grip:

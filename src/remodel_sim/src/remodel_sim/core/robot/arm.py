@@ -107,6 +107,8 @@ class ArmModel:
         return math.atan2(self.fore[1], self.fore[0])
 
 
+# [rad/s]; the Panda's joints 1 to 4 allow 2.17.
+JOINT_SPEED = 2.0
 # The rule of a linear axis keeps the wrist so far beyond where the arm is folded entirely [m].
 UNFOLDED_M = 0.03
 
@@ -168,6 +170,11 @@ class Arm:
         if self.axis is not None:
             lower, higher = (self.axis.lower, *lower), (self.axis.upper, *higher)
         return np.array(lower), np.array(higher)
+
+    @cached_property
+    def speeds(self) -> Array:
+        """Greatest speeds of all joints, (7,) [rad/s], of an axis first [m/s]."""
+        return np.array([*([] if self.axis is None else [self.axis.speed]), *[JOINT_SPEED] * 7])
 
     @cached_property
     def near_m(self) -> float:

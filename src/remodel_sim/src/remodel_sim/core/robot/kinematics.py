@@ -30,6 +30,10 @@ class Kinematics(Protocol):
         """Lower and upper limits of all joints, (joints,) each [m, rad]."""
 
     @property
+    def speeds(self) -> Array:
+        """Greatest speeds of all joints, (joints,) [m/s, rad/s]; the last one turns the hand."""
+
+    @property
     def world_from_base(self) -> Pose:
         """Where its base stands."""
 

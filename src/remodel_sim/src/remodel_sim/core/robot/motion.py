@@ -13,11 +13,8 @@ from remodel_sim.core.robot.kinematics import Kinematics
 
 # A minimum-jerk motion peaks at 15/8 of its mean speed.
 PEAK_OVER_MEAN = 15.0 / 8.0
-# The hand may turn this fast at most [rad/s]; joint 7 of the Panda allows 2.61, but a wire that is
-# turned faster pitches in the grip.
-MAX_TURN_RATE = 1.6
-# [rad/s]; the Panda's joints 1 to 4 allow 2.17.
-JOINT_SPEED = 2.0
+# A hand with a wire turns no faster [rad/s]: the wire would pitch in the grip.
+WIRE_TURN_RATE = 1.6
 # Joint rates are sampled at so many moments of a motion.
 RATE_SAMPLES = 41
 # Postures are checked this far apart before a motion starts [m], [rad].
@@ -32,12 +29,14 @@ class Line:
     Attributes:
         start, end: tool poses; yaw changes with the same progress as position.
         speed: peak speed of the tool centre [m/s].
+        turn_rate: peak rate of the hand's turn [rad/s].
         least_s: the motion takes at least so long [s].
     """
 
     start: ToolPose
     end: ToolPose
     speed: float
+    turn_rate: float = WIRE_TURN_RATE
     least_s: float = 0.0
 
     @property
@@ -50,7 +49,7 @@ class Line:
     def duration(self) -> float:
         """Time the motion takes [s]."""
         turn = abs(self.end.yaw - self.start.yaw)
-        fastest = PEAK_OVER_MEAN * max(self.distance / self.speed, turn / MAX_TURN_RATE)
+        fastest = PEAK_OVER_MEAN * max(self.distance / self.speed, turn / self.turn_rate)
         return max(fastest, self.least_s)
 
     def at(self, elapsed: float) -> ToolPose:
@@ -88,8 +87,7 @@ class Line:
         shares = [_progress(t) for t in np.linspace(0.0, 1.0, RATE_SAMPLES)]
         joints = np.array([arm.joints_for(self.between(share)) for share in shares])
         rates = np.abs(np.diff(joints, axis=0)).max(axis=0) * (RATE_SAMPLES - 1)
-        fastest = np.array([arm.axis.speed, *[JOINT_SPEED] * 7])
-        return replace(self, least_s=float((rates / fastest).max()))
+        return replace(self, least_s=float((rates / arm.speeds).max()))
 
 
 def _progress(time: float) -> float:

@@ -22,6 +22,9 @@ JOINT_NAMES = ("portal_x", "portal_y", "portal_z", "portal_turn")
 # The hand turns by so much to either side of the base's yaw [rad]: it follows a wire around corners
 # that are a full turn together, whichever way round it begins.
 TURN_RAD = 2.5 * math.pi
+# Linear axes driven by belts go faster, and so do rotary ones [m/s, rad/s].
+AXIS_SPEED = 1.5
+TURN_RATE = 4.0
 
 
 @dataclass(frozen=True)
@@ -48,6 +51,11 @@ class Portal:
     def limits(self) -> tuple[Array, Array]:
         """Lower and upper limits of all joints, (4,) each."""
         return np.array([*self.lower, -TURN_RAD]), np.array([*self.upper, TURN_RAD])
+
+    @property
+    def speeds(self) -> Array:
+        """Greatest speeds of all joints, (4,) [m/s, rad/s]."""
+        return np.array([*[AXIS_SPEED] * 3, TURN_RATE])
 
     @property
     def world_from_base(self) -> Pose:
