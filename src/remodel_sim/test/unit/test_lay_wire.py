@@ -186,6 +186,31 @@ def test_a_wire_that_others_hide_lies_below_the_rims_if_nothing_stands_above(hei
     cell.close()
 
 
+def test_in_a_full_duct_less_of_a_wire_is_in_view():
+    cell = cell_of()
+    line = along(route_of(cell), 0.020)
+    cell.plant.parked[ALIKE] = ParkedWire(line, frozenset())
+    colour = cell.plant.panel.wire(WIRE).colour
+    unlike = (wire.id for wire in cell.plant.panel.wires if wire.colour != colour)
+    first, last = (round(share * len(line)) for share in (0.50, 0.52))
+    for (x, y), part in itertools.product(
+        ((0.002, 0.002), (-0.002, -0.002)), (line[:first], line[last:])
+    ):
+        over = part + np.array([x, y, 0.004])
+        cell.plant.parked[next(unlike)] = ParkedWire(over, frozenset())
+    cell.feed(WIRE, "")
+    path = tuple(Pose.level(*map(float, point)) for point in route_of(cell))
+    places = duct_places(cell.context, path)
+    with pytest.raises(AbilityError, match="needed: 15% or more") as caught:
+        cell.run(share_in_ducts(cell.context, places), GUIDE)
+    assert caught.value.code is Code.CABLE_OCCLUDED
+    ducts = set(cell.context.wire.ducts)
+    beside = [wire.id for wire in cell.plant.panel.wires if ducts <= set(wire.ducts)]
+    cell.context.belief.fed.extend(beside)
+    assert cell.run(share_in_ducts(cell.context, places), GUIDE) == pytest.approx(1.0, abs=0.1)
+    cell.close()
+
+
 def test_the_uppermost_of_two_wires_beside_each_other_is_taken():
     cell = cell_of()
     lower = along(route_of(cell), 0.030)

@@ -30,7 +30,8 @@ from remodel_states.core.codes import Code
 IN_A_VIEW = 6
 INSPECT_Z = 0.25
 ALONG_M = (0.0, 0.06, -0.06, 0.12, -0.12)
-# The wire itself must be seen at this share of the places: in a full duct others lie over it.
+# The wire itself must be seen at this share of the places, and where others lie in the same duct at
+# as many times less as there are wires: they may lie over it.
 LEAST_SEEN = 0.15
 # What stands so far above a rim is a wire that does not lie in its duct; what is higher than the
 # second hangs between two hands, and hides what is below [m].
@@ -84,14 +85,26 @@ def share_in_ducts(context: RobotContext, places: Mapping[Duct, Sequence[Pose]])
         found += _inspect(context, duct, part)
         yield
     seen = sum(each.is_seen for each in found) / max(1, len(found))
-    if seen < LEAST_SEEN:
+    needed = _least_seen(context, places)
+    if seen < needed:
         raise AbilityError(
             Code.CABLE_OCCLUDED,
             f"{context.wire.id!r} is in view at {seen:.0%} of its route in ducts; needed: "
-            f"{LEAST_SEEN:.0%} or more; draw it out and place it again",
+            f"{needed:.0%} or more; draw it out and place it again",
         )
     judged = [each.is_below for each in found if each.is_below is not None]
     return sum(judged) / len(judged)
+
+
+def _least_seen(context: RobotContext, places: Mapping[Duct, Sequence[Pose]]) -> float:
+    """Return at which share of the places the wire must be in view."""
+    laid = [context.panel.wire(name) for name in context.belief.fed if name != context.wire.id]
+    shares = [
+        LEAST_SEEN / (1 + sum(duct.id in wire.ducts for wire in laid))
+        for duct, at in places.items()
+        for _ in at
+    ]
+    return sum(shares) / max(1, len(shares))
 
 
 def _parts(places: Mapping[Duct, Sequence[Pose]]) -> Iterator[tuple[Duct, Sequence[Pose]]]:
