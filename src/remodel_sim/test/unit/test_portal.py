@@ -1,18 +1,28 @@
 """The kinematics of a portal."""
 
 import math
+from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pytest
 
-from remodel_sim.abilities.primitives.motions import choose_flip
+from remodel_sim.abilities.primitives.motions import FREE_SPEED, choose_flip, move_to
+from remodel_sim.cell import REST_S, Cell
+from remodel_sim.core.belief.belief_state import Grip
 from remodel_sim.core.errors import AbilityError
 from remodel_sim.core.geometry import wrap_angle
 from remodel_sim.core.robot.arm import ToolPose
 from remodel_sim.core.robot.fingers import PANDA_FINGERS
-from remodel_sim.core.robot.portal import Portal
+from remodel_sim.core.robot.motion import PEAK_OVER_MEAN, WIRE_TURN_RATE
+from remodel_sim.core.robot.portal import TURN_RATE, Portal
+from remodel_sim.core.workpiece.panel import WireEnd
+from remodel_sim.edge.cell_file import read_cell
+from remodel_sim.edge.wire_material_file import read_wire_materials
+from remodel_sim.ros.conversions import read_panel
 from remodel_states.core.codes import Code
 
+CONFIG = Path(__file__).parents[2] / "config"
 PORTAL = Portal((0.5, 0.0, 0.0, math.pi / 2), (-0.4, -0.6, 0.0), (0.4, 0.6, 0.9), PANDA_FINGERS)
 
 
@@ -53,3 +63,19 @@ def test_a_wire_is_held_so_that_the_hand_turns_it_the_short_way(tip_yaw, then_ya
 def test_a_hand_leads_a_wire_around_three_corners():
     yaws = [PORTAL.base[3] + 0.75 * math.pi - turn for turn in np.linspace(0, 1.5 * math.pi, 7)]
     assert [PORTAL.canonical_yaw(0.5, 0.0, yaw) for yaw in yaws] == pytest.approx(yaws)
+
+
+@pytest.mark.parametrize("holds_a_wire", [False, True])
+def test_an_empty_hand_turns_faster_than_one_with_a_wire(holds_a_wire):
+    household = read_panel(CONFIG / "household.yaml", read_wire_materials())
+    cell = Cell(household, design=read_cell("two_arms_cabinet"))
+    cell.feed(household.wires[0].id, "")
+    context, world = cell.context, cell.plant.world
+    before, here = world.steps, context.commanded
+    if holds_a_wire:
+        context.belief.grip = Grip(WireEnd.A, 0.01, 0.0, 0.0, here)
+    cell.run(move_to(context, replace(here, yaw=here.yaw + math.pi / 2), FREE_SPEED))
+    seconds = (world.steps - before) * world.time_step - REST_S
+    rate = WIRE_TURN_RATE if holds_a_wire else TURN_RATE
+    assert seconds == pytest.approx(PEAK_OVER_MEAN * math.pi / 2 / rate, abs=0.05)
+    cell.close()

@@ -33,6 +33,7 @@ from remodel_sim.abilities.primitives.motions import (
     FREE_SPEED,
     HAND_OPEN_M,
     TRAVEL_Z,
+    is_free,
     move_to,
     rise,
     wait,
@@ -158,13 +159,15 @@ def _check_camera(guide: RobotContext) -> None:
 
 
 def _withdraw(guide: RobotContext, holder: RobotContext) -> Steps[None]:
-    """Open the leading hand, and take it back along the laid wire before it rises."""
+    """Open the leading hand, and take it back along the laid wire, if it can, before it rises."""
     yield from open_fingers(guide, HAND_OPEN_M)
     here = guide.commanded
     back = np.array([math.cos(here.yaw), math.sin(here.yaw), 0.0])
     if back @ (here.position - holder.commanded.position) < 0:
         back = -back
-    yield from move_to(guide, here.moved(back, BACK_M), APPROACH_SPEED)
+    behind = here.moved(back, BACK_M)
+    if is_free(guide, behind):
+        yield from move_to(guide, behind, APPROACH_SPEED)
     yield from rise(guide)
 
 

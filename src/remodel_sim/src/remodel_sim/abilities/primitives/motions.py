@@ -71,12 +71,21 @@ def move_to(
 
 def straight_line(context: RobotContext, target: ToolPose, speed: float) -> Line:
     """Return the straight line to a tool pose; raises UNREACHABLE when it would touch something."""
-    start, end = canonical(context, context.commanded), canonical(context, target)
-    line = Line(start, end, speed).paced(context.arm)
+    line = _line_to(context, target, speed)
     touch = _touch_on(context, line, NOTHING)
     if touch is not None:
         raise _blocked(touch, target)
     return line
+
+
+def is_free(context: RobotContext, target: ToolPose) -> bool:
+    """Return whether the straight line to a tool pose touches nothing; raises UNREACHABLE."""
+    return _touch_on(context, _line_to(context, target, APPROACH_SPEED), NOTHING) is None
+
+
+def _line_to(context: RobotContext, target: ToolPose, speed: float) -> Line:
+    start, end = canonical(context, context.commanded), canonical(context, target)
+    return Line(start, end, speed).paced(context.arm)
 
 
 def _clear_lines(
