@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from remodel_sim.abilities.primitives.motions import FREE_SPEED, choose_flip, move_to
+from remodel_sim.abilities.primitives.motions import FREE_SPEED, choose_flip, move_to, swing_to
 from remodel_sim.cell import REST_S, Cell
 from remodel_sim.core.belief.belief_state import Grip
 from remodel_sim.core.errors import AbilityError
@@ -65,11 +65,32 @@ def test_a_hand_leads_a_wire_around_three_corners():
     assert [PORTAL.canonical_yaw(0.5, 0.0, yaw) for yaw in yaws] == pytest.approx(yaws)
 
 
-@pytest.mark.parametrize("holds_a_wire", [False, True])
-def test_an_empty_hand_turns_faster_than_one_with_a_wire(holds_a_wire):
+def cell_with_a_wire():
     household = read_panel(CONFIG / "household.yaml", read_wire_materials())
     cell = Cell(household, design=read_cell("two_arms_cabinet"))
     cell.feed(household.wires[0].id, "")
+    return cell
+
+
+def test_a_hand_goes_around_one_that_holds_a_wire():
+    cell = cell_with_a_wire()
+    one, other = cell.contexts.values()
+    for context, place in (
+        (one, ToolPose(0.39, 0.383, 0.1, 0.0)),
+        (other, ToolPose(0.2, 0.059, 0.069, math.pi / 2)),
+    ):
+        cell.run(move_to(context, replace(place, z=0.35), FREE_SPEED), context.name)
+        cell.run(move_to(context, place, FREE_SPEED), context.name)
+    other.belief.grip = Grip(WireEnd.B, 0.01, 0.0, 0.0, other.commanded)
+    target = ToolPose(0.318, -0.357, 0.088, -math.pi / 2)
+    cell.run(swing_to(one, target), one.name)
+    assert np.allclose(one.tool.position, target.position, atol=1e-3)
+    cell.close()
+
+
+@pytest.mark.parametrize("holds_a_wire", [False, True])
+def test_an_empty_hand_turns_faster_than_one_with_a_wire(holds_a_wire):
+    cell = cell_with_a_wire()
     context, world = cell.context, cell.plant.world
     before, here = world.steps, context.commanded
     if holds_a_wire:

@@ -56,12 +56,13 @@ from remodel_sim.core.workpiece.slots import slot_before
 from remodel_states.core.codes import Code
 
 # The pads stay so far apart that the edges of the eyelet do not pinch the wire; pads that are so
-# near to each other have nothing between them; if the wire is there instead of in the eyelet, the
-# hand goes down by so much, so often [m].
+# near to each other, or by such a share of the wire's diameter, have nothing between them; if the wire is there instead of in the eyelet, the
+# hand goes down by so much, so often [m]: as far as a loop of another wire may lie over it.
 APART_M = 0.0010
 CLOSED_M = 0.0016
+CLOSED_SHARE = 0.7
 STEP_DOWN_M = 0.004
-TAKES = 4
+TAKES = 7
 # The leading hand begins to turn so far before a corner, and ends so far behind it [m].
 CORNER_M = 0.030
 # So much of the turn it has done in the middle of the corner and where it ends; all, so far behind.
@@ -367,7 +368,8 @@ def _take(guide: RobotContext, tool: ToolPose) -> Steps[None]:
     for _ in range(TAKES):
         guide.drive_fingers(APART_M / 2)
         yield from wait(guide, CLOSE_S)
-        if guide.finger_gap < CLOSED_M:
+        gap = guide.finger_gap
+        if gap < max(CLOSED_M, CLOSED_SHARE * guide.wire.diameter):
             return
         # The wire is between the pads, below the eyelet or above it.
         guide.drive_fingers(HAND_OPEN_M)
@@ -377,7 +379,7 @@ def _take(guide: RobotContext, tool: ToolPose) -> Steps[None]:
     raise AbilityError(
         Code.GRASP_MISSED,
         f"the eyelet of {guide.name} does not close around {guide.wire.id!r} at {tool}: the pads "
-        f"stay {guide.finger_gap * 1e3:.1f} mm apart; observe the wire again",
+        f"stay {gap * 1e3:.1f} mm apart; observe the wire again",
     )
 
 

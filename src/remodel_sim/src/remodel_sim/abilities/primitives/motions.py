@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Set
+from collections.abc import Iterator, Set
 from dataclasses import replace
 from itertools import pairwise
 
@@ -35,6 +35,8 @@ LIFTS_Z = (TRAVEL_Z, 0.14, 0.18)
 HAND_CORNER_M = 0.12
 SWING_M = 0.9
 NOTHING: Set[str] = frozenset()
+# A hand goes around another robot so far beyond where it begins and where it ends [m].
+AROUND_M = (0.15, 0.30, 0.45)
 # Another robot is waited for so long, and checked so often [s].
 WAIT_LIMIT_S = 60.0
 WAIT_S = 0.1
@@ -159,19 +161,30 @@ def swing_to(context: RobotContext, target: ToolPose) -> Steps[None]:
 
 
 def past_robots(context: RobotContext, target: ToolPose) -> tuple[ToolPose, ...]:
-    """Return legs to a tool pose, over a corner where a robot stands in the direct way.
+    """Return legs to a tool pose, over corners where a robot stands in the direct way.
 
     There are none where robots stand in all ways.
     """
     here, arm = context.commanded, context.arm
-    corners = (replace(target, x=here.x, z=here.z), replace(target, y=here.y, z=here.z))
-    for legs in ((target,), *((corner, target) for corner in corners)):
+    for legs in _ways(here, target):
         if not all(arm.reaches(leg) for leg in legs):
             continue
         stops = [arm.joints_for(leg) for leg in (here, *legs)]
         if all(context.has_way(_through(*pair)) for pair in pairwise(stops)):
             return legs
     return ()
+
+
+def _ways(here: ToolPose, target: ToolPose) -> Iterator[tuple[ToolPose, ...]]:
+    """Yield legs to a tool pose: straight, over one corner, or around what stands between."""
+    yield (target,)
+    for corner in (replace(target, x=here.x, z=here.z), replace(target, y=here.y, z=here.z)):
+        yield corner, target
+    for away in AROUND_M:
+        for x in (max(here.x, target.x) + away, min(here.x, target.x) - away):
+            yield replace(target, x=x, y=here.y, z=here.z), replace(target, x=x, z=here.z), target
+        for y in (max(here.y, target.y) + away, min(here.y, target.y) - away):
+            yield replace(target, x=here.x, y=y, z=here.z), replace(target, y=y, z=here.z), target
 
 
 def _through(start: Array, end: Array) -> Array:

@@ -14,7 +14,7 @@ from remodel_states.core.codes import Code
 PULL_SPEED = 0.015  # [m/s]
 # An end that is clamped and gripped takes up a pull with less than this [N/m]. With half of it, a
 # pull of 5 N, which begins against the last push, rose to 9 N.
-CLAMPED_STIFFNESS = 2 * WIRE_STIFFNESS
+CLAMPED_STIFFNESS = 4e5
 # A straight, firmly held end takes up the pull within this travel: slack, pads and contacts give so
 # much.
 PULL_TRAVEL_M = 0.006
