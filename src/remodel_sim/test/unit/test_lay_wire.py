@@ -135,6 +135,16 @@ def test_a_wire_that_hangs_from_its_first_terminal_is_discarded():
     cell.close()
 
 
+def test_the_pull_on_a_clamped_end_keeps_to_its_limit(pushes):
+    cell = cell_of()
+    key, socket = hold_an_end(cell, "W22", WireEnd.A)
+    insert(cell, "W22", WireEnd.B, *key, socket, force=14.0)
+    fix(cell, "W22", *key, pull=5.0)
+    assert pushes[-1].limit == 5.0
+    assert 5.0 <= pushes[-1].peak <= pushes[-1].allowed
+    cell.close()
+
+
 def test_a_wire_that_does_not_become_straight_is_not_in_the_eyelet():
     cell = cell_of()
     hold_an_end(cell)
