@@ -55,9 +55,10 @@ from remodel_sim.core.workpiece.panel import Duct, WireEnd, unit_x
 from remodel_sim.core.workpiece.slots import slot_before
 from remodel_states.core.codes import Code
 
-# The pads stay so far apart that the edges of the eyelet do not pinch the wire; pads that are so
-# near to each other, or by such a share of the wire's diameter, have nothing between them; if the wire is there instead of in the eyelet, the
-# hand goes down by so much, so often [m]: as far as a loop of another wire may lie over it.
+# The pads stay so far apart that the edges of the eyelet do not pinch the wire. Pads that are so
+# near to each other, or by such a share of the wire's diameter, have nothing between them. If the
+# wire is there instead of in the eyelet, the hand goes down by so much, so often [m]: as far as a
+# loop of another wire may lie over it.
 APART_M = 0.0010
 CLOSED_M = 0.0016
 CLOSED_SHARE = 0.7

@@ -7,14 +7,14 @@ from remodel_sim.abilities.primitives.force_motion import ForceMotion
 from remodel_sim.abilities.primitives.motions import wait
 from remodel_sim.core.errors import AbilityError
 from remodel_sim.core.geometry import Pose
-from remodel_sim.core.robot.force_control import WIRE_STIFFNESS, ForceControl
+from remodel_sim.core.robot.force_control import ForceControl
 from remodel_sim.core.workpiece.panel import unit_x
 from remodel_states.core.codes import Code
 
 PULL_SPEED = 0.015  # [m/s]
-# The pads damp what is clamped with 2300 N s/m, measured: within the control's time constant that is
-# as hard as 2e5 N/m. With less than this the control overcorrects, and the force swings at each
-# step, from 3.5 to 6.4 N about 5 N with 1.2e5 [N/m].
+# The pads damp what is clamped with 2300 N s/m, measured: within the control's time constant that
+# is as hard as 2e5 N/m. With less than this the control overcorrects, and the force swings at
+# each step, from 3.5 to 6.4 N about 5 N with 1.2e5 [N/m].
 CLAMPED_STIFFNESS = 4e5
 # A straight, firmly held end takes up the pull within this travel: slack, pads and contacts give so
 # much.
