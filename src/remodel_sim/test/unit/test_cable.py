@@ -163,6 +163,16 @@ def test_a_wire_rests_on_a_parked_one_that_is_solid():
     assert 2.0 < crossing_height(draw_parked, add_solid) < 3.1
 
 
+def test_a_parked_wire_has_no_contacts_with_what_does_not_move():
+    world = World(240)
+    add_plate_surface(world)
+    whole = ordered(0.5)
+    add_solid(world, np.linspace([0.0, 0.0, 0.0], [0.5, 0.0, 0.0], 26), whole)
+    world.step()
+    assert not world.bullet.getContactPoints()
+    world.close()
+
+
 def test_a_parked_wire_that_is_solid_has_the_colour_of_the_wire():
     def seen(*additions):
         world = World(240)

@@ -21,7 +21,7 @@ from remodel_sim.physics.robot_description import (
     foot_link,
     robot_description,
 )
-from remodel_sim.physics.wires.parked_wire import PARKED_GROUP
+from remodel_sim.physics.static_body import PARKED_GROUP
 from remodel_sim.physics.world import CONTACT_DAMPING, CONTACT_STIFFNESS, World
 
 ARM_TORQUE = 200.0  # [N m] stiff servo: the arm follows to 0.05 mm

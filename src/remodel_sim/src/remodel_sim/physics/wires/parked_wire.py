@@ -15,16 +15,12 @@ from remodel_sim.core.geometry import Array, Pose
 from remodel_sim.core.workpiece.connector_shape import connector_solids
 from remodel_sim.core.workpiece.panel import Connector, PanelWire, WireEnd
 from remodel_sim.core.workpiece.wire_colours import FERRULE_RGB, WIRE_RGB
-from remodel_sim.physics.static_body import add_described
+from remodel_sim.physics.static_body import MOVING_GROUP, PARKED_GROUP, add_described
 from remodel_sim.physics.wires.cable_body import connector_shapes
 from remodel_sim.physics.world import World
 
 SIDES = 8
 STEP_M = 0.004
-# Bullet's own group of what moves, which an arm is not in. Two bodies touch if the mask of either
-# has the group of the other, so an arm leaves this one out of its mask (robot.py).
-MOVING_GROUP = 1
-PARKED_GROUP = 8
 # Of wire with EI 1e-3 N m^2, pushed in the middle between rests 60 mm apart: 48 EI / L^3.
 STIFFNESS_N_M = 220.0
 DAMPING_NS_M = 1.0
