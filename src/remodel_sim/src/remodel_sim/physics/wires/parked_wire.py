@@ -6,8 +6,11 @@ but returns. The hand passes through it: it would push a real wire aside for goo
 
 from __future__ import annotations
 
+import io
 import math
+import tempfile
 from itertools import pairwise
+from pathlib import Path
 
 import numpy as np
 
@@ -39,16 +42,16 @@ def draw_parked(world: World, nodes: Array, wire: PanelWire) -> None:
         if wire.connector_at(end) is None
     ]
     bullet = world.bullet
-    for points, rgb in parts:
-        vertices, indices, normals = _tube(points, wire.radius)
-        shape = bullet.createVisualShape(
-            bullet.GEOM_MESH,
-            vertices=vertices,
-            indices=indices,
-            normals=normals,
-            rgbaColor=[*rgb, 1],
-        )
-        bullet.createMultiBody(0, -1, shape, [0, 0, 0])
+    with tempfile.TemporaryDirectory() as folder:
+        # Bullet keeps the vertices that it is handed, even once the world is cleared: 1 MB for each
+        # wire. What it reads from a file it releases.
+        file = Path(folder) / "tube.obj"
+        for points, rgb in parts:
+            file.write_text(_tube(points, wire.radius))
+            shape = bullet.createVisualShape(
+                bullet.GEOM_MESH, fileName=str(file), rgbaColor=[*rgb, 1]
+            )
+            bullet.createMultiBody(0, -1, shape, [0, 0, 0])
     for connector in wire.connectors:
         _draw_connector(world, nodes, wire, connector)
 
@@ -119,8 +122,8 @@ def _smooth(nodes: Array) -> Array:
     return np.vstack([*pieces, nodes[-1:]])
 
 
-def _tube(line: Array, radius: float) -> tuple[list, list, list]:
-    """Return vertices, triangle indices and normals of a tube around a line (n, 3)."""
+def _tube(line: Array, radius: float) -> str:
+    """Return a tube around a line (n, 3) as a Wavefront OBJ file."""
     tangents = np.gradient(line, axis=0)
     tangents /= np.linalg.norm(tangents, axis=1, keepdims=True)
     side = np.cross(tangents, [0.0, 0.0, 1.0])
@@ -130,10 +133,16 @@ def _tube(line: Array, radius: float) -> tuple[list, list, list]:
     normals = (
         np.cos(angles)[None, :, None] * side[:, None] + np.sin(angles)[None, :, None] * top[:, None]
     )
-    vertices = line[:, None] + radius * normals
-    indices = []
-    for i in range(len(line) - 1):
-        for j in range(SIDES):
-            a, b = i * SIDES + j, i * SIDES + (j + 1) % SIDES
-            indices += [a, b, a + SIDES, b, b + SIDES, a + SIDES]
-    return vertices.reshape(-1, 3).tolist(), indices, normals.reshape(-1, 3).tolist()
+    vertices = (line[:, None] + radius * normals).reshape(-1, 3)
+    # Of each side's quadrilateral, numbered from 1: two corners on its ring, two on the next.
+    a = 1 + np.arange((len(line) - 1) * SIDES).reshape(-1, SIDES)
+    b = np.roll(a, -1, axis=1)
+    a, b = a.ravel(), b.ravel()
+    faces = np.vstack(
+        [np.column_stack(each) for each in ((a, b, a + SIDES), (b, b + SIDES, a + SIDES))]
+    )
+    text = io.StringIO()
+    np.savetxt(text, vertices, fmt="v %.6f %.6f %.6f")
+    np.savetxt(text, normals.reshape(-1, 3), fmt="vn %.4f %.4f %.4f")
+    np.savetxt(text, np.repeat(faces, 2, axis=1), fmt="f %d//%d %d//%d %d//%d")
+    return text.getvalue()
