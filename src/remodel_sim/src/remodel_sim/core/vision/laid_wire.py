@@ -106,7 +106,7 @@ def points_of_colour(lines: WireLines, point: Array, reach: float) -> Array:
     points, colours = _surface_around(lines.picture, point, reach)
     is_own = np.zeros(len(points), bool)
     for own in lines.colours:
-        shades = np.clip(colours @ own / max(own @ own, 1.0), *SHADES)
+        shades = np.clip(colours @ own / float(own @ own), *SHADES)
         is_own |= np.linalg.norm(colours - shades[:, None] * own, axis=1) < OTHER_COLOUR
     return points[is_own]
 

@@ -68,7 +68,7 @@ class WireLines:
         """Of the wire, RGB (3,) each, 0 to 255."""
         code = self.wire.colour
         colours = GREEN_AND_YELLOW if code == "GNYE" else (WIRE_RGB[code],)
-        return tuple(255 * np.array(colour) for colour in colours)
+        return tuple(255.0 * np.array(colour, dtype=np.float64) for colour in colours)
 
     @cached_property
     def pieces(self) -> tuple[Array, ...]:
