@@ -51,6 +51,7 @@ from remodel_sim.edge.wire_material_file import read_wire_materials
 from remodel_sim.physics.plant import Plant
 from remodel_sim.physics.truth import ground_truth
 from remodel_sim.ros.conversions import read_panel
+from remodel_states.core.codes import Code
 
 CONFIG = Path(__file__).parents[2] / "src" / "remodel_sim" / "config"
 FIRST, SECOND = "robot_1", "robot_2"
@@ -130,6 +131,8 @@ class Trial:
             try:
                 return self._do(robot, ability, goal)
             except AbilityError as error:
+                if error.code is Code.OUT_OF_DUCT:  # a supervisor handles it first
+                    raise
                 self._failed(goal, error)
         return self._do(robot, ability, goal)
 
