@@ -20,6 +20,7 @@ import math
 import sys
 import time
 from collections.abc import Callable
+from contextlib import suppress
 from pathlib import Path
 from typing import TypeVar
 
@@ -98,7 +99,8 @@ class Trial:
         for robot, context in self.cell.contexts.items():
             if context.belief.grip is not None:
                 target = WORLD_FROM_PANEL @ Pose.level(0.0, 0.0, CARRY_Z)
-                self._do(robot, place_cable, goals.PlaceGoal(robot, wire_id, target))
+                with suppress(AbilityError):  # what has slipped out of the fingers is released
+                    self._do(robot, place_cable, goals.PlaceGoal(robot, wire_id, target))
         discard = goals.DiscardGoal(FIRST, wire_id)
         self._attempts(2, FIRST, discard_cable, discard)
 
