@@ -96,6 +96,6 @@ def test_another_wire_beside_a_fork_is_not_taken_for_it(cell, wire):
     observed(cell, wire, shapes)
 
 
-def test_a_wire_that_is_not_seen_at_all_does_not_count_as_held(cell):
-    with pytest.raises(AbilityError, match=r"'W1\.4' is not seen near any of its 3 forks"):
+def test_a_wire_that_is_not_visible_does_not_count_as_held(cell):
+    with pytest.raises(AbilityError, match=r"'W1\.4' is not visible near any of its 3 forks"):
         observed(cell, "W1.4", {})

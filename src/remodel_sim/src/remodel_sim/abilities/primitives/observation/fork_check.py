@@ -50,7 +50,7 @@ def check_forks(context: RobotContext) -> Steps[tuple[Duct, ...]]:
 
     Raises:
         AbilityError: OUT_OF_DUCT when it passes beside one or above its posts, or when it is not
-            seen at all.
+            visible.
     """
     wire = context.wire
     forks = tuple(duct for duct in context.panel.ducts if duct.is_fork and duct.id in wire.ducts)
@@ -63,7 +63,7 @@ def check_forks(context: RobotContext) -> Steps[tuple[Duct, ...]]:
     held = [fork for fork, fault in faults.items() if not fault]
     _show(context, seen, faults)
     if not any(section.aside.size for found in sections.values() for section in found):
-        raise _out(f"{wire.id!r} is not seen near any of its {len(forks)} forks")
+        raise _out(f"{wire.id!r} is not visible near any of its {len(forks)} forks")
     if len(held) < len(forks):
         texts = "; ".join(fault for fault in faults.values() if fault)
         raise _out(f"{wire.id!r} lies in {len(held)} of its {len(forks)} forks: {texts}")
