@@ -4,10 +4,12 @@
 formboard.py [WIRE...] [--seed 1] [--cell two_arms_formboard] [--pictures DIR]; the workspace must
 be sourced; all wires by default. Each wire of the example harness is placed as the use case
 harness_formboard does it: robot_1 inserts the first end, robot_2 takes the other one, lets the wire
-down into the forks and inserts it. An action that fails is tried again, up to so often as there; a
-wire that is not placed is discarded and fed again, up to `--pieces` times. A line is printed for
-each step: wall time, the cell's time since the feed, and what was measured; of components located,
-how far from the truth. Ends with 1 if a wire is not placed.
+down into the forks, inserts it, and checks the forks. An action that fails is tried again, up to so
+often as there; a wire that is not placed is discarded and fed again, up to `--pieces` times. A line
+is printed for each step: wall time, the cell's time since the feed, and what was measured; of
+components located, how far from the truth; where the wire passes its forks. The robots and cameras
+decide whether a wire is placed; the last lines compare that with the truth. Ends with 1 if a wire
+is not placed.
 """
 
 from __future__ import annotations
@@ -18,6 +20,7 @@ import math
 import sys
 import time
 from collections.abc import Callable
+from contextlib import suppress
 from pathlib import Path
 from typing import TypeVar
 
@@ -46,8 +49,10 @@ from remodel_sim.core.workpiece.layout import WORLD_FROM_PANEL
 from remodel_sim.core.workpiece.panel import PanelWire, WireEnd
 from remodel_sim.edge.cell_file import read_cell
 from remodel_sim.edge.wire_material_file import read_wire_materials
+from remodel_sim.physics.plant import Plant
 from remodel_sim.physics.truth import ground_truth
 from remodel_sim.ros.conversions import read_panel
+from remodel_states.core.codes import Code
 
 CONFIG = Path(__file__).parents[2] / "src" / "remodel_sim" / "config"
 FIRST, SECOND = "robot_1", "robot_2"
@@ -65,6 +70,7 @@ class Trial:
         """Take over a cell."""
         self.cell = cell
         self.failed = 0
+        self.at_first: list[str] = []
         self._began = time.monotonic()
 
     def place(self, wire_id: str) -> None:
@@ -93,7 +99,8 @@ class Trial:
         for robot, context in self.cell.contexts.items():
             if context.belief.grip is not None:
                 target = WORLD_FROM_PANEL @ Pose.level(0.0, 0.0, CARRY_Z)
-                self._do(robot, place_cable, goals.PlaceGoal(robot, wire_id, target))
+                with suppress(AbilityError):  # what has slipped out of the fingers is released
+                    self._do(robot, place_cable, goals.PlaceGoal(robot, wire_id, target))
         discard = goals.DiscardGoal(FIRST, wire_id)
         self._attempts(2, FIRST, discard_cable, discard)
 
@@ -126,6 +133,8 @@ class Trial:
             try:
                 return self._do(robot, ability, goal)
             except AbilityError as error:
+                if error.code is Code.OUT_OF_DUCT:  # a supervisor handles it first
+                    raise
                 self._failed(goal, error)
         return self._do(robot, ability, goal)
 
@@ -182,6 +191,7 @@ class Trial:
                 f" {off[2] * 1e3:+.1f} mm up (believed {grip.height * 1e3:+.1f}), it rises by"
                 f" {math.degrees(math.asin(out[2])):+.1f} deg"
             )
+        lines.append(_passings(plant, plant.live.wire.id))
         for line in lines:
             _print_line(f"      {line}")
 
@@ -190,6 +200,20 @@ class Trial:
         wall, world = time.monotonic() - self._began, self.cell.plant.world
         cell = world.steps * world.time_step
         _print_line(f"{wall:6.1f} s  {cell:6.1f} s  {step}: {message}")
+
+
+def _passings(plant: Plant, wire_id: str) -> str:
+    """Return where a wire that was fed passes its forks."""
+    live = plant.live is not None and plant.live.wire.id == wire_id
+    nodes = plant.live.cable.nodes() if live else plant.parked[wire_id].nodes
+    texts = []
+    for fork in plant.panel.ducts:
+        x, y, z = (WORLD_FROM_PANEL @ fork.panel_from_duct).inverse().apply(nodes).T
+        for i in np.flatnonzero(x[:-1] * x[1:] < 0):
+            share = x[i] / (x[i] - x[i + 1])
+            aside, height = (1e3 * (v[i] + share * (v[i + 1] - v[i])) for v in (y, z))
+            texts.append(f"{fork.id} {aside:+.0f} mm aside, {height:.0f} mm high")
+    return "; ".join(texts)
 
 
 def _path(wire: PanelWire) -> tuple[Pose, ...]:
@@ -238,35 +262,52 @@ def main() -> int:
     observers = Observers(_keep_in(options.pictures)) if options.pictures else None
     design = read_cell(options.cell)
     cell = Cell(panel, design=design, seed=options.seed, observers=observers)
-    trial, placed = Trial(cell), 0
+    trial = Trial(cell)
     wires = options.wires or [wire.id for wire in panel.wires]
-    for wire_id in wires:
-        for piece in range(options.pieces):
-            try:
-                trial.place(wire_id)
-            except AbilityError as error:
-                trial.failed += 1
-                _print_line(f"{wire_id}: {error.code.name}: {error}")
-            (truth,) = ground_truth(cell.plant, [wire_id])
-            depths = ", ".join(f"{end.depth * 1e3:.1f} mm" for end in (truth.a, truth.b))
-            _print_line(
-                f"{wire_id}: {'placed' if truth.placed else 'NOT PLACED'}, ends {depths} deep, "
-                f"{truth.in_ducts:.0%} of its forks"
-            )
-            if options.pictures is not None:
-                _photograph(cell, options.pictures, f"{wire_id}_{piece + 1}")
-            if truth.placed:
-                placed += 1
-                break
-            try:
-                trial.give_up(wire_id)
-            except AbilityError as error:
-                _print_line(f"{wire_id}: not discarded: {error.code.name}: {error}")
-                cell.close()
-                return 1
-    _print_line(f"{placed} of {len(wires)} wires placed; {trial.failed} failed operations")
+    placed = [wire for wire in wires if _is_placed(trial, wire, options.pieces, options.pictures)]
+    truths = ground_truth(cell.plant, placed)
+    for truth in truths:
+        _print_line(f"{truth.wire_id}: {_passings(cell.plant, truth.wire_id)}")
+    forks = len(panel.ducts)
+    _print_line(
+        f"{len(placed)} of {len(wires)} wires placed, {len(trial.at_first)} at the first attempt; "
+        f"{trial.failed} failed operations; by the truth "
+        f"{sum(truth.placed for truth in truths)} are placed, and "
+        f"{sum(round(forks * truth.in_ducts) for truth in truths)} of their "
+        f"{forks * len(truths)} forks hold them"
+    )
     cell.close()
-    return 0 if placed == len(wires) else 1
+    return 0 if len(placed) == len(wires) else 1
+
+
+def _is_placed(trial: Trial, wire_id: str, pieces: int, pictures: Path | None) -> bool:
+    """Place a wire; return whether one of so many pieces was placed, by robots and cameras."""
+    for piece in range(pieces):
+        found = "placed"
+        try:
+            trial.place(wire_id)
+        except AbilityError as error:
+            found = f"{error.code.name}: {error}"
+            trial.failed += 1
+        (truth,) = ground_truth(trial.cell.plant, [wire_id])
+        depths = ", ".join(f"{end.depth * 1e3:.1f} mm" for end in (truth.a, truth.b))
+        _print_line(
+            f"{wire_id}, piece {piece + 1}: {found}; by the truth "
+            f"{'placed' if truth.placed else 'NOT PLACED'}, ends {depths} deep, "
+            f"{truth.in_ducts:.0%} of its forks"
+        )
+        if pictures is not None:
+            _photograph(trial.cell, pictures, f"{wire_id}_{piece + 1}")
+        if found == "placed":
+            if piece == 0:
+                trial.at_first.append(wire_id)
+            return True
+        try:
+            trial.give_up(wire_id)
+        except AbilityError as error:
+            _print_line(f"{wire_id}: not discarded: {error.code.name}: {error}")
+            return False
+    return False
 
 
 if __name__ == "__main__":

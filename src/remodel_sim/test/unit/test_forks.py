@@ -9,6 +9,8 @@ import pytest
 from place_wire import do, fix, insert, locate
 
 from remodel_sim.abilities.detect_cable import detect_cable
+from remodel_sim.abilities.fix_cable import fix_cable
+from remodel_sim.abilities.insert_cable import insert_cable
 from remodel_sim.abilities.pick_cable import pick_cable
 from remodel_sim.abilities.route_wire import route_wire
 from remodel_sim.cell import Cell
@@ -76,7 +78,7 @@ def route(cell):
     return cell.run(route_wire(holder, goal), HOLDER)
 
 
-def test_a_wire_is_let_down_into_its_forks_once_its_other_end_is_fixed():
+def test_a_wire_is_let_down_into_its_forks_once_its_other_end_is_fixed_and_is_seen_there():
     cell = Cell(HARNESS, design=DESIGN, seed=1)
     wire = cell.plant.panel.wire(WIRE)
     holder = cell.contexts[HOLDER]
@@ -95,16 +97,22 @@ def test_a_wire_is_let_down_into_its_forks_once_its_other_end_is_fixed():
     holder = cell.contexts[HOLDER]
     cell.feed(WIRE, "")
     do(cell, detect_cable, goals.DetectGoal(WIRE))
+    other = wire.goes_to(WireEnd.B)
+    other_socket = locate(cell, *other)
     insert(cell, WIRE, WireEnd.A, *key, socket)
     fix(cell, WIRE, *key, 5.0)
     do(cell, detect_cable, goals.DetectGoal(WIRE))
     cell.run(pick_cable(holder, pick), HOLDER)
     assert route(cell).message == f"{WIRE} laid into F1, F2, F3"
-    # In front of its opening, and below the tops of all posts, by the physics.
+    # In front of its opening, by the physics.
     opening = WORLD_FROM_PANEL @ cell.plant.panel.panel_from_socket(*wire.goes_to(WireEnd.B))
     tip = opening.inverse().apply(cell.plant.live.cable.nodes()[-1])
     assert -0.015 < tip[0] < 0
     assert abs(tip[1]) < 0.003
+    push = goals.InsertGoal(HOLDER, WIRE, WireEnd.B, *other, other_socket, 8.0)
+    cell.run(insert_cable(holder, push), HOLDER)
+    done = cell.run(fix_cable(holder, goals.FixGoal(HOLDER, WIRE, *other, 5.0)), HOLDER)
+    assert done.message.endswith("; the wire lies in F1, F2, F3")
     assert share_in_ducts(cell.plant, WIRE) == 1.0
     cell.close()
 

@@ -1,4 +1,8 @@
-"""FixCable: close the terminal on the inserted end, do a pull test, and release it."""
+"""FixCable: close the terminal on the inserted end, do a pull test, and release it.
+
+Fixed at both ends, a wire stays where it lies: then it is observed from above whether it lies in
+its forks.
+"""
 
 from __future__ import annotations
 
@@ -8,7 +12,9 @@ from remodel_sim.abilities.ability import ability
 from remodel_sim.abilities.execution.robot_context import RobotContext, Steps
 from remodel_sim.abilities.primitives.grasping import check_grip, release_fixed
 from remodel_sim.abilities.primitives.motions import wait
+from remodel_sim.abilities.primitives.observation.fork_check import check_forks
 from remodel_sim.abilities.primitives.pull_test import pull_test
+from remodel_sim.core.belief.belief_state import EndState
 from remodel_sim.core.errors import AbilityError
 from remodel_sim.core.goals import FixGoal
 from remodel_sim.core.goals.goal_pose import Message
@@ -40,7 +46,7 @@ def _goal(message: Message) -> FixGoal:
 
 @ability("FixCable", _goal)
 def fix_cable(context: RobotContext, goal: FixGoal) -> Steps[CableFixed]:
-    """Close the clamp, pull, open the fingers, and lift the hand off."""
+    """Close the clamp, pull, open the fingers, and lift the hand off; then check the forks."""
     belief = context.belief
     key = (goal.component_id, goal.terminal_id)
     where = f"'{goal.component_id}/{goal.terminal_id}'"
@@ -66,4 +72,8 @@ def fix_cable(context: RobotContext, goal: FixGoal) -> Steps[CableFixed]:
         f"end {end.value} of {goal.cable_id} fixed in {where}, slip {slip * 1e3:.2f} mm at "
         f"{goal.pull_test_force:.0f} N"
     )
+    if belief.ends[end.other] is EndState.FIXED:
+        forks = yield from check_forks(context)
+        if forks:
+            message += f"; the wire lies in {', '.join(fork.id for fork in forks)}"
     return CableFixed(message, slip)

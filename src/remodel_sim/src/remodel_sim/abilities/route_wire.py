@@ -60,8 +60,8 @@ def _goal(message: Message) -> RouteGoal:
 def route_wire(context: RobotContext, goal: RouteGoal) -> Steps[WireRouted]:
     """Go from pose to pose with the end; lay the wire into the clips or forks that the path passes.
 
-    Whether it lies in clips, forks and ducts is seen from above. The end stays in the hand, or lies
-    loose when there are clips.
+    Whether it lies in clips and ducts is seen from above; in forks it still moves until FixCable
+    has fixed its end. The end stays in the hand, or lies loose when there are clips.
     """
     yield from disengage(context)
     clips = clips_along(goal.path, context.panel)

@@ -22,6 +22,10 @@ AROUND_M = 0.020
 TOP_PERCENT = 95.0
 # What is lower than this share of where a wire is expected is what it lies on.
 LEAST_HEIGHT = 0.5
+# A wire has these shades of its colour; another colour differs from all of them by so much
+# [grey levels].
+SHADES = (0.5, 1.0)
+OTHER_COLOUR = 25.0
 # To each side of where it is expected a wire is searched for around a circle [rad].
 TURN_RAD = np.radians(60.0)
 # The camera looks along the wire's height twice: once at the height that is expected.
@@ -79,7 +83,7 @@ def uppermost_past(place: Pose, reach: float, lines: WireLines) -> Passing | Non
     passing, expected = wire_past(place, reach, lines), float(place.position[2])
     near = Passing(0.0, expected) if passing is None else passing
     at = place.apply(np.array([0.0, near.aside, near.height - expected]))
-    x, y, z = place.inverse().apply(_surface_around(lines.picture, at)).T
+    x, y, z = place.inverse().apply(_surface_around(lines.picture, at, AROUND_M)[0]).T
     beside = (np.abs(x) <= ALONG_M[-1]) & (np.abs(y - near.aside) <= BESIDE_M)
     if not beside.any():
         return passing
@@ -91,16 +95,38 @@ def uppermost_past(place: Pose, reach: float, lines: WireLines) -> Passing | Non
     return Passing(float(np.mean(y[beside & (z > top - radius / 2)])), height)
 
 
-def _surface_around(picture: Picture, point: Array) -> Array:
-    """Return what a depth camera sees around a point (3,), as points (n, 3) [m], world frame."""
+def points_of_colour(lines: WireLines, point: Array, reach: float) -> Array:
+    """Return what has a wire's colour around a point (3,), as points (n, 3) [m], world frame.
+
+    Args:
+        lines: of the wire, in a picture from above with depth.
+        point: in the middle, world frame [m].
+        reach: how far along the picture's sides it is searched for [m].
+    """
+    points, colours = _surface_around(lines.picture, point, reach)
+    is_own = np.zeros(len(points), bool)
+    for own in lines.colours:
+        shades = np.clip(colours @ own / float(own @ own), *SHADES)
+        is_own |= np.linalg.norm(colours - shades[:, None] * own, axis=1) < OTHER_COLOUR
+    return points[is_own]
+
+
+def _surface_around(picture: Picture, point: Array, reach: float) -> tuple[Array, Array]:
+    """Return what a depth camera sees around a point (3,).
+
+    Returns:
+        Points (n, 3) [m], world frame, and their colours (n, 3), 0 to 255.
+    """
     assert picture.depth is not None, "the camera measures depth"
     column, row = np.rint(picture.view.project(point)[0]).astype(int)
-    far = math.ceil(AROUND_M / picture.view.metres_per_pixel(float(point[2])))
+    far = math.ceil(reach / picture.view.metres_per_pixel(float(point[2])))
     height, width = picture.depth.shape
     rows = np.arange(max(0, row - far), min(height, row + far + 1))
     columns = np.arange(max(0, column - far), min(width, column + far + 1))
     pixels = np.stack(np.meshgrid(columns, rows), axis=-1).reshape(-1, 2).astype(np.float64)
-    return picture.view.at_depth(pixels, picture.depth[np.ix_(rows, columns)].ravel())
+    at = np.ix_(rows, columns)
+    points = picture.view.at_depth(pixels, picture.depth[at].ravel())
+    return points, picture.rgb[at].reshape(-1, 3).astype(np.float64)
 
 
 def wire_around(centre: Array, radius: float, towards: float, lines: WireLines) -> float | None:

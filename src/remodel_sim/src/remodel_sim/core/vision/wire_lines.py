@@ -63,14 +63,19 @@ class WireLines:
         """Of the wire on the plate [px]."""
         return self.wire.length / self.picture.view.metres_per_pixel(self.wire.radius)
 
+    @property
+    def colours(self) -> tuple[Array, ...]:
+        """Of the wire, RGB (3,) each, 0 to 255."""
+        code = self.wire.colour
+        colours = GREEN_AND_YELLOW if code == "GNYE" else (WIRE_RGB[code],)
+        return tuple(255.0 * np.array(colour, dtype=np.float64) for colour in colours)
+
     @cached_property
     def pieces(self) -> tuple[Array, ...]:
         """Centrelines (n, 2) [px] of the pieces that are seen, the longest first."""
-        code = self.wire.colour
-        colours = GREEN_AND_YELLOW if code == "GNYE" else (WIRE_RGB[code],)
         found = detect_cables(
             self.picture.rgb,
-            colours=[[255 * level for level in colour] for colour in colours],
+            colours=[colour.tolist() for colour in self.colours],
             widths=[
                 self._width_of(diameter, height)
                 for diameter in self.diameters or (self.wire.diameter,)

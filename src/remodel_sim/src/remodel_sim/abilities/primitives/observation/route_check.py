@@ -75,11 +75,14 @@ def judge_clips(context: RobotContext, clips: Sequence[PanelClip], seen: WireLin
 def check_ducts(context: RobotContext, path: tuple[Pose, ...]) -> Steps[None]:
     """Check whether the wire lies in the ducts in which a path runs.
 
+    Forks do not count: a wire that is held moves in them until both its ends are fixed.
+
     Raises:
         AbilityError: OUT_OF_DUCT when it lies beside one, CABLE_OCCLUDED when it is not visible
             in any. Where other wires hide it, it lies below them: beside a duct there are none.
     """
-    places = duct_places(context, path)
+    found = duct_places(context, path)
+    places = {duct: at for duct, at in found.items() if not duct.is_fork}
     if not places:
         return
     context.report("observing the ducts from above", 0.95)

@@ -1,0 +1,101 @@
+"""Whether a wire that is fixed at both ends lies in its forks, seen from above."""
+
+from contextlib import nullcontext
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from remodel_sim.abilities.primitives.observation.fork_check import check_forks
+from remodel_sim.cell import Cell
+from remodel_sim.core.belief.belief_state import NO_CHANNEL, Feed
+from remodel_sim.core.belief.placed_wires import ParkedWire
+from remodel_sim.core.errors import AbilityError
+from remodel_sim.core.workpiece.fixtures import WALL_M
+from remodel_sim.core.workpiece.layout import WORLD_FROM_PANEL
+from remodel_sim.core.workpiece.panel import WireEnd
+from remodel_sim.edge.cell_file import read_cell
+from remodel_sim.edge.wire_material_file import read_wire_materials
+from remodel_sim.physics.truth import share_in_ducts
+from remodel_sim.ros.conversions import read_panel
+from remodel_states.core.codes import Code
+
+CONFIG = Path(__file__).parents[2] / "config"
+HARNESS = read_panel(CONFIG / "harness.yaml", read_wire_materials(CONFIG / "wire_materials.yaml"))
+FORK = HARNESS.ducts[1]  # F2, the one in the middle
+OTHER = "W1.5"  # black: in the shadow each colour comes near to it
+
+
+@pytest.fixture(scope="module")
+def cell():
+    made = Cell(HARNESS, design=read_cell("two_arms_formboard"), seed=1)
+    yield made
+    made.close()
+
+
+def touching(side, to):
+    """Return how far aside of its fork's middle a wire touches a post from inside or outside [m].
+
+    `side` is 1 or -1, `to` -1 inside and 1 outside.
+    """
+    face = FORK.width / 2 + (WALL_M if to > 0 else 0.0)
+    return side * (face + to * (HARNESS.wires[0].radius + 0.0005))
+
+
+def lying(wire_id, aside, height):
+    """Return a wire from opening to opening, bent aside to a height in the middle fork [m]."""
+    (ax, ay, z), (bx, by, _) = HARNESS.wire(wire_id).route
+    along = np.linspace(0.0, 1.0, 40)
+    bow = np.sin(np.pi * along) ** 2
+    # In the fork the wire runs straight along the posts.
+    x = ax + along * (bx - ax) + bow * (aside - (ax + bx) / 2) - np.sin(2 * np.pi * along) * ax / 2
+    points = np.column_stack([x, ay + along * (by - ay), z + bow * (height - z)])
+    return ParkedWire(WORLD_FROM_PANEL.apply(points), frozenset(WireEnd))
+
+
+def observed(cell, wire_id, parked):
+    """Park wires, and check the forks of one of them."""
+    cell.plant.restore(parked)
+    for context in cell.contexts.values():
+        context.belief.start_wire(Feed(wire_id, NO_CHANNEL, 1), {})
+    return cell.run(check_forks(cell.context), cell.context.name)
+
+
+@pytest.mark.parametrize("wire", [wire.id for wire in HARNESS.wires])
+def test_a_wire_of_each_colour_is_seen_beside_its_fork(cell, wire):
+    shape = lying(wire, touching(-1, 1), 0.025)
+    with pytest.raises(AbilityError, match=r"lies in 2 of its 3 forks: .* beside 'F2'") as caught:
+        observed(cell, wire, {wire: shape})
+    assert share_in_ducts(cell.plant, wire) == pytest.approx(2 / 3)
+    assert caught.value.code is Code.OUT_OF_DUCT
+
+
+@pytest.mark.parametrize(
+    ("aside", "height", "words"),
+    [
+        (0.0, 0.025, ""),
+        (touching(1, -1), 0.002, ""),
+        (touching(-1, -1), 0.050, ""),
+        (touching(1, 1), 0.040, "beside 'F2'"),
+        (touching(-1, 1), 0.002, "beside 'F2'"),
+        (-0.060, 0.025, "beside 'F2'"),
+        (0.0, 0.064, "above the posts of 'F2'"),
+    ],
+)
+def test_where_a_wire_lies_at_a_fork_decides(cell, aside, height, words):
+    shape = lying("W1.4", aside, height)
+    with pytest.raises(AbilityError, match=words) if words else nullcontext():
+        forks = observed(cell, "W1.4", {"W1.4": shape})
+    assert share_in_ducts(cell.plant, "W1.4") == pytest.approx(2 / 3 if words else 1.0)
+    assert words or [fork.id for fork in forks] == ["F1", "F2", "F3"]
+
+
+@pytest.mark.parametrize("wire", [wire.id for wire in HARNESS.wires if wire.id != OTHER])
+def test_another_wire_beside_a_fork_is_not_taken_for_it(cell, wire):
+    shapes = {OTHER: lying(OTHER, touching(-1, 1), 0.037), wire: lying(wire, 0.0, 0.025)}
+    observed(cell, wire, shapes)
+
+
+def test_a_wire_that_is_not_visible_does_not_count_as_held(cell):
+    with pytest.raises(AbilityError, match=r"'W1\.4' is not visible near any of its 3 forks"):
+        observed(cell, "W1.4", {})
