@@ -11,6 +11,7 @@ import numpy as np
 
 from remodel_sim.core.geometry import Array, multiply_quaternions, rotation_matrix
 from remodel_sim.core.workpiece.connector_shape import Solid
+from remodel_sim.core.workpiece.elastic_joints import ElasticJoints
 from remodel_sim.core.workpiece.panel import WireEnd
 from remodel_sim.core.workpiece.wire_colours import FERRULE_RGB, GREEN_AND_YELLOW, WIRE_RGB, Rgb
 from remodel_sim.core.workpiece.wire_mechanics import CableModel, link_frames
@@ -55,13 +56,20 @@ class SimulatedWire:
             )
             for first, last in model.bodies
         ]
+        self._joints = ElasticJoints(model, world.time_step)
         self.lay(np.zeros(3), 0.0, np.zeros(len(model.spans)))
         self._bolts = [_bolt(world, before, after) for before, after in pairwise(self._parts)]
         world.add_before_step(self._bend)
 
     def _bend(self) -> None:
+        """Apply the elastic torques, of all bodies at once: it is done in every step."""
+        states = [state for part in self._parts for state in part.joint_states]
+        turns, rates = (np.array([state[i] for state in states]) for i in (0, 1))
+        torques = self._joints.torques(turns, rates).tolist()
         for part in self._parts:
-            part.bend()
+            joints = len(part.model.spans)
+            part.apply(torques[:joints])
+            del torques[:joints]
 
     @property
     def bodies(self) -> tuple[int, ...]:
@@ -81,10 +89,14 @@ class SimulatedWire:
         axes = np.column_stack([np.cos(yaws), np.sin(yaws), np.zeros_like(yaws)])
         steps = self.model.lengths[:, None] * axes
         centres = tip_a + self.model.radius * axes[0] + np.cumsum(steps, axis=0) - steps / 2
+        # The links' x axis points down when the wire lies level.
+        rest = -turn
+        turns = np.zeros((len(rest), 4))
+        turns[:, 0], turns[:, 3] = np.sin(rest / 2), np.cos(rest / 2)
+        self._joints.rest_at(rest)
         for part, (first, last) in zip(self._parts, self.model.bodies, strict=True):
             orientation = self._world.bullet.getQuaternionFromEuler([0, math.pi / 2, yaws[first]])
-            # The links' x axis points down when the wire lies level.
-            part.place(centres[first], np.array(orientation), -turn[first : last - 1])
+            part.place(centres[first], np.array(orientation), turns[first : last - 1])
 
     def lay_along(self, nodes: Array) -> None:
         """Put the wire at rest into a shape that it has been bent into.
@@ -95,8 +107,9 @@ class SimulatedWire:
         centres, quaternions = link_frames(nodes, self.model.radius)
         flipped = quaternions * np.array([-1.0, -1.0, -1.0, 1.0])
         turns = np.array(list(map(multiply_quaternions, flipped[:-1], quaternions[1:])))
+        self._joints.rest_at(np.zeros(len(self.model.spans)))
         for part, (first, last) in zip(self._parts, self.model.bodies, strict=True):
-            part.place_bent(centres[first], quaternions[first], turns[first : last - 1])
+            part.place(centres[first], quaternions[first], turns[first : last - 1])
 
     def link_poses(self) -> tuple[Array, Array]:
         """Return the links' centres (n, 3) [m] and quaternions (n, 4), world frame."""
@@ -132,10 +145,7 @@ class SimulatedWire:
 
     def bend_ferrule(self, end: WireEnd, angle: float) -> None:
         """Give the joint behind an end's ferrule another angle at rest, by so much [rad]."""
-        if end is WireEnd.A:
-            self._parts[0].bend_rest(0, angle)
-        else:
-            self._parts[-1].bend_rest(-1, angle)
+        self._joints.bend_rest(0 if end is WireEnd.A else -1, angle)
 
     def tip(self, end: WireEnd) -> tuple[Array, Array]:
         """Return an end's apex (3,) [m] and the unit vector out of it (3,), world frame."""

@@ -1,4 +1,4 @@
-"""One multibody of a wire: rigid links with spherical joints, driven by elastic torques."""
+"""One multibody of a wire: rigid links with spherical joints, driven by torques."""
 
 from __future__ import annotations
 
@@ -9,15 +9,13 @@ import numpy as np
 from remodel_sim.core.geometry import Array
 from remodel_sim.core.workpiece.connector_shape import BODY_FRICTION, Solid
 from remodel_sim.core.workpiece.wire_colours import Rgb
-from remodel_sim.core.workpiece.wire_mechanics import CableModel, rotation_vectors
+from remodel_sim.core.workpiece.wire_mechanics import CableModel
 from remodel_sim.physics.world import MASS_SCALE, World
 
 # Light drag instead of the internal friction of strands [1/s].
 DRAG = 3.0
 # Bullet draws a capsule by its collision hull, which is thicker by this margin.
 HULL_MARGIN_M = 0.001
-# How fast a joint is bent for good [rad/s].
-TURN_RAD_S = 0.5
 IDENTITY = [0.0, 0.0, 0.0, 1.0]
 
 
@@ -42,10 +40,6 @@ class CableBody:
         self._connectors = connectors
         joints = len(model.spans)
         self._joints = list(range(joints))
-        self._rest = np.zeros((joints, 3))
-        self._plastic = np.zeros((joints, 2))
-        self._to_turn = np.zeros(joints)
-        self._turn_per_step = TURN_RAD_S * world.time_step
         self.body = self._create(colours)
         self._set_dynamics()
         # Bound once: these two are called in every step.
@@ -123,67 +117,29 @@ class CableBody:
                 force=[0, 0, 0],
             )
 
-    def bend(self) -> None:
-        """Let the joints yield, and apply their elastic torques for the next step."""
-        if self._to_turn.any():
-            self._turn_rest()
-        states = self._read_joints(self.body, self._joints)
-        bend = rotation_vectors(np.array([s[0] for s in states])) - self._rest
-        rate = np.array([s[1] for s in states])
-        self._plastic = self.model.yielded(bend[:, :2], self._plastic)
-        bend[:, :2] -= self._plastic
-        self._apply_torques(
-            self.body,
-            self._joints,
-            self._bullet.TORQUE_CONTROL,
-            forces=self.model.torques(bend, rate).tolist(),
-        )
+    @property
+    def joint_states(self) -> list[tuple]:
+        """Of each joint the turn of its link, a quaternion, and its rate (3,) [rad/s], first."""
+        return list(self._read_joints(self.body, self._joints))
 
-    def place(self, position: Array, quaternion: Array, rest: Array) -> None:
-        """Put the links at rest into a shape that they keep, without any set.
+    def apply(self, torques: list[list[float]]) -> None:
+        """Turn the joints by torques for the next step, (n - 1, 3) [N m], joint frame."""
+        self._apply_torques(self.body, self._joints, self._bullet.TORQUE_CONTROL, forces=torques)
 
-        Args:
-            position: (3,) centre of the first link [m], world frame.
-            quaternion: (4,) of the first link, world frame.
-            rest: (n - 1,) angle of each joint about its x axis [rad].
-        """
-        turned = [self._bullet.getQuaternionFromAxisAngle([1, 0, 0], float(a)) for a in rest]
-        self._put(position, quaternion, turned, rest)
-
-    def place_bent(self, position: Array, quaternion: Array, turns: Array) -> None:
-        """Put the links at rest into a shape that straight ones have been bent into.
+    def place(self, position: Array, quaternion: Array, turns: Array) -> None:
+        """Put the links at rest into a shape.
 
         Args:
             position: (3,) centre of the first link [m], world frame.
             quaternion: (4,) of the first link, world frame.
             turns: (n - 1, 4) quaternion of each link in the frame of the one before.
         """
-        self._put(position, quaternion, turns.tolist(), np.zeros(len(turns)))
-
-    def _put(
-        self, position: Array, quaternion: Array, turns: Sequence[Sequence[float]], rest: Array
-    ) -> None:
-        self._plastic[:] = 0.0
-        self._to_turn[:] = 0.0
-        self._rest[:, 0] = rest
         self._bullet.resetBasePositionAndOrientation(
             self.body, position.tolist(), quaternion.tolist()
         )
         self._bullet.resetBaseVelocity(self.body, [0, 0, 0], [0, 0, 0])
-        for joint, turned in zip(self._joints, turns, strict=True):
+        for joint, turned in zip(self._joints, turns.tolist(), strict=True):
             self._bullet.resetJointStateMultiDof(self.body, joint, turned, [0, 0, 0])
-
-    def bend_rest(self, joint: int, angle: float) -> None:
-        """Turn a joint's shape at rest about its x axis [rad], over the next steps.
-
-        So slowly that the joint follows instead of taking a set the other way.
-        """
-        self._to_turn[joint] += angle
-
-    def _turn_rest(self) -> None:
-        turn = np.clip(self._to_turn, -self._turn_per_step, self._turn_per_step)
-        self._rest[:, 0] += turn
-        self._to_turn -= turn
 
     def link_poses(self) -> tuple[Array, Array]:
         """Return the links' centres (n, 3) [m] and quaternions (n, 4), world frame."""
