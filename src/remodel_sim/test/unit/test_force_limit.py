@@ -51,7 +51,8 @@ def test_an_end_is_seated_with_the_force_that_was_allowed(cell_of, pushes, limit
     *until_in, record = pushes
     assert [before.limit for before in until_in] == ([limit, FEEL_N] if limit > BENDS_N else [])
     assert limit <= inserted.peak_force <= record.allowed
-    assert record.peak == pytest.approx(inserted.peak_force, rel=0.1)
+    # The wire may jerk between the pads once more when the push has ended.
+    assert record.peak == pytest.approx(inserted.peak_force, rel=0.12)
 
 
 @pytest.mark.parametrize(("limit", "rate_hz"), [(4.0, 240.0), (14.0, 500.0)])

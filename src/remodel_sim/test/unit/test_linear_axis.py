@@ -12,7 +12,7 @@ from remodel_sim.cell import Cell
 from remodel_sim.core.cell.scrap_bin import bin_of
 from remodel_sim.core.robot.arm import ToolPose
 from remodel_sim.core.robot.arm_volume import gap_between, volume_of
-from remodel_sim.core.robot.motion import Line
+from remodel_sim.core.robot.motion import ACCELERATION, Line
 from remodel_sim.edge.cell_file import read_cell
 
 CELL, PAIR = read_cell("cabinet"), read_cell("two_arms_cabinet")
@@ -97,6 +97,16 @@ def test_a_straight_line_is_a_smooth_motion_within_the_limits_of_all_joints(star
     for tick, posture in enumerate(joints):
         at = ARM.tool_of(posture)
         np.testing.assert_allclose(at.position, line.at(tick * TICK_S).position, atol=1e-9)
+
+
+@pytest.mark.parametrize("distance", [0.01, 0.06, 0.5])
+def test_no_motion_speeds_up_faster_than_arms_allow(distance):
+    line = Line(ToolPose(0.5, 0.0, 0.1, 0.0), ToolPose(0.5, 0.0, 0.1 + distance, 0.0), FREE_SPEED)
+    times = np.linspace(0.0, line.duration, 1001)
+    heights = np.array([line.at(time).z for time in times])
+    steepest = np.abs(np.diff(heights, 2)).max() / (times[1] - times[0]) ** 2
+    assert steepest <= ACCELERATION * 1.01
+    assert steepest > 0.2 * ACCELERATION, "no slower than it needs to be"
 
 
 def test_a_slow_axis_slows_the_motion_that_needs_it():

@@ -35,7 +35,6 @@ from remodel_sim.abilities.primitives.motions import (
     TRAVEL_Z,
     is_free,
     move_to,
-    rise,
     wait,
 )
 from remodel_sim.abilities.primitives.observation.duct_check import share_in_ducts
@@ -95,8 +94,11 @@ SAGGING_STIFFNESS = 8e3
 # rises to the holding hand, and is not judged [m].
 LEAST_IN_DUCTS = 0.8
 RISES_M = 0.12
-# The leading hand leaves the wire so far back along it, then upwards [m].
+# The leading hand leaves the wire so far back along it [m], then upwards, so fast [m/s]. A wire that
+# lies in the notch of an open finger slips out of it; if the hand rises faster, it is flung up
+# between the fingers, and drawn out of the other hand.
 BACK_M = 0.012
+LEAVE_SPEED = 0.10
 # It is released with the free part so far to the inner side of its last corner [rad].
 INWARD_RAD = math.radians(35.0)
 # So much of the wire is inside its terminal, about [m].
@@ -170,7 +172,8 @@ def _withdraw(guide: RobotContext, holder: RobotContext) -> Steps[None]:
     behind = here.moved(back, BACK_M)
     if is_free(guide, behind):
         yield from move_to(guide, behind, APPROACH_SPEED)
-    yield from rise(guide)
+    if guide.commanded.z < TRAVEL_Z:
+        yield from move_to(guide, guide.commanded.at(z=TRAVEL_Z), LEAVE_SPEED)
 
 
 def _laid_places(guide: RobotContext, route: list[Array]) -> dict[Duct, tuple[Pose, ...]]:

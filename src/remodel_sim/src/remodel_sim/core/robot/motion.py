@@ -13,6 +13,10 @@ from remodel_sim.core.robot.kinematics import Kinematics
 
 # A minimum-jerk motion peaks at 15/8 of its mean speed.
 PEAK_OVER_MEAN = 15.0 / 8.0
+# The tool speeds up and slows down with no more than this [m/s^2]; the Panda allows 13. At its peak
+# a minimum-jerk motion has 10 / sqrt(3) of its distance over the square of its time.
+ACCELERATION = 10.0
+PEAK_ACCELERATION = 10.0 / math.sqrt(3.0)
 # A hand with a wire turns no faster [rad/s]: the wire would pitch in the grip.
 WIRE_TURN_RATE = 1.6
 # Joint rates are sampled at so many moments of a motion.
@@ -50,7 +54,8 @@ class Line:
         """Time the motion takes [s]."""
         turn = abs(self.end.yaw - self.start.yaw)
         fastest = PEAK_OVER_MEAN * max(self.distance / self.speed, turn / self.turn_rate)
-        return max(fastest, self.least_s)
+        steepest = math.sqrt(PEAK_ACCELERATION * self.distance / ACCELERATION)
+        return max(fastest, steepest, self.least_s)
 
     def at(self, elapsed: float) -> ToolPose:
         """Return the tool pose after `elapsed` seconds."""
