@@ -94,9 +94,9 @@ SAGGING_STIFFNESS = 8e3
 # rises to the holding hand, and is not judged [m].
 LEAST_IN_DUCTS = 0.8
 RISES_M = 0.12
-# The leading hand leaves the wire so far back along it [m], then upwards, so fast [m/s]. A wire that
-# lies in the notch of an open finger slips out of it; if the hand rises faster, it is flung up
-# between the fingers, and drawn out of the other hand.
+# The leading hand leaves the wire so far back along it [m], then upwards, so fast [m/s]. A wire
+# that lies in the notch of an open finger slips out of it; if the hand rises faster, it is flung
+# up between the fingers, and drawn out of the other hand.
 BACK_M = 0.012
 LEAVE_SPEED = 0.10
 # It is released with the free part so far to the inner side of its last corner [rad].
