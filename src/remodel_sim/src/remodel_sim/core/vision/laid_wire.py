@@ -53,34 +53,48 @@ def wire_past(place: Pose, reach: float, lines: WireLines) -> Passing | None:
         reach: how far to each side it is searched for [m].
         lines: of the wire, in a picture from above with depth.
     """
-    height, aside = float(place.position[2]), 0.0
+    return _passing_near(place, 0.0, reach, lines)
+
+
+def _passing_near(place: Pose, near: float, reach: float, lines: WireLines) -> Passing | None:
+    """Return how a wire passes a place nearest to so far aside of it [m]; None: none is seen."""
+    height, aside = float(place.position[2]), near
     for _ in range(LOOKS):
-        across = [
-            y
-            for line in lines.passings(height)
-            for y in crossings(place.inverse().apply(line)[:, :2], 0.0)
-            if abs(y) <= reach
-        ]
+        across = _across(place, height, reach, lines)
         if not across:
             return None
-        aside = min(across, key=abs)
+        aside = min(across, key=lambda y: abs(y - near))
         crest = place.apply(np.array([[x, aside, 0.0] for x in ALONG_M]))
         crest[:, 2] = height + lines.wire.radius
         height = _height(lines.picture, crest) - lines.wire.radius
     return Passing(aside, height)
 
 
+def _across(place: Pose, height: float, reach: float, lines: WireLines) -> list[float]:
+    """Return how far aside of a place its wire's lines pass it, if they are so high [m]."""
+    return [
+        y
+        for line in lines.passings(height)
+        for y in crossings(place.inverse().apply(line)[:, :2], 0.0)
+        if abs(y) <= reach
+    ]
+
+
 def uppermost_past(place: Pose, reach: float, lines: WireLines) -> Passing | None:
     """Return how the uppermost of the wires beside each other passes a place; None: none is seen.
 
-    Colour may not distinguish a wire from those below it: then depth alone counts.
+    Of several of its colour it is the highest; colour may not distinguish it from those below it:
+    then depth alone counts.
 
     Args:
         place: where its axis is expected, x along it, world frame.
         reach: how far to each side they are searched for [m].
         lines: of one of the wires, in a picture from above with depth.
     """
-    passing, expected = wire_past(place, reach, lines), float(place.position[2])
+    expected = float(place.position[2])
+    asides = _across(place, expected, reach, lines)
+    passings = [_passing_near(place, aside, reach, lines) for aside in asides]
+    passing = max((p for p in passings if p), key=lambda p: p.height, default=None)
     near = Passing(0.0, expected) if passing is None else passing
     at = place.apply(np.array([0.0, near.aside, near.height - expected]))
     x, y, z = place.inverse().apply(_surface_around(lines.picture, at, AROUND_M)[0]).T
