@@ -119,7 +119,7 @@ class CableBody:
 
     @property
     def joint_states(self) -> list[tuple]:
-        """Of each joint the turn of its link, a quaternion, and its rate (3,) [rad/s], first."""
+        """Each joint's state: its link's turn, a quaternion (4,), its rate (3,) [rad/s], and more."""
         return list(self._read_joints(self.body, self._joints))
 
     def apply(self, torques: list[list[float]]) -> None:
