@@ -119,7 +119,7 @@ class CableBody:
 
     @property
     def joint_states(self) -> list[tuple]:
-        """Each joint's state: its link's turn, a quaternion (4,), its rate (3,) [rad/s], and more."""
+        """The joints' states: first a link's turn, a quaternion, then its rate (3,) [rad/s]."""
         return list(self._read_joints(self.body, self._joints))
 
     def apply(self, torques: list[list[float]]) -> None:
