@@ -248,6 +248,30 @@ def test_the_uppermost_of_two_wires_beside_each_other_is_taken():
     cell.close()
 
 
+def test_the_highest_of_several_wires_of_one_colour_is_taken_not_the_nearest():
+    cell = cell_of()
+    own = cell.plant.panel.wire(WIRE)
+    alike = [
+        wire.id
+        for wire in cell.plant.panel.wires
+        if (wire.colour, wire.diameter) == (own.colour, own.diameter) and wire is not own
+    ]
+    # Above the rims: the walls are lower.
+    for name, aside, height in zip(alike, (0.004, -0.014), (0.070, 0.082), strict=False):
+        line = along(route_of(cell), height) + np.array([aside, 0.0, 0.0])
+        cell.plant.parked[name] = ParkedWire(line, frozenset())
+    cell.feed(WIRE, "")
+    seen = WireLines(cell.context.take_overhead_picture(), own)
+    before, after = route_of(cell)[1:3]
+    x, y, _ = (before + after) / 2
+    place = Pose.level(float(x), float(y), 0.070, math.pi / 2)
+    passing = uppermost_past(place, SEARCH_M, seen)
+    assert passing is not None
+    assert passing.height == pytest.approx(0.082, abs=0.005)
+    assert passing.aside == pytest.approx(0.014, abs=0.003)
+    cell.close()
+
+
 @pytest.mark.parametrize(("height", "share"), [(0.020, 1.0), (0.065, 0.0)])
 def test_the_truth_counts_places_below_the_rims(height, share):
     cell = cell_of()

@@ -106,8 +106,6 @@ INSIDE_M = 0.014
 # Two hands need so much of the wire between them: where less is left at the last slot, the leading
 # hand releases the wire before it, where it rises to the holding hand anyway [m].
 LEAST_HELD_M = 0.20
-# Drawn straight around a corner, a wire pulls at the leading hand at rest with so much, level [N].
-FELT_N = 0.5
 # The direction of the wire at its slot is taken over so much to each side [m].
 DIRECTION_M = 0.012
 
@@ -232,7 +230,7 @@ def _lead(holder: RobotContext, guide: RobotContext, route: list[Array]) -> Step
     free = guide.force
     lifted = guide.commanded.at(z=over - _eyelet_above(guide))
     peak = yield from _watched(guide, [(guide, lifted)], free)
-    here, felt = route[1], 0.0
+    here = route[1]
     for i, place in enumerate(places):
         guide.report(f"leading the wire, {i + 1} of {len(places)}", 0.35 + 0.5 * i / len(places))
         target = place if place is not places[-1] else _last(place, here, left)
@@ -242,16 +240,8 @@ def _lead(holder: RobotContext, guide: RobotContext, route: list[Array]) -> Step
         peak = max(peak, (yield from _bring(holder, guide, target, turn, left, free)))
         if ahead > 0:
             left = yield from draw_straight(holder, target.at, left)
-            felt = max(felt, float(np.linalg.norm((guide.force - free)[:2])))
         check_grip(holder)
         here, yaw = target.at, target.yaw
-    if felt < FELT_N:
-        raise AbilityError(
-            Code.GRASP_MISSED,
-            f"{guide.wire.id!r} is not in the eyelet of {guide.name}: drawn straight, it pulled at "
-            f"the hand with {felt:.1f} N at most, expected {FELT_N:.1f} N or more; draw it out and "
-            "place it again",
-        )
     # Released, a wire that is pulled upwards would leave its ducts.
     yield from _loosen(holder, guide, target, left, _last_turn(places))
     guide.report("releasing the wire", 0.9)
