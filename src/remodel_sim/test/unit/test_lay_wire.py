@@ -81,6 +81,20 @@ def along(route, height):
     return np.concatenate([*legs, flat[-1:]])
 
 
+def before(cell):
+    """Return a picture of the board as it is."""
+    picture = cell.context.take_overhead_picture()
+    assert picture.depth is not None
+    return picture
+
+
+def inspected(cell, picture):
+    """Return at which share of its route WIRE lies below the rims, by the leading hand's camera."""
+    path = tuple(Pose.level(*map(float, point)) for point in route_of(cell))
+    steps = share_in_ducts(cell.context, duct_places(cell.context, path), picture)
+    return cell.run(steps, GUIDE)
+
+
 def test_a_wire_is_led_into_its_ducts_over_one_that_lies_there():
     cell = cell_of()
     there = along(route_of(cell, ALIKE), 0.020)
@@ -151,11 +165,11 @@ def test_a_wire_that_does_not_become_straight_is_not_in_the_eyelet():
     holder = cell.contexts[HOLDER]
     # Its other end lies in the magazine: the wire hangs far lower than the hand.
     below = holder.commanded.position - np.array([0.0, 0.0, 0.1])
-    before = holder.commanded.z
+    height = holder.commanded.z
     with pytest.raises(AbilityError, match="is not in the eyelet") as caught:
         cell.run(draw_straight(holder, below, 1.0), HOLDER)
     assert caught.value.code is Code.GRASP_MISSED
-    assert holder.commanded.z - before == pytest.approx(TIGHTEN_M, abs=0.01)
+    assert holder.commanded.z - height == pytest.approx(TIGHTEN_M, abs=0.01)
     cell.close()
 
 
@@ -163,21 +177,19 @@ def test_a_leading_hand_without_depth_is_refused_before_anything_moves():
     blind = replace(DESIGN.robots[0], camera=replace(DESIGN.robots[0].camera, depth=False))
     cell = cell_of(replace(DESIGN, robots=(blind, DESIGN.robots[1])))
     cell.feed(WIRE, "")
-    before = {name: context.commanded for name, context in cell.contexts.items()}
+    at = {name: context.commanded for name, context in cell.contexts.items()}
     with pytest.raises(AbilityError, match="measures no depth") as caught:
         lay(cell)
     assert caught.value.code is Code.INVALID_GOAL
-    assert {name: context.commanded for name, context in cell.contexts.items()} == before
+    assert {name: context.commanded for name, context in cell.contexts.items()} == at
     cell.close()
 
 
 def test_a_wire_that_is_not_in_view_in_its_ducts_is_occluded():
     cell = cell_of()
     cell.feed(WIRE, "")
-    guide = cell.contexts[GUIDE]
-    path = tuple(Pose.level(*map(float, point)) for point in route_of(cell))
     with pytest.raises(AbilityError, match="in view at 0%") as caught:
-        cell.run(share_in_ducts(guide, duct_places(guide, path)), GUIDE)
+        inspected(cell, before(cell))
     assert caught.value.code is Code.CABLE_OCCLUDED
     cell.close()
 
@@ -185,19 +197,31 @@ def test_a_wire_that_is_not_in_view_in_its_ducts_is_occluded():
 @pytest.mark.parametrize(("height", "share"), [(0.020, 1.0), (0.070, 0.0)])
 def test_a_wire_that_others_hide_lies_below_the_rims_if_nothing_stands_above(height, share):
     cell = cell_of()
+    empty = before(cell)
     line = along(route_of(cell), height)
     over = line[: round(HIDDEN * len(line))] + np.array([0.0, 0.0, 0.004])
     cell.plant.parked[ALIKE] = ParkedWire(line, frozenset())
     cell.plant.parked[UNLIKE] = ParkedWire(over, frozenset())
     cell.feed(WIRE, "")
-    path = tuple(Pose.level(*map(float, point)) for point in route_of(cell))
-    places = duct_places(cell.context, path)
-    assert cell.run(share_in_ducts(cell.context, places), GUIDE) == pytest.approx(share, abs=0.1)
+    assert inspected(cell, empty) == pytest.approx(share, abs=0.1)
+    cell.close()
+
+
+@pytest.mark.parametrize(("height", "share"), [(0.020, 1.0), (0.074, 0.0)])
+def test_what_stood_above_the_rims_before_does_not_count(height, share):
+    cell = cell_of()
+    stood = along(route_of(cell), 0.070) + np.array([0.004, 0.0, 0.0])
+    cell.plant.restore({UNLIKE: ParkedWire(stood, frozenset())})
+    full = before(cell)
+    cell.plant.parked[ALIKE] = ParkedWire(along(route_of(cell), height), frozenset())
+    cell.feed(WIRE, "")
+    assert inspected(cell, full) == pytest.approx(share, abs=0.1)
     cell.close()
 
 
 def test_in_a_full_duct_less_of_a_wire_is_in_view():
     cell = cell_of()
+    empty = before(cell)
     line = along(route_of(cell), 0.020)
     cell.plant.parked[ALIKE] = ParkedWire(line, frozenset())
     colour = cell.plant.panel.wire(WIRE).colour
@@ -209,15 +233,13 @@ def test_in_a_full_duct_less_of_a_wire_is_in_view():
         over = part + np.array([x, y, 0.004])
         cell.plant.parked[next(unlike)] = ParkedWire(over, frozenset())
     cell.feed(WIRE, "")
-    path = tuple(Pose.level(*map(float, point)) for point in route_of(cell))
-    places = duct_places(cell.context, path)
     with pytest.raises(AbilityError, match="needed: 15% or more") as caught:
-        cell.run(share_in_ducts(cell.context, places), GUIDE)
+        inspected(cell, empty)
     assert caught.value.code is Code.CABLE_OCCLUDED
     ducts = set(cell.context.wire.ducts)
     beside = [wire.id for wire in cell.plant.panel.wires if ducts <= set(wire.ducts)]
     cell.context.belief.fed.extend(beside)
-    assert cell.run(share_in_ducts(cell.context, places), GUIDE) == pytest.approx(1.0, abs=0.1)
+    assert inspected(cell, empty) == pytest.approx(1.0, abs=0.1)
     cell.close()
 
 
@@ -232,8 +254,7 @@ def test_the_uppermost_of_two_wires_beside_each_other_is_taken():
     lower_seen, upper_seen = (
         WireLines(picture, cell.plant.panel.wire(name)) for name in (ALIKE, UNLIKE)
     )
-    before, after = route_of(cell)[1:3]
-    x, y, _ = (before + after) / 2
+    x, y, _ = route_of(cell)[1:3].mean(axis=0)
     place = Pose.level(float(x), float(y), 0.030, math.pi / 2)
     alone = wire_past(place, SEARCH_M, upper_seen)
     passing = uppermost_past(place, SEARCH_M, lower_seen)
@@ -262,8 +283,7 @@ def test_the_highest_of_several_wires_of_one_colour_is_taken_not_the_nearest():
         cell.plant.parked[name] = ParkedWire(line, frozenset())
     cell.feed(WIRE, "")
     seen = WireLines(cell.context.take_overhead_picture(), own)
-    before, after = route_of(cell)[1:3]
-    x, y, _ = (before + after) / 2
+    x, y, _ = route_of(cell)[1:3].mean(axis=0)
     place = Pose.level(float(x), float(y), 0.070, math.pi / 2)
     passing = uppermost_past(place, SEARCH_M, seen)
     assert passing is not None

@@ -42,6 +42,7 @@ from remodel_sim.abilities.primitives.observation.route_check import duct_places
 from remodel_sim.abilities.primitives.observation.sight_lines import clear_sight
 from remodel_sim.abilities.primitives.together import move_together
 from remodel_sim.core.belief.belief_state import EndState
+from remodel_sim.core.camera import Picture
 from remodel_sim.core.errors import AbilityError
 from remodel_sim.core.geometry import Array, Pose, wrap_angle
 from remodel_sim.core.goals import LayGoal
@@ -49,6 +50,7 @@ from remodel_sim.core.goals.goal_pose import Message
 from remodel_sim.core.robot.arm import ToolPose
 from remodel_sim.core.robot.force_control import ForceControl
 from remodel_sim.core.vision.laid_wire import uppermost_past
+from remodel_sim.core.vision.wire_lines import WireLines
 from remodel_sim.core.workpiece.layout import WORLD_FROM_PANEL
 from remodel_sim.core.workpiece.panel import Duct, WireEnd, unit_x
 from remodel_sim.core.workpiece.slots import slot_before
@@ -135,14 +137,14 @@ def lay_wire(holder: RobotContext, guide: RobotContext, goal: LayGoal) -> Steps[
     _check_camera(guide)
     try:
         route = _route(holder)
-        peak = yield from _lead(holder, guide, route)
+        before, peak = yield from _lead(holder, guide, route)
     except AbilityError:
         # What went wrong first is what counts.
         with suppress(AbilityError):
             yield from _withdraw(guide, holder)
         raise
     guide.report("inspecting the ducts", 0.95)
-    in_ducts = yield from share_in_ducts(guide, _laid_places(guide, route))
+    in_ducts = yield from share_in_ducts(guide, _laid_places(guide, route), before)
     if in_ducts < LEAST_IN_DUCTS:
         raise AbilityError(
             Code.OUT_OF_DUCT,
@@ -204,8 +206,14 @@ def _route(holder: RobotContext) -> list[Array]:
     return points
 
 
-def _lead(holder: RobotContext, guide: RobotContext, route: list[Array]) -> Steps[float]:
-    """Take the wire where it comes out of the first slot, and lead it to the last one."""
+def _lead(
+    holder: RobotContext, guide: RobotContext, route: list[Array]
+) -> Steps[tuple[Picture, float]]:
+    """Take the wire where it comes out of the first slot, and lead it to the last one.
+
+    Returns:
+        A picture of the board before, and the peak of the level pull at the guide [N].
+    """
     grip = holder.belief.grip
     assert grip is not None, "the holder has the free end"
     fixed = WORLD_FROM_PANEL @ guide.panel.panel_from_socket(*guide.wire.goes_to(grip.end.other))
@@ -222,13 +230,19 @@ def _lead(holder: RobotContext, guide: RobotContext, route: list[Array]) -> Step
     flat = hold_off(holder, slot, out / np.linalg.norm(out), left, FLAT)
     if flat:
         yield from move_together(flat, HOLD_SPEED)
-    tool = yield from _find(guide, route[1], -unit_x(fixed))
-    yaw = tool.yaw
-    tool = replace(tool, yaw=_hand_yaw(guide, [yaw, *(place.yaw for place in places)]))
+    yield from clear_sight(guide, route[1][None])
+    seen = yield from observe_board(guide)
+    tool = _find(guide, route[1], -unit_x(fixed), seen)
+    # Lifted, the wire comes straight from its slot: the eyelet turns half the way there.
+    turn = float(wrap_angle(fixed.yaw + math.pi - tool.yaw)) / 2
+    yaw = tool.yaw + turn
+    yaws = [tool.yaw, yaw, *(place.yaw for place in places)]
+    tool = replace(tool, yaw=_hand_yaw(guide, yaws))
     guide.report("taking the wire", 0.3)
     yield from _take(guide, tool)
     free = guide.force
-    lifted = guide.commanded.at(z=over - _eyelet_above(guide))
+    over_slot = guide.commanded.at(z=over - _eyelet_above(guide))
+    lifted = replace(over_slot, yaw=over_slot.yaw + turn)
     peak = yield from _watched(guide, [(guide, lifted)], free)
     here = route[1]
     for i, place in enumerate(places):
@@ -246,7 +260,7 @@ def _lead(holder: RobotContext, guide: RobotContext, route: list[Array]) -> Step
     yield from _loosen(holder, guide, target, left, _last_turn(places))
     guide.report("releasing the wire", 0.9)
     yield from _withdraw(guide, holder)
-    return peak
+    return seen.picture, peak
 
 
 def _last(place: _Place, here: Array, left: float) -> _Place:
@@ -331,13 +345,11 @@ def _places_along(points: list[Array]) -> Iterator[_Place]:
     yield _Place(points[-1], headings[-1], headings[-1])
 
 
-def _find(guide: RobotContext, crossing: Array, out: Array) -> Steps[ToolPose]:
+def _find(guide: RobotContext, crossing: Array, out: Array, seen: WireLines) -> ToolPose:
     """Return the tool pose on the wire in its first duct, along the wire, as seen from above.
 
     The other hand holds it off: it is above those that lie beside it.
     """
-    yield from clear_sight(guide, crossing[None])
-    seen = yield from observe_board(guide)
     place = Pose.level(*(float(v) for v in crossing), math.atan2(out[1], out[0]))
     before, here, beyond = (
         uppermost_past(place @ Pose.level(along, 0.0, 0.0, 0.0), SEARCH_M, seen)

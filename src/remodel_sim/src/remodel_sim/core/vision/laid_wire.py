@@ -180,10 +180,15 @@ def _height(picture: Picture, points: Array) -> float:
 
 def heights_at(picture: Picture, points: Array) -> Array:
     """Return the heights (n,) [m] that a depth camera sees in directions of points (n, 3) [m]."""
+    return surface_at(picture, points)[:, 2]
+
+
+def surface_at(picture: Picture, points: Array) -> Array:
+    """Return what a depth camera sees in directions of points, both (n, 3) [m], world frame."""
     assert picture.depth is not None, "the camera measures depth"
     pixels = picture.view.project(points)
     depths = _sample(picture.depth.astype(np.float32), pixels)
-    return picture.view.at_depth(pixels, depths)[:, 2]
+    return picture.view.at_depth(pixels, depths)
 
 
 def _sample(image: npt.NDArray[np.float32], pixels: Array) -> Array:

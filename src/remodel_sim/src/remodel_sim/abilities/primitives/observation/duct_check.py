@@ -20,7 +20,7 @@ from remodel_sim.core.errors import AbilityError
 from remodel_sim.core.geometry import Pose
 from remodel_sim.core.robot.arm import ToolPose
 from remodel_sim.core.vision.drawing import BLUE, ORANGE, Drawing
-from remodel_sim.core.vision.laid_wire import heights_at, wire_past
+from remodel_sim.core.vision.laid_wire import heights_at, surface_at, wire_past
 from remodel_sim.core.vision.wire_lines import WireLines
 from remodel_sim.core.workpiece.panel import Duct
 from remodel_states.core.codes import Code
@@ -37,6 +37,8 @@ LEAST_SEEN = 0.15
 # second hangs between two hands, and hides what is below [m].
 ABOVE_M = 0.003
 OVERHEAD_M = 0.060
+# What stood there before is found again so near to its place [m].
+AGAIN_M = np.stack(np.meshgrid(*2 * [[-0.002, 0.0, 0.002]], [0.0]), axis=-1).reshape(-1, 3)
 # So far beyond a duct's walls a wire may lie on them, or over them [m].
 BEYOND_M = 0.020
 # A duct is looked into at points that are so far apart [m].
@@ -56,14 +58,17 @@ class Inspected:
     is_below: bool | None
 
 
-def share_in_ducts(context: RobotContext, places: Mapping[Duct, Sequence[Pose]]) -> Steps[float]:
+def share_in_ducts(
+    context: RobotContext, places: Mapping[Duct, Sequence[Pose]], before: Picture
+) -> Steps[float]:
     """Inspect ducts; return at which share of the observed places the wire lies below the rim.
 
-    It does where nothing stands above the rim, also where other wires hide it.
+    It does where nothing new stands above the rim, also where other wires hide it.
 
     Args:
         context: of a robot with an empty hand, whose camera measures depth.
         places: frames in each duct, x along it, world frame.
+        before: with depth, of the board from above before the wire was laid.
 
     Raises:
         AbilityError: CABLE_OCCLUDED when the wire is visible in too few places.
@@ -82,7 +87,7 @@ def share_in_ducts(context: RobotContext, places: Mapping[Duct, Sequence[Pose]])
             found += [Inspected(is_seen=False, is_below=None)] * len(part)
             continue
         yield from wait(context, STILL_S)
-        found += _inspect(context, duct, part)
+        found += _inspect(context, duct, part, before)
         yield
     seen = sum(each.is_seen for each in found) / max(1, len(found))
     needed = _least_seen(context, places)
@@ -123,7 +128,9 @@ def _inspecting(context: RobotContext, part: Sequence[Pose]) -> Iterator[ToolPos
             yield tool
 
 
-def _inspect(context: RobotContext, duct: Duct, part: Sequence[Pose]) -> list[Inspected]:
+def _inspect(
+    context: RobotContext, duct: Duct, part: Sequence[Pose], before: Picture
+) -> list[Inspected]:
     """Inspect places of a duct in view of the hand's camera.
 
     Beyond a duct's walls the wire is not searched for: devices may have its colour.
@@ -134,7 +141,7 @@ def _inspect(context: RobotContext, duct: Duct, part: Sequence[Pose]) -> list[In
     found = []
     for place in part:
         passing = wire_past(place, duct.width / 2, lines)
-        is_below = _nothing_above(picture, duct, place)
+        is_below = _nothing_new_above(duct, place, picture, before, context.wire.radius)
         if passing is not None and not is_below:
             is_below = passing.height < duct.height
         found.append(Inspected(passing is not None, is_below))
@@ -148,15 +155,25 @@ def _inspect(context: RobotContext, duct: Duct, part: Sequence[Pose]) -> list[In
     return found
 
 
-def _nothing_above(picture: Picture, duct: Duct, place: Pose) -> bool | None:
-    """Return whether nothing stands above the rim across a place; None: something hides it."""
+def _nothing_new_above(
+    duct: Duct, place: Pose, picture: Picture, before: Picture, radius: float
+) -> bool | None:
+    """Return whether no wire of a radius [m] was laid above the rim across a place.
+
+    What stood there before does not count; None: something hides what is there, or was.
+    """
     half = duct.width / 2 + BEYOND_M
     across = np.arange(-half, half, POINTS_M)
-    rim = duct.height - float(place.position[2])
-    points = place.apply(
-        np.column_stack([np.zeros_like(across), across, np.full_like(across, rim)])
-    )
-    above = heights_at(picture, points) - duct.height
-    if (above > OVERHEAD_M).any():
+    rim = np.full_like(across, duct.height - float(place.position[2]))
+    points = place.apply(np.column_stack([np.zeros_like(across), across, rim]))
+    surface = surface_at(picture, points)
+    if (surface[:, 2] > duct.height + OVERHEAD_M).any():
         return None
-    return not (above > ABOVE_M).any()
+    above = surface[surface[:, 2] > duct.height + ABOVE_M]
+    if not len(above):
+        return True
+    again = (above[:, None] + AGAIN_M).reshape(-1, 3)
+    stood = heights_at(before, again).reshape(len(above), -1).max(axis=1)
+    if (above[:, 2] > stood + radius / 2).any():
+        return False
+    return None if (stood > duct.height + OVERHEAD_M).any() else True
