@@ -68,6 +68,18 @@ def test_a_leg_above_the_rims_takes_its_length_from_the_share(board):
     assert share_in_ducts(board, WIRE) == found.in_ducts
 
 
+def test_a_wire_that_rounds_a_corner_is_in_its_ducts_and_one_that_leaves_them_is_not(board):
+    ends = [board.panel.wire(WIRE).goes_to(end) for end in WireEnd]
+    straight = park(board, [BELOW_M] * 5, ends, fixed=WireEnd)
+    nodes = board.parked[WIRE].nodes
+    corner = WORLD_FROM_PANEL.apply(np.array(board.panel.wire(WIRE).route[2]))
+    for rounded_m, least, most in ((0.035, 1.0, 1.0), (0.090, 0.0, 0.95)):
+        cut = np.linalg.norm((nodes - corner)[:, :2], axis=1) > rounded_m
+        board.parked[WIRE] = ParkedWire(nodes[cut], frozenset(WireEnd))
+        assert least <= share_in_ducts(board, WIRE) <= most
+    assert straight.in_ducts == 1.0
+
+
 def test_a_parked_wire_in_the_neighbours_terminal_is_found_there(board):
     own, wrong = (
         board.panel.wire(WIRE).goes_to(WireEnd.A),

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -94,12 +95,12 @@ def _lengths_in_ducts(plant: Plant, wire_id: str) -> tuple[float, float]:
     """Return how long a wire's planned route in ducts is, and how much of it is kept [m]."""
     nodes, wire = _nodes(plant, wire_id), plant.panel.wire(wire_id)
     route = tuple(Pose.level(*WORLD_FROM_PANEL.apply(np.array(p)).tolist()) for p in wire.route)
+    ducts = [duct for duct in plant.panel.ducts if duct.id in wire.ducts]
     planned = found = 0.0
-    for duct in plant.panel.ducts:
-        if duct.id in wire.ducts:
-            inside = [_passes_below(nodes, place, duct) for place in places_in(duct, route)]
-            planned += len(inside) * step_in(duct)
-            found += sum(inside) * step_in(duct)
+    for duct in ducts:
+        inside = [_passes_below(nodes, place, duct, ducts) for place in places_in(duct, route)]
+        planned += len(inside) * step_in(duct)
+        found += sum(inside) * step_in(duct)
     return planned, found
 
 
@@ -110,15 +111,31 @@ def _nodes(plant: Plant, wire_id: str) -> Array:
     return plant.parked[wire_id].nodes
 
 
-def _passes_below(nodes: Array, place: Pose, duct: Duct) -> bool:
-    """Return whether a wire crosses a place's plane between a duct's walls, below the rim."""
-    x, y, z = place.inverse().apply(nodes).T
+def _passes_below(nodes: Array, place: Pose, duct: Duct, ducts: Sequence[Duct]) -> bool:
+    """Return whether a wire crosses a place's plane between walls, below their rim.
+
+    Args:
+        nodes: of the wire, (n, 3) [m], world frame.
+        place: in the duct.
+        duct: the wire passes no further aside of the place than this one is wide.
+        ducts: of its route; where two meet, a wire in the one crosses planes of the other.
+    """
+    local = place.inverse().apply(nodes)
+    x = local[:, 0]
     for i in np.flatnonzero(x[:-1] * x[1:] <= 0):
         share = x[i] / (x[i] - x[i + 1]) if x[i] != x[i + 1] else 0.0
-        aside, height = y[i] + share * (y[i + 1] - y[i]), z[i] + share * (z[i + 1] - z[i])
-        if abs(aside) < duct.width / 2 and height < duct.height:
+        crossing = local[i] + share * (local[i + 1] - local[i])
+        if abs(crossing[1]) < duct.width and any(
+            _is_in(each, place.apply(crossing)) for each in ducts
+        ):
             return True
     return False
+
+
+def _is_in(duct: Duct, point: Array) -> bool:
+    """Return whether a point (3,) [m], world frame, is between a duct's walls, below the rim."""
+    x, y, z = (WORLD_FROM_PANEL @ duct.panel_from_duct).inverse().apply(point)
+    return bool(abs(x) < duct.length / 2 and abs(y) < duct.width / 2 and z < duct.height)
 
 
 def _end_truth(
