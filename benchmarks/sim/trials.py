@@ -17,6 +17,7 @@ from force_record import recorded
 
 from remodel_sim.abilities.check_connection import check_connection
 from remodel_sim.abilities.discard_cable import discard_cable
+from remodel_sim.abilities.primitives.force_motion import ForceMotion
 from remodel_sim.abilities.primitives.grasping import release
 from remodel_sim.abilities.primitives.motions import HAND_OPEN_M, rise
 from remodel_sim.cell import Cell
@@ -56,8 +57,10 @@ class Outcome:
         good: whether it went as it should: success, or the refusal that was right.
         found: the code met with its message, or "NONE"; several, divided by "; ".
         figures: what else was measured, by name.
-        pushes: of each push and pull under force control: the limit, the largest force at the
-            wrist, not filtered, the largest that the ability knows of, and what is allowed [N].
+        pushes: of each push and pull under force control, as long as it keeps to one limit: the
+            limit, the largest force at the wrist, not filtered, the largest that the ability knows
+            of, and what is allowed [N]. The ability knows one of the whole motion: it stands with
+            the motion's highest limit, 0 with others.
     """
 
     good: bool
@@ -84,7 +87,13 @@ def run(trial: Trial) -> Outcome:
     """
     with recorded() as records:
         outcome = _run(trial)
-    pushes = tuple((r.limit, r.peak, r.motion.peak, r.allowed) for r in records)
+    highest: dict[ForceMotion, float] = {}
+    for each in records:
+        highest[each.motion] = max(each.limit, highest.get(each.motion, 0.0))
+    pushes = tuple(
+        (r.limit, r.peak, r.motion.peak if r.limit == highest[r.motion] else 0.0, r.allowed)
+        for r in records
+    )
     return replace(outcome, pushes=pushes)
 
 

@@ -5,6 +5,8 @@ conftest.py; here are those with the highest stakes: an opening that is blocked,
 highest limits.
 """
 
+from pathlib import Path
+
 import pytest
 from panels import panel
 from place_wire import insert
@@ -13,8 +15,12 @@ from remodel_sim.abilities.primitives.pushing import BENDS_N, FEEL_N, FEELS_M
 from remodel_sim.cell import Cell
 from remodel_sim.core.errors import AbilityError
 from remodel_sim.core.workpiece.panel import WireEnd
+from remodel_sim.edge.wire_material_file import read_wire_materials
 from remodel_sim.physics.truth import ground_truth
+from remodel_sim.ros.conversions import read_panel
 from remodel_states.core.codes import Code
+
+CONFIG = Path(__file__).parents[2] / "config"
 
 
 @pytest.fixture
@@ -30,9 +36,9 @@ def cell_of():
         cell.close()
 
 
-def push(cell, limit):
-    """Insert end a of the first wire."""
-    wire = cell.plant.panel.wires[0]
+def push(cell, limit, wire=None):
+    """Insert end a of a wire, by default the first one."""
+    wire = wire or cell.plant.panel.wires[0]
     component, terminal = wire.goes_to(WireEnd.A)
     channel = cell.plant.panel.channel_in_front_of(
         cell.plant.panel.panel_from_socket(component, terminal).position
@@ -69,3 +75,14 @@ def test_a_blocked_opening_is_pressed_no_harder_than_allowed(cell_of, pushes, li
     feel = [limit, FEEL_N]
     assert [record.limit for record in felt] == [*first, *feel * len(FEELS_M)]
     assert pushed.limit == limit
+
+
+def test_an_end_that_slides_in_the_grip_at_an_obstacle_is_jammed_where_it_stopped():
+    example = read_panel(CONFIG / "panel.yaml", read_wire_materials(CONFIG / "wire_materials.yaml"))
+    cell = Cell(example, seed=5)
+    wire = example.wire("W3")
+    cell.plant.block_socket(*wire.goes_to(WireEnd.A))
+    with pytest.raises(AbilityError, match=r"18\.\d N at 5\.\d of 14\.0 mm") as caught:
+        push(cell, 18.0, wire)
+    assert caught.value.code is Code.INSERTION_JAMMED
+    cell.close()

@@ -35,6 +35,7 @@ class ForceMotion:
     Attributes:
         travel: from the start, along the line [m].
         peak: the largest force so far, of each step, not filtered [N].
+        peak_travel: where that was [m].
     """
 
     def __init__(
@@ -62,7 +63,7 @@ class ForceMotion:
         self._way = way or (lambda travel: start.moved(along, travel))
         self._speed = self._wanted = 0.0
         self._acceleration = 0.0
-        self.travel = self.peak = 0.0
+        self.travel = self.peak = self.peak_travel = 0.0
         self._farthest, self._stalled_s = 0.0, 0.0
         self._yielding, self._aside = RIGID, np.zeros(0)
         self._aside_speed = self._aside_acceleration = np.zeros(0)
@@ -133,7 +134,8 @@ class ForceMotion:
         all_felt = wrist_force - self._free
         felt = float(all_felt @ self._along)
         force = felt - self._hand_mass * self._acceleration
-        self.peak = max(self.peak, force)
+        if force > self.peak:
+            self.peak, self.peak_travel = force, self.travel
         speed = self._control.speed(self._wanted, force, self._speed, time_step)
         travel = self.travel + speed * time_step
         travel = float(np.clip(travel, self._from - self._reach, self._from + self._reach))

@@ -52,6 +52,9 @@ BEYOND_BOTTOM_M = 0.006
 BUCKLES_M = 0.001
 # Resistance before this depth is the face's or the funnel's.
 FACE_M = 0.003
+# A hand that was stopped with such a share of its limit and then went on slid along the wire, or
+# bent it.
+STOPPED_SHARE = 0.8
 STILL_S = 0.15
 # A wire that comes through a slot beside the opening's axis is turned into the axis up to this
 # depth [m]: kept straight from the slot on, it does not lean on the funnel.
@@ -115,6 +118,8 @@ class Push:
         stopped: whether it was stopped by the force limit, or by a wire that gave way at the
             bottom.
         felt: whether the opening was felt for: then the height of the tip is unknown.
+        jammed_at: at which depth the end was stopped and the hand alone went on [m]; None: the end
+            went on too.
     """
 
     tip: Array
@@ -122,6 +127,7 @@ class Push:
     peak_force: float
     stopped: bool
     felt: bool = False
+    jammed_at: float | None = None
 
     @property
     def readings(self) -> dict[str, float]:
@@ -260,7 +266,10 @@ def push_in(
         along = np.array([math.cos(at.yaw + grip.flip), math.sin(at.yaw + grip.flip), 0.0])
     tip = at.position + along * grip.distance + np.array([0.0, 0.0, grip.height])
     tip -= motion.yielded  # the end is where the opening keeps it
-    return Push(tip, float((tip - socket.position) @ into), motion.peak, stopped)
+    depth = float((tip - socket.position) @ into)
+    is_jammed = not stopped and motion.peak >= STOPPED_SHARE * limit
+    jammed_at = motion.peak_travel - STANDOFF_M if is_jammed else None
+    return Push(tip, depth, motion.peak, stopped, jammed_at=jammed_at)
 
 
 def _yielding(socket: Pose) -> Yielding:
@@ -313,6 +322,8 @@ def judge_alignment(push: Push, mouth: Pose, terminal: PanelTerminal, where: str
 
 def judge_depth(push: Push, bottom: float, where: str, early: float = SHORT_OF_BOTTOM_M) -> None:
     """Raise unless a push was stopped at the bottom, or up to `early` [m] before it."""
+    if push.jammed_at is not None and FACE_M <= push.jammed_at < bottom - early:
+        raise _jammed(push, push.jammed_at, bottom, where)
     depth = push.depth * 1e3
     if not push.stopped or push.depth > bottom + BEYOND_BOTTOM_M:
         raise AbilityError(
@@ -330,9 +341,14 @@ def judge_depth(push: Push, bottom: float, where: str, early: float = SHORT_OF_B
             "extract, locate again, insert again",
             **push.readings,
         )
-    raise AbilityError(
+    raise _jammed(push, push.depth, bottom, where)
+
+
+def _jammed(push: Push, depth: float, bottom: float, where: str) -> AbilityError:
+    return AbilityError(
         Code.INSERTION_JAMMED,
-        f"{push.peak_force:.1f} N at {depth:.1f} of {bottom * 1e3:.1f} mm in {where}; extract, "
-        "locate again, insert again; a second time at the same depth: check for an obstacle",
+        f"{push.peak_force:.1f} N at {depth * 1e3:.1f} of {bottom * 1e3:.1f} mm in {where}; "
+        "extract, locate again, insert again; a second time at the same depth: check for an "
+        "obstacle",
         **push.readings,
     )
