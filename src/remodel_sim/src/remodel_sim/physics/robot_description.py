@@ -14,7 +14,7 @@ from pathlib import Path
 import pybullet_data
 
 from remodel_sim.core.robot.arm import FRANKA_PANDA, KUKA_IIWA, Arm
-from remodel_sim.core.robot.fingers import Fingers
+from remodel_sim.core.robot.fingers import Eyelet, Fingers
 from remodel_sim.core.robot.kinematics import Kinematics
 from remodel_sim.core.robot.linear_axis import LinearAxis
 from remodel_sim.core.robot.portal import JOINT_NAMES, TURN_RAD, Portal
@@ -23,6 +23,7 @@ from remodel_sim.core.workpiece.component_shape import Box
 FINGER_ROOT_M = 0.0584  # hand frame to finger frame, as in the original
 STEEL = (0.82, 0.83, 0.85)
 RUBBER = (0.15, 0.15, 0.16)
+BEVEL_THICKNESS_M = 0.001
 # Camera housing on the side of the hand; the lens looks straight down. Hand frame.
 CAMERA_MOUNT = (0.0, 0.118, 0.045)
 
@@ -180,8 +181,9 @@ def _replace_finger(link: ElementTree.Element, fingers: Fingers, side: int) -> N
             link.remove(child)
     for box in _finger_boxes(fingers):
         x, y, z = box.centre
-        _add_box(link, "visual", (x, side * y, z), box.size, rgb=box.rgb)
-        _add_box(link, "collision", (x, side * y, z), box.size)
+        centre, roll = (x, side * y, z), side * box.rpy[0]
+        _add_box(link, "visual", centre, box.size, rgb=box.rgb, roll=roll)
+        _add_box(link, "collision", centre, box.size, roll=roll)
 
 
 def _finger_boxes(fingers: Fingers) -> Iterator[Box]:
@@ -195,13 +197,27 @@ def _finger_boxes(fingers: Fingers) -> Iterator[Box]:
         middle = tip - fingers.below - eyelet.above
         stem_end = middle + eyelet.height / 2
         yield _part_of_tip(fingers, eyelet.depth, pad, middle - eyelet.height / 2)
-        yield _part_of_tip(fingers, fingers.thickness, stem_end, tip)
+        yield _part_of_tip(fingers, fingers.thickness, stem_end + eyelet.bevel, tip)
+        if eyelet.bevel > 0:
+            yield _bevel(fingers, eyelet, stem_end)
     stem_size = (stem.width, stem.thickness, stem_end)
     yield Box((0.0, stem.behind + stem.thickness / 2, stem_end / 2), stem_size, STEEL)
 
 
 def _part_of_tip(fingers: Fingers, outer: float, top: float, bottom: float) -> Box:
     return Box((0.0, outer / 2, (top + bottom) / 2), (fingers.width, outer, bottom - top), RUBBER)
+
+
+def _bevel(fingers: Fingers, eyelet: Eyelet, top: float) -> Box:
+    """Return the slope below a notch, from its back down to the face that grips."""
+    length = math.hypot(eyelet.depth, eyelet.bevel)
+    down = math.atan2(eyelet.bevel, eyelet.depth)
+    # The plate lies below the slope.
+    below = BEVEL_THICKNESS_M / 2
+    y = eyelet.depth / 2 + below * math.sin(down)
+    z = top + eyelet.bevel / 2 + below * math.cos(down)
+    size = (fingers.width, length, BEVEL_THICKNESS_M)
+    return Box((0.0, y, z), size, RUBBER, rpy=(-down, 0.0, 0.0))
 
 
 def _add_camera(hand: ElementTree.Element) -> None:
@@ -215,9 +231,11 @@ def _add_box(
     centre: tuple[float, float, float],
     size: tuple[float, float, float],
     rgb: tuple[float, float, float] | None = None,
+    roll: float = 0.0,
 ) -> None:
     element = ElementTree.SubElement(link, tag)
-    ElementTree.SubElement(element, "origin", xyz="{:.5f} {:.5f} {:.5f}".format(*centre))
+    place = {"xyz": "{:.5f} {:.5f} {:.5f}".format(*centre), "rpy": f"{roll:.6f} 0 0"}
+    ElementTree.SubElement(element, "origin", place)
     geometry = ElementTree.SubElement(element, "geometry")
     ElementTree.SubElement(geometry, "box", size="{:.5f} {:.5f} {:.5f}".format(*size))
     if rgb is not None:

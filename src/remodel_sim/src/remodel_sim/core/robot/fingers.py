@@ -45,11 +45,14 @@ class Eyelet:
         depth: of each notch.
         height: of the notch.
         above: its middle is so far above the tool centre.
+        bevel: so high is the slope from its back down to the pad's face: a wire in the notch of an
+            open finger slides off it when the finger rises.
     """
 
     depth: float
     height: float
     above: float
+    bevel: float = 0.0
 
 
 @dataclass(frozen=True)
