@@ -1,5 +1,8 @@
 """The fingers of a cell's file in the physics: where they end, what they grip and lead."""
 
+import math
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from holds import TOOL, wire_in_hand
@@ -24,6 +27,9 @@ SHUT_M = 0.0008
 YIELDS_M = 2 * 30.0 / CONTACT_STIFFNESS
 # Two thirds of what the friction of a grip of 30 N holds, and far less.
 HELD_N = 20.0
+# A wire that springs aside in an open hand, and is held back as the hand rises; its radius.
+OUTWARD_N, DOWN_N = 0.05, 0.5
+WIRE_RADIUS_M = 0.0015
 SLIDES_N = 1.0
 
 
@@ -66,7 +72,8 @@ def test_the_tips_are_as_wide_and_reach_as_far_as_the_data_says(arm):
     world, fingers = World(240), arm.fingers
     points = tip_boxes(world, Robot(world, TOOL, arm))
     np.testing.assert_allclose(points[:, 2].max(), fingers.below, atol=1e-6)
-    tips = points[points[:, 2] > -fingers.below]
+    bevel = 0.0 if fingers.eyelet is None else fingers.eyelet.bevel
+    tips = points[points[:, 2] > bevel - fingers.below]
     np.testing.assert_allclose(np.abs(tips[:, 0]).max(), fingers.width / 2, atol=1e-6)
     np.testing.assert_allclose(np.abs(tips[:, 1]).min(), fingers.opening / 2, atol=1e-6)
     tip_outer, stem_outer = fingers.thickness, fingers.stem.behind + fingers.stem.thickness
@@ -97,6 +104,26 @@ def test_a_closed_eyelet_keeps_a_wire_from_dropping_out_and_lets_it_slide(diamet
     assert away < eyelet.height / 2, "the wire left the eyelet"
     before = pull(world, cable, SLIDES_N, steps=120)
     assert cable.tip(WireEnd.B)[0][1] - before[1] > 0.01, "the wire does not slide"
+    world.close()
+
+
+@pytest.mark.parametrize(("bevel", "slides_off"), [(SLIM.fingers.eyelet.bevel, True), (0.0, False)])
+def test_a_wire_in_the_notch_of_an_open_finger_slides_off_its_bevel(bevel, slides_off):
+    eyelet = replace(SLIM.fingers.eyelet, bevel=bevel)
+    world, fingers = World(240), replace(SLIM.fingers, eyelet=eyelet)
+    world.bullet.setGravity(0, 0, 0)
+    _, cable = wire_in_hand(world, replace(SLIM, fingers=fingers), above=eyelet.above)
+    nodes = cable.nodes()
+    in_notch = fingers.opening / 2 + eyelet.depth - WIRE_RADIUS_M
+    cable.lay(nodes[0] + [in_notch, 0.0, 0.0], math.pi / 2, np.zeros(len(cable.model.spans)))
+    links = [(body, i) for body in cable.bodies for i in range(world.bullet.getNumJoints(body))]
+    middle = min(links, key=lambda link: abs(cable.link_pose(link)[0][1] - TOOL.y))
+    for _ in range(240):
+        at, force = cable.link_pose(middle)[0].tolist(), [OUTWARD_N, 0.0, -DOWN_N]
+        world.bullet.applyExternalForce(*middle, force, at, world.bullet.WORLD_FRAME)
+        world.step()
+    lip = eyelet.above - eyelet.height / 2
+    assert (height_in_hand(cable) < lip - bevel) == slides_off
     world.close()
 
 
