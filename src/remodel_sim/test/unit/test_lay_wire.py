@@ -292,6 +292,39 @@ def test_the_highest_of_several_wires_of_one_colour_is_taken_not_the_nearest():
     cell.close()
 
 
+def test_of_two_wires_of_one_colour_the_one_that_is_new_is_taken_below_the_other():
+    cell = cell_of()
+    own = cell.plant.panel.wire(WIRE)
+    x, y, _ = route_of(cell)[1:3].mean(axis=0)
+    place = Pose.level(float(x), float(y), 0.070, math.pi / 2)
+    stood, new = (
+        along(route_of(cell), height) + np.array([aside, 0.0, 0.0])
+        for aside, height in ((-0.014, 0.082), (0.004, 0.070))
+    )
+    cell.plant.restore({ALIKE: ParkedWire(stood, frozenset())})
+    picture = before(cell)
+    cell.plant.restore({ALIKE: ParkedWire(stood, frozenset()), WIRE: ParkedWire(new, frozenset())})
+    seen = WireLines(before(cell), own)
+    highest = uppermost_past(place, SEARCH_M, seen)
+    passing = uppermost_past(place, SEARCH_M, seen, picture)
+    assert highest is not None and passing is not None
+    assert highest.aside == pytest.approx(0.014, abs=0.003)
+    assert passing.aside == pytest.approx(-0.004, abs=0.003)
+    assert passing.height == pytest.approx(0.070, abs=0.003)
+    cell.close()
+
+
+def test_the_board_is_remembered_as_it_was_before_the_wire_was_touched():
+    cell = cell_of()
+    hold_an_end(cell)
+    (picture,) = cell.context.belief.untouched
+    cell.context.take_overhead_picture()
+    assert cell.contexts[GUIDE].belief.untouched == [picture], "the wire is in the hand"
+    cell.context.belief.start_wire(cell.context.belief.feed, {})
+    assert not cell.context.belief.untouched, "another wire was fed"
+    cell.close()
+
+
 @pytest.mark.parametrize(("height", "share"), [(0.020, 1.0), (0.065, 0.0)])
 def test_the_truth_counts_places_below_the_rims(height, share):
     cell = cell_of()

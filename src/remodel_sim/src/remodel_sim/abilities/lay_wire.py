@@ -232,7 +232,8 @@ def _lead(
         yield from move_together(flat, HOLD_SPEED)
     yield from clear_sight(guide, route[1][None])
     seen = yield from observe_board(guide)
-    tool = _find(guide, route[1], -unit_x(fixed), seen)
+    before = next(iter(guide.belief.untouched), None)
+    tool = _find(guide, route[1], -unit_x(fixed), seen, before)
     # Lifted, the wire comes straight from its slot: the eyelet turns half the way there.
     turn = float(wrap_angle(fixed.yaw + math.pi - tool.yaw)) / 2
     yaw = tool.yaw + turn
@@ -260,7 +261,7 @@ def _lead(
     yield from _loosen(holder, guide, target, left, _last_turn(places))
     guide.report("releasing the wire", 0.9)
     yield from _withdraw(guide, holder)
-    return seen.picture, peak
+    return before or seen.picture, peak
 
 
 def _last(place: _Place, here: Array, left: float) -> _Place:
@@ -345,14 +346,16 @@ def _places_along(points: list[Array]) -> Iterator[_Place]:
     yield _Place(points[-1], headings[-1], headings[-1])
 
 
-def _find(guide: RobotContext, crossing: Array, out: Array, seen: WireLines) -> ToolPose:
+def _find(
+    guide: RobotContext, crossing: Array, out: Array, seen: WireLines, before: Picture | None
+) -> ToolPose:
     """Return the tool pose on the wire in its first duct, along the wire, as seen from above.
 
     The other hand holds it off: it is above those that lie beside it.
     """
     place = Pose.level(*(float(v) for v in crossing), math.atan2(out[1], out[0]))
-    before, here, beyond = (
-        uppermost_past(place @ Pose.level(along, 0.0, 0.0, 0.0), SEARCH_M, seen)
+    behind, here, beyond = (
+        uppermost_past(place @ Pose.level(along, 0.0, 0.0, 0.0), SEARCH_M, seen, before)
         for along in (-DIRECTION_M, 0.0, DIRECTION_M)
     )
     if here is None:
@@ -362,8 +365,8 @@ def _find(guide: RobotContext, crossing: Array, out: Array, seen: WireLines) -> 
             f"{SEARCH_M * 1e3:.0f} mm; extract it and insert it again",
         )
     turn = 0.0
-    if before is not None and beyond is not None:
-        turn = math.atan2(beyond.aside - before.aside, 2 * DIRECTION_M)
+    if behind is not None and beyond is not None:
+        turn = math.atan2(beyond.aside - behind.aside, 2 * DIRECTION_M)
     at = place.apply(np.array([0.0, here.aside, 0.0]))
     z = max(_lowest(guide), float(here.height) - _eyelet_above(guide))
     return ToolPose(float(at[0]), float(at[1]), z, place.yaw + turn)

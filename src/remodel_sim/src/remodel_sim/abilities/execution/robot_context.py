@@ -323,7 +323,9 @@ class RobotContext:
 
     def take_overhead_picture(self) -> Picture:
         """Take a colour and depth picture of the whole plate."""
-        return self._observed("overhead", self._plant.take_overhead_picture())
+        picture = self._plant.take_overhead_picture()
+        self.belief.note_board(picture)
+        return self._observed("overhead", picture)
 
     def take_wrist_picture(self) -> Picture:
         """Take a picture from the hand, with depth if its camera measures it."""

@@ -9,6 +9,7 @@ import numpy as np
 
 from remodel_sim.core.belief.openings import TerminalKey
 from remodel_sim.core.belief.placed_wires import PlacedWires
+from remodel_sim.core.camera import Picture
 from remodel_sim.core.geometry import Array, Pose
 from remodel_sim.core.robot.arm import PANDA_AT_ORIGIN, ToolPose
 from remodel_sim.core.robot.kinematics import Kinematics
@@ -117,6 +118,7 @@ class BeliefState:
             end the last.
         seen: frames of components in the world, as they were last located.
         panel_at: the panel's frame in the world, as it was last registered; empty before.
+        untouched: the last overhead picture from before the live wire was touched; empty: none.
     """
 
     robot: str = "robot_1"
@@ -133,6 +135,7 @@ class BeliefState:
     in_clips: list[Array] = field(default_factory=list)
     seen: dict[str, Pose] = field(default_factory=dict)
     panel_at: list[Pose] = field(default_factory=list)
+    untouched: list[Picture] = field(default_factory=list)
 
     def beside(self, robot: str, arm: Kinematics) -> BeliefState:
         """Return the belief state of another robot of the same cell."""
@@ -174,8 +177,14 @@ class BeliefState:
         self.ends.update({WireEnd.A: EndState.LOOSE, WireEnd.B: EndState.LOOSE})
         self.tips.clear()
         self.in_clips.clear()
+        self.untouched.clear()
         if feed.wire_id not in self.fed:
             self.fed.append(feed.wire_id)
+
+    def note_board(self, picture: Picture) -> None:
+        """Keep an overhead picture if the live wire has not been touched."""
+        if self.feed is not None and not self.is_touched:
+            self.untouched[:] = [picture]
 
     def resume_wire(
         self,

@@ -20,6 +20,8 @@ ALONG_M = np.linspace(-0.0015, 0.0015, 7)
 BESIDE_M = 0.010
 AROUND_M = 0.020
 TOP_PERCENT = 95.0
+# What stood somewhere before is found again so near to its place [m].
+AGAIN_M = np.stack(np.meshgrid(*2 * [[-0.002, 0.0, 0.002]], [0.0]), axis=-1).reshape(-1, 3)
 # What is lower than this share of where a wire is expected is what it lies on.
 LEAST_HEIGHT = 0.5
 # A wire has these shades of its colour; another colour differs from all of them by so much
@@ -80,33 +82,60 @@ def _across(place: Pose, height: float, reach: float, lines: WireLines) -> list[
     ]
 
 
-def uppermost_past(place: Pose, reach: float, lines: WireLines) -> Passing | None:
+def uppermost_past(
+    place: Pose, reach: float, lines: WireLines, before: Picture | None = None
+) -> Passing | None:
     """Return how the uppermost of the wires beside each other passes a place; None: none is seen.
 
     Of several of its colour it is the highest; colour may not distinguish it from those below it:
-    then depth alone counts.
+    then depth alone counts. What stood there before counts only where there is nothing new.
 
     Args:
         place: where its axis is expected, x along it, world frame.
         reach: how far to each side they are searched for [m].
         lines: of one of the wires, in a picture from above with depth.
+        before: the same without it; None: there is none.
     """
-    expected = float(place.position[2])
+    expected, radius = float(place.position[2]), lines.wire.radius
     asides = _across(place, expected, reach, lines)
-    passings = [_passing_near(place, aside, reach, lines) for aside in asides]
-    passing = max((p for p in passings if p), key=lambda p: p.height, default=None)
+    passings = [p for aside in asides if (p := _passing_near(place, aside, reach, lines))]
+    if before is not None and passings:
+        crests = [[0.0, p.aside, p.height + radius - expected] for p in passings]
+        new = are_new(place.apply(np.array(crests)), before, radius)
+        passings = [p for p, is_new in zip(passings, new, strict=True) if is_new] or passings
+    passing = max(passings, key=lambda p: p.height, default=None)
     near = Passing(0.0, expected) if passing is None else passing
     at = place.apply(np.array([0.0, near.aside, near.height - expected]))
-    x, y, z = place.inverse().apply(_surface_around(lines.picture, at, AROUND_M)[0]).T
+    surface = _surface_around(lines.picture, at, AROUND_M)[0]
+    if before is not None and passings:
+        surface = surface[are_new(surface, before, radius)]
+    x, y, z = place.inverse().apply(surface).T
     beside = (np.abs(x) <= ALONG_M[-1]) & (np.abs(y - near.aside) <= BESIDE_M)
     if not beside.any():
         return passing
-    top, radius = float(np.percentile(z[beside], TOP_PERCENT)), lines.wire.radius
+    top = float(np.percentile(z[beside], TOP_PERCENT))
     height = expected + top - radius
     least = LEAST_HEIGHT * expected if passing is None else passing.height + radius
     if height < least:
         return passing
     return Passing(float(np.mean(y[beside & (z > top - radius / 2)])), height)
+
+
+def are_new(points: Array, before: Picture, radius: float) -> npt.NDArray[np.bool_]:
+    """Return which points (n, 3) [m] of a surface are of a wire that was not there before.
+
+    Args:
+        points: world frame.
+        before: with depth, from above.
+        radius: of the wire [m].
+    """
+    return points[:, 2] > stood_at(points, before) + radius / 2
+
+
+def stood_at(points: Array, before: Picture) -> Array:
+    """Return how high what stood at points (n, 3) reached in an earlier picture (n,) [m]."""
+    again = (points[:, None] + AGAIN_M).reshape(-1, 3)
+    return heights_at(before, again).reshape(len(points), -1).max(axis=1)
 
 
 def points_of_colour(lines: WireLines, point: Array, reach: float) -> Array:

@@ -20,7 +20,7 @@ from remodel_sim.core.errors import AbilityError
 from remodel_sim.core.geometry import Pose
 from remodel_sim.core.robot.arm import ToolPose
 from remodel_sim.core.vision.drawing import BLUE, ORANGE, Drawing
-from remodel_sim.core.vision.laid_wire import heights_at, surface_at, wire_past
+from remodel_sim.core.vision.laid_wire import are_new, stood_at, surface_at, wire_past
 from remodel_sim.core.vision.wire_lines import WireLines
 from remodel_sim.core.workpiece.panel import Duct
 from remodel_states.core.codes import Code
@@ -37,8 +37,6 @@ LEAST_SEEN = 0.15
 # second hangs between two hands, and hides what is below [m].
 ABOVE_M = 0.003
 OVERHEAD_M = 0.060
-# What stood there before is found again so near to its place [m].
-AGAIN_M = np.stack(np.meshgrid(*2 * [[-0.002, 0.0, 0.002]], [0.0]), axis=-1).reshape(-1, 3)
 # So far beyond a duct's walls a wire may lie on them, or over them [m].
 BEYOND_M = 0.020
 # A duct is looked into at points that are so far apart [m].
@@ -172,8 +170,6 @@ def _nothing_new_above(
     above = surface[surface[:, 2] > duct.height + ABOVE_M]
     if not len(above):
         return True
-    again = (above[:, None] + AGAIN_M).reshape(-1, 3)
-    stood = heights_at(before, again).reshape(len(above), -1).max(axis=1)
-    if (above[:, 2] > stood + radius / 2).any():
+    if are_new(above, before, radius).any():
         return False
-    return None if (stood > duct.height + OVERHEAD_M).any() else True
+    return None if (stood_at(above, before) > duct.height + OVERHEAD_M).any() else True
