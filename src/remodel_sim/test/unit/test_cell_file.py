@@ -126,11 +126,11 @@ def test_a_cell_of_ones_own_is_read_from_its_path(tmp_path):
             lambda c: c["robots"][0]["gripper"].update(
                 fingers={**FINGERS, "eyelet": {**FINGERS["eyelet"], "above": 0.005}}
             ),
-            r"robots\[0\].gripper.fingers.eyelet.above: found 0.005; allowed: 0.006 or more",
+            r"robots\[0\].gripper.fingers.eyelet.above: found 0.005; allowed: 0.0084 or more",
         ),
         (
             lambda c: c["robots"][0]["gripper"].update(fingers={**FINGERS, "pad_height": 0.008}),
-            r"robots\[0\].gripper.fingers.pad_height: found 0.008; allowed: 0.022 or more",
+            r"robots\[0\].gripper.fingers.pad_height: found 0.008; allowed: 0.0244 or more",
         ),
         (
             lambda c: c["robots"][0]["gripper"].update(

@@ -164,10 +164,11 @@ def _fingers(design: CellDesign) -> Iterator[str]:
         least = fingers.below
         if eyelet is not None:
             least += eyelet.above + eyelet.height / 2
-            if eyelet.above < eyelet.height / 2:
+            lowest = round(eyelet.height / 2 + eyelet.bevel, 6)
+            if eyelet.above < lowest:
                 yield (
-                    f"{place}.eyelet.above: found {eyelet.above}; allowed: {eyelet.height / 2} or "
-                    "more: the pads below it grip"
+                    f"{place}.eyelet.above: found {eyelet.above}; allowed: {lowest} or more: the "
+                    "pads below it and its bevel grip"
                 )
         if fingers.pad_height < least:
             yield (
