@@ -27,10 +27,10 @@ SHUT_M = 0.0008
 YIELDS_M = 2 * 30.0 / CONTACT_STIFFNESS
 # Two thirds of what the friction of a grip of 30 N holds, and far less.
 HELD_N = 20.0
+SLIDES_N = 1.0
 # A wire that springs aside in an open hand, and is held back as the hand rises; its radius.
 OUTWARD_N, DOWN_N = 0.05, 0.5
 WIRE_RADIUS_M = 0.0015
-SLIDES_N = 1.0
 
 
 def height_in_hand(cable):
