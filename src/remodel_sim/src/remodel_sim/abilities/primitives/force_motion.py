@@ -89,6 +89,10 @@ class ForceMotion:
         """Whether the force has reached its limit, or lets the tool no further."""
         return self.force >= self._control.limit or self._stalled_s > STALLED_S
 
+    def tare(self) -> None:
+        """Take what the wrist feels now for what it feels of a hand that touches nothing."""
+        self._free = self._context.force
+
     def limit_to(self, force: float) -> None:
         """Go on with another limit [N]."""
         self._control = replace(self._control, limit=force)

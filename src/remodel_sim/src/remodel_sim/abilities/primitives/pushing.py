@@ -24,6 +24,7 @@ from remodel_sim.abilities.primitives.motions import (
     move_to,
     wait,
 )
+from remodel_sim.abilities.primitives.observation.observing import observe_held_tip
 from remodel_sim.abilities.primitives.together import move_together
 from remodel_sim.core.belief.belief_state import Grip
 from remodel_sim.core.errors import AbilityError
@@ -60,8 +61,8 @@ STILL_S = 0.15
 # depth [m]: kept straight from the slot on, it does not lean on the funnel.
 TURNED_IN_M = 0.010
 # A tip that is stopped at the face or in the funnel is turned up or down in the grip, if the wire
-# was pulled or bent behind the hand: the opening is felt for with the hand so far higher [m], with
-# so much force [N]; with 5 N the tip slides down the face.
+# was pulled or bent behind the hand: the opening is felt for with the hand so far higher [m], or so
+# far from where the tip is seen in it, with so much force [N]; with 5 N it slides down the face.
 FEELS_M = (0.0025, -0.0025, 0.005, -0.005, -0.0075)
 FEEL_N = 3.0
 # Pushed with 13 N against the face, a ferrule bends at its joint with the wire. A push that may be
@@ -246,10 +247,13 @@ def push_in(
     slant, here = _slant(context, socket), context.commanded
     way = _way_in(socket, slant, grip, replace(here, yaw=here.yaw - slant)) if slant else None
     motion = ForceMotion(context, into, ForceControl(limit, manner.stiffness), way=way)
-    ahead, stopped, in_opening = -STANDOFF_M, False, False
+    ahead, stopped, is_tared, in_opening = -STANDOFF_M, False, False, False
     while ahead < bottom + OVERTRAVEL_M and not stopped:
         yield from motion.advance(manner.speed_at(ahead, bottom))
         ahead = motion.travel - STANDOFF_M
+        if not is_tared and ahead >= -GENTLE_BEFORE_M:
+            is_tared = True
+            motion.tare()  # the wire pulls at a hand that draws back, and brakes one that goes on
         if manner.buckles and not in_opening and ahead >= FACE_M:
             in_opening = True
             motion.yield_to(_yielding(socket))
@@ -259,13 +263,8 @@ def push_in(
         stopped = motion.met_limit or monitor.gave_way
         context.report("pushing", 0.75 + 0.2 * np.clip(ahead / bottom, 0, 1))
     motion.stop()
-    at = context.tool
+    tip = _held_tip(grip, context.tool) - motion.yielded  # the end is where the opening keeps it
     yield from wait(context, 0.1)
-    along = into
-    if slant:
-        along = np.array([math.cos(at.yaw + grip.flip), math.sin(at.yaw + grip.flip), 0.0])
-    tip = at.position + along * grip.distance + np.array([0.0, 0.0, grip.height])
-    tip -= motion.yielded  # the end is where the opening keeps it
     depth = float((tip - socket.position) @ into)
     is_jammed = not stopped and motion.peak >= STOPPED_SHARE * limit
     jammed_at = motion.peak_travel - STANDOFF_M if is_jammed else None
@@ -278,21 +277,49 @@ def _yielding(socket: Pose) -> Yielding:
 
 
 def find_in(context: RobotContext, socket: Pose, bottom: float, limit: float) -> Steps[Push]:
-    """Push the held end in as `push_in`; feel for the opening when the tip is stopped early."""
-    start, peak_force = context.commanded, 0.0
+    """Push the held end in as `push_in`; look and feel for the opening if that stops early."""
+    start = context.commanded
     until_in = limit if limit <= BENDS_N else FEEL_N
-    for above in (0.0, *FEELS_M):
-        if above:
-            context.report("feeling for the opening", 0.8)
-            yield from _back_to(context, start, start.at(z=start.z + above))
-            until_in = FEEL_N
-        push = yield from push_in(context, socket, bottom, limit, until_in=until_in)
+    push = yield from push_in(context, socket, bottom, limit, until_in=until_in)
+    if _is_in(push, bottom):
+        return push
+    peak_force = push.peak_force
+    context.report("feeling for the opening", 0.8)
+    yield from _back_to(context, start)
+    for above in (yield from _feels(context)):
+        yield from _back_to(context, start, start.at(z=start.z + above))
+        push = yield from push_in(context, socket, bottom, limit, until_in=FEEL_N)
         peak_force = max(peak_force, push.peak_force)
-        if not push.stopped or push.depth >= bottom / 2:
-            return replace(push, peak_force=peak_force, felt=above != 0.0)
+        if _is_in(push, bottom):
+            return replace(push, peak_force=peak_force, felt=True)
     yield from _back_to(context, start)
     push = yield from push_in(context, socket, bottom, limit)
     return replace(push, peak_force=max(peak_force, push.peak_force))
+
+
+def _is_in(push: Push, bottom: float) -> bool:
+    """Return whether the face of the opening did not stop a push."""
+    return not push.stopped or push.depth >= bottom / 2
+
+
+def _feels(context: RobotContext) -> Steps[tuple[float, ...]]:
+    """Return how far above where it was the hand feels for the opening [m], in this order.
+
+    A tip that is seen from above is first brought to the opening's height.
+    """
+    expected = _held_tip(_grip(context), context.tool)
+    seen = yield from observe_held_tip(context, expected)
+    if seen is None:
+        return FEELS_M
+    lower = float(expected[2] - seen.tip[2])
+    return tuple(lower + above for above in (0.0, *FEELS_M[:-1]))
+
+
+def _held_tip(grip: Grip, tool: ToolPose) -> Array:
+    """Return where the tip of the held end is, (3,) [m], if it has not turned in the grip."""
+    yaw = tool.yaw + grip.flip
+    along = np.array([math.cos(yaw), math.sin(yaw), 0.0])
+    return tool.position + along * grip.distance + np.array([0.0, 0.0, grip.height])
 
 
 def _back_to(context: RobotContext, *tools: ToolPose) -> Steps[None]:

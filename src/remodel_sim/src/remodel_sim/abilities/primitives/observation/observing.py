@@ -37,6 +37,8 @@ STILL_S = 0.10
 DRAWN_M = 0.075
 # What is seen so near to where the other loose end was seen is that end [m].
 SAME_TIP_M = 0.005
+# What is seen so near to where a hand holds the tip of an end, seen from above, is that tip [m].
+HELD_TIP_M = 0.006
 # The line between the pads is measured at so many places.
 PLACES_BETWEEN_PADS = 9
 
@@ -132,6 +134,32 @@ def _find_from_above(context: RobotContext, end: WireEnd) -> Steps[None]:
             f"end {end.value} of {wire_id!r} is not seen within 150 mm of where it was left; "
             "detect it again or feed it again",
         )
+
+
+def observe_held_tip(context: RobotContext, expected: Array) -> Steps[TipObservation | None]:
+    """Observe the tip of the held end from above; return None when the camera does not see it.
+
+    Args:
+        context: its hand holds the end.
+        expected: where the tip is, (3,) [m], world frame, if it has not turned in the grip.
+    """
+    grip = context.belief.grip
+    assert grip is not None, "the hand holds the end"
+    yield from wait(context, STILL_S)
+    picture = context.take_overhead_picture()
+    yield
+    try:
+        ends, _ = find_ends(picture, context.wire, {grip.end: expected})
+    except AbilityError:
+        return None
+    seen = ends.get(grip.end)
+    if seen is None or np.linalg.norm((seen.tip.tip - expected)[:2]) > HELD_TIP_M:
+        return None
+    drawing = Drawing(picture.rgb, picture.view)
+    mark_end(drawing, seen, f"{context.wire.id} end {grip.end.value}")
+    drawing.title(f"End {grip.end.value} of {context.wire.id} in the hand")
+    context.show("overhead", picture, drawing.image)
+    return seen.tip
 
 
 def observe_from_aside(
