@@ -41,6 +41,8 @@ ALIKE, UNLIKE = "W15", "W7"
 # On each leg of a route; and so much of a wire lies under another one.
 NODES = 40
 HIDDEN = 0.7
+# It is 0.67 m long; between hands that are farther apart than this share of it, it would be taut.
+SHORT, STRAIGHT = "W96", 0.95
 # An empty hand feels no more than this across its weight [N].
 LEVEL_N = 0.3
 
@@ -93,6 +95,19 @@ def inspected(cell, picture):
     path = tuple(Pose.level(*map(float, point)) for point in route_of(cell))
     steps = share_in_ducts(cell.context, duct_places(cell.context, path), picture)
     return cell.run(steps, GUIDE)
+
+
+def test_two_hands_take_a_short_wire_and_insert_its_first_end():
+    cell = cell_of()
+    key, socket = hold_an_end(cell, SHORT)
+    insert(cell, SHORT, WireEnd.A, *key, socket, force=14.0)
+    (found,) = truth.ground_truth(cell.plant, [SHORT])
+    assert found.a.seated
+    grips = [cell.contexts[robot].belief.grip for robot in (GUIDE, HOLDER)]
+    tools = [cell.contexts[robot].tool.position for robot in (GUIDE, HOLDER)]
+    free = cell.plant.panel.wire(SHORT).length - sum(grip.distance for grip in grips)
+    assert np.linalg.norm(tools[0] - tools[1]) < STRAIGHT * free
+    cell.close()
 
 
 def test_a_wire_is_led_into_its_ducts_over_one_that_lies_there():

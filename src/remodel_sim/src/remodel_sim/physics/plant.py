@@ -31,7 +31,6 @@ from remodel_sim.physics import cameras
 from remodel_sim.physics.collision_check import CollisionCheck
 from remodel_sim.physics.feeder import lay
 from remodel_sim.physics.fixtures.clamps import close_clamp
-from remodel_sim.physics.fixtures.clips import open_clip
 from remodel_sim.physics.fixtures.latches import Header
 from remodel_sim.physics.fixtures.panel_scene import PanelScene
 from remodel_sim.physics.live_wire import LiveWire, bent_cable
@@ -49,8 +48,8 @@ STRAY_DROP_M = 0.02
 STRAY_COLOUR = "GY"
 # A parked wire that is handled again comes to rest in this time [s].
 REVIVED_S = 0.3
-# Where the fork is out of everything's way [m].
-FORK_DOWN_M = -0.1
+# Where the fork and the magazine's clips are out of everything's way [m].
+DRAWN_IN_M = -0.1
 # The table ends so far beyond the magazine: loops hang in the gap between it and the robot [m].
 TABLE_EDGE_M = 0.030
 PLUG_RGB = (0.5, 0.1, 0.1)
@@ -266,12 +265,14 @@ class Plant:
 
     def lower_fork(self) -> None:
         """Draw the feeder's fork in under the plate."""
-        self._put_fork(0.0, 0.0, FORK_DOWN_M)
+        self._put_fork(0.0, 0.0, DRAWN_IN_M)
 
     def open_magazine(self, end: WireEnd) -> None:
-        """Open the magazine's clips that hold an end."""
+        """Draw in the magazine's clips that hold an end: a short wire's loop would hang on them."""
+        bullet = self.world.bullet
         for clip in self._magazine_clips.pop(end, ()):
-            open_clip(self.world, clip)
+            (x, y, z), quaternion = bullet.getBasePositionAndOrientation(clip)
+            bullet.resetBasePositionAndOrientation(clip, [x, y, z + DRAWN_IN_M], quaternion)
 
     def _put_fork(self, x: float, y: float, z: float) -> None:
         if self._fork is not None:

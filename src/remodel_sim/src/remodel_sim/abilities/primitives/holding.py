@@ -117,7 +117,7 @@ def bring_together(
             after = [] if then is None else [[(working, then), (holder, place)]]
             for moves in _orders(working, tool, holder, place):
                 if (
-                    _is_slack(moves, hold.most * length)
+                    _is_slack([*moves, *after], hold.most * length)
                     and _leaves_in_front(moves, tool.yaw - front)
                     and _are_apart([*moves, *after])
                 ):

@@ -211,8 +211,9 @@ def _carry_both(
     high = [(robot, robot.commanded.at(z=max(BOTH_CARRY_Z, robot.commanded.z))) for robot in both]
     yield from move_together(high, HOLD_SPEED)
     length = free_length(context, holder)
-    for height in (BOTH_CARRY_Z, TRAVEL_Z):
-        for move in bring_together(context, target.at(z=height), holder, out, length):
+    for height, then in ((BOTH_CARRY_Z, None), (TRAVEL_Z, target)):
+        above = target.at(z=height)
+        for move in bring_together(context, above, holder, out, length, then=then):
             yield from move_together(move, CARRY_SPEED, HOLD_SPEED)
 
 

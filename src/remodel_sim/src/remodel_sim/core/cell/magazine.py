@@ -8,7 +8,7 @@ Seen from the board, with the wire running from end a towards +y:
                           \__________/      a loop that hangs below the table's level
 
 The tips point away from each other along y, so the loop stays in one upright plane and clear of the
-robot. The clips let an end out upwards.
+robot. The clips let an end out upwards, and are drawn in once a hand has it.
 """
 
 from __future__ import annotations
