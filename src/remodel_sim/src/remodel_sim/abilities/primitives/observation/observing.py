@@ -37,8 +37,9 @@ STILL_S = 0.10
 DRAWN_M = 0.075
 # What is seen so near to where the other loose end was seen is that end [m].
 SAME_TIP_M = 0.005
-# What is seen so near to where a hand holds the tip of an end, seen from above, is that tip [m].
-HELD_TIP_M = 0.006
+# What is seen so near to where a hand holds the tip of an end, level and in height, is that tip
+# [m]: a turn in the grip moves it up or down.
+HELD_TIP_M, HELD_TIP_HEIGHT_M = 0.006, 0.010
 # The line between the pads is measured at so many places.
 PLACES_BETWEEN_PADS = 9
 
@@ -153,7 +154,10 @@ def observe_held_tip(context: RobotContext, expected: Array) -> Steps[TipObserva
     except AbilityError:
         return None
     seen = ends.get(grip.end)
-    if seen is None or np.linalg.norm((seen.tip.tip - expected)[:2]) > HELD_TIP_M:
+    if seen is None:
+        return None
+    x, y, z = np.abs(seen.tip.tip - expected)
+    if math.hypot(x, y) > HELD_TIP_M or z > HELD_TIP_HEIGHT_M:
         return None
     drawing = Drawing(picture.rgb, picture.view)
     mark_end(drawing, seen, f"{context.wire.id} end {grip.end.value}")
