@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 from place_wire import do, fix, insert, locate
 
+from remodel_sim.abilities import lay_wire as lay_wire_module
 from remodel_sim.abilities.detect_cable import detect_cable
 from remodel_sim.abilities.discard_cable import discard_cable
 from remodel_sim.abilities.lay_wire import SEARCH_M, TIGHTEN_M, draw_straight, lay_wire
@@ -326,6 +327,34 @@ def test_of_two_wires_of_one_colour_the_one_that_is_new_is_taken_below_the_other
     assert highest.aside == pytest.approx(0.014, abs=0.003)
     assert passing.aside == pytest.approx(-0.004, abs=0.003)
     assert passing.height == pytest.approx(0.070, abs=0.003)
+    cell.close()
+
+
+def test_an_older_wire_that_hides_the_new_one_is_not_taken_for_it():
+    cell = cell_of()
+    seen_from = cell.plant.views["overhead"].world_from_camera.position
+    x, y, _ = route_of(cell)[1:3].mean(axis=0)
+    place = Pose.level(float(x), float(y), 0.040, math.pi / 2)
+    stood = along(route_of(cell), 0.070)
+    new = seen_from + (stood - seen_from) * (seen_from[2] - 0.040) / (seen_from[2] - 0.070)
+    cell.plant.restore({UNLIKE: ParkedWire(stood, frozenset())})
+    picture = before(cell)
+    cell.plant.restore({UNLIKE: ParkedWire(stood, frozenset()), WIRE: ParkedWire(new, frozenset())})
+    seen = WireLines(before(cell), cell.plant.panel.wire(WIRE))
+    taken = uppermost_past(place, SEARCH_M, seen)
+    assert taken is not None and taken.height == pytest.approx(0.070, abs=0.005)
+    assert uppermost_past(place, SEARCH_M, seen, picture) is None
+    cell.close()
+
+
+def test_a_wire_that_is_hidden_at_its_slot_is_found_by_touch(monkeypatch):
+    cell = cell_of()
+    key, socket = hold_an_end(cell)
+    insert(cell, WIRE, WireEnd.A, *key, socket)
+    fix(cell, WIRE, *key, pull=5.0)
+    monkeypatch.setattr(lay_wire_module, "uppermost_past", lambda *_: None)
+    lay(cell)
+    assert truth.share_in_ducts(cell.plant, WIRE) >= 0.8
     cell.close()
 
 

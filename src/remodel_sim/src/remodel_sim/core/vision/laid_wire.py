@@ -22,6 +22,9 @@ AROUND_M = 0.020
 TOP_PERCENT = 95.0
 # What stood somewhere before is found again so near to its place [m].
 AGAIN_M = np.stack(np.meshgrid(*2 * [[-0.002, 0.0, 0.002]], [0.0]), axis=-1).reshape(-1, 3)
+# Where colour does not tell, more than this share of what is there must be new: some always is, by
+# the depth camera's noise.
+LEAST_NEW = 0.05
 # What is lower than this share of where a wire is expected is what it lies on.
 LEAST_HEIGHT = 0.5
 # A wire has these shades of its colour; another colour differs from all of them by so much
@@ -88,13 +91,13 @@ def uppermost_past(
     """Return how the uppermost of the wires beside each other passes a place; None: none is seen.
 
     Of several of its colour it is the highest; colour may not distinguish it from those below it:
-    then depth alone counts. What stood there before counts only where there is nothing new.
+    then depth alone counts. What stood there before does not count.
 
     Args:
         place: where its axis is expected, x along it, world frame.
         reach: how far to each side they are searched for [m].
         lines: of one of the wires, in a picture from above with depth.
-        before: the same without it; None: there is none.
+        before: with depth, from above, without it; None: there is none.
     """
     expected, radius = float(place.position[2]), lines.wire.radius
     asides = _across(place, expected, reach, lines)
@@ -102,15 +105,18 @@ def uppermost_past(
     if before is not None and passings:
         crests = [[0.0, p.aside, p.height + radius - expected] for p in passings]
         new = are_new(place.apply(np.array(crests)), before, radius)
-        passings = [p for p, is_new in zip(passings, new, strict=True) if is_new] or passings
+        passings = [p for p, is_new in zip(passings, new, strict=True) if is_new]
     passing = max(passings, key=lambda p: p.height, default=None)
     near = Passing(0.0, expected) if passing is None else passing
     at = place.apply(np.array([0.0, near.aside, near.height - expected]))
     surface = _surface_around(lines.picture, at, AROUND_M)[0]
-    if before is not None and passings:
-        surface = surface[are_new(surface, before, radius)]
     x, y, z = place.inverse().apply(surface).T
     beside = (np.abs(x) <= ALONG_M[-1]) & (np.abs(y - near.aside) <= BESIDE_M)
+    if before is not None:
+        is_new = beside & (surface[:, 2] > stood_at(surface, before) + radius)
+        if not passings and is_new.sum() <= LEAST_NEW * beside.sum():
+            return None
+        beside = is_new
     if not beside.any():
         return passing
     top = float(np.percentile(z[beside], TOP_PERCENT))
