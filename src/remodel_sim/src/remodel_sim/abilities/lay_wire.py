@@ -52,6 +52,7 @@ from remodel_sim.core.robot.force_control import ForceControl
 from remodel_sim.core.vision.laid_wire import uppermost_past
 from remodel_sim.core.vision.wire_lines import WireLines
 from remodel_sim.core.workpiece.layout import WORLD_FROM_PANEL
+from remodel_sim.core.workpiece.obstacles import duct_name
 from remodel_sim.core.workpiece.panel import Duct, WireEnd, unit_x
 from remodel_sim.core.workpiece.slots import slot_before
 from remodel_states.core.codes import Code
@@ -175,10 +176,12 @@ def _withdraw(guide: RobotContext, holder: RobotContext) -> Steps[None]:
     if back @ (here.position - holder.commanded.position) < 0:
         back = -back
     behind = here.moved(back, BACK_M)
-    if is_free(guide, behind):
-        yield from move_to(guide, behind, APPROACH_SPEED)
+    # It is between their walls; open, it has less room there than it keeps from other things.
+    ducts = frozenset(duct_name(name) for name in guide.wire.ducts)
+    if is_free(guide, behind, ducts):
+        yield from move_to(guide, behind, APPROACH_SPEED, ducts)
     if guide.commanded.z < TRAVEL_Z:
-        yield from move_to(guide, guide.commanded.at(z=TRAVEL_Z), LEAVE_SPEED)
+        yield from move_to(guide, guide.commanded.at(z=TRAVEL_Z), LEAVE_SPEED, ducts)
 
 
 def _laid_places(guide: RobotContext, route: list[Array]) -> dict[Duct, tuple[Pose, ...]]:

@@ -86,6 +86,7 @@ def bring_together(
     hold: Hold = SLACK,
     front: float | None = None,
     then: ToolPose | None = None,
+    keeps: bool = False,
 ) -> list[list[tuple[RobotContext, ToolPose]]]:
     """Plan how a robot moves with a part of a wire while another one keeps the rest off the board.
 
@@ -98,6 +99,7 @@ def bring_together(
         hold: how tightly and steeply.
         front: yaw of the working hand's side at which the wire leaves it [rad]; None: of `out`.
         then: where the working hand goes afterwards, while the other one stays.
+        keeps: whether it has the wire then.
 
     Returns:
         Moves, one after the other: all robots of a move move at the same time.
@@ -116,8 +118,9 @@ def bring_together(
                 continue
             after = [] if then is None else [[(working, then), (holder, place)]]
             for moves in _orders(working, tool, holder, place):
+                with_wire = [*moves, *after] if keeps else moves
                 if (
-                    _is_slack([*moves, *after], hold.most * length)
+                    _is_slack(with_wire, hold.most * length)
                     and _leaves_in_front(moves, tool.yaw - front)
                     and _are_apart([*moves, *after])
                 ):

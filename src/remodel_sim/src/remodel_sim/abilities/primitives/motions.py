@@ -80,9 +80,9 @@ def straight_line(context: RobotContext, target: ToolPose, speed: float) -> Line
     return line
 
 
-def is_free(context: RobotContext, target: ToolPose) -> bool:
-    """Return whether the straight line to a tool pose touches nothing; raises UNREACHABLE."""
-    return _touch_on(context, _line_to(context, target, APPROACH_SPEED), NOTHING) is None
+def is_free(context: RobotContext, target: ToolPose, allowed: Set[str] = NOTHING) -> bool:
+    """Return whether the straight line to a tool pose touches nothing else; raises UNREACHABLE."""
+    return _touch_on(context, _line_to(context, target, APPROACH_SPEED), allowed) is None
 
 
 def _line_to(context: RobotContext, target: ToolPose, speed: float) -> Line:

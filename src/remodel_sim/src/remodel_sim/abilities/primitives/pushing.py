@@ -213,7 +213,7 @@ def _carry_both(
     length = free_length(context, holder)
     for height, then in ((BOTH_CARRY_Z, None), (TRAVEL_Z, target)):
         above = target.at(z=height)
-        for move in bring_together(context, above, holder, out, length, then=then):
+        for move in bring_together(context, above, holder, out, length, then=then, keeps=True):
             yield from move_together(move, CARRY_SPEED, HOLD_SPEED)
 
 

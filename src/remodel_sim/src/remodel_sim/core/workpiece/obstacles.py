@@ -73,7 +73,7 @@ def _panel_solids(panel: Panel, seen: Mapping[str, Pose]) -> Iterator[Solid]:
     for duct in panel.ducts:
         place = WORLD_FROM_PANEL @ duct.panel_from_duct
         for wall in duct_boxes(duct, panel.ducts):
-            yield Solid(f"duct {duct.id!r}", _placed(wall, place))
+            yield Solid(duct_name(duct.id), _placed(wall, place))
     for clip in panel.clips:
         place = WORLD_FROM_PANEL @ clip.panel_from_clip
         for part in clip_boxes(clip):
@@ -83,6 +83,11 @@ def _panel_solids(panel: Panel, seen: Mapping[str, Pose]) -> Iterator[Solid]:
 def component_name(component_id: str) -> str:
     """Return the name of a component's solid."""
     return f"component {component_id!r}"
+
+
+def duct_name(duct_id: str) -> str:
+    """Return the name of a duct's walls."""
+    return f"duct {duct_id!r}"
 
 
 def _placed(box: Box, place: Pose) -> Box:

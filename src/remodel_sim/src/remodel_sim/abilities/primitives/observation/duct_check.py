@@ -6,6 +6,7 @@ holds the rest of the wire; a hand looks down into each part of a duct from stra
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
@@ -22,7 +23,7 @@ from remodel_sim.core.robot.arm import ToolPose
 from remodel_sim.core.vision.drawing import BLUE, ORANGE, Drawing
 from remodel_sim.core.vision.laid_wire import are_new, stood_at, surface_at, wire_past
 from remodel_sim.core.vision.wire_lines import WireLines
-from remodel_sim.core.workpiece.panel import Duct
+from remodel_sim.core.workpiece.panel import Duct, PanelWire
 from remodel_states.core.codes import Code
 
 # So many neighbouring places of a duct are inspected from above their middle, with the tool so high
@@ -39,6 +40,8 @@ ABOVE_M = 0.003
 OVERHEAD_M = 0.060
 # So far beyond a duct's walls a wire may lie on them, or over them [m].
 BEYOND_M = 0.020
+# What is so near to a wall may be the wall [m].
+WALL_M = 0.004
 # A duct is looked into at points that are so far apart [m].
 POINTS_M = 0.002
 
@@ -142,7 +145,8 @@ def _inspect(
         is_below = _nothing_new_above(duct, place, picture, before, context.wire.radius)
         if passing is not None and not is_below:
             is_below = passing.height < duct.height
-        found.append(Inspected(passing is not None, is_below))
+        is_seen = passing is not None or _is_new_inside(duct, place, picture, before, context.wire)
+        found.append(Inspected(is_seen, is_below))
     drawing = Drawing(picture.rgb, picture.view)
     for place, each in zip(part, found, strict=True):
         colour = BLUE if each.is_below else ORANGE
@@ -151,6 +155,22 @@ def _inspect(
     drawing.title(f"{context.wire.id}: below the rim of {duct.id!r} at {below} places")
     context.show("wrist", picture, drawing.image)
     return found
+
+
+def _is_new_inside(
+    duct: Duct, place: Pose, picture: Picture, before: Picture, wire: PanelWire
+) -> bool:
+    """Return whether a wire was laid across a place, between the walls of a duct.
+
+    In a bundle of wires of one colour none is seen as a line.
+    """
+    half = duct.width / 2 - WALL_M
+    across = np.arange(-half, half, POINTS_M)
+    points = place.apply(np.column_stack([np.zeros_like(across), across, np.zeros_like(across)]))
+    surface = surface_at(picture, points)
+    is_new = surface[:, 2] > stood_at(surface, before) + wire.radius
+    width = max(2, math.floor(wire.diameter / POINTS_M))
+    return bool(np.any(np.convolve(is_new, np.ones(width), "valid") == width))
 
 
 def _nothing_new_above(
