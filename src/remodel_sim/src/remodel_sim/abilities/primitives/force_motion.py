@@ -90,8 +90,8 @@ class ForceMotion:
         return self.force >= self._control.limit or self._stalled_s > STALLED_S
 
     def tare(self) -> None:
-        """Take what the wrist feels now for what it feels of a hand that touches nothing."""
-        self._free = self._context.force
+        """Take the force against the motion now for that of a hand that touches nothing."""
+        self._free = self._free + self.force * self._along
 
     def limit_to(self, force: float) -> None:
         """Go on with another limit [N]."""

@@ -24,7 +24,7 @@ TOP_PERCENT = 95.0
 AGAIN_M = np.stack(np.meshgrid(*2 * [[-0.002, 0.0, 0.002]], [0.0]), axis=-1).reshape(-1, 3)
 # Where colour does not tell, more than this share of what is there must be new: some always is, by
 # the depth camera's noise.
-LEAST_NEW = 0.05
+LEAST_NEW = 0.10
 # What is lower than this share of where a wire is expected is what it lies on.
 LEAST_HEIGHT = 0.5
 # A wire has these shades of its colour; another colour differs from all of them by so much
