@@ -44,6 +44,8 @@ NODES = 40
 HIDDEN = 0.7
 # It is 0.67 m long; between hands that are farther apart than this share of it, it would be taut.
 SHORT, STRAIGHT = "W96", 0.95
+# So many wires beside each other fill a duct's floor.
+BUNDLE = 7
 # An empty hand feels no more than this across its weight [N].
 LEVEL_N = 0.3
 
@@ -257,6 +259,25 @@ def test_in_a_full_duct_less_of_a_wire_is_in_view():
     beside = [wire.id for wire in cell.plant.panel.wires if ducts <= set(wire.ducts)]
     cell.context.belief.fed.extend(beside)
     assert inspected(cell, others) == pytest.approx(1.0, abs=0.1)
+    cell.close()
+
+
+def test_in_a_bundle_of_one_colour_what_is_new_between_the_walls_is_the_wire():
+    cell = cell_of()
+    empty = before(cell)
+    own = cell.plant.panel.wire(WIRE)
+    alike = [
+        wire for wire in cell.plant.panel.wires if wire.colour == own.colour and wire is not own
+    ][:BUNDLE]
+    for i, wire in enumerate(alike):
+        aside = (i - BUNDLE / 2) * 0.8 * own.diameter
+        line = along(route_of(cell), 0.020) + np.array([aside, aside, 0.0])
+        cell.plant.parked[wire.id] = ParkedWire(line, frozenset())
+    cell.feed(WIRE, "")
+    with pytest.raises(AbilityError, match="is in view at") as caught:
+        inspected(cell, before(cell))
+    assert caught.value.code is Code.CABLE_OCCLUDED, "no line is seen"
+    assert inspected(cell, empty) == pytest.approx(1.0, abs=0.1)
     cell.close()
 
 

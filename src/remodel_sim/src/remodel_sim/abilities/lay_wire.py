@@ -407,8 +407,9 @@ def _take(guide: RobotContext, tool: ToolPose, is_seen: bool) -> Steps[None]:
         yield from move_to(guide, guide.commanded.at(z=lower), APPROACH_SPEED)
     raise AbilityError(
         Code.GRASP_MISSED,
-        f"the eyelet of {guide.name} does not close around {guide.wire.id!r} at {tool}: the pads "
-        f"stay {gap * 1e3:.1f} mm apart; draw the wire out and insert it again",
+        f"the eyelet of {guide.name} does not close around {guide.wire.id!r} at {tool}, or up to "
+        f"{(TAKES - 1) * STEP_DOWN_M * 1e3:.0f} mm lower: the pads were last {gap * 1e3:.1f} mm "
+        "apart; draw the wire out and insert it again",
     )
 
 

@@ -278,7 +278,7 @@ def _yielding(socket: Pose) -> Yielding:
 
 
 def find_in(context: RobotContext, socket: Pose, bottom: float, limit: float) -> Steps[Push]:
-    """Push the held end in as `push_in`; look and feel for the opening if that stops early."""
+    """Push the held end in as `push_in`; if that stops early, observe the tip and feel."""
     start = context.commanded
     until_in = limit if limit <= BENDS_N else FEEL_N
     push = yield from push_in(context, socket, bottom, limit, until_in=until_in)

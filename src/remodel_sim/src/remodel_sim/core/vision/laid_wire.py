@@ -22,8 +22,8 @@ AROUND_M = 0.020
 TOP_PERCENT = 95.0
 # What stood somewhere before is found again so near to its place [m].
 AGAIN_M = np.stack(np.meshgrid(*2 * [[-0.002, 0.0, 0.002]], [0.0]), axis=-1).reshape(-1, 3)
-# Where colour does not tell, more than this share of what is there must be new: some always is, by
-# the depth camera's noise.
+# Where colour does not distinguish them, more than this share of what is there must be new: some
+# always is, by the depth camera's noise.
 LEAST_NEW = 0.10
 # What is lower than this share of where a wire is expected is what it lies on.
 LEAST_HEIGHT = 0.5
@@ -104,7 +104,7 @@ def uppermost_past(
     passings = [p for aside in asides if (p := _passing_near(place, aside, reach, lines))]
     if before is not None and passings:
         crests = [[0.0, p.aside, p.height + radius - expected] for p in passings]
-        new = are_new(place.apply(np.array(crests)), before, radius)
+        new = are_new(place.apply(np.array(crests)), before, radius / 2)
         passings = [p for p, is_new in zip(passings, new, strict=True) if is_new]
     passing = max(passings, key=lambda p: p.height, default=None)
     near = Passing(0.0, expected) if passing is None else passing
@@ -113,7 +113,7 @@ def uppermost_past(
     x, y, z = place.inverse().apply(surface).T
     beside = (np.abs(x) <= ALONG_M[-1]) & (np.abs(y - near.aside) <= BESIDE_M)
     if before is not None:
-        is_new = beside & (surface[:, 2] > stood_at(surface, before) + radius)
+        is_new = beside & are_new(surface, before, radius)
         if not passings and is_new.sum() <= LEAST_NEW * beside.sum():
             return None
         beside = is_new
@@ -127,15 +127,15 @@ def uppermost_past(
     return Passing(float(np.mean(y[beside & (z > top - radius / 2)])), height)
 
 
-def are_new(points: Array, before: Picture, radius: float) -> npt.NDArray[np.bool_]:
+def are_new(points: Array, before: Picture, rise: float) -> npt.NDArray[np.bool_]:
     """Return which points (n, 3) [m] of a surface are of a wire that was not there before.
 
     Args:
         points: world frame.
         before: with depth, from above.
-        radius: of the wire [m].
+        rise: how far above what stood there the wire is at least [m].
     """
-    return points[:, 2] > stood_at(points, before) + radius / 2
+    return points[:, 2] > stood_at(points, before) + rise
 
 
 def stood_at(points: Array, before: Picture) -> Array:

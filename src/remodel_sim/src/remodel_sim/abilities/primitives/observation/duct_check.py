@@ -168,7 +168,7 @@ def _is_new_inside(
     across = np.arange(-half, half, POINTS_M)
     points = place.apply(np.column_stack([np.zeros_like(across), across, np.zeros_like(across)]))
     surface = surface_at(picture, points)
-    is_new = surface[:, 2] > stood_at(surface, before) + wire.radius
+    is_new = are_new(surface, before, wire.radius)
     width = max(2, math.floor(wire.diameter / POINTS_M))
     return bool(np.any(np.convolve(is_new, np.ones(width), "valid") == width))
 
@@ -190,6 +190,6 @@ def _nothing_new_above(
     above = surface[surface[:, 2] > duct.height + ABOVE_M]
     if not len(above):
         return True
-    if are_new(above, before, radius).any():
+    if are_new(above, before, radius / 2).any():
         return False
     return None if (stood_at(above, before) > duct.height + OVERHEAD_M).any() else True
