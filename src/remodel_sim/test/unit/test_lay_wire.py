@@ -369,12 +369,18 @@ def test_an_older_wire_that_hides_the_new_one_is_not_taken_for_it():
     cell.close()
 
 
-def test_a_wire_that_is_hidden_at_its_slot_is_found_by_touch(monkeypatch):
+@pytest.mark.parametrize("seen", [(), ("behind",), ("behind", "beyond")])
+def test_a_wire_that_others_hide_at_its_slot_is_taken(monkeypatch, seen):
     cell = cell_of()
     key, socket = hold_an_end(cell)
     insert(cell, WIRE, WireEnd.A, *key, socket)
     fix(cell, WIRE, *key, pull=5.0)
-    monkeypatch.setattr(lay_wire_module, "uppermost_past", lambda *_: None)
+    looks = iter(("behind", "here", "beyond"))
+    monkeypatch.setattr(
+        lay_wire_module,
+        "uppermost_past",
+        lambda *place: uppermost_past(*place) if next(looks) in seen else None,
+    )
     lay(cell)
     assert truth.share_in_ducts(cell.plant, WIRE) >= 0.8
     cell.close()

@@ -49,7 +49,7 @@ from remodel_sim.core.goals import LayGoal
 from remodel_sim.core.goals.goal_pose import Message
 from remodel_sim.core.robot.arm import ToolPose
 from remodel_sim.core.robot.force_control import ForceControl
-from remodel_sim.core.vision.laid_wire import uppermost_past
+from remodel_sim.core.vision.laid_wire import Passing, uppermost_past
 from remodel_sim.core.vision.wire_lines import WireLines
 from remodel_sim.core.workpiece.layout import WORLD_FROM_PANEL
 from remodel_sim.core.workpiece.obstacles import duct_name
@@ -358,21 +358,27 @@ def _find(
     """Return the tool pose on the wire in its first duct, along the wire, and whether it is seen.
 
     The other hand holds it off: from above it is seen over those that lie beside it. Where others
-    hide it, the pads are above where it comes out of its slot.
+    hide it at the crossing, it runs straight between where it is seen to both sides, or is taken
+    on one side; where they hide it altogether, the pads are above where it comes out of its slot.
     """
     place = Pose.level(*(float(v) for v in crossing), math.atan2(out[1], out[0]))
     behind, here, beyond = (
         uppermost_past(place @ Pose.level(along, 0.0, 0.0, 0.0), SEARCH_M, seen, before)
         for along in (-DIRECTION_M, 0.0, DIRECTION_M)
     )
+    along, turn = 0.0, 0.0
+    if behind is not None and beyond is not None:
+        turn = math.atan2(beyond.aside - behind.aside, 2 * DIRECTION_M)
+        middle = Passing((behind.aside + beyond.aside) / 2, (behind.height + beyond.height) / 2)
+        here = here or middle
+    if here is None:
+        along = -DIRECTION_M if beyond is None else DIRECTION_M
+        here = behind or beyond
     if here is None:
         x, y, z = (float(v) for v in crossing)
         return ToolPose(x, y, z + HIDDEN_M, place.yaw), False
-    turn = 0.0
-    if behind is not None and beyond is not None:
-        turn = math.atan2(beyond.aside - behind.aside, 2 * DIRECTION_M)
-    at = place.apply(np.array([0.0, here.aside, 0.0]))
-    z = max(_lowest(guide), float(here.height) - _eyelet_above(guide))
+    at = place.apply(np.array([along, here.aside, 0.0]))
+    z = max(_lowest(guide), here.height - _eyelet_above(guide))
     return ToolPose(float(at[0]), float(at[1]), z, place.yaw + turn), True
 
 
