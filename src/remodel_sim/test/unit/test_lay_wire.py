@@ -44,6 +44,8 @@ NODES = 40
 HIDDEN = 0.7
 # It is 0.67 m long; between hands that are farther apart than this share of it, it would be taut.
 SHORT, STRAIGHT = "W96", 0.95
+# Farther aside than wires that lie beside each other.
+FAR_ASIDE_M = 0.016
 # So many wires beside each other fill a duct's floor.
 BUNDLE = 7
 # An empty hand feels no more than this across its weight [N].
@@ -366,6 +368,24 @@ def test_an_older_wire_that_hides_the_new_one_is_not_taken_for_it():
     taken = uppermost_past(place, SEARCH_M, seen)
     assert taken is not None and taken.height == pytest.approx(0.070, abs=0.005)
     assert uppermost_past(place, SEARCH_M, seen, picture) is None
+    cell.close()
+
+
+def test_a_wire_whose_colour_is_not_seen_is_found_by_what_is_new_far_aside():
+    cell = cell_of()
+    stood = along(route_of(cell), 0.034) + np.array([-0.008, 0.0, 0.0])
+    new = along(route_of(cell), 0.030) + np.array([FAR_ASIDE_M, 0.0, 0.0])
+    cell.plant.restore({UNLIKE: ParkedWire(stood, frozenset())})
+    picture = before(cell)
+    cell.plant.restore({UNLIKE: ParkedWire(stood, frozenset()), WIRE: ParkedWire(new, frozenset())})
+    other = replace(cell.plant.panel.wire(WIRE), colour="YE")
+    x, y, _ = route_of(cell)[1:3].mean(axis=0)
+    place = Pose.level(float(x), float(y), 0.030, math.pi / 2)
+    passing = uppermost_past(place, SEARCH_M, WireLines(before(cell), other), picture)
+    assert passing is not None
+    assert passing.aside == pytest.approx(-FAR_ASIDE_M, abs=0.002)
+    assert passing.height == pytest.approx(0.030, abs=0.002)
+    assert uppermost_past(place, SEARCH_M, WireLines(picture, other), picture) is None
     cell.close()
 
 

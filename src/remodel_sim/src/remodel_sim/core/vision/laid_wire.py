@@ -15,16 +15,15 @@ from remodel_sim.core.vision.wire_lines import WireLines
 
 # The height of a wire is measured so far along it to both sides of a place [m].
 ALONG_M = np.linspace(-0.0015, 0.0015, 7)
-# Wires that lie beside or over each other are so near [m]; what is around them is observed so far;
-# so much of it lies below the uppermost one's crest, but for the depth camera's noise [%].
+# Wires that lie beside or over each other are so near [m]; so much of what is around them lies
+# below the uppermost one's crest, but for the depth camera's noise [%].
 BESIDE_M = 0.010
-AROUND_M = 0.020
 TOP_PERCENT = 95.0
 # What stood somewhere before is found again so near to its place [m].
 AGAIN_M = np.stack(np.meshgrid(*2 * [[-0.002, 0.0, 0.002]], [0.0]), axis=-1).reshape(-1, 3)
-# Where colour does not distinguish them, more than this share of what is there must be new: some
-# always is, by the depth camera's noise.
-LEAST_NEW = 0.10
+# Where colour does not show it, more than this share of the points that the camera sees across a
+# wire's diameter must be new: a few always are, by the depth camera's noise.
+LEAST_NEW = 0.4
 # What is lower than this share of where a wire is expected is what it lies on.
 LEAST_HEIGHT = 0.5
 # A wire has these shades of its colour; another colour differs from all of them by so much
@@ -109,22 +108,36 @@ def uppermost_past(
     passing = max(passings, key=lambda p: p.height, default=None)
     near = Passing(0.0, expected) if passing is None else passing
     at = place.apply(np.array([0.0, near.aside, near.height - expected]))
-    surface = _surface_around(lines.picture, at, AROUND_M)[0]
+    surface = _surface_around(lines.picture, at, reach + BESIDE_M)[0]
     x, y, z = place.inverse().apply(surface).T
-    beside = (np.abs(x) <= ALONG_M[-1]) & (np.abs(y - near.aside) <= BESIDE_M)
-    if before is not None:
-        is_new = beside & are_new(surface, before, radius)
-        if not passings and is_new.sum() <= LEAST_NEW * beside.sum():
+    across = (np.abs(x) <= ALONG_M[-1]) & (np.abs(y - near.aside) <= reach)
+    surface, y, z = surface[across], y[across], z[across]
+    is_there = np.full(len(y), True) if before is None else are_new(surface, before, radius)
+    if passing is None and before is not None:
+        aside = _where_most(y[is_there], radius, LEAST_NEW * len(y) * radius / reach)
+        if aside is None:
             return None
-        beside = is_new
-    if not beside.any():
+        is_there &= np.abs(y - aside) <= radius
+    else:
+        is_there &= np.abs(y - near.aside) <= BESIDE_M
+    if not is_there.any():
         return passing
-    top = float(np.percentile(z[beside], TOP_PERCENT))
+    y, z = y[is_there], z[is_there]
+    top = float(np.percentile(z, TOP_PERCENT))
     height = expected + top - radius
     least = LEAST_HEIGHT * expected if passing is None else passing.height + radius
     if height < least:
         return passing
-    return Passing(float(np.mean(y[beside & (z > top - radius / 2)])), height)
+    return Passing(float(np.mean(y[z > top - radius / 2])), height)
+
+
+def _where_most(aside: Array, radius: float, least: float) -> float | None:
+    """Return where, within a wire's radius [m] to each side, most points are (n,) [m].
+
+    None: nowhere are more than `least`.
+    """
+    counts = (np.abs(aside[:, None] - aside) <= radius).sum(axis=1)
+    return float(aside[counts.argmax()]) if counts.max(initial=0) > least else None
 
 
 def are_new(points: Array, before: Picture, rise: float) -> npt.NDArray[np.bool_]:
