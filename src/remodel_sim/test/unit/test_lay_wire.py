@@ -46,6 +46,9 @@ HIDDEN = 0.7
 SHORT, STRAIGHT = "W96", 0.95
 # Farther aside than wires that lie beside each other.
 FAR_ASIDE_M = 0.016
+# A wire pulls at the leading hand with more than this where it is led along a duct [N]; the hand is
+# higher than this where it has lifted the wire over the rims [m].
+PULLS_N, LIFTED_Z = 6.0, 0.045
 # So many wires beside each other fill a duct's floor.
 BUNDLE = 7
 # An empty hand feels no more than this across its weight [N].
@@ -135,6 +138,23 @@ def test_a_wire_is_led_into_its_ducts_over_one_that_lies_there():
     assert truth.share_in_ducts(cell.plant, WIRE) >= 0.8
     (found,) = truth.ground_truth(cell.plant, [WIRE])
     assert found.a.seated and found.a.fixed
+    cell.close()
+
+
+def test_a_wire_that_pulls_too_hard_is_lifted_over_the_rim_and_led_on(monkeypatch):
+    cell = cell_of()
+    key, socket = hold_an_end(cell)
+    insert(cell, WIRE, WireEnd.A, *key, socket)
+    fix(cell, WIRE, *key, pull=5.0)
+    allowed = lay_wire_module._max_pull(cell.contexts[GUIDE])
+    monkeypatch.setattr(
+        lay_wire_module,
+        "_max_pull",
+        lambda guide: allowed if guide.commanded.z > LIFTED_Z else PULLS_N,
+    )
+    laid = lay(cell)
+    assert PULLS_N < laid.peak_force <= allowed
+    assert truth.share_in_ducts(cell.plant, WIRE) >= 0.8
     cell.close()
 
 

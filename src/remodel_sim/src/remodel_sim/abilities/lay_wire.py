@@ -11,6 +11,7 @@ import math
 from collections.abc import Iterator, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, replace
+from functools import partial
 from itertools import pairwise
 
 import numpy as np
@@ -432,10 +433,35 @@ def _bring(
     left: float,
     free: Array,
 ) -> Steps[float]:
-    """Lead the wire to a place and heading; the holder keeps `left` [m] of it off the board."""
+    """Lead the wire to a place and heading; the holder keeps `left` [m] of it off the board.
+
+    Where it hangs in a slot of the wall that it passes over, the hand lifts it out, and goes on.
+    """
     x, y, z = (float(v) for v in place.at)
     z = max(_lowest(guide), z - _eyelet_above(guide))
     tool = ToolPose(x, y, z, guide.commanded.yaw + turn)
+    lead = partial(_lead_to, holder, guide, place, left=left, free=free)
+    try:
+        return (yield from lead(tool))
+    except AbilityError as error:
+        if error.code is not Code.SNAGGED:
+            raise
+    lift = OVER_RIM_M + UNDER_RIM_M
+    here = guide.commanded
+    yield from move_to(guide, here.at(z=here.z + lift), LEAVE_SPEED)
+    peak = yield from lead(tool.at(z=z + lift))
+    return max(peak, (yield from lead(tool)))
+
+
+def _lead_to(
+    holder: RobotContext,
+    guide: RobotContext,
+    place: _Place,
+    tool: ToolPose,
+    left: float,
+    free: Array,
+) -> Steps[float]:
+    """Lead the wire to where the tool goes, for a place; return the peak of the level pull [N]."""
     out = np.array([math.cos(place.heading), math.sin(place.heading), 0.0])
     peak = 0.0
     for move in bring_together(guide, tool, holder, out, left, STEEP, place.yaw):
