@@ -155,6 +155,8 @@ def lay_wire(holder: RobotContext, guide: RobotContext, goal: LayGoal) -> Steps[
             Code.OUT_OF_DUCT,
             f"{goal.cable_id!r} lies below the rims of its ducts at {in_ducts:.0%} of its route; "
             f"allowed: {LEAST_IN_DUCTS:.0%} or more; draw it out and place it again",
+            in_ducts=in_ducts,
+            peak_force=peak,
         )
     return WireLaid(f"{goal.cable_id} laid into {', '.join(holder.wire.ducts)}", in_ducts, peak)
 
@@ -446,11 +448,13 @@ def _bring(
     except AbilityError as error:
         if error.code is not Code.SNAGGED:
             raise
+        peak = error.found["peak_force"]
     lift = OVER_RIM_M + UNDER_RIM_M
     here = guide.commanded
     yield from move_to(guide, here.at(z=here.z + lift), LEAVE_SPEED)
-    peak = yield from lead(tool.at(z=z + lift))
-    return max(peak, (yield from lead(tool)))
+    for target in (tool.at(z=z + lift), tool):
+        peak = max(peak, (yield from lead(target)))
+    return peak
 
 
 def _lead_to(
@@ -549,5 +553,6 @@ def _watched(
                 Code.SNAGGED,
                 f"{guide.wire.id!r} pulls at the leading hand with {pull:.0f} N at {guide.tool}, "
                 f"allowed: {limit:.0f} N; it hangs on something: draw it out and place it again",
+                peak_force=peak,
             )
     return peak
