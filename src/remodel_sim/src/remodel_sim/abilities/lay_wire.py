@@ -437,7 +437,7 @@ def _bring(
 ) -> Steps[float]:
     """Lead the wire to a place and heading; the holder keeps `left` [m] of it off the board.
 
-    Where it hangs in a slot of the wall that it passes over, the hand lifts it out, and goes on.
+    Where it hangs in a slot of a wall, the hand lifts it out over the rim, and goes on.
     """
     x, y, z = (float(v) for v in place.at)
     z = max(_lowest(guide), z - _eyelet_above(guide))
