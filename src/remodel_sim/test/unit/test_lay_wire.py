@@ -274,7 +274,7 @@ def test_in_a_full_duct_less_of_a_wire_is_in_view():
     others = before(cell)
     cell.plant.parked[ALIKE] = ParkedWire(line, frozenset())
     cell.feed(WIRE, "")
-    with pytest.raises(AbilityError, match="needed: 15% or more") as caught:
+    with pytest.raises(AbilityError, match=r"needed: 15\.0% or more") as caught:
         inspected(cell, others)
     assert caught.value.code is Code.CABLE_OCCLUDED
     ducts = set(cell.context.wire.ducts)

@@ -96,7 +96,7 @@ def share_in_ducts(
         raise AbilityError(
             Code.CABLE_OCCLUDED,
             f"{context.wire.id!r} is in view at {seen:.0%} of its route in ducts; needed: "
-            f"{needed:.0%} or more; draw it out and place it again",
+            f"{needed:.1%} or more; draw it out and place it again",
         )
     judged = [each.is_below for each in found if each.is_below is not None]
     return sum(judged) / len(judged)
