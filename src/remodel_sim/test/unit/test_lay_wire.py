@@ -158,6 +158,19 @@ def test_a_wire_that_pulls_too_hard_is_lifted_over_the_rim_and_led_on(monkeypatc
     cell.close()
 
 
+def test_a_wire_that_still_pulls_too_hard_is_given_up_with_what_it_pulled_with(monkeypatch):
+    cell = cell_of()
+    key, socket = hold_an_end(cell)
+    insert(cell, WIRE, WireEnd.A, *key, socket)
+    fix(cell, WIRE, *key, pull=5.0)
+    monkeypatch.setattr(lay_wire_module, "_max_pull", lambda guide: PULLS_N)
+    with pytest.raises(AbilityError, match="it hangs on something") as caught:
+        lay(cell)
+    assert caught.value.code is Code.SNAGGED
+    assert caught.value.found["peak_force"] > PULLS_N
+    cell.close()
+
+
 def test_a_wire_that_missed_its_terminal_leaves_the_cell_from_hand_to_hand():
     cell = cell_of()
     key, socket = hold_an_end(cell)

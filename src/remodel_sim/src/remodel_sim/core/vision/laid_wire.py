@@ -101,10 +101,8 @@ def uppermost_past(
     expected, radius = float(place.position[2]), lines.wire.radius
     asides = _across(place, expected, reach, lines)
     passings = [p for aside in asides if (p := _passing_near(place, aside, reach, lines))]
-    if before is not None and passings:
-        crests = [[0.0, p.aside, p.height + radius - expected] for p in passings]
-        new = are_new(place.apply(np.array(crests)), before, radius / 2)
-        passings = [p for p, is_new in zip(passings, new, strict=True) if is_new]
+    if before is not None:
+        passings = [p for p in passings if is_new(p, place, before, radius)]
     passing = max(passings, key=lambda p: p.height, default=None)
     near = Passing(0.0, expected) if passing is None else passing
     at = place.apply(np.array([0.0, near.aside, near.height - expected]))
@@ -138,6 +136,12 @@ def _where_most(aside: Array, radius: float, least: float) -> float | None:
     """
     counts = (np.abs(aside[:, None] - aside) <= radius).sum(axis=1)
     return float(aside[counts.argmax()]) if counts.max(initial=0) > least else None
+
+
+def is_new(passing: Passing, place: Pose, before: Picture, radius: float) -> bool:
+    """Return whether a wire of a radius [m] that passes a place was not there before."""
+    crest = [0.0, passing.aside, passing.height + radius - float(place.position[2])]
+    return bool(are_new(place.apply(np.array([crest])), before, radius / 2)[0])
 
 
 def are_new(points: Array, before: Picture, rise: float) -> npt.NDArray[np.bool_]:

@@ -21,7 +21,7 @@ from remodel_sim.core.errors import AbilityError
 from remodel_sim.core.geometry import Pose
 from remodel_sim.core.robot.arm import ToolPose
 from remodel_sim.core.vision.drawing import BLUE, ORANGE, Drawing
-from remodel_sim.core.vision.laid_wire import Passing, are_new, stood_at, surface_at, wire_past
+from remodel_sim.core.vision.laid_wire import are_new, is_new, stood_at, surface_at, wire_past
 from remodel_sim.core.vision.wire_lines import WireLines
 from remodel_sim.core.workpiece.panel import Duct, PanelWire
 from remodel_states.core.codes import Code
@@ -142,7 +142,7 @@ def _inspect(
     found = []
     for place in part:
         passing = wire_past(place, duct.width / 2, lines)
-        if passing is not None and not _is_new(passing, place, before, context.wire):
+        if passing is not None and not is_new(passing, place, before, context.wire.radius):
             passing = None
         is_below = _nothing_new_above(duct, place, picture, before, context.wire.radius)
         if passing is not None and not is_below:
@@ -159,13 +159,6 @@ def _inspect(
     return found
 
 
-def _is_new(passing: Passing, place: Pose, before: Picture, wire: PanelWire) -> bool:
-    """Return whether a wire of the colour that passes a place was not there before."""
-    crest = passing.height + wire.radius - float(place.position[2])
-    at = place.apply(np.array([[0.0, passing.aside, crest]]))
-    return bool(are_new(at, before, wire.radius / 2)[0])
-
-
 def _is_new_inside(
     duct: Duct, place: Pose, picture: Picture, before: Picture, wire: PanelWire
 ) -> bool:
@@ -177,9 +170,9 @@ def _is_new_inside(
     across = np.arange(-half, half, POINTS_M)
     points = place.apply(np.column_stack([np.zeros_like(across), across, np.zeros_like(across)]))
     surface = surface_at(picture, points)
-    is_new = are_new(surface, before, wire.radius)
+    new = are_new(surface, before, wire.radius)
     width = max(2, math.floor(wire.diameter / POINTS_M))
-    return bool(np.any(np.convolve(is_new, np.ones(width), "valid") == width))
+    return bool(np.any(np.convolve(new, np.ones(width), "valid") == width))
 
 
 def _nothing_new_above(
