@@ -18,6 +18,7 @@ from remodel_sim.physics.robot_description import (
     CAMERA_MOUNT,
     FINGERS,
     HAND,
+    SHEATHS,
     foot_link,
     robot_description,
 )
@@ -45,7 +46,6 @@ HAND_30_N = Gripper(grip_force=30.0, pad_friction=1.0)
 # A rubber pad touches over a patch; its radius of some 4 mm resists turning about the contact
 # normal [m].
 PAD_SPINNING_FRICTION = 0.004
-# The arm's own: parked wires let it pass.
 COLLISION_GROUP = 4
 # First-order low pass of the wrist force [s]: a wrist sensor's bandwidth of 20 Hz.
 FORCE_TIME_CONSTANT = 0.008
@@ -88,7 +88,7 @@ class Robot:
         base = arm.world_from_base
         with tempfile.TemporaryDirectory() as folder:
             path = Path(folder) / "arm.urdf"
-            path.write_text(robot_description(arm))
+            path.write_text(robot_description(arm, sheaths=True))
             self.body = self._bullet.loadURDF(
                 str(path), base.position.tolist(), base.quaternion.tolist(), useFixedBase=True
             )
@@ -127,31 +127,48 @@ class Robot:
                 contactDamping=CONTACT_DAMPING,
                 frictionAnchor=1,  # without it a gripped wire creeps by 1 mm/s
             )
-        for link in range(-1, self._bullet.getNumJoints(self.body)):
-            self._bullet.setCollisionFilterGroupMask(
-                self.body, link, COLLISION_GROUP, ~PARKED_GROUP
-            )
+        self._set_contacts([links[sheath] for sheath in SHEATHS])
         if self._base is not None:
             # It slides along its rail, on the plane that wires lie on.
             self._bullet.setCollisionFilterGroupMask(self.body, self._base, 0, 0)
         self._bullet.enableJointForceTorqueSensor(self.body, self._wrist, 1)
-        self.drive(joints)
+        # What the servos were sent last, and what is left of the ramp to the last command.
+        self._ramp: list[Array] = []
+        self._drive(joints, ARM_GAIN)
         self._drive_fingers()
         world.add_before_step(self._sense)
 
-    def drive(self, joints: Array) -> None:
-        """Command the arm's joints, and end what `drive_by` began.
+    def _set_contacts(self, sheaths: list[int]) -> None:
+        """Let parked wires touch the sheaths in place of the fingers, and nothing else touch them.
 
-        They are an axis's position [m], if it stands on one, then seven angles [rad].
+        Two links touch if the mask of either has the group of the other.
+        """
+        for link in range(-1, self._bullet.getNumJoints(self.body)):
+            group, mask = COLLISION_GROUP, -1
+            if link in self._fingers:
+                mask = ~PARKED_GROUP
+            elif link in sheaths:
+                group, mask = 0, PARKED_GROUP
+                friction = self._gripper.pad_friction
+                self._bullet.changeDynamics(self.body, link, lateralFriction=friction)
+            self._bullet.setCollisionFilterGroupMask(self.body, link, group, mask)
+
+    def drive(self, joints: Array, steps: int = 1) -> None:
+        """Send the arm's joints somewhere in so many steps, and end what `drive_by` began.
+
+        They are an axis's position [m], if it stands on one, then seven angles [rad]. Between two
+        commands the servos follow a ramp: a jump in every second step would shake the hand, and a
+        moving hand's wrist would feel 30 N for each m/s.
         """
         self._controller = None
-        self._drive(joints, ARM_GAIN)
+        self._ramp = [*np.linspace(self._sent, joints, steps + 1)[1:]]
 
     def drive_by(self, controller: Controller) -> None:
         """Let a controller command the joints before each step, until `drive`."""
-        self._controller = controller
+        self._controller, self._ramp = controller, []
 
     def _drive(self, joints: Array, gain: float) -> None:
+        self._sent = joints
         self._bullet.setJointMotorControlArray(
             self.body,
             self._joints,
@@ -222,7 +239,9 @@ class Robot:
         reading = self.read_wrist()
         share = min(1.0, self._time_step / FORCE_TIME_CONSTANT)
         self._force += share * (reading - self._force)
-        if self._controller is not None:
+        if self._ramp:
+            self._drive(self._ramp.pop(0), ARM_GAIN)
+        elif self._controller is not None:
             felt = self.world_from_hand.rotation @ reading
             self._drive(self._controller(felt, self._time_step), STEP_GAIN)
 

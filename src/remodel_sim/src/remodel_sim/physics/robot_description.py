@@ -6,6 +6,7 @@ cell's own fingers and a wrist camera; below an arm a linear axis, if it has one
 
 from __future__ import annotations
 
+import copy
 import math
 import xml.etree.ElementTree as ElementTree
 from collections.abc import Iterator
@@ -30,6 +31,10 @@ CAMERA_MOUNT = (0.0, 0.118, 0.045)
 
 HAND = "panda_hand"
 FINGERS = ("panda_leftfinger", "panda_rightfinger")
+# A finger's contacts are stiff and damped, for what it grips. Around each lies a sheath of the same
+# shape for its contacts with parked wires, which yield: a link of its own, of this mass [kg].
+SHEATHS = tuple(f"{finger}_sheath" for finger in FINGERS)
+SHEATH_KG = 1e-3
 # A linear axis is a rail, and on it a prismatic joint that carries the base.
 RAIL = "axis_rail"
 AXIS_JOINT = "axis"
@@ -52,7 +57,7 @@ PORTAL_FRAME = "portal_frame"
 PORTAL_LINK_KG = 10.0
 
 
-def robot_description(arm: Kinematics) -> str:
+def robot_description(arm: Kinematics, *, sheaths: bool = False) -> str:
     """Return the URDF of a robot with its hand and fingers as text, with absolute mesh paths."""
     data = Path(pybullet_data.getDataPath())
     root = _read(data / "franka_panda/panda.urdf", "package://meshes")
@@ -62,8 +67,10 @@ def robot_description(arm: Kinematics) -> str:
         iiwa = _read(data / "kuka_iiwa/model.urdf", "meshes")
         root = _with_hand_of(iiwa, root, "lbr_iiwa_link_7", (0.0, 0.0, IIWA_FLANGE_M))
     links = {link.get("name"): link for link in root.iter("link")}
-    for name, side in zip(FINGERS, (1, -1), strict=True):
-        _replace_finger(links[name], arm.fingers, side)
+    for finger, sheath, side in zip(FINGERS, SHEATHS, (1, -1), strict=True):
+        _replace_finger(links[finger], arm.fingers, side)
+        if sheaths:
+            _put_on(root, links[finger], sheath)
     for joint in root.iter("joint"):
         child, limit = joint.find("child"), joint.find("limit")
         if child is not None and limit is not None and child.get("link") in FINGERS:
@@ -146,12 +153,15 @@ def _portal(portal: Portal) -> ElementTree.Element:
     return root
 
 
-def _add_link(root: ElementTree.Element, name: str) -> ElementTree.Element:
+def _add_link(
+    root: ElementTree.Element, name: str, mass: float = PORTAL_LINK_KG, moment: float = 0.1
+) -> ElementTree.Element:
+    """Add a link of a mass [kg] and a moment of inertia about every axis [kg m^2]."""
     link = ElementTree.SubElement(root, "link", name=name)
     inertial = ElementTree.SubElement(link, "inertial")
-    ElementTree.SubElement(inertial, "mass", value=f"{PORTAL_LINK_KG:g}")
-    moments = {"ixx": "0.1", "ixy": "0", "ixz": "0", "iyy": "0.1", "iyz": "0", "izz": "0.1"}
-    ElementTree.SubElement(inertial, "inertia", moments)
+    ElementTree.SubElement(inertial, "mass", value=f"{mass:g}")
+    moments = {name: f"{moment:g}" for name in ("ixx", "iyy", "izz")}
+    ElementTree.SubElement(inertial, "inertia", moments | dict.fromkeys(("ixy", "ixz", "iyz"), "0"))
     return link
 
 
@@ -184,6 +194,17 @@ def _replace_finger(link: ElementTree.Element, fingers: Fingers, side: int) -> N
         centre, roll = (x, side * y, z), side * box.rpy[0]
         _add_box(link, "visual", centre, box.size, rgb=box.rgb, roll=roll)
         _add_box(link, "collision", centre, box.size, roll=roll)
+
+
+def _put_on(root: ElementTree.Element, finger: ElementTree.Element, sheath: str) -> None:
+    """Fix a link to a finger, with the finger's solids."""
+    link = _add_link(root, sheath, SHEATH_KG, moment=1e-7)
+    # Bullet draws, in white, the solids of a link that has nothing to draw: it gets a speck.
+    _add_box(link, "visual", (0.0, 0.0, 0.0), (1e-5, 1e-5, 1e-5), rgb=RUBBER)
+    link.extend(copy.deepcopy(finger.findall("collision")))
+    joint = ElementTree.SubElement(root, "joint", name=f"{sheath}_joint", type="fixed")
+    ElementTree.SubElement(joint, "parent", link=str(finger.get("name")))
+    ElementTree.SubElement(joint, "child", link=sheath)
 
 
 def _finger_boxes(fingers: Fingers) -> Iterator[Box]:

@@ -259,12 +259,12 @@ class RobotContext:
 
     def follow(self, tool: ToolPose) -> None:
         """Command a tool pose on a path whose space is claimed; raises UNREACHABLE."""
-        self._robot.drive(self.arm.joints_for(tool))
+        self._robot.drive(self.arm.joints_for(tool), self.steps_per_tick)
         self.commanded = tool
 
     def drive_joints(self, joints: Array) -> None:
         """Command the arm's joints; joints 3 and 5 stay at zero."""
-        self._robot.drive(joints)
+        self._robot.drive(joints, self.steps_per_tick)
         self.commanded = self.arm.tool_of(joints)
 
     def drive_fingers(self, opening: float) -> None:
