@@ -20,6 +20,7 @@ from remodel_sim.core.robot.motion import Line
 from remodel_sim.core.workpiece.component_shape import Box
 from remodel_sim.core.workpiece.layout import STANDOFF_M, WORLD_FROM_PANEL
 from remodel_sim.core.workpiece.obstacles import (
+    WIRES,
     Obstacles,
     Solid,
     component_name,
@@ -60,7 +61,7 @@ def cell():
 def touch(check, start, end, obstacles=BLOCK, **changes):
     line = Line(start, end, 0.1)
     return check.first_touch(
-        line.between, line.distance, obstacles=obstacles, finger_gap=OPEN_M, **changes
+        line.between, line.distance, obstacles=[obstacles], finger_gap=OPEN_M, **changes
     )
 
 
@@ -112,6 +113,29 @@ def test_what_is_near_at_the_beginning_may_be_left_but_not_pressed(check):
     assert touch(check, near, near.at(z=0.04)).solid == "the block"
 
 
+def test_wires_may_be_touched_only_where_a_motion_begins_and_ends(check):
+    block = BLOCK.solids[0]
+    wires = Obstacles((replace(block, name=WIRES),))
+    past = [at(0.38, 0.0, 0.03), at(0.62, 0.0, 0.03)]
+    found = touch(check, *past, wires)
+    assert found.solid == WIRES and 0.4 < found.tool.x < 0.5
+    among = at(0.5, OPEN_M / 2, 0.05)
+    # The hand comes down to them, and leaves them.
+    assert touch(check, among.at(z=0.12), among, wires) is None
+    assert touch(check, among, among.at(z=0.12), wires) is None
+    assert touch(check, among.at(z=0.12), among).solid == "the block"
+    # A hand that leads a wire along a duct lies among others all the way.
+    assert touch(check, *past, wires, allowed={WIRES}) is None
+
+
+def test_what_is_allowed_hides_nothing_else(check):
+    name = BLOCK.solids[0].name
+    other = replace(BLOCK.solids[0], name="another")
+    at_it = [at(0.38, 0.0, 0.03), at(0.62, 0.0, 0.03)]
+    assert touch(check, *at_it, allowed={name}) is None
+    assert touch(check, *at_it, Obstacles((other,)), allowed={name}).solid == "another"
+
+
 def test_a_panels_obstacles_stand_where_they_were_located_else_as_drawn():
     duct = Duct(id="D", pose=(0.0, 0.0, math.pi / 2), length=0.3, width=0.04, height=0.06)
     rail = Rail(id="R", pose=(0.08, 0.0, math.pi / 2), length=0.3, width=0.035, height=0.0075)
@@ -124,7 +148,6 @@ def test_a_panels_obstacles_stand_where_they_were_located_else_as_drawn():
     x, y, _ = WORLD_FROM_PANEL.position
     assert obstacles.nearest(np.array([x + 0.08, y + 0.12, 0.05])) == X2
     assert obstacles.nearest(np.array([x - 0.02, y - 0.01, 0.05])) == "duct 'D'"
-    assert X2 not in {solid.name for solid in obstacles.without([X2]).solids}
 
 
 def test_every_terminal_of_the_household_panel_is_approached_without_touching_anything(check):
@@ -140,7 +163,7 @@ def test_every_terminal_of_the_household_panel_is_approached_without_touching_an
         found = check.first_touch(
             line.between,
             line.distance,
-            obstacles=obstacles,
+            obstacles=[obstacles],
             finger_gap=wire.diameter,
             held=held,
         )

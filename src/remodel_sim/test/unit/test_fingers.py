@@ -14,7 +14,7 @@ from remodel_sim.core.workpiece.component_shape import Box
 from remodel_sim.core.workpiece.panel import WireEnd
 from remodel_sim.edge.cell_file import read_cell
 from remodel_sim.physics.robot import Robot
-from remodel_sim.physics.robot_description import FINGERS
+from remodel_sim.physics.robot_description import FINGERS, SHEATHS
 from remodel_sim.physics.static_body import add_static
 from remodel_sim.physics.wires.parked_wire import add_solid
 from remodel_sim.physics.world import CONTACT_STIFFNESS, GRAVITY, MASS_SCALE, World
@@ -31,6 +31,9 @@ SLIDES_N = 1.0
 # A wire that springs aside in an open hand, and is held back as the hand rises; its radius.
 OUTWARD_N, DOWN_N = 0.05, 0.5
 WIRE_RADIUS_M = 0.0015
+# A hand goes so far [m], as fast as one that leads a wire [m/s].
+SWEEP_M = 0.15
+SWEEP_SPEED = 0.25
 
 
 def height_in_hand(cable):
@@ -137,28 +140,57 @@ def test_empty_fingers_stop_where_their_pads_meet():
     world.close()
 
 
-def test_parked_wires_let_the_hand_pass_and_solids_do_not():
-    def touches(add):
-        world = World(240)
-        robot, fingers = Robot(world, TOOL, SLIM), SLIM.fingers
-        in_finger = TOOL.x + (fingers.opening + fingers.thickness) / 2
-        body = add(world, np.array([in_finger, TOOL.y, TOOL.z]))
+def parked_across(world):
+    """Park a wire across the way of a hand that goes along x, in front of the pads."""
+    middle = np.array([TOOL.x + SWEEP_M / 2, TOOL.y, TOOL.z])
+    line = middle + np.linspace(-0.1, 0.1, 11)[:, None] * np.array([0.0, 1.0, 0.0])
+    add_solid(world, line, wire("W", ("X", "1"), ("Y", "1"), 0.2))
+
+
+def most_felt(add):
+    """Sweep the hand along x; return the most that its wrist feels more than at rest, level [N]."""
+    world = World(240)
+    robot = Robot(world, TOOL, SLIM)
+    add(world)
+    for _ in range(60):
         world.step()
-        found = world.bullet.getContactPoints(bodyA=robot.body, **body)
-        world.close()
-        return len(found) > 0
+    still, most = robot.wrist_force, 0.0
+    per_command, commands = 2, round(SWEEP_M / SWEEP_SPEED * 120)
+    for command in range(1, commands + 1):
+        ahead = SWEEP_M * command / commands
+        robot.drive(SLIM.joints_for(replace(TOOL, x=TOOL.x + ahead)), per_command)
+        for _ in range(per_command):
+            world.step()
+            felt = robot.world_from_hand.rotation @ (robot.wrist_force - still)
+            # Once it is at its speed.
+            if command > commands / 4:
+                most = max(most, float(np.linalg.norm(felt[:2])))
+    world.close()
+    return most
 
-    def parked(world, middle):
-        line = middle + np.linspace(-0.1, 0.1, 11)[:, None] * np.array([0.0, 1.0, 0.0])
-        add_solid(world, line, wire("W", ("X", "1"), ("Y", "1"), 0.2))
-        return {}
 
-    def block(world, middle):
-        box = Box((0.0, 0.0, 0.0), (0.005, 0.2, 0.005), (1.0, 1.0, 1.0))
-        return {"bodyB": add_static(world.bullet, [box], Pose.level(*middle.tolist()))}
+def test_a_hand_in_motion_feels_nothing_but_what_it_touches():
+    assert most_felt(lambda world: None) < 0.5
 
-    assert touches(block)
-    assert not touches(parked)
+
+def test_a_hand_pushes_against_a_parked_wire_which_yields():
+    # A few times what 220 N/m make of the half of a finger: the servos drive on.
+    assert 1.0 < most_felt(parked_across) < 10.0
+
+
+def test_nothing_else_touches_what_parked_wires_touch():
+    world = World(240)
+    robot = Robot(world, TOOL, SLIM)
+    bullet = world.bullet
+    links = [bullet.getJointInfo(robot.body, i)[12] for i in range(bullet.getNumJoints(robot.body))]
+    sheaths = [links.index(sheath.encode()) for sheath in SHEATHS]
+    aside = (SLIM.fingers.opening + SLIM.fingers.thickness) / 2
+    box = Box((0.0, 0.0, 0.0), (0.005, 0.2, 0.005), (1.0, 1.0, 1.0))
+    add_static(bullet, [box], Pose.level(TOOL.x + aside, TOOL.y, TOOL.z))
+    world.step()
+    touched = {contact[3] for contact in bullet.getContactPoints(bodyA=robot.body)}
+    assert touched and not touched & set(sheaths)
+    world.close()
 
 
 def closed_on_a_wire(world, diameter, above):

@@ -53,7 +53,7 @@ from remodel_sim.core.robot.force_control import ForceControl
 from remodel_sim.core.vision.laid_wire import Passing, uppermost_past
 from remodel_sim.core.vision.wire_lines import WireLines
 from remodel_sim.core.workpiece.layout import WORLD_FROM_PANEL
-from remodel_sim.core.workpiece.obstacles import duct_name
+from remodel_sim.core.workpiece.obstacles import WIRES, duct_name
 from remodel_sim.core.workpiece.panel import Duct, WireEnd, unit_x
 from remodel_sim.core.workpiece.slots import slot_before
 from remodel_states.core.codes import Code
@@ -80,6 +80,8 @@ OVER_RIM_M = 0.008
 UNDER_RIM_M = 0.012
 # The leading hand goes along a duct so fast [m/s].
 LEAD_SPEED = 0.25
+# There it lies among other wires, which yield.
+AMONG_WIRES = frozenset({WIRES})
 # The wire may pull at the leading hand, level, with so much of what its terminal holds.
 MAX_PULL_SHARE = 0.3
 # Where the wire crosses its first duct it is searched for so far to each side of the slot [m].
@@ -180,7 +182,7 @@ def _withdraw(guide: RobotContext, holder: RobotContext) -> Steps[None]:
         back = -back
     behind = here.moved(back, BACK_M)
     # It is between their walls; open, it has less room there than it keeps from other things.
-    ducts = frozenset(duct_name(name) for name in guide.wire.ducts)
+    ducts = AMONG_WIRES | {duct_name(name) for name in guide.wire.ducts}
     if is_free(guide, behind, ducts):
         yield from move_to(guide, behind, APPROACH_SPEED, ducts)
     if guide.commanded.z < TRAVEL_Z:
@@ -541,7 +543,7 @@ def _watched(
 ) -> Steps[float]:
     """Move the hands together; return the peak of the level pull at the guide [N]."""
     peak, pulled_s, limit = 0.0, 0.0, _max_pull(guide)
-    for _ in move_together(move, LEAD_SPEED, HOLD_SPEED):
+    for _ in move_together(move, LEAD_SPEED, HOLD_SPEED, AMONG_WIRES):
         yield
         pull = float(np.linalg.norm((guide.force - free)[:2]))
         peak = max(peak, pull)

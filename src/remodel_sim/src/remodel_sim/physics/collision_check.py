@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import math
 import tempfile
-from collections.abc import Callable
+from collections.abc import Callable, Sequence, Set
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -18,7 +18,7 @@ import numpy as np
 from remodel_sim.core.geometry import Pose, turn_between
 from remodel_sim.core.robot.arm import ToolPose
 from remodel_sim.core.robot.kinematics import Kinematics
-from remodel_sim.core.workpiece.obstacles import Obstacles
+from remodel_sim.core.workpiece.obstacles import WIRES, Obstacles
 from remodel_sim.physics.bullet import connect
 from remodel_sim.physics.robot_description import FINGERS, HAND, robot_description
 from remodel_sim.physics.static_body import add_static
@@ -31,8 +31,10 @@ STEP_M = 0.004
 FREE_SHARE = 0.7
 # A motion may begin where something is nearer than the clearance, and come this much nearer [m].
 NEARER_M = 0.0005
-# A part of the robot, and Bullet's nearest points of it and an obstacle, with these fields.
-NearPoint = tuple[str, tuple[Any, ...]]
+# Within this distance of where it begins and ends, a motion may touch wires: they yield [m].
+AMONG_WIRES_M = 0.04
+# A part of the robot, what it is near to, and Bullet's nearest points of both, with these fields.
+NearPoint = tuple[str, Obstacles, tuple[Any, ...]]
 LINK_A, ON_B, DISTANCE = 3, 6, 8
 
 
@@ -97,8 +99,7 @@ class CollisionCheck:
         links = [self._bullet.getJointInfo(self._body, i)[12].decode() for i in range(count)]
         self._fingers = [links.index(finger) for finger in FINGERS]
         self._parts = {i: _part(name) for i, name in enumerate(links)}
-        self._obstacles = Obstacles()
-        self._solid: int | None = None
+        self._solids: list[tuple[Obstacles, int]] = []
         self._held: tuple[HeldTip, int] | None = None
 
     def first_touch(
@@ -106,13 +107,15 @@ class CollisionCheck:
         path: Callable[[float], ToolPose],
         length: float,
         *,
-        obstacles: Obstacles,
+        obstacles: Sequence[Obstacles],
         finger_gap: float,
         held: HeldTip | None = None,
+        allowed: Set[str] = frozenset(),
     ) -> Touch | None:
         """Return where a path comes too near to an obstacle first; None if it is free.
 
-        What the arm is too near to at the beginning counts only if it comes nearer.
+        What the arm is too near to at the beginning counts only if it comes nearer. Wires count
+        only away from both ends of the path: a hand that grasps or inserts works among them.
 
         Args:
             path: of the tool, from 0 to 1; raises UNREACHABLE where the arm does not reach.
@@ -120,33 +123,38 @@ class CollisionCheck:
             obstacles: to be kept clear of.
             finger_gap: between the pads [m].
             held: what the hand holds.
+            allowed: names of obstacles that may be touched.
         """
-        if not obstacles.solids:
+        self._put_obstacles([each for each in obstacles if each.solids])
+        if not self._solids:
             return None
-        self._put_obstacles(obstacles)
         self._put_held(held)
         half = [[finger_gap / 2]] * 2
         self._bullet.resetJointStatesMultiDof(self._body, self._fingers, half)
         length = max(length, STEP_M)
         share, tool = 0.0, path(0.0)
         least, points = STEP_M / length, self._points(tool)
-        at_first = {pair: gap - NEARER_M for pair, gap in self._too_near(points).items()}
+        at_first = {pair: gap - NEARER_M for pair, gap in self._too_near(points, allowed).items()}
         while share < 1.0:
-            gap = min((point[DISTANCE] for _, point in points), default=SIGHT_M)
+            gap = min((point[DISTANCE] for _, _, point in points), default=SIGHT_M)
             share = min(1.0, share + max(least, FREE_SHARE * (gap - self._clearance) / length))
             tool = path(share)
             points = self._points(tool)
-            for (part, solid), gap in self._too_near(points).items():
+            is_among = min(share, 1.0 - share) * length < AMONG_WIRES_M
+            touchable = allowed | {WIRES} if is_among else allowed
+            for (part, solid), gap in self._too_near(points, touchable).items():
                 if gap < at_first.get((part, solid), self._clearance):
                     return Touch(part, solid, tool, gap)
         return None
 
-    def _too_near(self, points: list[NearPoint]) -> dict[tuple[str, str], float]:
+    def _too_near(self, points: list[NearPoint], allowed: Set[str]) -> dict[tuple[str, str], float]:
         """Return what is nearer than the clearance: part and solid, and the gap [m]."""
         gaps: dict[tuple[str, str], float] = {}
-        for part, point in points:
-            if point[DISTANCE] < self._clearance:
-                pair = part, self._obstacles.nearest(np.array(point[ON_B]))
+        for part, obstacles, point in points:
+            if point[DISTANCE] >= self._clearance:
+                continue
+            pair = part, obstacles.nearest(np.array(point[ON_B]))
+            if pair[1] not in allowed:
                 gaps[pair] = min(gaps.get(pair, self._clearance), point[DISTANCE])
         return gaps
 
@@ -156,25 +164,31 @@ class CollisionCheck:
         indices = list(range(len(joints)))
         self._bullet.resetJointStatesMultiDof(self._body, indices, [[v] for v in joints])
         found = [
-            (self._parts[point[LINK_A]], point)
-            for point in self._bullet.getClosestPoints(self._body, self._solid, SIGHT_M)
+            (self._parts[point[LINK_A]], obstacles, point)
+            for obstacles, solid in self._solids
+            for point in self._bullet.getClosestPoints(self._body, solid, SIGHT_M)
             if point[LINK_A] >= 0
         ]
         if self._held is not None:
             held, body = self._held
             self._bullet.resetBasePositionAndOrientation(body, *_held_place(held, tool))
-            points = self._bullet.getClosestPoints(body, self._solid, SIGHT_M)
-            found += [(f"the held end of {held.name!r}", point) for point in points]
+            found += [
+                (f"the held end of {held.name!r}", obstacles, point)
+                for obstacles, solid in self._solids
+                for point in self._bullet.getClosestPoints(body, solid, SIGHT_M)
+            ]
         return found
 
-    def _put_obstacles(self, obstacles: Obstacles) -> None:
-        if obstacles == self._obstacles:
-            return
-        if self._solid is not None:
-            self._bullet.removeBody(self._solid)
-        boxes = [solid.box for solid in obstacles.solids]
-        self._solid = add_static(self._bullet, boxes, Pose.level(0.0, 0.0, 0.0))
-        self._obstacles = obstacles
+    def _put_obstacles(self, wanted: Sequence[Obstacles]) -> None:
+        """Put the wanted obstacles there, a body each, and take the others away."""
+        for _, solid in [there for there in self._solids if there[0] not in wanted]:
+            self._bullet.removeBody(solid)
+        self._solids = [there for there in self._solids if there[0] in wanted]
+        known = [obstacles for obstacles, _ in self._solids]
+        for obstacles in [each for each in wanted if each not in known]:
+            boxes = [solid.box for solid in obstacles.solids]
+            body = add_static(self._bullet, boxes, Pose.level(0.0, 0.0, 0.0))
+            self._solids.append((obstacles, body))
 
     def _put_held(self, held: HeldTip | None) -> None:
         if self._held is not None and self._held[0] == held:

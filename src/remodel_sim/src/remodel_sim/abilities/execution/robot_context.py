@@ -24,6 +24,7 @@ from remodel_sim.core.robot.arm import ToolPose
 from remodel_sim.core.robot.arm_volume import volume_of
 from remodel_sim.core.robot.fingers import Fingers
 from remodel_sim.core.robot.traffic import Traffic
+from remodel_sim.core.vision.standing import standing_wires
 from remodel_sim.core.workpiece.layout import WORLD_FROM_PANEL
 from remodel_sim.core.workpiece.obstacles import Obstacles, panel_obstacles
 from remodel_sim.core.workpiece.panel import Panel, PanelWire, WireEnd
@@ -102,8 +103,10 @@ class RobotContext:
         self.robots = robots
         self._traffic = traffic
         self.progress = Progress()
-        # Panel, located components, and the obstacles that follow from them.
+        # Panel, located components, and the obstacles that follow from them; a picture, and the
+        # wires that it shows among these.
         self._known: tuple[Panel, dict[str, Pose], Obstacles] | None = None
+        self._wires: tuple[Picture, Obstacles, Obstacles] | None = None
         self.steps_per_tick = max(1, round(1.0 / (TICK_HZ * plant.world.time_step)))
         self.tick_s = self.steps_per_tick * plant.world.time_step
         self.commanded = self.home
@@ -152,6 +155,8 @@ class RobotContext:
     ) -> Touch | None:
         """Return what of the panel a path would touch first; None: nothing, or it is not checked.
 
+        What is drawn counts, and the wires that lay there before the live one was touched.
+
         Args:
             path: of the tool, from 0 to 1.
             length: of it [m].
@@ -160,13 +165,14 @@ class RobotContext:
         check = self._plant.collision_checks.get(self.name)
         if check is None:
             return None
-        obstacles = self._panel_obstacles()
+        drawn = self._panel_obstacles()
         return check.first_touch(
             path,
             length,
-            obstacles=obstacles.without(allowed) if allowed else obstacles,
+            obstacles=(drawn, self._seen_wires(drawn)),
             finger_gap=self.finger_gap,
             held=self._held_tip(),
+            allowed=allowed,
         )
 
     def _panel_obstacles(self) -> Obstacles:
@@ -176,6 +182,15 @@ class RobotContext:
             obstacles = panel_obstacles(self.panel, self.belief.seen)
             self._known = known = self.panel, dict(self.belief.seen), obstacles
         return known[2]
+
+    def _seen_wires(self, drawn: Obstacles) -> Obstacles:
+        """Return the wires that stand out of what is drawn, as the overhead camera saw them."""
+        picture = next(iter(self.belief.untouched), None)
+        if picture is None:
+            return Obstacles()
+        if self._wires is None or self._wires[0] is not picture or self._wires[1] is not drawn:
+            self._wires = picture, drawn, standing_wires(picture, self.panel, drawn)
+        return self._wires[2]
 
     def _held_tip(self) -> HeldTip | None:
         grip = self.belief.grip

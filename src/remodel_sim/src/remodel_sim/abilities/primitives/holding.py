@@ -9,7 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from remodel_sim.abilities.execution.robot_context import RobotContext
-from remodel_sim.abilities.primitives.motions import canonical
+from remodel_sim.abilities.primitives.motions import canonical, is_free
 from remodel_sim.abilities.primitives.together import least_gap
 from remodel_sim.core.errors import AbilityError
 from remodel_sim.core.geometry import Array, wrap_angle
@@ -123,6 +123,7 @@ def bring_together(
                     _is_slack(with_wire, hold.most * length)
                     and _leaves_in_front(moves, tool.yaw - front)
                     and _are_apart([*moves, *after])
+                    and _keeps_clear(holder, moves)
                 ):
                     return moves
     raise AbilityError(
@@ -154,7 +155,7 @@ def hold_off(
         )
         for _, place in places:
             move = [(holder, place), *others]
-            if holder.arm.reaches(place) and _are_apart([move]):
+            if holder.arm.reaches(place) and _are_apart([move]) and _keeps_clear(holder, [move]):
                 return move
     return []
 
@@ -203,6 +204,17 @@ def _are_apart(moves: list[list[tuple[RobotContext, ToolPose]]]) -> bool:
         if least_gap(lines) < APART_M:
             return False
         at.update(move)
+    return True
+
+
+def _keeps_clear(holder: RobotContext, moves: list[list[tuple[RobotContext, ToolPose]]]) -> bool:
+    """Return whether the holder touches nothing that stands on the plate."""
+    here = holder.commanded
+    for move in moves:
+        there = dict(move)[holder]
+        if there != here and not is_free(holder, there, start=here):
+            return False
+        here = there
     return True
 
 

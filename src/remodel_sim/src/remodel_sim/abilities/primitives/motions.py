@@ -71,22 +71,36 @@ def move_to(
         check_tracking(context)
 
 
-def straight_line(context: RobotContext, target: ToolPose, speed: float) -> Line:
+def straight_line(
+    context: RobotContext, target: ToolPose, speed: float, allowed: Set[str] = NOTHING
+) -> Line:
     """Return the straight line to a tool pose; raises UNREACHABLE when it would touch something."""
     line = _line_to(context, target, speed)
-    touch = _touch_on(context, line, NOTHING)
+    touch = _touch_on(context, line, allowed)
     if touch is not None:
         raise _blocked(touch, target)
     return line
 
 
-def is_free(context: RobotContext, target: ToolPose, allowed: Set[str] = NOTHING) -> bool:
-    """Return whether the straight line to a tool pose touches nothing else; raises UNREACHABLE."""
-    return _touch_on(context, _line_to(context, target, APPROACH_SPEED), allowed) is None
+def is_free(
+    context: RobotContext,
+    target: ToolPose,
+    allowed: Set[str] = NOTHING,
+    start: ToolPose | None = None,
+) -> bool:
+    """Return whether the straight line to a tool pose touches nothing else; raises UNREACHABLE.
+
+    It begins where the tool is, unless at `start`.
+    """
+    line = _line_to(context, target, APPROACH_SPEED, start)
+    return _touch_on(context, line, allowed) is None
 
 
-def _line_to(context: RobotContext, target: ToolPose, speed: float) -> Line:
-    start, end = canonical(context, context.commanded), canonical(context, target)
+def _line_to(
+    context: RobotContext, target: ToolPose, speed: float, start: ToolPose | None = None
+) -> Line:
+    start = canonical(context, context.commanded if start is None else start)
+    end = canonical(context, target)
     return Line(start, end, speed).paced(context.arm)
 
 

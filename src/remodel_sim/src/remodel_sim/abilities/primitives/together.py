@@ -3,14 +3,19 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Sequence, Set
 from dataclasses import replace
 from itertools import combinations
 
 import numpy as np
 
 from remodel_sim.abilities.execution.robot_context import RobotContext, Steps
-from remodel_sim.abilities.primitives.motions import check_lag, check_tracking, straight_line
+from remodel_sim.abilities.primitives.motions import (
+    NOTHING,
+    check_lag,
+    check_tracking,
+    straight_line,
+)
 from remodel_sim.core.errors import AbilityError
 from remodel_sim.core.robot.arm import ToolPose
 from remodel_sim.core.robot.arm_volume import gap_between, volume_of
@@ -23,7 +28,10 @@ CHECK_STEP_M = 0.02
 
 
 def move_together(
-    targets: Sequence[tuple[RobotContext, ToolPose]], speed: float, others: float | None = None
+    targets: Sequence[tuple[RobotContext, ToolPose]],
+    speed: float,
+    others: float | None = None,
+    allowed: Set[str] = NOTHING,
 ) -> Steps[None]:
     """Move all tools in straight lines that begin and end at the same time.
 
@@ -34,14 +42,16 @@ def move_together(
         targets: the robots, each with where its tool goes.
         speed: that no tool centre exceeds, or only the first one's [m/s].
         others: the same of the other ones [m/s]; None: as of the first.
+        allowed: names of obstacles that the first one may touch.
 
     Raises:
         AbilityError: UNREACHABLE before anything moves, MOTION_FAULT when a robot does not arrive.
     """
     speeds = [speed, *[speed if others is None else others] * (len(targets) - 1)]
+    touchable = [allowed, *[NOTHING] * (len(targets) - 1)]
     lines = [
-        straight_line(context, target, most)
-        for (context, target), most in zip(targets, speeds, strict=True)
+        straight_line(context, target, most, may_touch)
+        for (context, target), most, may_touch in zip(targets, speeds, touchable, strict=True)
     ]
     duration = max(line.duration for line in lines)
     contexts = [context for context, _ in targets]

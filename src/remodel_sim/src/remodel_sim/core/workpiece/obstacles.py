@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
 from functools import cached_property
 
@@ -14,6 +14,9 @@ from remodel_sim.core.workpiece.component_shape import Box
 from remodel_sim.core.workpiece.fixtures import FIXTURE_RGB, clip_boxes, duct_boxes
 from remodel_sim.core.workpiece.layout import WORLD_FROM_PANEL
 from remodel_sim.core.workpiece.panel import Panel
+
+# The name of every solid that stands for wires: those yield.
+WIRES = "the wires there"
 
 
 @dataclass(frozen=True)
@@ -29,11 +32,6 @@ class Obstacles:
     """Solids, in any order."""
 
     solids: tuple[Solid, ...] = ()
-
-    def without(self, names: Iterable[str]) -> Obstacles:
-        """Return the solids of other names."""
-        left_out = frozenset(names)
-        return Obstacles(tuple(solid for solid in self.solids if solid.name not in left_out))
 
     def nearest(self, point: Array) -> str:
         """Return the name of the solid that is nearest to a point, (3,) [m]."""

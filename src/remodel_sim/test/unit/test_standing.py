@@ -1,0 +1,79 @@
+"""Wires that stand out of the board, as the camera sees them, and the motions that go over them."""
+
+import math
+
+import numpy as np
+import pytest
+from panels import panel
+
+from remodel_sim.abilities.primitives.motions import FREE_SPEED, LIFTS_Z, TRAVEL_Z, move_to
+from remodel_sim.cell import Cell
+from remodel_sim.core.belief.belief_state import NO_CHANNEL, Feed
+from remodel_sim.core.belief.placed_wires import ParkedWire
+from remodel_sim.core.robot.arm import ToolPose
+from remodel_sim.core.vision.standing import CELL_M, standing_wires
+from remodel_sim.core.workpiece.layout import WORLD_FROM_PANEL
+from remodel_sim.core.workpiece.obstacles import WIRES, panel_obstacles
+from remodel_sim.core.workpiece.panel import WireEnd
+from remodel_sim.edge.cell_file import read_cell
+
+PANEL = panel(channels=())
+# A finished wire that arches across the plate, higher than a hand travels [m].
+ARCH_TOP = 0.115
+ARCH_Y = -0.05
+SPAN = 0.30
+NODES = 61
+
+
+@pytest.fixture(scope="module")
+def cell():
+    made = Cell(PANEL, design=read_cell("cabinet"))
+    yield made
+    made.close()
+
+
+def seen(cell):
+    picture = cell.plant.take_overhead_picture()
+    return standing_wires(picture, PANEL, panel_obstacles(PANEL, {}))
+
+
+def lay_arch(cell):
+    middle = WORLD_FROM_PANEL.position[0]
+    x = np.linspace(-SPAN / 2, SPAN / 2, NODES)
+    z = 0.003 + (ARCH_TOP - 0.003) * np.cos(math.pi * x / SPAN)
+    nodes = np.column_stack([middle + x, np.full(NODES, ARCH_Y), z])
+    cell.plant.restore({"W2": ParkedWire(nodes, frozenset(WireEnd))})
+    return nodes
+
+
+def test_nothing_stands_out_of_a_plate_as_drawn(cell):
+    assert not seen(cell).solids
+
+
+def test_a_hand_travels_over_a_wire_that_stands_out(cell):
+    nodes = lay_arch(cell)
+    columns = seen(cell).solids
+    assert {column.name for column in columns} == {WIRES}
+    for column in columns:
+        (x, y, middle), height = column.box.centre, column.box.size[2]
+        assert abs(y - ARCH_Y) < 2 * CELL_M
+        beneath = nodes[np.abs(nodes[:, 0] - x) <= CELL_M, 2]
+        assert beneath.min() - 0.004 < middle + height / 2 < beneath.max() + 0.006
+    context = cell.context
+    context.belief.feed = Feed("W1", NO_CHANNEL, 1)
+    context.take_overhead_picture()
+    x = float(WORLD_FROM_PANEL.position[0])
+    heights = []
+
+    def steps():
+        yield from move_to(context, ToolPose(x, -0.20, LIFTS_Z[-1], 0.0), FREE_SPEED)
+        yield from move_to(context, ToolPose(x, -0.20, TRAVEL_Z, 0.0), FREE_SPEED)
+        for _ in move_to(context, ToolPose(x, 0.10, TRAVEL_Z, 0.0), FREE_SPEED):
+            heights.append(context.commanded.z)
+            robot = cell.plant.robots["robot_1"].body
+            assert not cell.plant.world.bullet.getContactPoints(robot)
+            yield
+
+    cell.run(steps())
+    assert max(heights) == pytest.approx(LIFTS_Z[1])
+    assert heights[-1] == pytest.approx(TRAVEL_Z)
