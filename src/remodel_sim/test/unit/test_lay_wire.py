@@ -48,7 +48,7 @@ SHORT, STRAIGHT = "W96", 0.95
 FAR_ASIDE_M = 0.016
 # A wire pulls at the leading hand with more than this where it is led along a duct [N]; the hand is
 # higher than this where it has lifted the wire over the rims [m].
-PULLS_N, LIFTED_Z = 6.0, 0.045
+PULLS_N, LIFTED_Z = 1.5, 0.045
 # So many wires beside each other fill a duct's floor.
 BUNDLE = 7
 # An empty hand feels no more than this across its weight [N].

@@ -256,12 +256,13 @@ def press_around(context: RobotContext, clip: PanelClip) -> Steps[None]:
     """Press a wire that stands off its clip between the lips, and down beside both ends.
 
     The fingers come no deeper than the lips' top, where a wire may stick between them: bent down
-    beside them it is drawn in.
+    beside them it is drawn in. What comes down at one side may rise at the other one.
     """
     yield from press_from_above(context, clip)
     out = _beside_clip(context, clip)
     for along in (-out, out):
         yield from _press_at(context, clip, along, FLOOR_CLEARANCE_M, ENOUGH * clip.retention_force)
+    yield from press_from_above(context, clip)
 
 
 def _press_at(
