@@ -11,10 +11,10 @@ from remodel_sim.core.geometry import Pose
 from remodel_sim.core.workpiece.component_shape import Box
 from remodel_sim.core.workpiece.connector_shape import connector_solids
 from remodel_sim.core.workpiece.panel import Channel, Panel, PanelWire
-from remodel_sim.core.workpiece.wire_mechanics import discretise
+from remodel_sim.core.workpiece.wire_mechanics import GRAVITY, discretise
 from remodel_sim.physics.static_body import add_static
 from remodel_sim.physics.wires.cable import SimulatedWire
-from remodel_sim.physics.world import World
+from remodel_sim.physics.world import MASS_SCALE, World
 
 FORK_RGB = (0.16, 0.45, 0.30)
 REST_S = 0.3
@@ -28,24 +28,28 @@ def lay(
     panel: Panel,
     wire: PanelWire,
     channel: Channel,
+    above: float,
     noise: np.random.Generator,
 ) -> tuple[SimulatedWire, Laying, int]:
-    """Set the fork, lay a wire and let it come to rest; return it, where it lies, and the fork."""
+    """Set the fork, lay a wire and let it come to rest; return it, where it lies, and the fork.
+
+    It is let down from `above` what lies in the channel [m].
+    """
     model = discretise(wire, world.time_step)
     laying = plan_laying(feeder, panel, wire, channel, joints=len(model.lengths) - 1, noise=noise)
-    fork = _make_fork(world, feeder, wire, laying)
+    fork = _make_fork(world, feeder, wire, laying, feeder.fork_height + above)
     connectors = {c.end: connector_solids(wire, c) for c in wire.connectors}
     cable = SimulatedWire(world, model, wire.colour, connectors)
     yaw = laying.direction * math.pi / 2
-    cable.lay(np.array([*laying.tip_a, wire.radius + DROP_M]), yaw, laying.curvature)
-    for _ in range(round(REST_S / world.time_step)):
+    cable.lay(np.array([*laying.tip_a, above + wire.radius + DROP_M]), yaw, laying.curvature)
+    fall_s = math.sqrt(2 * above * MASS_SCALE / GRAVITY)
+    for _ in range(round((fall_s + REST_S) / world.time_step)):
         world.step()
     return cable, laying, fork
 
 
-def _make_fork(world: World, feeder: Feeder, wire: PanelWire, laying: Laying) -> int:
-    inner = wire.radius + feeder.fork_clearance
-    post, height = feeder.fork_post, feeder.fork_height
+def _make_fork(world: World, feeder: Feeder, wire: PanelWire, laying: Laying, height: float) -> int:
+    inner, post = wire.radius + feeder.fork_clearance, feeder.fork_post
     size = (post, feeder.fork_length, height)
     posts = [Box((side * (inner + post / 2), 0, height / 2), size, FORK_RGB) for side in (-1, 1)]
     pose = Pose.level(float(laying.fork[0]), float(laying.fork[1]), 0.0)

@@ -25,7 +25,7 @@ from remodel_sim.core.geometry import Array, Pose
 from remodel_sim.core.robot.arm import ToolPose
 from remodel_sim.core.workpiece.component_shape import Box
 from remodel_sim.core.workpiece.layout import WORLD_FROM_PANEL, find_problems
-from remodel_sim.core.workpiece.panel import Connector, Panel, PanelWire, WireEnd
+from remodel_sim.core.workpiece.panel import Channel, Connector, Panel, PanelWire, WireEnd
 from remodel_sim.core.workpiece.wire_mechanics import discretise
 from remodel_sim.physics import cameras
 from remodel_sim.physics.collision_check import CollisionCheck
@@ -208,9 +208,21 @@ class Plant:
             self.panel,
             wire,
             channel=self.panel.channel(channel_id),
+            above=self._top_in(self.panel.channel(channel_id)),
             noise=self._noise,
         )
         return cable, laying.presentation(wire)
+
+    def _top_in(self, channel: Channel) -> float:
+        """Return the height of what lies in a channel [m]; 0 where nothing does."""
+        tops = [0.0]
+        for wire_id, parked in self.parked.items():
+            x, y, _ = WORLD_FROM_PANEL.inverse().apply(parked.nodes).T
+            inside = abs(x - channel.x) <= channel.width / 2
+            inside &= (y >= channel.y_min) & (y <= channel.y_max)
+            radius = self.panel.wire(wire_id).radius
+            tops += [float(z) + radius for z in parked.nodes[inside, 2]]
+        return max(tops)
 
     def revive(self, wire_id: str, tools: Mapping[str, ToolPose]) -> ParkedWire:
         """Make a parked wire live again, held where it was; the live wire is parked.
@@ -290,8 +302,7 @@ class Plant:
 
     def _add_parked(self, wire: PanelWire, parked: ParkedWire) -> None:
         draw_parked(self.world, parked.nodes, wire)
-        if self.design.magazine is not None:
-            add_solid(self.world, parked.nodes, wire)
+        add_solid(self.world, parked.nodes, wire)
 
     def _keep_shape(self) -> None:
         if self.live is not None:

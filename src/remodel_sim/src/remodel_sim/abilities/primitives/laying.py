@@ -102,11 +102,11 @@ def tip_of(tool: ToolPose, grip: Grip) -> np.ndarray:
 def carry_over(context: RobotContext, target: ToolPose) -> Steps[None]:
     """Bring the held end above a tool pose, turned as there.
 
-    Low within a channel, else over the rows. One from the magazine turns high up and comes straight
-    down, between its neighbours.
+    Low within a channel, else over the rows. One from the magazine, or with other wires there,
+    turns high up and comes straight down, between its neighbours.
     """
-    now = context.commanded
-    if context.belief.by_magazine:
+    now, among_others = context.commanded, context.belief.by_magazine or len(context.belief.fed) > 1
+    if among_others:
         yield from rise(context)
         yield from move_to(context, target.at(z=context.commanded.z), CARRY_SPEED)
         yield from move_to(context, target.at(z=target.z + ABOVE_TARGET_M), APPROACH_SPEED)
@@ -117,5 +117,5 @@ def carry_over(context: RobotContext, target: ToolPose) -> Steps[None]:
     elif now.z > CARRY_Z:
         yield from move_to(context, ToolPose(target.x, target.y, now.z, now.yaw), CARRY_SPEED)
         yield from move_to(context, context.commanded.at(z=CARRY_Z), APPROACH_SPEED)
-    if not context.belief.by_magazine:
+    if not among_others:
         yield from move_to(context, target.at(z=CARRY_Z), CARRY_SPEED)

@@ -103,7 +103,7 @@ def find_ends(
                 "may be",
             )
         best = near[0]
-        if picture.depth is not None and place[2] > wire.radius + LIFTED_M:
+        if picture.depth is not None and best.tip.tip[2] > wire.radius + LIFTED_M:
             best = _levelled(best, lines)
         connector = wire.connector_at(end)
         found[end] = best if connector is None else best.ahead(connector.pin_length)

@@ -192,12 +192,10 @@ def _observe_closely(
     coarse = context.belief.tips[end]
     out = np.array([math.cos(coarse.out_yaw), math.sin(coarse.out_yaw)])
     middle = coarse.tip[:2] - out * distance / 2
-    # An end that the feeder laid lies on the plate: what is seen higher there is another wire.
-    tip = coarse.tip
-    if not context.belief.by_magazine:
-        tip = np.array([*tip[:2], context.wire.radius])
     for tool in views_around(context, middle, coarse.out_yaw):
-        seen = yield from _search(context, tool, end, tip, distance=distance, pitch=coarse.pitch)
+        seen = yield from _search(
+            context, tool, end, coarse.tip, distance=distance, pitch=coarse.pitch
+        )
         if seen is not None:
             return seen
     del context.belief.tips[end]
