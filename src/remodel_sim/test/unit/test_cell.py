@@ -1,6 +1,8 @@
 """Whole abilities by physics, without ROS."""
 
 from dataclasses import replace
+from itertools import pairwise
+from pathlib import Path
 
 import numpy as np
 import place_wire as do
@@ -12,8 +14,12 @@ from remodel_sim.cell import Cell
 from remodel_sim.core.errors import AbilityError
 from remodel_sim.core.geometry import Pose
 from remodel_sim.core.workpiece.panel import Channel, WireEnd
+from remodel_sim.edge.wire_material_file import read_wire_materials
 from remodel_sim.physics.truth import ground_truth
+from remodel_sim.ros.conversions import read_panel
 from remodel_states.core.codes import Code
+
+CONFIG = Path(__file__).parents[2] / "config"
 
 
 def test_the_same_seed_and_goals_give_the_same_bits_in_two_processes():
@@ -164,3 +170,22 @@ def test_no_piece_is_fed_beside_another_one_of_the_same_wire(cell):
     cell.feed("W2", "A")
     assert "left on the panel" in left_behind(cell, "W1")
     assert set(cell.plant.parked) == {"W1"} and cell.plant.live.wire.id == "W2"
+
+
+def test_a_wire_is_placed_over_one_that_lies_in_its_channel():
+    example = read_panel(CONFIG / "panel.yaml", read_wire_materials(CONFIG / "wire_materials.yaml"))
+    cell = Cell(example, seed=1)
+    do.place(cell, "W1")
+    do.place(cell, "W2")
+    assert all(truth.placed for truth in ground_truth(cell.plant, ["W1", "W2"]))
+    one, other = (dense(cell.plant.parked[wire].nodes) for wire in ("W1", "W2"))
+    nearest = np.linalg.norm(one[:, None] - other, axis=2).min()
+    thickness = example.wire("W1").radius + example.wire("W2").radius
+    assert 0.6 * thickness < nearest < 2 * thickness, "they touch, and do not pass through"
+    cell.close()
+
+
+def dense(nodes):
+    """Return points along a wire's nodes (n, 3), some millimetres apart."""
+    parts = [np.linspace(a, b, 12, endpoint=False) for a, b in pairwise(nodes)]
+    return np.concatenate(parts)
