@@ -33,7 +33,8 @@ def lay(
 ) -> tuple[SimulatedWire, Laying, int]:
     """Set the fork, lay a wire and let it come to rest; return it, where it lies, and the fork.
 
-    It is let down from `above` what lies in the channel [m].
+    It is let down from `above` the wires that lie in the channel [m], between posts that are as
+    much higher.
     """
     model = discretise(wire, world.time_step)
     laying = plan_laying(feeder, panel, wire, channel, joints=len(model.lengths) - 1, noise=noise)

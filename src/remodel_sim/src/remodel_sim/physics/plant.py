@@ -214,7 +214,7 @@ class Plant:
         return cable, laying.presentation(wire)
 
     def _top_in(self, channel: Channel) -> float:
-        """Return the height of what lies in a channel [m]; 0 where nothing does."""
+        """Return how high parked wires reach in a channel [m]; 0 where none lies."""
         tops = [0.0]
         for wire_id, parked in self.parked.items():
             x, y, _ = WORLD_FROM_PANEL.inverse().apply(parked.nodes).T

@@ -58,7 +58,10 @@ PORTAL_LINK_KG = 10.0
 
 
 def robot_description(arm: Kinematics, *, sheaths: bool = False) -> str:
-    """Return the URDF of a robot with its hand and fingers as text, with absolute mesh paths."""
+    """Return the URDF of a robot with its hand and fingers as text, with absolute mesh paths.
+
+    `sheaths`: whether its fingers have them.
+    """
     data = Path(pybullet_data.getDataPath())
     root = _read(data / "franka_panda/panda.urdf", "package://meshes")
     if isinstance(arm, Portal):
@@ -70,7 +73,7 @@ def robot_description(arm: Kinematics, *, sheaths: bool = False) -> str:
     for finger, sheath, side in zip(FINGERS, SHEATHS, (1, -1), strict=True):
         _replace_finger(links[finger], arm.fingers, side)
         if sheaths:
-            _put_on(root, links[finger], sheath)
+            _add_sheath(root, links[finger], sheath)
     for joint in root.iter("joint"):
         child, limit = joint.find("child"), joint.find("limit")
         if child is not None and limit is not None and child.get("link") in FINGERS:
@@ -196,8 +199,8 @@ def _replace_finger(link: ElementTree.Element, fingers: Fingers, side: int) -> N
         _add_box(link, "collision", centre, box.size, roll=roll)
 
 
-def _put_on(root: ElementTree.Element, finger: ElementTree.Element, sheath: str) -> None:
-    """Fix a link to a finger, with the finger's solids."""
+def _add_sheath(root: ElementTree.Element, finger: ElementTree.Element, sheath: str) -> None:
+    """Fix a link to a finger, with the finger's solids; see SHEATHS."""
     link = _add_link(root, sheath, SHEATH_KG, moment=1e-7)
     # Bullet draws, in white, the solids of a link that has nothing to draw: it gets a speck.
     _add_box(link, "visual", (0.0, 0.0, 0.0), (1e-5, 1e-5, 1e-5), rgb=RUBBER)

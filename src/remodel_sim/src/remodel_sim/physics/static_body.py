@@ -10,9 +10,9 @@ from remodel_sim.core.geometry import Pose
 from remodel_sim.core.workpiece.component_shape import Box
 
 # Bullet's own groups of what moves, which an arm is not in, and of what does not; and that of
-# parked wires. Two bodies touch if the mask of either has the group of the other: arms (robot.py)
-# and what does not move leave parked wires out of theirs. The contacts of 19 wires in their ducts,
-# which change nothing, took three quarters of each step.
+# parked wires. Two bodies touch if the mask of either has the group of the other: fingers, which
+# have sheaths for them (robot.py), and what does not move leave parked wires out of theirs. The
+# contacts of 19 wires in their ducts, which change nothing, took three quarters of each step.
 MOVING_GROUP, STATIC_GROUP = 1, 2
 PARKED_GROUP = 8
 

@@ -25,7 +25,7 @@ MOST_M = 0.20
 OUTSIDE_M = 0.03
 # Every so many pixels is looked at, across and down.
 EVERY_PX = 2
-# The height of a square is exceeded by the rest of its points: one wire covers a fifth of it [%].
+# So many of a square's points are lower than its height: one wire covers a fifth of it [%].
 TOP_PERCENT = 90.0
 
 

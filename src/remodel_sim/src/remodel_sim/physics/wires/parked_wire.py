@@ -1,7 +1,7 @@
-"""A placed wire, which keeps its shape, as an image or as a solid.
+"""A placed wire, which keeps its shape: what is drawn of it, and its solid.
 
-Live wires lie on a solid one and slide along it; it yields to them softly, as a slack wire does,
-but returns. The hand passes through it: it would push a real wire aside for good.
+Live wires lie on it and slide along it, and hands push against it. It yields to them softly, as a
+slack wire does, but returns: a hand would push a real wire aside for good.
 """
 
 from __future__ import annotations
