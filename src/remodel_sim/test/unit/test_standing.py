@@ -6,7 +6,13 @@ import numpy as np
 import pytest
 from panels import panel
 
-from remodel_sim.abilities.primitives.motions import FREE_SPEED, LIFTS_Z, TRAVEL_Z, move_to
+from remodel_sim.abilities.primitives.motions import (
+    FREE_SPEED,
+    LIFTS_Z,
+    TRAVEL_Z,
+    move_to,
+    swing_to,
+)
 from remodel_sim.cell import Cell
 from remodel_sim.core.belief.belief_state import NO_CHANNEL, Feed
 from remodel_sim.core.belief.placed_wires import ParkedWire
@@ -25,9 +31,9 @@ SPAN = 0.30
 NODES = 61
 
 
-@pytest.fixture(scope="module")
-def cell():
-    made = Cell(PANEL, design=read_cell("cabinet"))
+@pytest.fixture(scope="module", params=["cabinet", "two_arms_cabinet"])
+def cell(request):
+    made = Cell(PANEL, design=read_cell(request.param))
     yield made
     made.close()
 
@@ -68,7 +74,7 @@ def test_a_hand_travels_over_a_wire_that_stands_out(cell):
     def steps():
         yield from move_to(context, ToolPose(x, -0.20, LIFTS_Z[-1], 0.0), FREE_SPEED)
         yield from move_to(context, ToolPose(x, -0.20, TRAVEL_Z, 0.0), FREE_SPEED)
-        for _ in move_to(context, ToolPose(x, 0.10, TRAVEL_Z, 0.0), FREE_SPEED):
+        for _ in swing_to(context, ToolPose(x, 0.10, TRAVEL_Z, 0.0)):
             heights.append(context.commanded.z)
             robot = cell.plant.robots["robot_1"].body
             assert not cell.plant.world.bullet.getContactPoints(robot)

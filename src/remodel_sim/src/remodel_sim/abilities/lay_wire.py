@@ -18,7 +18,6 @@ import numpy as np
 
 from remodel_sim.abilities.ability import ability
 from remodel_sim.abilities.execution.robot_context import RobotContext, Steps
-from remodel_sim.abilities.primitives.carrying import SNAG_S
 from remodel_sim.abilities.primitives.force_motion import ForceMotion
 from remodel_sim.abilities.primitives.grasping import check_grip, open_fingers
 from remodel_sim.abilities.primitives.holding import (
@@ -82,8 +81,10 @@ UNDER_RIM_M = 0.012
 LEAD_SPEED = 0.25
 # There it lies among other wires, which yield.
 AMONG_WIRES = frozenset({WIRES})
-# The wire may pull at the leading hand, level, with so much of what its terminal holds.
+# The wire may pull at the leading hand, level, with so much of what its terminal holds; with more
+# for so long, and it hangs on something [s].
 MAX_PULL_SHARE = 0.3
+SNAG_S = 0.05
 # Where the wire crosses its first duct it is searched for so far to each side of the slot [m].
 SEARCH_M = 0.030
 CLOSE_S = 0.6

@@ -25,11 +25,11 @@ from remodel_sim.core.workpiece.layout import WORLD_FROM_PANEL
 from remodel_sim.core.workpiece.panel import WireEnd
 from remodel_states.core.codes import Code
 
-# A wire that hangs on something pulls at the hand with so much more than a free one, and longer
-# than it takes to speed the hand up [N], [s]. A free one pulls with no more than its bending
-# stiffness over the square of the tightest bend into a channel [m]: 16 N were measured of 10 mm2.
-SNAG_N = 9.5
-SNAG_S = 0.05
+# A wire that hangs on something pulls at the hand with so much more than a free one, for so long
+# [N], [s]: one that becomes taut slips out of the grip 60 ms later. A free one pulls with no more
+# than its bending stiffness over the square of the tightest bend into a channel [m].
+SNAG_N = 5.0
+SNAG_S = 0.025
 TIGHTEST_BEND_M = 0.020
 # A wire that is drawn out of clips or out of a duct pulls more than a free one; one that pulls more
 # than the grip holds safely hangs on something [N].

@@ -58,7 +58,7 @@ PRESS_SPEED = 0.030
 LIPS_WITHIN_M = 0.008
 LIPS_SPEED = 0.006
 # From beside, the wire is pressed with so many times the clip's force.
-ENOUGH = 1.5
+ENOUGH = 2.0
 # The fingers come so near to the lips; the wire's middle is then below the lips' [m].
 ABOVE_LIPS_M = 0.00015
 # A wire that takes more than so many times the clip's force does not go in.

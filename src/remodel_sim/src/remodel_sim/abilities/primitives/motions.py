@@ -207,7 +207,7 @@ def _through(start: Array, end: Array) -> Array:
 
 
 def _swing(context: RobotContext, target: ToolPose) -> Steps[None]:
-    """Move the empty hand, high up, through joint space.
+    """Move the empty hand, high up, through joint space, or straight over what is in its way.
 
     An arm on an axis goes straight: a posture that its axis's rule does not give has no tool pose
     to resume from when it is stopped.
@@ -224,7 +224,8 @@ def _swing(context: RobotContext, target: ToolPose) -> Steps[None]:
         NOTHING,
     )
     if touch is not None:
-        raise _blocked(touch, target)
+        yield from move_to(context, target, FREE_SPEED)
+        return
     yield from clear_path(context, _through(start, end))
     seconds = PEAK_OVER_MEAN * float((np.abs(end - start) / context.arm.speeds).max())
     ticks = math.ceil(seconds / context.tick_s)
