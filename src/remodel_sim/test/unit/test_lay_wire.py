@@ -118,8 +118,15 @@ def test_two_hands_take_a_short_wire_and_insert_its_first_end():
     cell.close()
 
 
-def test_a_wire_is_led_into_its_ducts_over_one_that_lies_there():
+def test_a_wire_is_led_into_its_ducts_over_one_that_lies_there(monkeypatch):
     cell = cell_of()
+    move_to, targets = lay_wire_module.move_to, []
+
+    def noted(context, target, *how):
+        targets.append(target)
+        return move_to(context, target, *how)
+
+    monkeypatch.setattr(lay_wire_module, "move_to", noted)
     there = along(route_of(cell, ALIKE), 0.020)
     cell.plant.parked[ALIKE] = ParkedWire(there, frozenset(WireEnd))
     key, socket = hold_an_end(cell)
@@ -130,6 +137,13 @@ def test_a_wire_is_led_into_its_ducts_over_one_that_lies_there():
     assert np.linalg.norm(empty[:2]) < LEVEL_N, "what the wire pulls with is not the hand's own"
     laid = lay(cell)
     assert laid.in_ducts >= 0.8
+    behind, risen = targets[-2:]
+    assert risen == behind.at(z=lay_wire_module.TRAVEL_Z), "the open hand goes back before it rises"
+    *_, corner, slot, _ = route_of(cell)
+    onward = (slot - corner)[:2] / np.linalg.norm(slot - corner)
+    back = (slot - behind.position)[:2]
+    assert onward @ back >= 0.9 * lay_wire_module.BACK_M
+    assert abs(np.cross(onward, back)) < 0.003
     grip = holder.belief.grip
     assert grip is not None, "the holder keeps the free end"
     tip_yaw = holder.commanded.yaw + grip.flip

@@ -174,14 +174,21 @@ def _check_camera(guide: RobotContext) -> None:
         )
 
 
-def _withdraw(guide: RobotContext, holder: RobotContext) -> Steps[None]:
-    """Open the leading hand, and take it back along the laid wire, if it can, before it rises."""
+def _withdraw(
+    guide: RobotContext, holder: RobotContext, risen: ToolPose | None = None
+) -> Steps[None]:
+    """Open the leading hand, and take it back along the laid wire, if it can, before it rises.
+
+    It goes below where the holder leaves it room, `risen`, or else away from the holder.
+    """
     yield from open_fingers(guide, HAND_OPEN_M)
     here = guide.commanded
-    back = np.array([math.cos(here.yaw), math.sin(here.yaw), 0.0])
-    if back @ (here.position - holder.commanded.position) < 0:
-        back = -back
-    behind = here.moved(back, BACK_M)
+    if risen is None:
+        back = np.array([math.cos(here.yaw), math.sin(here.yaw), 0.0])
+        if back @ (here.position - holder.commanded.position) < 0:
+            back = -back
+        risen = here.moved(back, BACK_M)
+    behind = risen.at(z=here.z)
     # It is between their walls; open, it has less room there than it keeps from other things.
     ducts = AMONG_WIRES | {duct_name(name) for name in guide.wire.ducts}
     if is_free(guide, behind, ducts):
@@ -270,9 +277,9 @@ def _lead(
         check_grip(holder)
         here, yaw = target.at, target.yaw
     # Released, a wire that is pulled upwards would leave its ducts.
-    yield from _loosen(holder, guide, target, left, _last_turn(places))
+    risen = yield from _loosen(holder, guide, target, left, _last_turn(places))
     guide.report("releasing the wire", 0.9)
-    yield from _withdraw(guide, holder)
+    yield from _withdraw(guide, holder, risen)
     return before or seen.picture, peak
 
 
@@ -484,8 +491,8 @@ def _last_turn(places: Sequence[_Place]) -> float:
 
 def _loosen(
     holder: RobotContext, guide: RobotContext, place: _Place, left: float, turn: float
-) -> Steps[None]:
-    """Give the free part of the wire slack, and the leading hand room to rise.
+) -> Steps[ToolPose]:
+    """Give the free part of the wire slack; return where the leading hand has room to rise to.
 
     After its last `turn` [rad] the wire springs outwards, into the notch of an open finger: the
     holder bends it the other way. `left` is how long the free part is [m].
@@ -498,6 +505,7 @@ def _loosen(
     moves = bring_together(guide, here, holder, inwards, left, SLACK, place.yaw, then=risen)
     for move in moves:
         yield from move_together(move, LEAD_SPEED, HOLD_SPEED)
+    return risen
 
 
 def draw_straight(holder: RobotContext, eyelet: Array, left: float) -> Steps[float]:
