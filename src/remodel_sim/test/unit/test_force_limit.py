@@ -82,7 +82,7 @@ def test_an_end_that_slides_in_the_grip_at_an_obstacle_is_jammed_where_it_stoppe
     cell = Cell(example, seed=5)
     wire = example.wire("W3")
     cell.plant.block_socket(*wire.goes_to(WireEnd.A))
-    with pytest.raises(AbilityError, match=r"18\.\d N at [5-9]\.\d of 14\.0 mm") as caught:
+    with pytest.raises(AbilityError, match=r"18\.\d N at [45]\.\d of 14\.0 mm") as caught:
         push(cell, 18.0, wire)
     assert caught.value.code is Code.INSERTION_JAMMED
     cell.close()

@@ -447,7 +447,8 @@ def _bring(
 ) -> Steps[float]:
     """Lead the wire to a place and heading; the holder keeps `left` [m] of it off the board.
 
-    Where it hangs in a slot of a wall, the hand lifts it out over the rim, and goes on.
+    Where it hangs in a slot of a wall, both hands lift it out over the rim, and go on: the leading
+    hand alone would come too near to the holder.
     """
     x, y, z = (float(v) for v in place.at)
     z = max(_lowest(guide), z - _eyelet_above(guide))
@@ -460,8 +461,9 @@ def _bring(
             raise
         peak = error.found["peak_force"]
     lift = OVER_RIM_M + UNDER_RIM_M
-    here = guide.commanded
-    yield from move_to(guide, here.at(z=here.z + lift), LEAVE_SPEED)
+    both = [(robot, robot.commanded) for robot in (guide, holder)]
+    lifted = [(robot, here.at(z=here.z + lift)) for robot, here in both]
+    yield from move_together(lifted, LEAVE_SPEED, allowed=AMONG_WIRES)
     for target in (tool.at(z=z + lift), tool):
         peak = max(peak, (yield from lead(target)))
     return peak

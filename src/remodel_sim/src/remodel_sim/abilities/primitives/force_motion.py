@@ -16,6 +16,8 @@ from remodel_sim.core.robot.force_control import ForceControl, Yielding
 # on may swing about the limit by less than the sensor's low pass lets through.
 STALLED_M = 1e-4
 STALLED_S = 0.3
+# What presses with such a share of its limit has met something.
+PRESSED_SHARE = 0.8
 # Step of the numeric derivatives of the joints [m].
 STEP_M = 1e-3
 # A motion that gives way nowhere.
@@ -35,7 +37,8 @@ class ForceMotion:
     Attributes:
         travel: from the start, along the line [m].
         peak: the largest force so far, of each step, not filtered [N].
-        peak_travel: where that was [m].
+        pressed_at: travel at which the force first came to PRESSED_SHARE of its limit [m]; None:
+            it has not yet.
     """
 
     def __init__(
@@ -63,7 +66,8 @@ class ForceMotion:
         self._way = way or (lambda travel: start.moved(along, travel))
         self._speed = self._wanted = 0.0
         self._acceleration = 0.0
-        self.travel = self.peak = self.peak_travel = 0.0
+        self.travel = self.peak = 0.0
+        self.pressed_at: float | None = None
         self._farthest, self._stalled_s = 0.0, 0.0
         self._yielding, self._aside = RIGID, np.zeros(0)
         self._aside_speed = self._aside_acceleration = np.zeros(0)
@@ -95,6 +99,8 @@ class ForceMotion:
 
     def limit_to(self, force: float) -> None:
         """Go on with another limit [N]."""
+        if force != self._control.limit:
+            self.pressed_at = None
         self._control = replace(self._control, limit=force)
 
     def advance(self, speed: float) -> Steps[None]:
@@ -138,8 +144,9 @@ class ForceMotion:
         all_felt = wrist_force - self._free
         felt = float(all_felt @ self._along)
         force = felt - self._hand_mass * self._acceleration
-        if force > self.peak:
-            self.peak, self.peak_travel = force, self.travel
+        self.peak = max(self.peak, force)
+        if self.pressed_at is None and force >= PRESSED_SHARE * self._control.limit:
+            self.pressed_at = self.travel
         speed = self._control.speed(self._wanted, force, self._speed, time_step)
         travel = self.travel + speed * time_step
         travel = float(np.clip(travel, self._from - self._reach, self._from + self._reach))

@@ -53,9 +53,8 @@ BEYOND_BOTTOM_M = 0.006
 BUCKLES_M = 0.001
 # Resistance before this depth is the face's or the funnel's.
 FACE_M = 0.003
-# A hand that was stopped with such a share of its limit and then went on slid along the wire, or
-# bent it.
-STOPPED_SHARE = 0.8
+# A hand that is so far beyond the bottom slid along the wire, or bent it [m].
+SLID_M = 0.001
 STILL_S = 0.15
 # A wire that comes through a slot beside the opening's axis is turned into the axis up to this
 # depth [m]: kept straight from the slot on, it does not lean on the funnel.
@@ -267,8 +266,8 @@ def push_in(
     tip = _held_tip(grip, context.tool) - motion.yielded  # the end is where the opening keeps it
     yield from wait(context, 0.1)
     depth = float((tip - socket.position) @ into)
-    is_jammed = not stopped and motion.peak >= STOPPED_SHARE * limit
-    jammed_at = motion.peak_travel - STANDOFF_M if is_jammed else None
+    slid = not stopped or depth > bottom + SLID_M
+    jammed_at = motion.pressed_at - STANDOFF_M if slid and motion.pressed_at is not None else None
     return Push(tip, depth, motion.peak, stopped, jammed_at=jammed_at)
 
 
