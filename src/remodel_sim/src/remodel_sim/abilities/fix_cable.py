@@ -14,6 +14,7 @@ from remodel_sim.abilities.primitives.grasping import check_grip, release_fixed
 from remodel_sim.abilities.primitives.motions import wait
 from remodel_sim.abilities.primitives.observation.fork_check import check_forks
 from remodel_sim.abilities.primitives.pull_test import pull_test
+from remodel_sim.abilities.primitives.pushing import yielding_in
 from remodel_sim.core.belief.belief_state import EndState
 from remodel_sim.core.errors import AbilityError
 from remodel_sim.core.goals import FixGoal
@@ -65,7 +66,9 @@ def fix_cable(context: RobotContext, goal: FixGoal) -> Steps[CableFixed]:
     if goal.pull_test_force > 0:
         nominal = context.panel.panel_from_socket(*key)
         socket = nominal if belief.engaged is None else belief.engaged
-        slip = yield from pull_test(context, socket, goal.pull_test_force, where)
+        slip = yield from pull_test(
+            context, socket, goal.pull_test_force, where, yielding=yielding_in(socket)
+        )
     check_grip(context)
     yield from release_fixed(context, end, key)
     message = (

@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 from remodel_sim.abilities.execution.robot_context import RobotContext, Steps
-from remodel_sim.abilities.primitives.force_motion import ForceMotion
+from remodel_sim.abilities.primitives.force_motion import RIGID, ForceMotion
 from remodel_sim.abilities.primitives.motions import wait
 from remodel_sim.core.errors import AbilityError
 from remodel_sim.core.geometry import Pose
-from remodel_sim.core.robot.force_control import ForceControl
+from remodel_sim.core.robot.force_control import ForceControl, Yielding
 from remodel_sim.core.workpiece.panel import unit_x
 from remodel_states.core.codes import Code
 
@@ -30,6 +30,7 @@ def pull_test(
     newtons: float,
     where: str,
     stiffness: float = CLAMPED_STIFFNESS,
+    yielding: Yielding = RIGID,
 ) -> Steps[float]:
     """Pull the held end outwards until the force is reached; return the slip [m].
 
@@ -39,6 +40,8 @@ def pull_test(
         newtons: the force [N].
         where: the terminal's name.
         stiffness: with which a held end takes up the pull [N/m].
+        yielding: how the hand gives way across the pull: an end that it holds askew leans on its
+            opening, and would jerk between the pads.
 
     Raises:
         AbilityError: PULLED_OUT.
@@ -47,6 +50,7 @@ def pull_test(
     start = context.commanded
     # The push left the end under load; the pull counts from the free hand.
     motion = ForceMotion(context, out, ForceControl(newtons, stiffness))
+    motion.yield_to(yielding)
     taken_up = None
     while not motion.met_limit and motion.travel < PULL_TRAVEL_M:
         yield from motion.advance(PULL_SPEED)

@@ -256,7 +256,7 @@ def push_in(
             motion.tare()  # the wire pulls at a hand that draws back, and brakes one that goes on
         if manner.buckles and not in_opening and ahead >= FACE_M:
             in_opening = True
-            motion.yield_to(_yielding(socket))
+            motion.yield_to(yielding_in(socket))
         at_face = -GENTLE_BEFORE_M <= ahead < bottom / 2
         motion.limit_to(min(limit, until_in) if at_face else limit)
         monitor = monitor.then(motion.force, near_bottom=ahead >= bottom - BUCKLES_M)
@@ -271,7 +271,8 @@ def push_in(
     return Push(tip, depth, motion.peak, stopped, jammed_at=jammed_at)
 
 
-def _yielding(socket: Pose) -> Yielding:
+def yielding_in(socket: Pose) -> Yielding:
+    """Return how a hand gives way to the opening that its wire is in."""
     aside, up = socket.rotation[:, 1], np.array([0.0, 0.0, 1.0])
     return Yielding(np.array([aside, up]), np.array([YIELDS_ASIDE_M, YIELDS_UP_M]))
 
