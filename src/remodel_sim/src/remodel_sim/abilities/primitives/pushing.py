@@ -266,8 +266,9 @@ def push_in(
     tip = _held_tip(grip, context.tool) - motion.yielded  # the end is where the opening keeps it
     yield from wait(context, 0.1)
     depth = float((tip - socket.position) @ into)
-    slid = not stopped or depth > bottom + SLID_M
-    jammed_at = motion.pressed_at - STANDOFF_M if slid and motion.pressed_at is not None else None
+    at_bottom = stopped and -SHORT_OF_BOTTOM_M <= depth - bottom <= SLID_M
+    pressed_at = None if at_bottom else motion.pressed_at
+    jammed_at = None if pressed_at is None else pressed_at - STANDOFF_M
     return Push(tip, depth, motion.peak, stopped, jammed_at=jammed_at)
 
 
