@@ -77,12 +77,22 @@ def test_a_blocked_opening_is_pressed_no_harder_than_allowed(cell_of, pushes, li
     assert pushed.limit == limit
 
 
-def test_an_end_that_slides_in_the_grip_at_an_obstacle_is_jammed_where_it_stopped():
+# The second one's hand comes to rest beyond the bottom, 13 mm farther than its end.
+@pytest.mark.parametrize(
+    ("name", "seed", "rate_hz", "limit", "words"),
+    [
+        ("W3", 5, 240.0, 18.0, r"18\.\d N at [45]\.\d of 14\.0 mm"),
+        ("W1", 6, 500.0, 25.0, r"25\.\d N at [45]\.\d of 14\.0 mm"),
+    ],
+)
+def test_an_end_that_slides_in_the_grip_at_an_obstacle_is_jammed_where_it_stopped(
+    name, seed, rate_hz, limit, words
+):
     example = read_panel(CONFIG / "panel.yaml", read_wire_materials(CONFIG / "wire_materials.yaml"))
-    cell = Cell(example, seed=5)
-    wire = example.wire("W3")
+    cell = Cell(example, seed=seed, rate_hz=rate_hz)
+    wire = example.wire(name)
     cell.plant.block_socket(*wire.goes_to(WireEnd.A))
-    with pytest.raises(AbilityError, match=r"18\.\d N at [45]\.\d of 14\.0 mm") as caught:
-        push(cell, 18.0, wire)
+    with pytest.raises(AbilityError, match=words) as caught:
+        push(cell, limit, wire)
     assert caught.value.code is Code.INSERTION_JAMMED
     cell.close()
