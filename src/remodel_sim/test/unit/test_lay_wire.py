@@ -286,6 +286,21 @@ def test_what_stood_above_the_rims_before_does_not_count(height, share):
     cell.close()
 
 
+def test_a_wire_over_the_rims_is_not_taken_for_one_below_that_it_moved():
+    cell = cell_of()
+    wires, own = cell.plant.panel.wires, cell.plant.panel.wire(WIRE)
+    alike = [each.id for each in wires if each.colour == own.colour and each is not own]
+    moved, laid = alike[:2]
+    aside = np.array([0.012, 0.012, 0.0])
+    cell.plant.restore({moved: ParkedWire(along(route_of(cell), 0.012) - aside, frozenset())})
+    there = before(cell)
+    cell.plant.parked[moved] = ParkedWire(along(route_of(cell), 0.030), frozenset())
+    cell.plant.parked[laid] = ParkedWire(along(route_of(cell), 0.070) + aside, frozenset())
+    cell.feed(WIRE, "")
+    assert inspected(cell, there) == pytest.approx(0.0, abs=0.1)
+    cell.close()
+
+
 def test_in_a_full_duct_less_of_a_wire_is_in_view():
     cell = cell_of()
     line = along(route_of(cell), 0.020)

@@ -145,7 +145,7 @@ def _inspect(
         if passing is not None and not is_new(passing, place, before, context.wire.radius):
             passing = None
         is_below = _nothing_new_above(duct, place, picture, before, context.wire.radius)
-        if passing is not None and not is_below:
+        if passing is not None and is_below is None:
             is_below = passing.height < duct.height
         is_seen = passing is not None or _is_new_inside(duct, place, picture, before, context.wire)
         found.append(Inspected(is_seen, is_below))
