@@ -182,13 +182,14 @@ def top_around(picture: Picture, point: Array, reach: float) -> float | None:
 
     Args:
         picture: from above, with depth.
-        point: world frame [m].
+        point: on or above it, world frame [m].
         reach: how far from it, level [m].
 
     Returns:
         None where something nearer to the camera hides all of it.
     """
-    points, _ = _surface_around(picture, point, 2 * reach)
+    # The camera sees what is lower than the point beside it, not farther than it is lower.
+    points, _ = _surface_around(picture, point, reach + float(point[2]))
     around = points[np.linalg.norm((points - point)[:, :2], axis=1) <= reach]
     return float(np.percentile(around[:, 2], TOP_PERCENT)) if len(around) else None
 
