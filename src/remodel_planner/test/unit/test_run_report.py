@@ -42,7 +42,7 @@ BAD = Operation(
 )
 
 
-def attempted(name, *operations, placed=True, attempt=1):
+def attempted(name, *operations, placed=True, attempt=1, result=""):
     wire = Wire(
         name,
         TerminalRef("Q1", "B1"),
@@ -66,6 +66,7 @@ def attempted(name, *operations, placed=True, attempt=1):
         wire,
         0.3,
         execution,
+        result or ("placed" if placed else "NOT placed (failed)"),
         (Drawing("chart", "<svg id='drawing'/>"),),
         pictures=(Picture("overhead", "data:image/jpeg;base64,"),),
     )
@@ -119,6 +120,15 @@ def test_the_page_shows_each_wire_and_its_failures():
     assert "A <house>" in tree.text_content()
     assert not tree.xpath("//house | //here")
     assert "background: #ffb703" in page
+
+
+def test_the_page_names_what_became_of_each_attempt():
+    discarded = attempted("W1", placed=False, attempt=2, result="discarded")
+    made = report(attempted("W1", BAD, placed=False), discarded)
+    page = html.fromstring(render_html(TEMPLATE, made, COLOURS))
+    for path in ("//tr/td[5][@class]", "//details/summary/span[1]"):
+        shown = [(each.get("class"), each.text) for each in page.xpath(path)]
+        assert shown == [("bad", "NOT placed (failed)"), ("good", "discarded")]
 
 
 def test_a_cable_is_one_task_shown_before_its_cores():

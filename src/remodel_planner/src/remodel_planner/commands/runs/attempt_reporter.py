@@ -7,7 +7,7 @@ from pathlib import Path
 from flexbe_synthesizer.core.chart.chart_reader import parse_chart
 from flexbe_synthesizer.core.export.draw import chart_to_dot
 from flexbe_synthesizer.edge.graphviz import dot_picture
-from remodel_planner.core.reports.run_report import AttemptReport, Drawing, Picture
+from remodel_planner.core.reports.run_report import AttemptReport, Drawing, Picture, attempt_result
 from remodel_planning.edge.fault_file import read_error_names
 from remodel_production.core.production import Wire
 from remodel_supervision.core.run import Operation
@@ -35,6 +35,7 @@ class AttemptReporter:
             wire,
             length_m,
             attempt.execution,
+            attempt_result(attempt),
             tuple(_drawings(taken)),
             pictures=tuple(self._picture(name, operations) for name in self._there(attempt)),
         )

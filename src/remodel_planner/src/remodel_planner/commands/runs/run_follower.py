@@ -11,13 +11,13 @@ from remodel_msgs.msg import RunUseCaseAction, RunUseCaseGoal, UseCaseChanges, U
 from remodel_msgs.srv import GetTasks
 
 from remodel_planner.commands.runs.run_bar import RunBar
-from remodel_planner.core.reports.run_report import failure_line
+from remodel_planner.core.reports.run_report import attempt_result, failure_line
 from remodel_planning.core.use_case.fault import Do
 from remodel_production.core.counted import counted
 from remodel_production.core.production import Order, Wire
 from remodel_supervision.core.run import Execution
 from remodel_supervision.core.runs.attempts import Attempt, Attempts
-from remodel_supervision.core.runs.events import Event, Part, Planned, RunBegun
+from remodel_supervision.core.runs.events import Event, Planned, RunBegun
 from remodel_supervision.core.runs.fold import state_after
 from remodel_supervision.core.runs.state import RunState, Stage
 from remodel_supervision.core.runs.steady_clock import SteadyClock
@@ -221,16 +221,7 @@ def _event_lines(event: Event) -> list[str]:
 
 def attempt_line(attempt: Attempt, wires: dict[str, Wire]) -> str:
     """Return what a behavior did to its wire, with its failures in lines of their own."""
-    execution = attempt.execution
-    result = "placed" if execution.placed else f"NOT placed ({execution.outcome})"
-    if execution.outcome == "finished" and not execution.placed:
-        result = "finished, not confirmed by the cell's ground truth"
-    if attempt.because:
-        result = f"interrupted ({attempt.because})"
-    if attempt.part is Part.CLEAR:
-        result = "hand emptied"
-    if attempt.part is Part.DISCARD:
-        result = "discarded" if execution.outcome == "finished" else "NOT discarded"
+    execution, result = attempt.execution, attempt_result(attempt)
     if execution.attempt > 1:
         result += f" at attempt {execution.attempt}"
     if attempt.decision:

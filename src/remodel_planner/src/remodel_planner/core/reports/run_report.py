@@ -15,8 +15,13 @@ from remodel_planner.core.reports.net_list import Connection, Verdict, share_in_
 from remodel_production.core.production import Order, Wire
 from remodel_production.core.whole_task import WholeTask
 from remodel_supervision.core.run import Execution, Operation
+from remodel_supervision.core.runs.attempts import Attempt
+from remodel_supervision.core.runs.events import Part
 
 INSERTION = "InsertCable"
+
+# What becomes of an attempt that does what it is for.
+PLACED, DISCARDED, EMPTIED = "placed", "discarded", "hand emptied"
 
 # Of an ability without a colour of its own.
 _OTHER_COLOUR = "#adb5bd"
@@ -67,13 +72,20 @@ class AttemptReport:
     Attributes:
         wire: that the task places; None for a task of another kind, such as a branch of a harness.
         length_m: [m] of the wire.
+        result: of the attempt, for a person.
     """
 
     wire: Wire | None
     length_m: float
     execution: Execution
+    result: str
     drawings: tuple[Drawing, ...]
     pictures: tuple[Picture, ...]
+
+    @property
+    def good(self) -> bool:
+        """Whether it did what it was for."""
+        return self.result in (PLACED, DISCARDED, EMPTIED)
 
     @property
     def label(self) -> str:
@@ -345,6 +357,23 @@ def _wire_data(wire: Wire, length_m: float) -> Mapping[str, object]:
         "length_m": length_m,
         "source": wire.source,
     }
+
+
+def attempt_result(attempt: Attempt) -> str:
+    """Return what became of an attempt, for a person."""
+    execution = attempt.execution
+    finished = execution.outcome == "finished"
+    if attempt.part is Part.CLEAR:
+        return EMPTIED
+    if attempt.part is Part.DISCARD:
+        return DISCARDED if finished else "NOT discarded"
+    if attempt.because:
+        return f"interrupted ({attempt.because})"
+    if execution.placed:
+        return PLACED
+    if finished:
+        return "finished, not confirmed by the cell's ground truth"
+    return f"NOT placed ({execution.outcome})"
 
 
 def failure_line(operation: Operation) -> str:

@@ -130,7 +130,7 @@ def _clear_lines(
         except AbilityError as error:
             if error.code is not Code.UNREACHABLE:
                 raise
-    raise _blocked(touch, target)
+    raise _blocked(touch, target, ", nor one over it,")
 
 
 def _touch_on(context: RobotContext, line: Line, allowed: Set[str]) -> Touch | None:
@@ -138,11 +138,11 @@ def _touch_on(context: RobotContext, line: Line, allowed: Set[str]) -> Touch | N
     return context.first_touch(line.between, length, allowed)
 
 
-def _blocked(touch: Touch, target: ToolPose) -> AbilityError:
+def _blocked(touch: Touch, target: ToolPose, nor_over: str = "") -> AbilityError:
     return AbilityError(
         Code.UNREACHABLE,
-        f"{touch}: no straight path to {target}, nor one over it, is free; move what is in the "
-        "way, or approach from elsewhere",
+        f"{touch}: no straight path to {target}{nor_over} is free; move what is in the way, or "
+        "approach from elsewhere",
     )
 
 
