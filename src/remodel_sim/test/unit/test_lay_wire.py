@@ -49,6 +49,8 @@ FAR_ASIDE_M = 0.016
 # A wire pulls at the leading hand with more than this where it is led along a duct [N]; the hand is
 # higher than this where it has lifted the wire over the rims [m].
 PULLS_N, LIFTED_Z = 1.5, 0.045
+# Two hands lift it by so much, together: the leading one alone would come too near to the other [m].
+LIFT_M = 0.020
 # So many wires beside each other fill a duct's floor.
 BUNDLE = 7
 # A wire passes a corner so far from another one there, across each of its legs [m].
@@ -157,8 +159,17 @@ def test_a_wire_is_led_into_its_ducts_over_one_that_lies_there(monkeypatch):
     cell.close()
 
 
-def test_a_wire_that_pulls_too_hard_is_lifted_over_the_rim_and_led_on(monkeypatch):
+def test_a_wire_that_pulls_too_hard_is_lifted_by_both_hands_and_led_on(monkeypatch):
     cell = cell_of()
+    move_together, lifted = lay_wire_module.move_together, []
+
+    def noted(targets, *how, **more):
+        rises = {robot.name: tool.z - robot.commanded.z for robot, tool in targets}
+        if set(more) == {"allowed"}:
+            lifted.append(rises)
+        return move_together(targets, *how, **more)
+
+    monkeypatch.setattr(lay_wire_module, "move_together", noted)
     key, socket = hold_an_end(cell)
     insert(cell, WIRE, WireEnd.A, *key, socket)
     fix(cell, WIRE, *key, pull=5.0)
@@ -170,6 +181,9 @@ def test_a_wire_that_pulls_too_hard_is_lifted_over_the_rim_and_led_on(monkeypatc
     )
     laid = lay(cell)
     assert PULLS_N < laid.peak_force <= allowed
+    assert lifted and all(
+        rises == pytest.approx({GUIDE: LIFT_M, HOLDER: LIFT_M}, abs=0.001) for rises in lifted
+    )
     assert truth.share_in_ducts(cell.plant, WIRE) >= 0.8
     cell.close()
 
