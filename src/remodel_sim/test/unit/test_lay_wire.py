@@ -49,7 +49,7 @@ FAR_ASIDE_M = 0.016
 # A wire pulls at the leading hand with more than this where it is led along a duct [N]; the hand is
 # higher than this where it has lifted the wire over the rims [m].
 PULLS_N, LIFTED_Z = 1.5, 0.045
-# Two hands lift it by so much, together: the leading one alone would come too near to the other [m].
+# Two hands lift it by so much: the leading one alone would come too near to the other one [m].
 LIFT_M = 0.020
 # So many wires beside each other fill a duct's floor.
 BUNDLE = 7

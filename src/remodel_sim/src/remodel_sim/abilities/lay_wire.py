@@ -77,11 +77,11 @@ OVER_RIM_M = 0.008
 # It is led so far below the rim, above the wires that lie there: ahead of the hand it rises over
 # the wall behind a corner, and it sinks behind the hand [m].
 UNDER_RIM_M = 0.012
-# It passes a corner so far to its outer side, where the fewest wires lie [m]: led along one line, all
-# would lie on each other, higher than the rims. So far from there it must be free of them [m].
+# It passes a corner so far to its outer side, where what lies up to so far away is lowest [m].
+# Led along one line, all wires would lie on each other, and over the rims at last.
 OUTER_M = (0.0, 0.005, 0.010)
-FREE_M = 0.003
-# The depth camera does not distinguish heights that differ by less [m].
+TOP_REACH_M = 0.003
+# Heights that differ by less are the same: the depth camera's noise [m].
 LEVEL_M = 0.002
 # The leading hand goes along a duct so fast [m/s].
 LEAD_SPEED = 0.25
@@ -293,16 +293,17 @@ def _led(guide: RobotContext, route: Sequence[Array], before: Picture) -> list[A
 
     At each corner it leads the wire over where the lowest of what lies there is in a picture.
     """
-    middle = [at + [0.0, 0.0, _rim(guide, at) - UNDER_RIM_M - at[2]] for at in route[1:-1]]
-    led = list(middle)
-    for i in range(1, len(middle) - 1):
-        legs = [middle[i - 1] - middle[i], middle[i + 1] - middle[i]]
+    points = [np.array([*at[:2], _rim(guide, at) - UNDER_RIM_M]) for at in route[1:-1]]
+    led = list(points)
+    for i in range(1, len(points) - 1):
+        legs = [points[i - 1] - points[i], points[i + 1] - points[i]]
         outer = -sum((leg / np.linalg.norm(leg) for leg in legs), np.zeros(3))
-        crossing = middle[i] - outer * CORNER_M / 4
+        crossing = points[i] - outer * CORNER_M / 4
         tops = {
-            aside: top_around(before, crossing + aside * outer, FREE_M) or 0.0 for aside in OUTER_M
+            aside: top_around(before, crossing + aside * outer, TOP_REACH_M) or 0.0
+            for aside in OUTER_M
         }
-        led[i] = middle[i] + outer * min(tops, key=lambda aside: round(tops[aside] / LEVEL_M))
+        led[i] = points[i] + outer * min(OUTER_M, key=lambda aside: round(tops[aside] / LEVEL_M))
     return led
 
 
