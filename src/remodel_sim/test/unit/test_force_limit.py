@@ -16,11 +16,15 @@ from remodel_sim.cell import Cell
 from remodel_sim.core.errors import AbilityError
 from remodel_sim.core.workpiece.panel import WireEnd
 from remodel_sim.edge.wire_material_file import read_wire_materials
+from remodel_sim.physics import plant
 from remodel_sim.physics.truth import ground_truth
 from remodel_sim.ros.conversions import read_panel
 from remodel_states.core.codes import Code
 
 CONFIG = Path(__file__).parents[2] / "config"
+# The lowest depth at which an end was seated in a terminal of 14 mm was 13.5 mm, of 44 [m].
+NEAR_BOTTOM_M = 0.0115
+FORCE_LIMIT_N = 14.0
 
 
 @pytest.fixture
@@ -96,3 +100,12 @@ def test_an_end_that_slides_in_the_grip_at_an_obstacle_is_jammed_where_it_stoppe
         push(cell, limit, wire)
     assert caught.value.code is Code.INSERTION_JAMMED
     cell.close()
+
+
+def test_an_obstacle_just_before_the_bottom_is_not_taken_for_it(cell_of, monkeypatch):
+    monkeypatch.setattr(plant, "PLUG_FROM_M", NEAR_BOTTOM_M)
+    cell = cell_of(240.0)
+    cell.plant.block_socket(*cell.plant.panel.wires[0].goes_to(WireEnd.A))
+    with pytest.raises(AbilityError, match=r"at 11\.\d of 14\.0 mm") as caught:
+        push(cell, FORCE_LIMIT_N)
+    assert caught.value.code is Code.INSERTION_JAMMED

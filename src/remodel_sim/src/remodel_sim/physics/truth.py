@@ -15,7 +15,7 @@ from remodel_sim.physics.plant import Plant
 
 # A tip that is so near to the bottom sits at it; InsertCable judges by the same distance. The
 # clamp's jaw is further out.
-BOTTOM_M = 0.003
+BOTTOM_M = 0.002
 # A wire in a clip has some play, and bends a little beside it.
 IN_CLIP_M = 0.001
 

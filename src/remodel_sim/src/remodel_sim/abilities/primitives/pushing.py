@@ -44,9 +44,9 @@ OVERTRAVEL_M = 0.008
 SLOW_BEFORE_M = 0.001
 HOME_BEFORE_M = 0.0015
 # Resistance so far before or beyond the bottom counts as the bottom. A turn of the hand draws the
-# wire back in the grip by up to 3 mm, so that it meets the bottom late, by the arm's measure; early
-# it does only in front of an obstacle.
-SHORT_OF_BOTTOM_M = 0.003
+# wire back in the grip by up to 3 mm, so that it meets the bottom late, by the arm's measure. More
+# than 0.5 mm early it meets an obstacle only, or passes below its opening.
+SHORT_OF_BOTTOM_M = 0.002
 BEYOND_BOTTOM_M = 0.006
 # A wire buckles at the bottom so near to where that should be: a force that falls before is that of
 # an end that is caught on its way in.
