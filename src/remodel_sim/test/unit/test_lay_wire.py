@@ -53,8 +53,6 @@ PULLS_N, LIFTED_Z = 1.5, 0.045
 LIFT_M = 0.020
 # So many wires beside each other fill a duct's floor.
 BUNDLE = 7
-# A wire passes a corner so far from another one there, across each of its legs [m].
-FREE_OF_OTHERS_M = 0.005
 # An empty hand feels no more than this across its weight [N].
 LEVEL_N = 0.3
 
@@ -314,23 +312,6 @@ def test_a_wire_over_the_rims_is_not_taken_for_one_below_that_it_moved():
     cell.plant.parked[laid] = ParkedWire(along(route_of(cell), 0.070) + aside, frozenset())
     cell.feed(WIRE, "")
     assert inspected(cell, there) == pytest.approx(0.0, abs=0.1)
-    cell.close()
-
-
-def test_a_wire_is_led_past_corners_where_no_other_lies():
-    cell = cell_of()
-    cell.feed(WIRE, "")
-    guide, route = cell.contexts[GUIDE], route_of(cell)
-    first = lay_wire_module._led(guide, route, before(cell))
-    assert np.array(first)[:, :2] == pytest.approx(route[1:-1, :2]), "through the middle"
-    places = lay_wire_module._places_along(first)
-    there = np.array(list(dict.fromkeys(tuple(place.at) for place in places)))
-    cell.plant.restore({ALIKE: ParkedWire(along(there, 0.035), frozenset())})
-    second = lay_wire_module._led(guide, route, before(cell))
-    assert second[0] == pytest.approx(first[0]) and second[-1] == pytest.approx(first[-1])
-    for last, corner, onward, led in zip(first, first[1:], first[2:], second[1:], strict=False):
-        inner = np.sign(last + onward - 2 * corner)
-        assert (corner - led)[:2] @ inner[:2] >= 2 * FREE_OF_OTHERS_M
     cell.close()
 
 

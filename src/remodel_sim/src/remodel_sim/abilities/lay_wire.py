@@ -49,7 +49,7 @@ from remodel_sim.core.goals import LayGoal
 from remodel_sim.core.goals.goal_pose import Message
 from remodel_sim.core.robot.arm import ToolPose
 from remodel_sim.core.robot.force_control import ForceControl
-from remodel_sim.core.vision.laid_wire import Passing, top_around, uppermost_past
+from remodel_sim.core.vision.laid_wire import Passing, uppermost_past
 from remodel_sim.core.vision.wire_lines import WireLines
 from remodel_sim.core.workpiece.layout import WORLD_FROM_PANEL
 from remodel_sim.core.workpiece.obstacles import WIRES, duct_name
@@ -77,12 +77,6 @@ OVER_RIM_M = 0.008
 # It is led so far below the rim, above the wires that lie there: ahead of the hand it rises over
 # the wall behind a corner, and it sinks behind the hand [m].
 UNDER_RIM_M = 0.012
-# It passes a corner so far to its outer side, where what lies up to so far away is lowest [m].
-# Led along one line, all wires would lie on each other, and over the rims at last.
-OUTER_M = (0.0, 0.005, 0.010)
-TOP_REACH_M = 0.003
-# Heights that differ by less are the same: the depth camera's noise [m].
-LEVEL_M = 0.002
 # The leading hand goes along a duct so fast [m/s].
 LEAD_SPEED = 0.25
 # There it lies among other wires, which yield.
@@ -242,6 +236,10 @@ def _lead(
     grip = holder.belief.grip
     assert grip is not None, "the holder has the free end"
     fixed = WORLD_FROM_PANEL @ guide.panel.panel_from_socket(*guide.wire.goes_to(grip.end.other))
+    depths = [np.array([0.0, 0.0, _rim(guide, at) - UNDER_RIM_M - at[2]]) for at in route[1:-1]]
+    places = list(_places_along([at + d for at, d in zip(route[1:-1], depths, strict=True)]))
+    over = _rim(guide, route[1]) + OVER_RIM_M
+    places.insert(0, replace(places[0], at=np.array([*places[0].at[:2], over])))
     guide.report("searching for the wire at its slot", 0.2)
     left = guide.wire.length - grip.distance - INSIDE_M - float(np.linalg.norm(route[1] - route[0]))
     slot = ToolPose(*(float(v) for v in route[1]), 0.0)
@@ -254,9 +252,6 @@ def _lead(
     yield from clear_sight(guide, route[1][None])
     seen = yield from observe_board(guide)
     before = next(iter(guide.belief.untouched), None)
-    places = list(_places_along(_led(guide, route, before or seen.picture)))
-    over = _rim(guide, route[1]) + OVER_RIM_M
-    places.insert(0, replace(places[0], at=np.array([*places[0].at[:2], over])))
     tool, is_seen = _find(guide, route[1], -unit_x(fixed), seen, before)
     # Lifted, the wire comes straight from its slot: the eyelet turns half the way there.
     turn = float(wrap_angle(fixed.yaw + math.pi - tool.yaw)) / 2
@@ -286,25 +281,6 @@ def _lead(
     guide.report("releasing the wire", 0.9)
     yield from _withdraw(guide, holder, risen)
     return before or seen.picture, peak
-
-
-def _led(guide: RobotContext, route: Sequence[Array], before: Picture) -> list[Array]:
-    """Return where the eyelet is led from slot to slot, (3,) each [m], below the rims.
-
-    At each corner it leads the wire over where the lowest of what lies there is in a picture.
-    """
-    points = [np.array([*at[:2], _rim(guide, at) - UNDER_RIM_M]) for at in route[1:-1]]
-    led = list(points)
-    for i in range(1, len(points) - 1):
-        legs = [points[i - 1] - points[i], points[i + 1] - points[i]]
-        outer = -sum((leg / np.linalg.norm(leg) for leg in legs), np.zeros(3))
-        crossing = points[i] - outer * CORNER_M / 4
-        tops = {
-            aside: top_around(before, crossing + aside * outer, TOP_REACH_M) or 0.0
-            for aside in OUTER_M
-        }
-        led[i] = points[i] + outer * min(OUTER_M, key=lambda aside: round(tops[aside] / LEVEL_M))
-    return led
 
 
 def _last(place: _Place, here: Array, left: float) -> _Place:

@@ -177,23 +177,6 @@ def points_of_colour(lines: WireLines, point: Array, reach: float) -> Array:
     return points[is_own]
 
 
-def top_around(picture: Picture, point: Array, reach: float) -> float | None:
-    """Return how high what lies around a point (3,) reaches [m], world frame.
-
-    Args:
-        picture: from above, with depth.
-        point: on or above it, world frame [m].
-        reach: how far from it, level [m].
-
-    Returns:
-        None where something nearer to the camera hides all of it.
-    """
-    # The camera sees what is lower than the point beside it, not farther than it is lower.
-    points, _ = _surface_around(picture, point, reach + float(point[2]))
-    around = points[np.linalg.norm((points - point)[:, :2], axis=1) <= reach]
-    return float(np.percentile(around[:, 2], TOP_PERCENT)) if len(around) else None
-
-
 def _surface_around(picture: Picture, point: Array, reach: float) -> tuple[Array, Array]:
     """Return what a depth camera sees around a point (3,).
 
