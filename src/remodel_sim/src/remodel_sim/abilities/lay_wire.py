@@ -60,12 +60,14 @@ from remodel_states.core.codes import Code
 # The pads stay so far apart that the edges of the eyelet do not pinch the wire. Pads that are so
 # near to each other, or by such a share of the wire's diameter, have nothing between them. If the
 # wire is there instead of in the eyelet, the hand goes down by so much, so often [m]: as far as a
-# loop of another wire may lie over it.
+# loop of another wire may lie over it, or as far as a wire that is seen may be from there. Below
+# that it would be above the eyelet, between the stems, and what keeps the pads apart is others.
 APART_M = 0.0010
 CLOSED_M = 0.0016
 CLOSED_SHARE = 0.7
 STEP_DOWN_M = 0.004
 TAKES = 7
+SEEN_TAKES = 3
 # The leading hand begins to turn so far before a corner, and ends so far behind it [m].
 CORNER_M = 0.030
 # So much of the turn it has done in the middle of the corner and where it ends; all, so far behind.
@@ -407,11 +409,12 @@ def _take(guide: RobotContext, tool: ToolPose, is_seen: bool) -> Steps[None]:
     A wire that is not seen must have been between the pads before.
     """
     is_there = is_seen
+    takes = SEEN_TAKES if is_seen else TAKES
     guide.drive_fingers(HAND_OPEN_M)
     yield from move_to(guide, tool.at(z=max(TRAVEL_Z, guide.commanded.z)), FREE_SPEED)
     yield from move_to(guide, tool.at(z=TRAVEL_Z), FREE_SPEED)
     yield from move_to(guide, tool, APPROACH_SPEED)
-    for _ in range(TAKES):
+    for _ in range(takes):
         guide.drive_fingers(APART_M / 2)
         yield from wait(guide, CLOSE_S)
         gap = guide.finger_gap
@@ -427,7 +430,7 @@ def _take(guide: RobotContext, tool: ToolPose, is_seen: bool) -> Steps[None]:
     raise AbilityError(
         Code.GRASP_MISSED,
         f"the eyelet of {guide.name} does not close around {guide.wire.id!r} at {tool}, or up to "
-        f"{(TAKES - 1) * STEP_DOWN_M * 1e3:.0f} mm lower: the pads were last {gap * 1e3:.1f} mm "
+        f"{(takes - 1) * STEP_DOWN_M * 1e3:.0f} mm lower: the pads were last {gap * 1e3:.1f} mm "
         "apart; draw the wire out and insert it again",
     )
 
