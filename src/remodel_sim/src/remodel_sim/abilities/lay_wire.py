@@ -37,7 +37,7 @@ from remodel_sim.abilities.primitives.motions import (
     move_to,
     wait,
 )
-from remodel_sim.abilities.primitives.observation.duct_check import share_in_ducts
+from remodel_sim.abilities.primitives.observation.duct_check import check_beside_ducts, share_in_ducts
 from remodel_sim.abilities.primitives.observation.route_check import duct_places, observe_board
 from remodel_sim.abilities.primitives.observation.sight_lines import clear_sight
 from remodel_sim.abilities.primitives.together import move_together
@@ -163,6 +163,8 @@ def lay_wire(holder: RobotContext, guide: RobotContext, goal: LayGoal) -> Steps[
             in_ducts=in_ducts,
             peak_force=peak,
         )
+    free = np.array([route[-2], holder.commanded.position])
+    yield from check_beside_ducts(guide, before, [np.array(route[:2]), np.array(route[-2:]), free])
     return WireLaid(f"{goal.cable_id} laid into {', '.join(holder.wire.ducts)}", in_ducts, peak)
 
 

@@ -18,8 +18,9 @@ from remodel_sim.abilities.primitives.observation.observing import STILL_S
 from remodel_sim.abilities.primitives.observation.viewpoints import camera_above
 from remodel_sim.core.camera import Picture
 from remodel_sim.core.errors import AbilityError
-from remodel_sim.core.geometry import Pose
+from remodel_sim.core.geometry import Array, Pose
 from remodel_sim.core.robot.arm import ToolPose
+from remodel_sim.core.vision.beside_ducts import length_beside_ducts
 from remodel_sim.core.vision.drawing import BLUE, ORANGE, Drawing
 from remodel_sim.core.vision.laid_wire import are_new, is_new, stood_at, surface_at, wire_past
 from remodel_sim.core.vision.wire_lines import WireLines
@@ -44,6 +45,8 @@ BEYOND_M = 0.020
 WALL_M = 0.004
 # A duct is looked into at points that are so far apart [m].
 POINTS_M = 0.002
+# So much of a wire may lie on the plate beside its ducts, but for its way to its terminals [m].
+MOST_BESIDE_M = 0.030
 
 
 @dataclass(frozen=True)
@@ -100,6 +103,31 @@ def share_in_ducts(
         )
     judged = [each.is_below for each in found if each.is_below is not None]
     return sum(judged) / len(judged)
+
+
+def check_beside_ducts(context: RobotContext, before: Picture, ways: Sequence[Array]) -> Steps[None]:
+    """Check that a wire was laid nowhere on the plate but in its ducts.
+
+    In full ducts others that it moved may be taken for it; beside them there are none.
+
+    Args:
+        context: of any robot; an overhead camera that measures depth.
+        before: with depth, of the board from above before the wire was laid.
+        ways: lines (2, 3) along which it may be outside its ducts, world frame [m].
+
+    Raises:
+        AbilityError: OUT_OF_DUCT.
+    """
+    picture = context.take_overhead_picture()
+    yield
+    wire = context.wire
+    beside = length_beside_ducts(picture, before, context.panel, wire.radius, ways)
+    if beside > MOST_BESIDE_M:
+        raise AbilityError(
+            Code.OUT_OF_DUCT,
+            f"{wire.id!r} lies beside its ducts, on {beside * 1e3:.0f} mm of the plate; allowed: "
+            f"{MOST_BESIDE_M * 1e3:.0f} mm; draw it out and place it again",
+        )
 
 
 def _least_seen(context: RobotContext, places: Mapping[Duct, Sequence[Pose]]) -> float:
