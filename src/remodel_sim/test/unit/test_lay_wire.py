@@ -12,16 +12,27 @@ from place_wire import do, fix, insert, locate
 from remodel_sim.abilities import lay_wire as lay_wire_module
 from remodel_sim.abilities.detect_cable import detect_cable
 from remodel_sim.abilities.discard_cable import discard_cable
-from remodel_sim.abilities.lay_wire import SEARCH_M, TIGHTEN_M, draw_straight, lay_wire
+from remodel_sim.abilities.execution.robot_context import RobotContext
+from remodel_sim.abilities.lay_wire import (
+    SEARCH_M,
+    SEEN_TAKES,
+    STEP_DOWN_M,
+    TIGHTEN_M,
+    _take,
+    draw_straight,
+    lay_wire,
+)
 from remodel_sim.abilities.pick_cable import pick_cable
 from remodel_sim.abilities.place_cable import place_cable
-from remodel_sim.abilities.primitives.observation.duct_check import share_in_ducts
+from remodel_sim.abilities.primitives.holding import FLAT, hold_off
+from remodel_sim.abilities.primitives.observation.duct_check import check_beside_ducts, share_in_ducts
 from remodel_sim.abilities.primitives.observation.route_check import duct_places
 from remodel_sim.cell import Cell
 from remodel_sim.core import goals
 from remodel_sim.core.belief.placed_wires import ParkedWire
 from remodel_sim.core.errors import AbilityError
 from remodel_sim.core.geometry import Pose
+from remodel_sim.core.robot.arm import ToolPose
 from remodel_sim.core.vision.laid_wire import uppermost_past, wire_past
 from remodel_sim.core.vision.wire_lines import WireLines
 from remodel_sim.core.workpiece.layout import WORLD_FROM_PANEL
@@ -53,6 +64,11 @@ PULLS_N, LIFTED_Z = 1.5, 0.045
 LIFT_M = 0.020
 # So many wires beside each other fill a duct's floor.
 BUNDLE = 7
+# A line over the devices of WIRE's row, from its first duct to its last one [m].
+ACROSS = ((0.66, 0.26, 0.0), (0.57, 0.08, 0.0))
+# A wire of 1.1 m; so much of it is left at the slot by its first terminal [m], where it goes on in
+# this direction, and from there it rises by no more than this [deg].
+LONG, LEFT_M, OUT, FLAT_DEG = "W90", 0.98, np.array([-1.0, -1.0, 0.0]) / math.sqrt(2.0), 30.0
 # An empty hand feels no more than this across its weight [N].
 LEVEL_N = 0.3
 
@@ -315,6 +331,24 @@ def test_a_wire_over_the_rims_is_not_taken_for_one_below_that_it_moved():
     cell.close()
 
 
+def test_a_wire_beside_its_ducts_is_refused_whatever_it_moved_in_them():
+    cell = cell_of()
+    empty = before(cell)
+    route = route_of(cell)
+    ways = [route[:2], route[-2:]]
+    cell.plant.parked[ALIKE] = ParkedWire(along(route, 0.020), frozenset())
+    cell.feed(WIRE, "")
+    cell.run(check_beside_ducts(cell.context, empty, ways), GUIDE)
+    across = along(np.array(ACROSS), 0.090)
+    cell.plant.parked[UNLIKE] = ParkedWire(across, frozenset())
+    cell.feed(WIRE, "")
+    with pytest.raises(AbilityError, match=r"on \d+ mm of the plate; allowed: 30 mm") as caught:
+        cell.run(check_beside_ducts(cell.context, empty, ways), GUIDE)
+    assert caught.value.code is Code.OUT_OF_DUCT
+    cell.run(check_beside_ducts(cell.context, empty, [*ways, across[[0, -1]]]), GUIDE)
+    cell.close()
+
+
 def test_in_a_full_duct_less_of_a_wire_is_in_view():
     cell = cell_of()
     line = along(route_of(cell), 0.020)
@@ -479,6 +513,29 @@ def test_a_wire_that_others_hide_at_its_slot_is_taken(monkeypatch, seen):
     )
     lay(cell)
     assert truth.share_in_ducts(cell.plant, WIRE) >= 0.8
+    cell.close()
+
+
+def test_the_hand_goes_no_lower_than_a_wire_that_is_seen_may_be(monkeypatch):
+    cell = cell_of()
+    guide = cell.context
+    tool = ToolPose(*map(float, route_of(cell)[1]), 0.0)
+    cell.feed(WIRE, "")
+    monkeypatch.setattr(RobotContext, "finger_gap", 0.003)
+    with pytest.raises(AbilityError, match="up to 8 mm lower") as caught:
+        cell.run(_take(guide, tool, is_seen=True), GUIDE)
+    assert caught.value.code is Code.GRASP_MISSED
+    assert guide.commanded.z >= tool.z - SEEN_TAKES * STEP_DOWN_M
+    cell.close()
+
+
+def test_a_wire_leaves_its_first_slot_flatly_rather_than_tight():
+    cell = cell_of()
+    hold_an_end(cell, LONG, WireEnd.A)
+    slot = ToolPose(*map(float, route_of(cell, LONG)[-2]), 0.0)
+    (_, place), *_ = hold_off(cell.contexts[HOLDER], slot, OUT, LEFT_M, FLAT)
+    way = place.position - slot.position
+    assert math.degrees(math.asin(way[2] / np.linalg.norm(way))) <= FLAT_DEG
     cell.close()
 
 

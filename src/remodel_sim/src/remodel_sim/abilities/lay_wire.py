@@ -60,8 +60,7 @@ from remodel_states.core.codes import Code
 # The pads stay so far apart that the edges of the eyelet do not pinch the wire. Pads that are so
 # near to each other, or by such a share of the wire's diameter, have nothing between them. If the
 # wire is there instead of in the eyelet, the hand goes down by so much, so often [m]: as far as a
-# loop of another wire may lie over it, or as far as a wire that is seen may be from there. Below
-# that it would be above the eyelet, between the stems, and what keeps the pads apart is others.
+# loop of another wire may lie over it, or as far as a wire that is seen may be from there.
 APART_M = 0.0010
 CLOSED_M = 0.0016
 CLOSED_SHARE = 0.7
@@ -278,6 +277,7 @@ def _lead(
         peak = max(peak, (yield from _bring(holder, guide, target, turn, left, free)))
         if ahead > 0:
             left = yield from draw_straight(holder, target.at, left)
+            _check_closed(guide)
         check_grip(holder)
         here, yaw = target.at, target.yaw
     # Released, a wire that is pulled upwards would leave its ducts.
@@ -408,33 +408,54 @@ def _eyelet_above(guide: RobotContext) -> float:
 def _take(guide: RobotContext, tool: ToolPose, is_seen: bool) -> Steps[None]:
     """Close the eyelet around the wire; raises GRASP_MISSED when the wire is not in it.
 
-    A wire that is not seen must have been between the pads before.
+    A wire that is not seen must have been between the pads before. One that is seen and comes
+    steeply from its slot keeps the pads apart in the eyelet too: it is taken between the heights.
     """
     is_there = is_seen
-    takes = SEEN_TAKES if is_seen else TAKES
+    drops = STEP_DOWN_M * np.arange(SEEN_TAKES if is_seen else TAKES)
     guide.drive_fingers(HAND_OPEN_M)
     yield from move_to(guide, tool.at(z=max(TRAVEL_Z, guide.commanded.z)), FREE_SPEED)
     yield from move_to(guide, tool.at(z=TRAVEL_Z), FREE_SPEED)
-    yield from move_to(guide, tool, APPROACH_SPEED)
-    for _ in range(takes):
-        guide.drive_fingers(APART_M / 2)
-        yield from wait(guide, CLOSE_S)
-        gap = guide.finger_gap
-        is_between = gap >= max(CLOSED_M, CLOSED_SHARE * guide.wire.diameter)
+    for drop in drops:
+        yield from _close_at(guide, tool, float(drop))
+        is_between = _is_between(guide)
         if is_there and not is_between:
             return
-        is_there = is_there or is_between
         # The wire is between the pads, below the eyelet or above it.
-        guide.drive_fingers(HAND_OPEN_M)
-        yield from wait(guide, CLOSE_S)
-        lower = max(_lowest(guide), guide.commanded.z - STEP_DOWN_M)
-        yield from move_to(guide, guide.commanded.at(z=lower), APPROACH_SPEED)
+        is_there = is_there or is_between
+    if is_seen:
+        yield from _close_at(guide, tool, float(np.median(drops)))
+        return
     raise AbilityError(
         Code.GRASP_MISSED,
         f"the eyelet of {guide.name} does not close around {guide.wire.id!r} at {tool}, or up to "
-        f"{(takes - 1) * STEP_DOWN_M * 1e3:.0f} mm lower: the pads were last {gap * 1e3:.1f} mm "
-        "apart; draw the wire out and insert it again",
+        f"{drops[-1] * 1e3:.0f} mm lower: the pads were last {guide.finger_gap * 1e3:.1f} mm apart; "
+        "draw the wire out and insert it again",
     )
+
+
+def _close_at(guide: RobotContext, tool: ToolPose, drop: float) -> Steps[None]:
+    """Open the hand, and close it so far below a tool pose [m]."""
+    guide.drive_fingers(HAND_OPEN_M)
+    yield from wait(guide, CLOSE_S)
+    yield from move_to(guide, tool.at(z=max(_lowest(guide), tool.z - drop)), APPROACH_SPEED)
+    guide.drive_fingers(APART_M / 2)
+    yield from wait(guide, CLOSE_S)
+
+
+def _is_between(guide: RobotContext) -> bool:
+    """Return whether something keeps the pads apart."""
+    return guide.finger_gap >= max(CLOSED_M, CLOSED_SHARE * guide.wire.diameter)
+
+
+def _check_closed(guide: RobotContext) -> None:
+    """Raise GRASP_MISSED when a wire that is drawn straight keeps the pads apart."""
+    if _is_between(guide):
+        raise AbilityError(
+            Code.GRASP_MISSED,
+            f"{guide.wire.id!r} is between the pads of the leading hand, not in its eyelet: they "
+            f"are {guide.finger_gap * 1e3:.1f} mm apart; draw it out and place it again",
+        )
 
 
 def _lowest(guide: RobotContext) -> float:

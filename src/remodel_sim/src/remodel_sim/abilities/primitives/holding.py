@@ -40,13 +40,11 @@ class Hold:
             its length between them; the best first.
         most: on the way it is never more than this share.
         up_rad: how steeply the wire rises from the working hand, the best first [rad].
-        up_cost: of a radian from the best, where a radian aside costs 1.
     """
 
     shares: tuple[float, ...]
     most: float
     up_rad: tuple[float, ...]
-    up_cost: float = 0.3
 
 
 # It hangs a little, and pulls at neither.
@@ -59,12 +57,7 @@ STEEP = Hold(
 )
 
 # It leaves a terminal and its slot so flatly that an eyelet closes around it there.
-FLAT = Hold(
-    (0.95, 0.90, 0.85, 0.80),
-    1.0,
-    tuple(np.radians([20.0, 25.0, 30.0, 15.0, 35.0, 40.0])),
-    up_cost=2.0,
-)
+FLAT = Hold((0.95, 0.90, 0.85, 0.80), 1.0, tuple(np.radians([20.0, 25.0, 30.0, 15.0, 35.0, 40.0])))
 
 
 def holder_of(context: RobotContext) -> RobotContext | None:
@@ -118,7 +111,7 @@ def bring_together(
     tool = canonical(working, tool)
     for share in hold.shares:
         places = sorted(
-            _places(holder, tool, out, share * length, hold), key=lambda found: found[0]
+            _places(holder, tool, out, share * length, hold.up_rad), key=lambda found: found[0]
         )
         for _, place in places:
             if not holder.arm.reaches(place):
@@ -145,8 +138,6 @@ def hold_off(
 ) -> list[tuple[RobotContext, ToolPose]]:
     """Plan where a robot holds a wire that is fixed at its other end; the other robots stay.
 
-    A place where it leaves more flatly is better than one where it is tighter.
-
     Args:
         holder: holds the free end.
         at: where the wire comes from.
@@ -158,15 +149,14 @@ def hold_off(
         A move of all robots at the same time; none where there is no such place.
     """
     others = [(peer, peer.commanded) for peer in holder.peers]
-    places = [
-        (cost + hold.shares[0] - share, place)
-        for share in hold.shares
-        for cost, place in _places(holder, at, out, share * length, hold)
-    ]
-    for _, place in sorted(places, key=lambda found: found[0]):
-        move = [(holder, place), *others]
-        if holder.arm.reaches(place) and _are_apart([move]) and _keeps_clear(holder, [move]):
-            return move
+    for share in hold.shares:
+        places = sorted(
+            _places(holder, at, out, share * length, hold.up_rad), key=lambda found: found[0]
+        )
+        for _, place in places:
+            move = [(holder, place), *others]
+            if holder.arm.reaches(place) and _are_apart([move]) and _keeps_clear(holder, [move]):
+                return move
     return []
 
 
@@ -229,13 +219,13 @@ def _keeps_clear(holder: RobotContext, moves: list[list[tuple[RobotContext, Tool
 
 
 def _places(
-    holder: RobotContext, tool: ToolPose, out: Array, straight: float, hold: Hold
+    holder: RobotContext, tool: ToolPose, out: Array, straight: float, ups: Sequence[float]
 ) -> Iterator[tuple[float, ToolPose]]:
     """Yield places so far from a tool [m], each with its cost."""
     heading, grip = math.atan2(out[1], out[0]), holder.belief.grip
     assert grip is not None, "it holds the end"
     for aside in ASIDE_RAD:
-        for up in hold.up_rad:
+        for up in ups:
             z = float(np.clip(tool.z + straight * math.sin(up), *HEIGHTS_M))
             level, yaw = math.sqrt(straight**2 - min(straight, z - tool.z) ** 2), heading + aside
             x, y = tool.x + level * math.cos(yaw), tool.y + level * math.sin(yaw)
@@ -246,5 +236,4 @@ def _places(
                 continue
             place = ToolPose(x, y, z, hand)
             way = float(np.linalg.norm(place.position - holder.commanded.position))
-            steeper = hold.up_cost * abs(up - hold.up_rad[0])
-            yield abs(aside) + steeper + WAY_COST * way, place
+            yield abs(aside) + 0.3 * abs(up - ups[0]) + WAY_COST * way, place
