@@ -15,17 +15,19 @@ from remodel_sim.abilities.discard_cable import discard_cable
 from remodel_sim.abilities.execution.robot_context import RobotContext
 from remodel_sim.abilities.lay_wire import (
     SEARCH_M,
-    SEEN_TAKES,
     STEP_DOWN_M,
     TIGHTEN_M,
+    _check_closed,
     _take,
     draw_straight,
     lay_wire,
 )
 from remodel_sim.abilities.pick_cable import pick_cable
 from remodel_sim.abilities.place_cable import place_cable
-from remodel_sim.abilities.primitives.holding import FLAT, hold_off
-from remodel_sim.abilities.primitives.observation.duct_check import check_beside_ducts, share_in_ducts
+from remodel_sim.abilities.primitives.observation.duct_check import (
+    check_beside_ducts,
+    share_in_ducts,
+)
 from remodel_sim.abilities.primitives.observation.route_check import duct_places
 from remodel_sim.cell import Cell
 from remodel_sim.core import goals
@@ -66,9 +68,6 @@ LIFT_M = 0.020
 BUNDLE = 7
 # A line over the devices of WIRE's row, from its first duct to its last one [m].
 ACROSS = ((0.66, 0.26, 0.0), (0.57, 0.08, 0.0))
-# A wire of 1.1 m; so much of it is left at the slot by its first terminal [m], where it goes on in
-# this direction, and from there it rises by no more than this [deg].
-LONG, LEFT_M, OUT, FLAT_DEG = "W90", 0.98, np.array([-1.0, -1.0, 0.0]) / math.sqrt(2.0), 30.0
 # An empty hand feels no more than this across its weight [N].
 LEVEL_N = 0.3
 
@@ -337,8 +336,6 @@ def test_a_wire_beside_its_ducts_is_refused_whatever_it_moved_in_them():
     route = route_of(cell)
     ways = [route[:2], route[-2:]]
     cell.plant.parked[ALIKE] = ParkedWire(along(route, 0.020), frozenset())
-    cell.feed(WIRE, "")
-    cell.run(check_beside_ducts(cell.context, empty, ways), GUIDE)
     across = along(np.array(ACROSS), 0.090)
     cell.plant.parked[UNLIKE] = ParkedWire(across, frozenset())
     cell.feed(WIRE, "")
@@ -516,26 +513,17 @@ def test_a_wire_that_others_hide_at_its_slot_is_taken(monkeypatch, seen):
     cell.close()
 
 
-def test_the_hand_goes_no_lower_than_a_wire_that_is_seen_may_be(monkeypatch):
+def test_a_steep_wire_is_taken_where_it_is_seen_and_lets_the_pads_close_later(monkeypatch):
     cell = cell_of()
     guide = cell.context
-    tool = ToolPose(*map(float, route_of(cell)[1]), 0.0)
     cell.feed(WIRE, "")
+    tool = ToolPose(*map(float, route_of(cell)[1]), 0.0)
     monkeypatch.setattr(RobotContext, "finger_gap", 0.003)
-    with pytest.raises(AbilityError, match="up to 8 mm lower") as caught:
-        cell.run(_take(guide, tool, is_seen=True), GUIDE)
+    cell.run(_take(guide, tool, is_seen=True), GUIDE)
+    assert guide.commanded.z == pytest.approx(tool.z - STEP_DOWN_M)
+    with pytest.raises(AbilityError, match=r"3\.0 mm apart; draw it out") as caught:
+        _check_closed(guide)
     assert caught.value.code is Code.GRASP_MISSED
-    assert guide.commanded.z >= tool.z - SEEN_TAKES * STEP_DOWN_M
-    cell.close()
-
-
-def test_a_wire_leaves_its_first_slot_flatly_rather_than_tight():
-    cell = cell_of()
-    hold_an_end(cell, LONG, WireEnd.A)
-    slot = ToolPose(*map(float, route_of(cell, LONG)[-2]), 0.0)
-    (_, place), *_ = hold_off(cell.contexts[HOLDER], slot, OUT, LEFT_M, FLAT)
-    way = place.position - slot.position
-    assert math.degrees(math.asin(way[2] / np.linalg.norm(way))) <= FLAT_DEG
     cell.close()
 
 

@@ -37,7 +37,10 @@ from remodel_sim.abilities.primitives.motions import (
     move_to,
     wait,
 )
-from remodel_sim.abilities.primitives.observation.duct_check import check_beside_ducts, share_in_ducts
+from remodel_sim.abilities.primitives.observation.duct_check import (
+    check_beside_ducts,
+    share_in_ducts,
+)
 from remodel_sim.abilities.primitives.observation.route_check import duct_places, observe_board
 from remodel_sim.abilities.primitives.observation.sight_lines import clear_sight
 from remodel_sim.abilities.primitives.together import move_together
@@ -429,8 +432,8 @@ def _take(guide: RobotContext, tool: ToolPose, is_seen: bool) -> Steps[None]:
     raise AbilityError(
         Code.GRASP_MISSED,
         f"the eyelet of {guide.name} does not close around {guide.wire.id!r} at {tool}, or up to "
-        f"{drops[-1] * 1e3:.0f} mm lower: the pads were last {guide.finger_gap * 1e3:.1f} mm apart; "
-        "draw the wire out and insert it again",
+        f"{drops[-1] * 1e3:.0f} mm lower: the pads were last {guide.finger_gap * 1e3:.1f} mm "
+        "apart; draw the wire out and insert it again",
     )
 
 

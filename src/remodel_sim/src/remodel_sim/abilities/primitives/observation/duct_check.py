@@ -105,7 +105,9 @@ def share_in_ducts(
     return sum(judged) / len(judged)
 
 
-def check_beside_ducts(context: RobotContext, before: Picture, ways: Sequence[Array]) -> Steps[None]:
+def check_beside_ducts(
+    context: RobotContext, before: Picture, ways: Sequence[Array]
+) -> Steps[None]:
     """Check that a wire was laid nowhere on the plate but in its ducts.
 
     In full ducts others that it moved may be taken for it; beside them there are none.
