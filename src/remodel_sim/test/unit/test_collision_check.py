@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from panels import panel
 
-from remodel_sim.abilities.primitives.motions import FREE_SPEED, LIFTS_Z, move_to
+from remodel_sim.abilities.primitives.motions import FREE_SPEED, LIFTS_Z, move_to, straight_line
 from remodel_sim.abilities.primitives.pushing import tool_before
 from remodel_sim.cell import Cell
 from remodel_sim.core.belief.belief_state import Feed, Grip
@@ -202,7 +202,17 @@ def test_a_pose_inside_a_component_is_refused_before_anything_moves(cell):
     with pytest.raises(AbilityError, match=r"a finger would .* mm .*component 'X2'") as caught:
         travel(cell, at(0.58, 0.12, 0.03))
     assert caught.value.code is Code.UNREACHABLE
+    assert "nor one over it, is free" in str(caught.value)
     assert cell.context.commanded == before
+
+
+def test_a_blocked_straight_line_is_refused_though_a_way_over_it_is_free(cell):
+    travel(cell, beside_x2(-1).at(z=0.12))
+    travel(cell, beside_x2(-1))
+    with pytest.raises(AbilityError, match=r"no straight path to .* is free") as caught:
+        straight_line(cell.context, beside_x2(1), FREE_SPEED)
+    assert caught.value.code is Code.UNREACHABLE
+    assert "nor one over it" not in str(caught.value), "none was searched for"
 
 
 def test_a_planned_contact_is_allowed_by_name(cell):
