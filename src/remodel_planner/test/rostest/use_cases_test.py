@@ -87,6 +87,8 @@ class UseCasesTest(unittest.TestCase):
         ran = planner(*self.line("slipping", "cabinet", 5), database=DATABASE)
         self.assertEqual(ran.returncode, 0, ran.stdout + ran.stderr)
         self.assertIn("2 of 2 wires placed, 1 without a failed operation", ran.stdout)
+        self.assertIn("  discarded, 0 insertions, ", ran.stdout)
+        self.assertIn(">discarded<", (OUTPUT / "slipping/report.html").read_text())
         orders = OrderClient(OUTPUT)
         self.assertEqual(orders.held, "")
         self.assertEqual(len(orders.account(orders.runs()[0]).fed_again), 1)
