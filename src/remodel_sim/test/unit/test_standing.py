@@ -17,7 +17,7 @@ from remodel_sim.cell import Cell
 from remodel_sim.core.belief.belief_state import NO_CHANNEL, Feed
 from remodel_sim.core.belief.placed_wires import ParkedWire
 from remodel_sim.core.robot.arm import ToolPose
-from remodel_sim.core.vision.standing import CELL_M, standing_wires
+from remodel_sim.core.vision.board.standing import CELL_M, standing_wires
 from remodel_sim.core.workpiece.layout import WORLD_FROM_PANEL
 from remodel_sim.core.workpiece.obstacles import WIRES, panel_obstacles
 from remodel_sim.core.workpiece.panel import WireEnd

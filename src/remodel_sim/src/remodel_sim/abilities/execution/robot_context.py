@@ -24,7 +24,7 @@ from remodel_sim.core.robot.arm import ToolPose
 from remodel_sim.core.robot.arm_volume import volume_of
 from remodel_sim.core.robot.fingers import Fingers
 from remodel_sim.core.robot.traffic import Traffic
-from remodel_sim.core.vision.standing import standing_wires
+from remodel_sim.core.vision.board.standing import standing_wires
 from remodel_sim.core.workpiece.layout import WORLD_FROM_PANEL
 from remodel_sim.core.workpiece.obstacles import Obstacles, panel_obstacles
 from remodel_sim.core.workpiece.panel import Panel, PanelWire, WireEnd

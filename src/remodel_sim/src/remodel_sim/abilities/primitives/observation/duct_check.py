@@ -20,7 +20,7 @@ from remodel_sim.core.camera import Picture
 from remodel_sim.core.errors import AbilityError
 from remodel_sim.core.geometry import Array, Pose
 from remodel_sim.core.robot.arm import ToolPose
-from remodel_sim.core.vision.beside_ducts import length_beside_ducts
+from remodel_sim.core.vision.board.beside_ducts import length_beside_ducts
 from remodel_sim.core.vision.drawing import BLUE, ORANGE, Drawing
 from remodel_sim.core.vision.laid_wire import are_new, is_new, stood_at, surface_at, wire_past
 from remodel_sim.core.vision.wire_lines import WireLines

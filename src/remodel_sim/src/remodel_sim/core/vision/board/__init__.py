@@ -1,0 +1,1 @@
+"""What wires there are on a plate, by depth pictures from above."""
