@@ -409,10 +409,14 @@ def _eyelet_above(guide: RobotContext) -> float:
 
 
 def _take(guide: RobotContext, tool: ToolPose, is_seen: bool) -> Steps[None]:
-    """Close the eyelet around the wire; raises GRASP_MISSED when the wire is not in it.
+    """Close the eyelet around the wire.
 
     A wire that is not seen must have been between the pads before. One that is seen and comes
-    steeply from its slot keeps the pads apart in the eyelet too: it is taken between the heights.
+    steeply from its slot keeps the pads apart in the eyelet too: it is taken between the heights,
+    and `_check_closed` finds out whether it is in the eyelet once it is drawn straight.
+
+    Raises:
+        AbilityError: GRASP_MISSED when a wire that is not seen keeps the pads apart at all heights.
     """
     is_there = is_seen
     drops = STEP_DOWN_M * np.arange(SEEN_TAKES if is_seen else TAKES)
