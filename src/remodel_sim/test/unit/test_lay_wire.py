@@ -13,6 +13,8 @@ from remodel_sim.abilities import lay_wire as lay_wire_module
 from remodel_sim.abilities.detect_cable import detect_cable
 from remodel_sim.abilities.discard_cable import discard_cable
 from remodel_sim.abilities.execution.robot_context import RobotContext
+from remodel_sim.abilities.fix_cable import fix_cable
+from remodel_sim.abilities.insert_cable import insert_cable
 from remodel_sim.abilities.lay_wire import (
     SEARCH_M,
     STEP_DOWN_M,
@@ -26,6 +28,7 @@ from remodel_sim.abilities.pick_cable import pick_cable
 from remodel_sim.abilities.place_cable import place_cable
 from remodel_sim.abilities.primitives.observation.duct_check import (
     check_beside_ducts,
+    check_ducts,
     share_in_ducts,
 )
 from remodel_sim.abilities.primitives.observation.route_check import duct_places
@@ -42,6 +45,7 @@ from remodel_sim.core.workpiece.panel import WireEnd
 from remodel_sim.edge.cell_file import read_cell
 from remodel_sim.edge.wire_material_file import read_wire_materials
 from remodel_sim.physics import truth
+from remodel_sim.physics.wires.parked_wire import draw_parked
 from remodel_sim.ros.conversions import read_panel
 from remodel_states.core.codes import Code
 
@@ -68,6 +72,9 @@ LIFT_M = 0.020
 BUNDLE = 7
 # A line over the devices of WIRE's row, from its first duct to its last one [m].
 ACROSS = ((0.66, 0.26, 0.0), (0.57, 0.08, 0.0))
+# Over the rims of the ducts, and so far aside along both axes over an outer wall [m].
+OVER_RIM_M = 0.066
+OVER_WALL_M = 0.028
 # An empty hand feels no more than this across its weight [N].
 LEVEL_N = 0.3
 
@@ -113,6 +120,16 @@ def before(cell):
     picture = cell.context.take_overhead_picture()
     assert picture.depth is not None
     return picture
+
+
+def draw(cell, nodes):
+    """Show a wire that touches nothing, its nodes (n, 3) [m], beside the live one."""
+    draw_parked(cell.plant.world, nodes, cell.plant.panel.wire(UNLIKE))
+
+
+def check(cell):
+    """Return at which share of its route the live wire lies in its ducts, from above."""
+    return cell.run(check_ducts(cell.context), GUIDE)
 
 
 def inspected(cell, picture):
@@ -169,6 +186,73 @@ def test_a_wire_is_led_into_its_ducts_over_one_that_lies_there(monkeypatch):
     assert truth.share_in_ducts(cell.plant, WIRE) >= 0.8
     (found,) = truth.ground_truth(cell.plant, [WIRE])
     assert found.a.seated and found.a.fixed
+    cell.close()
+
+
+def test_a_wire_that_left_its_ducts_when_its_second_end_was_inserted_is_discarded():
+    cell = cell_of()
+    holder = cell.contexts[HOLDER]
+    key, socket = hold_an_end(cell)
+    second = cell.plant.panel.wire(WIRE).goes_to(WireEnd.B)
+    at_second = locate(cell, *second)
+    insert(cell, WIRE, WireEnd.A, *key, socket, force=14.0)
+    fix(cell, WIRE, *key, pull=5.0)
+    lay(cell)
+    push = goals.InsertGoal(HOLDER, WIRE, WireEnd.B, *second, at_second, 14.0)
+    cell.run(insert_cable(holder, push), HOLDER)
+    close = goals.FixGoal(HOLDER, WIRE, *second, 5.0)
+    fixed = cell.run(fix_cable(holder, close), HOLDER)
+    share = truth.share_in_ducts(cell.plant, WIRE)
+    assert f"it lies in its ducts at {check(cell):.0%} of its route" in fixed.message
+    assert check(cell) == pytest.approx(share, abs=0.1)
+    # As if it had been lifted out.
+    draw(cell, along(route_of(cell), OVER_RIM_M))
+    with pytest.raises(AbilityError, match="allowed: 80% or more; draw it out") as caught:
+        check(cell)
+    assert caught.value.code is Code.OUT_OF_DUCT
+    assert caught.value.found["in_ducts"] == pytest.approx(0.0, abs=0.2)
+    do(cell, discard_cable, goals.DiscardGoal(GUIDE, WIRE))
+    assert WIRE not in cell.context.belief.fed
+    assert cell.plant.live is None
+    cell.close()
+
+
+@pytest.mark.parametrize(
+    ("aside", "height", "is_out"),
+    [(0.0, 0.030, False), (0.0, OVER_RIM_M, True), (OVER_WALL_M, OVER_RIM_M, True)],
+)
+def test_a_wire_over_the_rims_or_the_wall_is_out_of_its_ducts(aside, height, is_out):
+    cell = cell_of()
+    empty, route = before(cell), route_of(cell)
+    lies = along(route, height) + np.array([aside, aside, 0.0])
+    cell.plant.parked[ALIKE] = ParkedWire(lies, frozenset(WireEnd))
+    cell.feed(WIRE, "")
+    cell.context.belief.note_board(empty)
+    if is_out:
+        with pytest.raises(AbilityError) as caught:
+            check(cell)
+        assert caught.value.code is Code.OUT_OF_DUCT
+    else:
+        assert check(cell) == pytest.approx(1.0, abs=0.05)
+    cell.close()
+
+
+def test_a_wire_that_is_laid_beside_its_ducts_is_refused(monkeypatch):
+    cell = cell_of()
+    inspect = lay_wire_module.share_in_ducts
+
+    def disturbed(*how):
+        share = yield from inspect(*how)
+        draw(cell, along(np.array(ACROSS), 0.090))
+        return share
+
+    monkeypatch.setattr(lay_wire_module, "share_in_ducts", disturbed)
+    key, socket = hold_an_end(cell)
+    insert(cell, WIRE, WireEnd.A, *key, socket)
+    fix(cell, WIRE, *key, pull=5.0)
+    with pytest.raises(AbilityError, match=r"lies beside its ducts") as caught:
+        lay(cell)
+    assert caught.value.code is Code.OUT_OF_DUCT
     cell.close()
 
 

@@ -1,7 +1,7 @@
 """FixCable: close the terminal on the inserted end, do a pull test, and release it.
 
 Fixed at both ends, a wire stays where it lies: then it is observed from above whether it lies in
-its forks.
+its forks or ducts.
 """
 
 from __future__ import annotations
@@ -12,6 +12,7 @@ from remodel_sim.abilities.ability import ability
 from remodel_sim.abilities.execution.robot_context import RobotContext, Steps
 from remodel_sim.abilities.primitives.grasping import check_grip, release_fixed
 from remodel_sim.abilities.primitives.motions import wait
+from remodel_sim.abilities.primitives.observation.duct_check import check_ducts
 from remodel_sim.abilities.primitives.observation.fork_check import check_forks
 from remodel_sim.abilities.primitives.pull_test import pull_test
 from remodel_sim.abilities.primitives.pushing import yielding_in
@@ -47,7 +48,7 @@ def _goal(message: Message) -> FixGoal:
 
 @ability("FixCable", _goal)
 def fix_cable(context: RobotContext, goal: FixGoal) -> Steps[CableFixed]:
-    """Close the clamp, pull, open the fingers, and lift the hand off; then check the forks."""
+    """Close the clamp, pull, release the end, and lift the hand off; then check forks and ducts."""
     belief = context.belief
     key = (goal.component_id, goal.terminal_id)
     where = f"'{goal.component_id}/{goal.terminal_id}'"
@@ -79,4 +80,7 @@ def fix_cable(context: RobotContext, goal: FixGoal) -> Steps[CableFixed]:
         forks = yield from check_forks(context)
         if forks:
             message += f"; the wire lies in {', '.join(fork.id for fork in forks)}"
+        in_ducts = yield from check_ducts(context)
+        if in_ducts is not None:
+            message += f"; it lies in its ducts at {in_ducts:.0%} of its route"
     return CableFixed(message, slip)

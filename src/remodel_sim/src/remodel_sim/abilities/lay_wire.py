@@ -38,6 +38,7 @@ from remodel_sim.abilities.primitives.motions import (
     wait,
 )
 from remodel_sim.abilities.primitives.observation.duct_check import (
+    LEAST_IN_DUCTS,
     check_beside_ducts,
     share_in_ducts,
 )
@@ -101,9 +102,7 @@ TIGHTEN_SPEED = 0.10
 # A wire that sags yields far more than one in the grip: 200 N/m between 1 and 2 N, measured at 0.2
 # to 0.9 m. So much is assumed [N/m].
 SAGGING_STIFFNESS = 8e3
-# The wire must lie below the rim at so much of its route in ducts. So far before the last slot it
-# rises to the holding hand, and is not judged [m].
-LEAST_IN_DUCTS = 0.8
+# So far before the last slot the wire rises to the holding hand, and is not judged [m].
 RISES_M = 0.12
 # The leading hand leaves the wire so far back along it [m], then upwards, so fast [m/s]. A wire
 # that lies in the notch of an open finger slips out of it; if the hand rises faster, it is flung

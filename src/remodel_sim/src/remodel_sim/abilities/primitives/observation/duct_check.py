@@ -15,16 +15,22 @@ import numpy as np
 from remodel_sim.abilities.execution.robot_context import RobotContext, Steps
 from remodel_sim.abilities.primitives.motions import past_robots, swing_to, wait
 from remodel_sim.abilities.primitives.observation.observing import STILL_S
+from remodel_sim.abilities.primitives.observation.route_check import observe_route
 from remodel_sim.abilities.primitives.observation.viewpoints import camera_above
 from remodel_sim.core.camera import Picture
 from remodel_sim.core.errors import AbilityError
 from remodel_sim.core.geometry import Array, Pose
 from remodel_sim.core.robot.arm import ToolPose
-from remodel_sim.core.vision.board.beside_ducts import length_beside_ducts
+from remodel_sim.core.vision.board.outside_ducts import (
+    length_beside_ducts,
+    length_outside_ducts,
+)
 from remodel_sim.core.vision.drawing import BLUE, ORANGE, Drawing
 from remodel_sim.core.vision.laid_wire import are_new, is_new, stood_at, surface_at, wire_past
 from remodel_sim.core.vision.wire_lines import WireLines
+from remodel_sim.core.workpiece.layout import WORLD_FROM_PANEL
 from remodel_sim.core.workpiece.panel import Duct, PanelWire
+from remodel_sim.core.workpiece.routes import places_in, step_in
 from remodel_states.core.codes import Code
 
 # So many neighbouring places of a duct are inspected from above their middle, with the tool so high
@@ -47,6 +53,8 @@ WALL_M = 0.004
 POINTS_M = 0.002
 # So much of a wire may lie on the plate beside its ducts, but for its way to its terminals [m].
 MOST_BESIDE_M = 0.030
+# A wire must lie below the rims at so much of its route in ducts.
+LEAST_IN_DUCTS = 0.8
 
 
 @dataclass(frozen=True)
@@ -130,6 +138,43 @@ def check_beside_ducts(
             f"{wire.id!r} lies beside its ducts, on {beside * 1e3:.0f} mm of the plate; allowed: "
             f"{MOST_BESIDE_M * 1e3:.0f} mm; draw it out and place it again",
         )
+
+
+def check_ducts(context: RobotContext) -> Steps[float | None]:
+    """Return at which share of its route a wire that is fixed at both ends lies in its ducts.
+
+    What it is longer than its route goes back into the ducts while its second end is inserted, and
+    may lift it out of them.
+
+    Returns:
+        None, when there are no ducts, or no pictures with depth from before and after.
+
+    Raises:
+        AbilityError: OUT_OF_DUCT.
+    """
+    wire, before = context.wire, next(iter(context.belief.untouched), None)
+    ducts = [d for d in context.panel.ducts if d.id in wire.ducts and not d.is_fork]
+    route = [WORLD_FROM_PANEL.apply(np.array(point)) for point in wire.route]
+    path = tuple(Pose.level(*(float(v) for v in point), 0.0) for point in route)
+    planned = sum(len(places_in(duct, path)) * step_in(duct) for duct in ducts)
+    if not planned or before is None or before.depth is None:
+        return None
+    context.report("inspecting the ducts from above", 0.95)
+    seen = yield from observe_route(context)
+    ways = [np.array(route[:2]), np.array(route[-2:])]
+    outside = length_outside_ducts(seen.picture, before, ducts, wire.radius, ways)
+    share = max(0.0, 1.0 - outside / planned)
+    drawing = Drawing(seen.picture.rgb, seen.picture.view)
+    drawing.title(f"{wire.id}: outside its ducts at {outside * 1e3:.0f} mm")
+    context.show("overhead", seen.picture, drawing.image)
+    if share < LEAST_IN_DUCTS:
+        raise AbilityError(
+            Code.OUT_OF_DUCT,
+            f"{wire.id!r} lies in its ducts at {share:.0%} of its route; allowed: "
+            f"{LEAST_IN_DUCTS:.0%} or more; draw it out and place it again",
+            in_ducts=share,
+        )
+    return share
 
 
 def _least_seen(context: RobotContext, places: Mapping[Duct, Sequence[Pose]]) -> float:

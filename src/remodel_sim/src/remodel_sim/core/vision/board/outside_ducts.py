@@ -1,4 +1,4 @@
-"""How much of a wire was laid beside the ducts of a plate, by depth pictures from above."""
+"""How much of a wire was laid outside the ducts of a plate, by depth pictures from above."""
 
 from __future__ import annotations
 
@@ -15,10 +15,14 @@ from remodel_sim.core.workpiece.panel import Duct, Panel
 
 # A wire that lies on a duct's wall, or stands over it, is so near to it [m].
 BESIDE_DUCT_M = 0.020
+# A wire that hangs out of its duct is so near to it [m].
+OUTSIDE_DUCT_M = 0.040
 # What is higher is a hand, or is held by one [m].
 HELD_M = 0.10
 # So near to where a wire goes on outside its ducts it may be, seen from above [m].
 BESIDE_WAY_M = 0.060
+# The same of a wire whose ends are fixed.
+BESIDE_FIXED_WAY_M = 0.045
 # What stood somewhere before is found again so near to its place [pixels].
 AGAIN_PX = 2
 # What is narrower than this is the depth camera's noise.
@@ -37,18 +41,51 @@ def length_beside_ducts(
         radius: of the wire [m].
         ways: lines (2, 3) along which the wire may be outside the ducts, world frame [m].
     """
-    points, stood = _points_of(picture), _points_of(before, AGAIN_PX)
-    is_own = (points[:, 2] > stood[:, 2] + radius) & (points[:, 2] < HELD_M)
-    is_own &= _are_on_plate(points, panel) & ~_are_near_ducts(points, panel.ducts)
+    points, is_own = _new_points(picture, before, radius)
+    is_own &= _are_on_plate(points, panel) & ~_are_near(points, panel.ducts, BESIDE_DUCT_M)
     for way in ways:
         is_own &= _distances(points, way) > BESIDE_WAY_M
+    return _length(picture, points, is_own, radius)
+
+
+def length_outside_ducts(
+    picture: Picture, before: Picture, ducts: Sequence[Duct], radius: float, ways: Sequence[Array]
+) -> float:
+    """Return how much of a wire lies over the rims of its ducts, or beside them [m].
+
+    Args:
+        picture: with depth, from above, the wire in it, fixed at both ends.
+        before: the same, before the wire was laid.
+        ducts: of its route.
+        radius: of the wire [m].
+        ways: lines (2, 3) along which it goes from its ducts to its terminals, world frame [m].
+    """
+    points, is_own = _new_points(picture, before, radius)
+    is_own &= _are_near(points, ducts, OUTSIDE_DUCT_M)
+    for duct in ducts:
+        is_own &= ~(_are_near(points, [duct], 0.0) & (points[:, 2] < duct.height))
+    for way in ways:
+        is_own &= _distances(points, way) > BESIDE_FIXED_WAY_M
+    return _length(picture, points, is_own, radius)
+
+
+def _new_points(
+    picture: Picture, before: Picture, radius: float
+) -> tuple[Array, npt.NDArray[np.bool_]]:
+    """Return what a picture shows as points (n, 3) [m], and which are a wire's of a radius [m]."""
+    points, stood = _points_of(picture), _points_of(before, AGAIN_PX)
+    return points, (points[:, 2] > stood[:, 2] + radius) & (points[:, 2] < HELD_M)
+
+
+def _length(picture: Picture, points: Array, is_own: npt.NDArray[np.bool_], radius: float) -> float:
+    """Return how long a wire of a radius is that covers these points of a picture [m]."""
     assert picture.depth is not None, "its points"
     mask = is_own.reshape(picture.depth.shape).astype(np.uint8)
-    is_own = cv2.morphologyEx(mask, cv2.MORPH_OPEN, LEAST_PX).ravel() > 0
-    if not is_own.any():
+    covered = cv2.morphologyEx(mask, cv2.MORPH_OPEN, LEAST_PX).ravel() > 0
+    if not covered.any():
         return 0.0
-    pixel = picture.view.metres_per_pixel(float(points[is_own, 2].mean()))
-    return float(is_own.sum() * pixel**2 / (2 * radius))
+    pixel = picture.view.metres_per_pixel(float(points[covered, 2].mean()))
+    return float(covered.sum() * pixel**2 / (2 * radius))
 
 
 def _points_of(picture: Picture, around: int = 0) -> Array:
@@ -68,12 +105,12 @@ def _are_on_plate(points: Array, panel: Panel) -> npt.NDArray[np.bool_]:
     return np.asarray((at <= np.array(panel.size[:2]) / 2).all(axis=1))
 
 
-def _are_near_ducts(points: Array, ducts: Sequence[Duct]) -> npt.NDArray[np.bool_]:
-    """Return which points (n, 3) are in a duct, or beside one."""
+def _are_near(points: Array, ducts: Sequence[Duct], beside: float) -> npt.NDArray[np.bool_]:
+    """Return which points (n, 3), seen from above, are in a duct, or so far beside one [m]."""
     near = np.zeros(len(points), bool)
     for duct in ducts:
         at = np.abs((WORLD_FROM_PANEL @ duct.panel_from_duct).inverse().apply(points)[:, :2])
-        near |= (at <= np.array([duct.length, duct.width]) / 2 + BESIDE_DUCT_M).all(axis=1)
+        near |= (at <= np.array([duct.length, duct.width]) / 2 + beside).all(axis=1)
     return near
 
 
