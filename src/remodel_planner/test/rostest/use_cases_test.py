@@ -80,18 +80,29 @@ class UseCasesTest(unittest.TestCase):
     def test_harness_formboard_carries_its_order_out(self):
         self.carries_its_order_out("harness_formboard")
 
-    def test_two_robots_release_discard_and_begin_again_with_a_new_wire(self):
-        self.add_order("slipping")
-        rospy.set_param("fake_cell/faults", [{"name": "slipped", "cure": "new_part"}])
+    def places_a_new_wire(self, order, **fault):
+        """Have a fault strike one piece of a wire of an order; return what is printed."""
+        self.add_order(order)
+        rospy.set_param("fake_cell/faults", [{"cure": "new_part", **fault}])
         self.addCleanup(rospy.delete_param, "fake_cell/faults")
-        ran = planner(*self.line("slipping", "cabinet", 5), database=DATABASE)
+        ran = planner(*self.line(order, "cabinet", 5), database=DATABASE)
         self.assertEqual(ran.returncode, 0, ran.stdout + ran.stderr)
         self.assertIn("2 of 2 wires placed, 1 without a failed operation", ran.stdout)
         self.assertIn("  discarded, 0 insertions, ", ran.stdout)
-        self.assertIn(">discarded<", (OUTPUT / "slipping/report.html").read_text())
+        self.assertIn(">discarded<", (OUTPUT / f"{order}/report.html").read_text())
+        return ran.stdout
+
+    def test_two_robots_release_discard_and_begin_again_with_a_new_wire(self):
+        self.places_a_new_wire("slipping", name="slipped")
         orders = OrderClient(OUTPUT)
         self.assertEqual(orders.held, "")
         self.assertEqual(len(orders.account(orders.runs()[0]).fed_again), 1)
+
+    def test_a_wire_that_left_its_ducts_once_both_ends_are_fixed_is_discarded(self):
+        fault = {"name": "out_of_duct", "ability": "FixCable", "nth": 2}
+        printed = self.places_a_new_wire("lifted", **fault)
+        self.assertIn("FixCable, error 310: ", printed)
+        self.assertIn("; 1 failed operation; ", printed, "the end is not pushed in again")
 
     def test_automotive_formboard_carries_its_order_out(self):
         self.carries_its_order_out("automotive_formboard")

@@ -107,18 +107,17 @@ def fault_from(
     Args:
         row: of the table.
         codes: names of error codes -> numbers.
-        given: fields that are chosen, such as cure or nth.
+        given: fields that are chosen, such as cure, nth or another ability that may report it.
     """
     cause = row["cause"]["interface"]
-    fields = {"times": cause.get("times", 1), **given}
+    fields = {"ability": cause["ability"], "times": cause.get("times", 1), **given}
     if fields.get("cure") is Cure.RETRY_WITH and "parameter" not in fields:
         changes = [c for response in row["responses"] for c in response.get("change", {})]
         fields["parameter"] = changes[0] if changes else ""
     return InjectedFault(
         row["fault"],
-        cause["ability"],
-        codes[cause["code"]] if "code" in cause else 0,
-        Behaves(cause["behaves"]) if "behaves" in cause else None,
+        code=codes[cause["code"]] if "code" in cause else 0,
+        behaves=Behaves(cause["behaves"]) if "behaves" in cause else None,
         **fields,
     )
 
