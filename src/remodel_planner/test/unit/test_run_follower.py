@@ -180,13 +180,16 @@ def test_the_bar_moves_within_a_task_and_does_not_end_it(now_s, expected_s, show
 
 
 @pytest.mark.parametrize(
-    ("part", "outcome", "said"),
+    ("part", "outcome", "placed", "said"),
     [
-        (Part.DISCARD, "finished", "  discarded, 0 insertions, 12.0 s"),
-        (Part.DISCARD, "failed", "  NOT discarded, 0 insertions, 12.0 s"),
-        (Part.WHOLE, "finished", "  finished, not confirmed by the cell's ground truth, "),
+        (Part.DISCARD, "finished", False, "  discarded, 0 insertions, 12.0 s"),
+        (Part.DISCARD, "failed", False, "  NOT discarded, 0 insertions, 12.0 s"),
+        (Part.WHOLE, "finished", True, "  placed, "),
+        (Part.WHOLE, "finished", False, "  finished, not confirmed by the cell's ground truth, "),
+        (Part.WHOLE, "failed", False, "  NOT placed (failed), "),
+        (Part.WHOLE, "failed", True, "  NOT placed (failed, both ends fixed), "),
     ],
 )
-def test_what_a_behavior_did_to_a_wire_is_named(part, outcome, said):
-    execution = Execution("W1", "Lead Wire W1", 1, outcome, False, 0.0, 12.0, ())
+def test_what_a_behavior_did_to_a_wire_is_named(part, outcome, placed, said):
+    execution = Execution("W1", "Lead Wire W1", 1, outcome, placed, 0.0, 12.0, ())
     assert said in attempt_line(Attempt(execution, part, "<chart/>"), {})

@@ -370,7 +370,7 @@ def attempt_result(attempt: Attempt) -> str:
     if attempt.because:
         return f"interrupted ({attempt.because})"
     if execution.placed:
-        return PLACED
+        return PLACED if finished else f"NOT placed ({execution.outcome}, both ends fixed)"
     if finished:
         return "finished, not confirmed by the cell's ground truth"
     return f"NOT placed ({execution.outcome})"

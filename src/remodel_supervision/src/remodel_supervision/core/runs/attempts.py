@@ -16,6 +16,7 @@ from remodel_supervision.core.runs.events import (
     TaskBegun,
     TaskEnded,
 )
+from remodel_supervision.core.runs.state import FINISHED
 
 INTERRUPTED = "interrupted"
 
@@ -67,6 +68,8 @@ class Attempts:
             case TaskEnded() if begun is not None:
                 if not begun.part.is_attempt and event.placed:
                     _note_placed(ended, event.task)
+                if begun.part is Part.DISCARD and event.outcome == FINISHED:
+                    _note_discarded(ended, event.task)
                 execution = _execution(
                     begun, event.outcome, event.placed, event.at_s, operations=self._operations
                 )
@@ -99,6 +102,13 @@ def _note_placed(ended: list[Attempt], task: str) -> None:
     if at_task and ended[at_task[-1]].because:
         attempt = ended[at_task[-1]]
         ended[at_task[-1]] = replace(attempt, execution=replace(attempt.execution, placed=True))
+
+
+def _note_discarded(ended: list[Attempt], task: str) -> None:
+    """Note that no part of a task is placed: what was, though its behavior failed, is discarded."""
+    for n, attempt in enumerate(ended):
+        if attempt.execution.wire == task and attempt.execution.placed:
+            ended[n] = replace(attempt, execution=replace(attempt.execution, placed=False))
 
 
 def _execution(

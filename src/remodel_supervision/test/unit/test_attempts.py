@@ -1,0 +1,38 @@
+"""The attempts of a run, as its events tell them."""
+
+from dataclasses import replace
+
+import pytest
+
+from remodel_supervision.core.runs.attempts import attempts_of
+from remodel_supervision.core.runs.events import Part, TaskBegun, TaskEnded
+
+BEGUN = TaskBegun("W1", 1, Part.WHOLE, "Place Wire W1", chart="", at_s=1.0)
+# Both ends are fixed, but the wire lies outside its ducts.
+FAILED = TaskEnded("W1", "failed", 2.0, placed=True)
+
+
+def discarding(outcome):
+    begun = replace(BEGUN, part=Part.DISCARD, at_s=3.0)
+    return begun, TaskEnded("W1", outcome, 4.0, placed=outcome != "finished")
+
+
+def test_what_is_fixed_at_both_ends_counts_as_placed_until_it_is_discarded():
+    (before,) = attempts_of([BEGUN, FAILED])
+    assert before.execution.placed
+    after = attempts_of([BEGUN, FAILED, *discarding("finished")])
+    assert [each.execution.placed for each in after] == [False, False]
+
+
+def test_what_another_attempt_placed_stays_placed():
+    again = [replace(BEGUN, attempt=2, at_s=5.0), TaskEnded("W1", "finished", 6.0, placed=True)]
+    other = [replace(BEGUN, task="W2", at_s=0.0), replace(FAILED, task="W2")]
+    events = [*other, BEGUN, FAILED, *discarding("finished"), *again]
+    placed = [each.execution.placed for each in attempts_of(events)]
+    assert placed == [True, False, False, True]
+
+
+@pytest.mark.parametrize("outcome", ["failed", "preempted"])
+def test_what_was_not_discarded_is_still_placed(outcome):
+    attempt, _ = attempts_of([BEGUN, FAILED, *discarding(outcome)])
+    assert attempt.execution.placed
