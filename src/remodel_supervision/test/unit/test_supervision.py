@@ -385,6 +385,17 @@ def test_a_server_that_was_lost_may_have_left_something_in_the_hand(run):
     assert run.discard("W1") == Execute("W2", Part.WHOLE)
 
 
+def test_a_wire_beside_its_duct_is_not_done_when_both_ends_are_connected(run):
+    run.policy = Policy({"out_of_duct": (Response(Do.SET_ASIDE),)})
+    run.begin("W1")
+    run.end("W1", "failed", Code.OUT_OF_DUCT)
+    run.decide("W1")
+    assert run.next == Settle("W1")
+    assert run.add(Settled("W1", ("a", "b"), 0)) == Execute("W1", Part.DISCARD)
+    assert run.discard("W1") == Execute("W2", Part.WHOLE)
+    assert run.state.tasks["W1"].stage is Stage.SET_ASIDE
+
+
 @pytest.mark.parametrize("do", [Do.NEW_PART, Do.REPLAN, Do.SET_ASIDE])
 def test_what_is_done_though_its_server_said_otherwise_is_not_given_up(run, do):
     run.policy = Policy({"result_contradictory": (Response(do), Response(Do.SET_ASIDE))})

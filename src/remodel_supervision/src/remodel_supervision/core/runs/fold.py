@@ -208,7 +208,9 @@ def _apply_interrupted(event: Interrupted, state: RunState) -> RunState:
 @_apply.register
 def _apply_settled(event: Settled, state: RunState) -> RunState:
     task = replace(state.tasks[event.task], connected=event.connected, unseen=event.unseen)
-    if not event.left and not event.unseen:
+    # That its ends are connected does not tell where a wire lies.
+    is_misplaced = task.then is not None and task.codes[-1:] == (Code.OUT_OF_DUCT,)
+    if not event.left and not event.unseen and not is_misplaced:
         return _leave(state, replace(task, stage=Stage.DONE, then=None))
     state = _under_way(state, task)
     if task.then is not None and event.code not in PERSON_FIRST:
