@@ -170,7 +170,7 @@ def check_ducts(context: RobotContext) -> Steps[float | None]:
     if share < LEAST_IN_DUCTS:
         raise AbilityError(
             Code.OUT_OF_DUCT,
-            f"{wire.id!r} lies in its ducts at {share:.0%} of its route; allowed: "
+            f"{wire.id!r} lies in its ducts at {share:.1%} of its route; allowed: "
             f"{LEAST_IN_DUCTS:.0%} or more; draw it out and place it again",
             in_ducts=share,
         )
