@@ -1,4 +1,4 @@
-"""The attempts of a run, as its events tell them."""
+"""The attempts of a run, read from its events."""
 
 from dataclasses import replace
 

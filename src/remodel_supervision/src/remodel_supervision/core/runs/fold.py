@@ -208,7 +208,7 @@ def _apply_interrupted(event: Interrupted, state: RunState) -> RunState:
 @_apply.register
 def _apply_settled(event: Settled, state: RunState) -> RunState:
     task = replace(state.tasks[event.task], connected=event.connected, unseen=event.unseen)
-    # That its ends are connected does not tell where a wire lies.
+    # A wire whose ends are both connected may still lie beside its ducts.
     is_misplaced = task.then is not None and task.codes[-1:] == (Code.OUT_OF_DUCT,)
     if not event.left and not event.unseen and not is_misplaced:
         return _leave(state, replace(task, stage=Stage.DONE, then=None))
