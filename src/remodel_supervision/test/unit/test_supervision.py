@@ -396,6 +396,47 @@ def test_a_wire_beside_its_duct_is_not_done_when_both_ends_are_connected(run):
     assert run.state.tasks["W1"].stage is Stage.SET_ASIDE
 
 
+def test_a_wire_beside_its_duct_is_not_done_when_the_arms_could_not_discard_it_at_first(run):
+    run.policy = Policy({"out_of_duct": (Response(Do.NEW_PART, 3),)})
+    run.begin("W1")
+    run.end("W1", "failed", Code.OUT_OF_DUCT)
+    run.decide("W1")
+    run.begin("W1", Part.DISCARD)
+    run.end("W1", "failed", Code.ROBOT_IN_THE_WAY)
+    assert run.decide("W1").do is Do.LOOK_AGAIN
+    assert run.add(Settled("W1", ("a", "b"), 0)) == Decide("W1")
+    assert run.decide("W1").do is Do.NEW_PART
+    assert run.discard("W1") == Execute("W1", Part.WHOLE)
+    run.begin("W1")
+    run.end("W1", "failed", Code.NOT_SEATED)
+    run.decide("W1")
+    assert run.add(Settled("W1", ("a", "b"), 0)) == Execute("W2", Part.WHOLE), "of the new piece"
+
+
+def test_the_operator_is_asked_about_a_wire_beside_its_duct_with_both_ends_connected(run):
+    run.begin("W1")
+    run.end("W1", "failed", Code.OUT_OF_DUCT)
+    for _ in range(2):
+        assert run.decide("W1").do is Do.LOOK_AGAIN
+        assert run.add(Settled("W1", ("a", "b"), 0)) == Decide("W1")
+    assert run.decide("W1").do is Do.ASK_OPERATOR
+    run.ask("W1")
+    assert run.add(Answered(1, Answer.FIXED, "ann")) == Settle("W1")
+    assert run.add(Settled("W1", ("a", "b"), 0)) == Execute("W2", Part.WHOLE), "laid by hand"
+
+
+def test_a_skipped_wire_beside_its_duct_gets_a_new_piece_when_it_is_retried(run):
+    run.begin("W1")
+    run.end("W1", "failed", Code.OUT_OF_DUCT)
+    run.add(Commanded(Command.SKIP, "W1", "ann"))
+    run.decide("W1")
+    assert run.add(Settled("W1", ("a", "b"), 0)) == Execute("W2", Part.WHOLE), "left to ann"
+    run.add(Commanded(Command.SKIP, "W2", "ann"))
+    run.add(Commanded(Command.RETRY, "W1", "ann"))
+    assert run.add(Settled("W1", ("a", "b"), 0)) == Execute("W1", Part.DISCARD)
+    assert run.discard("W1") == Execute("W1", Part.WHOLE)
+
+
 @pytest.mark.parametrize("do", [Do.NEW_PART, Do.REPLAN, Do.SET_ASIDE])
 def test_what_is_done_though_its_server_said_otherwise_is_not_given_up(run, do):
     run.policy = Policy({"result_contradictory": (Response(do), Response(Do.SET_ASIDE))})

@@ -172,7 +172,7 @@ def _apply_task_ended(event: TaskEnded, state: RunState) -> RunState:
     if task.part is Part.CLEAR and not task.hand_may_hold:
         return _with_empty_hand(state, replace(task, stuck_hand=0))
     if task.part is Part.DISCARD and event.outcome == FINISHED:
-        task = replace(task, piece=False, undiscarded=False, connected=())
+        task = replace(task, piece=False, misplaced=False, undiscarded=False, connected=())
         return _do(task.then or Do.NEW_PART, state, task, "the piece is discarded")
     if task.part.is_attempt and event.outcome == FINISHED:
         if event.denied:
@@ -208,11 +208,13 @@ def _apply_interrupted(event: Interrupted, state: RunState) -> RunState:
 @_apply.register
 def _apply_settled(event: Settled, state: RunState) -> RunState:
     task = replace(state.tasks[event.task], connected=event.connected, unseen=event.unseen)
-    # A wire whose ends are both connected may still lie beside its ducts.
-    is_misplaced = task.then is not None and task.codes[-1:] == (Code.OUT_OF_DUCT,)
-    if not event.left and not event.unseen and not is_misplaced:
+    is_connected = not event.left and not event.unseen
+    if is_connected and not task.misplaced:
         return _leave(state, replace(task, stage=Stage.DONE, then=None))
     state = _under_way(state, task)
+    if is_connected and task.then is None:
+        codes = (*task.codes, Code.OUT_OF_DUCT)
+        return state.with_task(replace(task, stage=Stage.FAILED, codes=codes))
     if task.then is not None and event.code not in PERSON_FIRST:
         return _do(task.then, state, task, "what is done was inspected")
     if event.unseen:
@@ -239,6 +241,8 @@ def _apply_answered(event: Answered, state: RunState) -> RunState:
     task = replace(state.tasks[state.question.task], stuck_hand=0, stopped_by=None)
     state = replace(state, question=None)
     because = f"{event.by} answered {event.choice.value} to question {event.number}"
+    if event.choice is Answer.FIXED:
+        task = replace(task, misplaced=False)
     if event.choice is Answer.MARK_DONE:
         return _leave(state, replace(task, stage=Stage.DONE, hand_may_hold=False))
     return _act(_ANSWERED[event.choice], state, task, because)
@@ -275,7 +279,7 @@ def _retried(state: RunState, task: TaskProgress) -> RunState:
         return state
     # Cells take up only the wire that was fed last: a piece of another one is replaced.
     is_out_of_reach = task.piece and not task.unseen and state.fed != task.name
-    then = Do.NEW_PART if is_out_of_reach else None
+    then = Do.NEW_PART if is_out_of_reach or task.misplaced else None
     part = Part.AGAIN if task.piece else Part.WHOLE
     task = replace(task, stage=Stage.UNVERIFIED, part=part, then=then)
     return state.with_task(task, waiting=(*state.waiting, task.name))
@@ -379,8 +383,13 @@ def _failed(state: RunState, task: TaskProgress) -> RunState:
         task = replace(task, stuck_hand=task.stuck_hand + 1)
         if task.stuck_hand <= STUCK_HAND_LIMIT and code not in PERSON_FIRST:
             return state.with_task(replace(task, stage=Stage.READY), stop=stop)
-    undiscarded = task.undiscarded or task.part is Part.DISCARD
-    task = replace(task, stage=Stage.FAILED, codes=(*task.codes, code), undiscarded=undiscarded)
+    task = replace(
+        task,
+        stage=Stage.FAILED,
+        codes=(*task.codes, code),
+        misplaced=task.misplaced or code == Code.OUT_OF_DUCT,
+        undiscarded=task.undiscarded or task.part is Part.DISCARD,
+    )
     return state.with_task(task, failures=state.failures + 1, stop=stop)
 
 

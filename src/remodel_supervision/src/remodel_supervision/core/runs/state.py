@@ -86,6 +86,8 @@ class TaskProgress:
         hand_may_hold: whether the hand may hold something: the last behavior did not end by itself,
             lost a server, or did not lay down what it held.
         stuck_hand: how often in a row the hand could not be emptied.
+        misplaced: whether the piece was seen beside its ducts: it is not done, though both its ends
+            are connected, before it is discarded or a person has laid it.
         undiscarded: whether the piece could not be discarded.
         stopped_by: operation of an earlier behavior that was reported late, and about which a
             person is to answer before anything moves; None if there is none.
@@ -110,6 +112,7 @@ class TaskProgress:
     piece: bool = False
     hand_may_hold: bool = False
     stuck_hand: int = 0
+    misplaced: bool = False
     undiscarded: bool = False
     stopped_by: Operation | None = None
     outcome: str = ""
