@@ -16,11 +16,10 @@ class LayWireState(EventState):
 
     ># cable_id  string  Wire of the loaded panel, such as "W1"; one end fixed, the other one held.
 
-    #> in_ducts  float  [share] of the places in ducts with the wire in view at which it lies below the rim, 0 to 1.
     #> error_code  int  Code of a failure (remodel_msgs/ErrorCode).
     #> error_message  string  What failed and what to do.
 
-    <= laid  [writes in_ducts] The wire lies in its ducts, its free end held.
+    <= laid  [writes nothing] The wire is led into its ducts, its free end held.
     <= failed  [writes error_code, error_message] The ability failed; error_code says why.
     <= command_error  [writes error_code, error_message] Refused, or the server is not there.
 
@@ -31,7 +30,7 @@ class LayWireState(EventState):
         super().__init__(
             outcomes=["laid", "failed", "command_error"],
             input_keys=["cable_id"],
-            output_keys=["in_ducts", "error_code", "error_message"],
+            output_keys=["error_code", "error_message"],
         )
         self._robot_name = robot_name
         self._guide_name = guide_name
@@ -52,8 +51,6 @@ class LayWireState(EventState):
         outcome = self._call.outcome()
         if outcome is not None:
             self._call.write_errors(userdata)
-        if outcome == "laid":
-            userdata.in_ducts = self._call.result.in_ducts
         return outcome
 
     def on_exit(self, userdata):

@@ -18,6 +18,7 @@ from remodel_sim.abilities.primitives.grasping import (
     pick_end,
     release,
 )
+from remodel_sim.abilities.primitives.leading import let_go
 from remodel_sim.abilities.primitives.motions import (
     rise,
 )
@@ -60,6 +61,7 @@ def discard_cable(context: RobotContext, goal: DiscardGoal) -> Steps[CableDiscar
         if not goal.cable_id:
             raise AbilityError(Code.NOTHING_HELD, f"{wire_id!r} slipped out of the fingers")
     context.make_live(wire_id)
+    yield from let_go(context)
     occupants = {wire for wire, _ in belief.occupied.values()}
     was_connected = belief.engaged is not None or wire_id in occupants
     yield from _release_ends(context)

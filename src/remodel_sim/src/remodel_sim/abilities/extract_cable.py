@@ -17,6 +17,7 @@ from remodel_sim.abilities.primitives.grasping import (
     opening_beside_neighbours,
 )
 from remodel_sim.abilities.primitives.laying import lay_down, let_down, tip_of
+from remodel_sim.abilities.primitives.leading import let_go
 from remodel_sim.abilities.primitives.motions import (
     APPROACH_SPEED,
     FREE_SPEED,
@@ -89,6 +90,7 @@ def draw_out(context: RobotContext, goal: ExtractGoal) -> Steps[tuple[WireEnd, f
     """
     belief = context.belief
     context.make_live(goal.cable_id)
+    yield from let_go(context)
     end = _end_at(context, goal)
     where = f"'{goal.component_id}/{goal.terminal_id}'"
     if belief.grip is not None and not holds(context):

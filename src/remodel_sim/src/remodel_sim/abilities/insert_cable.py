@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from remodel_sim.abilities.ability import ability
 from remodel_sim.abilities.execution.robot_context import RobotContext, Steps
 from remodel_sim.abilities.primitives.grasping import check_grip, pick_end
+from remodel_sim.abilities.primitives.leading import let_go
 from remodel_sim.abilities.primitives.motions import disengage
 from remodel_sim.abilities.primitives.pushing import (
     bring_before,
@@ -49,7 +50,10 @@ def _goal(message: Message) -> InsertGoal:
 
 @ability("InsertCable", _goal)
 def insert_cable(context: RobotContext, goal: InsertGoal) -> Steps[CableInserted]:
-    """Pick the end if the hand is empty, push it into the opening, judge by travel and force."""
+    """Pick the end if the hand is empty, push it into the opening, judge by travel and force.
+
+    A hand that keeps the rest of the wire in its duct does so until the end is seated.
+    """
     yield from disengage(context)
     if context.belief.grip is None:
         yield from pick_end(context, goal.end, 0.0, goal.socket, shares=(0.0, 0.45))
@@ -66,6 +70,7 @@ def insert_cable(context: RobotContext, goal: InsertGoal) -> Steps[CableInserted
     judge_alignment(push, opening_of(key, context.panel, context.belief.seen), terminal, where)
     judge_depth(push, terminal.depth, where)
     context.belief.seat(goal.end, key)
+    yield from let_go(context)
     message = (
         f"end {goal.end.value} of {goal.cable_id} seated in "
         f"{goal.component_id}/{goal.terminal_id}, "

@@ -2,7 +2,8 @@
 
 The leading hand closes its eyelet around the wire: the wire slides through it, and lies along the
 duct behind it. The holding hand keeps the free part off the board, and comes nearer as that part
-becomes shorter.
+becomes shorter. At last the leading hand keeps the wire in its duct at the last corner, until
+InsertCable has inserted the free end; FixCable then inspects the ducts.
 """
 
 from __future__ import annotations
@@ -19,7 +20,7 @@ import numpy as np
 from remodel_sim.abilities.ability import ability
 from remodel_sim.abilities.execution.robot_context import RobotContext, Steps
 from remodel_sim.abilities.primitives.force_motion import ForceMotion
-from remodel_sim.abilities.primitives.grasping import check_grip, open_fingers
+from remodel_sim.abilities.primitives.grasping import check_grip
 from remodel_sim.abilities.primitives.holding import (
     FLAT,
     HOLD_SPEED,
@@ -28,21 +29,25 @@ from remodel_sim.abilities.primitives.holding import (
     bring_together,
     hold_off,
 )
+from remodel_sim.abilities.primitives.leading import (
+    AMONG_WIRES,
+    BACK_M,
+    CORNER_M,
+    LEAVE_SPEED,
+    keep_in_duct,
+    keeps_room,
+    lowest,
+    withdraw,
+)
 from remodel_sim.abilities.primitives.motions import (
     APPROACH_SPEED,
     FREE_SPEED,
     HAND_OPEN_M,
     TRAVEL_Z,
-    is_free,
     move_to,
     wait,
 )
-from remodel_sim.abilities.primitives.observation.duct_check import (
-    LEAST_IN_DUCTS,
-    check_beside_ducts,
-    share_in_ducts,
-)
-from remodel_sim.abilities.primitives.observation.route_check import duct_places, observe_board
+from remodel_sim.abilities.primitives.observation.route_check import observe_board
 from remodel_sim.abilities.primitives.observation.sight_lines import clear_sight
 from remodel_sim.abilities.primitives.together import move_together
 from remodel_sim.core.belief.belief_state import EndState
@@ -56,7 +61,6 @@ from remodel_sim.core.robot.force_control import ForceControl
 from remodel_sim.core.vision.laid_wire import Passing, uppermost_past
 from remodel_sim.core.vision.wire_lines import WireLines
 from remodel_sim.core.workpiece.layout import WORLD_FROM_PANEL
-from remodel_sim.core.workpiece.obstacles import WIRES, duct_name
 from remodel_sim.core.workpiece.panel import Duct, WireEnd, unit_x
 from remodel_sim.core.workpiece.slots import slot_before
 from remodel_states.core.codes import Code
@@ -71,8 +75,6 @@ CLOSED_SHARE = 0.7
 STEP_DOWN_M = 0.004
 TAKES = 7
 SEEN_TAKES = 3
-# The leading hand begins to turn so far before a corner, and ends so far behind it [m].
-CORNER_M = 0.030
 # So much of the turn it has done in the middle of the corner and where it ends; all, so far behind.
 TURNED_SHARES = (0.3, 0.65)
 STRAIGHT_AGAIN_M = 0.070
@@ -84,8 +86,6 @@ OVER_RIM_M = 0.008
 UNDER_RIM_M = 0.012
 # The leading hand goes along a duct so fast [m/s].
 LEAD_SPEED = 0.25
-# There it lies among other wires, which yield.
-AMONG_WIRES = frozenset({WIRES})
 # The wire may pull at the leading hand, level, with so much of what its terminal holds; with more
 # for so long, and it hangs on something [s].
 MAX_PULL_SHARE = 0.3
@@ -102,13 +102,8 @@ TIGHTEN_SPEED = 0.10
 # A wire that sags yields far more than one in the grip: 200 N/m between 1 and 2 N, measured at 0.2
 # to 0.9 m. So much is assumed [N/m].
 SAGGING_STIFFNESS = 8e3
-# So far before the last slot the wire rises to the holding hand, and is not judged [m].
+# So far before the last slot the wire rises to the holding hand [m].
 RISES_M = 0.12
-# The leading hand leaves the wire so far back along it [m], then upwards, so fast [m/s]. A wire
-# that lies in the notch of an open finger slips out of it; if the hand rises faster, it is flung
-# up between the fingers, and drawn out of the other hand.
-BACK_M = 0.012
-LEAVE_SPEED = 0.10
 # It is released with the free part so far to the inner side of its last corner [rad].
 INWARD_RAD = math.radians(35.0)
 # So much of the wire is inside its terminal, about [m].
@@ -129,12 +124,10 @@ class WireLaid:
 
     Attributes:
         message: for a person.
-        in_ducts: share of the route's places in ducts at which the wire lies below the rim.
         peak_force: the largest level force at the leading hand [N].
     """
 
     message: str
-    in_ducts: float
     peak_force: float
 
 
@@ -144,72 +137,15 @@ def _goal(message: Message) -> LayGoal:
 
 @ability("LayWire", _goal)
 def lay_wire(holder: RobotContext, guide: RobotContext, goal: LayGoal) -> Steps[WireLaid]:
-    """Lead the wire along its route, and inspect whether it lies in its ducts."""
-    _check_camera(guide)
+    """Lead the wire along its route, and keep it in its last duct."""
     try:
-        route = _route(holder)
-        before, peak = yield from _lead(holder, guide, route)
+        peak = yield from _lead(holder, guide, _route(holder))
     except AbilityError:
         # What went wrong first is what counts.
         with suppress(AbilityError):
-            yield from _withdraw(guide, holder)
+            yield from withdraw(guide, holder)
         raise
-    guide.report("inspecting the ducts", 0.95)
-    in_ducts = yield from share_in_ducts(guide, _laid_places(guide, route), before)
-    if in_ducts < LEAST_IN_DUCTS:
-        raise AbilityError(
-            Code.OUT_OF_DUCT,
-            f"{goal.cable_id!r} lies below the rims of its ducts at {in_ducts:.0%} of its route; "
-            f"allowed: {LEAST_IN_DUCTS:.0%} or more; draw it out and place it again",
-            in_ducts=in_ducts,
-            peak_force=peak,
-        )
-    free = np.array([route[-2], holder.commanded.position])
-    yield from check_beside_ducts(guide, before, [np.array(route[:2]), np.array(route[-2:]), free])
-    return WireLaid(f"{goal.cable_id} laid into {', '.join(holder.wire.ducts)}", in_ducts, peak)
-
-
-def _check_camera(guide: RobotContext) -> None:
-    """Raise INVALID_GOAL unless a robot can inspect the ducts that it leads a wire into."""
-    if not guide.hand_sees_depth:
-        raise AbilityError(
-            Code.INVALID_GOAL,
-            f"the hand's camera of {guide.name} measures no depth; lead wires with a robot whose "
-            "camera does (camera.depth in the cell's file)",
-        )
-
-
-def _withdraw(
-    guide: RobotContext, holder: RobotContext, risen: ToolPose | None = None
-) -> Steps[None]:
-    """Open the leading hand, and take it back along the laid wire, if it can, before it rises.
-
-    It goes below where the holder leaves it room, `risen`, or else away from the holder.
-    """
-    yield from open_fingers(guide, HAND_OPEN_M)
-    here = guide.commanded
-    if risen is None:
-        back = np.array([math.cos(here.yaw), math.sin(here.yaw), 0.0])
-        if back @ (here.position - holder.commanded.position) < 0:
-            back = -back
-        risen = here.moved(back, BACK_M)
-    behind = risen.at(z=here.z)
-    # It is between their walls; open, it has less room there than it keeps from other things.
-    ducts = AMONG_WIRES | {duct_name(name) for name in guide.wire.ducts}
-    if is_free(guide, behind, ducts):
-        yield from move_to(guide, behind, APPROACH_SPEED, ducts)
-    if guide.commanded.z < TRAVEL_Z:
-        yield from move_to(guide, guide.commanded.at(z=TRAVEL_Z), LEAVE_SPEED, ducts)
-
-
-def _laid_places(guide: RobotContext, route: list[Array]) -> dict[Duct, tuple[Pose, ...]]:
-    """Return where a route runs in ducts, up to where the wire rises to the holding hand."""
-    last = route[-2] - route[-3]
-    rises = min(RISES_M, float(np.linalg.norm(last)))
-    points = [*route[:-2], route[-2] - last / np.linalg.norm(last) * rises]
-    return duct_places(
-        guide, tuple(Pose.level(*(float(v) for v in point), 0.0) for point in points)
-    )
+    return WireLaid(f"{goal.cable_id} laid into {', '.join(holder.wire.ducts)}", peak)
 
 
 def _route(holder: RobotContext) -> list[Array]:
@@ -230,13 +166,11 @@ def _route(holder: RobotContext) -> list[Array]:
     return points
 
 
-def _lead(
-    holder: RobotContext, guide: RobotContext, route: list[Array]
-) -> Steps[tuple[Picture, float]]:
+def _lead(holder: RobotContext, guide: RobotContext, route: list[Array]) -> Steps[float]:
     """Take the wire where it comes out of the first slot, and lead it to the last one.
 
     Returns:
-        A picture of the board before, and the peak of the level pull at the guide [N].
+        The peak of the level pull at the guide [N].
     """
     grip = holder.belief.grip
     assert grip is not None, "the holder has the free end"
@@ -271,7 +205,7 @@ def _lead(
     peak = yield from _watched(guide, [(guide, lifted)], free)
     here = route[1]
     for i, place in enumerate(places):
-        guide.report(f"leading the wire, {i + 1} of {len(places)}", 0.35 + 0.5 * i / len(places))
+        guide.report(f"leading the wire, {i + 1} of {len(places)}", 0.35 + 0.6 * i / len(places))
         target = place if place is not places[-1] else _last(place, here, left)
         ahead = float(np.linalg.norm(target.at - here))
         left -= ahead
@@ -282,11 +216,16 @@ def _lead(
             _check_closed(guide)
         check_grip(holder)
         here, yaw = target.at, target.yaw
-    # Released, a wire that is pulled upwards would leave its ducts.
+    # A wire that is pulled upwards would leave its ducts.
     risen = yield from _loosen(holder, guide, target, left, _last_turn(places))
-    guide.report("releasing the wire", 0.9)
-    yield from _withdraw(guide, holder, risen)
-    return before or seen.picture, peak
+    corner, slot = route[-3], route[-2]
+    if keeps_room(corner, slot):
+        guide.report("keeping the wire in its duct", 0.95)
+        yield from keep_in_duct(guide, corner, slot)
+    else:
+        guide.report("releasing the wire", 0.95)
+        yield from withdraw(guide, holder, risen)
+    return peak
 
 
 def _last(place: _Place, here: Array, left: float) -> _Place:
@@ -397,7 +336,7 @@ def _find(
         x, y, z = (float(v) for v in crossing)
         return ToolPose(x, y, z + HIDDEN_M, place.yaw), False
     at = place.apply(np.array([along, here.aside, 0.0]))
-    z = max(_lowest(guide), here.height - _eyelet_above(guide))
+    z = max(lowest(guide), here.height - _eyelet_above(guide))
     return ToolPose(float(at[0]), float(at[1]), z, place.yaw + turn), True
 
 
@@ -444,7 +383,7 @@ def _close_at(guide: RobotContext, tool: ToolPose, drop: float) -> Steps[None]:
     """Open the hand, and close it so far below a tool pose [m]."""
     guide.drive_fingers(HAND_OPEN_M)
     yield from wait(guide, CLOSE_S)
-    yield from move_to(guide, tool.at(z=max(_lowest(guide), tool.z - drop)), APPROACH_SPEED)
+    yield from move_to(guide, tool.at(z=max(lowest(guide), tool.z - drop)), APPROACH_SPEED)
     guide.drive_fingers(APART_M / 2)
     yield from wait(guide, CLOSE_S)
 
@@ -464,11 +403,6 @@ def _check_closed(guide: RobotContext) -> None:
         )
 
 
-def _lowest(guide: RobotContext) -> float:
-    """Return the lowest height of the tool at which the fingers clear the plate [m]."""
-    return guide.fingers.below + 0.002
-
-
 def _bring(
     holder: RobotContext,
     guide: RobotContext,
@@ -483,7 +417,7 @@ def _bring(
     hand alone would come too near to the holder.
     """
     x, y, z = (float(v) for v in place.at)
-    z = max(_lowest(guide), z - _eyelet_above(guide))
+    z = max(lowest(guide), z - _eyelet_above(guide))
     tool = ToolPose(x, y, z, guide.commanded.yaw + turn)
     lead = partial(_lead_to, holder, guide, place, left=left, free=free)
     try:

@@ -134,7 +134,7 @@ def _route(world: World, cell: str, goal: Goal) -> Effect:
 
 def _lay(world: World, _: str, goal: Goal) -> Effect:
     ducts = ", ".join(world.panel.ducts[goal.cable_id])
-    found = {"in_ducts": 1.0, "peak_force": LEAD_N}
+    found = {"peak_force": LEAD_N}
     return Effect(world, f"{goal.cable_id} laid into {ducts}", found=found)
 
 

@@ -72,6 +72,7 @@ class RobotContext:
     Attributes:
         name: of the robot.
         busy: whether the robot does something.
+        keeps_wire: whether its closed eyelet keeps the live wire in its duct.
         robots: the contexts of all robots of the cell, by name.
         arm: its kinematics.
         home: where the empty hand waits, out of the overhead camera's picture.
@@ -99,7 +100,7 @@ class RobotContext:
         self._observers = observers
         self.name, self.arm, self.home = design.name, design.arm, design.home
         self.belief = belief
-        self.busy = False
+        self.busy = self.keeps_wire = False
         self.robots = robots
         self._traffic = traffic
         self.progress = Progress()
@@ -325,11 +326,6 @@ class RobotContext:
     def overhead_view(self) -> View:
         """Where the overhead camera is."""
         return self._plant.design.overhead
-
-    @property
-    def hand_sees_depth(self) -> bool:
-        """Whether the wrist camera measures depth."""
-        return self._design.camera.depth
 
     @property
     def wrist_view(self) -> View:

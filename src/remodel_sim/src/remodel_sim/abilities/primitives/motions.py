@@ -258,6 +258,7 @@ def rise(context: RobotContext, z: float = TRAVEL_Z) -> Steps[None]:
 
 def clear_hand(context: RobotContext) -> Steps[None]:
     """Open the empty hand and lift it: an ability that was stopped may have left it anywhere."""
+    context.keeps_wire = False
     if context.fingers_open_to < HAND_OPEN_M:
         context.drive_fingers(HAND_OPEN_M)
         yield from wait(context, 0.2)

@@ -11,41 +11,18 @@ import numpy.typing as npt
 from remodel_sim.core.camera import Picture
 from remodel_sim.core.geometry import Array
 from remodel_sim.core.workpiece.layout import WORLD_FROM_PANEL
-from remodel_sim.core.workpiece.panel import Duct, Panel
+from remodel_sim.core.workpiece.panel import Duct
 
-# A wire that lies on a duct's wall, or stands over it, is so near to it [m].
-BESIDE_DUCT_M = 0.020
 # A wire that hangs out of its duct is so near to it [m].
 OUTSIDE_DUCT_M = 0.040
 # What is higher is a hand, or is held by one [m].
 HELD_M = 0.10
-# So near to where a wire goes on outside its ducts it may be, seen from above [m].
-BESIDE_WAY_M = 0.060
-# The same of a wire whose ends are fixed.
-BESIDE_FIXED_WAY_M = 0.045
+# So near to where a wire goes on to its terminals it may be outside its ducts, seen from above [m].
+BESIDE_WAY_M = 0.045
 # What stood somewhere before is found again so near to its place [pixels].
 AGAIN_PX = 2
 # What is narrower than this is the depth camera's noise.
 LEAST_PX = np.ones((2, 2), np.uint8)
-
-
-def length_beside_ducts(
-    picture: Picture, before: Picture, panel: Panel, radius: float, ways: Sequence[Array]
-) -> float:
-    """Return how much of a wire lies on the plate beside its ducts [m].
-
-    Args:
-        picture: with depth, from above, the wire in it.
-        before: the same, before the wire was laid.
-        panel: whose plate they show.
-        radius: of the wire [m].
-        ways: lines (2, 3) along which the wire may be outside the ducts, world frame [m].
-    """
-    points, is_own = _new_points(picture, before, radius)
-    is_own &= _are_on_plate(points, panel) & ~_are_near(points, panel.ducts, BESIDE_DUCT_M)
-    for way in ways:
-        is_own &= _distances(points, way) > BESIDE_WAY_M
-    return _length(picture, points, is_own, radius)
 
 
 def length_outside_ducts(
@@ -65,7 +42,7 @@ def length_outside_ducts(
     for duct in ducts:
         is_own &= ~(_are_near(points, [duct], 0.0) & (points[:, 2] < duct.height))
     for way in ways:
-        is_own &= _distances(points, way) > BESIDE_FIXED_WAY_M
+        is_own &= _distances(points, way) > BESIDE_WAY_M
     return _length(picture, points, is_own, radius)
 
 
@@ -98,11 +75,6 @@ def _points_of(picture: Picture, around: int = 0) -> Array:
     depth = np.asarray(cv2.erode(picture.depth.astype(np.float32), near), np.float64)
     rows, columns = np.indices(depth.shape).reshape(2, -1)
     return picture.view.at_depth(np.column_stack([columns, rows]).astype(np.float64), depth.ravel())
-
-
-def _are_on_plate(points: Array, panel: Panel) -> npt.NDArray[np.bool_]:
-    at = np.abs(WORLD_FROM_PANEL.inverse().apply(points)[:, :2])
-    return np.asarray((at <= np.array(panel.size[:2]) / 2).all(axis=1))
 
 
 def _are_near(points: Array, ducts: Sequence[Duct], beside: float) -> npt.NDArray[np.bool_]:

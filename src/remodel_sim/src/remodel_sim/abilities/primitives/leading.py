@@ -1,0 +1,113 @@
+"""How a leading hand keeps a wire in its duct, and lets it go, as steps of an ability.
+
+A wire is longer than its route. When its second end is inserted, what it is longer goes back into
+the last duct, and lifts a stiff wire out of it at the corner, unless something keeps it down there.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Set
+
+import numpy as np
+
+from remodel_sim.abilities.execution.robot_context import RobotContext, Steps
+from remodel_sim.abilities.primitives.grasping import open_fingers
+from remodel_sim.abilities.primitives.motions import (
+    APPROACH_SPEED,
+    HAND_OPEN_M,
+    TRAVEL_Z,
+    is_free,
+    move_to,
+)
+from remodel_sim.core.geometry import Array
+from remodel_sim.core.robot.arm import ToolPose
+from remodel_sim.core.workpiece.obstacles import WIRES, duct_name
+
+# A leading hand goes among other wires, which yield.
+AMONG_WIRES = frozenset({WIRES})
+# The leading hand begins to turn so far before a corner, and ends so far behind it [m].
+CORNER_M = 0.030
+# Behind the corner it keeps the wire so much lower than it led it [m]: released there, the wire
+# stays; kept 10 mm higher, it sprang out as the hand opened (W10, W15).
+LOWER_M = 0.018
+# It does where it is so far from the last slot that the other hand can insert the end [m].
+ROOM_M = 0.20
+# It leaves the wire so far back along it [m], then upwards, so fast [m/s]. A wire that lies in the
+# notch of an open finger slips out of it; if the hand rises faster, it is flung up between the
+# fingers, and drawn out of the other hand.
+BACK_M = 0.012
+LEAVE_SPEED = 0.10
+
+
+def keeps_room(corner: Array, slot: Array) -> bool:
+    """Return whether a hand behind a corner (3,) is out of the way of one at a slot (3,) [m]."""
+    return float(np.linalg.norm(slot - corner)) >= ROOM_M
+
+
+def keep_in_duct(guide: RobotContext, corner: Array, slot: Array) -> Steps[None]:
+    """Take the closed eyelet back along a wire to its last corner, and keep the wire down there.
+
+    Args:
+        guide: its hand is at the last slot, its eyelet around the wire.
+        corner: (3,) [m], world frame.
+        slot: the last one, (3,) [m], world frame.
+    """
+    behind = corner + CORNER_M / np.linalg.norm(slot - corner) * (slot - corner)
+    here = guide.commanded
+    z = max(lowest(guide), here.z - LOWER_M)
+    target = ToolPose(float(behind[0]), float(behind[1]), z, here.yaw)
+    guide.keeps_wire = True
+    yield from move_to(guide, target, LEAVE_SPEED, _in_ducts(guide))
+
+
+def let_go(context: RobotContext) -> Steps[None]:
+    """Have the leading hand of a cell release the wire that it keeps in its duct, if one does."""
+    for guide in (context, *context.peers):
+        if guide is not context and guide.busy:
+            continue
+        if guide.keeps_wire and guide.belief.grip is None:
+            if guide is not context:
+                guide.begin()
+            try:
+                # The eyelet has kept the wire in the middle between the fingers.
+                yield from withdraw(guide, context, guide.commanded)
+            finally:
+                if guide is not context:
+                    guide.end()
+
+
+def withdraw(
+    guide: RobotContext, holder: RobotContext, risen: ToolPose | None = None
+) -> Steps[None]:
+    """Open the leading hand, and take it back along the laid wire, if it can, before it rises.
+
+    It goes below where the holder leaves it room, `risen`, or else away from the holder.
+    """
+    guide.keeps_wire = False
+    yield from open_fingers(guide, HAND_OPEN_M)
+    here = guide.commanded
+    if risen is None:
+        back = np.array([math.cos(here.yaw), math.sin(here.yaw), 0.0])
+        if back @ (here.position - holder.commanded.position) < 0:
+            back = -back
+        risen = here.moved(back, BACK_M)
+    behind = risen.at(z=here.z)
+    ducts = _in_ducts(guide)
+    if behind != here and is_free(guide, behind, ducts):
+        yield from move_to(guide, behind, APPROACH_SPEED, ducts)
+    if guide.commanded.z < TRAVEL_Z:
+        yield from move_to(guide, guide.commanded.at(z=TRAVEL_Z), LEAVE_SPEED, ducts)
+
+
+def lowest(guide: RobotContext) -> float:
+    """Return the lowest height of the tool at which the fingers clear the plate [m]."""
+    return guide.fingers.below + 0.002
+
+
+def _in_ducts(guide: RobotContext) -> Set[str]:
+    """Return what a hand may touch between the walls of the wire's ducts.
+
+    Open, it has less room there than it keeps from other things.
+    """
+    return AMONG_WIRES | {duct_name(name) for name in guide.wire.ducts}
