@@ -34,6 +34,7 @@ from remodel_sim.abilities.primitives.leading import (
     BACK_M,
     CORNER_M,
     LEAVE_SPEED,
+    behind_hand,
     keep_in_duct,
     keeps_room,
     lowest,
@@ -143,7 +144,7 @@ def lay_wire(holder: RobotContext, guide: RobotContext, goal: LayGoal) -> Steps[
     except AbilityError:
         # What went wrong first is what counts.
         with suppress(AbilityError):
-            yield from withdraw(guide, holder)
+            yield from withdraw(guide, behind_hand(guide, holder))
         raise
     return WireLaid(f"{goal.cable_id} laid into {', '.join(holder.wire.ducts)}", peak)
 
@@ -224,7 +225,7 @@ def _lead(holder: RobotContext, guide: RobotContext, route: list[Array]) -> Step
         yield from keep_in_duct(guide, corner, slot)
     else:
         guide.report("releasing the wire", 0.95)
-        yield from withdraw(guide, holder, risen)
+        yield from withdraw(guide, risen)
     return peak
 
 

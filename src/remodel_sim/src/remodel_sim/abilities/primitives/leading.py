@@ -63,41 +63,45 @@ def keep_in_duct(guide: RobotContext, corner: Array, slot: Array) -> Steps[None]
 
 def let_go(context: RobotContext) -> Steps[None]:
     """Have the leading hand of a cell release the wire that it keeps in its duct, if one does."""
-    for guide in (context, *context.peers):
-        if guide is not context and guide.busy:
-            continue
-        if guide.keeps_wire and guide.belief.grip is None:
-            if guide is not context:
-                guide.begin()
+    if context.keeps_wire:
+        yield from _rise_from_wire(context)
+    for guide in context.peers:
+        if guide.keeps_wire and not guide.busy:
+            guide.begin()
             try:
-                # The eyelet has kept the wire in the middle between the fingers.
-                yield from withdraw(guide, context, guide.commanded)
+                yield from _rise_from_wire(guide)
             finally:
-                if guide is not context:
-                    guide.end()
+                guide.end()
 
 
-def withdraw(
-    guide: RobotContext, holder: RobotContext, risen: ToolPose | None = None
-) -> Steps[None]:
+def _rise_from_wire(guide: RobotContext) -> Steps[None]:
+    """Open a hand that keeps a wire in its duct, and rise: its eyelet kept it in the middle."""
+    yield from withdraw(guide, guide.commanded)
+
+
+def withdraw(guide: RobotContext, risen: ToolPose) -> Steps[None]:
     """Open the leading hand, and take it back along the laid wire, if it can, before it rises.
 
-    It goes below where the holder leaves it room, `risen`, or else away from the holder.
+    Args:
+        guide: its eyelet is around the wire.
+        risen: where it has room to rise to, from below there.
     """
     guide.keeps_wire = False
     yield from open_fingers(guide, HAND_OPEN_M)
-    here = guide.commanded
-    if risen is None:
-        back = np.array([math.cos(here.yaw), math.sin(here.yaw), 0.0])
-        if back @ (here.position - holder.commanded.position) < 0:
-            back = -back
-        risen = here.moved(back, BACK_M)
-    behind = risen.at(z=here.z)
-    ducts = _in_ducts(guide)
-    if behind != here and is_free(guide, behind, ducts):
+    behind, ducts = risen.at(z=guide.commanded.z), _in_ducts(guide)
+    if behind != guide.commanded and is_free(guide, behind, ducts):
         yield from move_to(guide, behind, APPROACH_SPEED, ducts)
     if guide.commanded.z < TRAVEL_Z:
         yield from move_to(guide, guide.commanded.at(z=TRAVEL_Z), LEAVE_SPEED, ducts)
+
+
+def behind_hand(guide: RobotContext, holder: RobotContext) -> ToolPose:
+    """Return where a leading hand rises that goes back along the wire, away from the holder."""
+    here = guide.commanded
+    back = np.array([math.cos(here.yaw), math.sin(here.yaw), 0.0])
+    if back @ (here.position - holder.commanded.position) < 0:
+        back = -back
+    return here.moved(back, BACK_M)
 
 
 def lowest(guide: RobotContext) -> float:
