@@ -39,6 +39,25 @@ COLOUR = """(event) => {
 LATE = """() => {
   window.requestAnimationFrame = (deed) => setTimeout(() => deed(performance.now()), 1500);
 }"""
+# On a busy page the answer to a first click comes between a second one and what that asks for.
+BUSY = """() => {
+  const { drawing } = document.querySelector('.canvas-frame');
+  const { select } = drawing;
+  const later = window.setTimeout.bind(window);
+  let clicks = 0;
+  let answers = 0;
+  const once = (isSo, deed) => (isSo() ? deed() : later(() => once(isSo, deed), 20));
+  drawing.select = (...all) => once(() => clicks > 1, () => {
+    select(...all);
+    answers += 1;
+  });
+  window.setTimeout = (deed, wait, ...more) => {
+    if (!String(deed).includes('picked')) return later(deed, wait, ...more);
+    clicks += 1;
+    const isFirst = clicks === 1;
+    return later(() => once(() => isFirst || answers > 0, deed), wait);
+  };
+}"""
 ARROWS = "() => document.querySelector('.canvas-frame').drawing.cy.edges(':visible').length"
 FLOWS = """() => document.querySelector('.canvas-frame').drawing.cy.edges('.flow')
   .filter((edge) => edge.visible()).map((edge) => edge.data('label'))"""
@@ -194,6 +213,17 @@ class DrawingTest(BehaviorTestCase):
         expect(self.drawn("North 2")).to_have_count(1)
         page.keyboard.press("Control+y")
         expect(self.drawn("North 2")).to_have_count(0)
+
+    def test_a_state_picked_before_the_answer_to_the_last_pick_stays_selected(self):
+        page = self.page
+        self.open("Patrol")
+        self.where(page, "North")
+        page.evaluate(BUSY)
+        self.pick_drawn(page, "North")
+        page.keyboard.down("Shift")
+        self.pick_drawn(page, "South")
+        page.keyboard.up("Shift")
+        expect(page.locator(".canvas-outline li.selected")).to_have_count(2)
 
     def test_a_behavior_is_described_grouped_and_saved_under_another_name(self):
         page = self.page

@@ -27,7 +27,7 @@ from remodel_sim.abilities.lay_wire import (
 from remodel_sim.abilities.pick_cable import pick_cable
 from remodel_sim.abilities.place_cable import place_cable
 from remodel_sim.abilities.primitives import leading
-from remodel_sim.abilities.primitives.observation.duct_check import check_ducts
+from remodel_sim.abilities.primitives.observation.duct_check import check_ducts, inspect_ducts
 from remodel_sim.cell import Cell
 from remodel_sim.core import goals
 from remodel_sim.core.belief.placed_wires import ParkedWire
@@ -127,7 +127,13 @@ def draw(cell, nodes):
 
 def check(cell):
     """Return at which share of its route the live wire lies in its ducts, from above."""
-    return cell.run(check_ducts(cell.context), GUIDE)
+
+    def checked():
+        found = yield from inspect_ducts(cell.context)
+        check_ducts(cell.context, found)
+        return found.share
+
+    return cell.run(checked(), GUIDE)
 
 
 def test_two_hands_take_a_short_wire_and_insert_its_first_end():

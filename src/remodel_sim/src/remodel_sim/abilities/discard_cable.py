@@ -12,13 +12,13 @@ from remodel_sim.abilities.execution.robot_context import RobotContext, Steps
 from remodel_sim.abilities.extract_cable import draw_out, put_away
 from remodel_sim.abilities.locate_gearbox_component import locate_gearbox_component
 from remodel_sim.abilities.primitives.carrying import drop_into_bin, lift_out
+from remodel_sim.abilities.primitives.ducts.leading import let_go
 from remodel_sim.abilities.primitives.grasping import (
     RELEASE_OPENING_M,
     holds,
     pick_end,
     release,
 )
-from remodel_sim.abilities.primitives.leading import let_go
 from remodel_sim.abilities.primitives.motions import (
     rise,
 )

@@ -9,6 +9,7 @@ import numpy as np
 
 from remodel_sim.abilities.ability import ability
 from remodel_sim.abilities.execution.robot_context import RobotContext, Steps
+from remodel_sim.abilities.primitives.ducts.leading import let_go
 from remodel_sim.abilities.primitives.grasping import (
     FLOOR_CLEARANCE_M,
     close_on_wire,
@@ -17,7 +18,6 @@ from remodel_sim.abilities.primitives.grasping import (
     opening_beside_neighbours,
 )
 from remodel_sim.abilities.primitives.laying import lay_down, let_down, tip_of
-from remodel_sim.abilities.primitives.leading import let_go
 from remodel_sim.abilities.primitives.motions import (
     APPROACH_SPEED,
     FREE_SPEED,

@@ -1,7 +1,7 @@
 """FixCable: close the terminal on the inserted end, do a pull test, and release it.
 
 Fixed at both ends, a wire stays where it lies: then it is observed from above whether it lies in
-its forks or ducts.
+its forks or ducts, and tucked in where it stands out of its ducts.
 """
 
 from __future__ import annotations
@@ -10,6 +10,7 @@ from dataclasses import dataclass
 
 from remodel_sim.abilities.ability import ability
 from remodel_sim.abilities.execution.robot_context import RobotContext, Steps
+from remodel_sim.abilities.primitives.ducts.tucking import tuck_in
 from remodel_sim.abilities.primitives.grasping import check_grip, release_fixed
 from remodel_sim.abilities.primitives.motions import wait
 from remodel_sim.abilities.primitives.observation.duct_check import check_ducts
@@ -80,7 +81,8 @@ def fix_cable(context: RobotContext, goal: FixGoal) -> Steps[CableFixed]:
         forks = yield from check_forks(context)
         if forks:
             message += f"; the wire lies in {', '.join(fork.id for fork in forks)}"
-        in_ducts = yield from check_ducts(context)
-        if in_ducts is not None:
-            message += f"; it lies in its ducts at {in_ducts:.0%} of its route"
+        found = yield from tuck_in(context)
+        if found is not None:
+            check_ducts(context, found)
+            message += f"; it lies in its ducts at {found.share:.0%} of its route"
     return CableFixed(message, slip)

@@ -6,8 +6,8 @@ from dataclasses import dataclass
 
 from remodel_sim.abilities.ability import ability
 from remodel_sim.abilities.execution.robot_context import RobotContext, Steps
+from remodel_sim.abilities.primitives.ducts.leading import let_go
 from remodel_sim.abilities.primitives.grasping import check_grip, pick_end
-from remodel_sim.abilities.primitives.leading import let_go
 from remodel_sim.abilities.primitives.motions import disengage
 from remodel_sim.abilities.primitives.pushing import (
     bring_before,

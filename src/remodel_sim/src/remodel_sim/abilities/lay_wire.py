@@ -19,6 +19,18 @@ import numpy as np
 
 from remodel_sim.abilities.ability import ability
 from remodel_sim.abilities.execution.robot_context import RobotContext, Steps
+from remodel_sim.abilities.primitives.ducts.leading import (
+    AMONG_WIRES,
+    BACK_M,
+    CORNER_M,
+    LEAVE_SPEED,
+    behind_hand,
+    eyelet_yaw,
+    keep_in_duct,
+    keeps_room,
+    lowest,
+    withdraw,
+)
 from remodel_sim.abilities.primitives.force_motion import ForceMotion
 from remodel_sim.abilities.primitives.grasping import check_grip
 from remodel_sim.abilities.primitives.holding import (
@@ -28,17 +40,6 @@ from remodel_sim.abilities.primitives.holding import (
     STEEP,
     bring_together,
     hold_off,
-)
-from remodel_sim.abilities.primitives.leading import (
-    AMONG_WIRES,
-    BACK_M,
-    CORNER_M,
-    LEAVE_SPEED,
-    behind_hand,
-    keep_in_duct,
-    keeps_room,
-    lowest,
-    withdraw,
 )
 from remodel_sim.abilities.primitives.motions import (
     APPROACH_SPEED,
@@ -197,7 +198,7 @@ def _lead(holder: RobotContext, guide: RobotContext, route: list[Array]) -> Step
     turn = float(wrap_angle(fixed.yaw + math.pi - tool.yaw)) / 2
     yaw = tool.yaw + turn
     yaws = [tool.yaw, yaw, *(place.yaw for place in places)]
-    tool = replace(tool, yaw=_hand_yaw(guide, yaws))
+    tool = replace(tool, yaw=eyelet_yaw(guide, yaws))
     guide.report("taking the wire", 0.3)
     yield from _take(guide, tool, is_seen)
     free = guide.force
@@ -270,19 +271,6 @@ class _Place:
     at: Array
     heading: float
     yaw: float
-
-
-def _hand_yaw(guide: RobotContext, yaws: Sequence[float]) -> float:
-    """Return the hand's yaw at the first of the eyelet's yaws, from which it turns to all others.
-
-    A closed eyelet looks both ways: of the two yaws it takes the one from which it turns less far
-    from its middle.
-    """
-    turns = np.concatenate([[0.0], np.cumsum([wrap_angle(b - a) for a, b in pairwise(yaws)])])
-    base = guide.arm.base[3]
-    middle = wrap_angle(yaws[0] + float(turns.max() + turns.min()) / 2 - base)
-    flip = 0.0 if abs(middle) <= math.pi / 2 else math.copysign(math.pi, -middle)
-    return base + float(middle) - float(turns.max() + turns.min()) / 2 + flip
 
 
 def _places_along(points: list[Array]) -> Iterator[_Place]:

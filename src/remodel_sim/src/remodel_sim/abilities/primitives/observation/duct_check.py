@@ -2,15 +2,20 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+
 import numpy as np
 
 from remodel_sim.abilities.execution.robot_context import RobotContext, Steps
 from remodel_sim.abilities.primitives.observation.route_check import observe_route
+from remodel_sim.core.camera import Picture
 from remodel_sim.core.errors import AbilityError
-from remodel_sim.core.geometry import Pose
+from remodel_sim.core.geometry import Array, Pose
 from remodel_sim.core.vision.board.outside_ducts import length_outside_ducts
 from remodel_sim.core.vision.drawing import Drawing
+from remodel_sim.core.vision.wire_lines import WireLines
 from remodel_sim.core.workpiece.layout import WORLD_FROM_PANEL
+from remodel_sim.core.workpiece.panel import Duct
 from remodel_sim.core.workpiece.routes import places_in, step_in
 from remodel_states.core.codes import Code
 
@@ -18,38 +23,55 @@ from remodel_states.core.codes import Code
 LEAST_IN_DUCTS = 0.8
 
 
-def check_ducts(context: RobotContext) -> Steps[float | None]:
-    """Return at which share of its route a wire that is fixed at both ends lies in its ducts.
+@dataclass(frozen=True, eq=False)
+class Inspection:
+    """How a wire that is fixed at both ends lies in its ducts, seen from above.
 
-    What it is longer than its route goes back into the ducts while its second end is inserted, and
-    may lift it out of them.
+    Attributes:
+        share: of its route in ducts, at which it lies in them.
+        seen: the picture, with depth.
+        before: the same, before the wire was laid.
+        route: where the wire's route turns, from opening to opening, (3,) each [m], world frame.
+        places: in its ducts, x along them, world frame.
+    """
+
+    share: float
+    seen: WireLines
+    before: Picture
+    route: list[Array]
+    places: dict[Duct, tuple[Pose, ...]]
+
+
+def inspect_ducts(context: RobotContext) -> Steps[Inspection | None]:
+    """Observe how a wire lies in its ducts, once both its ends are fixed.
 
     Returns:
         None, when there are no ducts, or no pictures with depth from before and after.
-
-    Raises:
-        AbilityError: OUT_OF_DUCT.
     """
     wire, before = context.wire, next(iter(context.belief.untouched), None)
     ducts = [d for d in context.panel.ducts if d.id in wire.ducts and not d.is_fork]
     route = [WORLD_FROM_PANEL.apply(np.array(point)) for point in wire.route]
     path = tuple(Pose.level(*(float(v) for v in point), 0.0) for point in route)
-    planned = sum(len(places_in(duct, path)) * step_in(duct) for duct in ducts)
+    places = {duct: places_in(duct, path) for duct in ducts}
+    planned = sum(len(places[duct]) * step_in(duct) for duct in ducts)
     if not planned or before is None or before.depth is None:
         return None
     context.report("inspecting the ducts from above", 0.95)
     seen = yield from observe_route(context)
     ways = [np.array(route[:2]), np.array(route[-2:])]
     outside = length_outside_ducts(seen.picture, before, ducts, wire.radius, ways)
-    share = max(0.0, 1.0 - outside / planned)
     drawing = Drawing(seen.picture.rgb, seen.picture.view)
     drawing.title(f"{wire.id}: outside its ducts at {outside * 1e3:.0f} mm")
     context.show("overhead", seen.picture, drawing.image)
-    if share < LEAST_IN_DUCTS:
+    return Inspection(max(0.0, 1.0 - outside / planned), seen, before, route, places)
+
+
+def check_ducts(context: RobotContext, found: Inspection) -> None:
+    """Raise OUT_OF_DUCT when too little of a wire lies in its ducts."""
+    if found.share < LEAST_IN_DUCTS:
         raise AbilityError(
             Code.OUT_OF_DUCT,
-            f"{wire.id!r} lies in its ducts at {share:.1%} of its route; allowed: "
+            f"{context.wire.id!r} lies in its ducts at {found.share:.1%} of its route; allowed: "
             f"{LEAST_IN_DUCTS:.0%} or more; draw it out and place it again",
-            in_ducts=share,
+            in_ducts=found.share,
         )
-    return share

@@ -7,7 +7,8 @@ the last duct, and lifts a stiff wire out of it at the corner, unless something 
 from __future__ import annotations
 
 import math
-from collections.abc import Set
+from collections.abc import Sequence, Set
+from itertools import pairwise
 
 import numpy as np
 
@@ -20,7 +21,7 @@ from remodel_sim.abilities.primitives.motions import (
     is_free,
     move_to,
 )
-from remodel_sim.core.geometry import Array
+from remodel_sim.core.geometry import Array, wrap_angle
 from remodel_sim.core.robot.arm import ToolPose
 from remodel_sim.core.workpiece.obstacles import WIRES, duct_name
 
@@ -58,7 +59,7 @@ def keep_in_duct(guide: RobotContext, corner: Array, slot: Array) -> Steps[None]
     z = max(lowest(guide), here.z - LOWER_M)
     target = ToolPose(float(behind[0]), float(behind[1]), z, here.yaw)
     guide.keeps_wire = True
-    yield from move_to(guide, target, LEAVE_SPEED, _in_ducts(guide))
+    yield from move_to(guide, target, APPROACH_SPEED, in_ducts(guide))
 
 
 def let_go(context: RobotContext) -> Steps[None]:
@@ -88,7 +89,7 @@ def withdraw(guide: RobotContext, risen: ToolPose) -> Steps[None]:
     """
     guide.keeps_wire = False
     yield from open_fingers(guide, HAND_OPEN_M)
-    behind, ducts = risen.at(z=guide.commanded.z), _in_ducts(guide)
+    behind, ducts = risen.at(z=guide.commanded.z), in_ducts(guide)
     if behind != guide.commanded and is_free(guide, behind, ducts):
         yield from move_to(guide, behind, APPROACH_SPEED, ducts)
     if guide.commanded.z < TRAVEL_Z:
@@ -104,12 +105,25 @@ def behind_hand(guide: RobotContext, holder: RobotContext) -> ToolPose:
     return here.moved(back, BACK_M)
 
 
+def eyelet_yaw(guide: RobotContext, yaws: Sequence[float]) -> float:
+    """Return the hand's yaw at the first of the wire's yaws, from which it turns to all others.
+
+    Closed fingers look both ways along a wire: of the two yaws it takes the one from which it turns
+    less far from its middle.
+    """
+    turns = np.concatenate([[0.0], np.cumsum([wrap_angle(b - a) for a, b in pairwise(yaws)])])
+    base = guide.arm.base[3]
+    middle = wrap_angle(yaws[0] + float(turns.max() + turns.min()) / 2 - base)
+    flip = 0.0 if abs(middle) <= math.pi / 2 else math.copysign(math.pi, -middle)
+    return base + float(middle) - float(turns.max() + turns.min()) / 2 + flip
+
+
 def lowest(guide: RobotContext) -> float:
     """Return the lowest height of the tool at which the fingers clear the plate [m]."""
     return guide.fingers.below + 0.002
 
 
-def _in_ducts(guide: RobotContext) -> Set[str]:
+def in_ducts(guide: RobotContext) -> Set[str]:
     """Return what a hand may touch between the walls of the wire's ducts.
 
     Open, it has less room there than it keeps from other things.

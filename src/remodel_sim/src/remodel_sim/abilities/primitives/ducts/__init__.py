@@ -1,0 +1,1 @@
+"""What hands do with a wire in its ducts: lead it, keep it there, and tuck it in."""
