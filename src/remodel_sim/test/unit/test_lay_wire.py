@@ -26,8 +26,13 @@ from remodel_sim.abilities.lay_wire import (
 )
 from remodel_sim.abilities.pick_cable import pick_cable
 from remodel_sim.abilities.place_cable import place_cable
-from remodel_sim.abilities.primitives import leading
-from remodel_sim.abilities.primitives.observation.duct_check import check_ducts, inspect_ducts
+from remodel_sim.abilities.primitives.ducts import leading, tucking
+from remodel_sim.abilities.primitives.ducts.tucking import tuck_in
+from remodel_sim.abilities.primitives.observation.duct_check import (
+    LEAST_IN_DUCTS,
+    check_ducts,
+    inspect_ducts,
+)
 from remodel_sim.cell import Cell
 from remodel_sim.core import goals
 from remodel_sim.core.belief.placed_wires import ParkedWire
@@ -50,6 +55,8 @@ GUIDE, HOLDER, WIRE = "robot_1", "robot_2", "W3"
 DESIGN = read_cell("two_arms_cabinet")
 # A wire over one other lies below the rims at so much of its route or more.
 LEAST_BELOW = 0.9
+# Tucked in, a wire lies below the rims at so much more of its route.
+TUCKED = 0.3
 # So far beside an opening, along the row, a tip meets the terminal's face.
 BESIDE_M = 0.004
 # Wires of the same diameter, of the same colour and of another one.
@@ -70,6 +77,46 @@ LIFT_M = 0.020
 BUNDLE = 7
 # A line over the devices of WIRE's row, from its first duct to its last one [m].
 ACROSS = ((0.66, 0.26, 0.0), (0.57, 0.08, 0.0))
+# How SHORT lay when its second end was in, among 47 others: over the rims from corner to corner.
+ARCHED_MM = (
+    (359.1, -206, 23.5),
+    (347.2, -205.9, 22.7),
+    (326.1, -202.3, 21.9),
+    (305.5, -199.4, 26.9),
+    (287.3, -207.7, 34.5),
+    (276.9, -225.4, 40.7),
+    (271.9, -245.7, 45.3),
+    (272.9, -266.6, 49.9),
+    (277.6, -287, 54.2),
+    (286.7, -306.1, 57.2),
+    (301.3, -321.8, 57.7),
+    (319.8, -332.5, 58.6),
+    (329.7, -336.5, 59),
+    (339.6, -340.5, 59.3),
+    (360.3, -345.7, 61.4),
+    (381.3, -349.3, 63.2),
+    (402.5, -351.7, 65),
+    (423.8, -353.4, 66),
+    (445.2, -353.5, 66.9),
+    (466.3, -350.1, 68.2),
+    (485.8, -341.4, 68.6),
+    (502.3, -327.8, 69.7),
+    (516.3, -311.8, 72.2),
+    (522.1, -303.1, 74.4),
+    (527.9, -294.4, 76.7),
+    (537.7, -275.5, 79.6),
+    (543.1, -254.9, 78.6),
+    (539.8, -234.7, 72.1),
+    (524.9, -225.1, 60.2),
+    (507.8, -231.3, 48.9),
+    (492.9, -243, 39),
+    (474.8, -250.2, 30),
+    (454.2, -250.3, 24.5),
+    (432.8, -250.2, 22.9),
+    (420.9, -249.5, 22.5),
+)
+# A wire is still that moves no farther in so many steps [m].
+STILL_M, STILL_STEPS = 0.001, 60
 # Over the rims of the ducts, and so far aside along both axes over an outer wall [m].
 OVER_RIM_M = 0.066
 OVER_WALL_M = 0.028
@@ -230,6 +277,36 @@ def test_a_wire_that_left_its_ducts_when_its_second_end_was_inserted_is_discarde
     do(cell, discard_cable, goals.DiscardGoal(GUIDE, WIRE))
     assert WIRE not in cell.context.belief.fed
     assert cell.plant.live is None
+    cell.close()
+
+
+def arched(cell):
+    """Let SHORT stand out of its ducts, fixed at both ends, as after its second insertion."""
+    holder = cell.contexts[HOLDER]
+    picture = before(cell)
+    cell.plant.parked[SHORT] = ParkedWire(1e-3 * np.array(ARCHED_MM), frozenset(WireEnd))
+    holder.make_live(SHORT)
+    moved = math.inf
+    while moved > STILL_M:
+        nodes = cell.plant.live.cable.nodes()
+        for _ in range(STILL_STEPS):
+            cell.plant.step()
+        moved = np.abs(cell.plant.live.cable.nodes() - nodes).max()
+    holder.belief.untouched[:] = [picture]
+    return holder
+
+
+def test_a_wire_that_arches_over_its_last_corner_is_tucked_in():
+    cell = cell_of()
+    holder = arched(cell)
+    was = truth.share_in_ducts(cell.plant, SHORT)
+    assert was < LEAST_IN_DUCTS
+    found = cell.run(tuck_in(holder), HOLDER)
+    share = truth.share_in_ducts(cell.plant, SHORT)
+    assert share >= was + TUCKED, "the physics"
+    assert found.share == pytest.approx(share, abs=0.15), "the picture from above"
+    assert holder.finger_gap > tucking.HAND_OPEN_M
+    assert holder.commanded.z >= tucking.TRAVEL_Z
     cell.close()
 
 

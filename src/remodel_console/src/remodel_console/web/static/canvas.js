@@ -58,6 +58,7 @@ export default {
     this.restsUntil = 0;
     this.paintsAt = 0;
     this.turn = 0;
+    this.picks = 0; // by a person
     this.kept = new Map(); // marks by name, for the next drawing too
     this.dragged = new Set(); // containers in which something was moved
     this.cy = cytoscape({
@@ -84,9 +85,13 @@ export default {
       const cy = this.cy;
       cy.on("tap", (event) => {
         if (event.target === cy) cy.$(":selected").unselect();
+        this.picks += 1; // at once: an answer to the last pick may come before what is selected now is read
         setTimeout(() => this.picked(event.target === cy ? "" : event.target.data("pick")));
       });
-      cy.on("boxend", () => setTimeout(() => this.picked()));
+      cy.on("boxend", () => {
+        this.picks += 1;
+        setTimeout(() => this.picked());
+      });
       cy.on("pan zoom", () => {
         this.placeValues();
         this.placeLit();
@@ -109,7 +114,6 @@ export default {
     picked(around) { // what is selected now; a start or an end means what is around it
       const chosen = pathsOf(this.cy.$("node:selected").filter((one) => one.data("selectable")));
       this.wanted = chosen;
-      this.picks = (this.picks || 0) + 1;
       this.$emit("pick", { paths: chosen.length ? chosen : around ? [around] : [], number: this.picks });
     },
 
@@ -388,7 +392,7 @@ export default {
       });
     },
     select(paths, reveals = true, number = Infinity) { // number: of the pick that it answers; a person may have picked more since
-      if (number < (this.picks || 0)) return;
+      if (number < this.picks) return;
       this.wanted = paths;
       if (!this.byPath) return;
       const chosen = new Set(paths);

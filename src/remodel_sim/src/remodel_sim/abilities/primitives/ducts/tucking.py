@@ -53,6 +53,8 @@ OVER_RIM_M = 0.001
 GRASPABLE_M = 0.002
 # The wire is brought down to this height [m].
 DOWN_M = 0.012
+# It and the wires below it may resist with so much [N].
+MOST_N = 15.0
 CLOSE_S = 0.4
 # The hand comes from so far above where it travels: a loop may stand there [m].
 OVER_TRAVEL_M = 0.030
@@ -120,7 +122,7 @@ def _tuck(context: RobotContext, standing: Standing) -> Steps[bool]:
     """Take a wire where it stands, and bring it down between the walls.
 
     Returns:
-        Whether it was between the fingers, and came down.
+        Whether it was between the fingers.
     """
     duct, place, passing = standing.duct, standing.place, standing.passing
     context.report(f"tucking the wire into duct {duct.id!r}", 0.96)
@@ -142,9 +144,19 @@ def _tuck(context: RobotContext, standing: Standing) -> Steps[bool]:
         context.close_fingers(context.wire.diameter)
         yield from wait(context, CLOSE_S)
         if not grips_nothing(context.finger_gap, context.wire.diameter):
-            for target in (over_middle, down):
-                yield from move_to(context, target, LEAVE_SPEED, allowed)
             is_taken = True
+            yield from _bring_down(context, over_middle, down)
     yield from open_fingers(context, HAND_OPEN_M)
     yield from move_to(context, context.commanded.at(z=TRAVEL_Z), LEAVE_SPEED, allowed)
     return is_taken
+
+
+def _bring_down(context: RobotContext, *tools: ToolPose) -> Steps[None]:
+    """Move a wire that is between the fingers, until it or what lies below it resists."""
+    free = context.force
+    for tool in tools:
+        for _ in move_to(context, tool, LEAVE_SPEED, in_ducts(context)):
+            yield
+            if float(np.linalg.norm(context.force - free)) > MOST_N:
+                context.follow(context.tool)
+                return
