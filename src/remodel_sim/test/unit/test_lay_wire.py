@@ -115,6 +115,8 @@ ARCHED_MM = (
     (432.8, -250.2, 22.9),
     (420.9, -249.5, 22.5),
 )
+# A wire is so far on from where the open hand would be around it.
+ASLANT_M = 0.016
 # A wire is still that moves no farther in so many steps [m].
 STILL_M, STILL_STEPS = 0.001, 60
 # Over the rims of the ducts, and so far aside along both axes over an outer wall [m].
@@ -545,6 +547,28 @@ def test_a_wire_that_others_hide_at_its_slot_is_taken(monkeypatch, seen):
         "uppermost_past",
         lambda *place: uppermost_past(*place) if next(looks) in seen else None,
     )
+    lay(cell)
+    assert truth.share_in_ducts(cell.plant, WIRE) >= 0.8
+    cell.close()
+
+
+def test_a_hidden_wire_that_comes_aslant_from_its_slot_is_taken_farther_on(monkeypatch):
+    cell = cell_of()
+    key, socket = hold_an_end(cell)
+    insert(cell, WIRE, WireEnd.A, *key, socket)
+    fix(cell, WIRE, *key, pull=5.0)
+    _, slot, corner, *_ = route_of(cell)
+    onward = (corner - slot) * [1.0, 1.0, 0.0] / np.linalg.norm((corner - slot)[:2])
+    find = lay_wire_module._find
+
+    def hidden(guide, *where):
+        tool, _ = find(guide, *where)
+        # As where it is hidden, the pads come first to the wire, then the eyelet above them.
+        return tool.moved(-onward, ASLANT_M).at(
+            z=tool.z + lay_wire_module._eyelet_above(guide)
+        ), False
+
+    monkeypatch.setattr(lay_wire_module, "_find", hidden)
     lay(cell)
     assert truth.share_in_ducts(cell.plant, WIRE) >= 0.8
     cell.close()

@@ -116,6 +116,8 @@ LEAST_HELD_M = 0.20
 # Where others hide the wire at its slot the pads are so far above the middle of its route there
 # [m]: it comes out 7 to 14 mm above that, and the pads reach 7 mm higher than the tool.
 HIDDEN_M = 0.011
+# A wire that is hidden and not there may come from its slot aslant: so far on towards its way [m].
+ONWARD_M = 0.010
 # The direction of the wire at its slot is taken over so much to each side [m].
 DIRECTION_M = 0.012
 
@@ -200,7 +202,12 @@ def _lead(holder: RobotContext, guide: RobotContext, route: list[Array]) -> Step
     yaws = [tool.yaw, yaw, *(place.yaw for place in places)]
     tool = replace(tool, yaw=eyelet_yaw(guide, yaws))
     guide.report("taking the wire", 0.3)
-    yield from _take(guide, tool, is_seen)
+    try:
+        yield from _take(guide, tool, is_seen)
+    except AbilityError as error:
+        if is_seen or error.code is not Code.GRASP_MISSED:
+            raise
+        yield from _take(guide, tool.moved(onward / np.linalg.norm(onward), ONWARD_M), is_seen)
     free = guide.force
     over_slot = guide.commanded.at(z=over - _eyelet_above(guide))
     lifted = replace(over_slot, yaw=over_slot.yaw + turn)
