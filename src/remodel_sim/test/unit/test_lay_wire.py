@@ -179,7 +179,7 @@ def check(cell):
 
     def checked():
         found = yield from inspect_ducts(cell.context)
-        check_ducts(cell.context, found)
+        check_ducts(found)
         return found.share
 
     return cell.run(checked(), GUIDE)
@@ -307,6 +307,45 @@ def test_a_wire_that_arches_over_its_last_corner_is_tucked_in():
     share = truth.share_in_ducts(cell.plant, SHORT)
     assert share >= was + TUCKED, "the physics"
     assert found.share == pytest.approx(share, abs=0.15), "the picture from above"
+    assert holder.finger_gap > tucking.HAND_OPEN_M
+    assert holder.commanded.z >= tucking.TRAVEL_Z
+    cell.close()
+
+
+def test_a_wire_that_resists_is_brought_down_no_farther(monkeypatch):
+    cell = cell_of()
+    holder = arched(cell)
+    monkeypatch.setattr(tucking, "MOST_N", 1.0)
+    monkeypatch.setattr(tucking, "TUCKS", 1)
+    open_fingers, opened_at = tucking.open_fingers, []
+
+    def noted(context, opening):
+        opened_at.append(context.tool.z)
+        return open_fingers(context, opening)
+
+    monkeypatch.setattr(tucking, "open_fingers", noted)
+    cell.run(tuck_in(holder), HOLDER)
+    (height,) = opened_at
+    assert height > tucking.DOWN_M + FAR_ASIDE_M
+    assert holder.finger_gap > tucking.HAND_OPEN_M
+    assert holder.commanded.z >= tucking.TRAVEL_Z
+    cell.close()
+
+
+def test_fingers_that_close_beside_a_wire_press_nothing_down(monkeypatch):
+    cell = cell_of()
+    holder = arched(cell)
+    standing = tucking._standing
+
+    def beside(found):
+        for at in standing(found):
+            aside = at.passing.aside + FAR_ASIDE_M
+            yield replace(at, passing=replace(at.passing, aside=aside))
+
+    monkeypatch.setattr(tucking, "_standing", beside)
+    was = truth.share_in_ducts(cell.plant, SHORT)
+    cell.run(tuck_in(holder), HOLDER)
+    assert truth.share_in_ducts(cell.plant, SHORT) == pytest.approx(was, abs=0.1)
     assert holder.finger_gap > tucking.HAND_OPEN_M
     assert holder.commanded.z >= tucking.TRAVEL_Z
     cell.close()

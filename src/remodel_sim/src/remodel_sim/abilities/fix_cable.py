@@ -83,6 +83,6 @@ def fix_cable(context: RobotContext, goal: FixGoal) -> Steps[CableFixed]:
             message += f"; the wire lies in {', '.join(fork.id for fork in forks)}"
         found = yield from tuck_in(context)
         if found is not None:
-            check_ducts(context, found)
+            check_ducts(found)
             message += f"; it lies in its ducts at {found.share:.0%} of its route"
     return CableFixed(message, slip)

@@ -116,7 +116,7 @@ LEAST_HELD_M = 0.20
 # Where others hide the wire at its slot the pads are so far above the middle of its route there
 # [m]: it comes out 7 to 14 mm above that, and the pads reach 7 mm higher than the tool.
 HIDDEN_M = 0.011
-# A wire that is hidden and not there may come from its slot aslant: so far on towards its way [m].
+# A hidden wire that is not felt there may leave its slot aslant: it is felt for so far on, too [m].
 ONWARD_M = 0.010
 # The direction of the wire at its slot is taken over so much to each side [m].
 DIRECTION_M = 0.012

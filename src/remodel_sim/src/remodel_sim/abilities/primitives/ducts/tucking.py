@@ -1,8 +1,8 @@
 """Tuck a wire into its ducts where it stands out of them, as steps of an ability.
 
-Its second end pushes what it is longer than its route back into the ducts, and a stiff wire arches
-out of them. Taken where it is out, and brought down between the walls, it bends at its slot instead
-and stays, as an electrician presses it in.
+Inserting its second end pushes a wire's excess length back into the ducts, and a stiff wire arches
+out of them. Taken where it stands out, and brought down between the walls, it bends into a loop at
+its slot instead, and stays.
 """
 
 from __future__ import annotations

@@ -66,12 +66,12 @@ def inspect_ducts(context: RobotContext) -> Steps[Inspection | None]:
     return Inspection(max(0.0, 1.0 - outside / planned), seen, before, route, places)
 
 
-def check_ducts(context: RobotContext, found: Inspection) -> None:
+def check_ducts(found: Inspection) -> None:
     """Raise OUT_OF_DUCT when too little of a wire lies in its ducts."""
     if found.share < LEAST_IN_DUCTS:
         raise AbilityError(
             Code.OUT_OF_DUCT,
-            f"{context.wire.id!r} lies in its ducts at {found.share:.1%} of its route; allowed: "
+            f"{found.seen.wire.id!r} lies in its ducts at {found.share:.1%} of its route; allowed: "
             f"{LEAST_IN_DUCTS:.0%} or more; draw it out and place it again",
             in_ducts=found.share,
         )
