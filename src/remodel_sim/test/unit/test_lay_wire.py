@@ -122,6 +122,9 @@ STILL_M, STILL_STEPS = 0.001, 60
 # Over the rims of the ducts, and so far aside along both axes over an outer wall [m].
 OVER_RIM_M = 0.066
 OVER_WALL_M = 0.028
+# Nodes along 0.04 of the 0.69 m of a route in ducts; curled so far to each side of its leg [m], the
+# wire is 0.23 m long there.
+CURL, CURL_M = slice(5 * NODES // 2, 5 * NODES // 2 + 8), 0.016
 # An empty hand feels no more than this across its weight [N].
 LEVEL_N = 0.3
 
@@ -368,6 +371,18 @@ def test_a_wire_over_the_rims_or_the_wall_is_out_of_its_ducts(aside, height, is_
         assert caught.value.code is Code.OUT_OF_DUCT
     else:
         assert check(cell) == pytest.approx(1.0, abs=0.05)
+    cell.close()
+
+
+def test_a_wire_that_curls_up_is_out_of_its_ducts_along_its_route_not_along_itself():
+    cell = cell_of()
+    empty, lies = before(cell), along(route_of(cell), 0.030)
+    lies[CURL, 1] += CURL_M * np.resize([1.0, -1.0], len(lies[CURL]))
+    lies[CURL, 2] = OVER_RIM_M
+    cell.plant.parked[ALIKE] = ParkedWire(lies, frozenset(WireEnd))
+    cell.feed(WIRE, "")
+    cell.context.belief.note_board(empty)
+    assert check(cell) == pytest.approx(1 - 0.04 / 0.69, abs=0.05)
     cell.close()
 
 

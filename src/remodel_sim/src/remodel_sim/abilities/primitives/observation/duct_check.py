@@ -11,7 +11,7 @@ from remodel_sim.abilities.primitives.observation.route_check import observe_rou
 from remodel_sim.core.camera import Picture
 from remodel_sim.core.errors import AbilityError
 from remodel_sim.core.geometry import Array, Pose
-from remodel_sim.core.vision.board.outside_ducts import length_outside_ducts
+from remodel_sim.core.vision.board.outside_ducts import route_outside_ducts
 from remodel_sim.core.vision.drawing import Drawing
 from remodel_sim.core.vision.wire_lines import WireLines
 from remodel_sim.core.workpiece.layout import WORLD_FROM_PANEL
@@ -59,7 +59,7 @@ def inspect_ducts(context: RobotContext) -> Steps[Inspection | None]:
     context.report("inspecting the ducts from above", 0.95)
     seen = yield from observe_route(context)
     ways = [np.array(route[:2]), np.array(route[-2:])]
-    outside = length_outside_ducts(seen.picture, before, ducts, wire.radius, ways)
+    outside = route_outside_ducts(seen.picture, before, places, wire.radius, ways)
     drawing = Drawing(seen.picture.rgb, seen.picture.view)
     drawing.title(f"{wire.id}: outside its ducts at {outside * 1e3:.0f} mm")
     context.show("overhead", seen.picture, drawing.image)

@@ -1,49 +1,64 @@
-"""How much of a wire was laid outside the ducts of a plate, by depth pictures from above."""
+"""Along how much of its route a wire lies outside its ducts, by depth pictures from above."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Mapping, Sequence
 
 import cv2
 import numpy as np
 import numpy.typing as npt
 
 from remodel_sim.core.camera import Picture
-from remodel_sim.core.geometry import Array
+from remodel_sim.core.geometry import Array, Pose
 from remodel_sim.core.workpiece.layout import WORLD_FROM_PANEL
 from remodel_sim.core.workpiece.panel import Duct
+from remodel_sim.core.workpiece.routes import step_in
 
 # A wire that hangs out of its duct is so near to it [m].
 OUTSIDE_DUCT_M = 0.040
 # What is higher is a hand, or is held by one [m].
 HELD_M = 0.10
 # So near to where a wire goes on to its terminals it may be outside its ducts, seen from above [m].
-BESIDE_WAY_M = 0.045
+BESIDE_WAY_M = 0.030
+# It is outside along the whole step to a place when it is seen along this share of it.
+LEAST_OF_STEP = 0.25
 # What stood somewhere before is found again so near to its place [pixels].
 AGAIN_PX = 2
 # What is narrower than this is the depth camera's noise.
 LEAST_PX = np.ones((2, 2), np.uint8)
 
 
-def length_outside_ducts(
-    picture: Picture, before: Picture, ducts: Sequence[Duct], radius: float, ways: Sequence[Array]
+def route_outside_ducts(
+    picture: Picture,
+    before: Picture,
+    places: Mapping[Duct, Sequence[Pose]],
+    radius: float,
+    ways: Sequence[Array],
 ) -> float:
-    """Return how much of a wire lies over the rims of its ducts, or beside them [m].
+    """Return along how much of its route in ducts a wire lies over their rims, or beside them [m].
 
     Args:
         picture: with depth, from above, the wire in it, fixed at both ends.
         before: the same, before the wire was laid.
-        ducts: of its route.
+        places: of its route in each duct, `step_in` it apart, world frame.
         radius: of the wire [m].
         ways: lines (2, 3) along which it goes from its ducts to its terminals, world frame [m].
     """
     points, is_own = _new_points(picture, before, radius)
-    is_own &= _are_near(points, ducts, OUTSIDE_DUCT_M)
-    for duct in ducts:
+    is_own &= _are_near(points, places, OUTSIDE_DUCT_M)
+    for duct in places:
         is_own &= ~(_are_near(points, [duct], 0.0) & (points[:, 2] < duct.height))
     for way in ways:
         is_own &= _distances(points, way) > BESIDE_WAY_M
-    return _length(picture, points, is_own, radius)
+    covered = _without_noise(picture, is_own)
+    if not covered.any():
+        return 0.0
+    at = np.array([place.position[:2] for duct in places for place in places[duct]])
+    steps = np.array([step_in(duct) for duct in places for _ in places[duct]])
+    nearest = np.linalg.norm(points[covered, None, :2] - at, axis=2).argmin(axis=1)
+    pixel = picture.view.metres_per_pixel(float(points[covered, 2].mean()))
+    lengths = np.bincount(nearest, minlength=len(at)) * pixel**2 / (2 * radius)
+    return float(steps[lengths > LEAST_OF_STEP * steps].sum())
 
 
 def _new_points(
@@ -54,15 +69,11 @@ def _new_points(
     return points, (points[:, 2] > stood[:, 2] + radius) & (points[:, 2] < HELD_M)
 
 
-def _length(picture: Picture, points: Array, is_own: npt.NDArray[np.bool_], radius: float) -> float:
-    """Return how long a wire of a radius is that covers these points of a picture [m]."""
+def _without_noise(picture: Picture, is_own: npt.NDArray[np.bool_]) -> npt.NDArray[np.bool_]:
+    """Return which of a wire's points in a picture are more than the depth camera's noise."""
     assert picture.depth is not None, "its points"
     mask = is_own.reshape(picture.depth.shape).astype(np.uint8)
-    covered = cv2.morphologyEx(mask, cv2.MORPH_OPEN, LEAST_PX).ravel() > 0
-    if not covered.any():
-        return 0.0
-    pixel = picture.view.metres_per_pixel(float(points[covered, 2].mean()))
-    return float(covered.sum() * pixel**2 / (2 * radius))
+    return cv2.morphologyEx(mask, cv2.MORPH_OPEN, LEAST_PX).ravel() > 0
 
 
 def _points_of(picture: Picture, around: int = 0) -> Array:
@@ -77,7 +88,7 @@ def _points_of(picture: Picture, around: int = 0) -> Array:
     return picture.view.at_depth(np.column_stack([columns, rows]).astype(np.float64), depth.ravel())
 
 
-def _are_near(points: Array, ducts: Sequence[Duct], beside: float) -> npt.NDArray[np.bool_]:
+def _are_near(points: Array, ducts: Iterable[Duct], beside: float) -> npt.NDArray[np.bool_]:
     """Return which points (n, 3), seen from above, are in a duct, or so far beside one [m]."""
     near = np.zeros(len(points), bool)
     for duct in ducts:
