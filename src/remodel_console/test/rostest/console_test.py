@@ -7,6 +7,7 @@ import os
 import re
 import subprocess
 import sys
+import threading
 import time
 from pathlib import Path
 
@@ -14,7 +15,9 @@ import rospy
 import rostest
 from flexbe_msgs.msg import BehaviorSelection
 from playwright.sync_api import expect
+from sensor_msgs.msg import Image
 from std_msgs.msg import String
+from std_srvs.srv import Trigger, TriggerResponse
 
 sys.path.insert(0, str(Path(__file__).parent))
 from behavior_test_case import BehaviorTestCase
@@ -182,6 +185,7 @@ class ConsoleTest(BehaviorTestCase):
     def test_a_run_starts_where_a_replayed_one_was(self):
         cell, supervisor = FakeCell(), FakeSupervisor()
         self.addCleanup(cell.close)
+        asked, rebuilt = self.serve_reset()
         supervisor.run("cabinet 7")
         self.load(self.page, "Errand")
         self.choose(self.page, "Autonomy", "Low")
@@ -224,7 +228,13 @@ class ConsoleTest(BehaviorTestCase):
         expect(dialog.get_by_label("greeting")).to_have_value("'good night'")
         expect(dialog.locator(".differences")).to_contain_text("W4 lies up to")
         self.take_picture(page, "replay-start")
+        dialog.get_by_role("checkbox", name="Rebuild the panel first").click()
         dialog.get_by_role("button", name="Start", exact=True).click()
+        self.assertTrue(asked.wait(LIMIT_S))
+        page.keyboard.press("Escape")
+        expect(dialog).to_have_count(0)
+        rebuilt.set()
+        expect(page).to_have_url(re.compile("/runtime$"))
         expect(page.locator(".ending")).to_have_text("The last run ended with 'finished'.")
         commands = [json.loads(line)["command"] for line in self.record.read_text().splitlines()]
         for place in (
@@ -232,6 +242,19 @@ class ConsoleTest(BehaviorTestCase):
             "/Report level full gree",
         ):
             self.assertTrue([one for one in commands if f"start 'Errand' at {place}" in one], place)
+
+    def serve_reset(self):
+        """Serve a simulated cell's reset; return events: it is asked for, and it may answer."""
+        asked, rebuilt = threading.Event(), threading.Event()
+
+        def reset(_request):
+            asked.set()
+            return TriggerResponse(rebuilt.wait(LIMIT_S), "panel rebuilt, no wire on it")
+
+        camera = rospy.Publisher("cell/overhead/image_raw", Image, queue_size=1)
+        self.addCleanup(camera.unregister)
+        self.addCleanup(rospy.Service("cell/reset", Trigger, reset).shutdown)
+        return asked, rebuilt
 
     def recorded_s(self, path):
         """Return when the values that a state found were read, once they are recorded [ROS s]."""

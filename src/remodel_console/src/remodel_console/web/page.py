@@ -147,6 +147,12 @@ class Page:
                 )
         return answer
 
+    def go_to(self, address: str) -> None:
+        """Show another page, also when what was pressed for it is gone by now."""
+        if not self._dialogs.is_deleted:
+            with self._dialogs:
+                ui.navigate.to(address)
+
     def button(
         self,
         text: str,

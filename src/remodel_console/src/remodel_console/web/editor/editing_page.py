@@ -146,7 +146,8 @@ class EditingPage(Page):
             lambda: session.synthesize(path[:-1], path[-1], initial, goal),
         )
         if answer.state == DONE:
-            ui.notify(f"'{path[-1]}' is filled from {goal}", type="positive")
+            with self._dialogs:  # the button that was pressed is drawn again by now
+                ui.notify(f"'{path[-1]}' is filled from {goal}", type="positive")
         else:
             self._show_refusal(goal, answer.words)
 

@@ -111,7 +111,7 @@ class EditorTools:
             async def show() -> None:
                 answer = await page.give(command.text, lambda: shared.carry_out(command))
                 if answer.state == DONE:
-                    ui.navigate.to("/runtime")
+                    page.go_to("/runtime")
 
             if shared.is_saved or shared.chart is None:
                 await show()

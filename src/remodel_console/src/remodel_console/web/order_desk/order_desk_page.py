@@ -258,8 +258,7 @@ class OrderDeskPage(Page):
         what += f", its first {tasks} task{'' if tasks == 1 else 's'}" if tasks else ""
         answer = await self.give(what, start)
         if answer.state == DONE:
-            with self._area:  # the button that was pressed is drawn again by now
-                ui.navigate.to("/overview")
+            self.go_to("/overview")
 
     def _ask_remove(self, draft: OrderDraft) -> None:
         async def remove() -> None:

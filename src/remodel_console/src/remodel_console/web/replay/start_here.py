@@ -187,7 +187,7 @@ class StartHere:
         if answer.state == DONE:
             dialog.close()
             await self._load(order.name)
-            ui.navigate.to("/runtime")
+            page.go_to("/runtime")
 
     async def _load(self, name: str) -> None:
         """Load the behavior for Runtime control, unless that would lose changes."""
