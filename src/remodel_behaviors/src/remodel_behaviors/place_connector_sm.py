@@ -83,7 +83,7 @@ class PlaceConnectorSM(Behavior):
 
             # x:1330 y:40
             OperatableStateMachine.add('FixCable_error',
-                                        DecisionState(outcomes=['failed_NOT_SEATED', 'failed_INSUFFICIENT_FORCE', 'failed_above_behavior', 'other'], conditions=lambda code: 'failed_NOT_SEATED' if code in range(304, 305) else 'failed_INSUFFICIENT_FORCE' if code in range(308, 309) else 'failed_above_behavior' if code in (3, 4, 5, 7, 8, 9, 10, 102, 103, 110, 111, 115, 203, 204, 301, 306, 307, 309, 310, 400, 401, 402, 403, 405) else 'other'),
+                                        DecisionState(outcomes=['failed_NOT_SEATED', 'failed_INSUFFICIENT_FORCE', 'failed_above_behavior', 'other'], conditions=lambda code: 'failed_NOT_SEATED' if code in range(304, 305) else 'failed_INSUFFICIENT_FORCE' if code in range(308, 309) else 'failed_above_behavior' if code in (3, 4, 5, 7, 8, 9, 10, 102, 103, 110, 111, 115, 203, 204, 301, 306, 307, 309, 310, 311, 400, 401, 402, 403, 405) else 'other'),
                                         transitions={'failed_NOT_SEATED': 'WithdrawCable', 'failed_INSUFFICIENT_FORCE': 'WithdrawCable', 'failed_above_behavior': 'failed', 'other': 'ExtractCable'},
                                         autonomy={'failed_NOT_SEATED': Autonomy.Off, 'failed_INSUFFICIENT_FORCE': Autonomy.Off, 'failed_above_behavior': Autonomy.Off, 'other': Autonomy.Off},
                                         remapping={'input_value': 'error_code'})
@@ -97,7 +97,7 @@ class PlaceConnectorSM(Behavior):
 
             # x:1080 y:140
             OperatableStateMachine.add('InsertCable_error',
-                                        DecisionState(outcomes=['failed_INSERTION_JAMMED', 'failed_NOT_SEATED', 'failed_INSUFFICIENT_FORCE', 'failed_above_behavior', 'other'], conditions=lambda code: 'failed_INSERTION_JAMMED' if code in range(301, 302) else 'failed_NOT_SEATED' if code in range(304, 305) else 'failed_INSUFFICIENT_FORCE' if code in range(308, 309) else 'failed_above_behavior' if code in (3, 4, 5, 7, 8, 9, 10, 102, 103, 110, 111, 115, 203, 204, 306, 307, 309, 310, 400, 401, 402, 403, 405) else 'other'),
+                                        DecisionState(outcomes=['failed_INSERTION_JAMMED', 'failed_NOT_SEATED', 'failed_INSUFFICIENT_FORCE', 'failed_above_behavior', 'other'], conditions=lambda code: 'failed_INSERTION_JAMMED' if code in range(301, 302) else 'failed_NOT_SEATED' if code in range(304, 305) else 'failed_INSUFFICIENT_FORCE' if code in range(308, 309) else 'failed_above_behavior' if code in (3, 4, 5, 7, 8, 9, 10, 102, 103, 110, 111, 115, 203, 204, 306, 307, 309, 310, 311, 400, 401, 402, 403, 405) else 'other'),
                                         transitions={'failed_INSERTION_JAMMED': 'WithdrawCable', 'failed_NOT_SEATED': 'WithdrawCable', 'failed_INSUFFICIENT_FORCE': 'WithdrawCable', 'failed_above_behavior': 'failed', 'other': 'ExtractCable'},
                                         autonomy={'failed_INSERTION_JAMMED': Autonomy.Off, 'failed_NOT_SEATED': Autonomy.Off, 'failed_INSUFFICIENT_FORCE': Autonomy.Off, 'failed_above_behavior': Autonomy.Off, 'other': Autonomy.Off},
                                         remapping={'input_value': 'error_code'})
@@ -111,7 +111,7 @@ class PlaceConnectorSM(Behavior):
 
             # x:730 y:140
             OperatableStateMachine.add('LocateGearboxComponent_error',
-                                        DecisionState(outcomes=['failed_above_behavior', 'other'], conditions=lambda code: 'failed_above_behavior' if code in (3, 4, 5, 7, 8, 9, 10, 102, 103, 110, 111, 115, 203, 204, 301, 304, 306, 307, 308, 309, 310, 400, 401, 402, 403, 405) else 'other'),
+                                        DecisionState(outcomes=['failed_above_behavior', 'other'], conditions=lambda code: 'failed_above_behavior' if code in (3, 4, 5, 7, 8, 9, 10, 102, 103, 110, 111, 115, 203, 204, 301, 304, 306, 307, 308, 309, 310, 311, 400, 401, 402, 403, 405) else 'other'),
                                         transitions={'failed_above_behavior': 'failed', 'other': 'LocateGearboxComponent_attempts'},
                                         autonomy={'failed_above_behavior': Autonomy.Off, 'other': Autonomy.Off},
                                         remapping={'input_value': 'error_code'})

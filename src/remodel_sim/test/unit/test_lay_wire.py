@@ -35,11 +35,13 @@ from remodel_sim.abilities.primitives.observation.duct_check import (
 )
 from remodel_sim.cell import Cell
 from remodel_sim.core import goals
+from remodel_sim.core.belief.openings import opening_of
 from remodel_sim.core.belief.placed_wires import ParkedWire
 from remodel_sim.core.errors import AbilityError
 from remodel_sim.core.geometry import Pose
 from remodel_sim.core.robot.arm import ToolPose
 from remodel_sim.core.vision.laid_wire import uppermost_past, wire_past
+from remodel_sim.core.vision.opening_occupancy import is_seen_empty
 from remodel_sim.core.vision.wire_lines import WireLines
 from remodel_sim.core.workpiece.layout import WORLD_FROM_PANEL
 from remodel_sim.core.workpiece.panel import WireEnd
@@ -312,6 +314,17 @@ def test_a_wire_that_arches_over_its_last_corner_is_tucked_in():
     assert found.share == pytest.approx(share, abs=0.15), "the picture from above"
     assert holder.finger_gap > tucking.HAND_OPEN_M
     assert holder.commanded.z >= tucking.TRAVEL_Z
+    cell.close()
+
+
+def test_only_the_openings_of_a_wire_are_not_seen_empty():
+    cell = cell_of()
+    arched(cell)
+    picture, panel = before(cell), cell.plant.panel
+    wire = panel.wire(SHORT)
+    keys = [(part.id, terminal.id) for part in panel.components for terminal in part.terminals]
+    taken = {key for key in keys if not is_seen_empty(picture, opening_of(key, panel, {}), wire)}
+    assert taken == {wire.goes_to(end) for end in WireEnd}
     cell.close()
 
 

@@ -1,7 +1,8 @@
 """FixCable: close the terminal on the inserted end, do a pull test, and release it.
 
 Fixed at both ends, a wire stays where it lies: then it is observed from above whether it lies in
-its forks or ducts, and tucked in where it stands out of its ducts.
+its forks or ducts, and whether its first end is still in its terminal, and tucked in where it
+stands out of its ducts.
 """
 
 from __future__ import annotations
@@ -14,6 +15,7 @@ from remodel_sim.abilities.primitives.ducts.tucking import tuck_in
 from remodel_sim.abilities.primitives.grasping import check_grip, release_fixed
 from remodel_sim.abilities.primitives.motions import wait
 from remodel_sim.abilities.primitives.observation.duct_check import check_ducts
+from remodel_sim.abilities.primitives.observation.end_check import check_end
 from remodel_sim.abilities.primitives.observation.fork_check import check_forks
 from remodel_sim.abilities.primitives.pull_test import pull_test
 from remodel_sim.abilities.primitives.pushing import yielding_in
@@ -49,7 +51,7 @@ def _goal(message: Message) -> FixGoal:
 
 @ability("FixCable", _goal)
 def fix_cable(context: RobotContext, goal: FixGoal) -> Steps[CableFixed]:
-    """Close the clamp, pull, release the end, and lift the hand off; then check forks and ducts."""
+    """Close the clamp, pull, release the end, and lift the hand off; then check the whole wire."""
     belief = context.belief
     key = (goal.component_id, goal.terminal_id)
     where = f"'{goal.component_id}/{goal.terminal_id}'"
@@ -82,6 +84,7 @@ def fix_cable(context: RobotContext, goal: FixGoal) -> Steps[CableFixed]:
         if forks:
             message += f"; the wire lies in {', '.join(fork.id for fork in forks)}"
         found = yield from tuck_in(context)
+        yield from check_end(context, end.other)
         if found is not None:
             check_ducts(found)
             message += f"; it lies in its ducts at {found.share:.0%} of its route"

@@ -9,7 +9,8 @@ colour, found in the picture as all cables are, leads there.
 
 One picture that shows the axis empty proves that nothing sits in the opening. That something sits
 there takes two pictures from places apart: what passes above or below the axis lies beside it in
-one of them. A picture with depth measures the height of an object by itself.
+one of them. A picture with depth measures the height of an object by itself, and needs no colours
+to show that nothing is as high as the opening.
 """
 
 from __future__ import annotations
@@ -65,6 +66,9 @@ FAR_LEVELS = 60.0
 WHITE_LEVEL, HOUSING_LEVEL, FULL_LEVEL, DARK = 246.0, 92.0, 254.0, 0.25
 # Heights by depth may err by this much [m].
 HEIGHT_M = 0.005
+# An opening is empty when less than this share of the rows shows something as high as it is: the
+# housing hides some of them from a camera that looks past it.
+HIDDEN_SHARE = 0.5
 # A wire shows over this share of its diameter, a ferrule over this one.
 SHOWN_SHARE, LEAST_FERRULE = 0.6, 0.4
 # The colour is taken from what differs by this share of the most, clear of the ferrule, from so
@@ -184,9 +188,10 @@ def observe_opening(
     strip = unroll(picture, world_from_socket)
     if strip is None:
         return OpeningObservation(Occupancy.UNCLEAR, False)
-    rows = (strip.along >= RIM_M) & (strip.along <= STRAIGHT_M)
-    half = SHOWN_DIAMETERS * wire.diameter + LEAVING * np.clip(strip.along - RIM_M, 0.0, None)
-    near = np.abs(strip.across) <= half[:, None]
+    if _is_low(strip, world_from_socket, wire):
+        return OpeningObservation(Occupancy.EMPTY, True)
+    rows = _straight_rows(strip)
+    near = _near_axis(strip, wire)
     # How far each place is from what most of its row shows [grey levels].
     behind = np.median(strip.rgb, axis=1, keepdims=True)
     differs = np.where(near, np.linalg.norm(strip.rgb - behind, axis=-1), 0.0)
@@ -194,7 +199,9 @@ def observe_opening(
     # What lies across the axis covers some of it; a wire that goes on behind it shows beyond.
     goes_on = np.mean(shown[strip.along > STRAIGHT_M] > SHOWN_LEVELS) >= MOST
     if np.all(shown[rows] < NOISE_LEVELS) and not goes_on:
-        return _empty(strip, rows[:, None] & near, world_from_socket)
+        # By its depth, something wide lies there that looks alike all along its rows.
+        is_empty = strip.height is None
+        return OpeningObservation(Occupancy.EMPTY if is_empty else Occupancy.UNCLEAR, is_empty)
     if np.mean(shown[rows] > SHOWN_LEVELS) < MOST:
         return OpeningObservation(Occupancy.UNCLEAR, False)
     # The middle of what shows: its rims are mixed with what is behind.
@@ -214,6 +221,40 @@ def observe_opening(
     return _at_height(occupancy, strip, object_mask, world_from_socket, wire=wire)
 
 
+def is_seen_empty(picture: Picture, world_from_socket: Pose, wire: PanelWire) -> bool:
+    """Return whether a picture's depth shows that nothing goes into an opening.
+
+    False means that something does, that something hides it, or that there is no depth.
+
+    Args:
+        picture: of it.
+        world_from_socket: the opening's frame, x into the terminal.
+        wire: that would be there.
+    """
+    strip = unroll(picture, world_from_socket)
+    return strip is not None and _is_low(strip, world_from_socket, wire)
+
+
+def _straight_rows(strip: Strip) -> Mask:
+    """Return the rows (n,) in which a wire is as straight as its opening."""
+    return np.asarray((strip.along >= RIM_M) & (strip.along <= STRAIGHT_M))
+
+
+def _near_axis(strip: Strip, wire: PanelWire) -> Mask:
+    """Return where (n, m) a seated wire may show."""
+    half = SHOWN_DIAMETERS * wire.diameter + LEAVING * np.clip(strip.along - RIM_M, 0.0, None)
+    return np.asarray(np.abs(strip.across) <= half[:, None])
+
+
+def _is_low(strip: Strip, world_from_socket: Pose, wire: PanelWire) -> bool:
+    """Return whether all that is seen before an opening lies lower than it, by its depth."""
+    if strip.height is None:
+        return False
+    is_high = strip.height > float(world_from_socket.position[2]) - HEIGHT_M
+    shows = (is_high & _near_axis(strip, wire)).any(axis=1)
+    return float(np.mean(shows[_straight_rows(strip)])) < HIDDEN_SHARE
+
+
 def _sampled(image: npt.NDArray[np.integer[Any] | np.floating[Any]], pixels: Array) -> Array:
     at = pixels.astype(np.float32)
     values = cv2.remap(image, at[None, :, 0], at[None, :, 1], cv2.INTER_LINEAR)[0]
@@ -223,15 +264,6 @@ def _sampled(image: npt.NDArray[np.integer[Any] | np.floating[Any]], pixels: Arr
 def _most(differs: Array, count: int) -> Array:
     """Return the mean of each row's largest differences, so many of them."""
     return np.asarray(np.sort(differs, axis=1)[:, -count:].mean(axis=1))
-
-
-def _empty(strip: Strip, axis: Mask, world_from_socket: Pose) -> OpeningObservation:
-    """Return EMPTY, or UNCLEAR when something wide hides the strip."""
-    if strip.height is None:
-        return OpeningObservation(Occupancy.EMPTY, True)
-    highest = float(np.quantile(strip.height[axis], 0.9))
-    low = highest < float(world_from_socket.position[2]) - HEIGHT_M
-    return OpeningObservation(Occupancy.EMPTY if low else Occupancy.UNCLEAR, low)
 
 
 def _ferrule_length(strip: Strip, wire: PanelWire) -> float:

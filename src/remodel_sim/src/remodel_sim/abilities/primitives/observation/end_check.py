@@ -1,0 +1,39 @@
+"""Check from above whether an end that was fixed is still in its terminal, as steps of an ability."""
+
+from __future__ import annotations
+
+from remodel_sim.abilities.execution.robot_context import RobotContext, Steps
+from remodel_sim.abilities.primitives.observation.route_check import observe_board
+from remodel_sim.core.belief.openings import opening_of
+from remodel_sim.core.errors import AbilityError
+from remodel_sim.core.vision.drawing import ORANGE, Drawing
+from remodel_sim.core.vision.opening_occupancy import is_seen_empty
+from remodel_sim.core.workpiece.panel import WireEnd
+from remodel_states.core.codes import Code
+
+
+def check_end(context: RobotContext, end: WireEnd) -> Steps[None]:
+    """Check whether an end of the live wire is still where it was fixed, the hand where it is.
+
+    Where the picture does not show the opening, the end counts as being there.
+
+    Raises:
+        AbilityError: CAME_OUT; the end counts as loose from then on.
+    """
+    belief, wire = context.belief, context.wire
+    (key,) = [key for key, fixed in belief.occupied.items() if fixed == (wire.id, end)]
+    seen = yield from observe_board(context)
+    socket = opening_of(key, context.panel, belief.seen)
+    if not is_seen_empty(seen.picture, socket, wire):
+        return
+    where = f"'{key[0]}/{key[1]}'"
+    drawing = Drawing(seen.picture.rgb, seen.picture.view)
+    drawing.circle(seen.picture.view.project(socket.position)[0], 6, ORANGE)
+    drawing.title(f"{wire.id}: end {end.value} is not in {where}")
+    context.show("overhead", seen.picture, drawing.image)
+    belief.loosen(end)
+    raise AbilityError(
+        Code.CAME_OUT,
+        f"end {end.value} of {wire.id!r} was fixed in {where}, and nothing is seen there any more; "
+        "discard the wire and place a new piece",
+    )

@@ -1,0 +1,48 @@
+"""FixCable sees from above whether the wire's first end is still where it was fixed."""
+
+import pytest
+from holds import pull_out
+from place_wire import ROBOT, carry, connect, do, fix, goals, insert, locate
+
+from remodel_sim.abilities.discard_cable import discard_cable
+from remodel_sim.core.belief.openings import opening_of
+from remodel_sim.core.errors import AbilityError
+from remodel_sim.core.workpiece.panel import WireEnd, unit_x
+from remodel_sim.physics.truth import ground_truth
+from remodel_states.core.codes import Code
+
+FIRST, SECOND = ("X1", "1"), ("X2", "1")
+# Out of its opening by this much, an end lies before it [m].
+OUT_M = 0.040
+
+
+def with_both_ends_in(cell):
+    """Fix W1's first end and insert its second one; return the first opening's frame."""
+    cell.feed("W1", "A")
+    connect(cell, "W1", WireEnd.A)
+    socket = opening_of(FIRST, cell.context.panel, cell.context.belief.seen)
+    carry(cell, "W1", "A")
+    insert(cell, "W1", WireEnd.B, *SECOND, locate(cell, *SECOND))
+    return socket
+
+
+def test_an_end_that_came_out_while_the_other_one_was_placed_is_noticed(cell):
+    socket = with_both_ends_in(cell)
+    cell.plant.open_clamp(*FIRST)
+    cable = cell.plant.live.cable
+    while (cable.tip(WireEnd.A)[0] - socket.position) @ -unit_x(socket) < OUT_M:
+        pull_out(cell.plant.world, cable, WireEnd.A, -unit_x(socket), 10.0)
+    with pytest.raises(AbilityError, match="end a of 'W1' was fixed in 'X1/1'") as caught:
+        fix(cell, "W1", *SECOND)
+    assert caught.value.code is Code.CAME_OUT
+    (truth,) = ground_truth(cell.plant, ["W1"])
+    assert truth.b.fixed and not truth.a.seated
+    do(cell, discard_cable, goals.DiscardGoal(ROBOT, "W1"))
+    assert cell.plant.live is None and cell.context.belief.fed == []
+
+
+def test_an_end_that_stayed_is_not_missed(cell):
+    with_both_ends_in(cell)
+    fix(cell, "W1", *SECOND)
+    (truth,) = ground_truth(cell.plant, ["W1"])
+    assert truth.a.fixed and truth.b.fixed
