@@ -1,4 +1,4 @@
-"""Check from above whether an end that was fixed is still in its terminal, as steps of an ability."""
+"""Check from above whether a fixed end is still in its terminal, as steps of an ability."""
 
 from __future__ import annotations
 
