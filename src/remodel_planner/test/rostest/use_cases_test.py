@@ -104,6 +104,12 @@ class UseCasesTest(unittest.TestCase):
         self.assertIn("FixCable, error 310: ", printed)
         self.assertIn("; 1 failed operation; ", printed, "the end is not pushed in again")
 
+    def test_a_wire_whose_first_end_came_out_is_discarded(self):
+        fault = {"name": "came_out", "ability": "FixCable", "nth": 2}
+        printed = self.places_a_new_wire("drawn", **fault)
+        self.assertIn("FixCable, error 311: ", printed)
+        self.assertIn("; 1 failed operation; ", printed, "no end is pushed in again")
+
     def test_automotive_formboard_carries_its_order_out(self):
         self.carries_its_order_out("automotive_formboard")
 
