@@ -68,8 +68,9 @@ NODES = 40
 HIDDEN = 0.7
 # It is 0.67 m long; between hands that are farther apart than this share of it, it would be taut.
 SHORT, STRAIGHT = "W96", 0.95
-# Farther aside than wires that lie beside each other.
-FAR_ASIDE_M = 0.016
+# Farther aside than wires that lie beside each other; a hand that stopped early is so far above
+# where it would have gone [m].
+FAR_ASIDE_M, WELL_ABOVE_M = 0.016, 0.016
 # A wire pulls at the leading hand with more than this where it is led along a duct [N]; the hand is
 # higher than this where it has lifted the wire over the rims [m].
 PULLS_N, LIFTED_Z = 1.5, 0.045
@@ -342,7 +343,7 @@ def test_a_wire_that_resists_is_brought_down_no_farther(monkeypatch):
     monkeypatch.setattr(tucking, "open_fingers", noted)
     cell.run(tuck_in(holder), HOLDER)
     (height,) = opened_at
-    assert height > tucking.DOWN_M + FAR_ASIDE_M
+    assert height > tucking.DOWN_M + WELL_ABOVE_M
     assert holder.finger_gap > tucking.HAND_OPEN_M
     assert holder.commanded.z >= tucking.TRAVEL_Z
     cell.close()

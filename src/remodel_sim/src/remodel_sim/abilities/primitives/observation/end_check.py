@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 from remodel_sim.abilities.execution.robot_context import RobotContext, Steps
+from remodel_sim.abilities.primitives.observation.component_views import ComponentViews
 from remodel_sim.abilities.primitives.observation.route_check import observe_board
-from remodel_sim.core.belief.openings import opening_of
 from remodel_sim.core.errors import AbilityError
 from remodel_sim.core.vision.drawing import ORANGE, Drawing
 from remodel_sim.core.vision.opening_occupancy import is_seen_empty
+from remodel_sim.core.workpiece.layout import WORLD_FROM_PANEL
 from remodel_sim.core.workpiece.panel import WireEnd
 from remodel_states.core.codes import Code
 
@@ -15,18 +16,28 @@ from remodel_states.core.codes import Code
 def check_end(context: RobotContext, end: WireEnd) -> Steps[None]:
     """Check whether an end of the live wire is still where it was fixed, the hand where it is.
 
-    Where the picture does not show the opening, the end counts as being there.
+    Where the picture does not show the terminal's component and its opening, the end counts as
+    being there.
 
     Raises:
         AbilityError: CAME_OUT; the end counts as loose from then on.
     """
     belief, wire = context.belief, context.wire
-    (key,) = [key for key, fixed in belief.occupied.items() if fixed == (wire.id, end)]
+    ((component_id, terminal_id),) = [
+        key for key, fixed in belief.occupied.items() if fixed == (wire.id, end)
+    ]
+    component = context.panel.component(component_id)
+    drawn = WORLD_FROM_PANEL @ component.panel_from_component
     seen = yield from observe_board(context)
-    socket = opening_of(key, context.panel, belief.seen)
+    found = ComponentViews(context, component).add(
+        seen.picture, belief.seen.get(component_id, drawn)
+    )
+    if found is None:
+        return
+    socket = found.world_from_component @ component.terminal(terminal_id).component_from_socket
     if not is_seen_empty(seen.picture, socket, wire):
         return
-    where = f"'{key[0]}/{key[1]}'"
+    where = f"'{component_id}/{terminal_id}'"
     drawing = Drawing(seen.picture.rgb, seen.picture.view)
     drawing.circle(seen.picture.view.project(socket.position)[0], 6, ORANGE)
     drawing.title(f"{wire.id}: end {end.value} is not in {where}")
