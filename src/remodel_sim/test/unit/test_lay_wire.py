@@ -76,6 +76,9 @@ FAR_ASIDE_M, WELL_ABOVE_M = 0.016, 0.016
 PULLS_N, LIFTED_Z = 1.5, 0.045
 # Two hands lift it by so much: the leading one alone would come too near to the other one [m].
 LIFT_M = 0.020
+# An eyelet that opens so far aside, so much higher, leaves the wire in the notch of a finger; one
+# that is out of it is so far from the hand above the rims [m].
+INTO_NOTCH_M, LIFTED_M, SHED_M = 0.004, 0.015, 0.030
 # So many wires beside each other fill a duct's floor.
 BUNDLE = 7
 # A line over the devices of WIRE's row, from its first duct to its last one [m].
@@ -242,8 +245,11 @@ def test_a_wire_is_led_into_its_ducts_over_one_that_lies_there(monkeypatch):
     push = goals.InsertGoal(HOLDER, WIRE, WireEnd.A, *second, at_second, 14.0)
     cell.run(insert_cable(holder, push), HOLDER)
     assert truth.share_in_ducts(cell.plant, WIRE) >= LEAST_BELOW
-    assert targets == [at.at(z=leading.TRAVEL_Z)], "the open hand rises where the wire is between"
-    assert guide.commanded == targets[0]
+    assert guide.commanded == at.at(z=leading.TRAVEL_Z)
+    across = np.array([-math.sin(at.yaw), math.cos(at.yaw)])
+    aside = [float((target.position - at.position)[:2] @ across) for target in targets]
+    expected = [0.0, leading.ASIDE_M, -leading.ASIDE_M, 0.0, 0.0]
+    assert aside == pytest.approx(expected, abs=1e-6), "the open hand rises, and sheds the wire"
     cell.close()
 
 
@@ -257,6 +263,24 @@ def test_a_wire_that_is_kept_in_its_duct_is_let_go_before_it_is_discarded():
     cell.run(steps, HOLDER)
     assert cell.contexts[GUIDE].finger_gap > leading.HAND_OPEN_M
     assert cell.plant.live is None
+    cell.close()
+
+
+def test_a_wire_that_lies_in_the_notch_of_an_open_finger_is_shed():
+    cell = cell_of()
+    key, socket = hold_an_end(cell, end=WireEnd.A)
+    insert(cell, WIRE, WireEnd.B, *key, socket)
+    fix(cell, WIRE, *key, pull=5.0)
+    lay(cell)
+    guide = cell.contexts[GUIDE]
+    here = guide.commanded
+    across = np.array([-math.sin(here.yaw), math.cos(here.yaw), 0.0])
+    beside = here.moved(across, INTO_NOTCH_M).at(z=here.z + LIFTED_M)
+    cell.run(leading.move_to(guide, beside, leading.LEAVE_SPEED, leading.in_ducts(guide)), GUIDE)
+    cell.run(leading.let_go(guide), GUIDE)
+    assert guide.commanded == beside.at(z=leading.TRAVEL_Z)
+    away = np.linalg.norm(cell.plant.live.cable.nodes() - guide.tool.position, axis=1)
+    assert away.min() > SHED_M
     cell.close()
 
 

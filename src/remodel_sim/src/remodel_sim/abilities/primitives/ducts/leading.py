@@ -20,6 +20,7 @@ from remodel_sim.abilities.primitives.motions import (
     TRAVEL_Z,
     is_free,
     move_to,
+    straight_line,
 )
 from remodel_sim.core.geometry import Array, wrap_angle
 from remodel_sim.core.robot.arm import ToolPose
@@ -39,6 +40,10 @@ ROOM_M = 0.20
 # fingers, and drawn out of the other hand.
 BACK_M = 0.012
 LEAVE_SPEED = 0.10
+# It may stay there all the same, and the hand would lift it, and draw it out of its terminal on the
+# way home. So the hand goes so far aside, both ways, as soon as it is so far above the rims [m].
+ASIDE_M = 0.008
+OVER_RIMS_M = 0.005
 
 
 def keeps_room(corner: Array, slot: Array) -> bool:
@@ -93,7 +98,22 @@ def withdraw(guide: RobotContext, risen: ToolPose) -> Steps[None]:
     if behind != guide.commanded and is_free(guide, behind, ducts):
         yield from move_to(guide, behind, APPROACH_SPEED, ducts)
     if guide.commanded.z < TRAVEL_Z:
+        yield from _shed(guide)
         yield from move_to(guide, guide.commanded.at(z=TRAVEL_Z), LEAVE_SPEED, ducts)
+
+
+def _shed(guide: RobotContext) -> Steps[None]:
+    """Rise over the rims, and take the open fingers' notches from under a wire that lies in one."""
+    rims = max(duct.height for duct in guide.panel.ducts if duct.id in guide.wire.ducts)
+    here, allowed = guide.commanded, in_ducts(guide)
+    over = here.at(z=max(here.z, rims + OVER_RIMS_M + guide.fingers.below))
+    across = np.array([-math.sin(here.yaw), math.cos(here.yaw), 0.0])
+    yield from move_to(guide, over, LEAVE_SPEED, allowed)
+    for target in (over.moved(across, ASIDE_M), over.moved(across, -ASIDE_M), over):
+        if guide.arm.reaches(target) and is_free(guide, target, allowed):
+            way = straight_line(guide, target, LEAVE_SPEED, allowed)
+            if guide.has_way(way.postures(guide.arm)):
+                yield from move_to(guide, target, LEAVE_SPEED, allowed)
 
 
 def behind_hand(guide: RobotContext, holder: RobotContext) -> ToolPose:
