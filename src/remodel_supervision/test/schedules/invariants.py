@@ -80,6 +80,7 @@ class Invariants:
     _closed_cells: dict[str, str] = field(default_factory=dict)
     _fixed: set[str] = field(default_factory=set)
     _discards: set[str] = field(default_factory=set)
+    _begun: set[int] = field(default_factory=set)
     _serial: str = ""
 
     def __post_init__(self) -> None:
@@ -94,6 +95,7 @@ class Invariants:
         """Check a run that begins."""
         if self.closed.pop(station.name, "") == Command.PROTECTIVE_STOP.value:
             self.simulation.violated(f"run {run} begins during a protective stop")
+        self._begun.add(run)
         self.states[run] = state_after([event])
 
     def on_goal(self, station: Station) -> None:
@@ -103,7 +105,8 @@ class Invariants:
 
     def on_take_up(self, station: Station, run: int, state: RunState) -> None:
         """Learn the state of a run; its last event may have gone unnoticed."""
-        is_new = run not in self.states  # its beginning went unnoticed
+        is_new = run not in self._begun  # its beginning went unnoticed
+        self._begun.add(run)
         if is_new and self.closed.get(station.name) != Command.PROTECTIVE_STOP.value:
             self.closed.pop(station.name, None)
         self.states[run] = state
@@ -237,10 +240,16 @@ class Invariants:
 
     def _require_on_purpose(self, entry: Entry) -> None:
         fixed = {f"{entry.wire}/a", f"{entry.wire}/b"} & self._fixed
-        if len(fixed) == 2:
+        if len(fixed) == 2 and not self._is_misplaced(entry.wire):
             self.simulation.violated(f"{entry.wire} was discarded, though both ends were fixed")
         if entry.wire not in self._discards and not self._is_discard_kept(entry.wire):
             self.simulation.violated(f"{entry.wire} was discarded, though no run had decided so")
+
+    def _is_misplaced(self, wire: str) -> bool:
+        """Return whether a run remembers that a wire lies beside its ducts."""
+        here = (state for state in self.states.values() if state.serial == self._serial)
+        tasks = (state.tasks.get(wire) for state in here)
+        return any(task is not None and task.misplaced for task in tasks)
 
     def _is_discard_kept(self, wire: str) -> bool:
         """Return whether the log has a discard whose commit was not answered."""

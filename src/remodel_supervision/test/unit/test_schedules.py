@@ -54,6 +54,8 @@ def test_fixed_seeds(pool):
     [
         192484090,  # a supervisor that had lost its task stopped its successor's behavior
         192485149,  # a discard was kept by a commit that was not answered
+        813035601,  # a run began in a commit that was not answered, read before it was taken up
+        813035697,  # a wire had been beside its ducts, and was connected by a server that hung
     ],
 )
 def test_seeds_that_failed_once(seed):
