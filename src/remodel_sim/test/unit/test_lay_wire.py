@@ -159,6 +159,14 @@ def lay(cell):
     return cell.run(steps, HOLDER, GUIDE)
 
 
+def lay_from_b(cell):
+    """Fix end b, and lay the wire: one hand keeps it in its duct, the other holds end a."""
+    key, socket = hold_an_end(cell, end=WireEnd.A)
+    insert(cell, WIRE, WireEnd.B, *key, socket)
+    fix(cell, WIRE, *key, pull=5.0)
+    lay(cell)
+
+
 def route_of(cell, wire_id=WIRE):
     points = [WORLD_FROM_PANEL.apply(np.array(at)) for at in cell.plant.panel.wire(wire_id).route]
     return np.array(points)
@@ -255,10 +263,7 @@ def test_a_wire_is_led_into_its_ducts_over_one_that_lies_there(monkeypatch):
 
 def test_a_wire_that_is_kept_in_its_duct_is_let_go_before_it_is_discarded():
     cell = cell_of()
-    key, socket = hold_an_end(cell, end=WireEnd.A)
-    insert(cell, WIRE, WireEnd.B, *key, socket)
-    fix(cell, WIRE, *key, pull=5.0)
-    lay(cell)
+    lay_from_b(cell)
     steps = discard_cable(cell.contexts[HOLDER], goals.DiscardGoal(HOLDER, WIRE))
     cell.run(steps, HOLDER)
     assert cell.contexts[GUIDE].finger_gap > leading.HAND_OPEN_M
@@ -268,10 +273,7 @@ def test_a_wire_that_is_kept_in_its_duct_is_let_go_before_it_is_discarded():
 
 def test_a_wire_that_lies_in_the_notch_of_an_open_finger_is_shed():
     cell = cell_of()
-    key, socket = hold_an_end(cell, end=WireEnd.A)
-    insert(cell, WIRE, WireEnd.B, *key, socket)
-    fix(cell, WIRE, *key, pull=5.0)
-    lay(cell)
+    lay_from_b(cell)
     guide = cell.contexts[GUIDE]
     here = guide.commanded
     across = np.array([-math.sin(here.yaw), math.cos(here.yaw), 0.0])

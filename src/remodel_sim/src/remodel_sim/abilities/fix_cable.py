@@ -1,8 +1,8 @@
 """FixCable: close the terminal on the inserted end, do a pull test, and release it.
 
-Fixed at both ends, a wire stays where it lies: then it is observed from above whether it lies in
-its forks or ducts, and whether its first end is still in its terminal, and tucked in where it
-stands out of its ducts.
+Fixed at both ends, a wire stays where it lies: then it is tucked in where it stands out of its
+ducts, and observed from above: whether it lies in its forks and ducts, and whether its first end
+is still in its terminal.
 """
 
 from __future__ import annotations
