@@ -131,6 +131,8 @@ OVER_WALL_M = 0.028
 # Nodes along 0.04 of the 0.69 m of a route in ducts; curled so far to each side of its leg [m], the
 # wire is 0.23 m long there.
 CURL, CURL_M = slice(5 * NODES // 2, 5 * NODES // 2 + 8), 0.016
+# A curl of it comes back beside the middle of its second duct, so far from that one's middle [m].
+COMES_BACK, BESIDE_DUCT_M = slice(9 * NODES // 4, 11 * NODES // 4), 0.035
 # An empty hand feels no more than this across its weight [N].
 LEVEL_N = 0.3
 
@@ -423,6 +425,17 @@ def test_a_wire_that_curls_up_is_out_of_its_ducts_along_its_route_not_along_itse
     cell.feed(WIRE, "")
     cell.context.belief.note_board(empty)
     assert check(cell) == pytest.approx(1 - 0.04 / 0.69, abs=0.05)
+    cell.close()
+
+
+def test_a_wire_that_curls_up_beside_its_duct_where_it_is_seen_in_it_lies_in_its_duct():
+    cell = cell_of()
+    empty, lies = before(cell), along(route_of(cell), 0.030)
+    cell.plant.parked[ALIKE] = ParkedWire(lies, frozenset(WireEnd))
+    cell.feed(WIRE, "")
+    cell.context.belief.note_board(empty)
+    draw(cell, lies[COMES_BACK] + [0.0, BESIDE_DUCT_M, LIFTED_Z])
+    assert check(cell) == pytest.approx(1.0, abs=0.05)
     cell.close()
 
 

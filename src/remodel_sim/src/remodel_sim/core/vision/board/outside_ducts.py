@@ -20,8 +20,10 @@ OUTSIDE_DUCT_M = 0.040
 HELD_M = 0.10
 # So near to where a wire goes on to its terminals it may be outside its ducts, seen from above [m].
 BESIDE_WAY_M = 0.030
-# It is outside along the whole step to a place when it is seen along this share of it.
-LEAST_OF_STEP = 0.25
+# It is outside along the whole step to a place when it is seen outside along this share of it, and
+# not seen in its ducts along that one: then it only curls up beside the place.
+LEAST_OUTSIDE = 0.25
+LEAST_INSIDE = 0.75
 # What stood somewhere before is found again so near to its place [pixels].
 AGAIN_PX = 2
 # What is narrower than this is the depth camera's noise.
@@ -46,19 +48,36 @@ def route_outside_ducts(
     """
     points, is_own = _new_points(picture, before, radius)
     is_own &= _are_near(points, places, OUTSIDE_DUCT_M)
+    is_inside = np.zeros(len(points), bool)
     for duct in places:
-        is_own &= ~(_are_near(points, [duct], 0.0) & (points[:, 2] < duct.height))
+        is_inside |= _are_near(points, [duct], 0.0) & (points[:, 2] < duct.height)
+    is_outside = ~is_inside
     for way in ways:
-        is_own &= _distances(points, way) > BESIDE_WAY_M
-    covered = _without_noise(picture, is_own)
-    if not covered.any():
-        return 0.0
-    at = np.array([place.position[:2] for duct in places for place in places[duct]])
+        is_outside &= _distances(points, way) > BESIDE_WAY_M
+    outside, inside = (
+        _lengths(picture, points, is_own & where, places, radius)
+        for where in (is_outside, is_inside)
+    )
     steps = np.array([step_in(duct) for duct in places for _ in places[duct]])
-    nearest = np.linalg.norm(points[covered, None, :2] - at, axis=2).argmin(axis=1)
-    pixel = picture.view.metres_per_pixel(float(points[covered, 2].mean()))
-    lengths = np.bincount(nearest, minlength=len(at)) * pixel**2 / (2 * radius)
-    return float(steps[lengths > LEAST_OF_STEP * steps].sum())
+    is_out = (outside > LEAST_OUTSIDE * steps) & (inside <= LEAST_INSIDE * steps)
+    return float(steps[is_out].sum())
+
+
+def _lengths(
+    picture: Picture,
+    points: Array,
+    is_wire: npt.NDArray[np.bool_],
+    places: Mapping[Duct, Sequence[Pose]],
+    radius: float,
+) -> Array:
+    """Return how long a wire of a radius is seen at each place to which it is nearest (n,) [m]."""
+    at = np.array([place.position[:2] for duct in places for place in places[duct]])
+    seen = points[_without_noise(picture, is_wire)]
+    if not len(seen):
+        return np.zeros(len(at))
+    nearest = np.linalg.norm(seen[:, None, :2] - at, axis=2).argmin(axis=1)
+    pixel = picture.view.metres_per_pixel(float(seen[:, 2].mean()))
+    return np.asarray(np.bincount(nearest, minlength=len(at)) * pixel**2 / (2 * radius))
 
 
 def _new_points(
