@@ -83,6 +83,8 @@ INTO_NOTCH_M, LIFTED_M, SHED_M = 0.004, 0.015, 0.030
 BUNDLE = 7
 # A line over the devices of WIRE's row, from its first duct to its last one [m].
 ACROSS = ((0.66, 0.26, 0.0), (0.57, 0.08, 0.0))
+# A wire that sprang out of its ducts loops over the devices from terminal to terminal [m].
+LOOP_ACROSS = ((0.62, -0.10, 0.12), (0.59, -0.10, 0.12))
 # How SHORT lay when its second end was in, among 47 others: over the rims from corner to corner.
 ARCHED_MM = (
     (359.1, -206, 23.5),
@@ -217,8 +219,8 @@ def test_two_hands_take_a_short_wire_and_insert_its_first_end():
     cell.close()
 
 
-def test_a_wire_is_led_into_its_ducts_over_one_that_lies_there(monkeypatch):
-    cell = cell_of()
+def note_leaving(monkeypatch):
+    """Return a list that gets the targets of a hand that leaves a wire in its duct."""
     move_to, targets = leading.move_to, []
 
     def noted(context, target, *how):
@@ -226,6 +228,23 @@ def test_a_wire_is_led_into_its_ducts_over_one_that_lies_there(monkeypatch):
         return move_to(context, target, *how)
 
     monkeypatch.setattr(leading, "move_to", noted)
+    return targets
+
+
+def sheds(targets):
+    """Return whether a hand at last rises, sheds the wire to both sides, and leaves."""
+    to_sides = [side * by for by in leading.ASIDES_M for side in (1, -1)]
+    expected = [0.0, *to_sides, 0.0, 0.0]
+    targets = targets[-len(expected) :]
+    rises = targets[0]
+    across = np.array([-math.sin(rises.yaw), math.cos(rises.yaw)])
+    aside = [float((target.position - rises.position)[:2] @ across) for target in targets]
+    return aside == pytest.approx(expected, abs=1e-6) and targets[-1].z > rises.z
+
+
+def test_a_wire_is_led_into_its_ducts_over_one_that_lies_there(monkeypatch):
+    cell = cell_of()
+    targets = note_leaving(monkeypatch)
     there = along(route_of(cell, ALIKE), 0.020)
     cell.plant.parked[ALIKE] = ParkedWire(there, frozenset(WireEnd))
     key, socket = hold_an_end(cell, end=WireEnd.A)
@@ -256,10 +275,7 @@ def test_a_wire_is_led_into_its_ducts_over_one_that_lies_there(monkeypatch):
     cell.run(insert_cable(holder, push), HOLDER)
     assert truth.share_in_ducts(cell.plant, WIRE) >= LEAST_BELOW
     assert guide.commanded == at.at(z=leading.TRAVEL_Z)
-    across = np.array([-math.sin(at.yaw), math.cos(at.yaw)])
-    aside = [float((target.position - at.position)[:2] @ across) for target in targets]
-    expected = [0.0, leading.ASIDE_M, -leading.ASIDE_M, 0.0, 0.0]
-    assert aside == pytest.approx(expected, abs=1e-6), "the open hand rises, and sheds the wire"
+    assert sheds(targets)
     cell.close()
 
 
@@ -332,15 +348,16 @@ def arched(cell):
     return holder
 
 
-def test_a_wire_that_arches_over_its_last_corner_is_tucked_in():
+def test_a_wire_that_arches_over_its_last_corner_is_tucked_in(monkeypatch):
     cell = cell_of()
-    holder = arched(cell)
+    holder, targets = arched(cell), note_leaving(monkeypatch)
     was = truth.share_in_ducts(cell.plant, SHORT)
     assert was < LEAST_IN_DUCTS
     found = cell.run(tuck_in(holder), HOLDER)
     share = truth.share_in_ducts(cell.plant, SHORT)
     assert share >= was + TUCKED, "the physics"
     assert found.share == pytest.approx(share, abs=0.15), "the picture from above"
+    assert sheds(targets)
     assert holder.finger_gap > tucking.HAND_OPEN_M
     assert holder.commanded.z >= tucking.TRAVEL_Z
     cell.close()
@@ -362,13 +379,13 @@ def test_a_wire_that_resists_is_brought_down_no_farther(monkeypatch):
     holder = arched(cell)
     monkeypatch.setattr(tucking, "MOST_N", 1.0)
     monkeypatch.setattr(tucking, "TUCKS", 1)
-    open_fingers, opened_at = tucking.open_fingers, []
+    open_fingers, opened_at = leading.open_fingers, []
 
     def noted(context, opening):
         opened_at.append(context.tool.z)
         return open_fingers(context, opening)
 
-    monkeypatch.setattr(tucking, "open_fingers", noted)
+    monkeypatch.setattr(leading, "open_fingers", noted)
     cell.run(tuck_in(holder), HOLDER)
     (height,) = opened_at
     assert height > tucking.DOWN_M + WELL_ABOVE_M
@@ -436,6 +453,22 @@ def test_a_wire_that_curls_up_beside_its_duct_where_it_is_seen_in_it_lies_in_its
     cell.context.belief.note_board(empty)
     draw(cell, lies[COMES_BACK] + [0.0, BESIDE_DUCT_M, LIFTED_Z])
     assert check(cell) == pytest.approx(1.0, abs=0.05)
+    cell.close()
+
+
+def test_a_wire_that_lies_across_the_devices_is_not_in_its_ducts():
+    cell = cell_of()
+    empty, route = before(cell), route_of(cell)
+    lies = [route[0], *np.array(LOOP_ACROSS), route[-1]]
+    nodes = np.concatenate(
+        [np.linspace(a, b, NODES, endpoint=False) for a, b in itertools.pairwise(lies)]
+    )
+    cell.plant.parked[ALIKE] = ParkedWire(nodes, frozenset(WireEnd))
+    cell.feed(WIRE, "")
+    cell.context.belief.note_board(empty)
+    with pytest.raises(AbilityError, match="allowed: 80% or more") as caught:
+        check(cell)
+    assert caught.value.code is Code.OUT_OF_DUCT
     cell.close()
 
 

@@ -41,8 +41,10 @@ ROOM_M = 0.20
 BACK_M = 0.012
 LEAVE_SPEED = 0.10
 # It may stay there all the same, and the hand would lift it, and draw it out of its terminal on the
-# way home. So the hand goes so far aside, both ways, as soon as it is so far above the rims [m].
-ASIDE_M = 0.008
+# way home. So the hand goes so far aside, both ways, as soon as it is so far above the rims [m]: a
+# taut wire slips off by the shorter way, and a slack one, which the finger takes along, by the
+# longer way.
+ASIDES_M = (0.008, 0.018)
 OVER_RIMS_M = 0.005
 
 
@@ -109,7 +111,8 @@ def _shed(guide: RobotContext) -> Steps[None]:
     over = here.at(z=max(here.z, rims + OVER_RIMS_M + guide.fingers.below))
     across = np.array([-math.sin(here.yaw), math.cos(here.yaw), 0.0])
     yield from move_to(guide, over, LEAVE_SPEED, allowed)
-    for target in (over.moved(across, ASIDE_M), over.moved(across, -ASIDE_M), over):
+    to_both_sides = [over.moved(across, side * by) for by in ASIDES_M for side in (1, -1)]
+    for target in (*to_both_sides, over):
         if guide.arm.reaches(target) and is_free(guide, target, allowed):
             way = straight_line(guide, target, LEAVE_SPEED, allowed)
             if guide.has_way(way.postures(guide.arm)):

@@ -20,8 +20,9 @@ from remodel_sim.abilities.primitives.ducts.leading import (
     eyelet_yaw,
     in_ducts,
     lowest,
+    withdraw,
 )
-from remodel_sim.abilities.primitives.grasping import grips_nothing, open_fingers
+from remodel_sim.abilities.primitives.grasping import grips_nothing
 from remodel_sim.abilities.primitives.motions import (
     APPROACH_SPEED,
     FREE_SPEED,
@@ -146,8 +147,7 @@ def _tuck(context: RobotContext, standing: Standing) -> Steps[bool]:
         if not grips_nothing(context.finger_gap, context.wire.diameter):
             is_taken = True
             yield from _bring_down(context, over_middle, down)
-    yield from open_fingers(context, HAND_OPEN_M)
-    yield from move_to(context, context.commanded.at(z=TRAVEL_Z), LEAVE_SPEED, allowed)
+    yield from withdraw(context, context.commanded)
     return is_taken
 
 

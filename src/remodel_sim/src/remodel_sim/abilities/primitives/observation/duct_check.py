@@ -59,7 +59,7 @@ def inspect_ducts(context: RobotContext) -> Steps[Inspection | None]:
     context.report("inspecting the ducts from above", 0.95)
     seen = yield from observe_route(context)
     ways = [np.array(route[:2]), np.array(route[-2:])]
-    outside = route_outside_ducts(seen.picture, before, places, wire.radius, ways)
+    outside = route_outside_ducts(seen.picture, before, context.panel, places, wire.radius, ways)
     drawing = Drawing(seen.picture.rgb, seen.picture.view)
     drawing.title(f"{wire.id}: outside its ducts at {outside * 1e3:.0f} mm")
     context.show("overhead", seen.picture, drawing.image)

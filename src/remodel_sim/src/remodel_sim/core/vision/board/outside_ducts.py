@@ -11,13 +11,13 @@ import numpy.typing as npt
 from remodel_sim.core.camera import Picture
 from remodel_sim.core.geometry import Array, Pose
 from remodel_sim.core.workpiece.layout import WORLD_FROM_PANEL
-from remodel_sim.core.workpiece.panel import Duct
+from remodel_sim.core.workpiece.panel import Duct, Panel
 from remodel_sim.core.workpiece.routes import step_in
 
-# A wire that hangs out of its duct is so near to it [m].
+# A wire that hangs out of its duct is so near to it [m]; what is farther lies elsewhere.
 OUTSIDE_DUCT_M = 0.040
-# What is higher is a hand, or is held by one [m].
-HELD_M = 0.10
+# What is higher is a hand [m]: a wire that sprang out of its ducts stood 235 mm high.
+HAND_M = 0.30
 # So near to where a wire goes on to its terminals it may be outside its ducts, seen from above [m].
 BESIDE_WAY_M = 0.030
 # It is outside along the whole step to a place when it is seen outside along this share of it, and
@@ -33,46 +33,48 @@ LEAST_PX = np.ones((2, 2), np.uint8)
 def route_outside_ducts(
     picture: Picture,
     before: Picture,
+    panel: Panel,
     places: Mapping[Duct, Sequence[Pose]],
     radius: float,
     ways: Sequence[Array],
 ) -> float:
     """Return along how much of its route in ducts a wire lies over their rims, or beside them [m].
 
+    What is seen of it elsewhere on the panel is so much less in its ducts.
+
     Args:
         picture: with depth, from above, the wire in it, fixed at both ends.
         before: the same, before the wire was laid.
+        panel: on which the ducts are.
         places: of its route in each duct, `step_in` it apart, world frame.
         radius: of the wire [m].
         ways: lines (2, 3) along which it goes from its ducts to its terminals, world frame [m].
     """
     points, is_own = _new_points(picture, before, radius)
-    is_own &= _are_near(points, places, OUTSIDE_DUCT_M)
     is_inside = np.zeros(len(points), bool)
     for duct in places:
         is_inside |= _are_near(points, [duct], 0.0) & (points[:, 2] < duct.height)
-    is_outside = ~is_inside
+    is_outside = is_own & ~is_inside
     for way in ways:
         is_outside &= _distances(points, way) > BESIDE_WAY_M
-    outside, inside = (
-        _lengths(picture, points, is_own & where, places, radius)
-        for where in (is_outside, is_inside)
+    is_beside = _are_near(points, places, OUTSIDE_DUCT_M)
+    is_elsewhere = is_outside & ~is_beside & _are_over(points, WORLD_FROM_PANEL, panel.size)
+    outside, inside, elsewhere = (
+        points[_without_noise(picture, seen)]
+        for seen in (is_outside & is_beside, is_own & is_inside, is_elsewhere)
     )
-    steps = np.array([step_in(duct) for duct in places for _ in places[duct]])
-    is_out = (outside > LEAST_OUTSIDE * steps) & (inside <= LEAST_INSIDE * steps)
-    return float(steps[is_out].sum())
-
-
-def _lengths(
-    picture: Picture,
-    points: Array,
-    is_wire: npt.NDArray[np.bool_],
-    places: Mapping[Duct, Sequence[Pose]],
-    radius: float,
-) -> Array:
-    """Return how long a wire of a radius is seen at each place to which it is nearest (n,) [m]."""
     at = np.array([place.position[:2] for duct in places for place in places[duct]])
-    seen = points[_without_noise(picture, is_wire)]
+    steps = np.array([step_in(duct) for duct in places for _ in places[duct]])
+    is_out = _lengths(picture, outside, at, radius) > LEAST_OUTSIDE * steps
+    is_out &= _lengths(picture, inside, at, radius) <= LEAST_INSIDE * steps
+    return float(steps[is_out].sum() + _lengths(picture, elsewhere, at, radius).sum())
+
+
+def _lengths(picture: Picture, seen: Array, at: Array, radius: float) -> Array:
+    """Return how much of a wire's points (n, 3) is nearest to each of the places (m, 2); (m,) [m].
+
+    They are as many as a wire of a radius covers along that length.
+    """
     if not len(seen):
         return np.zeros(len(at))
     nearest = np.linalg.norm(seen[:, None, :2] - at, axis=2).argmin(axis=1)
@@ -85,7 +87,7 @@ def _new_points(
 ) -> tuple[Array, npt.NDArray[np.bool_]]:
     """Return what a picture shows as points (n, 3) [m], and which are a wire's of a radius [m]."""
     points, stood = _points_of(picture), _points_of(before, AGAIN_PX)
-    return points, (points[:, 2] > stood[:, 2] + radius) & (points[:, 2] < HELD_M)
+    return points, (points[:, 2] > stood[:, 2] + radius) & (points[:, 2] < HAND_M)
 
 
 def _without_noise(picture: Picture, is_own: npt.NDArray[np.bool_]) -> npt.NDArray[np.bool_]:
@@ -111,9 +113,15 @@ def _are_near(points: Array, ducts: Iterable[Duct], beside: float) -> npt.NDArra
     """Return which points (n, 3), seen from above, are in a duct, or so far beside one [m]."""
     near = np.zeros(len(points), bool)
     for duct in ducts:
-        at = np.abs((WORLD_FROM_PANEL @ duct.panel_from_duct).inverse().apply(points)[:, :2])
-        near |= (at <= np.array([duct.length, duct.width]) / 2 + beside).all(axis=1)
+        size = (duct.length + 2 * beside, duct.width + 2 * beside)
+        near |= _are_over(points, WORLD_FROM_PANEL @ duct.panel_from_duct, size)
     return near
+
+
+def _are_over(points: Array, frame: Pose, size: Sequence[float]) -> npt.NDArray[np.bool_]:
+    """Return which points (n, 3), seen from above, are within a size around a frame [m]."""
+    at = np.abs(frame.inverse().apply(points)[:, :2])
+    return np.asarray((at <= np.array(size[:2]) / 2).all(axis=1))
 
 
 def _distances(points: Array, line: Array) -> Array:
