@@ -1,5 +1,6 @@
 """LayWire in the cell of two heads, on the board of a household."""
 
+import inspect
 import itertools
 import math
 from dataclasses import replace
@@ -51,6 +52,7 @@ from remodel_sim.physics import truth
 from remodel_sim.physics.wires.parked_wire import draw_parked
 from remodel_sim.ros.conversions import read_panel
 from remodel_states.core.codes import Code
+from remodel_states.fix_cable_state import FixCableState
 
 CONFIG = Path(__file__).parents[2] / "config"
 GUIDE, HOLDER, WIRE = "robot_1", "robot_2", "W3"
@@ -135,6 +137,8 @@ OVER_WALL_M = 0.028
 CURL, CURL_M = slice(5 * NODES // 2, 5 * NODES // 2 + 8), 0.016
 # A curl of it comes back beside the middle of its second duct, so far from that one's middle [m].
 COMES_BACK, BESIDE_DUCT_M = slice(9 * NODES // 4, 11 * NODES // 4), 0.035
+# Of FixCable's time the clamp, the pull test and farther ways to the wire may take so much [s].
+FIX_S = 20.0
 # An empty hand feels no more than this across its weight [N].
 LEVEL_N = 0.3
 
@@ -360,6 +364,26 @@ def test_a_wire_that_arches_over_its_last_corner_is_tucked_in(monkeypatch):
     assert sheds(targets)
     assert holder.finger_gap > tucking.HAND_OPEN_M
     assert holder.commanded.z >= tucking.TRAVEL_Z
+    cell.close()
+
+
+def test_a_wire_that_is_tucked_in_as_often_as_allowed_is_fixed_in_time(monkeypatch):
+    cell = cell_of()
+    holder = arched(cell)
+    standing, stood = tucking._standing, []
+
+    def still_standing(found):
+        stood[:] = stood or list(standing(found))
+        return list(stood)
+
+    monkeypatch.setattr(tucking, "_standing", still_standing)
+    monkeypatch.setattr(tucking, "ENOUGH_IN_DUCTS", 1.1)
+    monkeypatch.setattr(tucking, "grips_nothing", lambda *_: False)
+    world = cell.plant.world
+    began = world.steps
+    cell.run(tuck_in(holder), HOLDER)
+    allowed = inspect.signature(FixCableState).parameters["timeout_s"].default
+    assert (world.steps - began) * world.time_step < allowed - FIX_S
     cell.close()
 
 
