@@ -88,10 +88,10 @@ def _rise_from_wire(guide: RobotContext) -> Steps[None]:
 
 
 def withdraw(guide: RobotContext, risen: ToolPose) -> Steps[None]:
-    """Open the leading hand, and take it back along the laid wire, if it can, before it rises.
+    """Open a hand, and take it back along the wire in its duct, if it can, before it rises.
 
     Args:
-        guide: its eyelet is around the wire.
+        guide: the wire is in its eyelet, or between its fingers.
         risen: where it has room to rise to, from below there.
     """
     guide.keeps_wire = False

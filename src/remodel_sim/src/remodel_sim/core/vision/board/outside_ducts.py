@@ -20,8 +20,8 @@ OUTSIDE_DUCT_M = 0.040
 HAND_M = 0.30
 # So near to where a wire goes on to its terminals it may be outside its ducts, seen from above [m].
 BESIDE_WAY_M = 0.030
-# It is outside along the whole step to a place when it is seen outside along this share of it, and
-# not seen in its ducts along that one: then it only curls up beside the place.
+# It is outside along the whole step to a place when more than this share of it is seen outside, and
+# no more than that share in its ducts: otherwise it only curls up beside the place.
 LEAST_OUTSIDE = 0.25
 LEAST_INSIDE = 0.75
 # What stood somewhere before is found again so near to its place [pixels].
@@ -40,7 +40,7 @@ def route_outside_ducts(
 ) -> float:
     """Return along how much of its route in ducts a wire lies over their rims, or beside them [m].
 
-    What is seen of it elsewhere on the panel is so much less in its ducts.
+    The length that is seen elsewhere on the panel counts, too.
 
     Args:
         picture: with depth, from above, the wire in it, fixed at both ends.
