@@ -9,7 +9,7 @@ from place_wire import do, locate
 from remodel_sim.abilities.detect_cable import detect_cable
 from remodel_sim.abilities.insert_cable import insert_cable
 from remodel_sim.abilities.pick_cable import pick_cable
-from remodel_sim.abilities.primitives.pushing import FEEL_N
+from remodel_sim.abilities.primitives.pushing import FEEL_N, bring_before, push_in
 from remodel_sim.cell import Cell
 from remodel_sim.core import goals
 from remodel_sim.core.workpiece.panel import WireEnd
@@ -19,29 +19,75 @@ from remodel_sim.physics.truth import ground_truth
 from remodel_sim.ros.conversions import read_panel
 
 CONFIG = Path(__file__).parents[2] / "config"
-HOLDER, WIRE = "robot_2", "W8"
+HOLDER = "robot_2"
+
+
+class Held:
+    """A cell whose second robot holds an end of a wire, `above` [m] its place in the hand."""
+
+    def __init__(self, wire, end, above):
+        panel = read_panel(
+            CONFIG / "household.yaml", read_wire_materials(CONFIG / "wire_materials.yaml")
+        )
+        self.cell = cell = Cell(panel, design=read_cell("two_arms_cabinet"), seed=1)
+        self.holder, self.wire, self.end = cell.contexts[HOLDER], wire, end
+        cell.feed(wire, "")
+        do(cell, detect_cable, goals.DetectGoal(wire))
+        self.key = panel.wire(wire).goes_to(end)
+        self.socket = locate(cell, *self.key)
+        cell.run(pick_cable(self.holder, goals.PickGoal(HOLDER, wire, end, 0.0)), HOLDER)
+        grip = self.holder.belief.grip
+        self.holder.belief.grip = replace(grip, height=grip.height - above)
+
+    def insert(self):
+        goal = goals.InsertGoal(HOLDER, self.wire, self.end, *self.key, self.socket, 14.0)
+        self.cell.run(insert_cable(self.holder, goal), HOLDER)
+
+    def is_seated(self):
+        (truth,) = ground_truth(self.cell.plant, [self.wire])
+        return getattr(truth, self.end.value).seated
+
+
+@pytest.fixture
+def hold():
+    held = []
+
+    def make(*args):
+        held.append(Held(*args))
+        return held[-1]
+
+    yield make
+    for each in held:
+        each.cell.close()
 
 
 @pytest.mark.parametrize("above", [0.0045, -0.0055])
 def test_a_tip_that_is_not_where_the_hand_holds_it_is_seen_and_brought_to_its_opening(
-    pushes, above
+    hold, pushes, above
 ):
-    panel = read_panel(
-        CONFIG / "household.yaml", read_wire_materials(CONFIG / "wire_materials.yaml")
-    )
-    cell = Cell(panel, design=read_cell("two_arms_cabinet"), seed=1)
-    holder = cell.contexts[HOLDER]
-    cell.feed(WIRE, "")
-    do(cell, detect_cable, goals.DetectGoal(WIRE))
-    key = panel.wire(WIRE).goes_to(WireEnd.A)
-    socket = locate(cell, *key)
-    cell.run(pick_cable(holder, goals.PickGoal(HOLDER, WIRE, WireEnd.A, 0.0)), HOLDER)
-    grip = holder.belief.grip
-    holder.belief.grip = replace(grip, height=grip.height - above)
-    goal = goals.InsertGoal(HOLDER, WIRE, WireEnd.A, *key, socket, 14.0)
-    cell.run(insert_cable(holder, goal), HOLDER)
-    (truth,) = ground_truth(cell.plant, [WIRE])
-    assert truth.a.seated
+    held = hold("W8", WireEnd.A, above)
+    held.insert()
+    assert held.is_seated()
     limits = [push.limit for push in pushes]
     assert limits == [14.0, FEEL_N, 14.0, FEEL_N, 14.0], "the second push goes in"
-    cell.close()
+
+
+def test_a_low_tip_that_the_hand_hides_from_the_camera_is_felt_in(hold):
+    held = hold("W107", WireEnd.B, -0.004)
+    held.insert()
+    assert held.is_seated()
+
+
+@pytest.mark.parametrize(("above", "rubs"), [(-0.003, True), (0.004, False)])
+def test_a_tip_that_rubs_along_the_face_is_pushed_no_further_than_halfway(hold, above, rubs):
+    held = hold("W107", WireEnd.B, above)
+    context, bottom = held.holder, 0.014
+
+    def push():
+        yield from bring_before(context, held.socket)
+        return (yield from push_in(context, held.socket, bottom, 14.0, until_in=6.0))
+
+    found = held.cell.run(push(), HOLDER)
+    assert found.rubs is rubs
+    assert (found.depth < bottom / 2 + 0.001) is rubs
+    assert held.is_seated() is not rubs

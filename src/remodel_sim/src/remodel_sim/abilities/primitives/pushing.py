@@ -53,6 +53,9 @@ BEYOND_BOTTOM_M = 0.006
 BUCKLES_M = 0.001
 # Resistance before this depth is the face's or the funnel's.
 FACE_M = 0.003
+# Between the face and half the depth few ends in their openings meet more than this, in the mean;
+# the tip of one that meets more may rub along the face, while its ferrule bends [N].
+RUBS_N = 1.6
 # A hand that is so far beyond the bottom slid along the wire, or bent it [m].
 SLID_M = 0.001
 STILL_S = 0.15
@@ -62,7 +65,7 @@ TURNED_IN_M = 0.010
 # A tip that is stopped at the face or in the funnel is turned up or down in the grip, if the wire
 # was pulled or bent behind the hand: the opening is felt for with the hand so far higher [m], or so
 # far from where the tip is seen in it, with so much force [N]; with 5 N it slides down the face.
-FEELS_M = (0.0025, -0.0025, 0.005, -0.005, -0.0075)
+FEELS_M = (0.0025, -0.0025, 0.005, -0.005, 0.0075)
 FEEL_N = 3.0
 # Pushed with 13 N against the face, a ferrule bends at its joint with the wire. A push that may be
 # harder than this goes on with FEEL_N from so far before the face, until the tip is in [N, m].
@@ -118,6 +121,7 @@ class Push:
         stopped: whether it was stopped by the force limit, or by a wire that gave way at the
             bottom.
         felt: whether the opening was felt for: then the height of the tip is unknown.
+        rubs: whether it was given up halfway, since the tip may rub along the face.
         jammed_at: at which depth the end was stopped and the hand alone went on [m]; None: the end
             went on too.
     """
@@ -127,6 +131,7 @@ class Push:
     peak_force: float
     stopped: bool
     felt: bool = False
+    rubs: bool = False
     jammed_at: float | None = None
 
     @property
@@ -239,7 +244,7 @@ def push_in(
         limit: force at which the push stops [N].
         manner: how it is pushed.
         until_in: the same, from the face until the tip is half as deep: it may be beside the
-            opening [N].
+            opening, and is pushed no further if it rubs [N]; infinite: where it is known.
     """
     into, grip = unit_x(socket), _grip(context)
     context.free_force = context.force
@@ -248,9 +253,14 @@ def push_in(
     way = _way_in(socket, slant, grip, replace(here, yaw=here.yaw - slant)) if slant else None
     motion = ForceMotion(context, into, ForceControl(limit, manner.stiffness), way=way)
     ahead, stopped, is_tared, in_opening = -STANDOFF_M, False, False, False
-    while ahead < bottom + OVERTRAVEL_M and not stopped:
+    rubs, work = False, 0.0
+    while ahead < bottom + OVERTRAVEL_M and not stopped and not rubs:
+        before = ahead
         yield from motion.advance(manner.speed_at(ahead, bottom))
         ahead = motion.travel - STANDOFF_M
+        if math.isfinite(until_in) and FACE_M <= before < bottom / 2:
+            work += motion.force * (ahead - before)
+            rubs = ahead >= bottom / 2 and work > RUBS_N * (bottom / 2 - FACE_M)
         if not is_tared and ahead >= -GENTLE_BEFORE_M:
             is_tared = True
             motion.tare()  # the wire pulls at a hand that draws back, and brakes one that goes on
@@ -269,7 +279,7 @@ def push_in(
     at_bottom = stopped and -SHORT_OF_BOTTOM_M <= depth - bottom <= SLID_M
     pressed_at = None if at_bottom else motion.pressed_at
     jammed_at = None if pressed_at is None else pressed_at - STANDOFF_M
-    return Push(tip, depth, motion.peak, stopped, jammed_at=jammed_at)
+    return Push(tip, depth, motion.peak, stopped, rubs=rubs, jammed_at=jammed_at)
 
 
 def yielding_in(socket: Pose) -> Yielding:
@@ -279,29 +289,35 @@ def yielding_in(socket: Pose) -> Yielding:
 
 
 def find_in(context: RobotContext, socket: Pose, bottom: float, limit: float) -> Steps[Push]:
-    """Push the held end in as `push_in`; if that stops early, observe the tip and feel."""
+    """Push the held end in as `push_in`; if that stops early, observe the tip and feel.
+
+    If it goes in freely nowhere, it is pushed where it first rubbed, or else where it began.
+    """
     start = context.commanded
     until_in = limit if limit <= BENDS_N else FEEL_N
     push = yield from push_in(context, socket, bottom, limit, until_in=until_in)
     if _is_in(push, bottom):
         return push
-    peak_force = push.peak_force
+    peak_force, rubbed = push.peak_force, [start] * push.rubs
     context.report("feeling for the opening", 0.8)
     yield from _back_to(context, start)
     for above in (yield from _feels(context)):
-        yield from _back_to(context, start, start.at(z=start.z + above))
+        there = start.at(z=start.z + above)
+        yield from _back_to(context, start, there)
         push = yield from push_in(context, socket, bottom, limit, until_in=FEEL_N)
         peak_force = max(peak_force, push.peak_force)
         if _is_in(push, bottom):
             return replace(push, peak_force=peak_force, felt=True)
-    yield from _back_to(context, start)
+        rubbed += [there] * push.rubs
+    last = rubbed[0] if rubbed else start
+    yield from _back_to(context, start, last)
     push = yield from push_in(context, socket, bottom, limit)
-    return replace(push, peak_force=max(peak_force, push.peak_force))
+    return replace(push, peak_force=max(peak_force, push.peak_force), felt=last is not start)
 
 
 def _is_in(push: Push, bottom: float) -> bool:
-    """Return whether the face of the opening did not stop a push."""
-    return not push.stopped or push.depth >= bottom / 2
+    """Return whether a push was neither stopped by the face of the opening nor led along it."""
+    return not push.rubs and (not push.stopped or push.depth >= bottom / 2)
 
 
 def _feels(context: RobotContext) -> Steps[tuple[float, ...]]:
