@@ -72,12 +72,6 @@ def test_a_tip_that_is_not_where_the_hand_holds_it_is_seen_and_brought_to_its_op
     assert limits == [14.0, FEEL_N, 14.0, FEEL_N, 14.0], "the second push goes in"
 
 
-def test_a_low_tip_that_the_hand_hides_from_the_camera_is_felt_in(hold):
-    held = hold("W107", WireEnd.B, -0.004)
-    held.insert()
-    assert held.is_seated()
-
-
 @pytest.mark.parametrize(("above", "rubs"), [(-0.003, True), (0.004, False)])
 def test_a_tip_that_rubs_along_the_face_is_pushed_no_further_than_halfway(hold, above, rubs):
     held = hold("W107", WireEnd.B, above)

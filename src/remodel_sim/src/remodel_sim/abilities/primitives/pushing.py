@@ -65,7 +65,7 @@ TURNED_IN_M = 0.010
 # A tip that is stopped at the face or in the funnel is turned up or down in the grip, if the wire
 # was pulled or bent behind the hand: the opening is felt for with the hand so far higher [m], or so
 # far from where the tip is seen in it, with so much force [N]; with 5 N it slides down the face.
-FEELS_M = (0.0025, -0.0025, 0.005, -0.005, 0.0075)
+FEELS_M = (0.0025, -0.0025, 0.005, -0.005, -0.0075)
 FEEL_N = 3.0
 # Pushed with 13 N against the face, a ferrule bends at its joint with the wire. A push that may be
 # harder than this goes on with FEEL_N from so far before the face, until the tip is in [N, m].
@@ -244,7 +244,7 @@ def push_in(
         limit: force at which the push stops [N].
         manner: how it is pushed.
         until_in: the same, from the face until the tip is half as deep: it may be beside the
-            opening, and is pushed no further if it rubs [N]; infinite: where it is known.
+            opening. If this is less than the limit, a tip that rubs is pushed no further [N].
     """
     into, grip = unit_x(socket), _grip(context)
     context.free_force = context.force
@@ -258,7 +258,7 @@ def push_in(
         before = ahead
         yield from motion.advance(manner.speed_at(ahead, bottom))
         ahead = motion.travel - STANDOFF_M
-        if math.isfinite(until_in) and FACE_M <= before < bottom / 2:
+        if until_in < limit and FACE_M <= before < bottom / 2:
             work += motion.force * (ahead - before)
             rubs = ahead >= bottom / 2 and work > RUBS_N * (bottom / 2 - FACE_M)
         if not is_tared and ahead >= -GENTLE_BEFORE_M:
