@@ -36,3 +36,10 @@ def test_what_another_attempt_placed_stays_placed():
 def test_what_was_not_discarded_is_still_placed(outcome):
     attempt, _ = attempts_of([BEGUN, FAILED, *discarding(outcome)])
     assert attempt.execution.placed
+
+
+def test_what_came_apart_in_a_failed_discarding_does_not_count_as_placed():
+    begun, _ = discarding("failed")
+    apart = TaskEnded("W1", "failed", 4.0, placed=False, denied=True)
+    attempts = attempts_of([BEGUN, FAILED, begun, apart])
+    assert [each.execution.placed for each in attempts] == [False, False]

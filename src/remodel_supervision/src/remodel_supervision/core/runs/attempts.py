@@ -68,8 +68,9 @@ class Attempts:
             case TaskEnded() if begun is not None:
                 if not begun.part.is_attempt and event.placed:
                     _note_placed(ended, event.task)
-                if begun.part is Part.DISCARD and event.outcome == FINISHED:
-                    _note_discarded(ended, event.task)
+                is_discarded = begun.part is Part.DISCARD and event.outcome == FINISHED
+                if is_discarded or event.denied:
+                    _note_not_placed(ended, event.task)
                 execution = _execution(
                     begun, event.outcome, event.placed, event.at_s, operations=self._operations
                 )
@@ -104,8 +105,8 @@ def _note_placed(ended: list[Attempt], task: str) -> None:
         ended[at_task[-1]] = replace(attempt, execution=replace(attempt.execution, placed=True))
 
 
-def _note_discarded(ended: list[Attempt], task: str) -> None:
-    """Note that no part of a task is placed: what was, though its behavior failed, is discarded."""
+def _note_not_placed(ended: list[Attempt], task: str) -> None:
+    """Note that a task is not placed: what was, though its behavior failed, is so no longer."""
     for n, attempt in enumerate(ended):
         if attempt.execution.wire == task and attempt.execution.placed:
             ended[n] = replace(attempt, execution=replace(attempt.execution, placed=False))
