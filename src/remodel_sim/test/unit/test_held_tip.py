@@ -23,7 +23,7 @@ HOLDER = "robot_2"
 
 
 class Held:
-    """A cell whose second robot holds an end of a wire, `above` [m] its place in the hand."""
+    """A cell whose second robot holds an end, `above` [m] where it takes the tip to be."""
 
     def __init__(self, wire, end, above):
         panel = read_panel(
