@@ -377,7 +377,7 @@ def test_a_wire_that_is_tucked_in_as_often_as_allowed_is_fixed_in_time(monkeypat
         return list(stood)
 
     monkeypatch.setattr(tucking, "_standing", still_standing)
-    monkeypatch.setattr(tucking, "ENOUGH_IN_DUCTS", 1.1)
+    monkeypatch.setattr(tucking, "LEAST_IN_DUCTS", 1.1)
     monkeypatch.setattr(tucking, "grips_nothing", lambda *_: False)
     world = cell.plant.world
     began = world.steps
@@ -402,7 +402,7 @@ def test_a_wire_that_resists_is_brought_down_no_farther(monkeypatch):
     cell = cell_of()
     holder = arched(cell)
     monkeypatch.setattr(tucking, "MOST_N", 1.0)
-    monkeypatch.setattr(tucking, "TUCKS", 1)
+    monkeypatch.setattr(tucking, "TUCKS_OF_REFUSED", 1)
     open_fingers, opened_at = leading.open_fingers, []
 
     def noted(context, opening):
@@ -566,6 +566,19 @@ def test_a_wire_that_hangs_from_its_first_terminal_is_discarded():
     discarded = do(cell, discard_cable, goals.DiscardGoal(GUIDE, bent))
     assert "dropped into the scrap bin" in discarded.message
     assert cell.plant.live is None and bent not in cell.context.belief.fed
+    cell.close()
+
+
+def test_a_wire_whose_other_end_is_held_is_discarded_by_the_robot_that_holds_it():
+    cell = cell_of()
+    key, socket = hold_an_end(cell)
+    insert(cell, WIRE, WireEnd.A, *key, socket, force=14.0)
+    fix(cell, WIRE, *key, pull=5.0)
+    grip = cell.contexts[HOLDER].belief.grip
+    assert grip is not None and grip.end is WireEnd.B
+    cell.run(discard_cable(cell.contexts[GUIDE], goals.DiscardGoal(GUIDE, WIRE)), GUIDE)
+    assert cell.plant.live is None and WIRE not in cell.context.belief.fed
+    assert not any(context.busy for context in cell.contexts.values())
     cell.close()
 
 

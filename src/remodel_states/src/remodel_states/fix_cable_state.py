@@ -27,7 +27,7 @@ class FixCableState(EventState):
 
     """
 
-    def __init__(self, robot_name="robot_1", pull_test_force=5.0, timeout_s=60.0, topic="remodel_abilities/fixcable"):  # fmt: skip
+    def __init__(self, robot_name="robot_1", pull_test_force=5.0, timeout_s=120.0, topic="remodel_abilities/fixcable"):  # fmt: skip
         """Connect to the ability server."""
         super().__init__(
             outcomes=["fixed", "failed", "command_error"],

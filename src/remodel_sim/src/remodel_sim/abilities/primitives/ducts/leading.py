@@ -13,6 +13,7 @@ from itertools import pairwise
 import numpy as np
 
 from remodel_sim.abilities.execution.robot_context import RobotContext, Steps
+from remodel_sim.abilities.execution.runner import occupy
 from remodel_sim.abilities.primitives.grasping import open_fingers
 from remodel_sim.abilities.primitives.motions import (
     APPROACH_SPEED,
@@ -75,11 +76,7 @@ def let_go(context: RobotContext) -> Steps[None]:
         yield from _rise_from_wire(context)
     for guide in context.peers:
         if guide.keeps_wire and not guide.busy:
-            guide.begin()
-            try:
-                yield from _rise_from_wire(guide)
-            finally:
-                guide.end()
+            yield from occupy([guide], _rise_from_wire(guide))
 
 
 def _rise_from_wire(guide: RobotContext) -> Steps[None]:

@@ -8,6 +8,7 @@ its slot instead, and stays.
 from __future__ import annotations
 
 import math
+from collections import Counter
 from collections.abc import Iterator
 from contextlib import suppress
 from dataclasses import dataclass
@@ -16,6 +17,7 @@ import numpy as np
 
 from remodel_sim.abilities.execution.robot_context import RobotContext, Steps
 from remodel_sim.abilities.primitives.ducts.leading import (
+    AMONG_WIRES,
     LEAVE_SPEED,
     eyelet_yaw,
     in_ducts,
@@ -28,19 +30,26 @@ from remodel_sim.abilities.primitives.motions import (
     FREE_SPEED,
     HAND_OPEN_M,
     TRAVEL_Z,
+    is_free,
     move_to,
     wait,
 )
-from remodel_sim.abilities.primitives.observation.duct_check import Inspection, inspect_ducts
+from remodel_sim.abilities.primitives.observation.duct_check import (
+    LEAST_IN_DUCTS,
+    Inspection,
+    inspect_ducts,
+)
 from remodel_sim.core.errors import AbilityError
 from remodel_sim.core.geometry import Pose
 from remodel_sim.core.robot.arm import ToolPose
 from remodel_sim.core.vision.laid_wire import Passing, uppermost_past
 from remodel_sim.core.workpiece.panel import Duct
 
-# A wire that lies in its ducts at so much of its route is left alone; it is tucked in so often.
+# A wire that lies in its ducts at so much of its route is left alone; it is tucked in so often, and
+# so often while the inspection would refuse it.
 ENOUGH_IN_DUCTS = 0.95
 TUCKS = 3
+TUCKS_OF_REFUSED = 8
 # Its loop stands so far to each side of a slot: pressed down there it would spring back. The hand
 # has room between the walls so far from a corner [m].
 LOOP_M = 0.060
@@ -80,20 +89,26 @@ class Standing:
 def tuck_in(context: RobotContext) -> Steps[Inspection | None]:
     """Tuck a wire that is fixed at both ends into its ducts; return how it lies there at last.
 
+    One duct after the other, it is taken where it is highest above the duct.
+
     Returns:
         None where it cannot be inspected.
     """
+    tucks: Counter[str] = Counter()  # in each duct
+    is_taken = True
+
+    def order(at: Standing) -> tuple[int, float]:
+        return tucks[at.duct.id], -at.passing.height
+
     found = yield from inspect_ducts(context)
-    for _ in range(TUCKS):
-        if found is None or found.share >= ENOUGH_IN_DUCTS:
+    while found is not None and tucks.total() < TUCKS_OF_REFUSED:
+        goes_on = is_taken and tucks.total() < TUCKS
+        best = min(_standing(found), key=order, default=None)
+        if best is None or found.share >= (ENOUGH_IN_DUCTS if goes_on else LEAST_IN_DUCTS):
             break
-        standing = list(_standing(found))
-        if not standing:
-            break
-        is_taken = yield from _tuck(context, max(standing, key=lambda at: at.passing.height))
+        tucks[best.duct.id] += 1
+        is_taken = yield from _tuck(context, best)
         found = yield from inspect_ducts(context)
-        if not is_taken:
-            break
     return found
 
 
@@ -131,6 +146,8 @@ def _tuck(context: RobotContext, standing: Standing) -> Steps[bool]:
     x, y, _ = (float(v) for v in place.apply(np.array([0.0, passing.aside, 0.0])))
     over = duct.height + OVER_RIM_M + context.fingers.below
     take = ToolPose(x, y, max(over, passing.height), yaw)
+    lower = take.at(z=passing.height)
+    is_beside = abs(passing.aside) >= duct.width / 2 + HAND_OPEN_M + context.fingers.thickness
     x, y, _ = (float(v) for v in place.position)
     over_middle = ToolPose(x, y, take.z, yaw - standing.askew)
     down = over_middle.at(z=max(lowest(context), DOWN_M))
@@ -142,11 +159,13 @@ def _tuck(context: RobotContext, standing: Standing) -> Steps[bool]:
         yield from move_to(context, take.at(z=max(travel, context.commanded.z)), FREE_SPEED)
         yield from move_to(context, take.at(z=travel), FREE_SPEED)
         yield from move_to(context, take, APPROACH_SPEED, allowed)
+        if is_beside and is_free(context, lower, AMONG_WIRES):
+            yield from move_to(context, lower, APPROACH_SPEED, AMONG_WIRES)
         context.close_fingers(context.wire.diameter)
         yield from wait(context, CLOSE_S)
         if not grips_nothing(context.finger_gap, context.wire.diameter):
             is_taken = True
-            yield from _bring_down(context, over_middle, down)
+            yield from _bring_down(context, take, over_middle, down)
     yield from withdraw(context, context.commanded)
     return is_taken
 
