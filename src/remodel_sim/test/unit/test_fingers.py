@@ -31,6 +31,9 @@ SLIDES_N = 1.0
 # A wire that springs aside in an open hand, and is held back as the hand rises; its radius.
 OUTWARD_N, DOWN_N = 0.05, 0.5
 WIRE_RADIUS_M = 0.0015
+# It sprang so far above the tool [m]; pads that end below it leave a ledge before the stem [m].
+SPRUNG_UP_M = 0.028
+LEDGE_PAD_M = 0.0274
 # A hand goes so far [m], as fast as one that leads a wire [m/s].
 SWEEP_M = 0.15
 SWEEP_SPEED = 0.25
@@ -110,24 +113,50 @@ def test_a_closed_eyelet_keeps_a_wire_from_dropping_out_and_lets_it_slide(diamet
     world.close()
 
 
-@pytest.mark.parametrize(("bevel", "slides_off"), [(SLIM.fingers.eyelet.bevel, True), (0.0, False)])
-def test_a_wire_in_the_notch_of_an_open_finger_slides_off_its_bevel(bevel, slides_off):
-    eyelet = replace(SLIM.fingers.eyelet, bevel=bevel)
-    world, fingers = World(240), replace(SLIM.fingers, eyelet=eyelet)
+def hold_back(arm, above, aside):
+    """Lay a wire across an open hand, beside a finger; return how high it is, held back [m].
+
+    Args:
+        arm: with its fingers.
+        above: the tool centre [m].
+        aside: of the middle between the fingers [m].
+    """
+    world = World(240)
     world.bullet.setGravity(0, 0, 0)
-    _, cable = wire_in_hand(world, replace(SLIM, fingers=fingers), above=eyelet.above)
-    nodes = cable.nodes()
-    in_notch = fingers.opening / 2 + eyelet.depth - WIRE_RADIUS_M
-    cable.lay(nodes[0] + [in_notch, 0.0, 0.0], math.pi / 2, np.zeros(len(cable.model.spans)))
+    _, cable = wire_in_hand(world, arm, above=above)
+    start = cable.nodes()[0] + [aside, 0.0, 0.0]
+    cable.lay(start, math.pi / 2, np.zeros(len(cable.model.spans)))
     links = [(body, i) for body in cable.bodies for i in range(world.bullet.getNumJoints(body))]
     middle = min(links, key=lambda link: abs(cable.link_pose(link)[0][1] - TOOL.y))
     for _ in range(240):
         at, force = cable.link_pose(middle)[0].tolist(), [OUTWARD_N, 0.0, -DOWN_N]
         world.bullet.applyExternalForce(*middle, force, at, world.bullet.WORLD_FRAME)
         world.step()
-    lip = eyelet.above - eyelet.height / 2
-    assert (height_in_hand(cable) < lip - bevel) == slides_off
+    height = height_in_hand(cable)
     world.close()
+    return height
+
+
+@pytest.mark.parametrize(("bevel", "slides_off"), [(SLIM.fingers.eyelet.bevel, True), (0.0, False)])
+def test_a_wire_in_the_notch_of_an_open_finger_slides_off_its_bevel(bevel, slides_off):
+    eyelet = replace(SLIM.fingers.eyelet, bevel=bevel)
+    fingers = replace(SLIM.fingers, eyelet=eyelet)
+    in_notch = fingers.opening / 2 + eyelet.depth - WIRE_RADIUS_M
+    height = hold_back(replace(SLIM, fingers=fingers), eyelet.above, in_notch)
+    lip = eyelet.above - eyelet.height / 2
+    assert (height < lip - bevel) == slides_off
+
+
+@pytest.mark.parametrize(("pad_height", "slides_off"), [(None, True), (LEDGE_PAD_M, False)])
+def test_a_wire_that_sprang_up_between_open_fingers_finds_no_ledge_to_lie_on(
+    pad_height, slides_off
+):
+    arm = read_cell("two_arms_cabinet").robots[0].arm
+    fingers = replace(arm.fingers, pad_height=pad_height or arm.fingers.pad_height)
+    behind = 0.0 if slides_off else fingers.stem.behind
+    beside_finger = fingers.opening / 2 + behind - WIRE_RADIUS_M
+    height = hold_back(replace(arm, fingers=fingers), SPRUNG_UP_M, beside_finger)
+    assert (height < fingers.eyelet.above) == slides_off
 
 
 def test_empty_fingers_stop_where_their_pads_meet():

@@ -367,16 +367,21 @@ def test_a_wire_that_arches_over_its_last_corner_is_tucked_in(monkeypatch):
     cell.close()
 
 
-def test_a_wire_that_is_tucked_in_as_often_as_allowed_is_fixed_in_time(monkeypatch):
+def test_a_wire_that_would_be_refused_is_tucked_into_duct_after_duct_and_fixed_in_time(monkeypatch):
     cell = cell_of()
     holder = arched(cell)
-    standing, stood = tucking._standing, []
+    found = cell.run(inspect_ducts(holder), HOLDER)
+    at = next(tucking._standing(found))
+    stood = [replace(at, duct=duct) for duct in found.places]
+    assert len(stood) > 1
+    tuck, tucked = tucking._tuck, []
 
-    def still_standing(found):
-        stood[:] = stood or list(standing(found))
-        return list(stood)
+    def noted(context, standing):
+        tucked.append(standing.duct.id)
+        return tuck(context, standing)
 
-    monkeypatch.setattr(tucking, "_standing", still_standing)
+    monkeypatch.setattr(tucking, "_standing", lambda _: iter(stood))
+    monkeypatch.setattr(tucking, "_tuck", noted)
     monkeypatch.setattr(tucking, "LEAST_IN_DUCTS", 1.1)
     monkeypatch.setattr(tucking, "grips_nothing", lambda *_: False)
     world = cell.plant.world
@@ -384,6 +389,27 @@ def test_a_wire_that_is_tucked_in_as_often_as_allowed_is_fixed_in_time(monkeypat
     cell.run(tuck_in(holder), HOLDER)
     allowed = inspect.signature(FixCableState).parameters["timeout_s"].default
     assert (world.steps - began) * world.time_step < allowed - FIX_S
+    assert len(tucked) == tucking.TUCKS_OF_REFUSED
+    assert all(one != other for one, other in itertools.pairwise(tucked))
+    cell.close()
+
+
+@pytest.mark.parametrize(("aside", "is_lowered"), [(0.043, True), (0.030, False), (-0.016, False)])
+def test_fingers_go_below_the_rim_only_where_both_are_beside_the_duct(
+    monkeypatch, aside, is_lowered
+):
+    cell = cell_of()
+    holder = arched(cell)
+    duct = next(duct for duct in cell.plant.panel.ducts if duct.id == "L")
+    place = WORLD_FROM_PANEL @ duct.panel_from_duct @ Pose.level(0.0, 0.0, duct.height)
+    closed_at = []
+    monkeypatch.setattr(
+        RobotContext, "close_fingers", lambda context, _: closed_at.append(context.commanded.z)
+    )
+    passing = tucking.Passing(aside, duct.height + tucking.GRASPABLE_M)
+    cell.run(tucking._tuck(holder, tucking.Standing(duct, place, passing, 0.0)), HOLDER)
+    over_rim = duct.height + tucking.OVER_RIM_M + holder.fingers.below
+    assert closed_at == [pytest.approx(passing.height if is_lowered else over_rim)]
     cell.close()
 
 
