@@ -64,7 +64,7 @@ class Fingers:
         length: from the hand's body to the tips.
         width: of a tip along the wire.
         thickness: of a tip across the wire, behind the face that grips.
-        pad_height: of a tip.
+        pad_height: of a tip, from its lower edge up to where the stem stands behind the face.
         below: the tips reach so far below the tool centre.
         opening: between the pads when the hand is open.
         stem: above the tips.
