@@ -146,6 +146,7 @@ def _tuck(context: RobotContext, standing: Standing) -> Steps[bool]:
     x, y, _ = (float(v) for v in place.apply(np.array([0.0, passing.aside, 0.0])))
     over = duct.height + OVER_RIM_M + context.fingers.below
     take = ToolPose(x, y, max(over, passing.height), yaw)
+    # Over a wall the fingers would close on it there.
     lower = take.at(z=passing.height)
     is_beside = abs(passing.aside) >= duct.width / 2 + HAND_OPEN_M + context.fingers.thickness
     x, y, _ = (float(v) for v in place.position)
