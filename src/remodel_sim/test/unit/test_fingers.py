@@ -21,6 +21,8 @@ from remodel_sim.physics.world import CONTACT_STIFFNESS, GRAVITY, MASS_SCALE, Wo
 
 (CABINET,) = read_cell("cabinet").robots
 SLIM = CABINET.arm
+# Of the cell that tucks wires in: flush above the eyelet.
+FLUSH = read_cell("two_arms_cabinet").robots[0].arm
 # Pads that are so near to each other have closed.
 SHUT_M = 0.0008
 # What the pads yield to a grip of 30 N, both sides together: the contacts' stiffness.
@@ -147,15 +149,16 @@ def test_a_wire_in_the_notch_of_an_open_finger_slides_off_its_bevel(bevel, slide
     assert (height < lip - bevel) == slides_off
 
 
-@pytest.mark.parametrize(("pad_height", "slides_off"), [(None, True), (LEDGE_PAD_M, False)])
+@pytest.mark.parametrize(
+    ("pad_height", "slides_off"), [(FLUSH.fingers.pad_height, True), (LEDGE_PAD_M, False)]
+)
 def test_a_wire_that_sprang_up_between_open_fingers_finds_no_ledge_to_lie_on(
     pad_height, slides_off
 ):
-    arm = read_cell("two_arms_cabinet").robots[0].arm
-    fingers = replace(arm.fingers, pad_height=pad_height or arm.fingers.pad_height)
+    fingers = replace(FLUSH.fingers, pad_height=pad_height)
     behind = 0.0 if slides_off else fingers.stem.behind
     beside_finger = fingers.opening / 2 + behind - WIRE_RADIUS_M
-    height = hold_back(replace(arm, fingers=fingers), SPRUNG_UP_M, beside_finger)
+    height = hold_back(replace(FLUSH, fingers=fingers), SPRUNG_UP_M, beside_finger)
     assert (height < fingers.eyelet.above) == slides_off
 
 

@@ -9,7 +9,6 @@ import numpy as np
 
 from remodel_sim.abilities.ability import ability
 from remodel_sim.abilities.execution.robot_context import RobotContext, Steps
-from remodel_sim.abilities.execution.runner import occupy
 from remodel_sim.abilities.extract_cable import draw_out, put_away
 from remodel_sim.abilities.locate_gearbox_component import locate_gearbox_component
 from remodel_sim.abilities.primitives.carrying import drop_into_bin, lift_out
@@ -20,7 +19,9 @@ from remodel_sim.abilities.primitives.grasping import (
     pick_end,
     release,
 )
-from remodel_sim.abilities.primitives.motions import park, rise
+from remodel_sim.abilities.primitives.motions import (
+    rise,
+)
 from remodel_sim.abilities.primitives.observation.observing import loose_ends
 from remodel_sim.core.belief.openings import TerminalKey, nearest_terminal, opening_of
 from remodel_sim.core.errors import AbilityError
@@ -54,33 +55,22 @@ def discard_cable(context: RobotContext, goal: DiscardGoal) -> Steps[CableDiscar
     wire_id = goal.cable_id or context.wire.id
     if wire_id not in belief.fed:
         return CableDiscarded(f"no piece of {wire_id} is in the cell")
+    above_bin = context.scrap_bin
     if belief.grip is not None and not holds(context):
         belief.grip = None
         if not goal.cable_id:
             raise AbilityError(Code.NOTHING_HELD, f"{wire_id!r} slipped out of the fingers")
     context.make_live(wire_id)
     yield from let_go(context)
-    holder = next((peer for peer in context.peers if peer.belief.grip and not peer.busy), None)
-    if belief.grip is None and holder is not None:
-        # Let go, the end that it holds might not be seen again.
-        yield from park(context)
-        yield from occupy([holder], _discard(holder))
-    else:
-        yield from _discard(context)
-    return CableDiscarded(f"{wire_id} dropped into the scrap bin")
-
-
-def _discard(context: RobotContext) -> Steps[None]:
-    """Take the live wire off the panel, into the robot's scrap bin."""
-    belief = context.belief
     occupants = {wire for wire, _ in belief.occupied.values()}
-    was_connected = belief.engaged is not None or context.wire.id in occupants
+    was_connected = belief.engaged is not None or wire_id in occupants
     yield from _release_ends(context)
     if belief.grip is None:
-        yield from _pick_an_end(context)
+        yield from _pick_an_end(context, above_bin)
     elif context.wire.ducts and was_connected:
         yield from lift_out(context)
     yield from drop_into_bin(context, (0.7, 1.0))
+    return CableDiscarded(f"{wire_id} dropped into the scrap bin")
 
 
 def _release_ends(context: RobotContext) -> Steps[None]:
@@ -122,9 +112,8 @@ def _draw_out(context: RobotContext, terminal: TerminalKey) -> Steps[None]:
         raise AbilityError(error.code, text, **error.found) from error
 
 
-def _pick_an_end(context: RobotContext) -> Steps[None]:
+def _pick_an_end(context: RobotContext, above_bin: ToolPose) -> Steps[None]:
     """Pick a loose end, the one nearer to the bin first: then the wire trails along its channel."""
-    above_bin = context.scrap_bin
 
     def away(end: WireEnd) -> float:
         return float(np.linalg.norm(context.belief.expected[end][:2] - above_bin.position[:2]))

@@ -72,8 +72,7 @@ class CellAbilityServer(AbilityServer):
                 raise AbilityError(Code.BUSY, text)
             if context.busy:
                 raise AbilityError(
-                    Code.BUSY,
-                    f"{context.name} is making way for another robot, or helps it; try again",
+                    Code.BUSY, f"{context.name} is making way for another robot; try again"
                 )
         return contexts
 
