@@ -2,6 +2,7 @@
 """After a pause, a skip or a stop is answered nothing moves, and the order can always go on."""
 
 import contextlib
+import json
 import shutil
 import signal
 import sqlite3
@@ -27,9 +28,7 @@ from order_client import (
 from pause_moments import PauseMoments
 from remodel_msgs.msg import (
     ErrorCode,
-    RunUseCaseActionGoal,
     RunUseCaseActionResult,
-    RunUseCaseGoal,
     TaskState,
     UseCaseState,
 )
@@ -149,7 +148,7 @@ class GateTest(unittest.TestCase):
         self.assertEqual(handle.get_goal_status(), GoalStatus.REJECTED)
         self.assertIn("protective stop by", handle.get_goal_status_text())
         self.assertEqual(self.orders.runs(), before)
-        with self.publishing("true"):
+        with self.publishing("remodel/protective_stop", "std_msgs/Bool", "true"):
             wait_until(lambda: "rostopic" in self.orders.state.message, "both stops are published")
             topic.publish(False)
             mine = rospy.get_name()
@@ -197,9 +196,9 @@ class GateTest(unittest.TestCase):
         self.assert_complete(run)
 
     @contextlib.contextmanager
-    def publishing(self, data):
-        """Have a second node publish on the topic, and be there meanwhile."""
-        line = ["rostopic", "pub", "--latch", "remodel/protective_stop", "std_msgs/Bool", data]
+    def publishing(self, topic, kind, data):
+        """Have a second node publish a latched message, and be there meanwhile."""
+        line = ["rostopic", "pub", "--latch", topic, kind, data]
         process = subprocess.Popen(line, stdout=subprocess.DEVNULL)
         try:
             yield
@@ -260,22 +259,19 @@ class GateTest(unittest.TestCase):
         rospy.Subscriber("remodel/run_use_case/result", RunUseCaseActionResult, results.append)
         run = self.orders.start(3)
         self.wait_for_goal()
-        waiting = rospy.Publisher(
-            "remodel/run_use_case/goal", RunUseCaseActionGoal, queue_size=1, latch=True
-        )
-        try:
-            # A latched goal: the node that runs refuses it, and so does the next one.
-            message = RunUseCaseActionGoal(
-                goal=RunUseCaseGoal(id="waiting", order=ORDER, tasks=BY_HAND + 2, again=True)
-            )
-            message.goal_id.id = "waiting"
-            waiting.publish(message)
+        # A latched goal: the node that runs refuses it, and so does the next one. It is sent by
+        # a node of its own: here it would share the publisher of the client, and latch its goals.
+        goal = {
+            "goal_id": {"id": "waiting"},
+            "goal": {"id": "waiting", "order": ORDER, "tasks": BY_HAND + 2, "again": True},
+        }
+        with self.publishing(
+            "remodel/run_use_case/goal", "remodel_msgs/RunUseCaseActionGoal", json.dumps(goal)
+        ):
             wait_until(lambda: len(self.refused(results)) == 1, "the running node refuses it")
             self.orders.end_process(SUPERVISOR)
             wait_until(lambda: len(self.refused(results)) == 2, "the next node refuses it")
             self.assertEqual(self.orders.runs()[0], run)
-        finally:
-            waiting.unregister()
         self.assert_complete(run)
 
     def refused(self, results):
