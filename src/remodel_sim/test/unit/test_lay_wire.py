@@ -9,7 +9,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from place_wire import do, fix, insert, locate
+from place_wire import do, extract, fix, insert, locate
 
 from remodel_sim.abilities import lay_wire as lay_wire_module
 from remodel_sim.abilities.detect_cable import detect_cable
@@ -42,6 +42,7 @@ from remodel_sim.core.belief.placed_wires import ParkedWire
 from remodel_sim.core.errors import AbilityError
 from remodel_sim.core.geometry import Pose
 from remodel_sim.core.robot.arm import ToolPose
+from remodel_sim.core.vision.board.graspable import graspable_places
 from remodel_sim.core.vision.laid_wire import uppermost_past, wire_past
 from remodel_sim.core.vision.opening_occupancy import is_seen_empty
 from remodel_sim.core.vision.wire_lines import WireLines
@@ -140,6 +141,10 @@ CURL, CURL_M = slice(5 * NODES // 2, 5 * NODES // 2 + 8), 0.016
 COMES_BACK, BESIDE_DUCT_M = slice(9 * NODES // 4, 11 * NODES // 4), 0.035
 # Of FixCable's time the clamp, the pull test and farther ways to the wire may take so much [s].
 FIX_S = 20.0
+# No end of a wire is near here (3,) [m]. A place on a wire is so near to one of its nodes [m], and
+# is turned from it by no more than this [sine]; the depth camera errs by less than this [m].
+NOWHERE = (0.9, 0.9, 0.002)
+NEAR_NODE_M, ALONG, SEEN_HEIGHT_M = 0.010, 0.05, 0.002
 # An empty hand feels no more than this across its weight [N].
 LEVEL_N = 0.3
 
@@ -595,6 +600,50 @@ def test_a_wire_that_hangs_from_its_first_terminal_is_discarded():
     discarded = do(cell, discard_cable, goals.DiscardGoal(GUIDE, bent))
     assert "dropped into the scrap bin" in discarded.message
     assert cell.plant.live is None and bent not in cell.context.belief.fed
+    cell.close()
+
+
+def test_a_wire_whose_ends_are_seen_nowhere_is_picked_up_between_them():
+    cell = cell_of()
+    key, socket = hold_an_end(cell)
+    insert(cell, WIRE, WireEnd.A, *key, socket, force=14.0)
+    let_down = goals.PlaceGoal(HOLDER, WIRE, socket)
+    cell.run(place_cable(cell.contexts[HOLDER], let_down), HOLDER)
+    extract(cell, WIRE, *key, socket)
+    belief = cell.context.belief
+    # As if both had sprung away.
+    for end in WireEnd:
+        belief.expected[end] = np.array(NOWHERE)
+    discard = goals.DiscardGoal(GUIDE, WIRE)
+    kept = belief.untouched.pop()
+    with pytest.raises(AbilityError) as caught:
+        do(cell, discard_cable, discard)
+    assert caught.value.code is Code.TIP_NOT_FOUND, "nothing shows what is new"
+    assert not belief.hands and WIRE in belief.fed
+    belief.untouched.append(kept)
+    discarded = do(cell, discard_cable, discard)
+    assert "dropped into the scrap bin" in discarded.message
+    assert cell.plant.live is None and WIRE not in belief.fed
+    cell.close()
+
+
+@pytest.mark.parametrize("leg", [1, 2])
+def test_a_new_wire_is_graspable_where_it_is_highest(leg):
+    cell = cell_of()
+    empty, lies = before(cell), along(route_of(cell), 0.030)
+    high = slice(leg * NODES + NODES // 4, leg * NODES + 3 * NODES // 4)
+    lies[high, 2] = OVER_RIM_M
+    cell.plant.parked[ALIKE] = ParkedWire(lies, frozenset(WireEnd))
+    cell.feed(WIRE, "")
+    radius = cell.plant.panel.wire(ALIKE).radius
+    picture = before(cell)
+    first, *others = graspable_places(picture, empty, radius)
+    assert np.linalg.norm(lies[high] - first.position, axis=1).min() < NEAR_NODE_M
+    assert first.position[2] == pytest.approx(OVER_RIM_M, abs=SEEN_HEIGHT_M)
+    way = lies[high][-1] - lies[high][0]
+    assert abs(math.sin(first.yaw - math.atan2(way[1], way[0]))) < ALONG
+    assert all(place.position[2] < OVER_RIM_M + SEEN_HEIGHT_M for place in others)
+    assert not list(graspable_places(picture, picture, radius)), "nothing is new"
     cell.close()
 
 

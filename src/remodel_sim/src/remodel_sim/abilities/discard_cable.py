@@ -19,10 +19,9 @@ from remodel_sim.abilities.primitives.grasping import (
     pick_end,
     release,
 )
-from remodel_sim.abilities.primitives.motions import (
-    rise,
-)
+from remodel_sim.abilities.primitives.motions import rise
 from remodel_sim.abilities.primitives.observation.observing import loose_ends
+from remodel_sim.abilities.primitives.picking_up import pick_up
 from remodel_sim.core.belief.openings import TerminalKey, nearest_terminal, opening_of
 from remodel_sim.core.errors import AbilityError
 from remodel_sim.core.geometry import Pose
@@ -66,7 +65,7 @@ def discard_cable(context: RobotContext, goal: DiscardGoal) -> Steps[CableDiscar
     was_connected = belief.engaged is not None or wire_id in occupants
     yield from _release_ends(context)
     if belief.grip is None:
-        yield from _pick_an_end(context, above_bin)
+        yield from _pick(context, above_bin)
     elif context.wire.ducts and was_connected:
         yield from lift_out(context)
     yield from drop_into_bin(context, (0.7, 1.0))
@@ -112,8 +111,11 @@ def _draw_out(context: RobotContext, terminal: TerminalKey) -> Steps[None]:
         raise AbilityError(error.code, text, **error.found) from error
 
 
-def _pick_an_end(context: RobotContext, above_bin: ToolPose) -> Steps[None]:
-    """Pick a loose end, the one nearer to the bin first: then the wire trails along its channel."""
+def _pick(context: RobotContext, above_bin: ToolPose) -> Steps[None]:
+    """Pick a loose end, the one nearer to the bin first: then the wire trails along its channel.
+
+    Where neither is found, pick the wire up between them.
+    """
 
     def away(end: WireEnd) -> float:
         return float(np.linalg.norm(context.belief.expected[end][:2] - above_bin.position[:2]))
@@ -127,7 +129,8 @@ def _pick_an_end(context: RobotContext, above_bin: ToolPose) -> Steps[None]:
             failures.append(error)
         else:
             return
-    raise failures[-1]
+    if not (yield from pick_up(context)):
+        raise failures[-1]
 
 
 def _toward(above_bin: ToolPose, context: RobotContext, end: WireEnd) -> Pose:

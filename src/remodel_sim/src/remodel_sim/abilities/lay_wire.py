@@ -194,7 +194,7 @@ def _lead(holder: RobotContext, guide: RobotContext, route: list[Array]) -> Step
         yield from move_together(flat, HOLD_SPEED)
     yield from clear_sight(guide, route[1][None])
     seen = yield from observe_board(guide)
-    before = next(iter(guide.belief.untouched), None)
+    before = guide.belief.board_before
     tool, is_seen = _find(guide, route[1], -unit_x(fixed), seen, before)
     # Lifted, the wire comes straight from its slot: the eyelet turns half the way there.
     turn = float(wrap_angle(fixed.yaw + math.pi - tool.yaw)) / 2

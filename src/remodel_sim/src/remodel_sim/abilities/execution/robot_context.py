@@ -186,7 +186,7 @@ class RobotContext:
 
     def _seen_wires(self, drawn: Obstacles) -> Obstacles:
         """Return the wires that stand out of what is drawn, as the overhead camera saw them."""
-        picture = next(iter(self.belief.untouched), None)
+        picture = self.belief.board_before
         if picture is None:
             return Obstacles()
         if self._wires is None or self._wires[0] is not picture or self._wires[1] is not drawn:

@@ -144,10 +144,23 @@ def _grasp_pose(
 
 
 def close_on_wire(context: RobotContext, grip: Grip) -> Steps[None]:
-    """Close the fingers until they press on the wire; raises GRASP_MISSED, the hand open again."""
+    """Close the fingers until they press on an end; raises GRASP_MISSED, the hand open again."""
     wire = context.wire
     connector = wire.connector_at(grip.end)
     thickness = wire.diameter if connector is None else connector.body_width
+    yield from close_fingers_on(context, thickness)
+    context.belief.grip = grip
+    context.belief.engaged = None
+    context.belief.picked_at[grip.end] = grip
+
+
+def close_fingers_on(context: RobotContext, thickness: float) -> Steps[None]:
+    """Close the fingers until they press on what is so thick [m].
+
+    Raises:
+        AbilityError: GRASP_MISSED, the hand open again, and lifted.
+    """
+    wire_id = context.wire.id
     context.empty_force = context.free_force = context.force
     context.close_fingers(thickness)
     gap = math.inf
@@ -160,19 +173,16 @@ def close_on_wire(context: RobotContext, grip: Grip) -> Steps[None]:
         yield from _open_and_rise(context)
         raise AbilityError(
             Code.GRASP_MISSED,
-            f"the fingers met something {gap * 1e3:.1f} mm apart beside {wire.id!r}, which is "
+            f"the fingers met something {gap * 1e3:.1f} mm apart beside {wire_id!r}, which is "
             f"{thickness * 1e3:.1f} mm thick; detect it again, clear what stands beside it",
         )
     if grips_nothing(gap, thickness):
         yield from _open_and_rise(context)
         raise AbilityError(
             Code.GRASP_MISSED,
-            f"the fingers closed to {gap * 1e3:.1f} mm on {thickness * 1e3:.1f} mm of {wire.id!r}: "
+            f"the fingers closed to {gap * 1e3:.1f} mm on {thickness * 1e3:.1f} mm of {wire_id!r}: "
             "it is not between them; detect it again",
         )
-    context.belief.grip = grip
-    context.belief.engaged = None
-    context.belief.picked_at[grip.end] = grip
 
 
 def _open_and_rise(context: RobotContext) -> Steps[None]:

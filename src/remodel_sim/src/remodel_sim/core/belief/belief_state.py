@@ -158,6 +158,11 @@ class BeliefState:
         return self.feed is not None and self.feed.by_magazine
 
     @property
+    def board_before(self) -> Picture | None:
+        """The last overhead picture from before the live wire was touched; None: there is none."""
+        return next(iter(self.untouched), None)
+
+    @property
     def is_touched(self) -> bool:
         """Whether a hand has gripped the live wire since it was fed."""
         return bool(self.picked_at)

@@ -48,7 +48,7 @@ def inspect_ducts(context: RobotContext) -> Steps[Inspection | None]:
     Returns:
         None, when there are no ducts, or no pictures with depth from before and after.
     """
-    wire, before = context.wire, next(iter(context.belief.untouched), None)
+    wire, before = context.wire, context.belief.board_before
     ducts = [d for d in context.panel.ducts if d.id in wire.ducts and not d.is_fork]
     route = [WORLD_FROM_PANEL.apply(np.array(point)) for point in wire.route]
     path = tuple(Pose.level(*(float(v) for v in point), 0.0) for point in route)

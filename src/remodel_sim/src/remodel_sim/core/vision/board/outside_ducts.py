@@ -4,30 +4,24 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
 
-import cv2
 import numpy as np
 import numpy.typing as npt
 
 from remodel_sim.core.camera import Picture
 from remodel_sim.core.geometry import Array, Pose
+from remodel_sim.core.vision.board.new_points import new_points, without_noise
 from remodel_sim.core.workpiece.layout import WORLD_FROM_PANEL
 from remodel_sim.core.workpiece.panel import Duct, Panel
 from remodel_sim.core.workpiece.routes import step_in
 
 # A wire that hangs out of its duct is so near to it [m]; what is farther lies elsewhere.
 OUTSIDE_DUCT_M = 0.040
-# What is higher is a hand [m]: a wire that sprang out of its ducts stood 235 mm high.
-HAND_M = 0.30
 # So near to where a wire goes on to its terminals it may be outside its ducts, seen from above [m].
 BESIDE_WAY_M = 0.030
 # It is outside along the whole step to a place when more than this share of it is seen outside, and
 # no more than that share in its ducts: otherwise it only curls up beside the place.
 LEAST_OUTSIDE = 0.25
 LEAST_INSIDE = 0.75
-# What stood somewhere before is found again so near to its place [pixels].
-AGAIN_PX = 2
-# What is narrower than this is the depth camera's noise.
-LEAST_PX = np.ones((2, 2), np.uint8)
 
 
 def route_outside_ducts(
@@ -50,7 +44,7 @@ def route_outside_ducts(
         radius: of the wire [m].
         ways: lines (2, 3) along which it goes from its ducts to its terminals, world frame [m].
     """
-    points, is_own = _new_points(picture, before, radius)
+    points, is_own = new_points(picture, before, radius)
     is_inside = np.zeros(len(points), bool)
     for duct in places:
         is_inside |= _are_near(points, [duct], 0.0) & (points[:, 2] < duct.height)
@@ -60,7 +54,7 @@ def route_outside_ducts(
     is_beside = _are_near(points, places, OUTSIDE_DUCT_M)
     is_elsewhere = is_outside & ~is_beside & _are_over(points, WORLD_FROM_PANEL, panel.size)
     outside, inside, elsewhere = (
-        points[_without_noise(picture, seen)]
+        points[without_noise(picture, seen)]
         for seen in (is_outside & is_beside, is_own & is_inside, is_elsewhere)
     )
     at = np.array([place.position[:2] for duct in places for place in places[duct]])
@@ -80,33 +74,6 @@ def _lengths(picture: Picture, seen: Array, at: Array, radius: float) -> Array:
     nearest = np.linalg.norm(seen[:, None, :2] - at, axis=2).argmin(axis=1)
     pixel = picture.view.metres_per_pixel(float(seen[:, 2].mean()))
     return np.asarray(np.bincount(nearest, minlength=len(at)) * pixel**2 / (2 * radius))
-
-
-def _new_points(
-    picture: Picture, before: Picture, radius: float
-) -> tuple[Array, npt.NDArray[np.bool_]]:
-    """Return what a picture shows as points (n, 3) [m], and which are a wire's of a radius [m]."""
-    points, stood = _points_of(picture), _points_of(before, AGAIN_PX)
-    return points, (points[:, 2] > stood[:, 2] + radius) & (points[:, 2] < HAND_M)
-
-
-def _without_noise(picture: Picture, is_own: npt.NDArray[np.bool_]) -> npt.NDArray[np.bool_]:
-    """Return which of a wire's points in a picture are more than the depth camera's noise."""
-    assert picture.depth is not None, "its points"
-    mask = is_own.reshape(picture.depth.shape).astype(np.uint8)
-    return cv2.morphologyEx(mask, cv2.MORPH_OPEN, LEAST_PX).ravel() > 0
-
-
-def _points_of(picture: Picture, around: int = 0) -> Array:
-    """Return what a depth camera sees as points (n, 3) [m], world frame, row by row.
-
-    For each pixel it is the nearest to the camera of so many pixels around it.
-    """
-    assert picture.depth is not None, "the camera measures depth"
-    near = np.ones(2 * [2 * around + 1])
-    depth = np.asarray(cv2.erode(picture.depth.astype(np.float32), near), np.float64)
-    rows, columns = np.indices(depth.shape).reshape(2, -1)
-    return picture.view.at_depth(np.column_stack([columns, rows]).astype(np.float64), depth.ravel())
 
 
 def _are_near(points: Array, ducts: Iterable[Duct], beside: float) -> npt.NDArray[np.bool_]:

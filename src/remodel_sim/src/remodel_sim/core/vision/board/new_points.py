@@ -1,0 +1,50 @@
+"""What a depth picture from above shows of a wire that was not there before."""
+
+from __future__ import annotations
+
+import cv2
+import numpy as np
+import numpy.typing as npt
+
+from remodel_sim.core.camera import Picture
+from remodel_sim.core.geometry import Array
+
+# What is higher is a hand [m]: a wire that sprang out of its ducts stood 235 mm high.
+HAND_M = 0.30
+# What stood somewhere before is found again so near to its place [pixels].
+AGAIN_PX = 2
+# What is narrower than this is the depth camera's noise.
+LEAST_PX = np.ones((2, 2), np.uint8)
+
+
+def new_points(
+    picture: Picture, before: Picture, radius: float
+) -> tuple[Array, npt.NDArray[np.bool_]]:
+    """Return what a picture shows as points (n, 3) [m], and which are a wire's of a radius.
+
+    Args:
+        picture: with depth, from above, the wire in it.
+        before: the same, without the wire.
+        radius: of the wire [m].
+    """
+    points, stood = _points_of(picture), _points_of(before, AGAIN_PX)
+    return points, (points[:, 2] > stood[:, 2] + radius) & (points[:, 2] < HAND_M)
+
+
+def without_noise(picture: Picture, is_own: npt.NDArray[np.bool_]) -> npt.NDArray[np.bool_]:
+    """Return which of a wire's points in a picture are more than the depth camera's noise."""
+    assert picture.depth is not None, "its points"
+    mask = is_own.reshape(picture.depth.shape).astype(np.uint8)
+    return cv2.morphologyEx(mask, cv2.MORPH_OPEN, LEAST_PX).ravel() > 0
+
+
+def _points_of(picture: Picture, around: int = 0) -> Array:
+    """Return what a depth camera sees as points (n, 3) [m], world frame, row by row.
+
+    For each pixel it is the nearest to the camera of so many pixels around it.
+    """
+    assert picture.depth is not None, "the camera measures depth"
+    near = np.ones(2 * [2 * around + 1])
+    depth = np.asarray(cv2.erode(picture.depth.astype(np.float32), near), np.float64)
+    rows, columns = np.indices(depth.shape).reshape(2, -1)
+    return picture.view.at_depth(np.column_stack([columns, rows]).astype(np.float64), depth.ravel())
