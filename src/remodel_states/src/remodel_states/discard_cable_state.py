@@ -24,7 +24,7 @@ class DiscardCableState(EventState):
 
     """
 
-    def __init__(self, robot_name="robot_1", timeout_s=60.0, topic="remodel_abilities/discardcable"):  # fmt: skip
+    def __init__(self, robot_name="robot_1", timeout_s=120.0, topic="remodel_abilities/discardcable"):  # fmt: skip
         """Connect to the ability server."""
         super().__init__(
             outcomes=["discarded", "failed", "command_error"],
