@@ -26,6 +26,7 @@ from remodel_sim.core.errors import AbilityError
 from remodel_sim.core.geometry import Pose
 from remodel_sim.core.robot.arm import ToolPose
 from remodel_sim.core.vision.board.graspable import APART_M, graspable_places
+from remodel_sim.core.vision.drawing import ORANGE, Drawing
 from remodel_sim.core.workpiece.panel import WireEnd
 from remodel_states.core.codes import Code
 
@@ -54,6 +55,7 @@ def pick_up(context: RobotContext) -> Steps[bool]:
         picture = context.take_overhead_picture()
         yield
         place = _next_place(context, picture, before, tried)
+        _show(context, picture, place)
         if place is None:
             return False
         tried.append(place)
@@ -76,6 +78,15 @@ def _next_place(
         if min(away, default=APART_M) >= APART_M and _has_room(context, _tool_at(context, place)):
             return place
     return None
+
+
+def _show(context: RobotContext, picture: Picture, place: Pose | None) -> None:
+    drawing = Drawing(picture.rgb, picture.view)
+    if place is not None:
+        drawing.circle(picture.view.project(place.position)[0], 9, ORANGE)
+    found = "not seen" if place is None else "highest here"
+    drawing.title(f"Picking up {context.wire.id}: {found}")
+    context.show("overhead", picture, drawing.image)
 
 
 def _tool_at(context: RobotContext, place: Pose) -> ToolPose:
