@@ -2,11 +2,13 @@
 
 import dataclasses
 
+import numpy as np
 import place_wire as do
 import pytest
 from panels import panel
 
 from remodel_sim.abilities.discard_cable import discard_cable
+from remodel_sim.abilities.primitives import carrying
 from remodel_sim.cell import Cell
 from remodel_sim.core.belief.belief_state import EndState
 from remodel_sim.core.cell.scrap_bin import bin_of
@@ -19,6 +21,9 @@ from remodel_sim.edge.cell_file import read_cell
 from remodel_sim.edge.cell_memory import CellMemory
 from remodel_sim.physics.truth import ground_truth
 from remodel_states.core.codes import Code
+
+# A hand that has carried a wire so far loses it [m].
+CARRIED_M = 0.10
 
 
 def discard(cell, wire):
@@ -46,8 +51,7 @@ def test_a_piece_that_lies_in_its_channel_is_dropped_into_the_bin(seed):
         for _ in range(cell.context.steps_per_tick):
             cell.plant.step()
         assert cell.plant.live is not None, "it leaves the world over the bin only"
-    while cell.plant.live is not None:
-        next(steps, None)
+    for _ in steps:
         for _ in range(cell.context.steps_per_tick):
             cell.plant.step()
     assert_gone(cell, "W1")
@@ -96,6 +100,31 @@ def test_a_wire_that_has_just_been_placed_is_extracted_and_discarded(cell):
     assert truth.a.seated and truth.a.fixed and truth.b.at == ""
     discard(cell, "W1")
     assert_gone(cell, "W1")
+
+
+@pytest.mark.parametrize("placed", [False, True], ids=["fed", "placed"])
+def test_a_wire_that_falls_before_the_bin_is_seen_to_lie_there(cell, monkeypatch, placed):
+    if placed:
+        do.place(cell, "W1")
+    else:
+        cell.feed("W1", "A")
+        do.do(cell, do.detect_cable, do.goals.DetectGoal("W1"))
+    context = cell.context
+    with monkeypatch.context() as patch:
+        patch.setattr(carrying, "check_grip", lambda context: None)  # as if it felt the wire
+        steps = discard_cable(context, DiscardGoal(do.ROBOT, "W1"))
+        with pytest.raises(AbilityError, match="still seen on the board") as caught:
+            while True:
+                next(steps)
+                if not context.progress.message.startswith("carrying"):
+                    begun = context.tool
+                elif np.linalg.norm((context.tool.position - begun.position)[:2]) > CARRIED_M:
+                    context.drive_fingers(carrying.HAND_OPEN_M)
+                for _ in range(context.steps_per_tick):
+                    cell.plant.step()
+    assert caught.value.code is Code.GRASP_SLIPPED
+    assert cell.plant.live is not None and "W1" in context.belief.fed
+    assert not context.belief.hands
 
 
 def test_a_wire_whose_end_is_stuck_stays(cell, monkeypatch):

@@ -582,6 +582,8 @@ def test_a_wire_that_missed_its_terminal_leaves_the_cell_from_hand_to_hand():
     assert caught.value.code is Code.INSERTION_MISALIGNED
     let_down = do(cell, place_cable, goals.PlaceGoal(GUIDE, WIRE, socket))
     assert "laid down" in let_down.message, "the other hand has the wire"
+    guide = cell.contexts[GUIDE]
+    guide.begin()  # its hand stays in the picture
     dropped = cell.run(place_cable(holder, goals.PlaceGoal(HOLDER, WIRE, socket)), HOLDER)
     assert "dropped into the scrap bin" in dropped.message
     assert cell.context.belief.fed == []

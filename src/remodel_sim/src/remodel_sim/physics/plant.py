@@ -48,6 +48,8 @@ STRAY_DROP_M = 0.02
 STRAY_COLOUR = "GY"
 # A parked wire that is handled again comes to rest in this time [s].
 REVIVED_S = 0.3
+# A wire that a hand drops over a scrap bin is so near to the hand [m].
+OVER_BIN_M = 0.06
 # Where the fork and the magazine's clips are out of everything's way [m].
 DRAWN_IN_M = -0.1
 # The table ends so far beyond the magazine: loops hang in the gap between it and the robot [m].
@@ -252,9 +254,11 @@ class Plant:
         keys = [(c.id, terminal.id) for c in self.panel.components for terminal in c.terminals]
         return min(keys, key=away)
 
-    def discard(self) -> None:
-        """Take the live wire out of the world."""
-        if self.live is not None:
+    def drop(self, over_bin: Array) -> None:
+        """Let the live wire fall if it is where a hand opens over a bin (3,) [m]: it is gone."""
+        if self.live is None:
+            return
+        if np.linalg.norm(self.live.cable.nodes() - over_bin, axis=1).min() <= OVER_BIN_M:
             self.live.remove()
             self.live = None
 

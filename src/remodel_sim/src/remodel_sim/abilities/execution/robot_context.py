@@ -410,10 +410,13 @@ class RobotContext:
         feed = Feed(wire.id, channel.id, lying[WireEnd.A][1])
         return feed, {end: place for end, (place, _) in lying.items()}
 
-    def discard(self) -> None:
-        """Drop the live wire into the scrap bin: it leaves the world."""
+    def drop_wire(self) -> None:
+        """Let what the open hand had over the scrap bin fall: it leaves the world."""
+        self._plant.drop(self.tool.position)
+
+    def end_wire(self) -> None:
+        """Note that no piece of the live wire is left."""
         wire_id = self.wire.id
-        self._plant.discard()
         for context in self.robots.values():
             context.belief.end_wire(wire_id)
 

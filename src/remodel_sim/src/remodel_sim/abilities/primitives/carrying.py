@@ -15,12 +15,15 @@ from remodel_sim.abilities.primitives.motions import (
     TRAVEL_Z,
     move_to,
     nearest_hand_yaw,
+    park,
     rise,
     wait,
 )
+from remodel_sim.core.camera import Picture
 from remodel_sim.core.errors import AbilityError
 from remodel_sim.core.geometry import Array
 from remodel_sim.core.robot.arm import ToolPose
+from remodel_sim.core.vision.board.new_points import new_length
 from remodel_sim.core.workpiece.layout import WORLD_FROM_PANEL
 from remodel_sim.core.workpiece.panel import WireEnd
 from remodel_states.core.codes import Code
@@ -36,6 +39,9 @@ TIGHTEST_BEND_M = 0.020
 MAX_PULL_N = 25.0
 # A wire is drawn up out of its ducts to the highest of so many heights that the hand reaches.
 HEIGHTS = 20
+# So much of a wire is seen on the board if it fell there instead of into the bin [m]: of one that
+# lies flat on the plate the depth camera sees a quarter, of one that is gone nothing.
+LEAST_SEEN_M = 0.03
 # The fingers are open after this [s].
 OPENING_S = 0.2
 
@@ -69,12 +75,13 @@ def carry(
 
 
 def drop_into_bin(context: RobotContext, shares: tuple[float, float]) -> Steps[None]:
-    """Carry the wire in the hand over the robot's scrap bin, and open.
+    """Carry the wire in the hand over the robot's scrap bin, open, and see that it is gone.
 
     Raises:
-        AbilityError: SNAGGED, GRASP_SLIPPED.
+        AbilityError: SNAGGED, GRASP_SLIPPED, also when it lies on the board.
     """
     first, last = shares
+    before = context.belief.board_before or context.take_overhead_picture()
     context.report("carrying the wire to the scrap bin", first)
     above_bin = context.scrap_bin
     context.lower_fork()
@@ -88,7 +95,29 @@ def drop_into_bin(context: RobotContext, shares: tuple[float, float]) -> Steps[N
     context.report("dropping the wire", first + 0.8 * (last - first))
     context.drive_fingers(HAND_OPEN_M)
     yield from wait(context, OPENING_S)
-    context.discard()
+    context.drop_wire()
+    context.belief.grip = None
+    yield from _see_gone(context, before, first + 0.9 * (last - first))
+    context.end_wire()
+
+
+def _see_gone(context: RobotContext, before: Picture, share: float) -> Steps[None]:
+    """Raise GRASP_SLIPPED when the dropped wire is seen on the board, idle hands aside.
+
+    It is not seen where it, or a hand, covered something in the picture from before already.
+    """
+    context.report(f"checking that {context.wire.id} is gone", share)
+    yield from park(context)
+    picture = context.take_overhead_picture()
+    yield
+    hands = [other.tool.position for other in context.peers if other.busy]
+    length = new_length(picture, before, context.panel.size, context.wire.radius, hands)
+    if length > LEAST_SEEN_M:
+        raise AbilityError(
+            Code.GRASP_SLIPPED,
+            f"{context.wire.id!r} is still seen on the board after it was dropped, along "
+            f"{length * 1e3:.0f} mm: it slipped out of the fingers; detect it again",
+        )
 
 
 def lift_out(context: RobotContext) -> Steps[None]:

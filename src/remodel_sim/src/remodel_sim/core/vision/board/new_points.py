@@ -2,15 +2,20 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import cv2
 import numpy as np
 import numpy.typing as npt
 
 from remodel_sim.core.camera import Picture
 from remodel_sim.core.geometry import Array
+from remodel_sim.core.workpiece.layout import WORLD_FROM_PANEL
 
 # What is higher is a hand [m]: a wire that sprang out of its ducts stood 235 mm high.
 HAND_M = 0.30
+# What is nearer to the middle of a hand, seen from above, may be that hand [m].
+NEAR_HAND_M = 0.15
 # What stood somewhere before is found again so near to its place [pixels].
 AGAIN_PX = 2
 # What is narrower than this is the depth camera's noise.
@@ -29,6 +34,34 @@ def new_points(
     """
     points, stood = _points_of(picture), _points_of(before, AGAIN_PX)
     return points, (points[:, 2] > stood[:, 2] + radius) & (points[:, 2] < HAND_M)
+
+
+def new_length(
+    picture: Picture,
+    before: Picture,
+    size: tuple[float, float, float],
+    radius: float,
+    hands: Sequence[Array] = (),
+) -> float:
+    """Return along how much a new wire is seen on the panel [m].
+
+    Args:
+        picture: with depth, from above.
+        before: the same, without the wire.
+        size: of the panel's plate [m].
+        radius: of the wire [m].
+        hands: at work over the panel (3,) [m], world frame; what is near one is not counted.
+    """
+    points, is_new = new_points(picture, before, radius)
+    at = np.abs(WORLD_FROM_PANEL.inverse().apply(points)[:, :2])
+    is_new &= (at <= np.array(size[:2]) / 2).all(axis=1)
+    for hand in hands:
+        is_new &= np.linalg.norm((points - hand)[:, :2], axis=1) > NEAR_HAND_M
+    seen = points[without_noise(picture, is_new)]
+    if not len(seen):
+        return 0.0
+    pixel = picture.view.metres_per_pixel(float(seen[:, 2].mean()))
+    return len(seen) * pixel**2 / (2 * radius)
 
 
 def without_noise(picture: Picture, is_own: npt.NDArray[np.bool_]) -> npt.NDArray[np.bool_]:
