@@ -52,6 +52,8 @@ def test_a_piece_that_lies_in_its_channel_is_dropped_into_the_bin(seed):
             cell.plant.step()
         assert cell.plant.live is not None, "it leaves the world over the bin only"
     for _ in steps:
+        is_known = "W1" in cell.context.belief.fed
+        assert (cell.plant.live is not None) == is_known, "a cancel may come now"
         for _ in range(cell.context.steps_per_tick):
             cell.plant.step()
     assert_gone(cell, "W1")

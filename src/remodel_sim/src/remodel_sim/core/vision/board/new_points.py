@@ -41,7 +41,7 @@ def new_length(
     before: Picture,
     size: tuple[float, float, float],
     radius: float,
-    hands: Sequence[Array] = (),
+    hands: Sequence[Array],
 ) -> float:
     """Return along how much a new wire is seen on the panel [m].
 
@@ -50,7 +50,7 @@ def new_length(
         before: the same, without the wire.
         size: of the panel's plate [m].
         radius: of the wire [m].
-        hands: at work over the panel (3,) [m], world frame; what is near one is not counted.
+        hands: of the robots (3,) [m], world frame; what is near one is not counted.
     """
     points, is_new = new_points(picture, before, radius)
     at = np.abs(WORLD_FROM_PANEL.inverse().apply(points)[:, :2])
