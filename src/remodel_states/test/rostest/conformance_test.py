@@ -33,7 +33,6 @@ from remodel_states.core.ability_error import AbilityError
 
 DURATION_S = 0.6
 SEEDS = (0,)
-GOAL_OF_RESTART = 6  # that the server accepts, of all the trials' goals
 CODES = {0, 1, 2, 3, 6, 400}
 
 # What a server may do wrong, and the rule that it breaks then.
@@ -142,9 +141,9 @@ class Server:
             self.duration_s += 0.7
         self.goals = 0
         self.refused = 0
+        self.restart_is_next = False  # after the trial of unknown names
         self.working = None
         self.cancelled = set()
-        self.lock = threading.Lock()
         self.server = actionlib.ActionServer(
             topic, PlaceCableAction, self.on_goal, self.on_cancel, auto_start=False
         )
@@ -169,6 +168,7 @@ class Server:
             name = "something" if self.has("refuses without naming the field") else field
             self.reject(handle, code, f"{name} is {found}")
         elif goal.cable_id != "W1" and not self.has("places cables that do not exist"):
+            self.restart_is_next = True
             self.reject(handle, 400, f"there is no cable {goal.cable_id!r}; there is W1")
         elif self.working is not None and not self.has("mixes up two goals"):
             self.refused += 1
@@ -204,6 +204,13 @@ class Server:
         )
 
     def work(self, handle):
+        end = self.end_of(handle)
+        # Before the answer is out: the next goal may follow at once.
+        self.working = None
+        end()
+
+    def end_of(self, handle):
+        """Do a goal, and return how it ends."""
         goal, goal_id = handle.get_goal(), handle.get_goal_id().id
         begin = time.monotonic()
         while True:
@@ -211,40 +218,29 @@ class Server:
             if not (self.has("no feedback") or self.has("is quick")):
                 handle.publish_feedback(self.feedback(goal, took))
             if goal_id in self.cancelled:
-                self.end_cancelled(handle, goal, took)
-                break
+                return lambda: self.end_cancelled(handle, goal, took)
             ignores = self.has("ignores its timeout") or self.has("knows no timeout")
             if self.has("fails before its timeout") and goal.timeout < DURATION_S:
-                text = "the cable slipped"
-                handle.set_aborted(
-                    PlaceCableResult(
-                        id=goal.id, elapsed_time=took, error_code=400, error_message=text
-                    ),
-                    text,
-                )
-                break
+                return lambda: self.abort(handle, goal, took, 400, "the cable slipped")
             if took > goal.timeout and not ignores:
                 code = 400 if self.has("ends at its timeout with another code") else 1
-                text = "out of time"
-                handle.set_aborted(
-                    PlaceCableResult(
-                        id=goal.id, elapsed_time=took, error_code=code, error_message=text
-                    ),
-                    text,
-                )
-                break
+                return lambda: self.abort(handle, goal, took, code, "out of time")
             limit_s = goal.timeout + 3.0 if self.has("ignores its timeout") else self.duration_s
             if took > max(limit_s if goal.timeout < DURATION_S else self.duration_s, 0.0):
                 self.wait_for_a_second_goal()
-                self.end(handle, goal, took)
-                break
+                return lambda: self.end(handle, goal, took)
             time.sleep(0.05)
-        self.working = None
 
     def wait_for_a_second_goal(self):
         """Work on the goal that runs during the restart until there is the one after it."""
-        if self.has("goes on when it is restarted") and self.goals == GOAL_OF_RESTART:
+        if self.has("goes on when it is restarted") and self.restart_is_next:
             wait_until(lambda: self.refused > 0)
+
+    def abort(self, handle, goal, took, code, text):
+        result = PlaceCableResult(
+            id=goal.id, elapsed_time=took, error_code=code, error_message=text
+        )
+        handle.set_aborted(result, text)
 
     def end_cancelled(self, handle, goal, took):
         if self.has("cancels slowly"):
@@ -305,12 +301,7 @@ class Server:
         if code is not None or self.has("unknown code"):
             code = self.random.randrange(900, 999) if code is None else code
             text = "" if self.has("fails without reason") else "no"
-            handle.set_aborted(
-                PlaceCableResult(
-                    id=goal.id, elapsed_time=took, error_code=code, error_message=text
-                ),
-                text,
-            )
+            self.abort(handle, goal, took, code, text)
             return
         handle.set_succeeded(result)
         if self.has("answers twice"):
