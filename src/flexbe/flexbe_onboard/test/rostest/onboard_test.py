@@ -181,13 +181,16 @@ class OnboardTest(unittest.TestCase):
     @classmethod
     def setUpClass(cls):
         cls.engine = Engine()
+        # One server for each topic: a second one would list its goals beside the first one's.
         cls.server = HangingServer("test_action")
+        cls.open_server = HangingServer("open/test_action")
         assert cls.engine.status.wait(lambda m: m.code == BEStatus.READY)
         assert wait_until(cls.engine.is_mirrored), "the mirror does not follow the engine"
 
     def setUp(self):
-        self.server.goals.clear()
-        self.server.cancelled.clear()
+        for server in (self.server, self.open_server):
+            server.goals.clear()
+            server.cancelled.clear()
 
     def assert_ends(self, code, args=(), limit_s=LIMIT_S):
         status = self.engine.ended(limit_s)
@@ -298,11 +301,11 @@ class OnboardTest(unittest.TestCase):
         self.engine.ended()
 
     def test_two_engines_run_two_behaviors_at_once(self):
-        other, server = Engine("open/"), HangingServer("open/test_action")
+        other = Engine("open/")
         other.publisher("command/preempt", Empty)
         self.engine.start("Goal Test")
         other.start("Goal Test")
-        self.assertTrue(wait_until(lambda: self.server.goals and server.goals))
+        self.assertTrue(wait_until(lambda: self.server.goals and self.open_server.goals))
         other.stop()
         self.assertEqual(other.ended().args, ["preempted"])
         self.assertIsNone(self.engine.ended(0.2), "a preempt is for one engine only")
@@ -561,13 +564,12 @@ class OnboardTest(unittest.TestCase):
     def begin_goal(self):
         engine = Engine("open/")
         engine.publisher("command/unlock", String)
-        server = HangingServer("open/test_action")
         first = engine.start("Goal Test", level=3)
-        self.assertTrue(wait_until(lambda: server.goals))
-        return engine, server, first
+        self.assertTrue(wait_until(lambda: self.open_server.goals))
+        return engine, first
 
     def test_a_running_behavior_is_switched_to_another_version(self):
-        engine, server, first = self.begin_goal()
+        engine, first = self.begin_goal()
         second = self.version_of(engine, '"done": "finished"', '"done": "failed"', level=3)
         engine.send("start_behavior", second)
         started = engine.status.wait(lambda m: m.code == BEStatus.STARTED and m.args)
@@ -578,9 +580,9 @@ class OnboardTest(unittest.TestCase):
         engine.feedback.wait(lambda m: "prepared" in m.args)
         phases = [m.args[0] for _, m in engine.feedback.messages if m.command == "switch"]
         self.assertEqual(phases, ["received", "start", "prepared"])
-        server.answer()
+        self.open_server.answer()
         self.assertIsNone(engine.ended(0.3), "it stays locked")
-        self.assertEqual(server.cancelled.messages, [])
+        self.assertEqual(self.open_server.cancelled.messages, [])
         engine.send("command/unlock", String("/Goal"))
         self.assertEqual(engine.ended().args, ["failed"])
         engine.log.wait(lambda m: m.text == "stop of the goal state")  # on a topic of its own
@@ -589,13 +591,13 @@ class OnboardTest(unittest.TestCase):
         self.assertEqual(logged.count("stop of the goal state"), 1)
 
     def test_a_version_without_the_active_state_is_refused_and_disturbs_nothing(self):
-        engine, server, first = self.begin_goal()
+        engine, first = self.begin_goal()
         engine.send("start_behavior", self.version_of(engine, '"Goal",', '"Other",', level=3))
         self.assertEqual(engine.ended().code, BEStatus.ERROR)
         failed = engine.feedback.wait(lambda m: m.args == ["failed"])
         self.assertIsNotNone(failed)
         self.assertIsNotNone(engine.log.wait(lambda m: "has no state '/Goal'" in m.text))
-        server.answer()
+        self.open_server.answer()
         finished = engine.status.wait(lambda m: m.code == BEStatus.FINISHED)
         self.assertEqual(finished.behavior_id, first.behavior_checksum)
 
