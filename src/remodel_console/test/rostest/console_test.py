@@ -403,7 +403,7 @@ class ConsoleTest(BehaviorTestCase):
         expect(away).to_be_visible(timeout=1000 * TRUTH_S)
         self.take_picture(self.page, "runtime-console-away")
         self.start_console()
-        self.page.wait_for_function(SEES_PATROL, timeout=1000 * TRUTH_S)
+        self.page.wait_for_function(SEES_PATROL)
 
     def test_a_console_that_restarts_finds_what_waits_for_an_operator(self):
         self.load(self.page, "Errand")

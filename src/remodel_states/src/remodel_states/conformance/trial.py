@@ -263,7 +263,8 @@ class Trials:
         if ended_before:
             yield _unjudged(OLD_GOAL, self._ended_before("the server was restarted"))
             return
-        self._probe.wait(lambda: bool(running.results), self._nominal_s)
+        longest_s = (1.0 + rules.CLOCK_SLACK) * self._nominal_s + rules.CLOCK_SLACK_S
+        self._probe.wait(lambda: bool(running.results), longest_s)
         if running.is_done and running.result.ros_s > after.sent_ros_s:
             found = "the new server ended the goal of the old one with success"
             yield Trial(OLD_GOAL.name, (Violation("ghost", found),))
