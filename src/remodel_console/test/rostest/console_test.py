@@ -32,7 +32,7 @@ from remodel_console.ros.ask import ask
 from remodel_console.testing.browser_test import LIMIT_S, free_port
 from remodel_supervision.core.runs.events import Ending, RunEnded
 
-TRUTH_S = 10.0  # in which a page shows that a node has ended or restarted; 2 s on idle cores
+TRUTH_S = 10.0  # in which a page shows that a node has ended; 2 s on idle cores
 REPORTED_S = 15.0  # of the recorded run, at which Report is active
 LIT_S = 0.1  # within which a transition is seen
 SEES_PATROL = """() => !window.isOld && document.querySelector('li.node.active')

@@ -103,8 +103,8 @@ def drop_into_bin(context: RobotContext, shares: tuple[float, float]) -> Steps[N
 def _check_gone(context: RobotContext, before: Picture) -> None:
     """Raise GRASP_SLIPPED when the dropped wire is seen on the board.
 
-    At once, so that it is known after a cancel too. What the wire or an arm covered in the picture
-    from before is not compared.
+    There is no step in between, so that a cancel leaves a wire either in the bin or known. What the
+    wire or an arm covered in the picture from before is not compared.
     """
     picture = context.take_overhead_picture()
     hands = [robot.tool.position for robot in context.robots.values()]
