@@ -3,112 +3,40 @@
 
 import contextlib
 import json
-import shutil
 import signal
 import sqlite3
 import subprocess
-import sys
 import time
-import unittest
-from pathlib import Path
-from random import Random
 
 import rospy
 import rostest
 from actionlib_msgs.msg import GoalStatus
-from motion_watch import MotionWatch
+from gate_case import OUTPUT, WINDOW_S, GateCase
 from order_client import (
     BY_HAND,
     ORDER,
     SUPERVISOR,
-    OrderClient,
-    import_order,
     wait_until,
 )
-from pause_moments import PauseMoments
 from remodel_msgs.msg import (
     ErrorCode,
     RunUseCaseActionResult,
-    TaskState,
     UseCaseState,
 )
 from std_msgs.msg import Bool
 
-from remodel_supervision.core.runs.events import Blocked, Ending, Interrupted, RunEnded
-
-OUTPUT = Path(sys.argv[1])
-
-# [s] wall time for which nothing may move after an answer: longer than any operation takes.
-WINDOW_S = 0.4
+from remodel_supervision.core.runs.events import Ending
 
 
-class GateTest(unittest.TestCase):
-    @classmethod
-    def setUpClass(cls):
-        rospy.init_node("test_gate")
-        OUTPUT.mkdir(exist_ok=True)
-        cls.addClassCleanup(shutil.rmtree, OUTPUT, ignore_errors=True)
-        import_order(f"sqlite:///{OUTPUT}/production.sqlite")
-        cls.orders = OrderClient(OUTPUT)
-        cls.motions = MotionWatch(cls.orders.world)
-
-    def assert_complete(self, run, done=()):
-        """Check that a run is over, with all tasks done, and nothing done twice."""
-        state = self.orders.wait_for_end(run)
-        self.assertEqual(state.ended.ending, Ending.COMPLETE, state.ended)
-        self.assert_sound(run)
-
-    def assert_sound(self, run):
-        found = self.orders.account(run)
-        self.assertEqual((found.fixed_again, found.scrapped), ((), ()))
-        if self.orders.run_state(run).ended.ending is Ending.COMPLETE:
-            self.assertEqual(found.omitted, ())
-
-    def wait_for_goal(self):
-        """Wait until an ability has a goal."""
-        wait_until(lambda: self.motions.running, "an ability has a goal")
-
+class GateTest(GateCase):
     def test_nothing_moves_after_a_pause_is_answered(self):
-        random = Random(14)
-        moments = PauseMoments(self.orders, self.motions, random)
-        while moments.paused < 12:
-            run = self.orders.start(6)
-            while moments.paused < 12 and moments.pause(run, WINDOW_S):
-                pass
-            self.assert_complete(run)
-        self.assertEqual(moments.moved, [])
+        self.pause_at_random_moments(1, tasks=2)
 
     def test_a_running_task_is_skipped_and_done_later(self):
-        random = Random(3)
-        run = self.orders.start(10)
-        skipped = set()
-        while len(skipped) < 6:
-            before = time.monotonic()
-            wait_until(lambda: self.orders.state.task not in ("", *skipped), "the next task")
-            task = self.orders.state.task
-            until = before + random.uniform(0.0, 1.0)
-            wait_until(
-                lambda t=until, n=task: time.monotonic() > t or self.orders.state.task != n,
-                "a random moment",
-            )
-            granted, text = self.orders.command("skip", task=task)
-            answered_s = time.time()
-            if not granted:
-                self.assertIn("cannot be skipped", text)
-                continue
-            skipped.add(task)
-            self.assertEqual(self.motions.under_way(answered_s), (), f"{task} moves")
-            if len(skipped) in (2, 5):
-                self.orders.end_process(SUPERVISOR)
-        wait_until(lambda: self.is_set_aside(run, skipped), "the skipped tasks are set aside")
-        for task in skipped:
-            self.orders.require("retry", task=task)
-        self.assert_complete(run)
-        self.assertEqual(self.orders.held, "")
+        self.skip_at_random_moments(1, tasks=2)
 
-    def is_set_aside(self, run, names):
-        states = self.orders.task_states(run)
-        return all(states[name] == TaskState.SET_ASIDE for name in names)
+    def test_a_shutdown_of_the_supervisor_leaves_no_event_and_the_run_is_resumed(self):
+        self.end_at_random_moments([signal.SIGINT], tasks=3)
 
     def test_a_protective_stop_by_the_topic_cancels_and_holds_until_it_is_released(self):
         run = self.orders.start(3)
@@ -158,23 +86,6 @@ class GateTest(unittest.TestCase):
         wait_until(lambda: self.orders.is_free, "the release is published")
         self.assert_complete(self.orders.start(2))
 
-    def test_a_protective_stop_by_the_service_without_a_run_holds_until_it_is_resumed(self):
-        wait_until(lambda: self.orders.is_free, "no run is under way")
-        granted, text = self.orders.command("protective_stop")
-        self.assertTrue(granted, text)
-        self.assertIn("no run is under way; the cell is held", text)
-        self.orders.end_process(SUPERVISOR, signal.SIGKILL)
-        wait_until(
-            lambda: "protective stop by" in self.orders.state.message, "it outlives its supervisor"
-        )
-        handle = self.orders.send(2)
-        wait_until(lambda: handle.get_result() is not None, "the goal is answered")
-        self.assertEqual(handle.get_goal_status(), GoalStatus.REJECTED)
-        self.assertIn("protective stop by", handle.get_goal_status_text())
-        self.orders.require("resume")
-        wait_until(lambda: self.orders.is_free, "the release is published")
-        self.assert_complete(self.orders.start(2))
-
     def rename_order(self, before, after):
         """Rename an order in the production database, so that it is not found."""
         with contextlib.closing(sqlite3.connect(OUTPUT / "production.sqlite")) as connection:
@@ -220,28 +131,6 @@ class GateTest(unittest.TestCase):
         self.assertEqual(state.ended.ending, Ending.STOPPED)
         self.assert_complete(self.orders.start(3, again=False))
         self.assertEqual(self.orders.held, "")
-
-    def test_a_shutdown_of_the_supervisor_leaves_no_event_and_the_run_is_resumed(self):
-        random = Random(2)
-        run = self.orders.start(6)
-        signals = [signal.SIGINT, signal.SIGTERM, signal.SIGINT]
-        for count, number in enumerate(signals):
-            wait_until(lambda n=count: self.orders.state.interruptions == n, "it is resumed")
-            until = time.monotonic() + random.uniform(0.1, 1.0)
-            wait_until(lambda t=until: time.monotonic() > t, "a random moment")
-            self.orders.end_process(SUPERVISOR, number)
-        self.assert_complete(run)
-        events = self.orders.events(run)
-        self.assertEqual([event for event in events if isinstance(event, Blocked)], [])
-        self.assertEqual(sum(isinstance(event, Interrupted) for event in events), len(signals))
-        self.assertEqual(sum(isinstance(event, RunEnded) for event in events), 1)
-
-    def test_a_signal_that_arrives_while_the_supervisor_starts_ends_it(self):
-        self.orders.end_process(SUPERVISOR)
-        for delay_s in (0.0, 0.15):
-            until = time.monotonic() + delay_s
-            wait_until(lambda t=until: time.monotonic() > t, "a moment of its start")
-            self.orders.end_process(SUPERVISOR, signal.SIGTERM)
 
     def test_of_two_goals_at_once_one_is_refused(self):
         wait_until(lambda: self.orders.is_free, "no run is under way")

@@ -2,186 +2,27 @@
 """An order is prepared at the console's order desk, and the supervisor carries it out."""
 
 import http.client
-import json
 import re
-import shutil
-import sys
-from pathlib import Path
 
 import rospy
 import rostest
 from order_client import OrderClient
+from order_desk_case import OUTPUT, WORK_MS, OrderDeskCase
 from playwright.sync_api import expect
 from remodel_msgs.msg import UseCaseState
 
-from remodel_console.testing.browser_test import BrowserTest
-from remodel_production.edge.database.production_database import ProductionDatabase
-from remodel_production.errors import OrderError
-from remodel_supervision.core.runs.events import Ending, TaskBegun
+from remodel_supervision.core.runs.events import TaskBegun
 
-OUTPUT = Path(sys.argv[1])
-DATABASE = f"sqlite:///{OUTPUT}/production.sqlite"
-WORK_MS = 120_000.0  # in which the planner and the cell do their work, on a machine that is busy
 MARKUP = "<img src=x onerror='document.title=1'>"
-LIST = """Wire,From,To,Section mm2,Colour,Shelf
-W1,K1:1,X1:1,1,BU,a
-W2,K1:2,X1:2,1,BK,b
-W3,K1:3,X1:3,400,BK,c
-W4,K1:4,X1:4,1,RD,d
-"""
 CABLE = """Wire,Cable,Core,From,To,Section mm2,Colour
 ,C1,1,K1:1,X1:1,1,BU
 W1,,,K1:2,X1:2,1,BK
 ,C1,2,K1:3,X1:3,1,BN
 """
 OWN_HEADINGS = f"aaa;bbb;ccc;ddd\nK1:1;X1:1;1;W1\nK1:2;X1:2;1;{MARKUP}\n"
-DROP = """([name, text]) => {
-  const dropped = new DataTransfer();
-  dropped.items.add(new File([text], name));
-  document.querySelector('.drop-zone').dispatchEvent(
-    new DragEvent('drop', { dataTransfer: dropped, bubbles: true, cancelable: true }));
-}"""
 
 
-class OrderDeskTest(BrowserTest):
-    first_page = "/order_desk"
-
-    @classmethod
-    def prepare(cls):
-        OUTPUT.mkdir(parents=True)
-        cls.addClassCleanup(shutil.rmtree, OUTPUT, ignore_errors=True)
-
-    def setUp(self):
-        super().setUp()
-        expect(self.page.locator(".presence.there", has_text="ROS")).to_be_visible()
-        expect(self.page.locator(".notice", has_text="supervisor")).to_have_count(0)
-
-    def drop(self, name, text):
-        """Drop a file on the page, and wait until it is planned or refused."""
-        self.page.evaluate(DROP, [name, text])
-        shown = self.page.locator(".plan-words, .desk-area .ending.bad")
-        expect(shown.first).to_be_visible(timeout=WORK_MS)
-        expect(self.page.locator(".doing")).to_be_hidden(timeout=WORK_MS)
-
-    def add_entry(self, page, what, name, **fields):
-        self.press(page, "Add an entry")
-        dialog = page.get_by_role("dialog")
-        dialog.get_by_role("combobox", name="What").click()
-        page.get_by_role("option", name=what).click()
-        dialog.get_by_label("Name", exact=True).fill(name)
-        for field, text in fields.items():
-            dialog.get_by_label(field, exact=True).fill(text)
-        self.press(dialog, "Add")
-        expect(dialog).to_have_count(0)
-
-    def plan_again(self):
-        self.press(self.page, "Plan again")
-        expect(self.page.get_by_role("button", name="Plan again")).to_have_count(0, timeout=WORK_MS)
-        expect(self.page.locator(".doing")).to_be_hidden(timeout=WORK_MS)
-
-    def recorded(self):
-        lines = self.record.read_text().splitlines()
-        return [(each["command"], each["state"]) for each in map(json.loads, lines)]
-
-    def test_a_list_becomes_an_order_that_is_run_by_its_preferences(self):
-        page = self.page
-        self.drop("loom.csv", LIST)
-        area = page.locator(".desk-area")
-        expect(area).to_contain_text("2 components, 4 wires")
-        expect(area).to_contain_text("column 'Shelf' is not used: its heading is not known")
-        expect(area.locator(".by-hand")).to_contain_text("W3")
-        expect(area.locator(".by-hand")).to_contain_text(
-            "characteristics.task.section_mm2 in cabinet.yaml"
-        )
-        page.get_by_text("Assumptions (").click()
-        expect(area).to_contain_text("insertion force limit not given, 40 N taken")
-        expect(area.locator(".plan-words")).to_contain_text("3 tasks in")
-        expect(area.locator(".plot path").first).to_be_attached()
-        board = page.get_by_role("img", name="The board")
-        self.assertGreater(board.evaluate("(img) => img.naturalWidth"), 0)
-        with self.assertRaises(OrderError):  # nothing is stored before a person says so
-            ProductionDatabase(DATABASE).order("loom")
-        self.contradict()
-        self.work_together()
-        page.reload()  # what is not stored is not lost
-        expect(page.locator(".preference", has_text="red first")).to_be_visible()
-        expect(page.locator(".preference", has_text="black late")).to_be_visible()
-        self.start_order()
-
-    def contradict(self):
-        """Two requirements contradict, and both are named; without one of them there is a plan."""
-        page = self.page
-        route = "Required: Route some wires below others"
-        self.add_entry(page, route, "up", route="W1", before="W2")
-        expect(page.locator(".held", has_text="have changed since")).to_be_visible()
-        self.add_entry(page, route, "down", route="W2", before="W1")
-        self.plan_again()
-        expect(page.locator(".ending.bad")).to_contain_text("There is no plan.")
-        expect(page.locator(".conflicting li")).to_have_count(2)
-        expect(page.locator(".preference.conflict")).to_have_count(2)
-        expect(page.locator(".plan-words")).to_have_count(0)
-        self.press(page, "Add an entry")
-        dialog = page.get_by_role("dialog")
-        dialog.get_by_label("Name", exact=True).fill("broken")
-        dialog.get_by_label("pick", exact=True).fill("{colour: ")
-        self.press(dialog, "Add")
-        expect(dialog.get_by_role("alert")).to_contain_text("pick: line 1: is no YAML")
-        self.press(dialog, "Cancel")
-        self.press(page, "Remove up")
-        self.plan_again()
-        expect(page.locator(".preference.conflict")).to_have_count(0)
-        expect(page.locator(".plan-words")).to_contain_text("3 tasks in")
-
-    def work_together(self):
-        """Two people see the same draft; nobody's change is lost by the other's."""
-        page, other = self.page, self.open_page(self.page.url.partition(str(self.port))[2])
-        expect(other.locator(".preference")).to_have_count(1)
-        self.press(page, "Edit all as YAML")
-        first = page.get_by_role("dialog").get_by_label("YAML", exact=True)
-        expect(first).to_have_value(r"""format: remodel-preferences-1
-require:
-  - {name: down, route: W2, before: W1}
-""")
-        prefer = "Preferred: Pick some wires before others"
-        self.add_entry(other, prefer, "red first", pick="{colour: RD}", before="all", weight="300")
-        first.fill("format: remodel-preferences-1")
-        self.press(page.get_by_role("dialog"), "Save")
-        expect(page.locator(".q-notification")).to_contain_text("another person has changed")
-        self.press(page, "OK")
-        self.press(page.get_by_role("dialog"), "Cancel")
-        expect(page.locator(".preference", has_text="red first")).to_be_visible()
-        self.add_entry(page, prefer, "black late", pick="W1", before="W2", weight="1")
-        expect(other.locator(".preference", has_text="black late")).to_be_visible()
-        self.plan_again()
-        page.get_by_text("Explanation:").click()
-        expect(page.locator(".explanation")).to_contain_text("black late")
-        page.get_by_text("Tasks in their order").click()
-        self.assertEqual(self.planned(), ["W4", "W2", "W1"])
-        page.locator(".order-desk").evaluate("(desk) => desk.scrollTo(0, 0)")
-        page.set_viewport_size({"width": 1280, "height": 1500})
-        self.take_picture(page, "order-desk")
-
-    def planned(self):
-        return self.page.locator("details td:nth-child(2)").all_inner_texts()
-
-    def start_order(self):
-        page = self.page
-        page.get_by_label("Name of the order").fill("our loom")
-        self.press(page, "Start the order")
-        page.wait_for_url("**/overview", timeout=WORK_MS)
-        expect(page.locator(".ending")).to_contain_text("Order 'our loom'", timeout=WORK_MS)
-        expect(page.locator(".ending")).to_contain_text("all tasks are done")
-        self.assertIn(("run order 'our loom', use case cabinet", "done"), self.recorded())
-        orders = OrderClient(OUTPUT)
-        number = orders.runs()[0]
-        run = orders.run_state(number)
-        self.assertEqual(run.ended.ending, Ending.COMPLETE)
-        begun = [each.task for each in orders.events(number) if isinstance(each, TaskBegun)]
-        self.assertEqual(begun, ["W4", "W2", "W1"])  # as planned, by the preferences
-        self.assertEqual(
-            ProductionDatabase(DATABASE).preferences("our loom")["require"][0]["name"], "down"
-        )
-
+class OrderDeskTest(OrderDeskCase):
     def test_the_cores_of_a_cable_are_one_task_until_they_are_placed(self):
         page = self.page
         self.drop("cable.csv", CABLE)

@@ -12,6 +12,17 @@ from std_srvs.srv import Trigger
 WALL_LIMIT_S = 180.0
 STOP_LIMIT_S = 0.2
 
+# A goal of PlacePin for two arms.
+PINS = dict(
+    robot_1_name="robot_1",
+    robot_2_name="robot_2",
+    path_space=0.10,
+    connector_space=0.512,
+    centered=True,
+    rotate=True,
+    show_in_TF=True,
+)
+
 
 def wait_until(condition, limit_s=WALL_LIMIT_S):
     """Wait for a condition by the wall's clock; returns whether it came true."""
@@ -109,3 +120,26 @@ class CellTestCase(unittest.TestCase):
         report = done.stdout + done.stderr
         self.assertEqual(done.returncode, 0, report)
         return report
+
+
+class OneWireCase(CellTestCase):
+    """Works on end a of wire W1 at terminal X1/1."""
+
+    def locate(self, component="X1", terminal="1"):
+        result = self.on["LocateGearboxComponent"].do(component_id=component, terminal_id=terminal)
+        self.assertTrue(result.success, result.error_message)
+        return result.socket_pose
+
+    def insertion(self, socket):
+        return dict(
+            robot_name="robot_1",
+            cable_id="W1",
+            cable_end="a",
+            component_id="X1",
+            terminal_id="1",
+            socket_pose=socket,
+            force_limit=8.0,
+        )
+
+    def at_terminal(self):
+        return dict(robot_name="robot_1", cable_id="W1", component_id="X1", terminal_id="1")

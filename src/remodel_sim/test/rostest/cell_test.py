@@ -4,7 +4,7 @@
 import rospy
 import rostest
 from actionlib_msgs.msg import GoalStatus
-from cell_clients import STOP_LIMIT_S, CellTestCase, call, wait_until
+from cell_clients import STOP_LIMIT_S, OneWireCase, call, wait_until
 from geometry_msgs.msg import PoseStamped, WrenchStamped
 from remodel_msgs import msg, srv
 from remodel_msgs.msg import ErrorCode
@@ -12,7 +12,7 @@ from stop_watch import StopWatch
 from visualization_msgs.msg import MarkerArray
 
 
-class CellTest(CellTestCase):
+class CellTest(OneWireCase):
     abilities = (
         "LocateGearboxComponent",
         "InsertCable",
@@ -24,36 +24,6 @@ class CellTest(CellTestCase):
         "PlaceConnector",
         "DiscardCable",
     )
-
-    def locate(self, component="X1", terminal="1"):
-        result = self.on["LocateGearboxComponent"].do(component_id=component, terminal_id=terminal)
-        self.assertTrue(result.success, result.error_message)
-        return result.socket_pose
-
-    def insertion(self, socket):
-        return dict(
-            robot_name="robot_1",
-            cable_id="W1",
-            cable_end="a",
-            component_id="X1",
-            terminal_id="1",
-            socket_pose=socket,
-            force_limit=8.0,
-        )
-
-    def at_terminal(self):
-        return dict(robot_name="robot_1", cable_id="W1", component_id="X1", terminal_id="1")
-
-    def test_its_servers_keep_the_contract(self):
-        report = self.check_conformance(
-            "LocateGearboxComponent", "{component_id: X1, terminal_id: '1'}"
-        )
-        self.assertIn("ok          a cancel while the ability works", report)
-        self.check_conformance("DiscardCable", "{robot_name: robot_1, cable_id: W1}")
-        self.setUp()
-        self.check_conformance("DetectCable", "{cable_id: W1}")
-        at_x1 = "{cable_id: W1, cable_end: a, component_id: X1, terminal_id: '1'}"
-        self.check_conformance("CheckConnection", at_x1)
 
     def test_rviz_gets_the_scene_and_the_force(self):
         markers = rospy.wait_for_message("cell/markers", MarkerArray, 20)
@@ -173,22 +143,6 @@ class CellTest(CellTestCase):
         )
         call("feed_wire", srv.FeedWire, wire_id="W1", channel_id="A")
         self.assertTrue(self.on["DetectCable"].do(cable_id="W1", view=1).success)
-
-    def test_a_moved_component_fails_the_insertion_and_recovery_succeeds(self):
-        socket = self.locate()
-        call(
-            "inject_fault",
-            srv.InjectFault,
-            kind="component_moved",
-            target="X1",
-            values=[0.0, 0.006, 0.0],
-        )
-        failed = self.on["InsertCable"].do(**self.insertion(socket))
-        self.assertEqual(failed.error_code, ErrorCode.INSERTION_MISALIGNED, failed.error_message)
-        out = self.on["ExtractCable"].do(**self.at_terminal(), socket_pose=socket)
-        self.assertTrue(out.success, out.error_message)
-        inserted = self.on["InsertCable"].do(**self.insertion(self.locate()))
-        self.assertTrue(inserted.success, inserted.error_message)
 
     def test_a_goal_keeps_its_timeout(self):
         result = self.on["DetectCable"].do(cable_id="W1", timeout=0.1)

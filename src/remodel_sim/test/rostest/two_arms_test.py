@@ -4,47 +4,13 @@
 import rospy
 import rostest
 from actionlib_msgs.msg import GoalStatus
-from cell_clients import STOP_LIMIT_S, CellTestCase, wait_until
+from cell_clients import PINS, STOP_LIMIT_S, CellTestCase, wait_until
 from remodel_msgs.msg import ErrorCode
 from stop_watch import StopWatch
-from tf2_msgs.msg import TFMessage
-
-PINS = dict(
-    robot_1_name="robot_1",
-    robot_2_name="robot_2",
-    path_space=0.10,
-    connector_space=0.512,
-    centered=True,
-    rotate=True,
-    show_in_TF=True,
-)
 
 
 class TwoArmsTest(CellTestCase):
     abilities = ("PickCable", "PlacePin", "DetectCable")
-
-    @classmethod
-    def setUpClass(cls):
-        super().setUpClass()
-        cls.frames = set()
-        rospy.Subscriber("/tf_static", TFMessage, cls.note_frames)
-
-    @classmethod
-    def note_frames(cls, message):
-        cls.frames = {transform.child_frame_id for transform in message.transforms}
-
-    def test_place_pin_keeps_the_contract_of_all_abilities(self):
-        goal = str({key: value for key, value in PINS.items() if key != "show_in_TF"})
-        report = self.check_conformance("PlacePin", goal)
-        self.assertIn("ok          a cancel while the ability works", report)
-
-    def test_pins_are_placed_and_shown(self):
-        result = self.on["PlacePin"].do(**PINS)
-        self.assertTrue(result.success, result.error_message)
-        shares = self.on["PlacePin"].whole_progress()
-        self.assertEqual(shares, sorted(shares))
-        row = {"placepin/pin_1", "placepin/path_5", "placepin/pin_2"}
-        self.assertLessEqual(row | {"panel", "robot_2_panda_link0"}, self.frames)
 
     def test_cancel_stops_both_arms_within_a_fifth_of_a_second(self):
         pins, watch = self.on["PlacePin"], StopWatch("PlacePin")
