@@ -109,6 +109,8 @@ class GateCase(unittest.TestCase):
         """End the supervisor by signals during a run, which is resumed each time."""
         random = self.draw()
         run = self.orders.start(tasks)
+        # Before its first task a run has nothing that could be interrupted.
+        wait_until(lambda: self.orders.state.task, "the first task")
         for count, number in enumerate(signals):
             wait_until(lambda n=count: self.orders.state.interruptions == n, "it is resumed")
             until = time.monotonic() + random.uniform(0.1, 1.0)

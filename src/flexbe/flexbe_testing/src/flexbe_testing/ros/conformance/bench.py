@@ -68,16 +68,21 @@ class Bench:
         self._has_mirror = bool(self.mirrors())
 
     def recover(self) -> None:
-        """Make the engine idle again, whatever a scenario left behind.
+        """Make the engine idle again, whatever a scenario left behind, also after an interrupt.
 
         Raises:
             StuckError: if the behavior does not end.
         """
+        with self.wire.interrupt.held():
+            self._stop_what_runs()
+
+    def _stop_what_runs(self) -> None:
         tape = self.wire.tape
-        # After an interrupt the last request may not have been answered yet.
-        tape.wait(lambda: len(tape.statuses) > self._statuses, self.quiet_s)
+        # After an interrupt the last request may not have been answered yet, but will be.
+        within_s = self.limit_s if self.wire.interrupt.is_set else self.quiet_s
+        tape.wait(lambda: len(tape.statuses) > self._statuses, within_s)
         # An engine that ends with SWITCHING, and starts nothing, is at rest as well.
-        tape.wait(lambda: not tape.is_switching, self.quiet_s)
+        tape.wait(lambda: not tape.is_switching, within_s)
         if tape.is_running:
             self.wire.send_if_heard(topics.PREEMPT, Empty(), self.quiet_s)
             if not tape.wait(lambda: not tape.is_running, self.limit_s):
@@ -150,8 +155,12 @@ class Bench:
 
     def request(self, selection: BehaviorSelection) -> None:
         """Send a start request."""
-        self._statuses = len(self.wire.tape.statuses)
+        self.await_answer()
         self.send(topics.START, selection)
+
+    def await_answer(self) -> None:
+        """Note that a request follows: the engine is at rest only after it has answered it."""
+        self._statuses = len(self.wire.tape.statuses)
 
     def start(
         self,

@@ -19,6 +19,7 @@ from flexbe_testing.core.conformance.scenario import (
     chosen,
 )
 from flexbe_testing.ros.conformance.catalogue import ALL
+from flexbe_testing.ros.conformance.interrupt import Interrupt, InterruptedByUserError
 from flexbe_testing.ros.conformance.judge import Judge, behavior_package
 from flexbe_testing.ros.conformance.wire import NoEngineError
 
@@ -65,18 +66,20 @@ def main(words: Sequence[str]) -> int:
         if (missing := _missing_master()) is not None:
             return _complain(missing, NO_ENGINE)
         rospy.init_node("engine_conformance", anonymous=True, disable_signals=True)
-        return _judge(scenarios, options)
+        interrupt = Interrupt()
+        with interrupt.on_sigint():
+            return _judge(scenarios, options, interrupt)
     except UnknownScenarioError as error:
         return _complain(str(error), USAGE)
     except NoEngineError as error:
         return _complain(str(error), NO_ENGINE)
-    except KeyboardInterrupt:
+    except (KeyboardInterrupt, InterruptedByUserError):
         return INTERRUPTED
 
 
-def _judge(scenarios: Sequence[Scenario], options: argparse.Namespace) -> int:
+def _judge(scenarios: Sequence[Scenario], options: argparse.Namespace, interrupt: Interrupt) -> int:
     found: list[Finding] = []
-    for finding in Judge(options.limit, options.quiet).judge(scenarios):
+    for finding in Judge(options.limit, options.quiet, interrupt).judge(scenarios):
         found.append(finding)
         if not options.json:
             _print(report.progress(finding))

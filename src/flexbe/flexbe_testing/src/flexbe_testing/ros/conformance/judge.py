@@ -17,6 +17,7 @@ from flexbe_testing.core.conformance.scenario import (
 )
 from flexbe_testing.ros.conformance.bench import PACKAGE, Bench, StuckError
 from flexbe_testing.ros.conformance.catalogue import FIRST
+from flexbe_testing.ros.conformance.interrupt import Interrupt, InterruptedByUserError
 from flexbe_testing.ros.conformance.wire import EngineWire, NoEngineError
 
 
@@ -32,17 +33,23 @@ class Judge:
         bench: the engine under test.
     """
 
-    def __init__(self, limit_s: float = 10.0, quiet_s: float = 0.3) -> None:
+    def __init__(
+        self, limit_s: float = 10.0, quiet_s: float = 0.3, interrupt: Interrupt | None = None
+    ) -> None:
         """Connect to the engine.
 
         Args:
             limit_s: how long the engine may take for each step [s, wall time].
             quiet_s: for how long something that must not happen is waited for [s, wall time].
+            interrupt: ends the judging when it is set.
 
         Raises:
             NoEngineError: if there is no engine, or if it runs a behavior.
+            InterruptedByUserError: if it was interrupted.
         """
-        self.bench = Bench(EngineWire(limit_s), behavior_package(), limit_s, quiet_s)
+        self._interrupt = interrupt or Interrupt()
+        wire = EngineWire(limit_s, self._interrupt)
+        self.bench = Bench(wire, behavior_package(), limit_s, quiet_s)
         self._stuck = ""
         # The latched one; an engine that has just started publishes it after it can be found.
         tape = self.bench.wire.tape
@@ -51,7 +58,11 @@ class Judge:
             raise NoEngineError("the engine runs a behavior; stop it first")
 
     def judge(self, scenarios: Iterable[Scenario]) -> Iterator[Finding]:
-        """Play scenarios, before them the one that all others need, and yield each finding."""
+        """Play scenarios, before them the one that all others need, and yield each finding.
+
+        Raises:
+            InterruptedByUserError: once the engine is at rest, if it was interrupted.
+        """
         first = self.play(FIRST)
         if first.verdict is Verdict.FAIL:
             self._stuck = self._stuck or f"{FIRST.name} failed"
@@ -59,11 +70,13 @@ class Judge:
         for scenario in scenarios:
             if scenario is not FIRST:
                 yield self.play(scenario)
+        self._interrupt.check()
 
     def play(self, scenario: Scenario) -> Finding:
         """Play a scenario, and bring the engine back to rest, also after an interrupt."""
         if self._stuck:
             return Finding(scenario, Verdict.NOT_JUDGED, self._stuck)
+        self._interrupt.check()
         begun = time.monotonic()
         try:
             try:
@@ -72,7 +85,7 @@ class Judge:
                 self.bench.recover()
         except StuckError as error:
             self._stuck = f"the engine is stuck since {scenario.name}: {error}"
-            if isinstance(error.__context__, KeyboardInterrupt):
+            if isinstance(error.__context__, InterruptedByUserError):
                 raise error.__context__ from None
         if verdict is Verdict.FAIL:
             self.bench.drain()

@@ -9,6 +9,7 @@ from collections.abc import Callable
 from typing import Any
 
 from flexbe_testing.core.conformance import topics
+from flexbe_testing.ros.conformance.interrupt import Interrupt
 
 # Codes of BEStatus.
 _STARTED, _SWITCHING, _ERROR = 0, 6, 11
@@ -24,8 +25,9 @@ Message = Any
 class Tape:
     """Messages in the order of their arrival, for each topic; may be added from any thread."""
 
-    def __init__(self) -> None:
-        """Begin empty."""
+    def __init__(self, interrupt: Interrupt) -> None:
+        """Begin empty; waits end when `interrupt` is set."""
+        self._interrupt = interrupt
         self._arrived = threading.Condition()
         self._waiting: dict[str, deque[Message]] = defaultdict(deque)
         self.statuses: list[Message] = []
@@ -54,19 +56,19 @@ class Tape:
         """Return the next message that matches and drop those before it; None if none arrives."""
         end = time.monotonic() + limit_s
         with self._arrived:
-            while True:
-                waiting = self._waiting[topic]
-                while waiting:
-                    message = waiting.popleft()
-                    if matches(message):
-                        return message
-                if not self._arrived.wait(max(0.0, end - time.monotonic())):
-                    return None
+            waiting = self._waiting[topic]
+            while self._interrupt.wait_for(
+                self._arrived, lambda: waiting, max(0.0, end - time.monotonic())
+            ):
+                message = waiting.popleft()
+                if matches(message):
+                    return message
+        return None
 
     def wait(self, condition: Callable[[], bool], limit_s: float) -> bool:
         """Wait until a condition on the tape holds; return whether it does."""
         with self._arrived:
-            return self._arrived.wait_for(condition, limit_s)
+            return self._interrupt.wait_for(self._arrived, condition, limit_s)
 
     def left(self, topic: str) -> list[Message]:
         """Return the messages that have not been taken."""

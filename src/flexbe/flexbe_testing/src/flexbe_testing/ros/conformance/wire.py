@@ -14,6 +14,7 @@ from roslib.message import get_message_class
 
 from flexbe_testing.core.conformance import topics
 from flexbe_testing.core.conformance.scenario import ViolationError
+from flexbe_testing.ros.conformance.interrupt import Interrupt
 from flexbe_testing.ros.conformance.tape import Tape
 
 # [s] Wall time between two inspections of a connection.
@@ -25,23 +26,30 @@ class NoEngineError(Exception):
 
 
 class EngineWire:
-    """All topics of an engine, in the namespace of this node."""
+    """All topics of an engine, in the namespace of this node.
 
-    def __init__(self, limit_s: float) -> None:
+    Attributes:
+        tape: what the engine has published.
+        interrupt: ends all waits when it is set.
+    """
+
+    def __init__(self, limit_s: float, interrupt: Interrupt) -> None:
         """Subscribe to everything that an engine publishes.
 
         Args:
             limit_s: how long to wait for an engine, and for each connection [s, wall time].
+            interrupt: see the attributes.
 
         Raises:
             NoEngineError: if there is no engine in time.
         """
-        self.tape = Tape()
+        self.interrupt = interrupt
+        self.tape = Tape(interrupt)
         self._limit_s = limit_s
         self._master = rosgraph.Master(rospy.get_name())
         self._publishers: dict[str, rospy.Publisher] = {}
         self._subscribers = {topic: self._subscribe(topic) for topic in topics.WATCHED}
-        if not self._until(lambda: bool(self._find_engine())):
+        if not self.until(lambda: bool(self._find_engine())):
             raise NoEngineError(
                 f"no engine in namespace {rospy.get_namespace()!r} within {limit_s:g} s: nothing "
                 f"publishes {rospy.resolve_name(topics.HEARTBEAT)} and subscribes to "
@@ -61,7 +69,7 @@ class EngineWire:
             ViolationError: if the engine does not subscribe to the topic.
         """
         publisher = self._publisher(topic, type(message))
-        if not self._until(lambda: self._is_heard(publisher)):
+        if not self.until(lambda: self._is_heard(publisher)):
             raise ViolationError(f"the engine does not subscribe to {topic}")
         publisher.publish(message)
 
@@ -74,7 +82,7 @@ class EngineWire:
             within_s: how long it may take to connect [s, wall time].
         """
         publisher = self._publisher(topic, type(message))
-        self._until(lambda: self._is_heard(publisher), within_s)
+        self.until(lambda: self._is_heard(publisher), within_s)
         publisher.publish(message)
 
     def subscribe_again(self, topic: str) -> None:
@@ -94,7 +102,7 @@ class EngineWire:
             ]
             return not missing
 
-        self._until(is_complete)
+        self.until(is_complete)
         return missing
 
     def publishers(self, topic: str) -> list[str]:
@@ -144,10 +152,11 @@ class EngineWire:
             for entry in connections
         )
 
-    def _until(self, condition: Callable[[], bool], limit_s: float | None = None) -> bool:
+    def until(self, condition: Callable[[], bool], limit_s: float | None = None) -> bool:
         """Poll a condition about connections, of which rospy has no notification."""
         end = time.monotonic() + (self._limit_s if limit_s is None else limit_s)
         while not condition():
+            self.interrupt.check()
             if time.monotonic() > end or rospy.is_shutdown():
                 return False
             time.sleep(_POLL_S)

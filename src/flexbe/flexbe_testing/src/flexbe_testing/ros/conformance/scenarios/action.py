@@ -32,11 +32,13 @@ class _Goal:
         self._news = threading.Condition()
         self._paths: list[str] = []
         self._client = actionlib.ActionClient(topics.EXECUTE_ACTION, BehaviorExecutionAction)
-        if not self._client.wait_for_server(rospy.Duration(bench.limit_s)):
+        poll = rospy.Duration(0.05)
+        if not bench.wire.until(lambda: self._client.wait_for_server(poll)):
             raise ViolationError(f"{topics.EXECUTE_ACTION} does not connect")
         goal = BehaviorExecutionGoal(
             behavior_name=name, arg_keys=list(args), arg_values=list(args.values())
         )
+        bench.await_answer()
         self._handle = self._client.send_goal(goal, self._on_transition, self._on_feedback)
 
     def cancel(self) -> None:
@@ -46,18 +48,22 @@ class _Goal:
     def shows(self, path: str) -> None:
         """Expect the feedback that this state is active."""
         with self._news:
-            if not self._news.wait_for(lambda: path in self._paths, self._bench.limit_s):
+            if not self._wait(lambda: path in self._paths):
                 raise ViolationError(f"feedback {self._paths}; expected: {path}")
 
     def ended(self, is_right: Callable[[int, str], bool], expected: str) -> None:
         """Expect an end of the goal, by its status and outcome."""
         with self._news:
-            if not self._news.wait_for(self._is_done, self._bench.limit_s):
+            if not self._wait(self._is_done):
                 raise ViolationError(f"the goal did not end within {self._bench.limit_s:g} s")
         status, result = self._handle.get_goal_status(), self._handle.get_result()
         outcome = result.outcome if result else ""
         if not is_right(status, outcome):
             raise ViolationError(f"goal status {status}, outcome {outcome!r}; expected: {expected}")
+
+    def _wait(self, condition: Callable[[], bool]) -> bool:
+        bench = self._bench
+        return bench.wire.interrupt.wait_for(self._news, condition, bench.limit_s)
 
     def _is_done(self) -> bool:
         return self._handle.get_comm_state() == actionlib.CommState.DONE
