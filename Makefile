@@ -2,7 +2,7 @@
 SHELL := /bin/bash
 .SHELLFLAGS := -euo pipefail -c
 .DEFAULT_GOAL := help
-.PHONY: help build demo cabinet harness film test install docker generate behaviors unit rostest lint bench-engine bench-planner bench-synthesis bench-console bench-drawing bench-sim bench-vision bench-learning bench-pause bench-replan bench-scale docs evaluate-abilities schedules chaos campaign clean
+.PHONY: help build demo cabinet harness film test test-all install docker generate behaviors unit rostest lint bench-engine bench-planner bench-synthesis bench-console bench-drawing bench-sim bench-vision bench-learning bench-pause bench-replan bench-scale docs evaluate-abilities schedules chaos campaign clean
 
 # The workspace's own Python first, whatever else the shell has on its path; no other workspace.
 export PATH := $(CURDIR)/.venv/bin:/usr/local/sbin:/usr/local/bin:/usr/sbin:/usr/bin:/sbin:/bin
@@ -17,6 +17,10 @@ HARNESS := src/remodel_planning/examples/harness.yml
 PREFIX ?= install
 SOURCED := set +u; . devel/setup.sh; set -u;
 RESULTS := build/test_results
+# quick: what `make test` runs; all: the tests marked slow, too.
+TIER ?= quick
+# A folder of PACKAGE, wherever below src/ it is.
+package_folder = $(or $(wildcard src/$(PACKAGE)/$(1) src/flexbe/$(PACKAGE)/$(1)),$(error no package '$(PACKAGE)' with a folder $(1)))
 # Not again for the parts of `make test`, which has built.
 BUILD = $(if $(BUILT),,build)
 
@@ -54,13 +58,11 @@ film: build ## Record the demo as the moving picture of the README, docs/demo.we
 	@$(SOURCED) tools/wire_board.sh demo $(CABINET) $(WIRES) '' record:=$(CURDIR)/out/demo/film
 	@tools/film.py out/demo/film docs/demo.webp
 
-test: build ## Set up, then lint, unit tests and ROS tests; ends with a count
-	@rm -rf $(RESULTS)
-	@status=0; failed=0; \
-	  $(MAKE) --no-print-directory lint || status=1; \
-	  for part in unit rostest; do $(MAKE) --no-print-directory BUILT=1 $$part || failed=1; done; \
-	  if [ $$failed = 1 ]; then $(SOURCED) tools/run_failed_again.py $(RESULTS) || status=1; fi; \
-	  tools/count_tests.py $(RESULTS) || status=1; exit $$status
+test: build ## Set up, then lint, unit tests and ROS tests: every rule and every seam once; ends with a count
+	@$(SOURCED) tools/run_tests.py
+
+test-all: build ## The same with the tests marked slow: whole wires, campaigns, installs, fuzz; recorded in docs/figures/test-all.jsonl
+	@$(SOURCED) tools/run_tests.py --all
 
 generate: .venv/.ready ## Write what is generated from the tables of abilities, error codes and faults
 	@tools/generate.py
@@ -68,12 +70,13 @@ generate: .venv/.ready ## Write what is generated from the tables of abilities, 
 behaviors: build ## Synthesize the charts of remodel_behaviors again
 	@$(SOURCED) rosrun flexbe_synthesizer synthesize src/remodel_behaviors/charts/*.xml
 
-unit: $(BUILD) ## Tests that need no ROS master
-	@$(SOURCED) pytest --numprocesses auto --dist loadfile --no-loadscope-reorder --junit-xml=$(RESULTS)/unit.xml
+unit: $(BUILD) ## Tests that need no ROS master (PACKAGE=remodel_sim, TIER=all)
+	@$(SOURCED) pytest --numprocesses auto --dist loadfile --no-loadscope-reorder --junit-xml=$(RESULTS)/unit.xml \
+	  $(if $(filter quick,$(TIER)),-m "not slow") $(if $(PACKAGE),$(call package_folder,test/unit))
 
-rostest: $(BUILD) ## Tests of running nodes, each on a roscore of its own
-	@$(SOURCED) catkin_make --no-color run_tests -j3 >build/rostest.log 2>&1 || { tail -n 40 build/rostest.log; exit 1; }
-	@$(SOURCED) catkin_test_results --all $(RESULTS) || { echo "log: build/rostest.log"; exit 1; }
+rostest: $(BUILD) ## Tests of running nodes, each package on a roscore of its own (PACKAGE=remodel_console, TIER=all)
+	@$(SOURCED) ctest --test-dir build --parallel 4 --output-on-failure --no-tests=error \
+	  $(if $(filter quick,$(TIER)),--label-exclude slow) $(if $(PACKAGE),--tests-regex '^_ctest_$(PACKAGE)_ros')
 
 lint: .venv/.ready ## Style, types of the pure cores, and XML
 	@ruff format --check .
