@@ -5,12 +5,12 @@ modules and folders: what lies below is to be understood without what lies above
 """
 
 import ast
+import tomllib
 from collections import Counter
 from fnmatch import fnmatch
+from functools import cache
 from graphlib import CycleError, TopologicalSorter
 from pathlib import Path
-
-import pytest
 
 SRC = Path(__file__).parents[1] / "src"
 PACKAGES = {
@@ -115,17 +115,19 @@ def modules(package):
     }
 
 
+@cache
 def imported_names(path):
-    """Yield every name that a file imports when it is loaded, with the attributes."""
+    """Return every name that a file imports when it is loaded, with the attributes."""
     tree = ast.parse(path.read_text())
     for block in [node for node in ast.walk(tree) if is_type_checking(node)]:
         block.body.clear()
-    yield from names_in(tree)
+    return tuple(names_in(tree))
 
 
+@cache
 def named_modules(path):
-    """Yield what a file imports, also for its types only."""
-    return names_in(ast.parse(path.read_text()))
+    """Return what a file imports, also for its types only."""
+    return tuple(names_in(ast.parse(path.read_text())))
 
 
 def names_in(tree):
@@ -151,40 +153,34 @@ def from_ros(names):
     return {top for top in tops if top in ROS or top.endswith("_msgs")}
 
 
-@pytest.mark.parametrize("package", CORES)
-def test_the_core_is_pure(package):
-    for name, path in modules(package).items():
-        if room(name) == CORES[package]:
-            names = set(imported_names(path))
-            assert not from_ros(names), name
-            assert not {n.split(".")[0] for n in names} & OUTSIDE, name
-            inside = {n for n in names if "." in n and n.split(".")[0] in CORES}
-            allowed = tuple(f"{p}.{r}" for p in CORES for r in (CORES[p], "errors"))
-            assert all(n.startswith(allowed) for n in inside), name
+def test_the_cores_are_pure():
+    allowed = tuple(f"{package}.{room}" for package in CORES for room in (CORES[package], "errors"))
+    impure = []
+    for package, core in CORES.items():
+        for name, path in modules(package).items():
+            if room(name) == core:
+                names = set(imported_names(path))
+                inside = {n for n in names if "." in n and n.split(".")[0] in CORES}
+                bad = from_ros(names) | {n.split(".")[0] for n in names} & OUTSIDE
+                bad |= {n for n in inside if not n.startswith(allowed)}
+                impure += [f"{name} imports {n}" for n in sorted(bad)]
+    assert impure == []
 
 
-@pytest.mark.parametrize("package", sorted(set(CORES) - {"flexbe_core", "remodel_states"}))
-def test_only_the_rooms_for_it_know_ros(package):
-    for name, path in modules(package).items():
-        if room(name) not in ROS_ROOMS:
-            assert not from_ros(imported_names(path)), name
+def test_only_the_rooms_for_it_know_ros():
+    found = [
+        name
+        for package in sorted(set(CORES) - {"flexbe_core", "remodel_states"})
+        for name, path in modules(package).items()
+        if room(name) not in ROS_ROOMS and from_ros(imported_names(path))
+    ]
+    assert found == []
 
 
-@pytest.mark.parametrize("package", PACKAGES)
-def test_imports_form_no_cycle(package):
-    paths = modules(package)
+def test_imports_form_no_cycle():
+    paths = {name: path for package in PACKAGES for name, path in modules(package).items()}
     graph = {name: set(imported_names(path)) & set(paths) for name, path in paths.items()}
-    acyclic = set()
-
-    def visit(name, trail):
-        assert name not in trail, " -> ".join([*trail, name])
-        if name not in acyclic:
-            for imported in graph[name]:
-                visit(imported, [*trail, name])
-            acyclic.add(name)
-
-    for name in graph:
-        visit(name, [])
+    TopologicalSorter(graph).prepare()  # whose error names the cycle
 
 
 def folders(package):
@@ -226,12 +222,14 @@ def test_modules_and_folders_import_one_way():
     assert found == FOLDERS_WITH_CYCLE
 
 
-@pytest.mark.parametrize("core", LAYERS)
-def test_a_room_imports_only_the_rooms_below(core):
-    order = LAYERS[core]
-    for ours, imported in folders(core.split(".")[0])[core].items():
-        below = order[: order.index(ours)]
-        assert imported <= set(below), ours
+def test_a_room_imports_only_the_rooms_below():
+    above = [
+        f"{core}.{ours} imports {other}"
+        for core, order in LAYERS.items()
+        for ours, imported in folders(core.split(".")[0])[core].items()
+        for other in sorted(imported - set(order[: order.index(ours)]))
+    ]
+    assert above == []
 
 
 def test_no_folder_holds_more_modules_than_a_reader_can_survey():
@@ -242,6 +240,15 @@ def test_no_folder_holds_more_modules_than_a_reader_can_survey():
         if path.name != "__init__.py"
     )
     assert {folder for folder, size in sizes.items() if size > MAX_MODULES} == LARGE_FOLDERS
+
+
+def test_every_file_of_tests_is_collected():
+    """pytest collects `test_*.py` where pyproject.toml says; a ROS test is one of a .test file."""
+    settings = tomllib.loads((SRC.parent / "pyproject.toml").read_text())["tool"]["pytest"]
+    patterns = settings["ini_options"]["testpaths"]
+    collected = {file for p in patterns for file in SRC.parent.glob(f"{p}/**/test_*.py")}
+    written = {*SRC.parent.glob("test/**/test_*.py"), *SRC.rglob("test/**/test_*.py")}
+    assert sorted(written - collected) == []
 
 
 def test_src_holds_only_what_a_program_uses():
@@ -267,23 +274,29 @@ def reached(start, paths):
     return found
 
 
-@pytest.mark.parametrize("package", MAY_IMPORT)
-def test_packages_import_one_way(package):
-    others = set(PACKAGES) - {package} - MAY_IMPORT[package]
-    for name, path in modules(package).items():
-        tops = {imported.split(".")[0] for imported in imported_names(path)}
-        assert not tops & others, name
+def test_packages_import_one_way():
+    found = [
+        f"{name} imports {top}"
+        for package, may in MAY_IMPORT.items()
+        for name, path in modules(package).items()
+        for top in {imported.split(".")[0] for imported in imported_names(path)}
+        if top in set(PACKAGES) - {package} - may
+    ]
+    assert found == []
 
 
-@pytest.mark.parametrize(
-    "package", ["remodel_planner", "remodel_supervision", "flexbe_synthesizer", "remodel_sim"]
-)
-def test_only_the_care_for_master_clock_and_connections_is_taken_from_the_engine(package):
+def test_only_the_care_for_master_clock_and_connections_is_taken_from_the_engine():
     modules_allowed = ("connections", "master", "steady_action_server")
     allowed = tuple(f"flexbe_core.ros.{name}" for name in modules_allowed)
-    for name, path in modules(package).items():
-        found = {n for n in imported_names(path) if n.startswith("flexbe_core")}
-        assert all(n.startswith(allowed) for n in found), name
+    packages = ("remodel_planner", "remodel_supervision", "flexbe_synthesizer", "remodel_sim")
+    found = [
+        f"{name} imports {imported}"
+        for package in packages
+        for name, path in modules(package).items()
+        for imported in imported_names(path)
+        if imported.startswith("flexbe_core") and not imported.startswith(allowed)
+    ]
+    assert found == []
 
 
 def test_nodes_join_ros_by_the_one_module_that_handles_signals():
