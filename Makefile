@@ -72,7 +72,7 @@ behaviors: build ## Synthesize the charts of remodel_behaviors again
 
 unit: $(BUILD) ## Tests that need no ROS master (PACKAGE=remodel_sim, TIER=all)
 	@$(SOURCED) pytest --numprocesses auto --dist loadfile --no-loadscope-reorder --junit-xml=$(RESULTS)/unit.xml \
-	  $(if $(filter quick,$(TIER)),-m "not slow") $(if $(PACKAGE),$(call package_folder,test/unit))
+	  --hypothesis-profile=$(TIER) $(if $(filter quick,$(TIER)),-m "not slow") $(if $(PACKAGE),$(call package_folder,test/unit))
 
 rostest: $(BUILD) ## Tests of running nodes, each package on a roscore of its own (PACKAGE=remodel_console, TIER=all)
 	@$(SOURCED) ctest --test-dir build --parallel 4 --output-on-failure --no-tests=error \

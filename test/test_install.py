@@ -54,6 +54,7 @@ def copy_of_sources(folder):
     return folder
 
 
+@pytest.mark.slow
 def test_an_installed_workspace_places_a_wire_without_its_sources(tmp_path):
     sources = copy_of_sources(tmp_path / "workspace")
     # Messages for Python alone: the others take most of the time of a build.

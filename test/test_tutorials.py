@@ -30,6 +30,9 @@ PAGES = sorted(page for page in TUTORIALS.glob("*.md") if page.name != "README.m
 # Other pages in the same form.
 OTHERS = [TUTORIALS.parent / f"real-cell/{name}.md" for name in ("launch", "limits")]
 
+# They place a wire in the simulated cell, and build a package.
+SLOW = ("1-first-wire", "3-your-ability")
+
 # [s] Wall time: of a command, or until one that keeps running has printed what is shown, and until
 # it has ended. The machine may be busy.
 LIMIT_S, END_S = 240.0, 30.0
@@ -167,7 +170,13 @@ def free_port():
         return str(opened.getsockname()[1])
 
 
-@pytest.mark.parametrize("page", [*PAGES, *OTHERS], ids=lambda page: page.stem)
+@pytest.mark.parametrize(
+    "page",
+    [
+        pytest.param(p, id=p.stem, marks=[pytest.mark.slow] if p.stem in SLOW else [])
+        for p in (*PAGES, *OTHERS)
+    ],
+)
 def test_every_command_prints_what_the_tutorial_shows(page, tmp_path):
     home, folder = tmp_path / "home", tmp_path / "home/tutorial"
     folder.mkdir(parents=True)

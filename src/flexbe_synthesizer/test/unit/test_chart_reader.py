@@ -1,7 +1,7 @@
 import dataclasses
 
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from synthesizer_support.strategies import WILD_NAMES, charts
 
 from flexbe_synthesizer.core.chart.chart_reader import parse_chart
@@ -12,7 +12,6 @@ from flexbe_synthesizer.core.chart.xml_tree import XmlTree
 
 
 @given(charts(WILD_NAMES, WILD_NAMES))
-@settings(max_examples=100, deadline=None, derandomize=True)
 def test_a_chart_that_is_written_is_read_as_the_same_chart(chart):
     text = write_chart(chart)
     again = parse_chart(text)

@@ -4,7 +4,7 @@ import dataclasses
 import re
 
 import pytest
-from hypothesis import HealthCheck, given, settings
+from hypothesis import given
 from synthesizer_support.strategies import WILD_NAMES, charts
 
 from flexbe_synthesizer.core.chart.chart_reader import parse_chart, read_chart
@@ -21,7 +21,6 @@ CHART = """<statemachine name="A" initial="S">
 
 
 @given(MIXED, MIXED)
-@settings(max_examples=25, deadline=None, derandomize=True, suppress_health_check=list(HealthCheck))
 def test_any_chart_becomes_any_other_one_on_many_lines_and_on_one(before, after):
     text = write_chart(before)
     assert rewrite_chart(text, before) == text

@@ -2,7 +2,7 @@
 
 from dataclasses import replace
 
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from flexbe_synthesizer.core.chart.model import (
@@ -274,7 +274,6 @@ def uncounted(drawn, outputs=()):
 
 
 @given(charts())
-@settings(max_examples=150, deadline=None, derandomize=True)
 def test_every_read_that_some_path_makes_too_early_is_found(drawn):
     source = sources(drawn)
     early = {n for n, written in walk(drawn) if n in source and source[n] not in written}
@@ -283,7 +282,6 @@ def test_every_read_that_some_path_makes_too_early_is_found(drawn):
 
 
 @given(charts().map(uncounted))
-@settings(max_examples=150, deadline=None, derandomize=True)
 def test_without_counted_states_nothing_else_is_reported(drawn):
     source = sources(drawn)
     early = {n for n, written in walk(drawn) if n in source and source[n] not in written}
@@ -292,7 +290,6 @@ def test_without_counted_states_nothing_else_is_reported(drawn):
 
 
 @given(charts().map(lambda drawn: uncounted(drawn, outputs=["v"])))
-@settings(max_examples=150, deadline=None, derandomize=True)
 def test_a_read_of_another_states_value_is_found_and_nothing_else(drawn):
     source = sources(drawn)
     steps = [(n, written) for n, written in walk(drawn) if n in source]
@@ -304,7 +301,6 @@ def test_a_read_of_another_states_value_is_found_and_nothing_else(drawn):
 
 
 @given(charts(ends=("end", "other")).map(lambda c: uncounted(c, outputs=["v"])))
-@settings(max_examples=150, deadline=None, derandomize=True)
 def test_what_each_outcome_writes_is_what_some_and_what_all_paths_to_it_write(drawn):
     drawn = replace(drawn, outcomes=(Outcome("end"), Outcome("other")))
     resolved = check_chart(drawn, LIBRARY, {}).resolved

@@ -7,7 +7,7 @@ import pstats
 import time
 
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 from synthesizer_support.strategies import charts
 from synthesizer_support.w3c_scxml import faults
@@ -23,7 +23,6 @@ from flexbe_synthesizer.core.export.render_python import render_python
 from flexbe_synthesizer.core.export.scxml import ScxmlError, chart_to_scxml
 
 LONGEST_S = 5.0
-BOUNDED = settings(max_examples=120, deadline=None, derandomize=True)
 TAGS = ["statemachine", "datamodel", "outcomes", "outcome", "input", "output", "state", "behavior"]
 TAGS += ["param", "transition", "connection", "ext:container", "ext:concurrency", "ext:priority"]
 TAGS += ["ext:condition", "ext:when", "x"]
@@ -73,13 +72,11 @@ def holds(library, app_complaints):
 
 
 @given(st.binary(max_size=300) | st.text(max_size=300).map(ascii).map(str.encode))
-@BOUNDED
 def test_bytes(holds, data):
     holds(data)
 
 
 @given(st.data())
-@BOUNDED
 def test_trees(holds, data):
     def element(depth):
         tag = data.draw(st.sampled_from(TAGS))
@@ -94,7 +91,6 @@ def test_trees(holds, data):
 
 
 @given(charts(types=st.sampled_from(["UserDataState", "ChooseState", "CountState", "Clean Up"])))
-@BOUNDED
 def test_models(holds, chart):
     holds(write_chart(chart))
 

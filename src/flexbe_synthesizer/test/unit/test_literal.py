@@ -1,7 +1,7 @@
 import ast
 
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from flexbe_synthesizer.core.chart.literal import (
@@ -68,14 +68,12 @@ def test_a_text_is_the_literal_it_spells_or_a_string(text, value):
 
 
 @given(LITERALS)
-@settings(deadline=None, derandomize=True)
 def test_what_is_written_is_read_as_the_same_literal(value):
     frozen = freeze(value)
     assert repr(parse_literal(format_literal(frozen))) == repr(frozen)
 
 
 @given(LITERALS)
-@settings(deadline=None, derandomize=True)
 def test_the_python_expression_is_one_line_that_means_the_same(value):
     source = python_literal(freeze(value))
     assert "\n" not in source
@@ -83,7 +81,6 @@ def test_the_python_expression_is_one_line_that_means_the_same(value):
 
 
 @given(st.text())
-@settings(deadline=None, derandomize=True)
 def test_a_quoted_text_has_nothing_that_misleads_the_app(text):
     source = quote(text)
     assert ast.literal_eval(source) == text

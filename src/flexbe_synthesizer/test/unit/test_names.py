@@ -1,7 +1,7 @@
 import keyword
 
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 from rosgraph.names import is_legal_name
 
@@ -42,7 +42,6 @@ def test_snake_case_is_what_one_would_write(name, snake):
 
 
 @given(st.text(min_size=1))
-@settings(deadline=None, derandomize=True)
 def test_snake_case_is_always_an_identifier_when_joined(name):
     key = names.snake_case(name) + "_x"
     assert key.isidentifier()
@@ -102,6 +101,5 @@ def test_a_topic_that_ros_refuses_is_none(topic):
 
 
 @given(st.text("a1_/~ -.ä\n"))
-@settings(max_examples=500, derandomize=True)
 def test_what_ros_refuses_is_no_topic(text):
     assert is_legal_name(text) or not names.is_topic(text)

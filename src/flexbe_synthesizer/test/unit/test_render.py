@@ -4,7 +4,7 @@ import ast
 import dataclasses
 
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from flexbe_synthesizer.core.chart.chart_reader import parse_chart
@@ -45,7 +45,6 @@ def test_the_same_chart_gives_the_same_bytes(machine):
 
 
 @given(st.text(), st.text())
-@settings(deadline=None, derandomize=True)
 def test_no_description_or_value_can_break_out_of_its_place(
     machine, app_complaints, description, value
 ):

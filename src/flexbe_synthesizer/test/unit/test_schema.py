@@ -4,7 +4,7 @@ import re
 from pathlib import Path
 
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from lxml import etree
 from synthesizer_support.strategies import charts
 
@@ -55,7 +55,6 @@ def test_the_charts_in_the_docs_are_valid(schema, text):
 
 
 @given(charts())
-@settings(max_examples=80, deadline=None, derandomize=True)
 def test_a_chart_that_is_written_is_valid_and_read_as_the_same(schema, chart):
     text = write_chart(chart)
     assert complaints(schema, text.partition("?>")[2]) == []

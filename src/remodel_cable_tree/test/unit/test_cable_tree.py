@@ -5,7 +5,7 @@ import random
 from pathlib import Path
 
 import pytest
-from hypothesis import HealthCheck, given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from remodel_cable_tree.core.constraint import constraints_of, with_constraints
@@ -20,9 +20,6 @@ from remodel_production.errors import InstanceError
 # Small searches have done all their work long before; the clock must not decide a test.
 LONG_S = 60.0
 DATA = Path(__file__).parent / "data"
-TREES = settings(
-    max_examples=40, deadline=None, derandomize=True, suppress_health_check=list(HealthCheck)
-)
 
 
 def random_tree(ends, seed, *, hidden_order=True):
@@ -63,7 +60,6 @@ def orders(tree):
     return [order for order in every if not any(violations(tree, order))]
 
 
-@TREES
 @given(st.integers(2, 6), st.integers(0, 10**6), st.booleans())
 def test_small_trees_get_the_best_order_or_a_proof(ends, seed, hidden_order):
     tree = random_tree(ends, seed, hidden_order=hidden_order)
@@ -77,7 +73,6 @@ def test_small_trees_get_the_best_order_or_a_proof(ends, seed, hidden_order):
     assert cost_of(tree, found.order).total == least
 
 
-@TREES
 @given(st.integers(8, 60), st.integers(0, 10**6))
 def test_kernel_counts_costs_as_the_reference(ends, seed):
     tree = random_tree(ends, seed)

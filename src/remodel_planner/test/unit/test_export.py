@@ -3,7 +3,7 @@
 import json
 
 import pytest
-from hypothesis import HealthCheck, given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 from pddl.parser.domain import DomainParser
 from pddl.parser.problem import ProblemParser
@@ -66,7 +66,6 @@ def test_the_hierarchical_domain_has_the_same_actions_and_its_tasks():
     assert stated.count("(") == stated.count(")")
 
 
-@settings(max_examples=30, deadline=None, derandomize=True, suppress_health_check=list(HealthCheck))
 @given(st.integers(2, 30), st.integers(0, 999))
 def test_the_exported_plan_costs_what_the_plan_does(wires, seed):
     stated = problem(wires, seed)

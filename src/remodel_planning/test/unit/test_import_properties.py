@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pytest
 import yaml
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from remodel_planning.core.decomposition.preparation import prepare
@@ -33,7 +33,6 @@ DESIGNS = Path(__file__).parents[3] / "remodel_production/test/unit/designs"
 QET = Path("/usr/share/qelectrotech/examples/schema_indus.qet")
 SEEDS = [file.read_bytes() for file in (*sorted(DESIGNS.iterdir()), QET)]
 
-fixed = settings(derandomize=True, deadline=None, database=None, max_examples=60)
 words = st.text("ABCX129-+= äµ;,\"'", min_size=1, max_size=6).map(str.strip).filter(bool)
 terminals = st.tuples(words, st.sampled_from(["1", "2", "A1", "13", "PE"]))
 
@@ -59,7 +58,6 @@ def require_whole(imported):
             assert {before.start, before.end} & {after.start, after.end}
 
 
-@fixed
 @given(st.lists(st.tuples(terminals, terminals, st.sampled_from(["", "7", "8"])), max_size=12))
 def test_a_list_loses_no_line_and_keeps_every_name(rows):
     text = io.StringIO()
@@ -79,7 +77,6 @@ def test_a_list_loses_no_line_and_keeps_every_name(rows):
     prepare(board_order(board_of(imported.order, CATALOGUE), CABINET, 2), CABINET)
 
 
-@fixed
 @given(st.data())
 def test_a_harness_connects_what_its_sets_say(data):
     pins = data.draw(st.integers(1, 6))
@@ -103,7 +100,6 @@ def test_a_harness_connects_what_its_sets_say(data):
     }
 
 
-@fixed
 @given(st.integers(1, 12), st.randoms(use_true_random=False))
 def test_the_segments_of_a_way_are_ordered_whatever_their_order_and_direction(count, rng):
     segments = []
@@ -119,7 +115,6 @@ def test_the_segments_of_a_way_are_ordered_whatever_their_order_and_direction(co
 KBL_IDS = sorted(set(re.findall(r'\bid="([^"]+)"', (DESIGNS / "loom.kbl").read_text())))
 
 
-@fixed
 @given(st.sampled_from(KBL_IDS))
 def test_a_missing_element_of_a_harness_is_named_where_it_is_referred_to(key):
     text = (DESIGNS / "loom.kbl").read_text()
@@ -134,7 +129,6 @@ def test_a_missing_element_of_a_harness_is_named_where_it_is_referred_to(key):
         require_whole(imported)
 
 
-@fixed
 @given(st.sampled_from([key for key in KBL_IDS if key not in ("loom", "h")]))
 def test_a_doubled_element_of_a_harness_is_named_with_both_places(key):
     text = (DESIGNS / "loom.kbl").read_text()
@@ -143,7 +137,6 @@ def test_a_doubled_element_of_a_harness_is_named_with_both_places(key):
         read(broken.encode(), BY_NAME["kbl"])
 
 
-@settings(fixed, max_examples=300)
 @given(st.sampled_from(SEEDS), st.randoms(use_true_random=False))
 def test_a_damaged_file_is_read_whole_or_refused_and_never_breaks_the_program(seed, rng):
     data = bytearray(seed)
@@ -161,7 +154,6 @@ def test_a_damaged_file_is_read_whole_or_refused_and_never_breaks_the_program(se
     board_of(imported.order, CATALOGUE)
 
 
-@settings(fixed, max_examples=100)
 @given(
     st.sampled_from(FORMATS),
     st.one_of(st.binary(max_size=200), st.text().map(str.encode)),

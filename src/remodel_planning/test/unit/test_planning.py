@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from decoder import decode
 from failures import after_jam, after_move, remaining_order
-from hypothesis import HealthCheck, given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 from random_panel import random_panel
 
@@ -23,9 +23,6 @@ from remodel_planning.core.search.tables import tables_of
 from remodel_planning.edge.anytime_planner import AnytimePlanner, Limits
 from remodel_planning.edge.search_kernel import Kernel
 
-PANELS = settings(
-    max_examples=40, deadline=None, derandomize=True, suppress_health_check=list(HealthCheck)
-)
 sizes = st.integers(2, 24)
 seeds = st.integers(0, 999)
 arm_counts = st.sampled_from([1, 2])
@@ -96,7 +93,6 @@ def residual(planned, seed):
     return after_move(problem, plan, index, rng.choice(problem.components), shift_mm=shift)
 
 
-@PANELS
 @given(sizes, seeds, arm_counts)
 def test_kernel_and_reference_do_the_same_with_any_list(kernel, wires, seed, arms):
     rng = random.Random(seed)
@@ -118,7 +114,6 @@ def test_kernel_and_reference_do_the_same_with_any_list(kernel, wires, seed, arm
         tables = tables_of(residual(planned, rng.random()))
 
 
-@PANELS
 @given(sizes, seeds, arm_counts)
 def test_first_and_improved_plans_are_valid_and_never_worse(kernel, wires, seed, arms):
     planner = AnytimePlanner(kernel, tables_of(panel(wires, seed, arms)), seed)
@@ -129,7 +124,6 @@ def test_first_and_improved_plans_are_valid_and_never_worse(kernel, wires, seed,
     assert better.cost <= first.cost
 
 
-@PANELS
 @given(st.integers(2, 60), seeds)
 def test_costs_counted_move_by_move_are_those_of_the_whole_plan(kernel, wires, seed):
     problem = kernel.load(tables_of(panel(wires, seed, 2)))
@@ -143,7 +137,6 @@ def test_costs_counted_move_by_move_are_those_of_the_whole_plan(kernel, wires, s
     assert cost == decoded.makespan + decoded.penalty - problem.tables.constant
 
 
-@PANELS
 @given(sizes, seeds, arm_counts, st.integers(0, 2**30))
 def test_patched_plans_are_valid_and_keep_the_order(kernel, wires, seed, arms, failure):
     planned = AnytimePlanner(kernel, tables_of(panel(wires, seed, arms))).first()
@@ -204,7 +197,6 @@ def test_plan_of_nothing_is_empty(kernel):
     assert planned.cost == 0
 
 
-@PANELS
 @given(sizes, seeds, arm_counts)
 def test_a_problem_comes_back_equal_from_its_document(wires, seed, arms):
     kernel = Kernel()

@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import pytest
 import yaml
-from hypothesis import HealthCheck, assume, given, settings
+from hypothesis import assume, given
 from hypothesis import strategies as st
 from random_panel import random_panel
 
@@ -349,7 +349,6 @@ REQUIREMENTS = st.lists(
 )
 
 
-@settings(max_examples=60, deadline=None, derandomize=True, suppress_health_check=list(HealthCheck))
 @given(st.integers(6, 20), st.integers(0, 999), PREFERENCES, REQUIREMENTS)
 def test_plans_keep_all_requirements_or_the_document_is_refused(wires, seed, prefer, require):
     problem = problem_from(random_panel(wires, seed, 2))
@@ -377,7 +376,6 @@ def test_plans_keep_all_requirements_or_the_document_is_refused(wires, seed, pre
                     assert item["x_mm"][0] <= at <= item["x_mm"][1]
 
 
-@settings(max_examples=25, deadline=None, derandomize=True, suppress_health_check=list(HealthCheck))
 @given(st.integers(3, 20), st.integers(0, 999), st.data())
 def test_the_list_of_a_plan_gives_the_plan_again_and_can_be_mended(wires, seed, data):
     problem = problem_from(random_panel(wires, seed, 2))

@@ -3,7 +3,7 @@
 import os
 
 import pytest
-from hypothesis import HealthCheck, given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from flexbe_synthesizer.core.chart.chart_reader import parse_chart
@@ -86,7 +86,6 @@ def library():
     return read_library([p for p in packages if p.name == "remodel_states"])[0]
 
 
-@settings(max_examples=60, deadline=None, derandomize=True, suppress_health_check=list(HealthCheck))
 @given(orders())
 def test_plans_of_random_orders_are_valid_and_their_tasks_have_charts(library, drawn):
     use_case, order = drawn

@@ -9,7 +9,6 @@ import sys
 from concurrent.futures import ProcessPoolExecutor
 from functools import cache
 from pathlib import Path
-from random import SystemRandom
 
 import pytest
 
@@ -17,8 +16,7 @@ sys.path.insert(0, str(Path(__file__).parents[1]))
 
 from schedules.schedule import Schedules
 
-FIXED, FRESH, AT_ONCE = 500, 500, 50
-KEPT = "schedules/fresh_seeds"
+FEW, MANY, AT_ONCE = 20, 2000, 50
 
 
 @cache
@@ -29,25 +27,21 @@ def schedules():
     return made
 
 
-def failures_from(first):
+def failures_from(first, count=AT_ONCE):
     """Run some schedules, and return those that fail."""
-    verdicts = [schedules().run(seed) for seed in range(first, first + AT_ONCE)]
+    verdicts = [schedules().run(seed) for seed in range(first, first + count)]
     return [f"seed {each.seed}: {each.violation}" for each in verdicts if each.violation]
 
 
-@pytest.fixture(scope="module")
-def pool():
+def test_few_schedules(fresh_seed):
+    assert not failures_from(fresh_seed, FEW)
+
+
+@pytest.mark.slow
+def test_many_schedules(fresh_seed):
     with ProcessPoolExecutor() as pool:
-        yield pool
-
-
-def failures(pool, first, count):
-    chunks = pool.map(failures_from, range(first, first + count, AT_ONCE))
-    return [failure for chunk in chunks for failure in chunk]
-
-
-def test_fixed_seeds(pool):
-    assert not failures(pool, 0, FIXED)
+        chunks = pool.map(failures_from, range(fresh_seed, fresh_seed + MANY, AT_ONCE))
+        assert [failure for chunk in chunks for failure in chunk] == []
 
 
 @pytest.mark.parametrize(
@@ -61,15 +55,6 @@ def test_fixed_seeds(pool):
 )
 def test_seeds_that_failed_once(seed):
     assert not schedules().run(seed).violation
-
-
-def test_fresh_seeds(pool, pytestconfig):
-    # Seeds that failed are kept until they pass: run again, the test does not draw others.
-    kept = pytestconfig.cache
-    first = kept.get(KEPT, None) or SystemRandom().randrange(10**6, 10**9)
-    kept.set(KEPT, first)
-    assert not failures(pool, first, FRESH), f"fresh seeds from {first} on"
-    kept.set(KEPT, None)
 
 
 def test_a_seed_gives_the_same_schedule_again():

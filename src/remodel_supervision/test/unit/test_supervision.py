@@ -6,7 +6,7 @@ from random import Random
 
 import hypothesis.strategies as st
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 
 from remodel_planning.core.use_case.fault import Do, Response
 from remodel_planning.core.use_case.policy import Limits, Policy
@@ -746,7 +746,6 @@ def test_what_cannot_go_on_ends(run):
     assert run.add(Blocked("no panel")) == EndRun(Ending.STOPPED, "no panel")
 
 
-@settings(deadline=None)
 @given(st.integers(0, 10_000))
 def test_every_run_ends_and_every_event_survives_the_database(seed):
     """Random worlds: failures of all kinds, interruptions, commands and answers at any time."""

@@ -1,0 +1,45 @@
+"""Random input of the tests: fresh in each run, from a seed that is printed and can be given.
+
+`make test` draws few examples of each kind, `make test-all` many (`--hypothesis-profile=all`).
+`pytest --fresh-seed N` draws those of an earlier run again.
+"""
+
+from random import SystemRandom
+
+import pytest
+from hypothesis import HealthCheck, settings
+
+for name, examples in (("quick", 15), ("all", 1000)):
+    settings.register_profile(
+        name,
+        max_examples=examples,
+        deadline=None,  # machines are busy
+        database=None,
+        suppress_health_check=list(HealthCheck),
+    )
+settings.load_profile("quick")
+
+
+def pytest_addoption(parser: pytest.Parser) -> None:
+    """Add the seed of all random input."""
+    parser.addoption("--fresh-seed", type=int, help="draw the random input of an earlier run")
+
+
+@pytest.hookimpl(tryfirst=True)
+def pytest_configure(config: pytest.Config) -> None:
+    """Choose the seed, which all workers share, before Hypothesis reads it."""
+    if config.option.fresh_seed is None:
+        config.option.fresh_seed = SystemRandom().randrange(10**6, 10**9)
+    config.option.hypothesis_seed = config.option.fresh_seed
+
+
+def pytest_terminal_summary(terminalreporter: pytest.TerminalReporter) -> None:
+    """Print the seed."""
+    seed = terminalreporter.config.option.fresh_seed
+    terminalreporter.write_line(f"random input: --fresh-seed {seed}")
+
+
+@pytest.fixture(scope="session")
+def fresh_seed(pytestconfig: pytest.Config) -> int:
+    """Return the seed of this run's random input; others may be counted from it."""
+    return pytestconfig.option.fresh_seed
