@@ -2,7 +2,7 @@
 SHELL := /bin/bash
 .SHELLFLAGS := -euo pipefail -c
 .DEFAULT_GOAL := help
-.PHONY: help build demo cabinet harness film test test-all install docker generate behaviors unit rostest lint bench-engine bench-planner bench-synthesis bench-console bench-drawing bench-sim bench-vision bench-learning bench-pause bench-replan bench-scale docs evaluate-abilities schedules chaos campaign clean
+.PHONY: help build demo cabinet harness film test test-all install docker generate behaviors unit rostest lint xml bench-engine bench-planner bench-synthesis bench-console bench-drawing bench-sim bench-vision bench-learning bench-pause bench-replan bench-scale docs evaluate-abilities schedules chaos campaign clean
 
 # The workspace's own Python first, whatever else the shell has on its path; no other workspace.
 export PATH := $(CURDIR)/.venv/bin:/usr/local/sbin:/usr/local/bin:/usr/sbin:/usr/bin:/sbin:/bin
@@ -78,10 +78,12 @@ rostest: $(BUILD) ## Tests of running nodes, each package on a roscore of its ow
 	@$(SOURCED) ctest --test-dir build --parallel 4 --output-on-failure --no-tests=error \
 	  $(if $(filter quick,$(TIER)),--label-exclude slow) $(if $(PACKAGE),--tests-regex '^_ctest_$(PACKAGE)_ros')
 
-lint: .venv/.ready ## Style, types of the pure cores, and XML
+lint: .venv/.ready xml ## Style, types of the pure cores, and XML
 	@ruff format --check .
 	@ruff check .
 	@mypy src/*/src/*/core src/remodel_supervision/src/remodel_supervision/supervisors src/flexbe/flexbe_core/src/flexbe_core/engine
+
+xml: .venv/.ready # part of lint, and of a commit
 	@find src '(' -name '*.xml' -o -name '*.launch' -o -name '*.xsd' -o -path '*/rostest/*.test' ')' -print0 | \
 	  xargs -0 python3 -c 'import sys; from lxml import etree; [etree.parse(file) for file in sys.argv[1:]]'
 
