@@ -66,9 +66,12 @@ def test_lists_can_come_from_parameters_and_from_what_the_user_fills_in():
     assert list(state.parameters) == ["target", "speed", "topic", "?input_keys"]
 
 
-@pytest.mark.parametrize("file", FILES, ids=lambda file: file.stem)
-def test_the_app_sees_all_of_each_state_of_flexbe_states(file):
-    assert judge_state(file.read_text(), f"flexbe_states.{file.stem}") == []
+def test_the_app_sees_all_of_each_state_of_flexbe_states():
+    assert len(FILES) > 10
+    found = {
+        file.stem: judge_state(file.read_text(), f"flexbe_states.{file.stem}") for file in FILES
+    }
+    assert {name: complaints for name, complaints in found.items() if complaints} == {}
 
 
 @pytest.mark.parametrize(
