@@ -155,9 +155,10 @@ def _parsed(text: str) -> object:
     if len(text) > _LONGEST:
         raise CommandError(f"longer than {_LONGEST} letters")
     try:
+        value = yaml.safe_load(text)  # first: it gives up on deep nesting soon
         if any(isinstance(event, yaml.AliasEvent) for event in yaml.parse(text, yaml.SafeLoader)):
             raise CommandError("aliases (`*name`) are not allowed; repeat the value")
-        return yaml.safe_load(text)
+        return value
     except (yaml.YAMLError, RecursionError, ValueError) as error:
         mark = getattr(error, "problem_mark", None)
         where = f"line {mark.line + 1}: " if mark else ""
