@@ -23,6 +23,7 @@ LOCKED = Supervision(locks=frozenset({"/a/b"}))
 ACCEPTED = [
     # command, record before, changes, feedback
     (ForceOutcome("b", 1), NOTHING, {"forced": "failed"}, ("transition", ("b", "b"))),
+    (ForceOutcome("/a/b", 1), NOTHING, {"forced": "failed"}, ("transition", ("/a/b", "/a/b"))),
     (Lock(""), NOTHING, {"locks": frozenset({"/a/b"})}, ("lock", ("/a/b", "/a/b"))),
     (Lock("/a/b"), NOTHING, {"locks": frozenset({"/a/b"})}, ("lock", ("/a/b", "/a/b"))),
     (Lock("/a"), NOTHING, {"locks": frozenset({"/a"})}, ("lock", ("/a", "/a"))),

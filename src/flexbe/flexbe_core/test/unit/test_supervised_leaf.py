@@ -72,6 +72,19 @@ def test_a_transition_that_needs_more_asks_once_and_waits(bench):
     assert step(bench, engine, SetAutonomy(2)) == [Answered("autonomy"), Left("/a", "done", 0)]
 
 
+def test_the_path_that_the_operator_was_asked_with_names_the_state(bench):
+    _, engine = started(bench, level=1, required=1)
+    (asked,) = step(bench, engine)
+    answered, *_, left = step(bench, engine, ForceOutcome(asked.path, asked.index))
+    assert (answered.command, left) == ("transition", Left("/a", "done", 0))
+
+
+def test_a_state_that_wants_another_outcome_asks_again(bench):
+    _, engine = started(bench, level=0, script=["done", "failed"])
+    assert step(bench, engine) == [Requested("/a", 0)]
+    assert step(bench, engine) == [Requested("/a", 1)]
+
+
 def test_a_state_that_changes_its_mind_withdraws_its_request(bench):
     _, engine = started(bench, level=1, required=1, script=["done", None, "done"])
     assert step(bench, engine) == [Requested("/a", 0)]
@@ -318,11 +331,9 @@ def test_who_preempts_is_not_told_that_nothing_is_asked(bench):
     assert not engine.stopped
 
 
-def test_the_path_of_the_active_state_is_a_name_only_while_others_wait(bench):
+def test_the_path_of_the_active_state_names_it_also_while_others_wait(bench):
     engine = two_children(bench, ScriptedState(["done"]))
-    answer, reason, *_ = step(bench, engine, ForceOutcome("/a", 0))
-    assert (answer, type(reason)) == (Answered("transition", ("/a", "a")), Refused)
-    assert "/b" in engine.stopped
     events = step(bench, engine, ForceOutcome("/a", 0))
-    assert Answered("transition", ("a", "a")) in events
+    assert Answered("transition", ("/a", "/a")) in events
     assert Left("/a", "done", 0) in events
+    assert "/b" in engine.stopped

@@ -30,7 +30,7 @@ from flexbe_core.engine.machine import Machine
 from flexbe_core.engine.migration import detach_state, migrating_state
 from flexbe_core.engine.node import NOW, Node
 from flexbe_core.engine.priority import Priority, is_inside
-from flexbe_core.engine.supervised_leaf import answer_at_breakpoint, by_name
+from flexbe_core.engine.supervised_leaf import answer_at_breakpoint
 from flexbe_core.engine.supervision import commands
 from flexbe_core.engine.supervision.in_force import PREEMPTED, UNSUPERVISED, Supervision
 
@@ -144,10 +144,9 @@ class Engine:
         Otherwise an operator who asked for a hold gets a warning and no feedback: operator
         interfaces take any feedback for success.
         """
-        if isinstance(command, commands.ForceOutcome) and self.stopped:
-            if answer_at_breakpoint(self, command):
-                return
-            command = by_name(self, command)
+        is_forced = isinstance(command, commands.ForceOutcome)
+        if is_forced and self.stopped and answer_at_breakpoint(self, command):
+            return
         if self._is_supervised():
             self.commands.append(command)
         elif isinstance(command, commands.Pause | commands.Lock):

@@ -131,17 +131,6 @@ def answer_at_breakpoint(engine: Engine, command: ForceOutcome) -> bool:
     return True
 
 
-def by_name(engine: Engine, command: ForceOutcome) -> ForceOutcome:
-    """Return a command with the name of the active state in place of its path.
-
-    While states wait at breakpoints a name may mean several of them, so a path is allowed.
-    """
-    active = engine.root.leaf()
-    if active is not None and command.target == active.path:
-        return replace(command, target=active.label)
-    return command
-
-
 def _apply_commands(leaf: Leaf) -> None:
     """Apply the commands to the active state, up to a forced outcome.
 

@@ -26,7 +26,7 @@ class ActiveState:
     """The state to which commands apply.
 
     Attributes:
-        name: its label; forced outcomes name it.
+        name: its label; forced outcomes name it, or its path, by which the operator was asked.
         path: its path; locks name it.
         outcomes: what it declares, in order.
         ancestors: paths of the containers around it, the root's (empty) last.
@@ -44,10 +44,11 @@ def apply_command(supervision: Supervision, command: StateCommand, state: Active
 
 
 def _force(supervision: Supervision, command: ForceOutcome, state: ActiveState) -> Applied:
-    answer = Answered("transition", (command.target, state.name))
-    if command.target != state.name:
+    if command.target not in (state.name, state.path):
+        answer = Answered("transition", (command.target, state.name))
         text = f"asked for an outcome of {command.target!r}, but {state.name!r} is active"
         return supervision, (answer, Refused(text))
+    answer = Answered("transition", (command.target, command.target))
     if not 0 <= command.index < len(state.outcomes):
         declared = ", ".join(f"{index}: {name}" for index, name in enumerate(state.outcomes))
         text = f"asked for outcome {command.index} of {state.name!r}; it has {declared}"
