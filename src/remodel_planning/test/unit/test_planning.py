@@ -22,6 +22,7 @@ from remodel_planning.core.problem.problem import ActionKind, Plan
 from remodel_planning.core.search.tables import tables_of
 from remodel_planning.edge.anytime_planner import AnytimePlanner, Limits
 from remodel_planning.edge.search_kernel import Kernel
+from remodel_production.errors import InfeasibleError
 
 sizes = st.integers(2, 24)
 seeds = st.integers(0, 999)
@@ -79,7 +80,7 @@ def random_list(tables, rng):
 
 
 def residual(planned, seed):
-    """Return a problem left over after a random failure of a plan."""
+    """Return a problem left over after a random failure of a plan; the problem where none is."""
     rng = random.Random(seed)
     plan, problem = planned.plan, planned.tables.problem
     inserts, picks = (
@@ -90,7 +91,12 @@ def residual(planned, seed):
         return after_jam(problem, plan, rng.choice(inserts)) if inserts else problem
     index = rng.choice(picks)
     shift = (rng.randrange(-20, 20), rng.randrange(-40, 40))
-    return after_move(problem, plan, index, rng.choice(problem.components), shift_mm=shift)
+    left = after_move(problem, plan, index, rng.choice(problem.components), shift_mm=shift)
+    try:
+        require_sound(left)
+    except InfeasibleError:  # moved out of reach of all arms
+        return problem
+    return left
 
 
 @given(sizes, seeds, arm_counts)
