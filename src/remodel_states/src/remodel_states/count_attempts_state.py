@@ -30,9 +30,14 @@ class CountAttemptsState(EventState):
         if not isinstance(attempts, int) or attempts < 1:
             raise ValueError(f"attempts must be an integer of at least 1, found {attempts!r}")
         self._attempts = attempts
+        self._outcome = None
 
-    def execute(self, userdata):
-        """Count, and return at once."""
+    def on_enter(self, userdata):
+        """Count: once for each visit, however long the operator withholds the outcome."""
         attempt = userdata.attempt + 1
         userdata.attempt = attempt
-        return "counted" if attempt <= self._attempts else "exhausted"
+        self._outcome = "counted" if attempt <= self._attempts else "exhausted"
+
+    def execute(self, userdata):
+        """Return at once."""
+        return self._outcome

@@ -19,13 +19,17 @@ class DecisionState(EventState):
         super().__init__(outcomes=outcomes, input_keys=["input_value"])
         self._conditions = conditions
         self._warned = False
+        self._outcome = None
 
     def on_enter(self, userdata):
-        """Warn once per visit if the function fails."""
+        """Decide once per visit, and warn once if the function fails."""
         self._warned = False
+        self._outcome = None
 
     def execute(self, userdata):
-        """Call the function."""
+        """Call the function until it has named an outcome."""
+        if self._outcome is not None:
+            return self._outcome
         try:
             outcome = str(self._conditions(userdata.input_value))
         except Exception as error:  # noqa: BLE001 - the function is the user's
@@ -33,4 +37,5 @@ class DecisionState(EventState):
                 self._warned = True
                 Logger.logwarn("%s: the function failed: %s", self.name, error)
             return None
-        return outcome if outcome in self.outcomes else None
+        self._outcome = outcome if outcome in self.outcomes else None
+        return self._outcome

@@ -34,9 +34,11 @@ class InputState(EventState):
         self._message = message
         self._client = ProxyActionClient({ACTION: BehaviorInputAction}, wait_duration=1)
         self._is_asked = False
+        self._outcome = None
 
     def on_enter(self, userdata):
         """Ask."""
+        self._outcome = None
         try:
             goal = BehaviorInputGoal(request_type=self._request, msg=self._message)
             self._client.send_goal(ACTION, goal)
@@ -46,7 +48,17 @@ class InputState(EventState):
             self._is_asked = False
 
     def execute(self, userdata):
-        """Check whether there is an answer."""
+        """Read the answer, once there is one."""
+        if self._outcome is None:
+            self._outcome = self._answer(userdata)
+        return self._outcome
+
+    def on_exit(self, userdata):
+        """Withdraw a question that is not answered."""
+        self._client.cancel(ACTION)
+
+    def _answer(self, userdata):
+        """Write the answer to userdata; return the outcome, None without an answer."""
         if self._is_asked and not self._client.has_result(ACTION):
             if self._client.is_available(ACTION):
                 return None
@@ -63,7 +75,3 @@ class InputState(EventState):
             Logger.logwarn("%s: cannot read the answer %.80r: %s", self.name, result.data, error)
             return "data_error"
         return "received"
-
-    def on_exit(self, userdata):
-        """Withdraw a question that is not answered."""
-        self._client.cancel(ACTION)

@@ -31,9 +31,11 @@ class SubscriberState(EventState):
         self._clear = clear
         self._sub = ProxySubscriberCached()
         self._connected = self._connect()
+        self._received = False
 
     def on_enter(self, userdata):
         """Subscribe, if that was not possible before."""
+        self._received = False
         self._connected = self._connected or self._connect()
         if not self._connected:
             Logger.logwarn("%s: topic %s is not advertised", self.name, self._topic)
@@ -41,7 +43,9 @@ class SubscriberState(EventState):
             self._sub.remove_last_msg(self._topic)
 
     def execute(self, userdata):
-        """Check whether there is a message."""
+        """Take the message, once there is one."""
+        if self._received:
+            return "received"
         if not self._connected:
             userdata.message = None
             return "unavailable"
@@ -49,6 +53,7 @@ class SubscriberState(EventState):
             return None
         userdata.message = self._sub.get_last_msg(self._topic)
         self._sub.remove_last_msg(self._topic)
+        self._received = True
         return "received"
 
     def _connect(self):
