@@ -149,6 +149,55 @@ class ByHandTest(unittest.TestCase):
         state._sub._callback(String("/a"), "flexbe/command/unlock")
         self.assertEqual(machine.execute(None), "finished")
 
+    def test_a_state_that_is_added_after_operators_may_supervise_it_gets_commands(self):
+        """In the order of stock FlexBE's own tests, in each kind of container, also in two."""
+
+        def in_a_machine(add):
+            machine = OperatableStateMachine(outcomes=["finished"])
+            with machine:
+                add("a")
+            return machine, "/a"
+
+        def in_a_priority_container(add):
+            container = PriorityContainer(outcomes=["finished"])
+            with container:
+                add("a")
+            return container, "/a"
+
+        def in_a_concurrency_container(add):
+            conditions = [("finished", [("a", "done")])]
+            container = ConcurrencyContainer(outcomes=["finished"], conditions=conditions)
+            with container:
+                add("a")
+            return container, "/a"
+
+        def in_a_container_that_is_added_later(add):
+            inner, path = in_a_machine(add)
+            outer = OperatableStateMachine(outcomes=["finished"])
+            with outer:
+                OperatableStateMachine.add("inner", inner, {"finished": "finished"})
+            return outer, f"/inner{path}"
+
+        for kind in (
+            in_a_machine,
+            in_a_priority_container,
+            in_a_concurrency_container,
+            in_a_container_that_is_added_later,
+        ):
+            state = ScriptedState(["done"])
+            state._enable_ros_control()
+            machine, path = kind(
+                lambda label, state=state: OperatableStateMachine.add(
+                    label, state, {"done": "finished"}, {"done": -1}
+                )
+            )
+            state._sub._callback(String(path), "flexbe/command/lock")
+            self.assertIsNone(machine.execute(UserData()), kind.__name__)
+            self.assert_feedback("lock", path, path)
+            state._sub._callback(String(path), "flexbe/command/unlock")
+            self.assertEqual(machine.execute(UserData()), "finished", kind.__name__)
+            self.assert_feedback("unlock", path, path)
+
     def test_a_container_may_be_locked_from_code(self):
         state = ScriptedState(["done"])
         machine = one_state(state)

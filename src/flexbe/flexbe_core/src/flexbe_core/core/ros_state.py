@@ -44,6 +44,12 @@ class RosState(State):
         """Return whether every transition of the state asks the operator."""
         return self.path in breakpoints.current()
 
+    def set_parent(self, value: State) -> None:
+        """Put the state into a container, whose run takes the commands for it from now on."""
+        super().set_parent(value)
+        if self._is_controlled:
+            run_session(self).listen()
+
     def _enable_ros_control(self) -> None:
         """Let operators supervise the state."""
         super()._enable_ros_control()

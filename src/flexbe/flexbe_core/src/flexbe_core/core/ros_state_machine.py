@@ -9,6 +9,7 @@ import rospy
 
 from flexbe_core.core.state import State
 from flexbe_core.core.state_machine import StateMachine
+from flexbe_core.engine.definitions.structure import definitions_below
 from flexbe_core.proxy.proxy_publisher import ProxyPublisher
 from flexbe_core.proxy.proxy_subscriber_cached import ProxySubscriberCached
 from flexbe_core.ros.session import run_session
@@ -31,6 +32,12 @@ class RosStateMachine(StateMachine):
             rospy.sleep(seconds)
         while condition is not None and not condition() and not rospy.is_shutdown():
             time.sleep(_CHECK_EVERY_S)
+
+    def set_parent(self, value: State) -> None:
+        """Put the container into another one, whose run takes the commands from now on."""
+        super().set_parent(value)
+        if any(definition._is_controlled for definition in definitions_below(self)):
+            run_session(self).listen()
 
     def _enable_ros_control(self) -> None:
         """Let operators supervise the container and everything in it."""
