@@ -116,9 +116,9 @@ def test_a_state_class_is_read_with_types_from_its_docstring():
         parameters=(
             Parameter("speed_m_s", "float"),
             Parameter("names", "list"),
-            Parameter("count", None, required=False, default=3),
+            Parameter("count", None, required=False, default=3, default_source="3"),
             Parameter("flag", "bool"),
-            Parameter("other", "string", required=False),
+            Parameter("other", "string", required=False, default_source="'x'"),
         ),
         outcomes=("done", "not done"),
         inputs=(Port("pose", "geometry_msgs/Pose"), Port("both")),

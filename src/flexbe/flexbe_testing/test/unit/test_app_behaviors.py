@@ -89,7 +89,7 @@ output_keys=['pose'], conditions=[
 
             # x:30 y:140
             OperatableStateMachine.add('Right',
-                                        SeeState(camera='right'),
+                                        SeeState(camera='right', hint=''),
                                         transitions={'seen': 'seen', 'unseen': 'lost'},
                                         autonomy={'seen': Autonomy.Off, 'unseen': Autonomy.Low},
                                         remapping={'part': 'part', 'pose': 'right_pose'})
@@ -256,7 +256,6 @@ def test_what_is_loaded_is_what_the_file_holds(known):
         ("self.use_behavior(CleanUpSM", "self.use_behavior(NoSM", "behavior that the App does not"),
         ("{'speed': self.speed}", "{'speed': max(1, 2)}", "parameters of '/Box/Clean'"),
         ("speed=self.speed)", "speed=(1)", "cannot load|is empty"),
-        ("camera='right'", "camera='#1'", "holds a '#'"),
         ("camera='right'", "", "parameter 'camera' of '/Look/Right' is empty"),
         ("'Box',\n", "'B-x',\n", "variable '_sm_b-x_0' after container '/B-x'"),
         ("_state_machine:\n", "_sm_box_1:\n", "has no states"),
@@ -321,8 +320,7 @@ def test_other_spellings_are_read_as_the_same_and_saved_in_the_apps_own(known):
     assert "MoveState(speed=self.speed)" in saved
     assert "OperatableStateMachine.add('Move',\n" in saved
     assert "autonomy={'done': 2}" in saved
-    assert judge(saved, known) == []
-    assert "saving changes the code" in judge(text, known)[0]
+    assert judge(saved, known) == judge(text, known) == []
 
 
 def test_states_of_one_name_are_imported_under_the_names_of_their_packages(known):

@@ -123,7 +123,7 @@ class PlaceConnectorSM(Behavior):
 
             # x:1080 y:140
             OperatableStateMachine.add('Extract',
-                                        ExtractCableState(),
+                                        ExtractCableState(timeout_s=20.0),
                                         transitions={'extracted': 'Locate_attempts', 'failed': 'failed'},
                                         autonomy={'extracted': Autonomy.Off, 'failed': Autonomy.Full},
                                         remapping={'cable_id': 'cable_id', 'error_code': 'error_code', 'error_message': 'error_message'})

@@ -103,7 +103,7 @@ class TwoArmsSM(Behavior):
 
             # x:780 y:40
             OperatableStateMachine.add('Extract',
-                                        ExtractCableState(),
+                                        ExtractCableState(timeout_s=20.0),
                                         transitions={'extracted': 'Insert_attempts', 'failed': 'given up'},
                                         autonomy={'extracted': Autonomy.Off, 'failed': Autonomy.Off},
                                         remapping={'cable_id': 'cable_id', 'error_code': 'error_code', 'error_message': 'extract_error_message'})
@@ -119,7 +119,7 @@ class TwoArmsSM(Behavior):
         with _sm_run_2:
             # x:30 y:40
             OperatableStateMachine.add('Left',
-                                        LocateComponentState(),
+                                        LocateComponentState(timeout_s=10.0),
                                         transitions={'located': 'seen', 'failed': 'missing'},
                                         autonomy={'located': Autonomy.Off, 'failed': Autonomy.Off},
                                         remapping={'component_id': 'component_id', 'pose': 'left_pose', 'error_code': 'error_code', 'error_message': 'left_error_message'})

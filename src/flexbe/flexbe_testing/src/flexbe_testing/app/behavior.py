@@ -29,14 +29,14 @@ class BehaviorDefinition:
 
 @dataclass(frozen=True)
 class StateUse:
-    """A state with values of its parameters as text, by name."""
+    """A state with the values of its parameters that its call gives, as text by name."""
 
     definition: StateDefinition
     given: Mapping[str, str]
 
     def value(self, parameter: str) -> str:
-        """Return a value, given or default; empty if there is none."""
-        return self.given.get(parameter) or self.definition.parameters.get(parameter) or ""
+        """Return a value, given or default; empty if there is none, or if an empty one is given."""
+        return self.given.get(parameter, self.definition.parameters.get(parameter) or "")
 
     @property
     def outcomes(self) -> tuple[str, ...]:

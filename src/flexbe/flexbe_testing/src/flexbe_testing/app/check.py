@@ -56,10 +56,15 @@ def _check_child(child: Child, path: str) -> Iterator[str]:
     if isinstance(child.content, StateUse):
         for name in child.content.definition.parameters:
             value = child.content.value(name)
-            if not value or "#" in value or not is_balanced(value):
+            if not value:
                 yield (
-                    f"parameter '{name}' of '{path}' is empty, holds a '#', or has a bracket or "
-                    f"quote that does not close: {value}"
+                    f"parameter '{name}' of '{path}' is empty: the App takes `()`, and what "
+                    "follows a trailing comma, for an empty first value; give one by name"
+                )
+            elif not is_balanced(value):
+                yield (
+                    f"parameter '{name}' of '{path}' has a bracket or quote that does not close: "
+                    f"{value}"
                 )
     elif isinstance(child.content, Container) and not _variable_part(child.label).isidentifier():
         yield (

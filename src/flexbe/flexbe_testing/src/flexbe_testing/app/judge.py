@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import ast
 import difflib
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 
 from flexbe_testing.app.check import check_behavior
 from flexbe_testing.app.known import Known
@@ -32,10 +32,10 @@ def judge(text: str, known: Known) -> list[str]:
         complaints.append(f"the App saves it as class {behavior_class(behavior.name)}")
     if complaints:
         return complaints
-    saved = save_behavior(behavior, known)
     try:
-        complaints += _changes(text, saved)
-        if load_behavior(saved, known) != behavior:
+        complaints += _changes(text, save_behavior(behavior, known, with_defaults=False), known)
+        saved = save_behavior(behavior, known)
+        if save_behavior(load_behavior(saved, known), known) != saved:
             complaints.append("what the App saves, it loads as something else")
     except (AppLoadError, SyntaxError) as error:
         complaints.append(f"the App saves what cannot be read: {error}")
@@ -51,19 +51,21 @@ def saved_by_app(text: str, known: Known) -> str:
     return save_behavior(load_behavior(text, known), known)
 
 
-def _changes(text: str, saved: str) -> Iterator[str]:
+def _changes(text: str, saved: str, known: Known) -> Iterator[str]:
     """Yield a complaint if the code is not the same, comments left out."""
-    before, after = (_code_lines(source) for source in (text, saved))
+    parameters = {f"{s.module}.{s.class_name}": list(s.parameters) for s in known.states}
+    before, after = (_code_lines(source, parameters) for source in (text, saved))
     changed = [line for line in difflib.ndiff(before, after) if line[0] in "+-"]
     if changed:
         shown = "\n".join(f"    {line}" for line in changed[:_SHOWN])
         yield f"saving changes the code:\n{shown}"
 
 
-def _code_lines(source: str) -> list[str]:
+def _code_lines(source: str, parameters: Mapping[str, list[str]]) -> list[str]:
     """Return the statements, without what differs though it means the same.
 
-    That is the order of keyword arguments, the blanks of a docstring, and the names under which
+    That is the order of keyword arguments, a state's arguments without keyword (`parameters` has
+    the names by the state's module and class), the blanks of a docstring, and the names under which
     classes are imported: the App renames states when another package has one of the same name. So
     the imports are left out, and each imported name has its module before it.
     """
@@ -73,6 +75,10 @@ def _code_lines(source: str) -> list[str]:
     tree.body = [node for node in tree.body if node not in imports]
     for node in ast.walk(tree):
         if isinstance(node, ast.Call):
+            named = parameters.get(aliases.get(getattr(node.func, "id", ""), ""), [])
+            nameless = node.args[: len(named)]
+            node.keywords += [ast.keyword(n, v) for n, v in zip(named, nameless, strict=False)]
+            del node.args[: len(named)]
             node.keywords.sort(key=lambda keyword: keyword.arg or "")
         elif isinstance(node, ast.Name):
             node.id = aliases.get(node.id, node.id)

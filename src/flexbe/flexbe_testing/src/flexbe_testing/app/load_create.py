@@ -26,6 +26,7 @@ _ASSIGNED = re.compile(r"^[ \t]*(\w+) = (.*)$", re.MULTILINE)
 _USERDATA = re.compile(r"^[ \t]*\w+\.userdata\.(\w+) = (.*)$", re.MULTILINE)
 _RETURNED = re.compile(r"^[ \t]+return (\w+)[ \t]*$", re.MULTILINE)
 _INTERNAL = re.compile(r"(\?\w+) = (\[[^\]]*\]|[^,]+)")
+_ESCAPED_QUOTE = re.compile(r"(?<!\\)(?:\\\\)*\\['\"]")
 _DEFAULT_PLACE = (30, 40)
 _MAPS = ("transitions", "autonomy", "remapping")
 
@@ -76,6 +77,11 @@ class CreateSection:
             AppLoadError: if the App cannot load it.
         """
         self.interface()
+        if escaped := _ESCAPED_QUOTE.search("".join(self._blocks.values())):
+            raise AppLoadError(
+                f"a string holds {escaped[0]}, where the App ends it: choose the other quotation "
+                "mark, or '\\x27' for it"
+            )
         for name, value in self.private().items():
             if re.match(r"(OperatableStateMachine|\w+Container)\(", value):
                 raise AppLoadError(f"the definition of container {name} is not read: {value}")
@@ -142,10 +148,10 @@ class CreateSection:
         called = re.match(r"([\w.]+)\(", text)
         if called is None:
             raise AppLoadError(f"'{path}' is neither a state, a behavior nor a container: {text}")
-        arguments = cut.items(cut.bracketed(text, called.end() - 1) or "")
+        inside = cut.bracketed(text, called.end() - 1) or ""
         if called[1] == "self.use_behavior":
-            return self._behavior(arguments, path)
-        return self._state(called[1], arguments, path, used, internal=internal)
+            return self._behavior(cut.items(inside), path)
+        return self._state(called[1], cut.parts(inside), path, used, internal=internal)
 
     def _state(
         self,
@@ -159,9 +165,8 @@ class CreateSection:
         if definition is None:
             raise AppLoadError(f"'{path}' is of the class {alias}, which the App does not know")
         given = dict(internal)
-        for name, argument in zip(definition.parameters, arguments, strict=False):
-            if not re.match(r"\w+\s*=[^=]", argument):
-                given[name] = argument
+        # What has no name is for the first parameters: also nothing, as between `()`.
+        nameless = [each for each in arguments if not re.match(r"\w+\s*=[^=]", each)]
         for argument in arguments:
             keyword = re.match(r"(\w+)\s*=\s*([^=].*)", argument, re.DOTALL)
             if keyword and keyword[1] in definition.parameters:
@@ -170,6 +175,8 @@ class CreateSection:
                 self._lost.append(
                     f"the App loses parameter {keyword[1]} of '{path}', which {alias} hides"
                 )
+        ordinary = [name for name in definition.parameters if not name.startswith("?")]
+        given |= dict(zip(ordinary, nameless, strict=False))
         return StateUse(definition, given)
 
     def _behavior(self, arguments: list[str], path: str) -> BehaviorUse:

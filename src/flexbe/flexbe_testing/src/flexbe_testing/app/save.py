@@ -71,14 +71,18 @@ def behavior_module(name: str) -> str:
     return re.sub(r"\W", "_", name.lower(), flags=re.ASCII) + "_sm"
 
 
-def save_behavior(behavior: AppBehavior, known: Known) -> str:
-    """Return the file that the App writes; comments that guide the reader are left out."""
+def save_behavior(behavior: AppBehavior, known: Known, with_defaults: bool = True) -> str:
+    """Return the file that the App writes; comments that guide the reader are left out.
+
+    The App writes all parameters of a state. Without defaults, those that the file gave are
+    written, to compare the two.
+    """
     inner = {
         path: child.content
         for path, child in walk(behavior.root)
         if isinstance(child.content, Container)
     }
-    writer = _Writer(known, _variables(inner))
+    writer = _Writer(known, _variables(inner), with_defaults)
     blocks = [
         writer.definition(path, inner[path]) + "\n\n" + writer.block(path, inner[path]) + "\n\n"
         for path in sorted(inner, reverse=True)
@@ -122,9 +126,10 @@ def _variables(inner: Mapping[str, Container]) -> dict[str, str]:
 class _Writer:
     """Writes containers and what they hold."""
 
-    def __init__(self, known: Known, variables: Mapping[str, str]) -> None:
+    def __init__(self, known: Known, variables: Mapping[str, str], with_defaults: bool) -> None:
         self._known = known
         self._variables = variables
+        self._with_defaults = with_defaults
 
     def imports(self, root: Container) -> list[str]:
         found = set()
@@ -183,8 +188,11 @@ class _Writer:
         if isinstance(content, Container):
             return self._variables[path]
         if isinstance(content, StateUse):
-            shown = {name: v for name, v in content.given.items() if not name.startswith("?")}
-            given = [f"{n}={shown[n]}" for n in content.definition.parameters if n in shown]
+            given = [
+                f"{name}={content.value(name)}"
+                for name in content.definition.parameters
+                if not name.startswith("?") and (self._with_defaults or name in content.given)
+            ]
             return f"{self._known.alias(content.definition)}({', '.join(given)})"
         parts = [content.definition.class_name, f"'{path[1:]}'"]
         if content.keys_by_default:

@@ -63,15 +63,22 @@ def bracketed(text: str, start: int) -> str | None:
 
 
 def items(text: str) -> list[str]:
-    """Return the parts between commas outside of brackets and quotes, without outer blanks."""
+    """Return the parts between commas outside of brackets and quotes, but for empty ones."""
+    return [part for part in parts(text) if part]
+
+
+def parts(text: str) -> list[str]:
+    """Return the parts between commas outside of brackets and quotes, without outer blanks.
+
+    What is empty is one empty part, and so is what follows a trailing comma.
+    """
     cuts, depth = [-1], 0
     for place, mark in _marks(text):
         depth += (mark in _OPEN) - (mark in _CLOSE)
         if mark == "," and depth == 0:
             cuts.append(place)
     cuts.append(len(text))
-    parts = [text[a + 1 : b].strip() for a, b in itertools.pairwise(cuts)]
-    return [part for part in parts if part]
+    return [text[a + 1 : b].strip() for a, b in itertools.pairwise(cuts)]
 
 
 def is_balanced(text: str) -> bool:

@@ -258,9 +258,8 @@ class _Writer:
         """Return the expression for what a child is."""
         content = child.content
         if isinstance(content, StateUse):
-            if not content.arguments:
-                return f"{content.alias}()"
             given = [f"{name}={python_value(value)}" for name, value in content.arguments]
+            given = given or _first_default(content)
             return f"{content.alias}({', '.join(given)})"
         path = f"{above}/{child.label}"
         if isinstance(content, Container):
@@ -272,6 +271,15 @@ class _Writer:
             given = [f"{quote(name)}: {python_value(value)}" for name, value in content.parameters]
             parts.append(f"parameters={{{', '.join(given)}}}")
         return f"self.use_behavior({', '.join(parts)})"
+
+
+def _first_default(use: StateUse) -> list[str]:
+    """Return the argument to write for a state that gets none.
+
+    The FlexBE App takes `()` of a class that has parameters for one empty argument.
+    """
+    sources = ((p.name, p.default_source) for p in use.state.parameters)
+    return next(([f"{name}={source}"] for name, source in sources if source), [])
 
 
 def _in_order(children: tuple[Child, ...]) -> list[Child]:

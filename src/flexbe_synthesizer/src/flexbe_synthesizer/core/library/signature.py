@@ -59,6 +59,7 @@ class Parameter:
     Attributes:
         default: a number; None for any other default.
         grace_s: [s] that a visit may last beyond this time limit.
+        default_source: Python source of a default that is a literal; empty for any other.
     """
 
     name: str
@@ -66,6 +67,7 @@ class Parameter:
     required: bool = True
     default: float | None = None
     grace_s: float = 0.0
+    default_source: str = ""
 
     @property
     def takes_source(self) -> bool:

@@ -16,6 +16,7 @@ import re
 from collections.abc import Iterator, Mapping
 
 from flexbe_synthesizer.core.chart import names
+from flexbe_synthesizer.core.chart.literal import freeze, python_literal
 from flexbe_synthesizer.core.library.signature import (
     Effect,
     FromParameter,
@@ -165,12 +166,27 @@ def _parameters(
         if ("--", argument.arg) not in documented and argument.annotation is None:
             kind = "string" if _is_text(default) else None
         grace_s = graces.get(argument.arg, 0.0)
-        yield Parameter(argument.arg, kind, default is None, _number(default), grace_s)
+        yield Parameter(
+            argument.arg,
+            kind,
+            default is None,
+            _number(default),
+            grace_s,
+            default_source=_literal_source(default),
+        )
 
 
 def _is_text(node: ast.expr | None) -> bool:
     """Return whether a default is a string."""
     return isinstance(node, ast.Constant) and isinstance(node.value, str)
+
+
+def _literal_source(node: ast.expr | None) -> str:
+    """Return the source of a literal as behaviors hold it; empty for anything else."""
+    try:
+        return python_literal(freeze(ast.literal_eval(node))) if node is not None else ""
+    except (ValueError, TypeError):
+        return ""
 
 
 def _number(node: ast.expr | None) -> float | None:

@@ -39,6 +39,7 @@ from flexbe_synthesizer.core.machine.machine import (
     Machine,
     StateUse,
     Value,
+    python_value,
 )
 from flexbe_synthesizer.core.machine.machine import Container as Machinery
 from flexbe_synthesizer.core.machine.machine_reader import InexpressibleError
@@ -140,7 +141,10 @@ class _Folding:
         if isinstance(content, BehaviorUse):
             params = tuple(self._param(p.name, p.value, path) for p in content.parameters)
             return Behavior(child.label, content.behavior.name, transitions, params=params)
-        params = tuple(self._param(p.name, p.value, path) for p in content.arguments)
+        # What is the state's own default says nothing: the App writes all of them.
+        defaults = {(p.name, p.default_source) for p in content.state.parameters}
+        given = (p for p in content.arguments if (p.name, python_value(p.value)) not in defaults)
+        params = tuple(self._param(p.name, p.value, path) for p in given)
         return State(child.label, _class_name(content), transitions, params=params)
 
     def _timed_node(
