@@ -17,6 +17,8 @@ import rostest
 from flexbe_msgs.msg import BEStatus
 from std_msgs.msg import String
 
+from flexbe_core.testing import wait_until
+
 LIMIT_S = 30.0
 KEY = "sesame"
 
@@ -59,6 +61,8 @@ class UiCommandTest(unittest.TestCase):
             cls.start("flexbe_onboard", "start_behavior"),
             cls.start("remodel_states", "fake_abilities"),
         ]
+        answers = rospy.Subscriber("flexbe/uianswer", String, lambda _: None)
+        assert wait_until(answers.get_num_connections), "no console"
 
     @classmethod
     def tearDownClass(cls):
@@ -120,6 +124,12 @@ class UiCommandTest(unittest.TestCase):
         self.processes.append(publishing)
         said = "done: help\n"
         self.assertTrue(answers.wait_for(lambda m: m.data.startswith(said) and "load" in m.data))
+
+    def test_without_a_console_the_command_does_not_wait_for_an_answer(self):
+        line = ("rosrun", "remodel_console", "uicommand", "help", "--timeout", "600")
+        done = self.run_line(*line, "__ns:=/elsewhere")  # within much less than that timeout
+        self.assertEqual(done.returncode, 2)
+        self.assertIn("no node serves /elsewhere/flexbe/uicommand; start it:", done.stderr)
 
     def test_a_wrong_key_is_refused_and_notified_by_an_empty_text(self):
         done = self.give("load Example Behavior", "open")

@@ -5,6 +5,7 @@ from __future__ import annotations
 import threading
 import time
 
+import rosgraph
 import rospy
 from flexbe_msgs.msg import UICommand
 from std_msgs.msg import String
@@ -12,6 +13,9 @@ from std_msgs.msg import String
 from remodel_console.core.answer import CommandResult, read_answer
 from remodel_console.errors import CommandError
 from remodel_console.ros import topics
+
+# [s] Wall time in which a console that is starting registers with the master.
+_UNSERVED_S = 2.0
 
 
 def ask(command: str, key: str, timeout_s: float) -> CommandResult:
@@ -32,8 +36,11 @@ def ask(command: str, key: str, timeout_s: float) -> CommandResult:
     answers = rospy.Subscriber(topics.ANSWER, String, take)
     commands = rospy.Publisher(topics.COMMAND, UICommand, queue_size=1)
     deadline_s = time.monotonic() + timeout_s  # a person waits: no simulated time
+    unserved_s = min(deadline_s, time.monotonic() + _UNSERVED_S)
     while not (commands.get_num_connections() and answers.get_num_connections()):
-        if rospy.is_shutdown() or time.monotonic() > deadline_s:
+        now_s = time.monotonic()
+        is_gone = now_s > unserved_s and not _is_served()
+        if rospy.is_shutdown() or now_s > deadline_s or is_gone:
             raise CommandError(
                 f"no node serves {rospy.resolve_name(topics.COMMAND)}; start it: "
                 "roslaunch remodel_console command_server.launch"
@@ -43,3 +50,9 @@ def ask(command: str, key: str, timeout_s: float) -> CommandResult:
     if not answered.wait(timeout_s):
         raise CommandError(f"no answer to '{command}' within {timeout_s:.0f} s")
     return found[0]
+
+
+def _is_served() -> bool:
+    """Return whether the master knows a node that takes commands."""
+    _publishers, subscribers, _services = rosgraph.Master(rospy.get_name()).getSystemState()
+    return rospy.resolve_name(topics.COMMAND) in dict(subscribers)
