@@ -88,6 +88,20 @@ def test_each_end_has_its_exit_code(ending, code):
     assert exit_code(ending) is code
 
 
+def test_only_outcomes_that_are_given_are_a_success():
+    line = read_command_line(["-b", "X", "--success", "finished", "-s", "failed"])
+    codes = {
+        outcome: exit_code(Ending(RunEnd.FINISHED, outcome), line.success)
+        for outcome in ("finished", "failed", "command_error")
+    }
+    assert codes == {
+        "finished": ExitCode.FINISHED,
+        "failed": ExitCode.FINISHED,
+        "command_error": ExitCode.FAILED_OUTCOME,
+    }
+    assert exit_code(Ending(RunEnd.PREEMPTED, "preempted"), line.success) is ExitCode.PREEMPTED
+
+
 def test_every_end_has_an_exit_code():
     for end in RunEnd:
         assert exit_code(Ending(end)) in ExitCode

@@ -36,6 +36,7 @@ class CommandLine:
         parameters: (key, value) pairs.
         inputs: (key, value) pairs.
         wait_s: [s] how long to wait for the engine.
+        success: outcomes that are a success; none for all but 'failed' and 'preempted'.
     """
 
     behavior: str
@@ -43,6 +44,7 @@ class CommandLine:
     parameters: tuple[tuple[str, str], ...]
     inputs: tuple[tuple[str, str], ...]
     wait_s: float
+    success: tuple[str, ...] = ()
 
 
 def read_command_line(words: Sequence[str]) -> CommandLine:
@@ -59,6 +61,7 @@ def read_command_line(words: Sequence[str]) -> CommandLine:
         parameters=tuple(_parameter(word, parser) for word in options.parameters),
         inputs=tuple(_pair(word, "=", parser) for word in options.input),
         wait_s=options.wait,
+        success=tuple(options.success),
     )
 
 
@@ -83,7 +86,14 @@ def _parser() -> argparse.ArgumentParser:
         action="append",
         default=[],
         metavar="KEY=VALUE",
-        help="input of the behavior, a Python literal; may be repeated",
+        help="input of the behavior, a Python literal or file://PATH; may be repeated",
+    )
+    parser.add_argument(
+        *("-s", "--success"),
+        action="append",
+        default=[],
+        metavar="OUTCOME",
+        help="only this outcome is exit code 0, any other one is 1; may be repeated",
     )
     parser.add_argument(
         *("-w", "--wait"),

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Collection
 from enum import IntEnum
 
 from flexbe_widget.core.run_watch import Ending, RunEnd
@@ -26,8 +27,8 @@ class ExitCode(IntEnum):
 
 
 MEANINGS = {
-    ExitCode.FINISHED: "it ended with an outcome other than 'failed' and 'preempted'",
-    ExitCode.FAILED_OUTCOME: "it ended with the outcome 'failed'",
+    ExitCode.FINISHED: "it ended with an outcome of --success, or else not 'failed' or 'preempted'",
+    ExitCode.FAILED_OUTCOME: "it ended with another outcome than those, such as 'failed'",
     ExitCode.USAGE: "usage error",
     ExitCode.UNKNOWN_BEHAVIOR: "there is no behavior with this name",
     ExitCode.NO_ENGINE: "no ROS master or no free behavior engine in time",
@@ -49,8 +50,9 @@ _BY_END = {
 }
 
 
-def exit_code(ending: Ending) -> ExitCode:
-    """Return the exit code for the end of a run."""
-    if ending.outcome == FAILED_OUTCOME:
+def exit_code(ending: Ending, success: Collection[str] = ()) -> ExitCode:
+    """Return the exit code for the end of a run; any outcome but these is no success, if given."""
+    is_failed = ending.outcome not in success if success else ending.outcome == FAILED_OUTCOME
+    if ending.end is RunEnd.FINISHED and is_failed:
         return ExitCode.FAILED_OUTCOME
     return _BY_END[ending.end]

@@ -23,7 +23,6 @@ import queue
 import threading
 import time
 import traceback
-from collections.abc import Sequence
 from dataclasses import dataclass
 from enum import Enum
 
@@ -52,7 +51,6 @@ from flexbe_widget.core.run_watch import (
     RunWatch,
     is_busy,
 )
-from flexbe_widget.edge.value_file import resolved
 from flexbe_widget.errors import RequestError
 from flexbe_widget.ros.engine_link import EngineLink, Entered, Status
 from flexbe_widget.ros.start_request import start_request
@@ -177,8 +175,8 @@ class BehaviorActionServer:
             request = start_request(
                 self._library,
                 goal.behavior_name,
-                _pairs(goal.arg_keys, goal.arg_values),
-                _pairs(goal.input_keys, goal.input_values),
+                [*zip(goal.arg_keys, goal.arg_values, strict=False)],
+                [*zip(goal.input_keys, goal.input_values, strict=False)],
             )
         except RequestError as error:
             rospy.logerr("goal rejected: %s", error)
@@ -278,8 +276,3 @@ class BehaviorActionServer:
             if run is not None:
                 text = f"{SERVER_ENDED_TEXT}the behavior continues in the engine"
                 run.handle.set_aborted(BehaviorExecutionResult(), text)
-
-
-def _pairs(keys: Sequence[str], values: Sequence[str]) -> list[tuple[str, str]]:
-    """Return keys with their values, read from files where they name some."""
-    return [(key, resolved(value)) for key, value in zip(keys, values, strict=False)]

@@ -5,6 +5,7 @@ from __future__ import annotations
 import queue
 import sys
 import time
+from collections.abc import Collection
 
 from flexbe_msgs.msg import BehaviorLog, BehaviorSelection
 
@@ -33,9 +34,15 @@ _PRINTED = {BehaviorLog.WARN: "warning", BehaviorLog.ERROR: "error", BehaviorLog
 class Launch:
     """One behavior, from the request to its end, with its progress printed on the terminal."""
 
-    def __init__(self, name: str) -> None:
-        """Connect to the engine, to run the behavior with this display name."""
+    def __init__(self, name: str, success: Collection[str] = ()) -> None:
+        """Connect to the engine, to run the behavior with this display name.
+
+        Args:
+            name: display name of the behavior.
+            success: outcomes that are a success; none for all but 'failed' and 'preempted'.
+        """
         self._name = name
+        self._success = success
         self._events: queue.SimpleQueue[object] = queue.SimpleQueue()
         self._link = EngineLink(self._events.put)
         self._feedback = ActionFeedback(self._events.put)
@@ -55,7 +62,7 @@ class Launch:
             self._link.why()
         self._print_late_log()
         say(self._end_text(ending))
-        return exit_code(ending)
+        return exit_code(ending, self._success)
 
     def _wait_for_engine(self, wait_s: float) -> bool:
         """Wait until the engine is there and free; return whether it is."""

@@ -11,6 +11,7 @@ from flexbe_core import BehaviorLibrary
 from flexbe_core.engine.checksum import checksum
 from flexbe_core.engine.supervision.in_force import UNSUPERVISED
 from flexbe_widget.core.near_names import unknown_behavior
+from flexbe_widget.edge.value_file import resolved
 from flexbe_widget.errors import RequestError
 
 Pairs = Sequence[tuple[str, str]]
@@ -33,12 +34,13 @@ def start_request(
         library: where to find it.
         name: its display name.
         parameters: (key, value) pairs.
-        inputs: (key, value) pairs; values are Python literals.
+        inputs: (key, value) pairs; values are Python literals. Values of both that begin with
+            file:// are read from files.
         autonomy_level: 255 to run without supervision.
 
     Raises:
         UnknownBehaviorError: if there is no such behavior.
-        RequestError: if its source cannot be read.
+        RequestError: if its source, or a file that a value names, cannot be read.
     """
     behavior_id, _ = library.find_behavior(name)
     if behavior_id is None:
@@ -55,7 +57,7 @@ def start_request(
         behavior_checksum=checksum(text),
         autonomy_level=autonomy_level,
         arg_keys=[key for key, _ in parameters],
-        arg_values=[value for _, value in parameters],
+        arg_values=[resolved(value) for _, value in parameters],
         input_keys=[key for key, _ in inputs],
-        input_values=[value for _, value in inputs],
+        input_values=[resolved(value) for _, value in inputs],
     )
