@@ -7,10 +7,43 @@ sys.path.insert(
     0, str(Path(__file__).parent)
 )  # elastica, panels and place_wire are shared by tests
 
+from disturbance import disturbed
 from force_record import recorded
 from panels import panel
 
 from remodel_sim.cell import Cell
+from remodel_sim.physics.world import World
+
+
+def pytest_addoption(parser):
+    parser.addoption(
+        "--disturb",
+        type=int,
+        metavar="SEED",
+        help="begin arms and wires of remodel_sim 1e-9 m and 1e-9 rad beside their places",
+    )
+
+
+@pytest.hookimpl(wrapper=True)
+def pytest_runtest_protocol(item):
+    """Disturb the whole test, with what its fixtures build."""
+    seed = item.config.getoption("disturb", None)
+    if seed is None:
+        return (yield)
+    with disturbed(seed):
+        return (yield)
+
+
+@pytest.fixture(autouse=True)
+def is_marked(request, monkeypatch):
+    """Refuse a test that simulates physics without the marker by which `make physics` finds it."""
+    if request.node.get_closest_marker("physics"):
+        return
+
+    def refuse(world):
+        raise AssertionError("it steps the physics: mark it `physics`")
+
+    monkeypatch.setattr(World, "step", refuse)
 
 
 @pytest.fixture(autouse=True)

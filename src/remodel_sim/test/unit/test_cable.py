@@ -53,26 +53,31 @@ def test_a_joint_yields_beyond_its_limit_and_hardens():
     assert again == pytest.approx(plastic), "the set is a set"
 
 
+@pytest.mark.physics
 @pytest.mark.parametrize("load", [1.0, 5.0, 21.0])
 def test_a_clamped_wire_hangs_like_the_heavy_elastica(load):
     expected = cantilever_drop(rods.LENGTH, 1.0, load / rods.LENGTH**3)
     assert rods.sag(load) == pytest.approx(expected, rel=0.003)
 
 
+@pytest.mark.physics
 def test_a_wire_of_two_bodies_hangs_like_one():
     assert rods.sag(5.0, cut=12) == pytest.approx(rods.sag(5.0), rel=1e-3)
 
 
+@pytest.mark.physics
 def test_a_wire_of_a_metre_as_the_cell_makes_it_hangs_like_the_heavy_elastica():
     expected = cantilever_drop(1.0, 1.0, 5.0)
     assert rods.drop_at_rest(rods.CellRod(1.0, load=5.0)) == pytest.approx(expected, rel=0.003)
 
 
+@pytest.mark.physics
 def test_a_pushed_wire_buckles_at_eulers_load_and_not_before():
     assert rods.buckle(0.97) < math.radians(0.5)
     assert rods.buckle(1.2) == pytest.approx(buckled_tip_angle(1.2), abs=math.radians(0.5))
 
 
+@pytest.mark.physics
 def test_an_overbent_wire_keeps_a_set():
     def left_after_bending(**properties):
         rod = rods.Rod(**properties)
@@ -87,6 +92,7 @@ def test_an_overbent_wire_keeps_a_set():
     assert left_after_bending(yield_curvature=100.0) < math.radians(0.1)
 
 
+@pytest.mark.physics
 def test_a_twisted_wire_turns_by_torsion_alone():
     rod = rods.Rod(torsional_stiffness=0.8e-3)
     torque, link = 2e-4, rod.cable.ferrule(WireEnd.B)
@@ -106,6 +112,7 @@ def test_a_twisted_wire_turns_by_torsion_alone():
     )
 
 
+@pytest.mark.physics
 def test_a_long_wire_rests_on_the_plate_in_one_piece():
     world = World(240)
     add_plate_surface(world)
@@ -123,6 +130,7 @@ def test_a_long_wire_rests_on_the_plate_in_one_piece():
     assert np.abs(nodes[:, 2] - long.radius).max() < 5e-4
 
 
+@pytest.mark.physics
 def test_a_wire_rests_on_another():
     world = World(240)
     add_plate_surface(world)
@@ -142,6 +150,7 @@ def test_a_wire_rests_on_another():
     assert below < 3e-4
 
 
+@pytest.mark.physics
 def test_a_wire_rests_on_a_parked_one_that_is_solid():
     def crossing_height(*additions):
         world = World(240)
@@ -163,6 +172,7 @@ def test_a_wire_rests_on_a_parked_one_that_is_solid():
     assert 2.0 < crossing_height(draw_parked, add_solid) < 3.1
 
 
+@pytest.mark.physics
 def test_a_parked_wire_has_no_contacts_with_what_does_not_move():
     world = World(240)
     add_plate_surface(world)

@@ -19,9 +19,12 @@ from remodel_sim.physics.truth import ground_truth
 from remodel_sim.ros.conversions import read_panel
 from remodel_states.core.codes import Code
 
+pytestmark = pytest.mark.physics
+
 CONFIG = Path(__file__).parents[2] / "config"
 
 
+@pytest.mark.slow
 def test_the_same_seed_and_goals_give_the_same_bits_in_two_processes():
     assert fingerprint_elsewhere() == fingerprint_elsewhere()
 
@@ -34,6 +37,7 @@ def test_a_whole_wire_is_placed_by_physics(cell):
     assert cell.plant.live is None, "a placed wire is parked"
 
 
+@pytest.mark.slow
 def test_six_millimetres_beside_the_opening_is_refused(cell):
     cell.feed("W1", "A")
     socket = do.locate(cell, "X1", "1")
@@ -49,6 +53,7 @@ def test_six_millimetres_beside_the_opening_is_refused(cell):
     do.insert(cell, "W1", WireEnd.A, "X1", terminal="1", socket=do.locate(cell, "X1", "1"))
 
 
+@pytest.mark.slow
 def test_an_opening_below_the_pose_of_the_goal_is_felt_for(cell):
     cell.feed("W1", "A")
     socket = do.locate(cell, "X1", "1")
@@ -58,6 +63,7 @@ def test_an_opening_below_the_pose_of_the_goal_is_felt_for(cell):
     assert truth.a.seated
 
 
+@pytest.mark.slow
 def test_a_blocked_socket_jams_and_yields_when_cleared(cell):
     cell.feed("W1", "A")
     cell.plant.block_socket("X1", "1")
@@ -93,6 +99,7 @@ def test_a_clamp_that_closes_on_nothing_is_not_seated(cell):
     assert caught.value.code is Code.NOT_SEATED
 
 
+@pytest.mark.slow
 def test_a_fixed_end_can_be_extracted_and_inserted_again(cell):
     cell.feed("W1", "A")
     socket = do.locate(cell, "X1", "1")
@@ -172,6 +179,7 @@ def test_no_piece_is_fed_beside_another_one_of_the_same_wire(cell):
     assert set(cell.plant.parked) == {"W1"} and cell.plant.live.wire.id == "W2"
 
 
+@pytest.mark.slow
 def test_a_wire_is_placed_over_one_that_lies_in_its_channel():
     example = read_panel(CONFIG / "panel.yaml", read_wire_materials(CONFIG / "wire_materials.yaml"))
     cell = Cell(example, seed=1)

@@ -30,6 +30,8 @@ def memory(tmp_path):
     memory.close()
 
 
+@pytest.mark.slow
+@pytest.mark.physics
 def test_a_placed_wire_is_there_after_the_cell_was_killed(memory):
     cell = Cell(panel(), seed=1, memory=memory)
     do.place(cell, "W1")
@@ -69,6 +71,8 @@ class DyingHandle:
         raise KilledError(text)
 
 
+@pytest.mark.slow
+@pytest.mark.physics
 def test_a_wire_whose_last_end_is_reported_fixed_is_there_after_a_kill_at_that_moment(memory):
     cell = Cell(panel(), seed=1, memory=memory)
     cell.feed("W1", "A")
@@ -95,6 +99,8 @@ def test_a_wire_whose_last_end_is_reported_fixed_is_there_after_a_kill_at_that_m
         again.close()
 
 
+@pytest.mark.slow
+@pytest.mark.physics
 def test_a_panel_that_is_rebuilt_is_empty(memory):
     cell = Cell(panel(), seed=1, memory=memory)
     try:

@@ -30,9 +30,12 @@ from remodel_sim.physics.truth import ground_truth
 from remodel_sim.ros.conversions import read_panel
 from remodel_states.core.codes import Code
 
+pytestmark = pytest.mark.physics
+
 CONFIG = Path(__file__).parents[2] / "config"
 
 
+@pytest.mark.slow
 def test_an_iiwa_places_a_whole_wire():
     made = Cell(panel(), design=read_cell("one_iiwa"), seed=1)
     place_wire.place(made, "W1")
@@ -86,6 +89,7 @@ def test_two_arms_work_at_once_and_keep_apart(cell):
     assert min(gaps) > 0.03, "what the claims keep free"
 
 
+@pytest.mark.slow
 def test_a_wire_goes_from_one_arm_to_the_other_by_the_plate(cell):
     do(cell, "robot_1", pick_cable, goals.PickGoal("robot_1", "W1", WireEnd.A, 0.0))
     belief, tool = cell.context.belief, cell.context.commanded
@@ -169,6 +173,7 @@ def test_two_arms_in_each_others_way_do_not_wait_forever(cell):
     assert not one.busy and not two.busy
 
 
+@pytest.mark.slow
 def test_small_labels_show_no_tilt_where_there_is_none():
     household = read_panel(CONFIG / "household.yaml", read_wire_materials())
     made = Cell(household, design=read_cell("two_arms_cabinet"), seed=1)

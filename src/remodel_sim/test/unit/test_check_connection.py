@@ -17,6 +17,7 @@ def is_connected(cell, wire, end, terminal=None):
     return do(cell, check_connection, CheckGoal(wire, end, *terminal)).connected
 
 
+@pytest.mark.physics
 def test_a_fixed_end_is_seen_and_neither_its_neighbour_nor_its_other_end(cell):
     cell.feed("W1", "A")
     assert not is_connected(cell, "W1", WireEnd.A)
@@ -27,6 +28,8 @@ def test_a_fixed_end_is_seen_and_neither_its_neighbour_nor_its_other_end(cell):
     assert not is_connected(cell, "W2", WireEnd.A, ("X1", "1")), "that wire is blue, W2 is brown"
 
 
+@pytest.mark.slow
+@pytest.mark.physics
 def test_the_answer_does_not_come_from_the_belief_state(cell):
     cell.feed("W1", "A")
     connect(cell, "W1", WireEnd.A)
@@ -36,6 +39,8 @@ def test_the_answer_does_not_come_from_the_belief_state(cell):
     assert not is_connected(cell, "W1", WireEnd.B)
 
 
+@pytest.mark.slow
+@pytest.mark.physics
 def test_a_component_that_was_moved_is_found_where_it_stands(cell):
     cell.feed("W1", "A")
     cell.plant.disturb("component_moved", "X1", [0.008, -0.006, 0.1])
@@ -44,6 +49,8 @@ def test_a_component_that_was_moved_is_found_where_it_stands(cell):
     assert is_connected(cell, "W1", WireEnd.A)
 
 
+@pytest.mark.slow
+@pytest.mark.physics
 def test_an_observation_with_a_wire_in_the_hand_moves_nothing(cell):
     cell.feed("W1", "A")
     connect(cell, "W1", WireEnd.A)

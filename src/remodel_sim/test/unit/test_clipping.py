@@ -11,6 +11,8 @@ from remodel_sim.core.workpiece.component_shape import Box
 from remodel_sim.core.workpiece.routes import world_from_clip
 from remodel_sim.physics.static_body import add_static
 
+pytestmark = pytest.mark.physics
+
 BLOCK_RGB = (0.8, 0.8, 0.8)
 # A block that holds the wire up is so long along it [m].
 BLOCK_M = 0.003

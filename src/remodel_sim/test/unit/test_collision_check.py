@@ -188,6 +188,7 @@ def travel(cell, target, **changes):
     return heights
 
 
+@pytest.mark.physics
 def test_a_blocked_line_leads_over_the_obstacle(cell):
     travel(cell, beside_x2(-1).at(z=0.12))
     travel(cell, beside_x2(-1))
@@ -197,6 +198,7 @@ def test_a_blocked_line_leads_over_the_obstacle(cell):
     assert not cell.plant.world.bullet.getContactPoints(cell.plant.robots["robot_1"].body)
 
 
+@pytest.mark.physics
 def test_a_pose_inside_a_component_is_refused_before_anything_moves(cell):
     before = cell.context.commanded
     with pytest.raises(AbilityError, match=r"a finger would .* mm .*component 'X2'") as caught:
@@ -206,6 +208,7 @@ def test_a_pose_inside_a_component_is_refused_before_anything_moves(cell):
     assert cell.context.commanded == before
 
 
+@pytest.mark.physics
 def test_a_blocked_straight_line_is_refused_though_a_way_over_it_is_free(cell):
     travel(cell, beside_x2(-1).at(z=0.12))
     travel(cell, beside_x2(-1))

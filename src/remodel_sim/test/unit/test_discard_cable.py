@@ -40,6 +40,7 @@ def assert_gone(cell, wire):
     assert abs(cell.context.tool.y) > half + 0.05, "it was dropped beyond the plate"
 
 
+@pytest.mark.physics
 @pytest.mark.parametrize("seed", [1, 2])
 def test_a_piece_that_lies_in_its_channel_is_dropped_into_the_bin(seed):
     cell = Cell(panel(), seed=seed)
@@ -63,6 +64,8 @@ def test_a_piece_that_lies_in_its_channel_is_dropped_into_the_bin(seed):
     cell.close()
 
 
+@pytest.mark.slow
+@pytest.mark.physics
 def test_the_wire_in_the_hand_is_discarded_with_its_other_end_connected(cell):
     with pytest.raises(AbilityError) as caught:
         discard(cell, "")
@@ -78,6 +81,8 @@ def test_the_wire_in_the_hand_is_discarded_with_its_other_end_connected(cell):
     assert_gone(cell, "W1")
 
 
+@pytest.mark.slow
+@pytest.mark.physics
 def test_a_placed_wire_is_released_and_discarded_by_a_cell_that_was_restarted(tmp_path):
     memory = CellMemory(tmp_path)
     first = Cell(panel(), seed=3, memory=memory)
@@ -94,6 +99,8 @@ def test_a_placed_wire_is_released_and_discarded_by_a_cell_that_was_restarted(tm
     memory.close()
 
 
+@pytest.mark.slow
+@pytest.mark.physics
 def test_a_wire_that_has_just_been_placed_is_extracted_and_discarded(cell):
     do.place(cell, "W1")
     assert cell.plant.live is None, "it is parked"
@@ -104,6 +111,8 @@ def test_a_wire_that_has_just_been_placed_is_extracted_and_discarded(cell):
     assert_gone(cell, "W1")
 
 
+@pytest.mark.slow
+@pytest.mark.physics
 @pytest.mark.parametrize("placed", [False, True], ids=["fed", "placed"])
 def test_a_wire_that_falls_before_the_bin_is_seen_to_lie_there(cell, monkeypatch, placed):
     if placed:
@@ -129,6 +138,8 @@ def test_a_wire_that_falls_before_the_bin_is_seen_to_lie_there(cell, monkeypatch
     assert not context.belief.hands
 
 
+@pytest.mark.slow
+@pytest.mark.physics
 def test_a_wire_whose_end_is_stuck_stays(cell, monkeypatch):
     cell.feed("W1", "A")
     do.connect(cell, "W1", WireEnd.A)
@@ -148,6 +159,7 @@ def test_a_wire_whose_end_is_stuck_stays(cell, monkeypatch):
     assert_gone(cell, "W1")
 
 
+@pytest.mark.physics
 def test_a_hand_that_holds_another_wire_discards_none(cell):
     cell.feed("W2", "A")
     cell.feed("W1", "A")

@@ -11,6 +11,8 @@ from remodel_sim.core.workpiece.panel import WireEnd, unit_x
 from remodel_sim.physics.truth import ground_truth
 from remodel_states.core.codes import Code
 
+pytestmark = pytest.mark.physics
+
 FIRST, SECOND = ("X1", "1"), ("X2", "1")
 # Out of its opening by this much, an end lies before it [m].
 OUT_M = 0.040
@@ -26,6 +28,7 @@ def with_both_ends_in(cell):
     return socket
 
 
+@pytest.mark.slow
 def test_an_end_that_came_out_while_the_other_one_was_placed_is_noticed(cell):
     socket = with_both_ends_in(cell)
     cell.plant.open_clamp(*FIRST)
@@ -41,6 +44,7 @@ def test_an_end_that_came_out_while_the_other_one_was_placed_is_noticed(cell):
     assert cell.plant.live is None and cell.context.belief.fed == []
 
 
+@pytest.mark.slow
 def test_an_end_that_stayed_is_not_missed(cell):
     with_both_ends_in(cell)
     fix(cell, "W1", *SECOND)

@@ -52,6 +52,8 @@ def pull(cell, force):
     return float(np.linalg.norm(cable.tip(WireEnd.A)[0] - start))
 
 
+@pytest.mark.slow
+@pytest.mark.physics
 @pytest.mark.parametrize("kind", ["grip_weakened", "friction_lowered"])
 def test_a_weak_hand_lets_the_wire_slide(cell, kind):
     goal = do.goals.PickGoal(do.ROBOT, "W1", WireEnd.A, 0.0)
@@ -83,6 +85,7 @@ def test_less_light_darkens_the_pictures_until_the_panel_is_rebuilt(cell):
     assert cell.context.take_wrist_picture().rgb.mean() == pytest.approx(usual, rel=0.1)
 
 
+@pytest.mark.physics
 def test_a_bent_tip_points_aside(cell):
     cell.feed("W1", "A")
 
@@ -100,6 +103,7 @@ def test_a_bent_tip_points_aside(cell):
     assert aside() == pytest.approx(0.4, abs=0.1)
 
 
+@pytest.mark.physics
 def test_a_cable_in_the_way_falls_onto_the_live_wire(cell):
     cell.feed("W1", "A")
     live = set(cell.plant.live.cable.bodies)

@@ -91,6 +91,7 @@ def test_the_tips_are_as_wide_and_reach_as_far_as_the_data_says(arm):
     world.close()
 
 
+@pytest.mark.physics
 @pytest.mark.parametrize("diameter", [0.003, 0.006])
 def test_slim_pads_grip_wires_of_all_thicknesses(diameter):
     world = World(240)
@@ -103,6 +104,7 @@ def test_slim_pads_grip_wires_of_all_thicknesses(diameter):
     world.close()
 
 
+@pytest.mark.physics
 @pytest.mark.parametrize("diameter", [0.003, 0.006])
 def test_a_closed_eyelet_keeps_a_wire_from_dropping_out_and_lets_it_slide(diameter):
     world, eyelet = World(240), SLIM.fingers.eyelet
@@ -139,6 +141,7 @@ def hold_back(arm, above, aside):
     return height
 
 
+@pytest.mark.physics
 @pytest.mark.parametrize(("bevel", "slides_off"), [(SLIM.fingers.eyelet.bevel, True), (0.0, False)])
 def test_a_wire_in_the_notch_of_an_open_finger_slides_off_its_bevel(bevel, slides_off):
     eyelet = replace(SLIM.fingers.eyelet, bevel=bevel)
@@ -149,6 +152,7 @@ def test_a_wire_in_the_notch_of_an_open_finger_slides_off_its_bevel(bevel, slide
     assert (height < lip - bevel) == slides_off
 
 
+@pytest.mark.physics
 @pytest.mark.parametrize(
     ("pad_height", "slides_off"), [(FLUSH.fingers.pad_height, True), (LEDGE_PAD_M, False)]
 )
@@ -162,6 +166,7 @@ def test_a_wire_that_sprang_up_between_open_fingers_finds_no_ledge_to_lie_on(
     assert (height < fingers.eyelet.above) == slides_off
 
 
+@pytest.mark.physics
 def test_empty_fingers_stop_where_their_pads_meet():
     world = World(240)
     robot = Robot(world, TOOL, SLIM)
@@ -201,15 +206,18 @@ def most_felt(add):
     return most
 
 
+@pytest.mark.physics
 def test_a_hand_in_motion_feels_nothing_but_what_it_touches():
     assert most_felt(lambda world: None) < 0.5
 
 
+@pytest.mark.physics
 def test_a_hand_pushes_against_a_parked_wire_which_yields():
     # A few times what 220 N/m make of the half of a finger: the servos drive on.
     assert 1.0 < most_felt(parked_across) < 10.0
 
 
+@pytest.mark.physics
 def test_nothing_else_touches_what_parked_wires_touch():
     world = World(240)
     robot = Robot(world, TOOL, SLIM)

@@ -21,6 +21,8 @@ from remodel_sim.physics.truth import ground_truth
 from remodel_sim.ros.conversions import read_panel
 from remodel_states.core.codes import Code
 
+pytestmark = pytest.mark.physics
+
 CONFIG = Path(__file__).parents[2] / "config"
 # In a terminal of 14 mm, 43 ends were seated 13.5 mm deep or more [m].
 NEAR_BOTTOM_M = 0.0115
@@ -52,6 +54,7 @@ def push(cell, limit, wire=None):
     return insert(cell, wire.id, WireEnd.A, component, terminal, socket, force=limit)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("limit", "rate_hz"), [(4.0, 500.0), (25.0, 240.0)])
 def test_an_end_is_seated_with_the_force_that_was_allowed(cell_of, pushes, limit, rate_hz):
     cell = cell_of(rate_hz)
@@ -65,6 +68,7 @@ def test_an_end_is_seated_with_the_force_that_was_allowed(cell_of, pushes, limit
     assert record.peak == pytest.approx(inserted.peak_force, rel=0.12)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("limit", "rate_hz"), [(4.0, 240.0), (14.0, 500.0)])
 def test_a_blocked_opening_is_pressed_no_harder_than_allowed(cell_of, pushes, limit, rate_hz):
     cell = cell_of(rate_hz)
@@ -82,6 +86,7 @@ def test_a_blocked_opening_is_pressed_no_harder_than_allowed(cell_of, pushes, li
 
 
 # The second one's hand comes to rest beyond the bottom, 13 mm farther than its end.
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("name", "seed", "rate_hz", "limit", "words"),
     [

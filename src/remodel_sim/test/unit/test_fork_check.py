@@ -20,6 +20,8 @@ from remodel_sim.physics.truth import share_in_ducts
 from remodel_sim.ros.conversions import read_panel
 from remodel_states.core.codes import Code
 
+pytestmark = pytest.mark.physics
+
 CONFIG = Path(__file__).parents[2] / "config"
 HARNESS = read_panel(CONFIG / "harness.yaml", read_wire_materials(CONFIG / "wire_materials.yaml"))
 FORK = HARNESS.ducts[1]  # F2, the one in the middle

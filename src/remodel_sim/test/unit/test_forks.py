@@ -78,6 +78,7 @@ def route(cell):
     return cell.run(route_wire(holder, goal), HOLDER)
 
 
+@pytest.mark.physics
 def test_a_wire_is_let_down_into_its_forks_once_its_other_end_is_fixed_and_is_seen_there():
     cell = Cell(HARNESS, design=DESIGN, seed=1)
     wire = cell.plant.panel.wire(WIRE)
@@ -132,6 +133,7 @@ def push_back(cell, link, far):
     bullet.removeConstraint(holder)
 
 
+@pytest.mark.physics
 def test_an_end_that_has_slid_back_into_its_clips_is_grasped_before_them():
     cell = Cell(HARNESS, design=DESIGN, seed=1)
     cell.feed(WIRE, "")
@@ -145,6 +147,7 @@ def test_an_end_that_has_slid_back_into_its_clips_is_grasped_before_them():
     cell.close()
 
 
+@pytest.mark.physics
 def test_fingers_that_meet_the_clips_do_not_take_the_wire_out_of_them():
     cell = Cell(HARNESS, design=DESIGN, seed=1)
     cell.feed(WIRE, "")

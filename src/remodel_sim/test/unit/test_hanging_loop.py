@@ -35,6 +35,7 @@ def hold(world, cable, end):
     bullet.changeConstraint(held, maxForce=1e4)
 
 
+@pytest.mark.physics
 @pytest.mark.parametrize("length", [0.5, 1.0, 3.0])
 @pytest.mark.parametrize("diameter, density, stiffness", [(0.003, 0.02, 1e-3), (6e-3, 0.115, 6e-3)])
 def test_a_wire_laid_into_its_loop_is_at_rest(length, diameter, density, stiffness):

@@ -18,6 +18,8 @@ from remodel_sim.edge.wire_material_file import read_wire_materials
 from remodel_sim.physics.truth import ground_truth
 from remodel_sim.ros.conversions import read_panel
 
+pytestmark = pytest.mark.physics
+
 CONFIG = Path(__file__).parents[2] / "config"
 HOLDER = "robot_2"
 
@@ -61,6 +63,7 @@ def hold():
         each.cell.close()
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("above", [0.0045, -0.0055])
 def test_a_tip_that_is_not_where_the_hand_holds_it_is_seen_and_brought_to_its_opening(
     hold, pushes, above
@@ -72,6 +75,7 @@ def test_a_tip_that_is_not_where_the_hand_holds_it_is_seen_and_brought_to_its_op
     assert limits == [14.0, FEEL_N, 14.0, FEEL_N, 14.0], "the second push goes in"
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("above", "rubs"), [(-0.003, True), (0.004, False)])
 def test_a_tip_that_rubs_along_the_face_is_pushed_no_further_than_halfway(hold, above, rubs):
     held = hold("W107", WireEnd.B, above)

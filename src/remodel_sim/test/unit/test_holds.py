@@ -1,6 +1,8 @@
 import pytest
 from holds import clamp_pull_out, clip_forces, grip_pull_out
 
+pytestmark = pytest.mark.physics
+
 
 @pytest.mark.parametrize(("force", "friction"), [(10.0, 0.5), (30.0, 0.5)])
 def test_the_grip_lets_go_where_coulomb_says(force, friction):

@@ -216,6 +216,8 @@ def check(cell):
     return cell.run(checked(), GUIDE)
 
 
+@pytest.mark.slow
+@pytest.mark.physics
 def test_two_hands_take_a_short_wire_and_insert_its_first_end():
     cell = cell_of()
     key, socket = hold_an_end(cell, SHORT)
@@ -252,6 +254,8 @@ def sheds(targets):
     return aside == pytest.approx(expected, abs=1e-6) and targets[-1].z > rises.z
 
 
+@pytest.mark.slow
+@pytest.mark.physics
 def test_a_wire_is_led_into_its_ducts_over_one_that_lies_there(monkeypatch):
     cell = cell_of()
     targets = note_leaving(monkeypatch)
@@ -289,6 +293,7 @@ def test_a_wire_is_led_into_its_ducts_over_one_that_lies_there(monkeypatch):
     cell.close()
 
 
+@pytest.mark.physics
 def test_a_wire_that_is_kept_in_its_duct_is_let_go_before_it_is_discarded():
     cell = cell_of()
     lay_from_b(cell)
@@ -299,6 +304,8 @@ def test_a_wire_that_is_kept_in_its_duct_is_let_go_before_it_is_discarded():
     cell.close()
 
 
+@pytest.mark.slow
+@pytest.mark.physics
 def test_a_wire_that_lies_in_the_notch_of_an_open_finger_is_shed():
     cell = cell_of()
     lay_from_b(cell)
@@ -314,6 +321,8 @@ def test_a_wire_that_lies_in_the_notch_of_an_open_finger_is_shed():
     cell.close()
 
 
+@pytest.mark.slow
+@pytest.mark.physics
 def test_a_wire_that_left_its_ducts_when_its_second_end_was_inserted_is_discarded():
     cell = cell_of()
     holder = cell.contexts[HOLDER]
@@ -359,6 +368,8 @@ def arched(cell):
     return holder
 
 
+@pytest.mark.slow
+@pytest.mark.physics
 def test_a_wire_that_arches_over_its_last_corner_is_tucked_in(monkeypatch):
     cell = cell_of()
     holder, targets = arched(cell), note_leaving(monkeypatch)
@@ -374,6 +385,8 @@ def test_a_wire_that_arches_over_its_last_corner_is_tucked_in(monkeypatch):
     cell.close()
 
 
+@pytest.mark.slow
+@pytest.mark.physics
 def test_a_wire_that_would_be_refused_is_tucked_into_duct_after_duct_and_fixed_in_time(monkeypatch):
     cell = cell_of()
     holder = arched(cell)
@@ -401,6 +414,8 @@ def test_a_wire_that_would_be_refused_is_tucked_into_duct_after_duct_and_fixed_i
     cell.close()
 
 
+@pytest.mark.slow
+@pytest.mark.physics
 @pytest.mark.parametrize(("aside", "is_lowered"), [(0.043, True), (0.030, False), (-0.016, False)])
 def test_fingers_go_below_the_rim_only_where_both_are_beside_the_duct(
     monkeypatch, aside, is_lowered
@@ -420,6 +435,8 @@ def test_fingers_go_below_the_rim_only_where_both_are_beside_the_duct(
     cell.close()
 
 
+@pytest.mark.slow
+@pytest.mark.physics
 def test_only_the_openings_of_a_wire_are_not_seen_empty():
     cell = cell_of()
     arched(cell)
@@ -431,6 +448,8 @@ def test_only_the_openings_of_a_wire_are_not_seen_empty():
     cell.close()
 
 
+@pytest.mark.slow
+@pytest.mark.physics
 def test_a_wire_that_resists_is_brought_down_no_farther(monkeypatch):
     cell = cell_of()
     holder = arched(cell)
@@ -451,6 +470,8 @@ def test_a_wire_that_resists_is_brought_down_no_farther(monkeypatch):
     cell.close()
 
 
+@pytest.mark.slow
+@pytest.mark.physics
 def test_fingers_that_close_beside_a_wire_press_nothing_down(monkeypatch):
     cell = cell_of()
     holder = arched(cell)
@@ -471,6 +492,7 @@ def test_fingers_that_close_beside_a_wire_press_nothing_down(monkeypatch):
     cell.close()
 
 
+@pytest.mark.physics
 @pytest.mark.parametrize(
     ("aside", "height", "is_out"),
     [(0.0, 0.030, False), (0.0, OVER_RIM_M, True), (OVER_WALL_M, OVER_RIM_M, True)],
@@ -491,6 +513,7 @@ def test_a_wire_over_the_rims_or_the_wall_is_out_of_its_ducts(aside, height, is_
     cell.close()
 
 
+@pytest.mark.physics
 def test_a_wire_that_curls_up_is_out_of_its_ducts_along_its_route_not_along_itself():
     cell = cell_of()
     empty, lies = before(cell), along(route_of(cell), 0.030)
@@ -503,6 +526,7 @@ def test_a_wire_that_curls_up_is_out_of_its_ducts_along_its_route_not_along_itse
     cell.close()
 
 
+@pytest.mark.physics
 def test_a_wire_that_curls_up_beside_its_duct_where_it_is_seen_in_it_lies_in_its_duct():
     cell = cell_of()
     empty, lies = before(cell), along(route_of(cell), 0.030)
@@ -514,6 +538,7 @@ def test_a_wire_that_curls_up_beside_its_duct_where_it_is_seen_in_it_lies_in_its
     cell.close()
 
 
+@pytest.mark.physics
 def test_a_wire_that_lies_across_the_devices_is_not_in_its_ducts():
     cell = cell_of()
     empty, route = before(cell), route_of(cell)
@@ -530,6 +555,8 @@ def test_a_wire_that_lies_across_the_devices_is_not_in_its_ducts():
     cell.close()
 
 
+@pytest.mark.slow
+@pytest.mark.physics
 def test_a_wire_that_pulls_too_hard_is_lifted_by_both_hands_and_led_on(monkeypatch):
     cell = cell_of()
     move_together, lifted = lay_wire_module.move_together, []
@@ -559,6 +586,8 @@ def test_a_wire_that_pulls_too_hard_is_lifted_by_both_hands_and_led_on(monkeypat
     cell.close()
 
 
+@pytest.mark.slow
+@pytest.mark.physics
 def test_a_wire_that_still_pulls_too_hard_is_given_up_with_what_it_pulled_with(monkeypatch):
     cell = cell_of()
     key, socket = hold_an_end(cell)
@@ -572,6 +601,8 @@ def test_a_wire_that_still_pulls_too_hard_is_given_up_with_what_it_pulled_with(m
     cell.close()
 
 
+@pytest.mark.slow
+@pytest.mark.physics
 def test_a_wire_that_missed_its_terminal_leaves_the_cell_from_hand_to_hand():
     cell = cell_of()
     key, socket = hold_an_end(cell)
@@ -591,6 +622,8 @@ def test_a_wire_that_missed_its_terminal_leaves_the_cell_from_hand_to_hand():
     cell.close()
 
 
+@pytest.mark.slow
+@pytest.mark.physics
 def test_a_wire_that_hangs_from_its_first_terminal_is_discarded():
     # Behind its slot it bends aside, and pulls at the hand that draws its end out.
     bent, end = "W97", WireEnd.B
@@ -605,6 +638,8 @@ def test_a_wire_that_hangs_from_its_first_terminal_is_discarded():
     cell.close()
 
 
+@pytest.mark.slow
+@pytest.mark.physics
 def test_a_wire_whose_ends_are_seen_nowhere_is_picked_up_between_them():
     cell = cell_of()
     key, socket = hold_an_end(cell)
@@ -629,6 +664,7 @@ def test_a_wire_whose_ends_are_seen_nowhere_is_picked_up_between_them():
     cell.close()
 
 
+@pytest.mark.physics
 @pytest.mark.parametrize("leg", [1, 2])
 def test_a_new_wire_is_graspable_where_it_is_highest(leg):
     cell = cell_of()
@@ -649,6 +685,8 @@ def test_a_new_wire_is_graspable_where_it_is_highest(leg):
     cell.close()
 
 
+@pytest.mark.slow
+@pytest.mark.physics
 def test_the_pull_on_a_clamped_end_keeps_to_its_limit(pushes):
     cell = cell_of()
     key, socket = hold_an_end(cell, "W22", WireEnd.A)
@@ -659,6 +697,8 @@ def test_the_pull_on_a_clamped_end_keeps_to_its_limit(pushes):
     cell.close()
 
 
+@pytest.mark.slow
+@pytest.mark.physics
 def test_a_wire_that_does_not_become_straight_is_not_in_the_eyelet():
     cell = cell_of()
     hold_an_end(cell)
@@ -673,6 +713,7 @@ def test_a_wire_that_does_not_become_straight_is_not_in_the_eyelet():
     cell.close()
 
 
+@pytest.mark.physics
 def test_the_uppermost_of_two_wires_beside_each_other_is_taken():
     cell = cell_of()
     lower = along(route_of(cell), 0.030)
@@ -699,6 +740,7 @@ def test_the_uppermost_of_two_wires_beside_each_other_is_taken():
     cell.close()
 
 
+@pytest.mark.physics
 def test_the_highest_of_several_wires_of_one_colour_is_taken_not_the_nearest():
     cell = cell_of()
     own = cell.plant.panel.wire(WIRE)
@@ -779,6 +821,8 @@ def test_a_wire_whose_colour_is_not_seen_is_found_by_what_is_new_far_aside():
     cell.close()
 
 
+@pytest.mark.slow
+@pytest.mark.physics
 @pytest.mark.parametrize("seen", [(), ("behind",), ("behind", "beyond")])
 def test_a_wire_that_others_hide_at_its_slot_is_taken(monkeypatch, seen):
     cell = cell_of()
@@ -796,6 +840,8 @@ def test_a_wire_that_others_hide_at_its_slot_is_taken(monkeypatch, seen):
     cell.close()
 
 
+@pytest.mark.slow
+@pytest.mark.physics
 def test_a_hidden_wire_that_comes_aslant_from_its_slot_is_taken_farther_on(monkeypatch):
     cell = cell_of()
     key, socket = hold_an_end(cell)
@@ -818,6 +864,7 @@ def test_a_hidden_wire_that_comes_aslant_from_its_slot_is_taken_farther_on(monke
     cell.close()
 
 
+@pytest.mark.physics
 def test_a_steep_wire_is_taken_where_it_is_seen_and_lets_the_pads_close_later(monkeypatch):
     cell = cell_of()
     guide = cell.context
@@ -832,6 +879,7 @@ def test_a_steep_wire_is_taken_where_it_is_seen_and_lets_the_pads_close_later(mo
     cell.close()
 
 
+@pytest.mark.physics
 def test_the_board_is_remembered_as_it_was_before_the_wire_was_touched():
     cell = cell_of()
     hold_an_end(cell)

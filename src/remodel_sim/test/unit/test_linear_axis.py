@@ -117,6 +117,7 @@ def test_a_slow_axis_slows_the_motion_that_needs_it():
     assert rates.max() == pytest.approx(ARM.axis.speed, rel=0.05)
 
 
+@pytest.mark.physics
 def test_the_simulated_arm_follows_with_its_axis_and_goes_home():
     cell = Cell(panel(), design=read_cell("cabinet"))
     context, robot = cell.context, cell.plant.robots["robot_1"]

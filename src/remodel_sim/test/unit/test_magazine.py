@@ -50,6 +50,7 @@ def test_a_wire_that_the_magazine_cannot_present_is_refused_when_its_panel_is_lo
         Cell(dense_panel([short]), design=read_cell("cabinet"))
 
 
+@pytest.mark.physics
 @pytest.mark.parametrize(
     "length, changes",
     [
@@ -102,6 +103,7 @@ def cabinet():
     cell.close()
 
 
+@pytest.mark.physics
 def test_cameras_find_both_ends_where_they_are_and_how_high(cabinet):
     found = do(cabinet, detect_cable, goals.DetectGoal("W1"))
     for end, seen in zip(WireEnd, found.tips, strict=True):
@@ -110,6 +112,7 @@ def test_cameras_find_both_ends_where_they_are_and_how_high(cabinet):
         assert seen.pitch == pytest.approx(math.asin(out[2]), abs=math.radians(2.0))
 
 
+@pytest.mark.physics
 def test_an_end_goes_from_its_clips_into_its_terminal_and_the_wire_can_be_discarded(cabinet):
     socket = locate(cabinet, "N1", "b1")
     insert(cabinet, "W1", WireEnd.A, "N1", terminal="b1", socket=socket)
@@ -119,6 +122,8 @@ def test_an_end_goes_from_its_clips_into_its_terminal_and_the_wire_can_be_discar
     assert cabinet.context.belief.fed == []
 
 
+@pytest.mark.slow
+@pytest.mark.physics
 def test_a_wire_that_nothing_else_holds_is_dropped_wherever_it_is_to_be_laid_down(cabinet):
     cabinet.feed("W1", "")
     do(cabinet, pick_cable, goals.PickGoal(ROBOT, "W1", WireEnd.A, 0.0))

@@ -16,6 +16,8 @@ from remodel_sim.core.workpiece.panel import WireEnd
 from remodel_sim.physics.truth import ground_truth
 from remodel_states.core.codes import Code
 
+pytestmark = pytest.mark.physics
+
 # Where end a was picked, low in the channel: an end that is released high above the plate may stick
 # to a finger, and one that is turned round stands up.
 WHERE_FED = Pose.level(0.50, -0.13, 0.012, -1.5707963)
@@ -32,6 +34,7 @@ def hold_end_a_in_its_terminal(cell):
     insert(cell, "W1", WireEnd.A, "X1", terminal="1", socket=locate(cell, "X1", "1"))
 
 
+@pytest.mark.slow
 def test_an_end_that_is_pushed_in_is_drawn_out_and_can_be_picked_again(cell):
     hold_end_a_in_its_terminal(cell)
     lay_down(cell, WHERE_FED)
@@ -58,6 +61,7 @@ def test_whatever_the_hand_holds_is_laid_down_when_no_wire_is_named(cell):
     assert caught.value.code is Code.NOTHING_HELD
 
 
+@pytest.mark.slow
 def test_an_end_that_is_fixed_is_released_in_its_terminal(cell):
     hold_end_a_in_its_terminal(cell)
     assert cell.context.close_clamp("X1", "1"), "as FixCable does before it is stopped"

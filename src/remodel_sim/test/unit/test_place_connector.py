@@ -56,6 +56,7 @@ def truth_of(cell):
     return truth.a
 
 
+@pytest.mark.physics
 def test_a_connector_latches_when_pushed_hard_enough_and_comes_out_when_its_latch_is_opened(cell):
     socket = locate(cell, "U1", "J1")
     with pytest.raises(AbilityError, match="did not latch") as caught:
@@ -71,6 +72,8 @@ def test_a_connector_latches_when_pushed_hard_enough_and_comes_out_when_its_latc
     assert truth_of(cell).at == "" and not truth_of(cell).fixed
 
 
+@pytest.mark.slow
+@pytest.mark.physics
 def test_pins_beside_their_openings_and_an_obstacle_in_one_have_different_codes(cell):
     socket = locate(cell, "U1", "J1")
     beside = Pose(socket.position + np.array([0.0, 0.006, 0.0]), socket.quaternion)

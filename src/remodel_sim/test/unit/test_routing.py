@@ -20,6 +20,8 @@ from remodel_sim.physics.static_body import add_static
 from remodel_sim.physics.truth import lies_in
 from remodel_states.core.codes import Code
 
+pytestmark = pytest.mark.physics
+
 
 def with_b_in_hand(board):
     cell = Cell(board, seed=1)
@@ -47,6 +49,7 @@ def test_a_wire_is_laid_into_its_clips_and_stays_there():
     cell.close()
 
 
+@pytest.mark.slow
 def test_a_wire_too_short_for_its_path_pulls_back():
     cell = with_b_in_hand(formboard(0))
     with pytest.raises(AbilityError) as caught:

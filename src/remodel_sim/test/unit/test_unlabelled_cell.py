@@ -19,6 +19,8 @@ from remodel_sim.edge.wire_material_file import read_wire_materials
 from remodel_sim.ros.conversions import read_panel
 from remodel_states.core.codes import Code
 
+pytestmark = pytest.mark.physics
+
 CONFIG = Path(__file__).parents[2] / "config"
 WITHIN_M, WITHIN_RAD = 0.0005, math.radians(0.5)
 

@@ -19,6 +19,8 @@ from remodel_sim.core.workpiece.panel import WireEnd
 from remodel_sim.physics.static_body import add_static
 from remodel_states.core.codes import Code
 
+pytestmark = pytest.mark.physics
+
 # A lens that is nearer to another one than this observes from the same place [m].
 APART_M = 0.02
 GREY = (0.5, 0.5, 0.5)

@@ -40,6 +40,7 @@ def test_every_label_is_found_from_above_to_half_a_millimetre(cell):
         assert seen.residual < 0.0005
 
 
+@pytest.mark.physics
 @pytest.mark.parametrize("colour", WIRE_RGB)
 def test_both_ends_of_a_wire_of_any_colour_are_found(colour):
     made = Cell(panel(wires=(wire("W1", ("X1", "1"), ("X2", "1"), 0.48, colour=colour),)), seed=3)
@@ -62,6 +63,7 @@ def test_both_ends_of_a_wire_of_any_colour_are_found(colour):
     made.close()
 
 
+@pytest.mark.physics
 def test_a_wire_that_is_not_there_is_not_found(cell):
     cell.feed("W1", "A")
     elsewhere = {WireEnd.A: np.array([0.30, -0.30, cell.context.wire.radius])}
@@ -69,6 +71,7 @@ def test_a_wire_that_is_not_there_is_not_found(cell):
     assert ends == {}
 
 
+@pytest.mark.physics
 def test_two_ends_side_by_side_are_ambiguous(cell):
     cell.feed("W1", "A")
     between = {WireEnd.A: np.mean([p for p in cell.context.belief.expected.values()], axis=0)}
@@ -82,6 +85,7 @@ def test_two_ends_side_by_side_are_ambiguous(cell):
     assert cell.context.belief.ends[WireEnd.A] is EndState.LOOSE
 
 
+@pytest.mark.physics
 def test_an_end_that_a_wire_in_the_air_hides_from_above_is_found_from_aside(cell):
     cell.feed("W1", "A")
     live = cell.context.wire
@@ -101,6 +105,7 @@ def test_an_end_that_a_wire_in_the_air_hides_from_above_is_found_from_aside(cell
     assert np.linalg.norm(cell.context.belief.tips[WireEnd.A].tip[:2] - tip[:2]) < 0.003
 
 
+@pytest.mark.physics
 def test_an_end_that_lies_elsewhere_is_not_mistaken_for_the_other_one(cell):
     cell.feed("W1", "A")
     expected = cell.context.belief.expected

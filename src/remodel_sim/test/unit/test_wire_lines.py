@@ -84,6 +84,7 @@ def place_on(nodes, index):
     return Pose.level(*middle, math.atan2(along[1], along[0]))
 
 
+@pytest.mark.physics
 def test_how_a_wire_passes_a_place_is_seen_from_above(fed):
     cell, nodes = fed
     lines = WireLines(cell.plant.take_overhead_picture(), cell.context.wire)
@@ -97,6 +98,7 @@ def test_how_a_wire_passes_a_place_is_seen_from_above(fed):
     assert wire_past(beside, 0.012, lines) is None
 
 
+@pytest.mark.physics
 def test_a_wire_of_another_colour_is_not_taken_for_it(fed):
     cell, nodes = fed
     other = replace(cell.context.wire, colour="RD")
@@ -104,6 +106,7 @@ def test_a_wire_of_another_colour_is_not_taken_for_it(fed):
     assert wire_past(place_on(nodes, len(nodes) // 2), 0.012, lines) is None
 
 
+@pytest.mark.physics
 def test_where_a_wire_leaves_a_circle_is_seen_from_above(fed):
     cell, nodes = fed
     lines = WireLines(cell.plant.take_overhead_picture(), cell.context.wire)
@@ -117,6 +120,7 @@ def test_where_a_wire_leaves_a_circle_is_seen_from_above(fed):
     assert wire_around(centre + np.array([0.1, 0.0]), radius / 2, 0.0, lines) is None
 
 
+@pytest.mark.physics
 def test_a_wire_is_followed_under_another_one_that_lies_across(fed):
     cell, nodes = fed
     middle = len(nodes) // 2

@@ -31,6 +31,8 @@ def test_it_gives_way_against_the_force_no_faster_than_the_arm_speeds_up():
     assert -ACCELERATION * STEP_S < pushed[1] < 0.0
 
 
+@pytest.mark.slow
+@pytest.mark.physics
 @pytest.mark.parametrize("low_m", [0.0025, -0.0025])
 def test_an_end_that_slim_fingers_hold_too_low_or_too_high_is_seated(low_m):
     panel = read_panel(CONFIG / "harness.yaml", read_wire_materials(CONFIG / "wire_materials.yaml"))
