@@ -6,6 +6,7 @@ import os
 import signal
 import subprocess
 import sys
+import threading
 import time
 import unittest
 
@@ -14,6 +15,7 @@ import rospy
 import rostest
 from actionlib.msg import TestAction, TestFeedback, TestGoal, TestResult
 from actionlib_msgs.msg import GoalID, GoalStatus, GoalStatusArray
+from flexbe_msgs.msg import BehaviorInputAction, BehaviorInputGoal
 from std_msgs.msg import Empty, String
 from std_srvs.srv import Trigger, TriggerRequest, TriggerResponse
 
@@ -25,7 +27,7 @@ from flexbe_core.proxy import (
     ProxySubscriberCached,
     ProxyTransformListener,
 )
-from flexbe_core.proxy.action_connection import SILENCE_S
+from flexbe_core.proxy.action_connection import SILENCE_S, ActionConnection
 from flexbe_core.proxy.proxy_action_client import LOST_GRACE_S, ActionServerLostError
 from flexbe_core.testing import wait_until
 
@@ -231,6 +233,24 @@ class ProxiesTest(unittest.TestCase):
         os.kill(server.pid, signal.SIGCONT)
         self.assertTrue(wait_until(lambda: client.is_available("a/hung"), 1.0), "it is back")
         self.assertFalse(client.has_result("a/hung"))
+
+    def test_a_listener_that_stops_reading_goals_holds_up_no_sender(self):
+        """Such as a laptop that records the topics, and goes to sleep."""
+        connection = ActionConnection("a/recorded", BehaviorInputAction)
+        echo = ("rostopic", "echo", "a/recorded/goal")
+        listener = subprocess.Popen(echo, stdout=subprocess.DEVNULL)
+        self.addCleanup(listener.wait)
+        self.addCleanup(listener.kill)
+        publisher = connection._goal_publisher
+        self.assertTrue(wait_until(lambda: publisher.get_num_connections() == 1))
+        os.kill(listener.pid, signal.SIGSTOP)
+        goal = BehaviorInputGoal(msg="x" * 100_000)
+        sending = threading.Thread(
+            target=lambda: [connection.send(goal) for _ in range(500)], daemon=True
+        )
+        sending.start()  # far more than the system keeps for a connection
+        sending.join(30.0)
+        self.assertFalse(sending.is_alive())
 
     def test_a_goal_is_lost_when_its_server_was_restarted(self):
         server, client = self.sent_goal("a/again", "again")

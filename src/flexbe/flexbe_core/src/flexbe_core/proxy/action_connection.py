@@ -52,11 +52,8 @@ class ActionConnection:
         self._heard_wall = time.monotonic()
         self._heard_ros = clock.now()
         self._changed = threading.Event()
+        # With a queue, whose threads write: anybody may listen to goals, and stop reading.
         self._goal_publisher = rospy.Publisher(f"{topic}/goal", self._goal_type, queue_size=10)
-        # The thread that sends a goal also writes it: a queue would cost 0.03 to 0.1 ms. A server
-        # that reads no more is found silent and gets no goals (is_available) long before the
-        # system's buffers for it are full.
-        self._goal_publisher.impl.set_queue_size(None)
         self._cancel_publisher = rospy.Publisher(f"{topic}/cancel", GoalID, queue_size=10)
         self._subscribers = [
             rospy.Subscriber(f"{topic}/{name}", message_type, callback, tcp_nodelay=True)
