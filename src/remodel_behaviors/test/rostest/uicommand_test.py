@@ -17,7 +17,7 @@ import rostest
 from flexbe_msgs.msg import BEStatus
 from std_msgs.msg import String
 
-LIMIT_S = 30.0
+LIMIT_S = 90.0
 KEY = "sesame"
 
 
@@ -64,7 +64,7 @@ class UiCommandTest(unittest.TestCase):
     def tearDownClass(cls):
         for process in cls.processes:
             os.killpg(process.pid, signal.SIGINT)
-            process.wait(20)
+            process.wait(60)
         shutil.rmtree(cls.folder)
 
     @classmethod
@@ -73,7 +73,7 @@ class UiCommandTest(unittest.TestCase):
 
     def run_line(self, *line):
         return subprocess.run(
-            line, env=self.environment, capture_output=True, text=True, timeout=60, check=False
+            line, env=self.environment, capture_output=True, text=True, timeout=180, check=False
         )
 
     def give(self, command, key=KEY):
