@@ -16,12 +16,12 @@ from pathlib import Path
 from statistics import median
 
 sys.path.insert(0, str(Path(__file__).parents[2] / "src/remodel_console/test/rostest"))
-from drawing_test import DATASET, FLAT, DrawingTest
+from drawing_large_test import DATASET, FLAT, DrawingLargeTest
 
 LIMIT_S = 1.0  # for all, on an idle machine
 
 
-class Drawing(DrawingTest):
+class Drawing(DrawingLargeTest):
     """The browser tests' set-up, without an engine."""
 
     has_engine = False

@@ -24,7 +24,8 @@ from playwright.sync_api import Page
 from std_msgs.msg import Empty, String
 
 sys.path.insert(0, str(Path(__file__).parents[2] / "src/remodel_console/test/rostest"))
-from console_test import OBSERVE, ConsoleTest
+from console_case import ConsoleCase
+from console_test import OBSERVE
 from large_chart import large_chart
 
 from flexbe_synthesizer.core.chart.chart_writer import write_chart
@@ -42,13 +43,8 @@ Seen = list[tuple[float, str]]
 AHEAD_MS = 500.0  # by which a page may learn of a state before this process does, which may be busy
 
 
-class Load(ConsoleTest):
-    """The browser tests' set-up, with a large behavior.
-
-    The browser emulates no GPU, which would take more of the processor than page and console.
-    """
-
-    graphics = ("--disable-gpu",)
+class Load(ConsoleCase):
+    """The browser tests' set-up, with a large behavior."""
 
     @classmethod
     def setUpClass(cls) -> None:

@@ -20,7 +20,7 @@ from flexbe_synthesizer.core.chart.chart_writer import write_chart
 from flexbe_synthesizer.core.chart.model import Behavior, Chart, Input, Outcome, Transition
 from flexbe_synthesizer.request import ErrorCode
 
-LIMIT = rospy.Duration(20)
+LIMIT = rospy.Duration(90)
 
 
 class SynthesisServerTest(unittest.TestCase):

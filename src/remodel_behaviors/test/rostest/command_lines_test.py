@@ -12,7 +12,7 @@ import rospy
 import rostest
 from flexbe_msgs.msg import BehaviorExecutionActionResult, BEStatus
 
-LIMIT_S = 30.0
+LIMIT_S = 90.0
 
 
 class Statuses:
@@ -48,12 +48,12 @@ class CommandLinesTest(unittest.TestCase):
         self.statuses.close()
         for process in self.processes:
             os.killpg(process.pid, signal.SIGINT)
-            process.wait(20)
+            process.wait(60)
 
     def run_line(self, line):
         """Run a line to its end."""
         return subprocess.run(
-            ["bash", "-c", line], capture_output=True, text=True, timeout=60, check=False
+            ["bash", "-c", line], capture_output=True, text=True, timeout=180, check=False
         )
 
     def start_line(self, line):

@@ -30,7 +30,7 @@ class PlaceConnectorCase(unittest.TestCase):
         cls.truth = rospy.ServiceProxy("cell/ground_truth", GetGroundTruth)
         cls.reset.wait_for_service()
         cls.preempt = rospy.Publisher("/flexbe/commands/preempt", Empty, queue_size=1)
-        assert cls.client.wait_for_server(rospy.Duration(60))
+        assert cls.client.wait_for_server(rospy.Duration(180))
 
     def setUp(self):
         self.records = []

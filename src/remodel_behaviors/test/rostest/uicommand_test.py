@@ -19,7 +19,7 @@ from std_msgs.msg import String
 
 from flexbe_core.testing import wait_until
 
-LIMIT_S = 30.0
+LIMIT_S = 90.0
 KEY = "sesame"
 
 
@@ -68,7 +68,7 @@ class UiCommandTest(unittest.TestCase):
     def tearDownClass(cls):
         for process in cls.processes:
             os.killpg(process.pid, signal.SIGINT)
-            process.wait(20)
+            process.wait(60)
         shutil.rmtree(cls.folder)
 
     @classmethod
@@ -77,7 +77,7 @@ class UiCommandTest(unittest.TestCase):
 
     def run_line(self, *line):
         return subprocess.run(
-            line, env=self.environment, capture_output=True, text=True, timeout=60, check=False
+            line, env=self.environment, capture_output=True, text=True, timeout=180, check=False
         )
 
     def give(self, command, key=KEY):

@@ -11,9 +11,8 @@ from playwright.sync_api import expect
 sys.path.insert(0, str(Path(__file__).parent))
 from fake_cell import FakeCell
 from fake_supervisor import FakeRecords, FakeSupervisor
-from inbox_test import HIDE, SHOW
 
-from remodel_console.testing.browser_test import BrowserTest
+from remodel_console.testing.browser_test import WEBGL_WITHOUT_GPU, BrowserTest
 from remodel_supervision.core.runs.events import Ending, RunEnded
 
 CHANGES = "() => Number(document.querySelector('.cell-view').dataset.changes)"
@@ -21,61 +20,15 @@ MIDDLE_OF_W4 = "() => document.querySelector('.cell-view').screenPointOf('W4')"
 FRAMES = 20
 PLACES = 4  # of a wire, one after the other
 MESHES = 9  # eight links and the hand; the fingers are boxes
-LIVE_HZ = (
-    3  # on busy cores, with three.js painted by the same cores; 20 where it is painted by a GPU
-)
 
 
 class CellViewTest(BrowserTest):
     first_page = "/overview"
+    graphics = WEBGL_WITHOUT_GPU
 
     @classmethod
     def prepare(cls):
         cls.supervisor = FakeSupervisor()
-
-    def test_the_cell_moves_and_a_wire_is_chosen(self):
-        cell, supervisor = FakeCell(), self.supervisor
-        self.addCleanup(cell.close)
-        page = self.page
-        view = page.get_by_role("img", name="The cell")
-        expect(view).to_be_visible()
-        expect(view).to_have_attribute("data-wires", "W1 W4")
-        expect(view).to_have_attribute("data-meshes", str(MESHES))
-        before = page.evaluate(CHANGES)
-        page.wait_for_function(f"() => ({CHANGES})() >= {before + LIVE_HZ}")
-        supervisor.run("cabinet 7")
-        expect(page.locator(".order .title")).to_have_text("cabinet 7")
-        facts = page.locator(".wire-facts")
-        x, y = page.evaluate(MIDDLE_OF_W4)
-        page.mouse.click(x, y)
-        expect(facts).to_contain_text("K1/A2 to X1/2, BK, 1 mm2")
-        expect(facts).to_contain_text("running, 1 attempt")
-        supervisor.ask()
-        expect(facts).to_contain_text("Insertion jammed: 22 N at 6 mm of 14 mm; the cell asks you.")
-        self.take_picture(page, "cell")
-        self.choose(page, "Wire", "W1")
-        expect(facts).to_contain_text("done, 1 attempt")
-        runtime = self.open_page("/runtime")
-        expect(runtime.get_by_role("img", name="The cell")).to_have_attribute("data-wires", "W1 W4")
-        expect(runtime.locator(f".cell-view[data-meshes='{MESHES}']")).to_be_visible()
-        self.take_picture(runtime, "cell-runtime")
-
-        self.assertTrue(cell.is_followed)
-        supervisor.add(RunEnded(Ending.STOPPED, "stopped by an operator"))  # else it is recorded
-
-        def is_free_in_background():
-            for shown in (page, runtime):
-                shown.evaluate(HIDE)  # again, if a busy page has connected to the console again
-            return not cell.is_followed
-
-        self.wait_until(is_free_in_background, "a page in the background to cost nothing")
-        hidden_at = page.evaluate(CHANGES)
-        page.evaluate(SHOW)
-        self.wait_until(lambda: cell.is_followed)
-        page.wait_for_function(f"() => ({CHANGES})() > {hidden_at}")
-        page.close()
-        self.page = runtime
-        self.wait_until(lambda: not cell.is_followed, "a closed page to cost nothing")
 
     def test_replay_shows_the_cell_as_it_was(self):
         cell, supervisor = FakeCell(), self.supervisor

@@ -6,30 +6,20 @@ import re
 import sys
 import xml.etree.ElementTree as ElementTree
 from pathlib import Path
-from typing import ClassVar
 
 import rospy
 import rostest
 from playwright.sync_api import Error, expect
 
 sys.path.insert(0, str(Path(__file__).parent))
-from behavior_test_case import BehaviorTestCase
+from drawing_case import DrawingCase
 
-from flexbe_synthesizer.core.chart.chart_reader import parse_chart
-from flexbe_synthesizer.core.chart.chart_writer import write_chart
-from flexbe_synthesizer.core.chart.model import Chart, Outcome, Param, State, Transition
+from flexbe_synthesizer.core.chart.model import Transition
 
-FLAT = 1000  # states
-DRAWN_S = 30.0  # within which they are drawn; 1 s on idle cores, by `make bench-drawing`
 MOST_CLICKS, MOST_FIELDS = 8, 2
-DATASET = "(name) => document.querySelector('.canvas-frame').dataset[name]"
 CENTRE = """(path) => {
   const { x, y } = document.querySelector('.canvas-frame').drawing.byPath.get(path).position();
   return [x, y];
-}"""
-DRAWN = """() => {
-  const { cy } = document.querySelector('.canvas-frame').drawing;
-  return { nodes: cy.nodes().length, edges: cy.edges().length };
 }"""
 COLOUR = """(event) => {
   const edges = document.querySelector('.canvas-frame').drawing.cy.edges();
@@ -63,21 +53,6 @@ FLOWS = """() => document.querySelector('.canvas-frame').drawing.cy.edges('.flow
   .filter((edge) => edge.visible()).map((edge) => edge.data('label'))"""
 
 
-def flat_chart(count):
-    """Return a chart of so many states in a row, each of which can also fail."""
-    ids = [f"Step {number}" for number in range(count)]
-    nodes = tuple(
-        State(
-            one,
-            "WaitState",
-            (Transition("done", following),),
-            params=(Param("wait_time", 0.0),),
-        )
-        for one, following in zip(ids, (*ids[1:], "finished"), strict=True)
-    )
-    return Chart("Flat", ids[0], (Outcome("finished"),), nodes)
-
-
 # Pairs of labels of arrows that lie over each other.
 COVERED = """() => {
   const edges = document.querySelector('.canvas-frame').drawing.cy.edges('[label]');
@@ -89,25 +64,7 @@ COVERED = """() => {
 }"""
 
 
-class DrawingTest(BehaviorTestCase):
-    first_page = "/editor"
-    more_charts: ClassVar = {"flat.xml": write_chart(flat_chart(FLAT))}
-
-    def setUp(self):
-        super().setUp()
-        expect(self.page.get_by_role("button", name="Save", exact=True)).to_be_visible()
-
-    def chart(self, name):
-        return parse_chart((self.package / "charts" / f"{name}.xml").read_bytes())
-
-    def open(self, name):
-        self.choose(self.page, "Open", name)
-        expect(self.page.locator(".properties .title", has_text=name)).to_be_visible()
-
-    def drawn(self, path):
-        """Return the entry of what is drawn among the words for it."""
-        return self.page.locator(f".canvas-outline [data-path='{path}']").first
-
+class DrawingTest(DrawingCase):
     def drag_from_library(self, name):
         entry = self.page.locator(".library").get_by_role("button", name=name, exact=True)
         entry.drag_to(self.page.locator(".canvas-stage"), target_position={"x": 120, "y": 300})
@@ -349,16 +306,6 @@ class DrawingTest(BehaviorTestCase):
         self.assertNotIn("greeting", words, "the data flow is not shown")
         arrows = list(svg.iter("{http://www.w3.org/2000/svg}polygon"))
         self.assertEqual(len(arrows), self.page.evaluate(ARROWS))
-
-    def test_1000_states_are_drawn(self):
-        self.open("Flat")
-        self.drawn(f"Step {FLAT - 1}").wait_for(state="attached")
-        self.wait_until(lambda: self.page.evaluate(DATASET, "completeMs"))
-        first, whole = (float(self.page.evaluate(DATASET, n)) for n in ("drawnMs", "completeMs"))
-        self.assertLess(first, whole)
-        self.assertLess(whole, 1000 * DRAWN_S)
-        self.assertEqual(self.page.evaluate(DRAWN), {"nodes": FLAT + 2, "edges": FLAT + 1})
-        self.take_picture(self.page, "editor-1000-states")
 
 
 if __name__ == "__main__":

@@ -1,24 +1,15 @@
 #!/usr/bin/env python3
 """The editor in a real browser: a behavior is put together, synthesized into, checked and saved."""
 
-import contextlib
 import sys
 from pathlib import Path
-from typing import ClassVar
 
 import rospy
 import rostest
 from playwright.sync_api import expect
 
 sys.path.insert(0, str(Path(__file__).parent))
-from behavior_test_case import BehaviorTestCase
-from large_chart import BOXES, STATES, large_chart
-
-from flexbe_synthesizer.core.chart.chart_reader import parse_chart
-from flexbe_synthesizer.core.chart.chart_writer import write_chart
-from remodel_console.core.answer import DONE
-from remodel_console.ros.ask import ask
-from remodel_console.testing.browser_test import LIMIT_S
+from editor_case import EditorCase
 
 BROKEN = """<statemachine name="Broken" initial="A">
   <datamodel><outcome name="finished"/></datamodel>
@@ -29,62 +20,7 @@ BROKEN = """<statemachine name="Broken" initial="A">
 """
 
 
-SCALE = "() => document.querySelector('.canvas-frame').drawing.scale()"
-READABLE = 0.6  # [screen pixels per unit of the drawing] of the largest drawings, in canvas.js
-
-
-class EditorTest(BehaviorTestCase):
-    first_page = "/editor"
-    more_charts: ClassVar = {"large.xml": write_chart(large_chart("Large", 0.02))}
-
-    def setUp(self):
-        super().setUp()
-        expect(self.page.get_by_role("button", name="Save", exact=True)).to_be_visible()
-
-    def chart(self, name):
-        return parse_chart((self.package / "charts" / f"{name}.xml").read_bytes())
-
-    def open(self, name):
-        """Open a behavior; what another test has left unsaved is lost."""
-        self.choose(self.page, "Open", name)
-        lose = self.page.get_by_role("button", name="Discard and load")
-        title = self.page.locator(".properties .title", has_text=name)
-        expect(lose.or_(title)).to_be_visible()
-        if lose.is_visible():
-            lose.click()
-        expect(title).to_be_visible()
-
-    def fill(self, label, text):
-        field = self.page.locator(".properties").get_by_label(label, exact=True)
-        field.fill(text)
-        field.press("Enter")
-
-    def is_selected(self, path, limit_s=LIMIT_S):
-        name = self.page.locator(".properties").get_by_label("Name", exact=True)
-        with contextlib.suppress(AssertionError):
-            expect(name).to_have_value(path.rpartition("/")[2], timeout=1000 * limit_s)
-            return True
-        return False
-
-    def pick(self, path):
-        """Select what is drawn; again if it was redrawn just when it was clicked."""
-
-        def is_picked():
-            self.press(self.page, "Show all")
-            self.pick_drawn(self.page, path)
-            return self.is_selected(path, limit_s=2.0)
-
-        self.wait_until(is_picked, path)
-
-    def add_container(self):
-        """Add a container, which is selected then."""
-        self.press(self.page, "Container")
-        self.assertTrue(self.is_selected("Container"))
-
-    def write_xml(self, text):
-        self.page.get_by_role("tab", name="XML").click()
-        self.page.locator(".cm-content").fill(text)
-
+class EditorTest(EditorCase):
     def test_a_behavior_is_built_synthesized_into_and_saved(self):
         page = self.page
         self.press(self.page, "New")
@@ -205,18 +141,6 @@ class EditorTest(BehaviorTestCase):
         expect(page.locator(".cm-content")).to_contain_text('<input name="count" type="int"')
         expect(page.locator(".cm-content")).to_contain_text('<ext:condition outcome="found">')
 
-    def test_200_states_are_drawn_so_that_they_can_be_read(self):
-        page = self.page
-        self.open("Large")
-        states = page.locator("li.node[data-path*='Box']")
-        expect(states).to_have_count(BOXES)
-        self.press(page, "Show all")  # once: what is drawn then is readable again
-        self.pick_drawn(page, "Box 4")
-        expect(states).to_have_count(BOXES - 1 + STATES)  # closed containers; states
-        self.assertGreater(page.evaluate(SCALE), 0.99 * READABLE)
-        self.pick_drawn(page, "Box 4/S4_7")
-        self.take_picture(page, "editor-200-states")
-
     def test_deleting_and_renaming_keep_what_belongs_together(self):
         self.open("Patrol")
         self.pick("South")
@@ -229,24 +153,6 @@ class EditorTest(BehaviorTestCase):
         self.press(self.page, "Undo")
         self.press(self.page, "Undo")
         expect(self.page.locator("li.node[data-path='South']").first).to_be_visible()
-
-    def test_each_page_has_a_session_of_its_own_which_a_reload_continues(self):
-        self.open("Patrol")
-        other = self.open_page("/editor", width=1024, height=768)
-        self.choose(other, "Open", "Errand")
-        expect(other.locator(".properties .title", has_text="Errand")).to_be_visible()
-        self.take_picture(other, "editor-1024")
-        self.assertEqual(ask("load Errand", "", LIMIT_S).state, DONE)
-        self.pick("South")
-        self.fill("wait_time", "0.9")
-        expect(self.page.locator(".tools")).to_contain_text("Patrol: not saved yet")
-        expect(other.locator(".tools")).to_contain_text("Errand: saved")
-        self.page.reload()
-        expect(self.page.locator(".tools")).to_contain_text("Patrol: not saved yet")
-        self.page.goto(f"http://127.0.0.1:{self.port}/overview")
-        later = self.open_page("/editor")
-        later.locator(".left-unsaved", has_text="Patrol").get_by_role("link").last.click()
-        expect(later.locator(".tools")).to_contain_text("Patrol: not saved yet")
 
     def test_new_asks_before_unsaved_changes_are_lost(self):
         self.open("Patrol")
@@ -276,44 +182,6 @@ class EditorTest(BehaviorTestCase):
         self.page.get_by_role("tab", name="Properties").click()
         self.choose(self.page, "Autonomy of done", "default")
         expect(self.page.locator(".tools")).to_contain_text("Patrol: saved")
-
-    def test_what_is_configured_counts_at_once_and_outlives_a_restart(self):
-        self.start(
-            "synthesizer", "flexbe_synthesizer", "synthesis_server", f"_output:={self.package}"
-        )
-        self.open("Errand")
-        self.add_container()
-        expect(self.page.get_by_text("Use synthesis")).to_be_visible()
-        page = self.open_page("/configuration")
-        page.get_by_text("Enable synthesis").click()
-        expect(self.page.get_by_text("Use synthesis")).to_have_count(0)
-        page.get_by_text("Enable synthesis").click()
-        page.get_by_label("Action topic").fill("flexbe/synthesize")
-        page.get_by_label("System").fill("Panda 1")
-        page.get_by_label("Command key").fill("secret")
-        page.get_by_label("Command key").press("Enter")
-        page.get_by_label("More folders").fill("/etc")
-        page.get_by_label("More folders").blur()
-        expect(page.get_by_text("/etc lies neither in the home folder")).to_be_visible()
-        page.get_by_role("button", name="OK").click()
-        page.get_by_label("More folders").fill(str(self.package / "charts"))
-        page.get_by_label("More folders").blur()
-        expect(page.get_by_text("Saved.", exact=True)).to_be_visible()
-        self.take_picture(page, "configuration")
-        self.page.get_by_text("Use synthesis").click()
-        self.choose(self.page, "Goal", "patrol.xml")
-        self.press(self.page, "Synthesize")
-        expect(self.page.locator("li.node[data-path='Container/North']").first).to_be_visible()
-        self.kill("console")
-        self.start_console()
-        page = self.open_page("/configuration", width=1024, height=768)
-        expect(page.get_by_label("Action topic")).to_have_value("flexbe/synthesize")
-        expect(page.get_by_label("System")).to_have_value("Panda 1")
-        expect(page.get_by_label("Command key")).to_have_value("secret")
-        expect(page.get_by_label("More folders")).to_have_value(str(self.package / "charts"))
-        record = self.record.read_text()
-        self.assertIn("configure: synthesis_topic = 'flexbe/synthesize'", record)
-        self.assertNotIn("secret", record)
 
 
 if __name__ == "__main__":

@@ -16,7 +16,7 @@ from playwright.sync_api import expect
 from remodel_msgs.msg import UseCaseState
 from remodel_msgs.srv import GetGroundTruth, InjectFault
 
-from remodel_console.testing.browser_test import BrowserTest
+from remodel_console.testing.browser_test import WEBGL_WITHOUT_GPU, BrowserTest
 from remodel_planning.edge.use_case_files import use_case_folder
 from remodel_production.edge.database.production_database import ProductionDatabase
 
@@ -26,6 +26,8 @@ WORK_MS = 1_200_000.0  # in which the cell tries a wire, on a machine that is bu
 
 
 class OperatorTest(BrowserTest):
+    graphics = WEBGL_WITHOUT_GPU
+
     @classmethod
     def prepare(cls):
         """Import an order, and have an operator asked at once about an end that jams."""

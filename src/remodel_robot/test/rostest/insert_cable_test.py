@@ -27,7 +27,7 @@ RECORDED = Path(__file__).parents[1] / "recorded"
 INSIDE_M_S, BEFORE_M_S, TIP_M = 0.01, 0.04, 0.20
 # [N] The recorded arm stopped itself at 8 N, between two of the messages that it publishes.
 FORCE_LIMIT = 7.0
-LIMIT = rospy.Duration(20)
+LIMIT = rospy.Duration(90)
 # After so many wrenches the server has forgotten those of the push before: it keeps the last one.
 FORGOTTEN = 3
 
@@ -140,7 +140,7 @@ class InsertCableTest(unittest.TestCase):
         self.assertTrue(self.client.wait_for_result(LIMIT))
         result = self.client.get_result()
         self.assertEqual(result.error_code, ErrorCode.MOTION_FAULT)
-        self.assertIn("no wrench on /arm/wrench for 1.", result.error_message)
+        self.assertRegex(result.error_message, "no wrench on /arm/wrench for [4-9]")
         self.client.send_goal(self.arm.recording.goal)
         self.assertTrue(self.client.wait_for_result(LIMIT))
         self.assertIn("start the controllers", self.client.get_result().error_message)

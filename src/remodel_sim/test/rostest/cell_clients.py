@@ -70,7 +70,7 @@ class Client:
         def shares():
             return [each.completed_percentage for each in self.feedback]
 
-        assert wait_until(lambda: 100.0 in shares(), 10.0), shares()
+        assert wait_until(lambda: 100.0 in shares()), shares()
         return shares()
 
     def ended(self):
@@ -88,7 +88,7 @@ class Client:
 
 def call(name, service_class, /, **fields):
     """Call a service of the cell; return its response, which must not report a failure."""
-    rospy.wait_for_service(f"cell/{name}", 10)
+    rospy.wait_for_service(f"cell/{name}", WALL_LIMIT_S)
     response = rospy.ServiceProxy(f"cell/{name}", service_class)(**fields)
     assert getattr(response, "success", True), response
     return response

@@ -4,7 +4,7 @@
 import rospy
 import rostest
 from actionlib_msgs.msg import GoalStatus
-from cell_clients import STOP_LIMIT_S, OneWireCase, call, wait_until
+from cell_clients import STOP_LIMIT_S, WALL_LIMIT_S, OneWireCase, call, wait_until
 from geometry_msgs.msg import PoseStamped, WrenchStamped
 from remodel_msgs import msg, srv
 from remodel_msgs.msg import ErrorCode
@@ -26,10 +26,10 @@ class CellTest(OneWireCase):
     )
 
     def test_rviz_gets_the_scene_and_the_force(self):
-        markers = rospy.wait_for_message("cell/markers", MarkerArray, 20)
+        markers = rospy.wait_for_message("cell/markers", MarkerArray, WALL_LIMIT_S)
         names = {marker.ns for marker in markers.markers}
         self.assertLessEqual({"wire/W1", "component/X1"}, names)
-        wrench = rospy.wait_for_message("cell/wrist/wrench", WrenchStamped, 20)
+        wrench = rospy.wait_for_message("cell/wrist/wrench", WrenchStamped, WALL_LIMIT_S)
         self.assertGreater(abs(wrench.wrench.force.z), 0.1, "the hand's weight")
 
     def test_a_fault_with_wrong_values_is_refused_with_the_right_ones(self):
@@ -41,7 +41,7 @@ class CellTest(OneWireCase):
 
     def test_a_frozen_server_does_nothing_and_then_goes_on(self):
         detect = self.on["DetectCable"]
-        call("inject_fault", srv.InjectFault, kind="server_frozen", values=[3.0])
+        call("inject_fault", srv.InjectFault, kind="server_frozen", values=[4.0])
         detect.send(cable_id="W1")
         self.assertFalse(wait_until(lambda: detect.feedback or detect.ended(), 1.0))
         self.assertTrue(detect.wait().success)

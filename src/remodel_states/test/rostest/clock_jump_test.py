@@ -63,7 +63,7 @@ class ClockJumpTest(unittest.TestCase):
             self.assertIsNone(self.outcome(state, data, SILENCE_S + 1.5), f"after {jump_s} s")
         state.on_exit(data)
         self.fake.script(FakeAnswer(ErrorCode.NOT_SEATED))
-        self.assertEqual(self.outcome(FixCableState(), data, 5.0), "failed")
+        self.assertEqual(self.outcome(FixCableState(), data, 60.0), "failed")
         self.assertEqual(data["error_code"], ErrorCode.NOT_SEATED)
 
 

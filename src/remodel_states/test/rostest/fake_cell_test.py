@@ -43,7 +43,7 @@ ENDS = {("W1", "a"): "1", ("W1", "b"): "2", ("W2", "a"): "3", ("W2", "b"): "4"}
 
 
 def call(name, service_type, /, **request):
-    rospy.wait_for_service(name, 20.0)
+    rospy.wait_for_service(name, 90.0)
     return rospy.ServiceProxy(name, service_type)(**request)
 
 
@@ -60,7 +60,7 @@ class FakeCellTest(unittest.TestCase):
             )
         cls.restart_screwdriver()
         for client in cls.clients.values():
-            assert client.wait_for_server(rospy.Duration(20.0))
+            assert client.wait_for_server(rospy.Duration(90.0))
 
     @classmethod
     def tearDownClass(cls):
@@ -79,7 +79,7 @@ class FakeCellTest(unittest.TestCase):
         client = actionlib.SimpleActionClient(
             "remodel_abilities/fixcable", remodel_msgs.FixCableAction
         )
-        assert client.wait_for_server(rospy.Duration(20.0))
+        assert client.wait_for_server(rospy.Duration(90.0))
         cls.clients["FixCable"] = client
 
     def setUp(self):
@@ -110,7 +110,7 @@ class FakeCellTest(unittest.TestCase):
         if view:
             goal.view = view
         client.send_goal(goal)
-        client.wait_for_result(rospy.Duration(20.0))
+        client.wait_for_result(rospy.Duration(90.0))
         return client.get_result()
 
     def feed(self, wire):
@@ -221,18 +221,18 @@ class FakeCellTest(unittest.TestCase):
         client = actionlib.SimpleActionClient(
             "slow/remodel_abilities/insertcable", remodel_msgs.InsertCableAction
         )
-        self.assertTrue(client.wait_for_server(rospy.Duration(20.0)))
+        self.assertTrue(client.wait_for_server(rospy.Duration(90.0)))
         call("slow/cell/load_panel", LoadPanel, panel=PANEL, owner=1)
         call("slow/cell/feed_wire", FeedWire, wire_id="W1", channel_id="A", owner=1)
         client.send_goal(self.goal("InsertCable", owner="1:"))
         # Not active_cb: SimpleActionClient drops a transition that comes while it sends the goal.
-        end_s = time.monotonic() + 20.0
+        end_s = time.monotonic() + 90.0
         while client.get_state() != GoalStatus.ACTIVE:
             self.assertLess(time.monotonic(), end_s)
             time.sleep(0.005)
         loaded = call("slow/cell/load_panel", LoadPanel, panel=PANEL, owner=2)
         self.assertEqual(loaded.error_code, ErrorCode.BUSY)
-        self.assertTrue(client.wait_for_result(rospy.Duration(20.0)))
+        self.assertTrue(client.wait_for_result(rospy.Duration(90.0)))
         self.assertEqual(client.get_result().error_code, ErrorCode.STALE_OWNER)
 
     def test_what_an_operator_mends_is_whole_again(self):
@@ -253,7 +253,7 @@ class FakeCellTest(unittest.TestCase):
         client.send_goal(self.goal("FixCable"))
         self.assertFalse(client.wait_for_result(rospy.Duration(0.5)))
         client.cancel_goal()
-        self.assertTrue(client.wait_for_result(rospy.Duration(20.0)))
+        self.assertTrue(client.wait_for_result(rospy.Duration(90.0)))
         self.assertEqual(client.get_result().error_code, ErrorCode.PREEMPTED)
         self.assertTrue(call("cell/load_panel", LoadPanel, panel=PANEL).success)
         self.feed("W1")

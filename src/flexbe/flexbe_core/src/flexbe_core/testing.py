@@ -19,7 +19,7 @@ _POLL_S = 0.005
 Found = TypeVar("Found")
 
 
-def wait_until(condition: Callable[[], Found], limit_s: float = 40.0) -> Found:
+def wait_until(condition: Callable[[], Found], limit_s: float = 90.0) -> Found:
     """Return what the condition returns, as soon as that is true or after `limit_s` [s, wall]."""
     end = time.monotonic() + limit_s
     while not (found := condition()) and time.monotonic() < end:

@@ -31,7 +31,7 @@ from flexbe_core.proxy.action_connection import SILENCE_S, ActionConnection
 from flexbe_core.proxy.proxy_action_client import LOST_GRACE_S, ActionServerLostError
 from flexbe_core.testing import wait_until
 
-LIMIT_S = 30.0
+LIMIT_S = 90.0
 
 SERVER = """
 import rospy, actionlib
@@ -272,7 +272,7 @@ class ProxiesTest(unittest.TestCase):
             self.assertTrue(wait_until(lambda: client.is_available("a/respawned")))
             client.send_goal("a/respawned", TestGoal())
             self.assertTrue(
-                wait_until(lambda: client.get_state("a/respawned") == GoalStatus.ACTIVE, 5.0)
+                wait_until(lambda: client.get_state("a/respawned") == GoalStatus.ACTIVE)
             )
             server.kill()
             server.wait()

@@ -14,7 +14,7 @@ from flexbe_core.engine.supervision.commands import Preempt
 from flexbe_core.ros.session import own_session
 from flexbe_states.input_state import InputState
 
-LIMIT_S = 30.0
+LIMIT_S = 90.0
 
 
 class Operator:

@@ -16,7 +16,7 @@ from std_msgs.msg import Empty, String
 from flexbe_core import BehaviorLibrary
 from flexbe_core.engine.checksum import checksum
 
-LIMIT_S = 30.0
+LIMIT_S = 90.0
 
 
 class Recorder:

@@ -37,8 +37,8 @@ from flexbe_core.testing import wait_until
 
 LOGS = Path("/tmp/flexbe_onboard_test_logs")
 LATE_PACKAGES = Path("/tmp/flexbe_onboard_test_packages")
-LIMIT_S = 30.0
-NOTICED_S = 10.0  # in which a dead server is noticed; mostly within one, if the machine is idle
+LIMIT_S = 90.0
+NOTICED_S = 60.0  # in which a dead server is noticed; mostly within one, if the machine is idle
 
 
 class Recorder:
@@ -343,14 +343,14 @@ class OnboardTest(unittest.TestCase):
     # Results
 
     def test_a_result_wakes_the_state_at_once(self):
-        self.engine.start("Goal Test", rate=0.2)
+        self.engine.start("Goal Test", rate=0.01)
         self.assertTrue(wait_until(lambda: self.server.goals))
         time.sleep(0.03)  # away from the moment of sending, where the state is executed anyway
         answered = time.monotonic()
         self.server.answer()
         self.assert_ends(BEStatus.FINISHED, ["finished"])
         ended = self.engine.status.time_of(lambda m: m.code == BEStatus.FINISHED)
-        self.assertLess(ended - answered, 2.5, "a transition waited for a cycle of 5 s")
+        self.assertLess(ended - answered, 50.0, "a transition waited for a cycle of 100 s")
         self.assertEqual(self.server.cancelled.messages, [])
 
     # Failures

@@ -24,7 +24,7 @@ from flexbe_states.publisher_string_state import PublisherStringState
 from flexbe_states.subscriber_state import SubscriberState
 from flexbe_states.wait_state import WaitState
 
-LIMIT_S = 30.0
+LIMIT_S = 90.0
 
 
 class Run:

@@ -19,8 +19,9 @@ WHOLE = (
 
 def run_kit(*words):
     """Return the exit code, and the verdict and reason of each scenario."""
-    command = ["rosrun", "flexbe_testing", "engine_conformance", "--json", "--quiet", "0.2", *words]
-    done = subprocess.run(command, stdout=subprocess.PIPE, text=True, timeout=150)
+    command = ["rosrun", "flexbe_testing", "engine_conformance", "--json", "--quiet", "0.2"]
+    command += ["--limit", "60", *words]
+    done = subprocess.run(command, stdout=subprocess.PIPE, text=True, timeout=400)
     rows = json.loads(done.stdout)
     return done.returncode, {row["scenario"]: (row["verdict"], row["reason"]) for row in rows}
 
@@ -51,12 +52,12 @@ class ConformanceTest(unittest.TestCase):
             preexec_fn=lambda: signal.signal(signal.SIGINT, signal.default_int_handler),
         )
         self.assertIn("runs-behaviors", running.stdout.readline())
-        rospy.wait_for_message("/whole/flexbe/start_behavior", BehaviorSelection, 20.0)
+        rospy.wait_for_message("/whole/flexbe/start_behavior", BehaviorSelection, 90.0)
         running.send_signal(signal.SIGINT)
-        _, errors = running.communicate(timeout=30)
+        _, errors = running.communicate(timeout=90)
         self.assertEqual(errors, "")
         self.assertEqual(running.returncode, 130)
-        last = rospy.wait_for_message("/whole/flexbe/status", BEStatus, 10.0)
+        last = rospy.wait_for_message("/whole/flexbe/status", BEStatus, 60.0)
         self.assertNotEqual(last.code, BEStatus.STARTED)
 
 

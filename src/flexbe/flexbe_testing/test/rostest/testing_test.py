@@ -31,7 +31,7 @@ class TestingTest(unittest.TestCase):
             stdout=subprocess.PIPE,
             stderr=subprocess.STDOUT,
             text=True,
-            timeout=40,
+            timeout=120,
         )
         return done.returncode, done.stdout
 

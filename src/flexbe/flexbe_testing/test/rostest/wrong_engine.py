@@ -16,7 +16,7 @@ from std_msgs.msg import Empty
 from flexbe_testing.core.conformance import topics
 
 INNER = "inner"
-LIMIT_S = 5.0
+LIMIT_S = 60.0
 GATES = [
     f"conformance/{name}"
     for name in (

@@ -113,7 +113,7 @@ class WrongEngineTest(unittest.TestCase):
             ["rosrun", "flexbe_testing", "engine_conformance", *words.split()],
             capture_output=True,
             text=True,
-            timeout=120,
+            timeout=300,
         )
         self.assertEqual(done.returncode, 1, done.stderr)
         found = {row["scenario"]: row["verdict"] for row in json.loads(done.stdout)}

@@ -26,7 +26,7 @@ from std_msgs.msg import String, UInt8
 from flexbe_core.testing import wait_until
 from flexbe_widget.core.run_watch import ENGINE_LOST_TEXT, FAILED_TEXT, NOT_STARTED_TEXT
 
-LIMIT_S = 40.0
+LIMIT_S = 90.0
 
 
 class ActionServerTest(unittest.TestCase):

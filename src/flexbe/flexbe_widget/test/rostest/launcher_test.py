@@ -17,7 +17,7 @@ from flexbe_core.testing import wait_until
 from flexbe_widget.core.exit_code import ExitCode
 
 LAUNCHER = ["rosrun", "flexbe_widget", "be_launcher"]
-LIMIT_S = 40.0
+LIMIT_S = 90.0
 
 
 class LauncherTest(unittest.TestCase):

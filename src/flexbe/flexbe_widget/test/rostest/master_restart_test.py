@@ -15,7 +15,7 @@ import rostest
 
 from flexbe_core.testing import wait_until
 
-LIMIT_S = 40.0
+LIMIT_S = 90.0
 NODES = ("/behavior", "/behavior_action_server")
 
 

@@ -19,7 +19,7 @@ from flexbe_core import BehaviorLibrary
 from flexbe_core.engine.checksum import checksum
 
 TRANSCRIPTS = Path(__file__).parents[1] / "transcripts"
-LIMIT_S = 30.0
+LIMIT_S = 90.0
 QUIET_S = 0.1
 NOTHING_RUNS = {"data": ""}
 ASKED_BY_MIRRORS = ("flexbe/command/sync", "flexbe/request_mirror_structure")
