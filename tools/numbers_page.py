@@ -34,6 +34,16 @@ NUMBERS = {
             "CANCEL_LIMIT_S",
         ),
         (
+            "a goal that arrives later is rejected, and one older than its `timeout`; ROS time",
+            f"{STATES}/core/contract_times.py",
+            "LATE_S",
+        ),
+        (
+            "clocks of several machines may differ: goals may be older by this",
+            f"{STATES}/core/contract_times.py",
+            "CLOCKS_DIFFER_S",
+        ),
+        (
             "a goal that takes longer has reported feedback; ROS time",
             f"{STATES}/core/contract_times.py",
             "SILENT_LIMIT_S",

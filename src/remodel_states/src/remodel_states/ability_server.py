@@ -14,6 +14,7 @@
 What it does with a goal (first row that holds):
 
     an empty id, no timeout, NaN or infinity       rejected   INVALID_GOAL
+    older than its timeout, or than 5 s            rejected   INVALID_GOAL
     a field beyond the limits of the cell          rejected   INVALID_GOAL
     a newer supervisor owns the robot              rejected   STALE_OWNER
     the robot is doing another goal                rejected   BUSY
@@ -49,7 +50,7 @@ from remodel_states.core.goal_owner import owner_of
 from remodel_states.core.table_error import TableError
 from remodel_states.edge.exported_tables import read_abilities
 from remodel_states.serving.ability_messages import message_class
-from remodel_states.serving.invalid_goal import why_invalid
+from remodel_states.serving.invalid_goal import why_invalid, why_late
 from remodel_states.serving.robot import Robot
 from remodel_states.serving.running_goal import RunningGoal
 
@@ -157,7 +158,9 @@ class AbilityServer:
             handle.set_canceled(self._refusal(goal, ErrorCode.PREEMPTED, "cancelled"), "cancelled")
             return
         try:
-            if reason := why_invalid(goal) or beyond_limit(goal, self.limits):
+            sent = handle.get_goal_id().stamp
+            late = why_late(sent.to_sec(), rospy.get_time(), goal.timeout)
+            if reason := why_invalid(goal) or late or beyond_limit(goal, self.limits):
                 raise AbilityError(ErrorCode.INVALID_GOAL, reason)
             prepared = self.prepare(goal)
         except AbilityError as error:

@@ -16,6 +16,7 @@ from unittest import mock
 
 import rospy
 import rostest
+from actionlib_msgs.msg import GoalStatus, GoalStatusArray
 from geometry_msgs.msg import PoseStamped
 from remodel_msgs.msg import AbilityRecord, ErrorCode
 from remodel_msgs.srv import (
@@ -34,7 +35,7 @@ from flexbe_synthesizer.core.library.state_source import read_state_class
 from remodel_states.calling import record_keeping
 from remodel_states.core.ability_tables import POSE as POSE_TYPE
 from remodel_states.core.ability_tables import POSES as POSES_TYPE
-from remodel_states.core.contract_times import GRACE_S
+from remodel_states.core.contract_times import GRACE_S, LATE_S
 from remodel_states.core.state_source import module_name
 from remodel_states.count_attempts_state import CountAttemptsState
 from remodel_states.edge.exported_tables import read_abilities
@@ -281,6 +282,41 @@ class AbilityStatesTest(unittest.TestCase):
 
         self.assertTrue(wait_until(codes))
         self.assertEqual(codes(), [ErrorCode.PREEMPTED])
+
+    def test_a_server_that_stood_still_begins_no_goal_that_reaches_it_late(self):
+        script = (
+            "import rospy; rospy.init_node('late'); from std_msgs.msg import String;"
+            "from remodel_states.testing import FakeAbility, FakeAnswer;"
+            "fake = FakeAbility('PickCable', [FakeAnswer(hang=True)], 'late/pickcable');"
+            "publisher = rospy.Publisher('late/begun', String, latch=True, queue_size=1)\n"
+            "while not rospy.is_shutdown():\n"
+            "    rospy.rostime.wallsleep(0.05)\n"
+            "    if fake.goals: publisher.publish(' '.join(goal.id for goal in fake.goals))"
+        )
+        begun, statuses = [], []
+        rospy.Subscriber("late/begun", String, lambda message: begun.append(message.data))
+        rospy.Subscriber(
+            "late/pickcable/status",
+            GoalStatusArray,
+            lambda message: statuses.extend(message.status_list),
+        )
+        server = subprocess.Popen([sys.executable, "-c", script])
+        try:
+            state, data = self.state("PickCable", topic="late/pickcable"), userdata()
+            self.assertTrue(wait_until(lambda: state._call._client.is_available("late/pickcable")))
+            server.send_signal(signal.SIGSTOP)
+            stopped = rospy.get_time()
+            self.assertEqual(run(state, data), "command_error")
+            self.assertEqual(data["error_code"], ErrorCode.SERVER_LOST)
+            self.assertTrue(wait_until(lambda: rospy.get_time() > stopped + LATE_S + 1.5))
+            server.send_signal(signal.SIGCONT)
+            # Without its cancel, which would end it, too: that was before `on_exit`.
+            rejected = (GoalStatus.REJECTED, GoalStatus.RECALLED)
+            self.assertTrue(wait_until(lambda: any(s.status in rejected for s in statuses)))
+            self.assertEqual(begun, [])
+        finally:
+            server.kill()
+            server.wait()
 
     def test_a_server_that_stood_still_finds_its_goal_cancelled(self):
         script = (
