@@ -34,8 +34,8 @@ def why_late(sent_s: float, now_s: float, timeout_s: float) -> str:
     if not sent_s or late_s <= most_s:
         return ""
     return (
-        f"sent {late_s:.1f} s ago, so its client has given it up; allowed: {most_s:g} s. The server "
-        "was stalled, or the clocks of the two machines differ"
+        f"sent {late_s:.1f} s ago, so its client has given it up; allowed: {most_s:g} s. The "
+        "server was stalled, or the clocks of the two machines differ"
     )
 
 
