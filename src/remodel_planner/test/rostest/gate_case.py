@@ -1,7 +1,10 @@
 """What the tests of commands share: an order over a launched fake cell, and what moves there."""
 
+import contextlib
 import secrets
 import shutil
+import signal
+import subprocess
 import sys
 import time
 import unittest
@@ -121,3 +124,14 @@ class GateCase(unittest.TestCase):
         self.assertEqual([event for event in events if isinstance(event, Blocked)], [])
         self.assertEqual(sum(isinstance(event, Interrupted) for event in events), len(signals))
         self.assertEqual(sum(isinstance(event, RunEnded) for event in events), 1)
+
+    @contextlib.contextmanager
+    def publishing(self, topic, kind, data):
+        """Have a second node publish a latched message, and be there meanwhile."""
+        line = ["rostopic", "pub", "--latch", topic, kind, data]
+        process = subprocess.Popen(line, stdout=subprocess.DEVNULL)
+        try:
+            yield
+        finally:
+            process.send_signal(signal.SIGINT)
+            process.wait(30.0)

@@ -2,7 +2,6 @@
 """After a pause, a skip or a stop is answered nothing moves, and the order can always go on."""
 
 import contextlib
-import json
 import signal
 import sqlite3
 import subprocess
@@ -13,19 +12,15 @@ import rostest
 from actionlib_msgs.msg import GoalStatus
 from gate_case import OUTPUT, WINDOW_S, GateCase
 from order_client import (
-    BY_HAND,
     ORDER,
     SUPERVISOR,
     wait_until,
 )
 from remodel_msgs.msg import (
     ErrorCode,
-    RunUseCaseActionResult,
     UseCaseState,
 )
 from std_msgs.msg import Bool
-
-from remodel_supervision.core.runs.events import Ending
 
 
 class GateTest(GateCase):
@@ -106,31 +101,10 @@ class GateTest(GateCase):
         self.orders.require("resume")
         self.assert_complete(run)
 
-    @contextlib.contextmanager
-    def publishing(self, topic, kind, data):
-        """Have a second node publish a latched message, and be there meanwhile."""
-        line = ["rostopic", "pub", "--latch", topic, kind, data]
-        process = subprocess.Popen(line, stdout=subprocess.DEVNULL)
-        try:
-            yield
-        finally:
-            process.send_signal(signal.SIGINT)
-            process.wait(30.0)
-
     def publish_once(self, data):
         """Publish on the topic as a person does, by a node that ends afterwards."""
         line = ["rostopic", "pub", "--once", "remodel/protective_stop", "std_msgs/Bool", data]
         subprocess.run(line, check=True, timeout=30.0, stdout=subprocess.DEVNULL)
-
-    def test_the_wire_held_when_a_run_was_stopped_does_not_hinder_the_next_run(self):
-        run = self.orders.start(3)
-        wait_until(lambda: self.orders.held, "a wire is held")
-        self.orders.require("stop")
-        self.assertEqual(self.motions.after(time.time(), WINDOW_S), ())
-        state = self.orders.wait_for_end(run)
-        self.assertEqual(state.ended.ending, Ending.STOPPED)
-        self.assert_complete(self.orders.start(3, again=False))
-        self.assertEqual(self.orders.held, "")
 
     def test_of_two_goals_at_once_one_is_refused(self):
         wait_until(lambda: self.orders.is_free, "no run is under way")
@@ -142,35 +116,6 @@ class GateTest(GateCase):
         self.assertEqual([each.error_code for each in refused], [ErrorCode.BUSY], answers)
         self.assertEqual(len(self.orders.runs()), len(before) + 1)
         self.assert_complete(self.orders.runs()[0])
-
-    def test_a_goal_that_waits_for_the_node_does_not_displace_the_unfinished_run(self):
-        results = []
-        rospy.Subscriber("remodel/run_use_case/result", RunUseCaseActionResult, results.append)
-        run = self.orders.start(3)
-        self.wait_for_goal()
-        # A latched goal: the node that runs refuses it, and so does the next one. It is sent by
-        # a node of its own: here it would share the publisher of the client, and latch its goals.
-        goal = {
-            "goal_id": {"id": "waiting"},
-            "goal": {"id": "waiting", "order": ORDER, "tasks": BY_HAND + 2, "again": True},
-        }
-        with self.publishing(
-            "remodel/run_use_case/goal", "remodel_msgs/RunUseCaseActionGoal", json.dumps(goal)
-        ):
-            wait_until(lambda: len(self.refused(results)) == 1, "the running node refuses it")
-            self.orders.end_process(SUPERVISOR)
-            wait_until(lambda: len(self.refused(results)) == 2, "the next node refuses it")
-            self.assertEqual(self.orders.runs()[0], run)
-        self.assert_complete(run)
-
-    def refused(self, results):
-        return [
-            each
-            for each in results
-            if each.status.goal_id.id == "waiting"
-            and each.status.status == GoalStatus.REJECTED
-            and each.result.error_code == ErrorCode.BUSY
-        ]
 
 
 if __name__ == "__main__":

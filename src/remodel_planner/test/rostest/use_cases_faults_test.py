@@ -46,6 +46,9 @@ class UseCasesFaultsTest(UseCasesCase):
         self.assertIn("FixCable, error 311: ", printed)
         self.assertIn("; 1 failed operation; ", printed, "no end is pushed in again")
 
+    def test_harness_formboard_carries_its_order_out(self):
+        self.carries_its_order_out("harness_formboard")
+
     def test_automotive_formboard_carries_its_order_out(self):
         self.carries_its_order_out("automotive_formboard")
 

@@ -19,9 +19,6 @@ class UseCasesTest(UseCasesCase):
     def test_cabinet_carries_its_order_out(self):
         self.carries_its_order_out("cabinet")
 
-    def test_harness_formboard_carries_its_order_out(self):
-        self.carries_its_order_out("harness_formboard")
-
     def test_an_order_of_branches_is_refused_with_the_reason(self):
         self.add_order("loom", DESIGNS / "loom.kbl")
         ran = planner(*self.line("loom", "branched_harness", 2), database=DATABASE)

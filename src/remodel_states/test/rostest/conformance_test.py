@@ -139,7 +139,7 @@ class Server:
         self.duration_s = DURATION_S + self.random.uniform(0.0, 0.3)
         if flaw == "no feedback":
             self.duration_s += 0.7
-        self.goals = 0
+        self.goals = self.cancels = 0
         self.refused = 0
         self.restart_is_next = False  # after the trial of unknown names
         self.working = None
@@ -245,7 +245,8 @@ class Server:
         handle.set_aborted(result, text)
 
     def end_cancelled(self, handle, goal, took):
-        if self.has("cancels slowly"):
+        self.cancels += 1
+        if self.has("cancels slowly") or (self.has("cancels slowly at first") and self.cancels < 3):
             time.sleep(0.7 + self.random.random())
         code = 400 if self.has("cancelled with another code") else ErrorCode.PREEMPTED
         result = PlaceCableResult(
@@ -379,6 +380,9 @@ class ConformanceTest(unittest.TestCase):
         with ThreadPoolExecutor(4) as pool:
             found = list(pool.map(lambda seed: broken_rules("", seed), range(4)))
         self.assertEqual(found, [set()] * 4)
+
+    def test_a_cancel_that_a_busy_machine_delays_is_tried_again(self):
+        self.assertEqual(broken_rules("cancels slowly at first", 0), set())
 
     def test_what_could_not_be_tried_is_not_judged(self):
         """Each server is without fault, and each reason says what would be needed."""

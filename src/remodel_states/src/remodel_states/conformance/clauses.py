@@ -84,7 +84,8 @@ TIMEOUT = TrialKind(
 )
 CANCEL = TrialKind(
     "a cancel while the ability works",
-    "the goal, and its cancel after a third of its time",
+    "the goal, and its cancel after a third of its time; up to three times while it ends late, as "
+    "a busy machine may delay messages",
     ("slow-cancel", "cancel-status", "cancel-code"),
     f"{_ENDED} the cancel",
 )

@@ -17,23 +17,23 @@ _CHECK_S = 0.05
 
 
 class InterruptedByUserError(Exception):
-    """Somebody has pressed Ctrl-C."""
+    """The user has pressed Ctrl-C."""
 
 
 class Interrupt:
-    """Whether somebody has pressed Ctrl-C.
+    """Whether the user has pressed Ctrl-C.
 
     Attributes:
-        is_set: somebody has.
+        is_set: the user has.
     """
 
     def __init__(self) -> None:
-        """Nobody has yet."""
+        """Begin before any Ctrl-C."""
         self.is_set = False
         self._is_held = False
 
     def check(self) -> None:
-        """Raise if somebody has pressed Ctrl-C.
+        """Raise if the user has pressed Ctrl-C.
 
         Raises:
             InterruptedByUserError: if so, unless it is held back.
@@ -52,7 +52,7 @@ class Interrupt:
             limit_s: no longer than this [s, wall time].
 
         Raises:
-            InterruptedByUserError: as soon as somebody has pressed Ctrl-C.
+            InterruptedByUserError: as soon as the user has pressed Ctrl-C.
         """
         end = time.monotonic() + limit_s
         while True:
