@@ -16,8 +16,9 @@ from flexbe_synthesizer.core.export.draw import chart_to_dot
 from flexbe_synthesizer.core.library.library import Library
 from flexbe_synthesizer.core.machine.expanded_labels import chart_steps
 from flexbe_synthesizer.edge.atomic_write import write_all
+from flexbe_synthesizer.edge.behavior_owner import expect_found
 from flexbe_synthesizer.edge.graphviz import FORMATS, render_dot
-from flexbe_synthesizer.edge.inventory import read_inventory
+from flexbe_synthesizer.edge.inventory import Inventory, read_inventory
 from flexbe_synthesizer.edge.output_package import (
     OutputPackage,
     enclosing_package,
@@ -105,7 +106,7 @@ def _run(options: argparse.Namespace, ros_package_path: str) -> int:
         written = _export(chart, inventory.library, options)
         if not options.check:
             written += write_behaviors(files)
-            _warn_of_packages(files)
+            _warn_of_packages(files, inventory)
     if options.json:
         _say(json.dumps(_as_json(files, written), indent=2))
     elif errors:
@@ -162,7 +163,12 @@ def _tell(files: CheckedFiles, written: Sequence[Path], is_check: bool) -> None:
         _say("unchanged: every behavior is as its chart says")
 
 
-def _warn_of_packages(files: CheckedFiles) -> None:
+def _warn_of_packages(files: CheckedFiles, inventory: Inventory) -> None:
+    for path, one in files.charts.items():
+        try:
+            expect_found(one.resolved.chart.name, files.packages[path], inventory)
+        except OutputError as error:
+            _say(f"warning: {error}", sys.stderr)
     for package in {package.name: package for package in files.packages.values()}.values():
         if not package.is_exported:
             _say(

@@ -22,10 +22,11 @@ from flexbe_synthesizer.core.export.instantiate import (
 from flexbe_synthesizer.core.export.layout import lay_out
 from flexbe_synthesizer.core.library.library import Library
 from flexbe_synthesizer.core.library.signature import StateClass
+from flexbe_synthesizer.edge.behavior_owner import expect_found
 from flexbe_synthesizer.edge.chart_files import confined_to, find_chart
 from flexbe_synthesizer.edge.chart_memory import ChartMemory
 from flexbe_synthesizer.edge.inventory import read_inventory
-from flexbe_synthesizer.edge.output_package import output_package
+from flexbe_synthesizer.edge.output_package import package_for
 from flexbe_synthesizer.errors import ChartFileError, ChartRefusedError, OutputError
 from flexbe_synthesizer.synthesis import CheckedFiles, check_files, started_at, write_behaviors
 
@@ -59,7 +60,11 @@ class RequestError(Exception):
 
 @dataclass(frozen=True)
 class Settings:
-    """The folders in which the server finds charts, states and behaviors, and where it writes."""
+    """The folders in which the server finds charts, states and behaviors, and where it writes.
+
+    Attributes:
+        output: package for the behaviors of charts that lie in no package.
+    """
 
     chart_folders: tuple[Path, ...]
     output: Path
@@ -152,12 +157,11 @@ def _fulfil(
     report("reading the states and behaviors on the ROS package path", 0.1)
     inventory = read_inventory(settings.ros_package_path)
     library = inventory.library
-    output = output_package(settings.output)
     locate = confined_to(settings.chart_folders)
     files = check_files(
         [path],
         library,
-        lambda _chart: output,
+        lambda chart: package_for(Path(chart), settings.output),
         locate,
         report=lambda chart: report(f"checking {chart}", 0.4),
         expect_time=expect_time,
@@ -166,11 +170,14 @@ def _fulfil(
     errors = errors_in(files.problems)
     if errors:
         raise RequestError(ErrorCode.CHART_INVALID, "\n".join(map(str, errors)))
-    checked = next(iter(files.charts.values()))
+    file, checked = next(iter(files.charts.items()))
+    package = files.packages[file]
     _expect_outcomes(request, checked.resolved.chart)
+    for other, one in files.charts.items():
+        expect_found(one.resolved.chart.name, files.packages[other], inventory)
     report("making the states", 0.6)
-    states = _states(_started(request, checked, files, library), output.name, library)
-    report(f"writing to the package {output.name}", 0.8)
+    states = _states(_started(request, checked, files, library), package.name, library)
+    report(f"writing to the package {package.name}", 0.8)
     written = write_behaviors(files)
     warnings = (*inventory.warnings, *map(str, files.problems))
     return RequestResult(states, written, warnings)

@@ -253,3 +253,45 @@ def test_links_out_of_the_folders_bombs_and_large_files_are_refused(ask, setting
     assert (code, "larger than" in text) == (ErrorCode.CHART_NOT_FOUND, True)
     assert refusal(ask, "a" * 5000)[0] is ErrorCode.CHART_NOT_FOUND
     assert not settings.output.exists()
+
+
+def package(folder, name):
+    """Make a package for behaviors; return its folder."""
+    (folder / name / "charts").mkdir(parents=True)
+    (folder / name / "package.xml").write_text(
+        f"<package format='3'><name>{name}</name><version>0.1.0</version>"
+        "<description>-</description><maintainer email='a@b.c'>A</maintainer>"
+        "<license>BSD</license><export><flexbe_behaviors/></export></package>"
+    )
+    return folder / name
+
+
+def test_a_chart_of_a_package_is_written_there_so_that_the_engine_runs_what_was_written(
+    ask, settings, tmp_path
+):
+    """It was written to the server's own package, and the engine ran the old version."""
+    mine = package(tmp_path / "src", "my_behaviors")
+    chart = shutil.copy(settings.chart_folders[0] / "plain.xml", mine / "charts")
+    path = f"{mine}:{settings.ros_package_path}"
+    changes = {"chart_folders": (mine / "charts",), "ros_package_path": path}
+    for _ in range(2):
+        written = ask("plain.xml", **changes).written
+        assert written
+        assert all(mine in file.parents for file in written)
+        text = Path(chart).read_text()
+        Path(chart).write_text(text.replace("<datamodel>", "<datamodel><input name='more'/>", 1))
+    assert not settings.output.exists()
+
+
+def test_a_behavior_that_the_engine_would_not_run_is_refused(ask, settings, tmp_path):
+    first, second = (package(tmp_path / "src", name) for name in ("first", "second"))
+    for folder in (second, first):
+        shutil.copy(settings.chart_folders[0] / "plain.xml", folder / "charts")
+    path = f"{first}:{second}:{settings.ros_package_path}"
+    of_first = {"chart_folders": (first / "charts",), "ros_package_path": path}
+    assert ask("plain.xml", **of_first).written
+    of_second = {**of_first, "chart_folders": (second / "charts",)}
+    code, text = refusal(ask, "plain.xml", **of_second)
+    assert code is ErrorCode.OUTPUT_FAILED
+    assert f"{first} has one of that name, and comes first on the ROS package path" in text
+    assert not (second / "src").exists()

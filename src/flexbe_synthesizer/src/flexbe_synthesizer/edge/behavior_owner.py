@@ -10,6 +10,7 @@ from flexbe_synthesizer.core.export.certificate import read_chart_place
 from flexbe_synthesizer.core.library.manifest import read_manifest
 from flexbe_synthesizer.core.machine.manual_sections import written_name
 from flexbe_synthesizer.edge.chart_files import read_chart_file
+from flexbe_synthesizer.edge.inventory import Inventory
 from flexbe_synthesizer.edge.output_package import OutputPackage
 from flexbe_synthesizer.edge.regular_file import read_regular, read_regular_text
 from flexbe_synthesizer.errors import ChartFileError, OutputError
@@ -37,6 +38,29 @@ def expect_own(name: str, chart: str, package: OutputPackage) -> None:
         _expect_chart(name, Path(chart), package)
     except (OSError, ValueError) as error:
         raise OutputError(f"the behavior '{name}' cannot be written: {error}") from error
+
+
+def expect_found(name: str, package: OutputPackage, inventory: Inventory) -> None:
+    """Refuse to write a behavior that the engine would not run, since it finds another one first.
+
+    Args:
+        name: of the behavior.
+        package: where it is written.
+        inventory: what is on the ROS package path.
+
+    Raises:
+        OutputError: if a package before this one has a behavior of this name.
+    """
+    homes = {behavior.package for behavior in inventory.library.behaviors if behavior.name == name}
+    for other in inventory.packages:
+        if other.folder.resolve() == package.folder.resolve():
+            return
+        if other.name in homes:
+            raise OutputError(
+                f"the engine would not run the behavior '{name}' that is written to "
+                f"{package.folder}: {other.folder} has one of that name, and comes first on the "
+                "ROS package path; rename the chart, or delete the other behavior"
+            )
 
 
 def _expect_name(name: str, package: OutputPackage) -> None:

@@ -82,6 +82,22 @@ def output_package(folder: Path) -> OutputPackage:
     return OutputPackage(name, folder, missing, is_exported)
 
 
+def package_for(chart: Path, others: Path) -> OutputPackage:
+    """Return the package whose folder `charts/` a chart lies in; else the one for all others.
+
+    Args:
+        chart: the chart's file.
+        others: folder of the package for charts that lie in no other one.
+
+    Raises:
+        OutputError: if the folder cannot be a package.
+    """
+    for folder in chart.resolve().parents:
+        if folder.name == "charts" and (folder.parent / "package.xml").is_file():
+            return output_package(folder.parent)
+    return output_package(others)
+
+
 def unwritten_package(folder: Path) -> OutputPackage:
     """Return what stands for a package where charts are only checked."""
     return OutputPackage("unwritten", folder, missing={})

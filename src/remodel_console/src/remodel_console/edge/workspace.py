@@ -15,6 +15,7 @@ from flexbe_synthesizer.core.library.library import Library
 from flexbe_synthesizer.core.library.resolve import scopes
 from flexbe_synthesizer.core.machine.lift import lift
 from flexbe_synthesizer.core.machine.machine_reader import read_machine
+from flexbe_synthesizer.edge.behavior_owner import expect_found
 from flexbe_synthesizer.edge.chart_files import (
     confined_to,
     find_chart,
@@ -159,6 +160,7 @@ class Workspace:
         files = self._check(str(file), {str(file): draft.text.encode()}, is_written=True)
         self._expect_right(files)
         try:
+            expect_found(draft.chart.name, files.packages[str(file)], self._inventory())
             return write_behaviors(files, {file.resolve(): draft.content})
         except OutputError as error:
             raise CommandError(str(error)) from error

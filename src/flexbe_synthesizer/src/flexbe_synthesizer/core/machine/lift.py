@@ -37,6 +37,7 @@ from flexbe_synthesizer.core.machine.machine import (
     Expression,
     Kind,
     Machine,
+    Pair,
     StateUse,
     Value,
     python_value,
@@ -141,10 +142,7 @@ class _Folding:
         if isinstance(content, BehaviorUse):
             params = tuple(self._param(p.name, p.value, path) for p in content.parameters)
             return Behavior(child.label, content.behavior.name, transitions, params=params)
-        # What is the state's own default says nothing: the App writes all of them.
-        defaults = {(p.name, p.default_source) for p in content.state.parameters}
-        given = (p for p in content.arguments if (p.name, python_value(p.value)) not in defaults)
-        params = tuple(self._param(p.name, p.value, path) for p in given)
+        params = tuple(self._param(p.name, p.value, path) for p in _chosen(content))
         return State(child.label, _class_name(content), transitions, params=params)
 
     def _timed_node(
@@ -248,6 +246,19 @@ def _is_a(child: Child, package: str, name: str) -> bool:
         package,
         name,
     )
+
+
+def _chosen(use: StateUse) -> tuple[Pair, ...]:
+    """Return the arguments of a state that say something.
+
+    The App writes the defaults of all parameters, and a behavior of a chart one of them where the
+    chart gives none.
+    """
+    defaults = [(p.name, p.default_source) for p in use.state.parameters if p.default_source]
+    given = [(p.name, python_value(p.value)) for p in use.arguments]
+    if given != defaults[:1] and len(given) < len(use.state.parameters):
+        return use.arguments
+    return tuple(p for p, pair in zip(use.arguments, given, strict=True) if pair not in defaults)
 
 
 def _number(child: Child, name: str) -> float:
