@@ -93,7 +93,7 @@ class DrawingLargeTest(DrawingCase):
         page.route_web_socket(re.compile("socket.io"), lambda silent: None)
         page.goto(f"http://127.0.0.1:{self.port}/editor")
         page.get_by_role("combobox", name="Open").click()
-        expect(page.get_by_role("option", name="Errand", exact=True)).to_be_visible(timeout=10_000)
+        expect(page.get_by_role("option", name="Errand", exact=True)).to_be_visible()
 
     def test_no_label_of_an_arrow_covers_another(self):
         self.choose(self.page, "Open", "Survey")
