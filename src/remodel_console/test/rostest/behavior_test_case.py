@@ -36,7 +36,7 @@ class BehaviorTestCase(BrowserTest):
             cls.environment[variable] = f"{cls.package / folder}:{cls.environment[variable]}"
         charts = map(str, sorted((cls.package / "charts").glob("*.xml")))
         line = ["rosrun", "flexbe_synthesizer", "synthesize", *charts]
-        subprocess.run(line, env=cls.environment, check=True, timeout=60)
+        subprocess.run(line, env=cls.environment, check=True, timeout=180)
         if cls.has_engine:
             cls.start_engine()
             cls.start_mirror()

@@ -1,5 +1,7 @@
 """What the tests of the editor's drawing share: a page of it, and the charts in it."""
 
+import contextlib
+import re
 import sys
 from pathlib import Path
 
@@ -30,3 +32,21 @@ class DrawingCase(BehaviorTestCase):
     def drawn(self, path):
         """Return the entry of what is drawn among the words for it."""
         return self.page.locator(f".canvas-outline [data-path='{path}']").first
+
+    def pick_both(self, first, second):
+        """Select two states; again if the chart was redrawn between finding one and clicking it."""
+        page, selected = self.page, self.page.locator(".canvas-outline li.selected")
+
+        def are_picked():
+            with contextlib.suppress(AssertionError):
+                self.pick_drawn(page, first)
+                expect(self.drawn(first)).to_have_class(re.compile("selected"), timeout=5000)
+                page.keyboard.down("Shift")
+                self.pick_drawn(page, second)
+                page.keyboard.up("Shift")
+                expect(selected).to_have_count(2, timeout=5000)
+                return True
+            page.keyboard.up("Shift")
+            return False
+
+        self.wait_until(are_picked, f"{first} and {second}")

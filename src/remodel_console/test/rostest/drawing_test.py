@@ -2,7 +2,6 @@
 """The drawing of the editor in a real browser: built by dragging, moved, copied, searched, run."""
 
 import contextlib
-import re
 import sys
 import xml.etree.ElementTree as ElementTree
 from pathlib import Path
@@ -25,43 +24,9 @@ COLOUR = """(event) => {
   const edges = document.querySelector('.canvas-frame').drawing.cy.edges();
   return edges.filter((edge) => edge.data('label').startsWith(event)).first().style('line-color');
 }"""
-# A busy browser paints late; what a list shows comes then, and Quasar has placed it before.
-LATE = """() => {
-  window.requestAnimationFrame = (deed) => setTimeout(() => deed(performance.now()), 1500);
-}"""
-# On a busy page the answer to a first click comes between a second one and what that asks for.
-BUSY = """() => {
-  const { drawing } = document.querySelector('.canvas-frame');
-  const { select } = drawing;
-  const later = window.setTimeout.bind(window);
-  let clicks = 0;
-  let answers = 0;
-  const once = (isSo, deed) => (isSo() ? deed() : later(() => once(isSo, deed), 20));
-  drawing.select = (...all) => once(() => clicks > 1, () => {
-    select(...all);
-    answers += 1;
-  });
-  window.setTimeout = (deed, wait, ...more) => {
-    if (!String(deed).includes('picked')) return later(deed, wait, ...more);
-    clicks += 1;
-    const isFirst = clicks === 1;
-    return later(() => once(() => isFirst || answers > 0, deed), wait);
-  };
-}"""
 ARROWS = "() => document.querySelector('.canvas-frame').drawing.cy.edges(':visible').length"
 FLOWS = """() => document.querySelector('.canvas-frame').drawing.cy.edges('.flow')
   .filter((edge) => edge.visible()).map((edge) => edge.data('label'))"""
-
-
-# Pairs of labels of arrows that lie over each other.
-COVERED = """() => {
-  const edges = document.querySelector('.canvas-frame').drawing.cy.edges('[label]');
-  const boxes = edges.map((edge) => [edge.data('label'),
-    edge.boundingBox({ includeEdges: false, includeNodes: false, includeOverlays: false })]);
-  return boxes.flatMap(([a, one], place) => boxes.slice(place + 1).filter(([, other]) =>
-    one.x1 < other.x2 && other.x1 < one.x2 && one.y1 < other.y2 && other.y1 < one.y2)
-    .map(([b]) => `${a} ${b}`));
-}"""
 
 
 class DrawingTest(DrawingCase):
@@ -153,11 +118,7 @@ class DrawingTest(DrawingCase):
     def test_several_states_are_copied_with_what_connects_them_and_deleted(self):
         page = self.page
         self.open("Patrol")
-        self.pick_drawn(page, "North")
-        page.keyboard.down("Shift")
-        self.pick_drawn(page, "South")
-        page.keyboard.up("Shift")
-        expect(page.locator(".canvas-outline li.selected")).to_have_count(2)
+        self.pick_both("North", "South")
         page.keyboard.press("Control+c")
         page.keyboard.press("Control+v")
         expect(self.drawn("South 2")).to_have_class("node selected")
@@ -170,17 +131,6 @@ class DrawingTest(DrawingCase):
         expect(self.drawn("North 2")).to_have_count(1)
         page.keyboard.press("Control+y")
         expect(self.drawn("North 2")).to_have_count(0)
-
-    def test_a_state_picked_before_the_answer_to_the_last_pick_stays_selected(self):
-        page = self.page
-        self.open("Patrol")
-        self.where(page, "North")
-        page.evaluate(BUSY)
-        self.pick_drawn(page, "North")
-        page.keyboard.down("Shift")
-        self.pick_drawn(page, "South")
-        page.keyboard.up("Shift")
-        expect(page.locator(".canvas-outline li.selected")).to_have_count(2)
 
     def test_a_behavior_is_described_grouped_and_saved_under_another_name(self):
         page = self.page
@@ -196,12 +146,7 @@ class DrawingTest(DrawingCase):
             field.press("Enter")
             self.xml_contains(f'ext:{label.lower()}="{text}"')
             page.get_by_role("tab", name="Properties").click()
-        self.where(page, "Greet")
-        self.pick_drawn(page, "Greet")
-        page.keyboard.down("Shift")
-        self.pick_drawn(page, "Search")
-        page.keyboard.up("Shift")
-        expect(page.locator(".canvas-outline li.selected")).to_have_count(2)
+        self.pick_both("Greet", "Search")
         page.keyboard.press("Control+g")
         self.drawn("Group/Search/Look").wait_for(state="attached")
         expect(page.locator(".problems")).to_contain_text("No errors.")
@@ -225,18 +170,6 @@ class DrawingTest(DrawingCase):
         self.assertEqual([port.name for port in copy.nodes[0].body.inputs], ["greeting"])
         self.assertEqual([node.id for node in first.nodes], ["Greet", "Search", "Report"])
         self.assertIn("cautious operator", first.description)
-
-    def test_charts_are_offered_before_the_page_has_heard_from_the_console(self):
-        page = self.browser.new_context().new_page()
-        self.addCleanup(page.context.close)
-        page.route_web_socket(re.compile("socket.io"), lambda silent: None)
-        page.goto(f"http://127.0.0.1:{self.port}/editor")
-        page.get_by_role("combobox", name="Open").click()
-        expect(page.get_by_role("option", name="Errand", exact=True)).to_be_visible(timeout=10_000)
-
-    def test_a_list_that_a_busy_browser_fills_late_is_seen(self):
-        self.page.evaluate(LATE)
-        self.open("Errand")
 
     def test_states_are_found_by_id_type_and_parameter(self):
         self.open("Errand")
@@ -283,11 +216,6 @@ class DrawingTest(DrawingCase):
         self.press(page, "Connect 'done' to 'South'")
         expect(page.locator(".problems")).to_contain_text("No errors.")
         expect(self.drawn("North")).to_have_attribute("data-problems", "0")
-
-    def test_no_label_of_an_arrow_covers_another(self):
-        self.choose(self.page, "Open", "Survey")
-        self.where(self.page, "Judge")
-        self.assertEqual(self.page.evaluate(COVERED), [])
 
     def test_the_drawing_is_downloaded_as_a_picture(self):
         self.open("Errand")

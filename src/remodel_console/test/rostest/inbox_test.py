@@ -78,6 +78,9 @@ class InboxTest(InboxCase):
     def test_step_mode_asks_before_every_transition(self):
         self.begin("Patrol", "High")
         self.press(self.page, "Step mode")
+        # The button has the focus, and a blank would press it, until this one takes its place.
+        leave = self.page.get_by_role("button", name="Leave step mode", exact=True)
+        expect(leave).to_be_visible()
         card = self.page.locator(".request")
         for _ in range(3):
             expect(card).to_contain_text("Leave '")

@@ -134,4 +134,4 @@ class GateCase(unittest.TestCase):
             yield
         finally:
             process.send_signal(signal.SIGINT)
-            process.wait(30.0)
+            process.wait(180.0)

@@ -104,7 +104,7 @@ class GateTest(GateCase):
     def publish_once(self, data):
         """Publish on the topic as a person does, by a node that ends afterwards."""
         line = ["rostopic", "pub", "--once", "remodel/protective_stop", "std_msgs/Bool", data]
-        subprocess.run(line, check=True, timeout=30.0, stdout=subprocess.DEVNULL)
+        subprocess.run(line, check=True, timeout=180.0, stdout=subprocess.DEVNULL)
 
     def test_of_two_goals_at_once_one_is_refused(self):
         wait_until(lambda: self.orders.is_free, "no run is under way")

@@ -34,7 +34,7 @@ class OperatorTest(BrowserTest):
         (OUTPUT / "use_cases").mkdir(parents=True)
         cls.addClassCleanup(shutil.rmtree, OUTPUT, ignore_errors=True)
         line = ["rosrun", "remodel_planner", "planner", "import", DESIGN, "--order", "house"]
-        subprocess.run([*line, "--database", DATABASE], check=True, timeout=60)
+        subprocess.run([*line, "--database", DATABASE], check=True, timeout=180)
         use_case = yaml.safe_load((use_case_folder() / "cabinet.yaml").read_text())
         use_case["recovery"]["responses"]["insertion_jammed"] = [{"do": "ask_operator"}]
         (OUTPUT / "use_cases" / "cabinet.yaml").write_text(yaml.safe_dump(use_case))

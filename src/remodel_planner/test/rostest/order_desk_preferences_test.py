@@ -1,6 +1,8 @@
 #!/usr/bin/env python3
 """Two people prepare an order with preferences at the order desk, and it is run by these."""
 
+import re
+
 import rospy
 import rostest
 from order_client import OrderClient
@@ -11,6 +13,8 @@ from remodel_production.edge.database.production_database import ProductionDatab
 from remodel_production.errors import OrderError
 from remodel_supervision.core.runs.events import Ending, TaskBegun
 
+MARKUP = "<img src=x onerror='document.title=1'>"
+OWN_HEADINGS = f"aaa;bbb;ccc;ddd\nK1:1;X1:1;1;W1\nK1:2;X1:2;1;{MARKUP}\n"
 LIST = """Wire,From,To,Section mm2,Colour,Shelf
 W1,K1:1,X1:1,1,BU,a
 W2,K1:2,X1:2,1,BK,b
@@ -131,6 +135,31 @@ require:
         self.press(self.page, "Plan again")
         expect(self.page.get_by_role("button", name="Plan again")).to_have_count(0, timeout=WORK_MS)
         expect(self.page.locator(".doing")).to_be_hidden(timeout=WORK_MS)
+
+    def test_a_file_is_refused_with_the_commands_own_words_and_a_mapping_helps(self):
+        page = self.page
+        self.drop("own.csv", OWN_HEADINGS)
+        refused = page.locator(".desk-area .ending.bad")
+        expect(refused).to_contain_text("own.csv: line 1: 'aaa;bbb;ccc;ddd' begins no format")
+        self.assertEqual(self.recorded()[-1], ("import own.csv", "failed"))
+        expect(page.get_by_role("button", name="Start the order")).to_have_count(0)
+        self.press(page, "Draft the mapping")
+        mapping = page.get_by_label("Mapping as YAML")
+        expect(mapping).to_have_value(re.compile('not used: "aaa"'), timeout=WORK_MS)
+        mapping.fill(
+            "format: remodel-wire-list-1\nname: ours\n"
+            "columns: {from: aaa, to: bbb, section: ccc, wire: ddd}\nterminal_separator: ':'\n"
+        )
+        self.press(page, "Read the file by this mapping")
+        expect(page.locator(".plan-words")).to_contain_text("2 tasks in", timeout=WORK_MS)
+        expect(refused).to_have_count(0)
+        page.get_by_text("Tasks in their order").click()
+        self.assertEqual(set(self.planned()), {"W1", MARKUP})
+        self.assertIn("Order desk", page.title())
+        self.press(page, "Remove own.csv")
+        self.press(page.get_by_role("dialog"), "Remove")
+        expect(page.locator(".draft")).to_have_count(0)
+        expect(page.locator(".desk-area .card")).to_have_count(0)
 
 
 if __name__ == "__main__":

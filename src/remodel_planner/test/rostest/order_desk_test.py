@@ -13,13 +13,11 @@ from remodel_msgs.msg import UseCaseState
 
 from remodel_supervision.core.runs.events import TaskBegun
 
-MARKUP = "<img src=x onerror='document.title=1'>"
 CABLE = """Wire,Cable,Core,From,To,Section mm2,Colour
 ,C1,1,K1:1,X1:1,1,BU
 W1,,,K1:2,X1:2,1,BK
 ,C1,2,K1:3,X1:3,1,BN
 """
-OWN_HEADINGS = f"aaa;bbb;ccc;ddd\nK1:1;X1:1;1;W1\nK1:2;X1:2;1;{MARKUP}\n"
 
 
 class OrderDeskTest(OrderDeskCase):
@@ -39,7 +37,7 @@ class OrderDeskTest(OrderDeskCase):
         self.press(page, "Start the order")
         page.wait_for_url("**/overview", timeout=WORK_MS)
         expect(page.locator(".ending")).to_contain_text("Order 'cable'", timeout=WORK_MS)
-        now = rospy.wait_for_message("remodel/use_case/state", UseCaseState, timeout=30)
+        now = rospy.wait_for_message("remodel/use_case/state", UseCaseState, timeout=180)
         self.assertEqual((now.tasks, now.done), (2, 2))
         cable = page.locator(".tasks tr.cable")
         expect(cable).to_contain_text("cable, 2 of 2 cores done")
@@ -58,36 +56,11 @@ class OrderDeskTest(OrderDeskCase):
         self.assertEqual(abs(begun.index("C1.2") - begun.index("C1.1")), 1)
         self.assertEqual(len(orders.run_state(max(orders.runs())).whole_tasks), 2)
 
-    def test_a_file_is_refused_with_the_commands_own_words_and_a_mapping_helps(self):
-        page = self.page
-        self.drop("own.csv", OWN_HEADINGS)
-        refused = page.locator(".desk-area .ending.bad")
-        expect(refused).to_contain_text("own.csv: line 1: 'aaa;bbb;ccc;ddd' begins no format")
-        self.assertEqual(self.recorded()[-1], ("import own.csv", "failed"))
-        expect(page.get_by_role("button", name="Start the order")).to_have_count(0)
-        self.press(page, "Draft the mapping")
-        mapping = page.get_by_label("Mapping as YAML")
-        expect(mapping).to_have_value(re.compile('not used: "aaa"'), timeout=WORK_MS)
-        mapping.fill(
-            "format: remodel-wire-list-1\nname: ours\n"
-            "columns: {from: aaa, to: bbb, section: ccc, wire: ddd}\nterminal_separator: ':'\n"
-        )
-        self.press(page, "Read the file by this mapping")
-        expect(page.locator(".plan-words")).to_contain_text("2 tasks in", timeout=WORK_MS)
-        expect(refused).to_have_count(0)
-        page.get_by_text("Tasks in their order").click()
-        self.assertEqual(set(self.planned()), {"W1", MARKUP})
-        self.assertIn("Order desk", page.title())
-        self.press(page, "Remove own.csv")
-        self.press(page.get_by_role("dialog"), "Remove")
-        expect(page.locator(".draft")).to_have_count(0)
-        expect(page.locator(".desk-area .card")).to_have_count(0)
-
     def test_what_is_no_design_is_refused(self):
         self.drop("bomb.qet", '<!DOCTYPE a [<!ENTITY b "c">]><project>&b;</project>')
         expect(self.page.locator(".desk-area .ending.bad")).to_contain_text("DOCTYPE")
         drafts = self.page.locator(".draft").count()
-        connection = http.client.HTTPConnection("127.0.0.1", self.port, timeout=60)
+        connection = http.client.HTTPConnection("127.0.0.1", self.port, timeout=180)
         body = bytes(100_000_001)
         connection.request("POST", "/order_desk/file?name=huge.csv", body)
         answer = connection.getresponse()

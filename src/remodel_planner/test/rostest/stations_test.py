@@ -93,7 +93,7 @@ class StationsTest(unittest.TestCase):
         wait_until(lambda: self.fixed(name) > 0, "the first wire is under way")
         (head,) = self.log.heads()
         refused = self.order(other, "--wires", str(BY_HAND + 2), "--again")
-        self.assertEqual(refused.wait(60.0), 3, other.printed())
+        self.assertEqual(refused.wait(240.0), 3, other.printed())
         self.assertIn("cell cell is owned by another station", other.printed())
         self.assertIn(owner.master, other.printed())
         self.assert_complete(head.number, name)
@@ -101,7 +101,7 @@ class StationsTest(unittest.TestCase):
         self.assertEqual(self.ledger("b" if name == "a" else "a"), ())
         owner.interrupt()
         taken = self.order(other, "--wires", str(BY_HAND + 2), "--again", name="again.log")
-        self.assertEqual(taken.wait(60.0), 0, other.printed("again.log"))
+        self.assertEqual(taken.wait(240.0), 0, other.printed("again.log"))
 
     def is_owner(self, launch):
         (owner,) = live_owners(self.database)

@@ -28,12 +28,12 @@ LIMIT_S = 120.0
 def planner(*line):
     """Run a command of the planner to its end."""
     line = ["rosrun", "remodel_planner", "planner", *line, "--database", DATABASE]
-    return subprocess.run(line, capture_output=True, text=True, timeout=60, check=False)
+    return subprocess.run(line, capture_output=True, text=True, timeout=180, check=False)
 
 
 def call(name, kind, **request):
     """Call a service of the supervisor."""
-    rospy.wait_for_service(f"remodel/use_case/{name}", 30.0)
+    rospy.wait_for_service(f"remodel/use_case/{name}", 180.0)
     return rospy.ServiceProxy(f"remodel/use_case/{name}", kind)(**request)
 
 
@@ -75,7 +75,7 @@ class SupervisionCase(unittest.TestCase):
     def start(self, tasks, again=True):
         """Have tasks for robots of the order done, and return the client when the run has begun."""
         client = actionlib.ActionClient("remodel/run_use_case", RunUseCaseAction)
-        self.assertTrue(client.wait_for_server(rospy.Duration(30.0)))
+        self.assertTrue(client.wait_for_server(rospy.Duration(180.0)))
         free = (UseCaseState.IDLE, UseCaseState.ENDED)
         self.wait(lambda: self.last().phase in free, "no run is under way")
         run = self.last().run

@@ -28,7 +28,7 @@ class SupervisionFaultsTest(SupervisionCase):
 
     def kill_during_a_motion_fault(self, node):
         """Kill a node before it learns that an arm has stopped; check that a person is asked."""
-        rospy.wait_for_service("cell/inject_fault", 30.0)
+        rospy.wait_for_service("cell/inject_fault", 180.0)
         victim = self.pid(node)
         faults, stopped, blocked, begun = [], [], [], []
 

@@ -43,7 +43,7 @@ class SupervisionTest(SupervisionCase):
         self.assertTrue(any(entry.picture.data for entry in self.record_of(state.run)))
 
     def test_an_operator_answers_and_stops(self):
-        rospy.wait_for_service("cell/inject_fault", 30.0)
+        rospy.wait_for_service("cell/inject_fault", 180.0)
         handle = self.start(4)
         self.wait(self.task_running, "the panel is loaded, which mends all faults")
         inject = rospy.ServiceProxy("cell/inject_fault", InjectFault)

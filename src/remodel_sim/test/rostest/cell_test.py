@@ -96,25 +96,6 @@ class CellTest(OneWireCase):
         self.assertIn("test-LocateGearboxComponent", result.error_message)
         self.assertTrue(self.on["LocateGearboxComponent"].wait().success)
 
-    def test_a_wire_end_is_located_inserted_and_fixed(self):
-        seen = self.on["DetectCable"].do(cable_id="W1").observation
-        self.assertEqual(len(seen.tips), 2)
-        inserted = self.on["InsertCable"].do(**self.insertion(self.locate()))
-        self.assertTrue(inserted.success, inserted.error_message)
-        self.assertGreater(inserted.elapsed_time, 1.0)
-        shares = self.on["InsertCable"].whole_progress()
-        self.assertEqual(shares, sorted(shares))
-        fixed = self.on["FixCable"].do(**self.at_terminal(), pull_test_force=10.0)
-        self.assertTrue(fixed.success, fixed.error_message)
-        truth = call("ground_truth", srv.GetGroundTruth).wires[0]
-        self.assertEqual((truth.a_at, truth.a_fixed, truth.placed), ("X1/1", True, False))
-        for end, component, connected in (("a", "X1", True), ("b", "X2", False)):
-            seen = self.on["CheckConnection"].do(
-                cable_id="W1", cable_end=end, component_id=component, terminal_id="1"
-            )
-            self.assertTrue(seen.success, seen.error_message)
-            self.assertEqual(seen.connected, connected, seen.message)
-
     def test_cancel_stops_the_arm_within_a_fifth_of_a_second(self):
         insert, watch = self.on["InsertCable"], StopWatch("InsertCable")
         self.addCleanup(watch.close)
@@ -129,20 +110,6 @@ class CellTest(OneWireCase):
         self.assertEqual(insert.client.get_state(), GoalStatus.PREEMPTED)
         again = self.on["PickCable"].do(robot_name="robot_1", cable_id="W1", cable_end="a")
         self.assertEqual(again.error_code, ErrorCode.OTHER_CABLE_HELD, "the wire stays held")
-
-    def test_the_wire_in_the_hand_is_discarded_and_a_new_piece_is_fed(self):
-        picked = self.on["PickCable"].do(robot_name="robot_1", cable_id="W1", cable_end="a")
-        self.assertTrue(picked.success, picked.error_message)
-        feed = rospy.ServiceProxy("cell/feed_wire", srv.FeedWire)
-        self.assertEqual(feed("W1", "A", 0).error_code, ErrorCode.OTHER_CABLE_HELD)
-        discarded = self.on["DiscardCable"].do(robot_name="robot_1")
-        self.assertTrue(discarded.success, discarded.error_message)
-        self.assertEqual(call("ground_truth", srv.GetGroundTruth).wires, [])
-        self.assertEqual(
-            self.on["DiscardCable"].do(robot_name="robot_1").error_code, ErrorCode.NOTHING_HELD
-        )
-        call("feed_wire", srv.FeedWire, wire_id="W1", channel_id="A")
-        self.assertTrue(self.on["DetectCable"].do(cable_id="W1", view=1).success)
 
     def test_a_goal_keeps_its_timeout(self):
         result = self.on["DetectCable"].do(cable_id="W1", timeout=0.1)

@@ -35,8 +35,6 @@ from flexbe_core.engine.checksum import checksum
 from flexbe_core.engine.userdata.visit_text import Known, VisitText
 from flexbe_core.testing import wait_until
 
-LOGS = Path("/tmp/flexbe_onboard_test_logs")
-LATE_PACKAGES = Path("/tmp/flexbe_onboard_test_packages")
 LIMIT_S = 90.0
 NOTICED_S = 60.0  # in which a dead server is noticed; mostly within one, if the machine is idle
 
@@ -180,6 +178,8 @@ class HangingServer:
 class OnboardTest(unittest.TestCase):
     @classmethod
     def setUpClass(cls):
+        cls.folder = Path(sys.argv[1])
+        cls.addClassCleanup(shutil.rmtree, cls.folder, ignore_errors=True)
         cls.engine = Engine()
         # One server for each topic: a second one would list its goals beside the first one's.
         cls.server = HangingServer("test_action")
@@ -469,7 +469,8 @@ class OnboardTest(unittest.TestCase):
     # Sources
 
     def test_a_package_that_comes_later_and_changes_between_runs(self):
-        source = LATE_PACKAGES / "late_behaviors" / "src" / "late_behaviors"
+        packages = self.folder / "packages"
+        source = packages / "late_behaviors" / "src" / "late_behaviors"
         try:
             self.write_late_package(source, "first")
             self.engine.start("Late Test")
@@ -481,7 +482,7 @@ class OnboardTest(unittest.TestCase):
             self.assert_ends(BEStatus.FINISHED, ["finished"])
             self.assert_logged("the other text")
         finally:
-            shutil.rmtree(LATE_PACKAGES, ignore_errors=True)
+            shutil.rmtree(packages, ignore_errors=True)
 
     @staticmethod
     def write_late_package(source, word):
@@ -531,16 +532,17 @@ class OnboardTest(unittest.TestCase):
 
     def test_what_states_do_is_recorded_in_a_file(self):
         engine = Engine("open/")
-        shutil.rmtree(LOGS, ignore_errors=True)
+        logs = self.folder / "logs"
+        shutil.rmtree(logs, ignore_errors=True)
         engine.start("Quick Test", level=0, wait_time=0)
         self.assertIsNotNone(engine.requests.wait(lambda m: m.target == "/Say"))
         engine.send("command/transition", OutcomeRequest(0, "Say"))
         self.assertIsNotNone(engine.requests.wait(lambda m: m.target == "/Wait"))
         engine.send("command/autonomy", UInt8(3))
         self.assertEqual(engine.ended().args, ["finished"])
-        (file,) = LOGS.glob("quick_test_*.yaml")
+        (file,) = logs.glob("quick_test_*.yaml")
         lines = yaml.safe_load(file.read_text())
-        shutil.rmtree(LOGS)
+        shutil.rmtree(logs)
         self.assertEqual((lines[0]["behavior"], lines[0]["autonomy"]), ("Quick Test", 0))
         events = [line["event"] for line in lines if line.get("path") == "/Say" and "event" in line]
         self.assertEqual(events, ["start", "enter", "exit", "stop"])

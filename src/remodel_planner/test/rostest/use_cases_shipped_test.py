@@ -1,12 +1,13 @@
 #!/usr/bin/env python3
-"""More shipped use cases, wires that are discarded and begun again, and orders that are refused."""
+"""Each shipped use case, wires that are discarded and begun again, and orders that are refused."""
 
 import rospy
 import rostest
 import yaml
 from order_client import OrderClient, planner
-from use_cases_case import DATABASE, OUTPUT, UseCasesCase
+from use_cases_case import DATABASE, DESIGNS, OUTPUT, SHIPPED, UseCasesCase
 
+from remodel_planning.edge.use_case_files import use_case_folder
 from remodel_supervision.core.runs.events import Ending
 
 
@@ -15,7 +16,11 @@ def far(own):
     own.update(yaml.safe_load(yaml.safe_dump(own).replace("robot_2", "robot_8")))
 
 
-class UseCasesFaultsTest(UseCasesCase):
+class UseCasesShippedTest(UseCasesCase):
+    def test_each_shipped_use_case_is_tried(self):
+        shipped = {file.stem for file in use_case_folder().glob("*.yaml")}
+        self.assertEqual(shipped, {*SHIPPED, "branched_harness"})
+
     def places_a_new_wire(self, order, **fault):
         """Have a fault strike one piece of a wire of an order; return what is printed."""
         self.add_order(order)
@@ -74,6 +79,23 @@ class UseCasesFaultsTest(UseCasesCase):
         self.assertIn("product second-0001: 2 tasks", later.stdout)
         self.assertIn("2 without a failed operation", later.stdout)
 
+    def test_cabinet_carries_its_order_out(self):
+        self.carries_its_order_out("cabinet")
+
+    def test_an_order_of_branches_is_refused_with_the_reason(self):
+        self.add_order("loom", DESIGNS / "loom.kbl")
+        ran = planner(*self.line("loom", "branched_harness", 2), database=DATABASE)
+        self.assertEqual(ran.returncode, 3, ran.stdout + ran.stderr)
+        self.assertIn("are no wires of the design; run it by a use case of wires", ran.stderr)
+
+    def test_the_error_about_an_unknown_name_lists_what_there_is_and_where_it_was_searched(self):
+        self.add_order("unknown")
+        ran = planner(*self.line("unknown", "cabinett", 2), database=DATABASE)
+        self.assertEqual(ran.returncode, 3, ran.stdout)
+        self.assertIn("no use case cabinett; there are automotive_formboard, ", ran.stderr)
+        self.assertIn("own_cabinet", ran.stderr)
+        self.assertIn(f"(searched: {OUTPUT / 'use_cases'}, {use_case_folder()})", ran.stderr)
+
 
 if __name__ == "__main__":
-    rostest.rosrun("remodel_planner", "test_use_cases_faults", UseCasesFaultsTest)
+    rostest.rosrun("remodel_planner", "test_use_cases_shipped", UseCasesShippedTest)
