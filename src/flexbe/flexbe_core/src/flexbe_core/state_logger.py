@@ -15,6 +15,7 @@ import logging
 import logging.config
 import pickle
 import re
+import sys
 import time
 from collections.abc import Callable, Iterable, Mapping
 from pathlib import Path
@@ -58,6 +59,41 @@ class YamlFormatter(logging.Formatter):
         line.setdefault("time", clock.now())
         text: str = yaml.safe_dump(line, default_flow_style=True, sort_keys=False, width=1 << 20)
         return f"- {text.strip()}"
+
+
+class RunLogFile(logging.FileHandler):
+    """The file of a run log; where it cannot be written on, the behavior runs on without it."""
+
+    def __init__(self, filename: str) -> None:
+        """Open the file."""
+        super().__init__(filename, encoding="utf-8")
+        self._is_given_up = False
+
+    def emit(self, record: logging.LogRecord) -> None:
+        """Write a line, unless an earlier one could not be written."""
+        if not self._is_given_up:
+            super().emit(record)
+
+    def handleError(self, record: logging.LogRecord) -> None:  # noqa: N802 - logging's name
+        """Give up on the file where the disk is full, for example."""
+        error = sys.exc_info()[1]
+        if isinstance(error, OSError):
+            self._give_up(error)
+        else:
+            super().handleError(record)
+
+    def close(self) -> None:
+        """Close the file."""
+        try:
+            super().close()
+        except OSError as error:  # of what is still to be written
+            self._give_up(error)
+
+    def _give_up(self, error: OSError) -> None:
+        if not self._is_given_up:
+            self._is_given_up = True
+            text = "the run log %s ends here, and the behavior runs on without it: %s"
+            rospy.logerr(text, self.baseFilename, error)
 
 
 class PublishBehaviorLogMessage(logging.Handler):
@@ -258,7 +294,11 @@ def _configuration(file: Path, level: str) -> dict[str, Any]:
         "disable_existing_loggers": False,
         "formatters": {"yaml": {"()": "flexbe_core.state_logger.YamlFormatter"}},
         "handlers": {
-            "file": {"class": "logging.FileHandler", "filename": str(file), "formatter": "yaml"},
+            "file": {
+                "class": "flexbe_core.state_logger.RunLogFile",
+                "filename": str(file),
+                "formatter": "yaml",
+            },
             "publish": {
                 "class": "flexbe_core.state_logger.PublishBehaviorLogMessage",
                 "formatter": "yaml",

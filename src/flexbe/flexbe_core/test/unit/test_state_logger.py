@@ -3,12 +3,20 @@
 import logging
 
 import pytest
+import rospy
 import yaml
 
 from flexbe_core import EventState, OperatableStateMachine, StateLogger
 from flexbe_core.engine.engine import Engine
 from flexbe_core.engine.events import Ended
-from flexbe_core.state_logger import YamlFormatter, _file_name, _merged, _serializer, log_all_events
+from flexbe_core.state_logger import (
+    RunLogFile,
+    YamlFormatter,
+    _file_name,
+    _merged,
+    _serializer,
+    log_all_events,
+)
 from flexbe_core.testing import ScriptedState
 
 
@@ -98,6 +106,23 @@ def test_nothing_is_recorded_unless_it_is_switched_on(lines, monkeypatch):
     log_all_events(state)
     run(state)
     assert lines == []
+
+
+def test_a_full_disk_ends_the_run_log_and_not_the_run(monkeypatch):
+    reports = []
+    monkeypatch.setattr(rospy, "logerr", lambda text, *words: reports.append(text % words))
+    handler, logger = RunLogFile("/dev/full"), logging.getLogger("flexbe")
+    handler.setFormatter(YamlFormatter())
+    logger.addHandler(handler)
+    logger.setLevel(logging.DEBUG)
+    monkeypatch.setattr(StateLogger, "enabled", True)
+    state = ScriptedState()
+    log_all_events(state)
+    run(state)
+    StateLogger.shutdown()
+    assert len(reports) == 1
+    assert "/dev/full ends here, and the behavior runs on without it" in reports[0]
+    assert "No space left on device" in reports[0]
 
 
 def test_files_are_named_after_the_behavior():
