@@ -45,7 +45,7 @@ class OwnLaunch:
     def printed(self, name="order.log"):
         return (self._folder / name).read_text()
 
-    def interrupt(self, limit_s=40.0):
+    def interrupt(self, limit_s=180.0):
         """End all nodes as Ctrl-C does, and return when they have ended."""
         if self._nodes.poll() is None:
             self._nodes.send_signal(signal.SIGINT)
