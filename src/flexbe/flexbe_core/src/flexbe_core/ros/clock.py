@@ -2,11 +2,18 @@
 
 from __future__ import annotations
 
+import threading
 import time
 from collections.abc import Callable
 
 import rospy
 from rosgraph_msgs.msg import Clock
+
+# [s] Wall time after which a clock that does not advance has stopped.
+STOPPED_S = 5.0
+
+# [s] Wall time between two readings of the clocks.
+_WATCH_EVERY_S = 1.0
 
 
 def now() -> float:
@@ -17,6 +24,52 @@ def now() -> float:
 def is_simulated() -> bool:
     """Return whether ROS time comes from /clock."""
     return not rospy.rostime.is_wallclock()
+
+
+class Standstill:
+    """Whether simulated time has stopped, by readings of both clocks."""
+
+    def __init__(self) -> None:
+        """Begin without a reading."""
+        self._at = -1.0
+        self._since = 0.0
+        self._is_reported = False
+
+    def reading(self, ros_s: float, wall_s: float) -> str:
+        """Return a sentence once when time has stopped for STOPPED_S; empty otherwise.
+
+        Args:
+            ros_s: [s] ROS time.
+            wall_s: [s] wall time of a monotonic clock.
+        """
+        if ros_s != self._at:
+            self._at, self._since, self._is_reported = ros_s, wall_s, False
+        if self._is_reported or wall_s - self._since < STOPPED_S:
+            return ""
+        self._is_reported = True
+        what = (
+            f"/clock has stopped at {ros_s:.1f} s"
+            if ros_s
+            else "/use_sim_time is true, and no node publishes /clock"
+        )
+        return (
+            f"{what}: this node waits until time goes on. Start or resume the simulation; with a "
+            "real robot, set /use_sim_time to false and start all nodes again"
+        )
+
+
+def report_standstill() -> None:
+    """Log a warning whenever simulated time stops, from a thread of its own; once each time."""
+    if is_simulated():
+        threading.Thread(target=_watch_clock, name="clock watch", daemon=True).start()
+
+
+def _watch_clock() -> None:
+    standstill = Standstill()
+    while not rospy.core.is_shutdown_requested():
+        if text := standstill.reading(rospy.get_time(), time.monotonic()):
+            rospy.logwarn("%s", text)
+        time.sleep(_WATCH_EVERY_S)
 
 
 class SimulatedAlarm:

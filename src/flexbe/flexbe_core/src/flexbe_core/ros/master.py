@@ -20,6 +20,8 @@ from dataclasses import dataclass
 import rosgraph
 import rospy
 
+from flexbe_core.ros.clock import report_standstill
+
 # [s] Wall time that a master which is being started gets to answer.
 START_LIMIT_S = 5.0
 
@@ -188,6 +190,7 @@ def join(name: str) -> None:
     rospy.init_node(name, disable_signals=True)
     if not is_there:
         _keep_signals()
+    report_standstill()
 
 
 def _keep_signals() -> None:
@@ -215,6 +218,7 @@ def join_interruptibly(name: str, anonymous: bool = True) -> None:
     if threading.current_thread() is threading.main_thread():
         signal.signal(signal.SIGTERM, signal.default_int_handler)
     rospy.init_node(name, anonymous=anonymous, disable_signals=True)
+    report_standstill()
 
 
 def _wait(is_over: Callable[[], bool]) -> None:
