@@ -18,7 +18,7 @@ from remodel_supervision.core.runs.events import Ending, RunEnded
 
 CHANGES = "() => Number(document.querySelector('.cell-view').dataset.changes)"
 MIDDLE_OF_W4 = "() => document.querySelector('.cell-view').screenPointOf('W4')"
-SOME = 3  # changes, by which it is seen to move
+MOVES = 3  # changes, by which it is seen to move
 MESHES = 9  # eight links and the hand; the fingers are boxes
 
 
@@ -39,7 +39,7 @@ class CellViewLiveTest(BrowserTest):
         expect(view).to_have_attribute("data-wires", "W1 W4")
         expect(view).to_have_attribute("data-meshes", str(MESHES))
         before = page.evaluate(CHANGES)
-        page.wait_for_function(f"() => ({CHANGES})() >= {before + SOME}")
+        page.wait_for_function(f"() => ({CHANGES})() >= {before + MOVES}")
         supervisor.run("cabinet 7")
         expect(page.locator(".order .title")).to_have_text("cabinet 7")
         facts = page.locator(".wire-facts")

@@ -1,6 +1,7 @@
 #!/usr/bin/env python3
 """Overview in a real browser, against a supervisor and cameras that are fake."""
 
+import contextlib
 import json
 import sys
 from pathlib import Path
@@ -163,11 +164,23 @@ class OverviewTest(BehaviorTestCase):
         self.choose(page, "Compare with", "no run")
         expect(page.locator(".compare")).to_be_hidden()
 
+    def open_run(self, page, name):
+        """Open a run; again if the list was loaded again just when it was clicked."""
+
+        def is_open():
+            page.get_by_role("button", name=name).click()
+            with contextlib.suppress(AssertionError):
+                expect(page.locator(".clock")).not_to_have_text("", timeout=5000)
+                return True
+            return False
+
+        self.wait_until(is_open, name)
+
     def test_the_record_of_a_run_is_scrubbed_through(self):
         _records = FakeRecords()
         page = self.page = self.open_page("/replay")
         page.get_by_role("button", name="Reload").click()
-        page.get_by_role("button", name="12 cabinet 7").click()
+        self.open_run(page, "12 cabinet 7")
         expect(page.locator(".clock")).to_have_text("0.0 s of 16.0 s, entry 1 of 23")
         page.keyboard.press("n")
         expect(page.locator(".entry-words")).to_have_text(

@@ -1,6 +1,7 @@
 """What the tests of commands share: an order over a launched fake cell, and what moves there."""
 
 import contextlib
+import os
 import secrets
 import shutil
 import signal
@@ -15,7 +16,7 @@ import rospy
 from motion_watch import MotionWatch
 from order_client import SUPERVISOR, OrderClient, import_order, wait_until
 from pause_moments import PauseMoments
-from remodel_msgs.msg import TaskState
+from remodel_msgs.msg import TaskState, UseCaseState
 
 from remodel_supervision.core.runs.events import Blocked, Ending, Interrupted, RunEnded
 
@@ -53,21 +54,25 @@ class GateCase(unittest.TestCase):
         """Wait until an ability has a goal."""
         wait_until(lambda: self.motions.running, "an ability has a goal")
 
-    def draw(self):
-        """Return a fresh source of random moments, and log its seed."""
-        seed = secrets.randbelow(1_000_000)
-        rospy.loginfo("%s: seed %d", self.id(), seed)
-        return Random(seed)
+    @contextlib.contextmanager
+    def random_moments(self):
+        """Yield a fresh source of random moments; a failure states its seed."""
+        seed = int(os.environ.get("FRESH_SEED", secrets.randbelow(1_000_000)))
+        try:
+            yield Random(seed)
+        except AssertionError as error:
+            raise AssertionError(f"with FRESH_SEED={seed}: {error}") from error
 
     def pause_at_random_moments(self, count, tasks):
         """Pause runs of so many tasks so often, and check that nothing moves after an answer."""
-        moments = PauseMoments(self.orders, self.motions, self.draw())
-        while moments.paused < count:
-            run = self.orders.start(tasks)
-            while moments.paused < count and moments.pause(run, WINDOW_S):
-                pass
-            self.assert_complete(run)
-        self.assertEqual(moments.moved, [])
+        with self.random_moments() as random:
+            moments = PauseMoments(self.orders, self.motions, random)
+            while moments.paused < count:
+                run = self.orders.start(tasks)
+                while moments.paused < count and moments.pause(run, WINDOW_S):
+                    pass
+                self.assert_complete(run)
+            self.assertEqual(moments.moved, [])
 
     def skip_at_random_moments(self, count, tasks, kills=()):
         """Skip so many running tasks of a run, and have them done later.
@@ -77,32 +82,43 @@ class GateCase(unittest.TestCase):
             tasks: of the run.
             kills: after which of the skipped tasks the supervisor is killed.
         """
-        random = self.draw()
-        run = self.orders.start(tasks)
-        skipped = set()
-        while len(skipped) < count:
-            before = time.monotonic()
-            wait_until(lambda: self.orders.state.task not in ("", *skipped), "the next task")
-            task = self.orders.state.task
-            until = before + random.uniform(0.0, 1.0)
-            wait_until(
-                lambda t=until, n=task: time.monotonic() > t or self.orders.state.task != n,
-                "a random moment",
-            )
-            granted, text = self.orders.command("skip", task=task)
-            answered_s = time.time()
-            if not granted:
-                self.assertIn("cannot be skipped", text)
-                continue
-            skipped.add(task)
-            self.assertEqual(self.motions.under_way(answered_s), (), f"{task} moves")
-            if len(skipped) in kills:
-                self.orders.end_process(SUPERVISOR)
-        wait_until(lambda: self.is_set_aside(run, skipped), "the skipped tasks are set aside")
-        for task in skipped:
-            self.orders.require("retry", task=task)
-        self.assert_complete(run)
-        self.assertEqual(self.orders.held, "")
+        with self.random_moments() as random:
+            run = self.orders.start(tasks)
+            skipped = set()
+            while len(skipped) < count:
+                before = time.monotonic()
+                wait_until(
+                    lambda r=run: self.orders.state.task not in ("", *skipped) or self.is_over(r),
+                    "the next task",
+                )
+                task = self.orders.state.task
+                if self.is_over(run):  # each of its tasks had ended before it could be skipped
+                    self.assertEqual(skipped, set())
+                    run = self.orders.start(tasks)
+                    continue
+                until = before + random.uniform(0.0, 1.0)
+                wait_until(
+                    lambda t=until, n=task: time.monotonic() > t or self.orders.state.task != n,
+                    "a random moment",
+                )
+                granted, text = self.orders.command("skip", task=task)
+                answered_s = time.time()
+                if not granted:
+                    self.assertIn("cannot be skipped", text)
+                    continue
+                skipped.add(task)
+                self.assertEqual(self.motions.under_way(answered_s), (), f"{task} moves")
+                if len(skipped) in kills:
+                    self.orders.end_process(SUPERVISOR)
+            wait_until(lambda: self.is_set_aside(run, skipped), "the skipped tasks are set aside")
+            for task in skipped:
+                self.orders.require("retry", task=task)
+            self.assert_complete(run)
+            self.assertEqual(self.orders.held, "")
+
+    def is_over(self, run):
+        state = self.orders.state
+        return state.run == run and state.phase == UseCaseState.ENDED
 
     def is_set_aside(self, run, names):
         states = self.orders.task_states(run)
@@ -110,20 +126,20 @@ class GateCase(unittest.TestCase):
 
     def end_at_random_moments(self, signals, tasks):
         """End the supervisor by signals during a run, which is resumed each time."""
-        random = self.draw()
-        run = self.orders.start(tasks)
-        # Before its first task a run has nothing that could be interrupted.
-        wait_until(lambda: self.orders.state.task, "the first task")
-        for count, number in enumerate(signals):
-            wait_until(lambda n=count: self.orders.state.interruptions == n, "it is resumed")
-            until = time.monotonic() + random.uniform(0.1, 1.0)
-            wait_until(lambda t=until: time.monotonic() > t, "a random moment")
-            self.orders.end_process(SUPERVISOR, number)
-        self.assert_complete(run)
-        events = self.orders.events(run)
-        self.assertEqual([event for event in events if isinstance(event, Blocked)], [])
-        self.assertEqual(sum(isinstance(event, Interrupted) for event in events), len(signals))
-        self.assertEqual(sum(isinstance(event, RunEnded) for event in events), 1)
+        with self.random_moments() as random:
+            run = self.orders.start(tasks)
+            # Before its first task a run has nothing that could be interrupted.
+            wait_until(lambda: self.orders.state.task, "the first task")
+            for count, number in enumerate(signals):
+                wait_until(lambda n=count: self.orders.state.interruptions == n, "it is resumed")
+                until = time.monotonic() + random.uniform(0.1, 1.0)
+                wait_until(lambda t=until: time.monotonic() > t, "a random moment")
+                self.orders.end_process(SUPERVISOR, number)
+            self.assert_complete(run)
+            events = self.orders.events(run)
+            self.assertEqual([event for event in events if isinstance(event, Blocked)], [])
+            self.assertEqual(sum(isinstance(event, Interrupted) for event in events), len(signals))
+            self.assertEqual(sum(isinstance(event, RunEnded) for event in events), 1)
 
     @contextlib.contextmanager
     def publishing(self, topic, kind, data):
