@@ -144,8 +144,11 @@ class Engine:
         Otherwise an operator who asked for a hold gets a warning and no feedback: operator
         interfaces take any feedback for success.
         """
-        is_forced = isinstance(command, commands.ForceOutcome)
-        if is_forced and self.stopped and answer_at_breakpoint(self, command):
+        if (
+            self.stopped
+            and isinstance(command, commands.ForceOutcome)
+            and answer_at_breakpoint(self, command)
+        ):
             return
         if self._is_supervised():
             self.commands.append(command)
