@@ -78,7 +78,7 @@ physics: build ## Run the physical tests of the cell (BENCH="-k lay_wire", BENCH
 	@$(SOURCED) benchmarks/sim/physics.py $(BENCH)
 
 rostest: $(BUILD) ## Tests of running nodes, each package on a roscore of its own (PACKAGE=remodel_console, TIER=all)
-	@$(SOURCED) ctest --test-dir build --parallel 4 --output-on-failure --no-tests=error \
+	@$(SOURCED) ctest --test-dir build --parallel 5 --output-on-failure --no-tests=error \
 	  $(if $(filter quick,$(TIER)),--label-exclude slow) $(if $(PACKAGE),--tests-regex '^_ctest_$(PACKAGE)_ros')
 
 lint: .venv/.ready xml ## Style, types of the pure cores, and XML
@@ -137,6 +137,7 @@ evaluate-abilities: build ## Measure the abilities over seeds, against their tar
 
 bench-console: build ## Load of the console at 50 transitions a second, 5 minutes, in docs/figures/console.jsonl (BENCH="--seconds 30 --pages 10")
 	@$(SOURCED) benchmarks/console/load.py --figures docs/figures/console.jsonl $(BENCH)
+	@$(SOURCED) benchmarks/console/attention.py
 	@$(SOURCED) benchmarks/console/load.py --unpainted --seconds 60 --figures docs/figures/console_sockets.jsonl
 
 docs: build/docs-venv/.ready ## Build the site of the documentation: build/site/index.html
