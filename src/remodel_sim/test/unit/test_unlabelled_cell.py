@@ -35,6 +35,7 @@ def locate(cell, component):
     return do.do(cell, locate_gearbox_component, goals.LocateGoal(component, terminal))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("name", "panel", "components"),
     [

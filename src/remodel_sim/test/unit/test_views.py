@@ -71,6 +71,7 @@ def hang_cross(cell, above, z, arm, width):
     add_static(cell.plant.world.bullet, boxes, Pose.level(x, y, z))
 
 
+@pytest.mark.slow
 def test_each_view_of_a_component_is_taken_from_elsewhere(cell, places):
     usual, other, third, again = (taken(places, lambda v=v: locate(cell, v)) for v in range(4))
     assert len(usual) == len(other) == len(third) == 2
@@ -100,6 +101,7 @@ def test_a_component_whose_openings_are_tilted_is_reported_and_not_inserted_into
     assert caught.value.code is Code.COMPONENT_DISPLACED
 
 
+@pytest.mark.slow
 def test_each_view_of_a_cable_is_taken_from_elsewhere(cell, places):
     cell.feed("W1", "A")
     assert len(taken(places, lambda: detect(cell, 0))) == 0, "both ends are seen from above"
