@@ -63,6 +63,7 @@ def observed(cell, wire_id, parked):
     return cell.run(check_forks(cell.context), cell.context.name)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("wire", [wire.id for wire in HARNESS.wires])
 def test_a_wire_of_each_colour_is_seen_beside_its_fork(cell, wire):
     shape = lying(wire, touching(-1, 1), 0.025)

@@ -256,6 +256,7 @@ def test_a_wire_is_led_into_its_ducts_over_one_that_lies_there(monkeypatch):
     cell.close()
 
 
+@pytest.mark.slow
 @pytest.mark.physics
 def test_a_wire_that_is_kept_in_its_duct_is_let_go_before_it_is_discarded():
     cell = cell_of()
@@ -490,6 +491,7 @@ def test_a_wire_that_curls_up_is_out_of_its_ducts_along_its_route_not_along_itse
     cell.close()
 
 
+@pytest.mark.slow
 @pytest.mark.physics
 def test_a_wire_that_curls_up_beside_its_duct_where_it_is_seen_in_it_lies_in_its_duct():
     cell = cell_of()
@@ -785,7 +787,6 @@ def test_a_wire_whose_colour_is_not_seen_is_found_by_what_is_new_far_aside():
     cell.close()
 
 
-@pytest.mark.slow
 @pytest.mark.physics
 def test_a_wire_that_others_hide_at_its_slot_is_taken(monkeypatch):
     cell = cell_of()
@@ -837,6 +838,7 @@ def test_a_steep_wire_is_taken_where_it_is_seen_and_lets_the_pads_close_later(mo
     cell.close()
 
 
+@pytest.mark.slow
 @pytest.mark.physics
 def test_the_board_is_remembered_as_it_was_before_the_wire_was_touched():
     cell = cell_of()

@@ -70,6 +70,7 @@ def test_openings_are_checked_without_labels(cell):
     assert not do.do(cell, check_connection, goal).connected
 
 
+@pytest.mark.slow
 def test_a_device_that_is_gone_is_reported(cell):
     # The panel is in its place, and the device under it.
     cell.plant.world.bullet.removeBody(cell.plant._scene.body_of("X1"))

@@ -79,6 +79,7 @@ def test_each_view_of_a_component_is_taken_from_elsewhere(cell, places):
     assert nearest(usual, again) < 1e-3, "three views: the fourth is the first again"
 
 
+@pytest.mark.slow
 def test_a_label_hidden_from_the_usual_places_is_located_from_another_view(cell):
     component = cell.context.panel.component("X1")
     world_from_component = cell.plant.world_from_component("X1")
