@@ -9,6 +9,7 @@ import place_wire as do
 import pytest
 from fingerprint import fingerprint_elsewhere
 from panels import panel
+from stored import put_live
 
 from remodel_sim.cell import Cell
 from remodel_sim.core.errors import AbilityError
@@ -29,6 +30,7 @@ def test_the_same_seed_and_goals_give_the_same_bits_in_two_processes():
     assert fingerprint_elsewhere() == fingerprint_elsewhere()
 
 
+@pytest.mark.slow
 def test_a_whole_wire_is_placed_by_physics(cell):
     do.place(cell, "W1")
     (truth,) = ground_truth(cell.plant, ["W1"])
@@ -76,6 +78,7 @@ def test_a_blocked_socket_jams_and_yields_when_cleared(cell):
     do.insert(cell, "W1", WireEnd.A, "X1", terminal="1", socket=socket)
 
 
+@pytest.mark.slow
 def test_a_weak_clamp_lets_the_end_slip_in_the_pull_test():
     weak = panel()
     first = weak.components[0]
@@ -101,16 +104,15 @@ def test_a_clamp_that_closes_on_nothing_is_not_seated(cell):
 
 @pytest.mark.slow
 def test_a_fixed_end_can_be_extracted_and_inserted_again(cell):
-    cell.feed("W1", "A")
+    put_live(cell, "W1")
     socket = do.locate(cell, "X1", "1")
-    do.insert(cell, "W1", WireEnd.A, "X1", terminal="1", socket=socket)
-    do.fix(cell, "W1", "X1", "1")
     do.extract(cell, "W1", "X1", "1", socket=socket)
     (truth,) = ground_truth(cell.plant, ["W1"])
     assert truth.a.at == ""
     do.insert(cell, "W1", WireEnd.A, "X1", terminal="1", socket=socket)
 
 
+@pytest.mark.slow
 def test_a_stopped_ability_leaves_a_scene_that_the_next_one_can_use(cell):
     cell.feed("W1", "A")
     socket = do.locate(cell, "X1", "1")
@@ -167,6 +169,7 @@ def test_a_piece_that_was_not_touched_is_presented_already():
     made.close()
 
 
+@pytest.mark.slow
 def test_no_piece_is_fed_beside_another_one_of_the_same_wire(cell):
     cell.feed("W1", "A")
     do.do(cell, do.pick_cable, do.goals.PickGoal(do.ROBOT, "W1", WireEnd.A, 0.0))

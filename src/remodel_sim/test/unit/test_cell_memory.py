@@ -5,6 +5,7 @@ import place_wire as do
 import pytest
 from panels import panel
 from remodel_msgs.msg import FixCableGoal
+from stored import put, put_live
 
 from remodel_sim.abilities.ability import cell_abilities
 from remodel_sim.abilities.execution.runner import advance
@@ -30,12 +31,14 @@ def memory(tmp_path):
     memory.close()
 
 
-@pytest.mark.slow
 @pytest.mark.physics
 def test_a_placed_wire_is_there_after_the_cell_was_killed(memory):
     cell = Cell(panel(), seed=1, memory=memory)
-    do.place(cell, "W1")
+    put(cell, "W1", *WireEnd)
+    cell.context.make_live("W1")
+    cell.come_to_rest()
     before = ground_truth(cell.plant, ["W1"])
+    assert [truth.placed for truth in before] == [True]
     cell.close()
 
     again = Cell(OTHER, seed=1, memory=memory)
@@ -45,8 +48,8 @@ def test_a_placed_wire_is_there_after_the_cell_was_killed(memory):
         assert ground_truth(again.plant, again.context.belief.fed) == before
         assert again.plant.parked["W1"].nodes == pytest.approx(cell.plant.parked["W1"].nodes)
         assert again.context.belief.occupant(("X1", "1")) == ("W1", WireEnd.A)
-        do.place(again, "W2")
-        assert all(truth.placed for truth in ground_truth(again.plant, ["W1", "W2"]))
+        again.feed("W2", "A")
+        assert ground_truth(again.plant, ["W1"]) == before, "the next wire lies beside it"
     finally:
         again.close()
 
@@ -75,8 +78,7 @@ class DyingHandle:
 @pytest.mark.physics
 def test_a_wire_whose_last_end_is_reported_fixed_is_there_after_a_kill_at_that_moment(memory):
     cell = Cell(panel(), seed=1, memory=memory)
-    cell.feed("W1", "A")
-    do.connect(cell, "W1", WireEnd.A)
+    put_live(cell, "W1")
     do.carry(cell, "W1", "A")
     do.insert(cell, "W1", WireEnd.B, "X2", terminal="1", socket=do.locate(cell, "X2", "1"))
     goal = FixCableGoal("17:fix b", do.ROBOT, "W1", "X2", "1", 10.0, 60.0)
@@ -99,12 +101,11 @@ def test_a_wire_whose_last_end_is_reported_fixed_is_there_after_a_kill_at_that_m
         again.close()
 
 
-@pytest.mark.slow
-@pytest.mark.physics
 def test_a_panel_that_is_rebuilt_is_empty(memory):
     cell = Cell(panel(), seed=1, memory=memory)
     try:
-        do.place(cell, "W1")
+        put(cell, "W1", *WireEnd)
+        cell.keep()
         cell.load(panel(), keep=True)
         assert "W1" in cell.plant.parked, "the same panel stays"
         cell.load(panel())

@@ -123,7 +123,8 @@ def test_a_wire_goes_from_one_arm_to_the_other_by_the_plate(cell):
     assert (truth.a.at, truth.a.fixed) == ("X1/1", True)
 
 
-def test_two_arms_place_the_pins_of_a_wire_and_place_them_again(cell):
+@pytest.mark.parametrize("times", [1, pytest.param(2, marks=pytest.mark.slow)])
+def test_two_arms_place_the_pins_of_a_wire_also_again(cell, times):
     one, two = cell.contexts.values()
     goal = PlacePinGoal(
         robot_1="robot_1",
@@ -134,7 +135,7 @@ def test_two_arms_place_the_pins_of_a_wire_and_place_them_again(cell):
         rotate=True,
         show_in_tf=False,
     )
-    for _ in range(2):
+    for _ in range(times):
         for context in (one, two):
             goal.check(context.panel, context.belief)
         cell.run(place_pin(one, two, goal), "robot_1", "robot_2")
@@ -144,6 +145,7 @@ def test_two_arms_place_the_pins_of_a_wire_and_place_them_again(cell):
         assert one.commanded == one.home and two.commanded == two.home
 
 
+@pytest.mark.slow
 def test_an_idle_empty_hand_makes_way_and_one_that_holds_a_wire_does_not(cell):
     one, two = cell.contexts.values()
     cell.run(move_to(one, ToolPose(0.50, 0.20, 0.20, 0.0), 0.6), "robot_1")

@@ -2,6 +2,7 @@
 
 import pytest
 from place_wire import carry, connect, do
+from stored import put_live
 
 from remodel_sim.abilities.check_connection import check_connection
 from remodel_sim.core.errors import AbilityError
@@ -19,9 +20,7 @@ def is_connected(cell, wire, end, terminal=None):
 
 @pytest.mark.physics
 def test_a_fixed_end_is_seen_and_neither_its_neighbour_nor_its_other_end(cell):
-    cell.feed("W1", "A")
-    assert not is_connected(cell, "W1", WireEnd.A)
-    connect(cell, "W1", WireEnd.A)
+    put_live(cell, "W1")
     assert is_connected(cell, "W1", WireEnd.A)
     assert not is_connected(cell, "W1", WireEnd.B)
     assert not is_connected(cell, "W1", WireEnd.A, ("X1", "2"))
@@ -31,8 +30,7 @@ def test_a_fixed_end_is_seen_and_neither_its_neighbour_nor_its_other_end(cell):
 @pytest.mark.slow
 @pytest.mark.physics
 def test_the_answer_does_not_come_from_the_belief_state(cell):
-    cell.feed("W1", "A")
-    connect(cell, "W1", WireEnd.A)
+    put_live(cell, "W1")
     cell.context.belief.loosen(WireEnd.A)
     assert is_connected(cell, "W1", WireEnd.A)
     cell.context.belief.seat(WireEnd.B, ("X2", "1"))
@@ -52,8 +50,7 @@ def test_a_component_that_was_moved_is_found_where_it_stands(cell):
 @pytest.mark.slow
 @pytest.mark.physics
 def test_an_observation_with_a_wire_in_the_hand_moves_nothing(cell):
-    cell.feed("W1", "A")
-    connect(cell, "W1", WireEnd.A)
+    put_live(cell, "W1")
     carry(cell, "W1", "A")
     held = cell.context.commanded
     for end in WireEnd:

@@ -47,6 +47,7 @@ def beside(cell, y):
     return float(np.interp(y, along, x)), float(np.interp(y, along, heights))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("height", [0.004, 0.0105, 0.0175])
 def test_a_wire_lies_low_between_the_pads_that_are_to_press_it_down(height):
     cell = with_wire(formboard(0), 0.50, 0.0, {-0.040: height, 0.040: height})

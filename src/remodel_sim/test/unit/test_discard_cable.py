@@ -6,6 +6,7 @@ import numpy as np
 import place_wire as do
 import pytest
 from panels import panel
+from stored import put, put_live, shape_of, stored
 
 from remodel_sim.abilities.discard_cable import discard_cable
 from remodel_sim.abilities.primitives import carrying
@@ -41,7 +42,7 @@ def assert_gone(cell, wire):
 
 
 @pytest.mark.physics
-@pytest.mark.parametrize("seed", [1, 2])
+@pytest.mark.parametrize("seed", [1, pytest.param(2, marks=pytest.mark.slow)])
 def test_a_piece_that_lies_in_its_channel_is_dropped_into_the_bin(seed):
     cell = Cell(panel(), seed=seed)
     cell.feed("W1", "A")
@@ -70,8 +71,7 @@ def test_the_wire_in_the_hand_is_discarded_with_its_other_end_connected(cell):
     with pytest.raises(AbilityError) as caught:
         discard(cell, "")
     assert caught.value.code is Code.NOTHING_HELD
-    cell.feed("W1", "A")
-    do.connect(cell, "W1", WireEnd.A)
+    put_live(cell, "W1")
     do.carry(cell, "W1", "A")
     with pytest.raises(AbilityError) as caught:
         discard(cell, "W2x")
@@ -85,8 +85,8 @@ def test_the_wire_in_the_hand_is_discarded_with_its_other_end_connected(cell):
 @pytest.mark.physics
 def test_a_placed_wire_is_released_and_discarded_by_a_cell_that_was_restarted(tmp_path):
     memory = CellMemory(tmp_path)
-    first = Cell(panel(), seed=3, memory=memory)
-    do.place(first, "W1")
+    first = Cell(panel(), seed=3)
+    memory.keep(panel(), stored(panel(), "W1", shape_of(first, "W1", *WireEnd)))
     first.close()
     cell = Cell(panel(), seed=3, memory=memory)
     cell.feed("W2", "A")
@@ -101,9 +101,9 @@ def test_a_placed_wire_is_released_and_discarded_by_a_cell_that_was_restarted(tm
 
 @pytest.mark.slow
 @pytest.mark.physics
-def test_a_wire_that_has_just_been_placed_is_extracted_and_discarded(cell):
-    do.place(cell, "W1")
-    assert cell.plant.live is None, "it is parked"
+def test_a_placed_wire_is_extracted_and_discarded(cell):
+    put(cell, "W1", *WireEnd)
+    cell.context.make_live("W1")
     do.extract(cell, "W1", "X2", "1", socket=do.locate(cell, "X2", "1"))
     (truth,) = ground_truth(cell.plant, ["W1"])
     assert truth.a.seated and truth.a.fixed and truth.b.at == ""
@@ -116,7 +116,7 @@ def test_a_wire_that_has_just_been_placed_is_extracted_and_discarded(cell):
 @pytest.mark.parametrize("placed", [False, True], ids=["fed", "placed"])
 def test_a_wire_that_falls_before_the_bin_is_seen_to_lie_there(cell, monkeypatch, placed):
     if placed:
-        do.place(cell, "W1")
+        put(cell, "W1", *WireEnd)
     else:
         cell.feed("W1", "A")
         do.do(cell, do.detect_cable, do.goals.DetectGoal("W1"))
@@ -141,8 +141,7 @@ def test_a_wire_that_falls_before_the_bin_is_seen_to_lie_there(cell, monkeypatch
 @pytest.mark.slow
 @pytest.mark.physics
 def test_a_wire_whose_end_is_stuck_stays(cell, monkeypatch):
-    cell.feed("W1", "A")
-    do.connect(cell, "W1", WireEnd.A)
+    put_live(cell, "W1")
     with monkeypatch.context() as patch:
         patch.setattr(cell.plant, "open_clamp", lambda *terminal: None)  # its screw is jammed
         with pytest.raises(AbilityError, match="it was released there") as caught:

@@ -5,6 +5,7 @@ conftest.py; here are those with the highest stakes: an opening that is blocked,
 highest limits.
 """
 
+import re
 from pathlib import Path
 
 import pytest
@@ -85,25 +86,26 @@ def test_a_blocked_opening_is_pressed_no_harder_than_allowed(cell_of, pushes, li
     assert pushed.limit == limit
 
 
-# The second one's hand comes to rest beyond the bottom, 13 mm farther than its end.
+# A wire that is pushed so hard at an obstacle slides in the grip, or buckles behind the hand into a
+# loop that draws its end out of the fingers: the last bit decides.
 @pytest.mark.slow
 @pytest.mark.parametrize(
-    ("name", "seed", "rate_hz", "limit", "words"),
-    [
-        ("W3", 5, 240.0, 18.0, r"18\.\d N at [45]\.\d of 14\.0 mm"),
-        ("W1", 6, 500.0, 25.0, r"2[45]\.\d N at [45]\.\d of 14\.0 mm"),
-    ],
+    ("name", "seed", "rate_hz", "limit"), [("W3", 5, 240.0, 18.0), ("W1", 6, 500.0, 25.0)]
 )
-def test_an_end_that_slides_in_the_grip_at_an_obstacle_is_jammed_where_it_stopped(
-    name, seed, rate_hz, limit, words
+def test_an_end_that_slides_in_the_grip_at_an_obstacle_is_not_reported_at_the_bottom(
+    name, seed, rate_hz, limit
 ):
     example = read_panel(CONFIG / "panel.yaml", read_wire_materials(CONFIG / "wire_materials.yaml"))
     cell = Cell(example, seed=seed, rate_hz=rate_hz)
     wire = example.wire(name)
     cell.plant.block_socket(*wire.goes_to(WireEnd.A))
-    with pytest.raises(AbilityError, match=words) as caught:
+    with pytest.raises(AbilityError) as caught:
         push(cell, limit, wire)
-    assert caught.value.code is Code.INSERTION_JAMMED
+    if caught.value.code is Code.INSERTION_JAMMED:
+        (depth,) = re.findall(r"at (\d+\.\d) of 14\.0 mm", str(caught.value))
+        assert 1e-3 * float(depth) == pytest.approx(plant.PLUG_FROM_M, abs=0.0011)
+    else:
+        assert caught.value.code is Code.GRASP_SLIPPED
     cell.close()
 
 

@@ -63,6 +63,7 @@ def observed(cell, wire_id, parked):
     return cell.run(check_forks(cell.context), cell.context.name)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("wire", [wire.id for wire in HARNESS.wires])
 def test_a_wire_of_each_colour_is_seen_beside_its_fork(cell, wire):
     shape = lying(wire, touching(-1, 1), 0.025)
@@ -92,6 +93,7 @@ def test_where_a_wire_lies_at_a_fork_decides(cell, aside, height, words):
     assert words or [fork.id for fork in forks] == ["F1", "F2", "F3"]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("wire", [wire.id for wire in HARNESS.wires if wire.id != OTHER])
 def test_another_wire_beside_a_fork_is_not_taken_for_it(cell, wire):
     shapes = {OTHER: lying(OTHER, touching(-1, 1), 0.037), wire: lying(wire, 0.0, 0.025)}

@@ -78,6 +78,7 @@ def route(cell):
     return cell.run(route_wire(holder, goal), HOLDER)
 
 
+@pytest.mark.slow
 @pytest.mark.physics
 def test_a_wire_is_let_down_into_its_forks_once_its_other_end_is_fixed_and_is_seen_there():
     cell = Cell(HARNESS, design=DESIGN, seed=1)

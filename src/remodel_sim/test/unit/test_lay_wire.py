@@ -10,6 +10,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from place_wire import do, extract, fix, insert, locate
+from stored import shape_of
 
 from remodel_sim.abilities import lay_wire as lay_wire_module
 from remodel_sim.abilities.detect_cable import detect_cable
@@ -89,44 +90,6 @@ BUNDLE = 7
 ACROSS = ((0.66, 0.26, 0.0), (0.57, 0.08, 0.0))
 # A wire that sprang out of its ducts loops over the devices from terminal to terminal [m].
 LOOP_ACROSS = ((0.62, -0.10, 0.12), (0.59, -0.10, 0.12))
-# How SHORT lay when its second end was in, among 47 others: over the rims from corner to corner.
-ARCHED_MM = (
-    (359.1, -206, 23.5),
-    (347.2, -205.9, 22.7),
-    (326.1, -202.3, 21.9),
-    (305.5, -199.4, 26.9),
-    (287.3, -207.7, 34.5),
-    (276.9, -225.4, 40.7),
-    (271.9, -245.7, 45.3),
-    (272.9, -266.6, 49.9),
-    (277.6, -287, 54.2),
-    (286.7, -306.1, 57.2),
-    (301.3, -321.8, 57.7),
-    (319.8, -332.5, 58.6),
-    (329.7, -336.5, 59),
-    (339.6, -340.5, 59.3),
-    (360.3, -345.7, 61.4),
-    (381.3, -349.3, 63.2),
-    (402.5, -351.7, 65),
-    (423.8, -353.4, 66),
-    (445.2, -353.5, 66.9),
-    (466.3, -350.1, 68.2),
-    (485.8, -341.4, 68.6),
-    (502.3, -327.8, 69.7),
-    (516.3, -311.8, 72.2),
-    (522.1, -303.1, 74.4),
-    (527.9, -294.4, 76.7),
-    (537.7, -275.5, 79.6),
-    (543.1, -254.9, 78.6),
-    (539.8, -234.7, 72.1),
-    (524.9, -225.1, 60.2),
-    (507.8, -231.3, 48.9),
-    (492.9, -243, 39),
-    (474.8, -250.2, 30),
-    (454.2, -250.3, 24.5),
-    (432.8, -250.2, 22.9),
-    (420.9, -249.5, 22.5),
-)
 # A wire is so far on from where the open hand would be around it.
 ASLANT_M = 0.016
 # A wire is still that moves no farther in so many steps [m].
@@ -293,6 +256,7 @@ def test_a_wire_is_led_into_its_ducts_over_one_that_lies_there(monkeypatch):
     cell.close()
 
 
+@pytest.mark.slow
 @pytest.mark.physics
 def test_a_wire_that_is_kept_in_its_duct_is_let_go_before_it_is_discarded():
     cell = cell_of()
@@ -353,10 +317,10 @@ def test_a_wire_that_left_its_ducts_when_its_second_end_was_inserted_is_discarde
 
 
 def arched(cell):
-    """Let SHORT stand out of its ducts, fixed at both ends, as after its second insertion."""
+    """Let SHORT stand over the rims from corner to corner, as after its second insertion."""
     holder = cell.contexts[HOLDER]
     picture = before(cell)
-    cell.plant.parked[SHORT] = ParkedWire(1e-3 * np.array(ARCHED_MM), frozenset(WireEnd))
+    cell.plant.parked[SHORT] = shape_of(cell, SHORT, *WireEnd)
     holder.make_live(SHORT)
     moved = math.inf
     while moved > STILL_M:
@@ -416,10 +380,7 @@ def test_a_wire_that_would_be_refused_is_tucked_into_duct_after_duct_and_fixed_i
 
 @pytest.mark.slow
 @pytest.mark.physics
-@pytest.mark.parametrize(("aside", "is_lowered"), [(0.043, True), (0.030, False), (-0.016, False)])
-def test_fingers_go_below_the_rim_only_where_both_are_beside_the_duct(
-    monkeypatch, aside, is_lowered
-):
+def test_fingers_go_below_the_rim_only_where_both_are_beside_the_duct(monkeypatch):
     cell = cell_of()
     holder = arched(cell)
     duct = next(duct for duct in cell.plant.panel.ducts if duct.id == "L")
@@ -428,10 +389,14 @@ def test_fingers_go_below_the_rim_only_where_both_are_beside_the_duct(
     monkeypatch.setattr(
         RobotContext, "close_fingers", lambda context, _: closed_at.append(context.commanded.z)
     )
-    passing = tucking.Passing(aside, duct.height + tucking.GRASPABLE_M)
-    cell.run(tucking._tuck(holder, tucking.Standing(duct, place, passing, 0.0)), HOLDER)
-    over_rim = duct.height + tucking.OVER_RIM_M + holder.fingers.below
-    assert closed_at == [pytest.approx(passing.height if is_lowered else over_rim)]
+    low, over_rim = (
+        duct.height + tucking.GRASPABLE_M,
+        duct.height + tucking.OVER_RIM_M + holder.fingers.below,
+    )
+    for aside in (0.043, 0.030, -0.016):
+        standing = tucking.Standing(duct, place, tucking.Passing(aside, low), 0.0)
+        cell.run(tucking._tuck(holder, standing), HOLDER)
+    assert closed_at == pytest.approx([low, over_rim, over_rim])
     cell.close()
 
 
@@ -526,6 +491,7 @@ def test_a_wire_that_curls_up_is_out_of_its_ducts_along_its_route_not_along_itse
     cell.close()
 
 
+@pytest.mark.slow
 @pytest.mark.physics
 def test_a_wire_that_curls_up_beside_its_duct_where_it_is_seen_in_it_lies_in_its_duct():
     cell = cell_of()
@@ -821,20 +787,13 @@ def test_a_wire_whose_colour_is_not_seen_is_found_by_what_is_new_far_aside():
     cell.close()
 
 
-@pytest.mark.slow
 @pytest.mark.physics
-@pytest.mark.parametrize("seen", [(), ("behind",), ("behind", "beyond")])
-def test_a_wire_that_others_hide_at_its_slot_is_taken(monkeypatch, seen):
+def test_a_wire_that_others_hide_at_its_slot_is_taken(monkeypatch):
     cell = cell_of()
     key, socket = hold_an_end(cell)
     insert(cell, WIRE, WireEnd.A, *key, socket)
     fix(cell, WIRE, *key, pull=5.0)
-    looks = iter(("behind", "here", "beyond"))
-    monkeypatch.setattr(
-        lay_wire_module,
-        "uppermost_past",
-        lambda *place: uppermost_past(*place) if next(looks) in seen else None,
-    )
+    monkeypatch.setattr(lay_wire_module, "uppermost_past", lambda *place: None)
     lay(cell)
     assert truth.share_in_ducts(cell.plant, WIRE) >= 0.8
     cell.close()
@@ -879,6 +838,7 @@ def test_a_steep_wire_is_taken_where_it_is_seen_and_lets_the_pads_close_later(mo
     cell.close()
 
 
+@pytest.mark.slow
 @pytest.mark.physics
 def test_the_board_is_remembered_as_it_was_before_the_wire_was_touched():
     cell = cell_of()

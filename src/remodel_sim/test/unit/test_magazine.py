@@ -112,6 +112,7 @@ def test_cameras_find_both_ends_where_they_are_and_how_high(cabinet):
         assert seen.pitch == pytest.approx(math.asin(out[2]), abs=math.radians(2.0))
 
 
+@pytest.mark.slow
 @pytest.mark.physics
 def test_an_end_goes_from_its_clips_into_its_terminal_and_the_wire_can_be_discarded(cabinet):
     socket = locate(cabinet, "N1", "b1")

@@ -89,6 +89,7 @@ def test_a_hand_goes_around_one_that_holds_a_wire():
     cell.close()
 
 
+@pytest.mark.slow
 @pytest.mark.physics
 @pytest.mark.parametrize("holds_a_wire", [False, True])
 def test_an_empty_hand_turns_faster_than_one_with_a_wire(holds_a_wire):

@@ -7,6 +7,7 @@ from dataclasses import replace
 import place_wire as do
 import pytest
 from formboards import along_clips, duct, formboard
+from stored import put_live
 
 from remodel_sim.abilities.primitives.observation.route_check import check_ducts
 from remodel_sim.cell import Cell
@@ -25,8 +26,7 @@ pytestmark = pytest.mark.physics
 
 def with_b_in_hand(board):
     cell = Cell(board, seed=1)
-    cell.feed("W1", "A")
-    do.connect(cell, "W1", WireEnd.A)
+    put_live(cell, "W1")
     do.do(cell, do.pick_cable, goals.PickGoal(do.ROBOT, "W1", WireEnd.B, 0.0))
     return cell
 

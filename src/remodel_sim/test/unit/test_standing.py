@@ -56,6 +56,7 @@ def test_nothing_stands_out_of_a_plate_as_drawn(cell):
     assert not seen(cell).solids
 
 
+@pytest.mark.slow
 @pytest.mark.physics
 def test_a_hand_travels_over_a_wire_that_stands_out(cell):
     nodes = lay_arch(cell)

@@ -35,6 +35,7 @@ def locate(cell, component):
     return do.do(cell, locate_gearbox_component, goals.LocateGoal(component, terminal))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("name", "panel", "components"),
     [
@@ -69,6 +70,7 @@ def test_openings_are_checked_without_labels(cell):
     assert not do.do(cell, check_connection, goal).connected
 
 
+@pytest.mark.slow
 def test_a_device_that_is_gone_is_reported(cell):
     # The panel is in its place, and the device under it.
     cell.plant.world.bullet.removeBody(cell.plant._scene.body_of("X1"))

@@ -71,6 +71,7 @@ def hang_cross(cell, above, z, arm, width):
     add_static(cell.plant.world.bullet, boxes, Pose.level(x, y, z))
 
 
+@pytest.mark.slow
 def test_each_view_of_a_component_is_taken_from_elsewhere(cell, places):
     usual, other, third, again = (taken(places, lambda v=v: locate(cell, v)) for v in range(4))
     assert len(usual) == len(other) == len(third) == 2
@@ -78,6 +79,7 @@ def test_each_view_of_a_component_is_taken_from_elsewhere(cell, places):
     assert nearest(usual, again) < 1e-3, "three views: the fourth is the first again"
 
 
+@pytest.mark.slow
 def test_a_label_hidden_from_the_usual_places_is_located_from_another_view(cell):
     component = cell.context.panel.component("X1")
     world_from_component = cell.plant.world_from_component("X1")
@@ -100,6 +102,7 @@ def test_a_component_whose_openings_are_tilted_is_reported_and_not_inserted_into
     assert caught.value.code is Code.COMPONENT_DISPLACED
 
 
+@pytest.mark.slow
 def test_each_view_of_a_cable_is_taken_from_elsewhere(cell, places):
     cell.feed("W1", "A")
     assert len(taken(places, lambda: detect(cell, 0))) == 0, "both ends are seen from above"

@@ -41,7 +41,14 @@ def test_every_label_is_found_from_above_to_half_a_millimetre(cell):
 
 
 @pytest.mark.physics
-@pytest.mark.parametrize("colour", WIRE_RGB)
+# The darkest, the commonest and the striped one in each run of the tests.
+@pytest.mark.parametrize(
+    "colour",
+    [
+        pytest.param(name, marks=[] if name in ("BK", "BU", "GNYE") else pytest.mark.slow)
+        for name in WIRE_RGB
+    ],
+)
 def test_both_ends_of_a_wire_of_any_colour_are_found(colour):
     made = Cell(panel(wires=(wire("W1", ("X1", "1"), ("X2", "1"), 0.48, colour=colour),)), seed=3)
     made.feed("W1", "A")
@@ -85,6 +92,7 @@ def test_two_ends_side_by_side_are_ambiguous(cell):
     assert cell.context.belief.ends[WireEnd.A] is EndState.LOOSE
 
 
+@pytest.mark.slow
 @pytest.mark.physics
 def test_an_end_that_a_wire_in_the_air_hides_from_above_is_found_from_aside(cell):
     cell.feed("W1", "A")
