@@ -283,6 +283,21 @@ def test_a_chart_of_a_package_is_written_there_so_that_the_engine_runs_what_was_
     assert not settings.output.exists()
 
 
+def test_a_package_that_will_come_first_on_the_path_is_made(ask, settings, tmp_path):
+    first = package(tmp_path / "src", "first")
+    shutil.copy(settings.chart_folders[0] / "plain.xml", first / "charts")
+    later = {
+        "chart_folders": (first / "charts",),
+        "ros_package_path": f"{first}:{settings.ros_package_path}",
+    }
+    assert ask("plain.xml", **later).written
+    made = {"ros_package_path": f"{settings.output}:{first}:{settings.ros_package_path}"}
+    assert ask("plain.xml", **made).written
+    (settings.output / "package.xml").unlink()
+    code, _text = refusal(ask, "plain.xml", ros_package_path=later["ros_package_path"])
+    assert code is ErrorCode.OUTPUT_FAILED
+
+
 def test_a_behavior_that_the_engine_would_not_run_is_refused(ask, settings, tmp_path):
     first, second = (package(tmp_path / "src", name) for name in ("first", "second"))
     for folder in (second, first):

@@ -52,10 +52,11 @@ def expect_found(name: str, package: OutputPackage, inventory: Inventory) -> Non
         OutputError: if a package before this one has a behavior of this name.
     """
     homes = {behavior.package for behavior in inventory.library.behaviors if behavior.name == name}
+    rank = inventory.rank(package.folder)
     for other in inventory.packages:
         if other.folder.resolve() == package.folder.resolve():
             return
-        if other.name in homes:
+        if other.name in homes and inventory.rank(other.folder) <= rank:
             raise OutputError(
                 f"the engine would not run the behavior '{name}' that is written to "
                 f"{package.folder}: {other.folder} has one of that name, and comes first on the "

@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import os
 import threading
 from dataclasses import dataclass
+from pathlib import Path
 
 from flexbe_synthesizer.core.library.library import Library
 from flexbe_synthesizer.edge.package_path import Package, find_packages, read_library
@@ -19,6 +21,12 @@ class Inventory:
     packages: tuple[Package, ...]
     library: Library
     warnings: tuple[str, ...]
+    path: tuple[Path, ...]
+
+    def rank(self, folder: Path) -> int:
+        """Return the place on the path of the folder of a package, which need not be there yet."""
+        around = (folder.resolve(), *folder.resolve().parents)
+        return next((i for i, entry in enumerate(self.path) if entry in around), len(self.path))
 
 
 _known: dict[str, tuple[Stamps, Inventory]] = {}
@@ -38,7 +46,8 @@ def read_inventory(package_path: str) -> Inventory:
         seen = Stamps()
         packages, path_warnings = find_packages(package_path, seen)
         library, warnings = read_library(packages, seen)
-        found = Inventory(packages, library, (*path_warnings, *warnings))
+        path = tuple(Path(entry).resolve() for entry in package_path.split(os.pathsep) if entry)
+        found = Inventory(packages, library, (*path_warnings, *warnings), path)
         _known.pop(package_path, None)
         _known[package_path] = seen, found
         while len(_known) > _MOST_PATHS:

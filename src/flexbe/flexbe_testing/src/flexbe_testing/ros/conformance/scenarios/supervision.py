@@ -129,9 +129,9 @@ def forced_transition(bench: Bench) -> None:
 
 @scenario("A forced transition for another label is acknowledged with both, and dropped", "2.2")
 def forced_transition_elsewhere(bench: Bench) -> None:
-    """Name the other state, then the path instead of the label."""
+    """Name the other state, by its label and by its path."""
     bench.start_at("/First", CHAIN, 3)
-    for target in ("Second", "/First"):
+    for target in ("Second", "/Second"):
         bench.send(topics.TRANSITION, OutcomeRequest(0, target))
         bench.feedback("transition", target, "First")
     bench.stays("the transition was for another label")
