@@ -78,7 +78,7 @@ physics: build ## Run the physical tests of the cell (BENCH="-k lay_wire", BENCH
 	@$(SOURCED) benchmarks/sim/physics.py $(BENCH)
 
 rostest: $(BUILD) ## Tests of running nodes, each package on a roscore of its own (PACKAGE=remodel_console, TIER=all)
-	@$(SOURCED) ctest --test-dir build --parallel 5 --output-on-failure --no-tests=error \
+	@$(SOURCED) ctest --test-dir build --parallel 4 --output-on-failure --no-tests=error \
 	  $(if $(filter quick,$(TIER)),--label-exclude slow) $(if $(PACKAGE),--tests-regex '^_ctest_$(PACKAGE)_ros')
 
 lint: .venv/.ready xml ## Style, types of the pure cores, and XML

@@ -80,7 +80,7 @@ def test_a_wire_of_each_colour_is_seen_beside_its_fork(cell, wire):
         (touching(1, -1), 0.002, ""),
         (touching(-1, -1), 0.050, ""),
         (touching(1, 1), 0.040, "beside 'F2'"),
-        (touching(-1, 1), 0.002, "beside 'F2'"),
+        (touching(-1, 1), 0.006, "beside 'F2'"),
         (-0.060, 0.025, "beside 'F2'"),
         (0.0, 0.064, "above the posts of 'F2'"),
     ],
