@@ -118,8 +118,14 @@ class StatesTest(unittest.TestCase):
     def test_logs_reach_the_operator(self):
         self.assertEqual(Run(LogState("100% of it")).end(), "done")
         self.assertEqual(Run(LogKeyState("it is {}"), data=[7]).end(), "done")
-        self.assertTrue(wait_until(lambda: len(self.logs) == 2))
-        self.assertEqual([log.text for log in self.logs], ["100% of it", "it is [7]"])
+        texts = ["100% of it", "it is [7]"]
+
+        def heard():
+            """Return these texts in their order; one of the test before may come late."""
+            return [log.text for log in self.logs if log.text in texts]
+
+        wait_until(lambda: heard() == texts)
+        self.assertEqual(heard(), texts)
 
     def test_values_are_published(self):
         for state, message_type, value in (
