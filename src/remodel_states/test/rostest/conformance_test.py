@@ -182,7 +182,7 @@ class Server:
                 self.duration_s = 0.1
             elif self.has("is slow only once"):
                 # By far: later ones have ended before what the kit does after a third of the first.
-                self.duration_s = 1.5 if self.goals == 1 else 0.0
+                self.duration_s = 1.5 if self.goals == 1 else 0.1
             self.working = handle.get_goal_id().id
             self.last_id = goal.id
             threading.Thread(target=self.work, args=[handle], daemon=True).start()
