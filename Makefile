@@ -77,7 +77,7 @@ unit: $(BUILD) ## Tests that need no ROS master (PACKAGE=remodel_sim, TIER=all)
 physics: build ## Run the physical tests of the cell (BENCH="-k lay_wire", BENCH=--disturbed: as other processors, and begun 1e-9 beside)
 	@$(SOURCED) benchmarks/sim/physics.py $(BENCH)
 
-rostest: $(BUILD) ## Tests of running nodes, each package on a roscore of its own (PACKAGE=remodel_console, TIER=all)
+rostest: $(BUILD) ## Tests of running nodes, each file on a roscore of its own (PACKAGE=remodel_console, TIER=all)
 	@$(SOURCED) ctest --test-dir build --parallel 4 --output-on-failure --no-tests=error \
 	  $(if $(filter quick,$(TIER)),--label-exclude slow) $(if $(PACKAGE),--tests-regex '^_ctest_$(PACKAGE)_ros')
 

@@ -94,6 +94,11 @@ NUMBERS = {
             "DEFAULT_PERIOD_S",
         ),
         (
+            "a node warns that simulated time has stopped; wall time",
+            f"{CORE}/ros/clock.py",
+            "STOPPED_S",
+        ),
+        (
             "a node ends when the ROS master does not answer; wall time",
             f"{CORE}/ros/master.py",
             "SILENCE_S",
