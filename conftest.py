@@ -1,9 +1,14 @@
-"""Random input of the tests: fresh in each run, from a seed that is printed and can be given.
+"""What tests of all packages share: fresh random input, and a disk that is full.
+
+Random input comes from a seed that is printed and can be given.
 
 `make test` draws few examples of each kind, `make test-all` many (`--hypothesis-profile=all`).
 `pytest --fresh-seed N` draws those of an earlier run again.
 """
 
+import resource
+from collections.abc import Callable, Iterator
+from contextlib import AbstractContextManager, contextmanager
 from random import SystemRandom
 
 import pytest
@@ -43,3 +48,19 @@ def pytest_terminal_summary(terminalreporter: pytest.TerminalReporter) -> None:
 def fresh_seed(pytestconfig: pytest.Config) -> int:
     """Return the seed of this run's random input; others may be counted from it."""
     return pytestconfig.option.fresh_seed
+
+
+@pytest.fixture
+def full_disk() -> Callable[[], AbstractContextManager[None]]:
+    """Return a context in which no file can grow: to write one fails as it does on a full disk."""
+
+    @contextmanager
+    def full() -> Iterator[None]:
+        soft, hard = resource.getrlimit(resource.RLIMIT_FSIZE)
+        resource.setrlimit(resource.RLIMIT_FSIZE, (0, hard))
+        try:
+            yield
+        finally:
+            resource.setrlimit(resource.RLIMIT_FSIZE, (soft, hard))
+
+    return full

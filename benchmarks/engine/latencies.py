@@ -299,7 +299,8 @@ def engine() -> Iterator[subprocess.Popen[bytes]]:
     node = subprocess.check_output(
         ["catkin_find", "--first-only", "--libexec", "flexbe_onboard", "start_behavior"], text=True
     ).strip()
-    with process(sys.executable, node) as child:
+    # As in behavior_onboard.launch.
+    with process("env", "MALLOC_ARENA_MAX=1", sys.executable, node) as child:
         yield child
 
 

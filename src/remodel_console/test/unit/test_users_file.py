@@ -1,4 +1,4 @@
-"""The file of users and its command, and the kept log; no ROS."""
+"""The file of users and its command; no ROS."""
 
 import io
 import stat
@@ -6,9 +6,7 @@ import stat
 import pytest
 
 from remodel_console.core.access import Account, Role
-from remodel_console.core.run.log_line import LogLine
 from remodel_console.edge import users_file
-from remodel_console.edge.log_file import LogFile
 from remodel_console.edge.users_file import UsersFile, hash_of, read_accounts, write_accounts
 from remodel_console.users_command import main
 
@@ -95,15 +93,3 @@ def test_wrong_passwords_make_the_next_try_wait(tmp_path, monkeypatch):
         now_s[0] += 0.2
     assert known.sign_in("ada", "correct horse")
     assert known.sign_in("ada", "correct horse"), "a right password ends the wait"
-
-
-def test_the_log_survives_a_restart_and_stays_short(tmp_path):
-    file = tmp_path / "log.jsonl"
-    first = LogFile(file)
-    lines = [LogLine(float(n), 0, f"line {n}\nwith more") for n in range(10_500)]
-    for line in lines:
-        first.write(line)
-    with file.open("a") as cut_off:
-        cut_off.write('[1.0, 0, "cut')
-    assert LogFile(file).lines == tuple(lines[-499:])
-    assert len(file.read_text().splitlines()) <= 500

@@ -5,6 +5,7 @@ import shutil
 from contextlib import closing
 from itertools import groupby
 from pathlib import Path
+from types import SimpleNamespace
 
 import pytest
 from openpyxl import Workbook
@@ -21,6 +22,7 @@ from remodel_planner.commands import (
     tasks,
 )
 from remodel_planner.commands.runs import run_order
+from remodel_planner.core.reports.run_report import Report
 from remodel_planning.edge.fault_file import read_faults
 from remodel_planning.edge.use_case_files import use_case_folder
 from remodel_production.edge.database.production_database import ProductionDatabase
@@ -493,6 +495,28 @@ def test_a_workbook_without_ends_is_refused_by_its_name_with_what_is_missing(
 def test_an_unknown_order_is_refused_before_anything_starts(database, capsys):
     assert run_order.main(["nowhere", "--database", database]) == 1
     assert "the database has no order nowhere; it has: none" in capsys.readouterr().err
+
+
+def test_an_order_that_ended_is_reported_though_its_report_cannot_be_written(
+    tmp_path, database, capsys, monkeypatch, full_disk
+):
+    assert import_design.main([str(DESIGN), "--order", "house", "--database", database]) == 0
+    ended = SimpleNamespace(number=7, run=lambda wires, **options: None)
+    order = ProductionDatabase(database).order("house")
+    report = Report(order, (), 1.0, (), ())
+    for name, stands_for in (
+        ("require_master", lambda wait_s: None),
+        ("join_interruptibly", lambda name: None),
+        ("RunFollower", lambda log, order: ended),
+        ("order_report", lambda *_, folder: report),
+    ):
+        monkeypatch.setattr(run_order, name, stands_for)
+    with full_disk():
+        code = run_order.main(["house", "--database", database, "--output", str(tmp_path)])
+    printed = capsys.readouterr()
+    assert code == (0 if report.complete else 1)
+    assert "explanation:" in printed.out
+    assert "run_order: the report cannot be written: [Errno" in printed.err
 
 
 def test_no_wires_is_wrong_usage(database, capsys):

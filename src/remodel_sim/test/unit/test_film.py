@@ -47,3 +47,13 @@ def test_a_folder_that_cannot_be_made_is_reported(tmp_path):
     (tmp_path / "file").touch()
     with pytest.raises(FilmError, match="cannot be written to"):
         Film(tmp_path / "file" / "run")
+
+
+def test_a_full_disk_is_reported(tmp_path, full_disk):
+    film = Film(tmp_path)
+    film.add(grey(100))
+    with full_disk():
+        with pytest.raises(FilmError, match=r"0002\.jpg cannot be written: "):
+            film.add(grey(100))
+        with pytest.raises(FilmError, match=r"strip\.png cannot be written: "):
+            film.close()

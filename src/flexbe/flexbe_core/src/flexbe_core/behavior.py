@@ -136,7 +136,7 @@ class Behavior:
             is_meant = at == path or at.startswith(f"{path}/") or not path
             if is_meant and behavior._has_parameter(key):
                 found = True
-                setattr(behavior, key, _converted(value, getattr(behavior, key), name))
+                behavior._set_typed_attribute(key, value)
         return found
 
     def confirm(self) -> None:
@@ -272,6 +272,9 @@ class Behavior:
         if self._state_machine is None:
             self._state_machine = self.create()
         return self._state_machine
+
+    def _set_typed_attribute(self, name: str, value: object) -> None:
+        setattr(self, name, _converted(value, getattr(self, name), name))
 
     def _has_parameter(self, key: str) -> bool:
         return key in vars(self) and not key.startswith("_") and key not in _NO_PARAMETERS

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import logging
 import threading
 from datetime import UTC, datetime
 from pathlib import Path
@@ -9,6 +10,8 @@ from pathlib import Path
 from remodel_console.core.access import Actor
 from remodel_console.core.answer import CommandResult
 from remodel_console.core.entry import Entry
+
+_LOG = logging.getLogger(__name__)
 
 
 class Journal:
@@ -26,8 +29,12 @@ class Journal:
         path.open("a").close()
 
     def write(self, actor: Actor, answer: CommandResult) -> None:
-        """Record a command and its answer."""
+        """Record a command and its answer; on a full disk, say so: the command is done already."""
         now = datetime.now(UTC).isoformat(timespec="milliseconds")
         line = Entry(now, actor, answer).line()
-        with self._lock, self.path.open("a", encoding="utf-8") as file:
-            file.write(f"{line}\n")
+        try:
+            with self._lock, self.path.open("a", encoding="utf-8") as file:
+                file.write(f"{line}\n")
+        except OSError as error:
+            words = "%s cannot be written, so this is not recorded: %s: %s"
+            _LOG.error(words, self.path, error, line)

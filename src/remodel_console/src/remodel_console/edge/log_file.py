@@ -3,18 +3,24 @@
 from __future__ import annotations
 
 import json
+import logging
 import threading
 from collections import deque
+from collections.abc import Callable
 from pathlib import Path
 
 from remodel_console.core.run.log_line import LogLine
 
 _KEPT = 500  # lines; as many as a page shows
 _LONGEST = 20 * _KEPT  # lines of the file, before it is written again with those kept
+_LOG = logging.getLogger(__name__)
 
 
 class LogFile:
-    """Appends each line to a file; several threads may write."""
+    """Appends each line to a file; several threads may write.
+
+    Where the disk is full, the lines are kept in memory alone, and it says so once.
+    """
 
     def __init__(self, path: Path) -> None:
         """Read the lines that are there, and keep the last ones.
@@ -24,9 +30,12 @@ class LogFile:
         """
         self._path = path
         self._lock = threading.Lock()
+        self._is_written = True
         path.parent.mkdir(parents=True, exist_ok=True)
+        path.open("a").close()
         self._lines = deque(_lines(path), maxlen=_KEPT)
-        self._write_again()
+        self._count = len(self._lines)
+        self._try(self._write_again)
 
     @property
     def lines(self) -> tuple[LogLine, ...]:
@@ -37,12 +46,25 @@ class LogFile:
         """Keep a line."""
         with self._lock:
             self._lines.append(line)
-            if self._count >= _LONGEST:
-                self._write_again()
-                return
-            with self._path.open("a", encoding="utf-8") as file:
-                file.write(_text(line))
-            self._count += 1
+            self._try(self._append, line)
+
+    def _try(self, write: Callable[..., None], *args: LogLine) -> None:
+        try:
+            write(*args)
+        except OSError as error:
+            if self._is_written:
+                _LOG.error("%s cannot be written; lines are lost: %s", self._path, error)
+            self._is_written = False
+        else:
+            self._is_written = True
+
+    def _append(self, line: LogLine) -> None:
+        if self._count >= _LONGEST:
+            self._write_again()
+            return
+        with self._path.open("a", encoding="utf-8") as file:
+            file.write(_text(line))
+        self._count += 1
 
     def _write_again(self) -> None:
         draft = self._path.with_suffix(".new")

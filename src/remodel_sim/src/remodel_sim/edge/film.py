@@ -39,8 +39,7 @@ class Film:
         """Write a picture, (height, width, 3); all of one size; raises FilmError."""
         bgr = cv2.cvtColor(rgb, cv2.COLOR_RGB2BGR)
         file = self._folder / f"{len(self._files) + 1:04d}.jpg"
-        if not cv2.imwrite(str(file), bgr):
-            raise FilmError(f"record: {file} cannot be written; is the disk full?")
+        _write(file, bgr)
         self._files.append(file)
         if self._writer is None:
             height, width = rgb.shape[:2]
@@ -53,7 +52,10 @@ class Film:
         self._writer.write(bgr)
 
     def close(self) -> None:
-        """End the film, and make the strip; without pictures there is neither."""
+        """End the film, and make the strip; without pictures there is neither.
+
+        Raises FilmError when the strip cannot be written.
+        """
         if self._writer is None:
             return
         self._writer.release()
@@ -64,7 +66,16 @@ class Film:
         rows = [
             np.hstack(tiles[i : i + STRIP_COLUMNS]) for i in range(0, len(tiles), STRIP_COLUMNS)
         ]
-        cv2.imwrite(str(self._folder / "strip.png"), np.vstack(rows))
+        _write(self._folder / "strip.png", np.vstack(rows))
+
+
+def _write(file: Path, bgr: Image) -> None:
+    # OpenCV's own writer of PNG says that all is well on a full disk.
+    _, encoded = cv2.imencode(file.suffix, bgr)
+    try:
+        file.write_bytes(encoded.tobytes())
+    except OSError as error:
+        raise FilmError(f"record: {file} cannot be written: {error}") from error
 
 
 def _tile(file: Path) -> Image:

@@ -37,3 +37,10 @@ class Filming:
         except FilmError as error:
             rospy.logerr("%s; no more pictures are taken", error)
             self._stopped = True
+
+    def close(self) -> None:
+        """End the film."""
+        try:
+            self._film.close()
+        except FilmError as error:
+            rospy.logerr("%s", error)

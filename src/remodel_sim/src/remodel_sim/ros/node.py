@@ -94,9 +94,9 @@ def _build(materials: WireMaterials, closing: ExitStack) -> Owner:
         Markers(cell.plant, clock),
     ]
     if record is not None:
-        film = Film(record)
-        closing.callback(film.close)
-        publishers.append(Filming(cell, clock, film, camera))
+        filming = Filming(cell, clock, Film(record), camera)
+        closing.callback(filming.close)
+        publishers.append(filming)
     return Owner(cell, clock, publishers)
 
 

@@ -6,6 +6,7 @@ import threading
 import time
 from collections import deque
 from collections.abc import Callable
+from contextlib import suppress
 from typing import TextIO
 
 import rospy
@@ -108,5 +109,6 @@ class SceneRecorder:
         self._run = None
         if self._file is not None:
             self._scene.add_viewer(-1)
-            self._file.close()
+            with suppress(OSError):  # of a full disk: what is still to be written is lost
+                self._file.close()
             self._file = None

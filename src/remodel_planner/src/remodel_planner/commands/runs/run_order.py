@@ -85,8 +85,11 @@ def main(arguments: list[str] | None = None) -> int:
     finally:
         database.close()
     report = order_report(order, options.wires, follower, state, folder=options.output)
-    page = write_report(report, options.output)
-    print(*summary_lines(report), f"report: {page}", sep="\n")
+    print(*summary_lines(report), sep="\n")
+    try:
+        print(f"report: {write_report(report, options.output)}")
+    except OSError as error:
+        print(f"run_order: the report cannot be written: {error}", file=sys.stderr)
     explanation = (
         f"rosrun remodel_planner planner explain {follower.number} --database {options.database}"
     )

@@ -49,9 +49,16 @@ class CellPictures:
         self._sights = []
 
     def keep(self, run: int, label: str) -> tuple[str, ...]:
-        """Write what abilities saw, and the cell as it is now; return the names of the files."""
+        """Write what abilities saw, and the cell as it is now; return the names of the files.
+
+        Those that cannot be written, since the disk is full, are left out.
+        """
         after = Sight("scene", rospy.get_time(), self._cell.picture("scene"))
-        return keep_pictures(self._runs / str(run), label, (*self._sights, after))
+        try:
+            return keep_pictures(self._runs / str(run), label, (*self._sights, after))
+        except OSError as error:
+            rospy.logwarn("the pictures of %s are not kept: %s", label, error)
+            return ()
 
     def _on_image(self, image: Image, camera: str) -> None:
         self._sights.append(Sight(camera, image.header.stamp.to_sec(), image))
