@@ -136,7 +136,10 @@ class Behavior:
             is_meant = at == path or at.startswith(f"{path}/") or not path
             if is_meant and behavior._has_parameter(key):
                 found = True
-                behavior._set_typed_attribute(key, value)
+                try:
+                    behavior._set_typed_attribute(key, value)
+                except ValueError as error:
+                    raise ValueError(f"parameter {name!r} {error}") from error
         return found
 
     def confirm(self) -> None:
@@ -274,13 +277,13 @@ class Behavior:
         return self._state_machine
 
     def _set_typed_attribute(self, name: str, value: object) -> None:
-        setattr(self, name, _converted(value, getattr(self, name), name))
+        setattr(self, name, _converted(value, getattr(self, name)))
 
     def _has_parameter(self, key: str) -> bool:
         return key in vars(self) and not key.startswith("_") and key not in _NO_PARAMETERS
 
 
-def _converted(value: Any, present: object, name: str) -> object:  # noqa: ANN401 - of a request
+def _converted(value: Any, present: object) -> object:  # noqa: ANN401 - of a request
     """Return the value in the type of the present value, if that is a number, boolean or dict."""
     kind = type(present)
     if isinstance(value, kind) or kind not in (bool, int, float, dict):
@@ -294,9 +297,9 @@ def _converted(value: Any, present: object, name: str) -> object:  # noqa: ANN40
         if isinstance(loaded, dict):
             return loaded
     except (ValueError, TypeError, yaml.YAMLError) as error:
-        raise ValueError(_misfit(name, value, kind)) from error
-    raise ValueError(_misfit(name, value, kind))
+        raise ValueError(_misfit(value, kind)) from error
+    raise ValueError(_misfit(value, kind))
 
 
-def _misfit(name: str, value: object, kind: type) -> str:
-    return f"parameter {name!r} takes a value of type {kind.__name__}, found {value!r}"
+def _misfit(value: object, kind: type) -> str:
+    return f"takes a value of type {kind.__name__}, found {value!r}"

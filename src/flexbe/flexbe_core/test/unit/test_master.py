@@ -9,9 +9,16 @@ from contextlib import contextmanager
 from xmlrpc.server import SimpleXMLRPCServer
 
 import pytest
+import rospy
 
 from flexbe_core.ros import master
-from flexbe_core.ros.master import Identity, MasterWatch, NoMasterError, require_master
+from flexbe_core.ros.master import (
+    Identity,
+    MasterWatch,
+    NoMasterError,
+    report_unknown_host,
+    require_master,
+)
 
 LIMIT_S = 10.0
 
@@ -178,3 +185,16 @@ def test_a_node_ends_by_a_signal_that_another_thread_received(port, monkeypatch)
         limit.cancel()
         signal.signal(signal.SIGUSR1, before)
     assert not overdue.is_set()
+
+
+def test_a_host_name_that_does_not_resolve_is_reported(monkeypatch):
+    reports = []
+    monkeypatch.setattr(rospy, "logwarn", lambda text, *words: reports.append(text % words))
+    monkeypatch.delenv("ROS_IP", raising=False)
+    monkeypatch.setenv("ROS_HOSTNAME", "localhost")
+    report_unknown_host()
+    assert reports == []
+    monkeypatch.setenv("ROS_HOSTNAME", "gone.invalid")
+    report_unknown_host()
+    assert len(reports) == 1
+    assert "gone.invalid, does not resolve" in reports[0]

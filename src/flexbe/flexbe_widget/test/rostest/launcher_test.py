@@ -4,10 +4,12 @@
 import os
 import signal
 import subprocess
+import sys
 import unittest
 from xmlrpc.client import ServerProxy
 
 import rosgraph
+import rospkg
 import rospy
 import rostest
 from flexbe_msgs.msg import BehaviorRequest, BEStatus
@@ -121,6 +123,18 @@ class LauncherTest(unittest.TestCase):
         code, printed = self.launch("-b", "Quick Test", "--wait", "1", "__ns:=nobody")
         self.assertEqual(code, ExitCode.NO_ENGINE)
         self.assertIn("there is no behavior engine", printed)
+
+    def test_an_engine_of_another_version_is_reported(self):
+        other = (
+            "import runpy, sys; from flexbe_msgs.msg import BehaviorSelection; "
+            "BehaviorSelection._md5sum = '0' * 32; del sys.argv[0]; "
+            "runpy.run_path(sys.argv[0], run_name='__main__')"
+        )
+        node = rospkg.RosPack().get_path("flexbe_widget") + "/nodes/be_launcher"
+        words = [sys.executable, "-c", other, node, "-b", "Quick Test", "--wait", "3"]
+        done = subprocess.run(words, stdout=subprocess.PIPE, text=True, timeout=LIMIT_S)
+        self.assertEqual(done.returncode, ExitCode.NO_ENGINE)
+        self.assertIn("the engine does not listen to this node", done.stdout)
 
     def test_no_master_is_reported_and_given_up(self):
         nowhere = "http://localhost:1"

@@ -11,6 +11,7 @@ from __future__ import annotations
 import _thread
 import http.client
 import signal
+import socket
 import threading
 import time
 import xmlrpc.client
@@ -190,7 +191,28 @@ def join(name: str) -> None:
     rospy.init_node(name, disable_signals=True)
     if not is_there:
         _keep_signals()
+    _check_node()
+
+
+def _check_node() -> None:
+    """Have mistakes of the set-up logged that ROS itself does not mention."""
     report_standstill()
+    # On a thread: a name server that does not answer takes many seconds.
+    threading.Thread(target=report_unknown_host, name="host name", daemon=True).start()
+
+
+def report_unknown_host() -> None:
+    """Log a warning if the host name that other nodes use for this one does not resolve."""
+    host = rosgraph.network.get_host_name()
+    try:
+        socket.getaddrinfo(host, None)
+    except OSError as error:
+        rospy.logwarn(
+            "the host name of this node, %s, does not resolve (%s), so that no other node can "
+            "connect to it; set ROS_HOSTNAME or ROS_IP to what others reach",
+            host,
+            error,
+        )
 
 
 def _keep_signals() -> None:
@@ -218,7 +240,7 @@ def join_interruptibly(name: str, anonymous: bool = True) -> None:
     if threading.current_thread() is threading.main_thread():
         signal.signal(signal.SIGTERM, signal.default_int_handler)
     rospy.init_node(name, anonymous=anonymous, disable_signals=True)
-    report_standstill()
+    _check_node()
 
 
 def _wait(is_over: Callable[[], bool]) -> None:

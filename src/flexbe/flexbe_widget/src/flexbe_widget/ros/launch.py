@@ -10,7 +10,7 @@ from collections.abc import Collection
 from flexbe_msgs.msg import BehaviorLog, BehaviorSelection
 
 from flexbe_widget.core.exit_code import ExitCode, exit_code
-from flexbe_widget.core.run_watch import START_LIMIT_S, Ending, RunEnd, RunWatch, is_busy
+from flexbe_widget.core.run_watch import SILENCE_S, START_LIMIT_S, Ending, RunEnd, RunWatch, is_busy
 from flexbe_widget.ros.action_feedback import ActionFeedback, Progressed
 from flexbe_widget.ros.engine_link import EngineLink, Entered, Logged, Status
 
@@ -82,6 +82,11 @@ class Launch:
     def _hindrance(self) -> str:
         """Return why the behavior cannot be started now; empty if it can."""
         status = self._link.last_status
+        if status is not None and not self._link.is_there and self._link.silent_s() <= SILENCE_S:
+            return (
+                "the engine does not listen to this node "
+                "(does each resolve the other's host name, and are both of one version?)"
+            )
         if status is None or not self._link.is_there:
             return (
                 "there is no behavior engine "
