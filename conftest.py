@@ -10,6 +10,7 @@ import resource
 from collections.abc import Callable, Iterator
 from contextlib import AbstractContextManager, contextmanager
 from random import SystemRandom
+from typing import Any
 
 import pytest
 from hypothesis import HealthCheck, settings
@@ -33,9 +34,17 @@ def pytest_addoption(parser: pytest.Parser) -> None:
 @pytest.hookimpl(tryfirst=True)
 def pytest_configure(config: pytest.Config) -> None:
     """Choose the seed, which all workers share, before Hypothesis reads it."""
-    if config.option.fresh_seed is None:
+    if hasattr(config, "workerinput"):
+        config.option.fresh_seed = config.workerinput["fresh_seed"]
+    elif config.option.fresh_seed is None:
         config.option.fresh_seed = SystemRandom().randrange(10**6, 10**9)
     config.option.hypothesis_seed = config.option.fresh_seed
+
+
+@pytest.hookimpl(optionalhook=True)
+def pytest_configure_node(node: Any) -> None:  # noqa: ANN401 - of a plug-in without types
+    """Hand the seed to a worker."""
+    node.workerinput["fresh_seed"] = node.config.option.fresh_seed
 
 
 def pytest_terminal_summary(terminalreporter: pytest.TerminalReporter) -> None:

@@ -131,10 +131,13 @@ class LauncherTest(unittest.TestCase):
             "runpy.run_path(sys.argv[0], run_name='__main__')"
         )
         node = rospkg.RosPack().get_path("flexbe_widget") + "/nodes/be_launcher"
-        words = [sys.executable, "-c", other, node, "-b", "Quick Test", "--wait", "3"]
-        done = subprocess.run(words, stdout=subprocess.PIPE, text=True, timeout=LIMIT_S)
-        self.assertEqual(done.returncode, ExitCode.NO_ENGINE)
-        self.assertIn("the engine does not listen to this node", done.stdout)
+        words = [sys.executable, "-c", other, node, "-b", "Quick Test", "--wait", f"{LIMIT_S}"]
+        launcher = subprocess.Popen(words, stdout=subprocess.PIPE, text=True)
+        while "the engine does not listen to this node" not in launcher.stdout.readline():
+            self.assertIsNone(launcher.poll())
+        launcher.terminate()
+        launcher.communicate(timeout=LIMIT_S)
+        self.assertEqual(launcher.returncode, ExitCode.INTERRUPTED)
 
     def test_no_master_is_reported_and_given_up(self):
         nowhere = "http://localhost:1"
