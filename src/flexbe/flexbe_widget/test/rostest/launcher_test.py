@@ -135,7 +135,7 @@ class LauncherTest(unittest.TestCase):
         launcher = subprocess.Popen(words, stdout=subprocess.PIPE, text=True)
         while "the engine does not listen to this node" not in launcher.stdout.readline():
             self.assertIsNone(launcher.poll())
-        launcher.terminate()
+        launcher.send_signal(signal.SIGINT)
         launcher.communicate(timeout=LIMIT_S)
         self.assertEqual(launcher.returncode, ExitCode.INTERRUPTED)
 
