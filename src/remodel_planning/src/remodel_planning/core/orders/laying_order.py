@@ -103,9 +103,7 @@ class _Loops:
 
     def between(self, low: Array, high: Array) -> Indices:
         """Return the indices of the loops of which x is between two points, or y: of the fewer."""
-        spans = [
-            np.searchsorted(self._sorted[:, axis], (low[axis], high[axis])) for axis in (0, 1)
-        ]
+        spans = [np.searchsorted(self._sorted[:, axis], (low[axis], high[axis])) for axis in (0, 1)]
         (from_x, to_x), (from_y, to_y) = spans
         if to_x - from_x < to_y - from_y:
             return self._order[from_x:to_x, 0]

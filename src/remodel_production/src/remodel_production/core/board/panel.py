@@ -192,6 +192,7 @@ class _Maker:
         board, catalogue = self._board, self._catalogue
         xs, ys = (
             [d.centre[axis] + sign * d.half_extent[axis] for d in board.devices for sign in (-1, 1)]
+            or [0.0]  # of a board without devices
             for axis in (0, 1)
         )
         margin = catalogue.formboard.plate_margin
@@ -257,6 +258,8 @@ class _Maker:
     def _rails(self) -> Iterator[PanelRail]:
         """Yield a rail below each row of devices, all as long as the longest row."""
         rows = {device.centre[1] for device in self._board.devices}
+        if not rows:
+            return
         size = self._catalogue.cabinet.rail
         left = min(d.centre[0] - d.size[0] / 2 for d in self._board.devices)
         right = max(d.centre[0] + d.size[0] / 2 for d in self._board.devices)
