@@ -26,8 +26,8 @@ from remodel_sim.core.geometry import Array
 from remodel_sim.core.vision.wire_ends import find_ends, line_between
 from remodel_sim.core.workpiece.panel import WireEnd
 from remodel_sim.core.workpiece.wire_colours import WIRE_RGB
-from remodel_sim.edge.wire_material_file import read_wire_materials
 from remodel_sim.ros.conversions import read_panel
+from remodel_states.edge.wire_material_file import read_wire_materials
 
 PANEL = Path(__file__).parents[2] / "src" / "remodel_sim" / "config" / "panel.yaml"
 # Of a wire is seen what lies this near to its line [mm].

@@ -33,6 +33,20 @@ def test_every_example_is_recognised_and_accounted_for(file):
     assert account.connections == direct + account.joined + len(account.left_out)
 
 
+def test_the_account_says_which_sections_have_calculated_properties_or_none():
+    gauges = enumerate(("1.5 mm2", "14 AWG", "14 AWG", "0.5", "16"))
+    lines = [f"K1:{n},X1:{n},BK,{gauge}" for n, gauge in gauges]
+    data = "\n".join(["From,To,Colour,Section", *lines]).encode()
+    imported = import_design(data, format_of(data, FORMATS), "x", "x.csv", CATALOGUE)
+    expected = (
+        "1 wire of 0.5 mm2: properties calculated from strands and insulation",
+        "2 wires of 2.08 mm2: properties calculated between H07V-K 1.5 mm2 and H07V-K 2.5 mm2",
+        "1 wire of 16 mm2: no material is known of a wire of 16 mm2; allowed: 0.129 to 10 mm2: add "
+        "it to a file that REMODEL_WIRE_MATERIALS names, or give the wire all its properties",
+    )
+    assert imported.account.assumptions[-3:] == imported.order.notes[-3:] == expected
+
+
 def test_a_design_without_a_title_is_called_by_its_file():
     text = (
         b"connectors: {X: {pincount: 1}}\ncables: {W: {wirecount: 1}}\nconnections: [[X.A, W, X.B]]"

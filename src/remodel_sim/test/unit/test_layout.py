@@ -11,9 +11,9 @@ from remodel_sim.core.errors import PanelError
 from remodel_sim.core.workpiece.layout import find_problems
 from remodel_sim.core.workpiece.panel import Duct, PanelClip
 from remodel_sim.edge.cell_file import read_cell
-from remodel_sim.edge.wire_material_file import read_wire_materials
 from remodel_sim.physics.plant import Plant
 from remodel_sim.ros.conversions import read_panel
+from remodel_states.edge.wire_material_file import read_wire_materials
 
 CLIP = PanelClip(
     id="C1",
@@ -30,12 +30,7 @@ CONFIG = Path(__file__).parents[2] / "config"
 def test_good_panels_have_no_problem():
     assert find_problems(panel()) == ()
     assert find_problems(panel(clips=(CLIP,), ducts=(DUCT,))) == ()
-    assert (
-        find_problems(
-            read_panel(CONFIG / "panel.yaml", read_wire_materials(CONFIG / "wire_materials.yaml"))
-        )
-        == ()
-    )
+    assert find_problems(read_panel(CONFIG / "panel.yaml", read_wire_materials())) == ()
 
 
 def changed(old, **changes):
@@ -98,9 +93,7 @@ def test_each_broken_rule_is_named(broken, words):
 
 
 def household():
-    return read_panel(
-        CONFIG / "household.yaml", read_wire_materials(CONFIG / "wire_materials.yaml")
-    )
+    return read_panel(CONFIG / "household.yaml", read_wire_materials())
 
 
 def board_problems(broken, arms=None, *, has_magazine=True):
