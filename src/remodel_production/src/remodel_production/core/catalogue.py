@@ -200,7 +200,6 @@ class Catalogue:
     placement: tuple[tuple[str, Place], ...]
     colour_names: Mapping[str, str]
     colour_values: Mapping[str, str]
-    colour_codes: frozenset[str]
     default_colour: str
     default_section: float
     materials: WireMaterials
@@ -302,7 +301,6 @@ def catalogue_from(data: Mapping[str, Any], materials: WireMaterials) -> Catalog
         placement=tuple((rule["pattern"], Place(rule["place"])) for rule in data["placement"]),
         colour_names=data["colour_names"],
         colour_values=data["colour_values"],
-        colour_codes=frozenset(data["colour_codes"]),
         default_colour=data["default_colour"],
         default_section=float(data["default_section"]),
         materials=materials,

@@ -27,7 +27,7 @@ from remodel_sim.core.workpiece.panel import (
     WireEnd,
     unit_x,
 )
-from remodel_sim.core.workpiece.wire_colours import WIRE_RGB
+from remodel_states.core.wires.wire_colours import WIRE_RGB, is_colour
 
 # The panel lies flat in front of the arm: the plate's surface is the world's z = 0.
 WORLD_FROM_PANEL = Pose.level(0.50, 0.0, 0.0)
@@ -360,8 +360,11 @@ def _overlaps(panel: Panel) -> Iterator[str]:
 
 def _wire(wire: PanelWire, panel: Panel) -> Iterator[str]:
     name = f"wire {wire.id!r}"
-    if wire.colour not in WIRE_RGB:
-        yield f"{name}: colour {wire.colour!r} is no IEC 60757 code; allowed: {' '.join(WIRE_RGB)}"
+    if not is_colour(wire.colour):
+        yield (
+            f"{name}: colour {wire.colour!r} is not known; allowed: one of these codes, or several "
+            f"one after another: {' '.join(WIRE_RGB)}"
+        )
     yield from within(f"{name}: diameter", wire.diameter, DIAMETER_M)
     yield from within(f"{name}: ferrule_length", wire.ferrule_length, FERRULE_M)
     yield from within(f"{name}: linear_density", wire.linear_density, DENSITY_KG_M, "kg/m")
