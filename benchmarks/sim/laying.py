@@ -33,9 +33,9 @@ from remodel_sim.core import goals
 from remodel_sim.core.errors import AbilityError
 from remodel_sim.core.workpiece.panel import Panel, WireEnd
 from remodel_sim.edge.cell_file import read_cell
-from remodel_sim.edge.wire_material_file import read_wire_materials
 from remodel_sim.physics.truth import ground_truth, share_in_ducts
 from remodel_sim.ros.conversions import read_panel
+from remodel_states.edge.wire_material_file import read_wire_materials
 
 CONFIG = Path(__file__).parents[2] / "src" / "remodel_sim" / "config"
 GUIDE, HOLDER = "robot_1", "robot_2"

@@ -26,9 +26,9 @@ from remodel_sim.core.errors import AbilityError
 from remodel_sim.core.geometry import Pose
 from remodel_sim.core.workpiece.panel import Panel, PanelWire, WireEnd
 from remodel_sim.core.workpiece.routes import world_from_clip
-from remodel_sim.core.workpiece.wire_colours import WIRE_RGB
 from remodel_sim.physics.truth import ground_truth, lies_in
 from remodel_states.core.codes import Code
+from remodel_states.core.wires.wire_colours import DISTINCT_COLOURS
 
 # An end that was picked is off the plate by so much [m].
 LIFTED_M = 0.010
@@ -280,7 +280,7 @@ def connections(cell: Cell, wire: PanelWire) -> Outcome:
     opening.
     """
     random = _random(cell)
-    names = sorted(WIRE_RGB)
+    names = sorted(DISTINCT_COLOURS)
     some = random.choice(names, 2, replace=False)
     wires = tuple(replace(w, colour=str(random.choice(some))) for w in cell.plant.panel.wires)
     cell.load(replace(cell.plant.panel, wires=wires))

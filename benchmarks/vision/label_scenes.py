@@ -23,13 +23,13 @@ from remodel_sim.core.workpiece.component_shape import (
 )
 from remodel_sim.core.workpiece.layout import WORLD_FROM_PANEL
 from remodel_sim.core.workpiece.panel import Component, Panel
-from remodel_sim.core.workpiece.wire_colours import WIRE_RGB
 from remodel_sim.edge.cell_file import read_cell
 from remodel_sim.physics.cameras import NOISE_LEVELS, take
 from remodel_sim.physics.fixtures.panel_scene import PanelScene
 from remodel_sim.physics.static_body import add_static
 from remodel_sim.physics.wires.parked_wire import draw_parked
 from remodel_sim.physics.world import World
+from remodel_states.core.wires.wire_colours import DISTINCT_COLOURS
 
 # Changes of pose: along the plate [m], about its normal [rad]; off it [m], and tilted [rad].
 SHIFT_M, TURN_RAD = 0.010, math.radians(8.0)
@@ -152,7 +152,7 @@ class LabelScene:
         way = self._random.uniform(0, math.pi)
         along = np.linspace(-0.08, 0.08, 9)[:, None] * [math.cos(way), math.sin(way), 0.0]
         nodes = middle + along + [0.0, 0.0, self._random.uniform(*WIRE_Z_M)]
-        colour = str(self._random.choice(sorted(WIRE_RGB)))
+        colour = str(self._random.choice(sorted(DISTINCT_COLOURS)))
         draw_parked(self._world, nodes, replace(panel.wires[0], colour=colour))
 
     def _tape(self, part: Component) -> None:

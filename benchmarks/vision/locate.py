@@ -31,9 +31,9 @@ from remodel_sim.core.vision.label_pose import LabelView, locate_component
 from remodel_sim.core.vision.labels import find_labels, search_label
 from remodel_sim.core.workpiece.layout import WORLD_FROM_PANEL
 from remodel_sim.core.workpiece.panel import Component
-from remodel_sim.edge.wire_material_file import read_wire_materials
 from remodel_sim.physics.world import World
 from remodel_sim.ros.conversions import read_panel
+from remodel_states.edge.wire_material_file import read_wire_materials
 
 PANEL = Path(__file__).parents[2] / "src" / "remodel_sim" / "config" / "panel.yaml"
 # Places of the hand's camera over the label and beside it [m], in the order of their trial.

@@ -25,9 +25,9 @@ from remodel_sim.cell import Cell
 from remodel_sim.core.geometry import Array
 from remodel_sim.core.vision.wire_ends import find_ends, line_between
 from remodel_sim.core.workpiece.panel import WireEnd
-from remodel_sim.core.workpiece.wire_colours import WIRE_RGB
-from remodel_sim.edge.wire_material_file import read_wire_materials
 from remodel_sim.ros.conversions import read_panel
+from remodel_states.core.wires.wire_colours import DISTINCT_COLOURS
+from remodel_states.edge.wire_material_file import read_wire_materials
 
 PANEL = Path(__file__).parents[2] / "src" / "remodel_sim" / "config" / "panel.yaml"
 # Of a wire is seen what lies this near to its line [mm].
@@ -131,7 +131,7 @@ def main() -> None:
     parser.add_argument("--processes", type=int, default=2)
     options = parser.parse_args()
     first, _, last = options.seeds.partition("-")
-    colours = options.colours.split(",") if options.colours else list(WIRE_RGB)
+    colours = options.colours.split(",") if options.colours else list(DISTINCT_COLOURS)
     tasks = [(c, s) for c in colours for s in range(int(first), int(last or first) + 1)]
     with multiprocessing.get_context("spawn").Pool(options.processes) as pool:
         answers = pool.map(run, tasks, chunksize=1)

@@ -30,8 +30,8 @@ from remodel_sim.core.belief.placed_wires import ParkedWire, PlacedWires
 from remodel_sim.core.workpiece.layout import WORLD_FROM_PANEL
 from remodel_sim.core.workpiece.panel import WireEnd
 from remodel_sim.edge.cell_memory import CellMemory
-from remodel_sim.edge.wire_material_file import read_wire_materials
 from remodel_sim.ros.conversions import panel_from
+from remodel_states.edge.wire_material_file import read_wire_materials
 from remodel_supervision.ros.peers.board_message import board_message
 
 MEMORY = Path(sys.argv[1])

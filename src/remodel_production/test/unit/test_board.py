@@ -243,7 +243,7 @@ def test_a_cabinet_is_drawn_to_scale():
     }
     device = next(d for d in board.devices if d.component.name == "Q1")
     scale = sizes[f"Q1 {device.component.kind}"] / device.size[0]
-    thick, thin = (CATALOGUE.wires[section].diameter_m + 0.0008 for section in (10.0, 2.5))
+    thick, thin = (CATALOGUE.material(section).diameter + 0.0008 for section in (10.0, 2.5))
     assert sizes["Q1:T1.1"] == pytest.approx(thick * scale, abs=0.1)
     assert sizes["Q1:B1.1"] == pytest.approx(thin * scale, abs=0.1)
     lines = svg.findall("s:line", space)

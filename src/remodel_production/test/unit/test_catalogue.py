@@ -43,11 +43,13 @@ def test_without_a_pattern_an_element_is_mounted_on_the_plate():
             "placement[0].place: found 'moon'; allowed: plate, field, reference, drawing",
         ),
         (
-            data(wires={1.5: {"diameter": 0.003}}),
-            "wires.1.5: found diameter; missing: density, stiffness, ferrule, pitch, chamfer, "
-            "retention",
+            data(clamps={**data()["clamps"], "sections": {1.5: {"pitch": 0.008}}}),
+            "clamps.sections.1.5: found pitch; missing: chamfer, retention",
         ),
-        (data(wires={"thick": {}}), "wires: found 'thick'; allowed: a value of type number"),
+        (
+            data(clamps={**data()["clamps"], "sections": {"thick": {}}}),
+            "clamps.sections: found 'thick'; allowed: a value of type number",
+        ),
         (data(devices=[]), "devices: no row with part '*' and kind '*' for role device"),
         (
             data(cabinet={**data()["cabinet"], "rail": {"width": 0}}),
@@ -74,3 +76,9 @@ def test_a_file_that_is_no_yaml_is_refused(tmp_path):
     file.write_text("a: [")
     with pytest.raises(CatalogueError, match=r"catalogue\.yaml"):
         read_catalogue(file)
+
+
+def test_a_users_wire_materials_that_cannot_be_read_are_refused(tmp_path, monkeypatch):
+    monkeypatch.setenv("REMODEL_WIRE_MATERIALS", str(tmp_path / "own.yaml"))
+    with pytest.raises(CatalogueError, match=r"own\.yaml"):
+        read_catalogue(FILE)

@@ -10,9 +10,11 @@ from remodel_production.core.imports.shared.assembly import Connection, Device, 
 from remodel_production.core.imports.shared.colours import colour_code
 from remodel_production.core.imports.shared.units import awg_mm2, length_m, number, section_mm2
 from remodel_production.core.imports.wire_lists.mapping import mapping_from
+from remodel_production.core.imports.wireviz_colours import COLOUR_CODES, core_colours
 from remodel_production.core.production import Side, TerminalRef
 from remodel_production.edge.catalogue_file import read_catalogue
 from remodel_production.errors import DesignError
+from remodel_states.core.wires.wire_colours import is_colour
 
 CONFIG = Path(__file__).parents[2] / "config"
 CATALOGUE = read_catalogue(CONFIG / "catalogue.yaml")
@@ -31,6 +33,20 @@ def test_every_example_is_recognised_and_accounted_for(file):
     account = imported.account
     direct = len(imported.order.wires) - account.wires_joined
     assert account.connections == direct + account.joined + len(account.left_out)
+
+
+def test_the_account_says_which_sections_have_calculated_properties_or_none():
+    gauges = enumerate(("1.5 mm2", "14 AWG", "14 AWG", "0.5", "16"))
+    lines = [f"K1:{n},X1:{n},BK,{gauge}" for n, gauge in gauges]
+    data = "\n".join(["From,To,Colour,Section", *lines]).encode()
+    imported = import_design(data, format_of(data, FORMATS), "x", "x.csv", CATALOGUE)
+    expected = (
+        "1 wire of 0.5 mm2: properties calculated from strands and insulation",
+        "2 wires of 2.08 mm2: properties calculated between H07V-K 1.5 mm2 and H07V-K 2.5 mm2",
+        "1 wire of 16 mm2: no material is known of a wire of 16 mm2; allowed: 0.129 to 10 mm2: add "
+        "it to a file that REMODEL_WIRE_MATERIALS names, or give the wire all its properties",
+    )
+    assert imported.account.assumptions[-3:] == imported.order.notes[-3:] == expected
 
 
 def test_a_design_without_a_title_is_called_by_its_file():
@@ -132,11 +148,35 @@ def test_lengths(text, unit, value):
             ("green-yellow", "GNYE"),
         ),
         *(("sw/vi", "BKVT"), ("rtge", "RDYE"), ("RD/WH/BU", "RDWHBU"), ("GRN/YEL_12AWG", "GNYE")),
-        *(("plaid", None), ("bu plaid", None), ("", None), ("#123456", None)),
+        # Two colours without a sign, both orders of green and yellow, all codes of IEC 60757.
+        *(("WHBU", "WHBU"), ("BURD", "BURD"), ("BUWH", "BUWH"), ("YEGN", "GNYE"), ("GEGN", "GNYE")),
+        *((code, code) for code in ("BK", "BN", "RD", "OG", "YE", "GN", "BU")),
+        *((code, code) for code in ("VT", "GY", "WH", "PK", "GD", "TQ", "SR")),
+        # As North American lists, EPLAN's projects and Komax's machines have them.
+        *(("WHT/BLU", "WHBU"), ("WHTBLU", "WHBU"), ("BLK", "BK"), ("RED", "RD"), ("ORN", "OG")),
+        *(("GRN-YEL", "GNYE"), ("G/Y", "GNYE"), ("W/R", "WHRD"), ("BLU W/ WHT STRIPE", "BUWH")),
+        *(("SW", "BK"), ("RT", "RD"), ("GNGE", "GNYE"), ("gn/ge", "GNYE"), ("WSBL", "WHBU")),
+        *(("gelbgrün", "GNYE"), ("Yellow w/ Red", "YERD"), ("weiß-blau", "WHBU"), ("vj", "GNYE")),
+        *(("DB", "DB"), ("DBU", "DB"), ("dark blue", "DB"), ("DBUWH", "DBWH"), ("LB", "LB")),
+        *(("dark blue/white", "DBWH"), ("BKBK", "BK"), ("TAN", "BN"), ("WH (BU)", "WHBU")),
+        *(("plaid", None), ("bu plaid", None), ("", None), ("#123456", None), ("XX", None)),
+        *(("BKXX", None), ("BKRDBUGN", None), ("B", None)),
     ],
 )
 def test_colours(text, code):
     assert colour_code(text, CATALOGUE) == code
+
+
+def test_every_name_and_value_of_a_colour_in_the_catalogue_has_a_code_that_wires_have():
+    for names in (CATALOGUE.colour_names, CATALOGUE.colour_values):
+        assert [name for name, code in names.items() if not is_colour(code)] == []
+        assert [name for name in names if name != name.lower()] == []
+    assert is_colour(CATALOGUE.default_colour)
+
+
+def test_every_core_of_a_coloured_cable_has_a_colour_that_wires_have():
+    for code in COLOUR_CODES:
+        assert all(colour_code(core, CATALOGUE) for core in core_colours(code, 70))
 
 
 def connection(a, b, name=""):

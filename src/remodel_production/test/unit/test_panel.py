@@ -1,6 +1,7 @@
 """The panel of a board: its third dimension, and everything in the frame of the plate."""
 
 import math
+from dataclasses import replace
 from itertools import pairwise
 from pathlib import Path
 
@@ -12,6 +13,7 @@ from remodel_production.core.imports.kbl import import_kbl
 from remodel_production.core.imports.qet import import_qet
 from remodel_production.core.production import Role
 from remodel_production.edge.catalogue_file import read_catalogue
+from remodel_states.edge.wire_material_file import read_wire_materials
 
 CATALOGUE = read_catalogue(Path(__file__).parents[2] / "config" / "catalogue.yaml")
 HOUSEHOLD = Path("/usr/share/qelectrotech/examples/tableau_domestique.qet")
@@ -77,9 +79,9 @@ def test_openings_are_on_the_faces_towards_the_ducts_and_fit_their_wires(panel):
             side = 1 if opening.insertion_yaw else -1
             assert opening.place[0] == pytest.approx(side * device.size[0] / 2)
             assert spot(device, opening) == point
-            assert opening.bore == pytest.approx(wire.type.diameter_m + 0.0008)
-            assert opening.depth > wire.type.ferrule_m
-            assert opening.retention == wire.type.retention_n
+            assert opening.bore == pytest.approx(wire.material.diameter + 0.0008)
+            assert opening.depth > wire.material.ferrule_length
+            assert opening.retention == CATALOGUE.clamp(wire.section_mm2).retention_n
             assert opening.screw[2] == device.size[2] == 0.045
             assert opening.place[2] == 0.023
             assert abs(opening.screw[0]) < abs(opening.place[0])
@@ -103,8 +105,8 @@ def test_thick_wires_have_clamps_a_module_apart(panel):
     main_switch = next(device for device in panel.devices if device.name == "HDA245S")
     left, right = (opening.place[1] for opening in main_switch.openings)
     assert left - right == pytest.approx(0.018)
-    assert CATALOGUE.clamp_pitch(3.0) == CATALOGUE.wires[4.0].pitch_m
-    assert CATALOGUE.clamp_pitch(95.0) == CATALOGUE.wires[10.0].pitch_m
+    assert CATALOGUE.clamp(3.0) == CATALOGUE.clamp(4.0)
+    assert CATALOGUE.clamp(95.0) == CATALOGUE.clamp(10.0) != CATALOGUE.clamp(4.0)
 
 
 def test_ducts_that_meet_reach_to_the_far_wall_of_each_other(panel):
@@ -130,7 +132,7 @@ def test_a_route_runs_in_the_middle_of_its_ducts(panel):
 
 
 def test_slots_let_the_thickest_wire_through(panel):
-    assert max(w.type.diameter_m for w in panel.wires) < min(d.slot_width for d in panel.ducts)
+    assert max(w.material.diameter for w in panel.wires) < min(d.slot_width for d in panel.ducts)
 
 
 def test_each_device_has_a_label_of_its_own_that_fits_on_it(panel):
@@ -158,17 +160,29 @@ def test_a_formboard_has_clips_for_single_wires_and_forks_for_bundles():
         assert all(fork.name in forks[name] for name in passing[fork.name])
 
 
-def test_a_wire_of_a_section_that_the_catalogue_lacks_leaves_its_clamps_open():
+def test_a_wire_of_a_section_beyond_all_materials_leaves_its_clamps_open():
+    text = (Path(__file__).parent / "designs" / "loom.kbl").read_bytes()
+    order = import_kbl(text, "loom", "loom.kbl", CATALOGUE).order
+    thick = replace(order.wires[0], section_mm2=16.0)
+    panel = panel_of(
+        board_of(replace(order, wires=(thick, *order.wires[1:])), CATALOGUE), CATALOGUE
+    )
+    openings = {(d.name, o.name): o for d in panel.devices for o in d.openings}
+    for wire in panel.wires:
+        is_thick = wire.name == thick.name
+        assert (wire.material is None) == is_thick
+        bore = openings[wire.a.component, wire.a.terminal].bore
+        assert (bore == 0.0) == is_thick
+
+
+def test_a_wire_between_two_sections_has_the_material_that_the_cell_knows():
     text = (Path(__file__).parent / "designs" / "loom.kbl").read_bytes()
     panel = panel_of(
         board_of(import_kbl(text, "loom", "loom.kbl", CATALOGUE).order, CATALOGUE), CATALOGUE
     )
-    unknown = [wire for wire in panel.wires if wire.section_mm2 not in CATALOGUE.wires]
-    openings = {(d.name, o.name): o for d in panel.devices for o in d.openings}
-    assert unknown
-    for wire in unknown:
-        assert wire.type is None
-        assert openings[wire.a.component, wire.a.terminal].bore == 0.0
+    between = [wire for wire in panel.wires if wire.section_mm2 == 0.35]
+    assert between
+    assert all(w.material == read_wire_materials().find("", 0.35) for w in between)
 
 
 def test_classes_of_devices_are_found_by_part_and_kind():

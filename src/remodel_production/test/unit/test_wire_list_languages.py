@@ -43,7 +43,7 @@ LISTS = {
         "2;-Q1;4;-K3;A2;1,5;dunkelblau;435;AEH 1,5/8;\n",
         [
             ("W1", "-Q1:2", "-K3:A1", "BU", 1.5, 0.42),
-            ("W2", "-Q1:4", "-K3:A2", "BU", 1.5, 0.435),
+            ("W2", "-Q1:4", "-K3:A2", "DB", 1.5, 0.435),
         ],
         ["lfd. Nr.", "Aderendhülse Start", "Aderendhülse Ziel"],
     ),
@@ -53,8 +53,8 @@ LISTS = {
         "24V;-F1;1;-X1;1;0,75 qmm;dunkelblau;0,45\n"
         "24V;-X1;2;-K1;A1;0,75 qmm;dunkelblau;0,62\n",
         [
-            ("24V", "-F1:1", "-X1:1", "BU", 0.75, 0.45),
-            ("24V#2", "-X1:2", "-K1:A1", "BU", 0.75, 0.62),
+            ("24V", "-F1:1", "-X1:1", "DB", 0.75, 0.45),
+            ("24V#2", "-X1:2", "-K1:A1", "DB", 0.75, 0.62),
         ],
         [],
     ),
@@ -164,7 +164,7 @@ LISTS = {
         "W2;J1;2;J2;2;0,75;giallo/verde;32\n",
         [
             ("W1", "J1:1", "J2:1", "RD", 0.75, 0.32),
-            ("W2", "J1:2", "J2:2", "YEGN", 0.75, 0.32),
+            ("W2", "J1:2", "J2:2", "GNYE", 0.75, 0.32),
         ],
         [],
     ),
@@ -265,10 +265,11 @@ def test_a_list_is_read_and_no_column_is_lost_without_a_word(name):
 @pytest.mark.parametrize(
     ("text", "code"),
     [
-        ("dunkelblau", "BU"),
+        ("dunkelrot", "RD"),
         ("light blue", "BU"),
         ("bleu clair", "BU"),
-        ("Yellow w/ Red", "YERD"),
+        ("white/light blue", "WHBU"),
+        ("#1010ff", "BU"),
         ("gris claro", "GY"),
     ],
 )
@@ -277,4 +278,7 @@ def test_a_shade_of_a_colour_is_reported(text, code):
     assert imported.order.wires[0].colour == code
     assert f"line 2: colour {text!r} read as {code}" in imported.account.assumptions
     unknown = read("From,To,Colour\nA:1,B:1,light ochre\n")
-    assert "line 2: colour 'light ochre', BK taken" in unknown.account.assumptions
+    assert unknown.account.unknown_colours == (
+        "line 2: colour 'light ochre' is no known colour, BK taken",
+    )
+    assert not imported.account.unknown_colours

@@ -9,9 +9,9 @@ from panels import wire
 
 from remodel_sim.core.workpiece.panel import WireEnd
 from remodel_sim.core.workpiece.wire_mechanics import Piece, chain, discretise
-from remodel_sim.edge.wire_material_file import read_wire_materials
 from remodel_sim.physics.wires.cable import SimulatedWire
 from remodel_sim.physics.world import GRAVITY, World
+from remodel_states.edge.wire_material_file import read_wire_materials
 
 LENGTH = 0.30
 STIFFNESS = 1e-3

@@ -7,12 +7,15 @@ import rods
 from elastica import buckled_tip_angle, cantilever_drop
 from panels import wire
 
+from remodel_sim.core.vision.colour import wire_likelihood
 from remodel_sim.core.workpiece.panel import WireEnd
+from remodel_sim.core.workpiece.wire_colours import FERRULE_RGB
 from remodel_sim.core.workpiece.wire_mechanics import MAX_LINKS, discretise
 from remodel_sim.physics.fixtures.panel_scene import add_plate_surface
-from remodel_sim.physics.wires.cable import SimulatedWire
+from remodel_sim.physics.wires.cable import SimulatedWire, link_colours
 from remodel_sim.physics.wires.parked_wire import add_solid, draw_parked
 from remodel_sim.physics.world import World
+from remodel_states.core.wires.wire_colours import rgbs_of
 
 
 def ordered(length, **changes):
@@ -183,20 +186,34 @@ def test_a_parked_wire_has_no_contacts_with_what_does_not_move():
     world.close()
 
 
-def test_a_parked_wire_that_is_solid_has_the_colour_of_the_wire():
-    def seen(*additions):
-        world = World(240)
-        bullet = world.bullet
-        line = np.linspace(-0.1, 0.1, 20)[:, None] * np.array([0.0, 1.0, 0.0])
-        for add in additions:
-            add(world, line, ordered(0.2, colour="BU"))
-        view = bullet.computeViewMatrix([0.0, 0.0, 0.2], [0.0, 0.0, 0.0], [0.0, 1.0, 0.0])
-        lens = bullet.computeProjectionMatrixFOV(60.0, 1.0, 0.01, 1.0)
-        renderer = bullet.ER_TINY_RENDERER
-        _, _, rgba, _, _ = bullet.getCameraImage(200, 200, view, lens, renderer=renderer)
-        world.close()
-        return np.reshape(rgba, (200, 200, 4))[:, :, :3].astype(float)
+def picture_of_parked(*additions, colour="BU"):
+    """Return the picture (200, 200, 3) [0 to 255] of a wire that functions add to a world."""
+    world = World(240)
+    bullet = world.bullet
+    line = np.linspace(-0.1, 0.1, 20)[:, None] * np.array([0.0, 1.0, 0.0])
+    for add in additions:
+        add(world, line, ordered(0.2, colour=colour))
+    view = bullet.computeViewMatrix([0.0, 0.0, 0.2], [0.0, 0.0, 0.0], [0.0, 1.0, 0.0])
+    lens = bullet.computeProjectionMatrixFOV(60.0, 1.0, 0.01, 1.0)
+    renderer = bullet.ER_TINY_RENDERER
+    _, _, rgba, _, _ = bullet.getCameraImage(200, 200, view, lens, renderer=renderer)
+    world.close()
+    return np.reshape(rgba, (200, 200, 4))[:, :, :3].astype(float)
 
-    drawn = seen(draw_parked)
+
+def test_a_parked_wire_that_is_solid_has_the_colour_of_the_wire():
+    drawn = picture_of_parked(draw_parked)
     assert np.ptp(drawn) > 100, "the wire is in view"
-    assert np.abs(seen(draw_parked, add_solid) - drawn).max() < 10
+    assert np.abs(picture_of_parked(draw_parked, add_solid) - drawn).max() < 10
+
+
+def test_a_wire_of_two_colours_has_both_in_turn_loose_and_parked_alike():
+    white, blue = rgbs_of("WHBU")
+    assert link_colours("WHBU", 6) == [FERRULE_RGB, white, blue, white, blue, FERRULE_RGB]
+    picture = picture_of_parked(draw_parked, colour="BURD").astype(np.uint8)
+    pixels = {
+        colour: np.count_nonzero(wire_likelihood(picture, colour) > 0.5)
+        for colour in ("BU", "RD", "BURD")
+    }
+    assert min(pixels["BU"], pixels["RD"]) > 0.3 * pixels["BURD"] > 50
+    assert pixels["BURD"] == pytest.approx(pixels["BU"] + pixels["RD"], rel=0.1)

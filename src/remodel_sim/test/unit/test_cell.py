@@ -15,10 +15,10 @@ from remodel_sim.cell import Cell
 from remodel_sim.core.errors import AbilityError
 from remodel_sim.core.geometry import Pose
 from remodel_sim.core.workpiece.panel import Channel, WireEnd
-from remodel_sim.edge.wire_material_file import read_wire_materials
 from remodel_sim.physics.truth import ground_truth
 from remodel_sim.ros.conversions import read_panel
 from remodel_states.core.codes import Code
+from remodel_states.edge.wire_material_file import read_wire_materials
 
 pytestmark = pytest.mark.physics
 
@@ -184,7 +184,7 @@ def test_no_piece_is_fed_beside_another_one_of_the_same_wire(cell):
 
 @pytest.mark.slow
 def test_a_wire_is_placed_over_one_that_lies_in_its_channel():
-    example = read_panel(CONFIG / "panel.yaml", read_wire_materials(CONFIG / "wire_materials.yaml"))
+    example = read_panel(CONFIG / "panel.yaml", read_wire_materials())
     cell = Cell(example, seed=1)
     do.place(cell, "W1")
     do.place(cell, "W2")

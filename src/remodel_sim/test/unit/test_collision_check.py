@@ -28,10 +28,10 @@ from remodel_sim.core.workpiece.obstacles import (
 )
 from remodel_sim.core.workpiece.panel import Duct, Rail, WireEnd
 from remodel_sim.edge.cell_file import read_cell
-from remodel_sim.edge.wire_material_file import read_wire_materials
 from remodel_sim.physics.collision_check import CollisionCheck, HeldTip
 from remodel_sim.ros.conversions import read_panel
 from remodel_states.core.codes import Code
+from remodel_states.edge.wire_material_file import read_wire_materials
 
 DESIGN = read_cell("cabinet")
 (ROBOT,) = DESIGN.robots

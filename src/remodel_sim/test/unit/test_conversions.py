@@ -5,8 +5,8 @@ from remodel_msgs.msg import Component, Duct, Rail, Terminal, Wire
 from remodel_msgs.msg import Panel as PanelMsg
 
 from remodel_sim.core.workpiece import panel as values
-from remodel_sim.core.workpiece.wire_materials import PROPERTIES, WireMaterials
 from remodel_sim.ros.conversions import panel_from
+from remodel_states.core.wires.wire_materials import PROPERTIES, WireMaterials
 
 MATERIAL = dict.fromkeys(PROPERTIES, 0.5)
 

@@ -16,11 +16,11 @@ from remodel_sim.abilities.primitives.pushing import BENDS_N, FEEL_N, FEELS_M
 from remodel_sim.cell import Cell
 from remodel_sim.core.errors import AbilityError
 from remodel_sim.core.workpiece.panel import WireEnd
-from remodel_sim.edge.wire_material_file import read_wire_materials
 from remodel_sim.physics import plant
 from remodel_sim.physics.truth import ground_truth
 from remodel_sim.ros.conversions import read_panel
 from remodel_states.core.codes import Code
+from remodel_states.edge.wire_material_file import read_wire_materials
 
 pytestmark = pytest.mark.physics
 
@@ -95,7 +95,7 @@ def test_a_blocked_opening_is_pressed_no_harder_than_allowed(cell_of, pushes, li
 def test_an_end_that_slides_in_the_grip_at_an_obstacle_is_not_reported_at_the_bottom(
     name, seed, rate_hz, limit
 ):
-    example = read_panel(CONFIG / "panel.yaml", read_wire_materials(CONFIG / "wire_materials.yaml"))
+    example = read_panel(CONFIG / "panel.yaml", read_wire_materials())
     cell = Cell(example, seed=seed, rate_hz=rate_hz)
     wire = example.wire(name)
     cell.plant.block_socket(*wire.goes_to(WireEnd.A))

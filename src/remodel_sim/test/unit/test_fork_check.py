@@ -15,15 +15,15 @@ from remodel_sim.core.workpiece.fixtures import WALL_M
 from remodel_sim.core.workpiece.layout import WORLD_FROM_PANEL
 from remodel_sim.core.workpiece.panel import WireEnd
 from remodel_sim.edge.cell_file import read_cell
-from remodel_sim.edge.wire_material_file import read_wire_materials
 from remodel_sim.physics.truth import share_in_ducts
 from remodel_sim.ros.conversions import read_panel
 from remodel_states.core.codes import Code
+from remodel_states.edge.wire_material_file import read_wire_materials
 
 pytestmark = pytest.mark.physics
 
 CONFIG = Path(__file__).parents[2] / "config"
-HARNESS = read_panel(CONFIG / "harness.yaml", read_wire_materials(CONFIG / "wire_materials.yaml"))
+HARNESS = read_panel(CONFIG / "harness.yaml", read_wire_materials())
 FORK = HARNESS.ducts[1]  # F2, the one in the middle
 OTHER = "W1.5"  # black: in the shadow each colour comes near to it
 

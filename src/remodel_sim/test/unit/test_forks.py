@@ -21,14 +21,14 @@ from remodel_sim.core.geometry import Pose
 from remodel_sim.core.workpiece.layout import WORLD_FROM_PANEL, find_problems
 from remodel_sim.core.workpiece.panel import WireEnd
 from remodel_sim.edge.cell_file import read_cell
-from remodel_sim.edge.wire_material_file import read_wire_materials
 from remodel_sim.physics.truth import share_in_ducts
 from remodel_sim.ros.conversions import read_panel
 from remodel_states.core.codes import Code
+from remodel_states.edge.wire_material_file import read_wire_materials
 
 CONFIG = Path(__file__).parents[2] / "config"
 DESIGN = read_cell("two_arms_formboard")
-HARNESS = read_panel(CONFIG / "harness.yaml", read_wire_materials(CONFIG / "wire_materials.yaml"))
+HARNESS = read_panel(CONFIG / "harness.yaml", read_wire_materials())
 WIRE = "W1.4"
 HOLDER = "robot_2"
 # How far the other end's insertion may pull an end back, and how far it may not [m]; in how many

@@ -14,9 +14,9 @@ from remodel_sim.cell import Cell
 from remodel_sim.core import goals
 from remodel_sim.core.workpiece.panel import WireEnd
 from remodel_sim.edge.cell_file import read_cell
-from remodel_sim.edge.wire_material_file import read_wire_materials
 from remodel_sim.physics.truth import ground_truth
 from remodel_sim.ros.conversions import read_panel
+from remodel_states.edge.wire_material_file import read_wire_materials
 
 pytestmark = pytest.mark.physics
 
@@ -28,9 +28,7 @@ class Held:
     """A cell whose second robot holds an end, `above` [m] where it takes the tip to be."""
 
     def __init__(self, wire, end, above):
-        panel = read_panel(
-            CONFIG / "household.yaml", read_wire_materials(CONFIG / "wire_materials.yaml")
-        )
+        panel = read_panel(CONFIG / "household.yaml", read_wire_materials())
         self.cell = cell = Cell(panel, design=read_cell("two_arms_cabinet"), seed=1)
         self.holder, self.wire, self.end = cell.contexts[HOLDER], wire, end
         cell.feed(wire, "")

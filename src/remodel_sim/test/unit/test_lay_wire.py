@@ -50,11 +50,11 @@ from remodel_sim.core.vision.wire_lines import WireLines
 from remodel_sim.core.workpiece.layout import WORLD_FROM_PANEL
 from remodel_sim.core.workpiece.panel import WireEnd
 from remodel_sim.edge.cell_file import read_cell
-from remodel_sim.edge.wire_material_file import read_wire_materials
 from remodel_sim.physics import truth
 from remodel_sim.physics.wires.parked_wire import draw_parked
 from remodel_sim.ros.conversions import read_panel
 from remodel_states.core.codes import Code
+from remodel_states.edge.wire_material_file import read_wire_materials
 from remodel_states.fix_cable_state import FixCableState
 
 CONFIG = Path(__file__).parents[2] / "config"
@@ -113,9 +113,7 @@ LEVEL_N = 0.3
 
 
 def cell_of(design=DESIGN):
-    panel = read_panel(
-        CONFIG / "household.yaml", read_wire_materials(CONFIG / "wire_materials.yaml")
-    )
+    panel = read_panel(CONFIG / "household.yaml", read_wire_materials())
     return Cell(panel, design=design, seed=1)
 
 

@@ -11,9 +11,9 @@ from remodel_sim.core.errors import PanelError
 from remodel_sim.core.workpiece.layout import find_problems as problems_of
 from remodel_sim.core.workpiece.panel import Duct, PanelClip
 from remodel_sim.edge.cell_file import read_cell
-from remodel_sim.edge.wire_material_file import read_wire_materials
 from remodel_sim.physics.plant import Plant
 from remodel_sim.ros.conversions import read_panel
+from remodel_states.edge.wire_material_file import read_wire_materials
 
 CLIP = PanelClip(
     id="C1",
@@ -35,12 +35,7 @@ def find_problems(found, **options):
 def test_good_panels_have_no_problem():
     assert find_problems(panel()) == ()
     assert find_problems(panel(clips=(CLIP,), ducts=(DUCT,))) == ()
-    assert (
-        find_problems(
-            read_panel(CONFIG / "panel.yaml", read_wire_materials(CONFIG / "wire_materials.yaml"))
-        )
-        == ()
-    )
+    assert find_problems(read_panel(CONFIG / "panel.yaml", read_wire_materials())) == ()
 
 
 def changed(old, **changes):
@@ -79,7 +74,8 @@ def with_wire(**changes):
         (with_terminal(bore=0.0031), "minus diameter"),
         (with_terminal(depth=0.012), "does not hide"),
         (with_terminal(mouth=(0.025, 0.007, 0.022)), "mm apart"),
-        (with_wire(colour="XX"), "no IEC 60757 code"),
+        (with_wire(colour="XX"), "colour 'XX' is not known; allowed: one of these codes, or"),
+        (with_wire(colour="WHXX"), "colour 'WHXX' is not known"),
         (with_wire(length=0.30), "length between these terminals"),
         (with_wire(b_component="Q9"), "which does not exist"),
         (with_wire(b_component="X1", b_terminal="1"), "2 wire ends go to 'X1/1'"),
@@ -103,9 +99,7 @@ def test_each_broken_rule_is_named(broken, words):
 
 
 def household():
-    return read_panel(
-        CONFIG / "household.yaml", read_wire_materials(CONFIG / "wire_materials.yaml")
-    )
+    return read_panel(CONFIG / "household.yaml", read_wire_materials())
 
 
 def board_problems(broken, arms=None, *, has_magazine=True):

@@ -17,13 +17,13 @@ from remodel_sim.core.workpiece.layout import WORLD_FROM_PANEL
 from remodel_sim.core.workpiece.layout import find_problems as problems_of
 from remodel_sim.core.workpiece.panel import WireEnd
 from remodel_sim.edge.cell_file import read_cell
-from remodel_sim.edge.wire_material_file import read_wire_materials
 from remodel_sim.physics.truth import ground_truth
 from remodel_sim.ros.conversions import read_panel
 from remodel_states.core.codes import Code
+from remodel_states.edge.wire_material_file import read_wire_materials
 
 CONFIG = Path(__file__).parents[2] / "config"
-PANEL = read_panel(CONFIG / "connectors.yaml", read_wire_materials(CONFIG / "wire_materials.yaml"))
+PANEL = read_panel(CONFIG / "connectors.yaml", read_wire_materials())
 FACE = WORLD_FROM_PANEL @ PANEL.panel_from_socket("U1", "J1")
 
 
@@ -184,4 +184,4 @@ def test_a_connector_at_no_end_is_reported_with_its_wire(tmp_path):
     text = (CONFIG / "connectors.yaml").read_text().replace("{id: P1, end: a", "{id: P1, end: c")
     (tmp_path / "panel.yaml").write_text(text)
     with pytest.raises(PanelError, match="wire 'W1': connector 'P1': end is 'c'; allowed: a, b"):
-        read_panel(tmp_path / "panel.yaml", read_wire_materials(CONFIG / "wire_materials.yaml"))
+        read_panel(tmp_path / "panel.yaml", read_wire_materials())

@@ -18,9 +18,9 @@ from remodel_sim.core.robot.motion import PEAK_OVER_MEAN, WIRE_TURN_RATE
 from remodel_sim.core.robot.portal import TURN_RATE, Portal
 from remodel_sim.core.workpiece.panel import WireEnd
 from remodel_sim.edge.cell_file import read_cell
-from remodel_sim.edge.wire_material_file import read_wire_materials
 from remodel_sim.ros.conversions import read_panel
 from remodel_states.core.codes import Code
+from remodel_states.edge.wire_material_file import read_wire_materials
 
 CONFIG = Path(__file__).parents[2] / "config"
 PORTAL = Portal((0.5, 0.0, 0.0, math.pi / 2), (-0.4, -0.6, 0.0), (0.4, 0.6, 0.9), PANDA_FINGERS)

@@ -11,9 +11,9 @@ from remodel_sim.core.belief.placed_wires import ParkedWire
 from remodel_sim.core.workpiece.layout import WORLD_FROM_PANEL
 from remodel_sim.core.workpiece.panel import WireEnd
 from remodel_sim.edge.cell_file import read_cell
-from remodel_sim.edge.wire_material_file import read_wire_materials
 from remodel_sim.physics.truth import ground_truth, share_in_ducts
 from remodel_sim.ros.conversions import read_panel, truth_message
+from remodel_states.edge.wire_material_file import read_wire_materials
 
 CONFIG = Path(__file__).parents[2] / "config"
 WIRE, OTHER = "W3", "W5"
@@ -22,9 +22,7 @@ BELOW_M, ABOVE_M = 0.020, 0.065
 
 @pytest.fixture(scope="module")
 def board():
-    panel = read_panel(
-        CONFIG / "household.yaml", read_wire_materials(CONFIG / "wire_materials.yaml")
-    )
+    panel = read_panel(CONFIG / "household.yaml", read_wire_materials())
     made = Cell(panel, design=read_cell("two_arms_cabinet"), seed=1)
     yield made.plant
     made.close()

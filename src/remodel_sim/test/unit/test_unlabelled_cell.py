@@ -15,9 +15,9 @@ from remodel_sim.core import goals
 from remodel_sim.core.errors import AbilityError
 from remodel_sim.core.workpiece.panel import WireEnd
 from remodel_sim.edge.cell_file import read_cell
-from remodel_sim.edge.wire_material_file import read_wire_materials
 from remodel_sim.ros.conversions import read_panel
 from remodel_states.core.codes import Code
+from remodel_states.edge.wire_material_file import read_wire_materials
 
 pytestmark = pytest.mark.physics
 

@@ -18,9 +18,9 @@ from remodel_sim.core.vision.label_pose import LabelView, locate_component
 from remodel_sim.core.vision.labels import find_labels
 from remodel_sim.core.vision.wire_ends import find_ends, line_between
 from remodel_sim.core.workpiece.panel import WireEnd
-from remodel_sim.core.workpiece.wire_colours import WIRE_RGB
 from remodel_sim.physics.wires.parked_wire import draw_parked
 from remodel_states.core.codes import Code
+from remodel_states.core.wires.wire_colours import DISTINCT_COLOURS
 
 
 def test_every_label_is_found_from_above_to_half_a_millimetre(cell):
@@ -46,7 +46,7 @@ def test_every_label_is_found_from_above_to_half_a_millimetre(cell):
     "colour",
     [
         pytest.param(name, marks=[] if name in ("BK", "BU", "GNYE") else pytest.mark.slow)
-        for name in WIRE_RGB
+        for name in DISTINCT_COLOURS
     ],
 )
 def test_both_ends_of_a_wire_of_any_colour_are_found(colour):

@@ -13,6 +13,7 @@ from remodel_sim.core.vision.laid_wire import wire_around, wire_past
 from remodel_sim.core.vision.wire_lines import WireLines, follow, joined
 from remodel_sim.core.workpiece.panel import WireEnd
 from remodel_sim.physics.wires.parked_wire import draw_parked
+from remodel_states.core.wires.wire_colours import WIRE_RGB
 
 WIDTH = 5.0
 RIGHT = np.array([1.0, 0.0])
@@ -25,6 +26,12 @@ def straight(start, end):
 def arc(centre, radius, first, last):
     angle = np.linspace(first, last, 80)
     return centre + radius * np.column_stack([np.cos(angle), np.sin(angle)])
+
+
+def test_the_detector_searches_for_every_colour_of_the_wire():
+    lines = WireLines(None, replace(panel().wires[0], colour="WHBU"))
+    expected = [255 * np.array(WIRE_RGB[code]) for code in ("WH", "BU")]
+    np.testing.assert_allclose(lines.colours, expected)
 
 
 def test_pieces_that_something_hides_in_between_are_put_together():

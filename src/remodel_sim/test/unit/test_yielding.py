@@ -13,9 +13,9 @@ from remodel_sim.core.geometry import Pose
 from remodel_sim.core.robot.force_control import ACCELERATION, Yielding
 from remodel_sim.core.workpiece.panel import WireEnd
 from remodel_sim.edge.cell_file import read_cell
-from remodel_sim.edge.wire_material_file import read_wire_materials
 from remodel_sim.physics.truth import ground_truth
 from remodel_sim.ros.conversions import read_panel
+from remodel_states.edge.wire_material_file import read_wire_materials
 
 CONFIG = Path(__file__).parents[2] / "config"
 STEP_S = 1 / 240
@@ -35,7 +35,7 @@ def test_it_gives_way_against_the_force_no_faster_than_the_arm_speeds_up():
 @pytest.mark.physics
 @pytest.mark.parametrize("low_m", [0.0025, -0.0025])
 def test_an_end_that_slim_fingers_hold_too_low_or_too_high_is_seated(low_m):
-    panel = read_panel(CONFIG / "harness.yaml", read_wire_materials(CONFIG / "wire_materials.yaml"))
+    panel = read_panel(CONFIG / "harness.yaml", read_wire_materials())
     cell = Cell(panel, design=read_cell("two_arms_formboard"), seed=1)
     key = panel.wire(WIRE).goes_to(WireEnd.A)
     cell.feed(WIRE, "")

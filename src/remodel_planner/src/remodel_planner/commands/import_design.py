@@ -274,6 +274,9 @@ def _report(imported: Imported, *, verbose: bool) -> None:
         lie, leaves = "lies" if inside == 1 else "lie", len(order.wires) - inside
         leave = "leaves" if leaves == 1 else "leave"
         print(f"  {counted(inside, 'wire')} {lie} in the cabinet, {leaves} {leave} it")
+    if account.unknown_colours:
+        count = counted(len(account.unknown_colours), "colour")
+        print(f"  {count} not known, such as {account.unknown_colours[0]}")
     hint = "" if verbose else " (--verbose lists them)"
     assumptions = counted(len(account.assumptions), "assumption")
     print(f"  {assumptions}, {counted(len(account.ignored), 'other omission')}{hint}")

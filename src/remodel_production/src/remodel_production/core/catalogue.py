@@ -1,6 +1,7 @@
-"""What design files leave unsaid: where elements are mounted, what wires are like.
+"""What design files leave unsaid: where elements are mounted, and what surrounds them.
 
-The values stand in config/catalogue.yaml; this is their form.
+The values stand in config/catalogue.yaml; this is their form. What wires are like, a catalogue has
+from the table of wire materials, which the cell reads, too.
 """
 
 from __future__ import annotations
@@ -13,6 +14,11 @@ from typing import Any
 
 from remodel_production.core.production import Role
 from remodel_production.errors import CatalogueError
+from remodel_states.core.wires.wire_materials import (
+    MaterialError,
+    WireMaterial,
+    WireMaterials,
+)
 
 
 class Place(Enum):
@@ -37,23 +43,15 @@ _LISTED = {Role.JOINT: Role.CONNECTOR}
 
 
 @dataclass(frozen=True)
-class WireType:
-    """Properties of a wire of one section.
+class ClampSize:
+    """Clamps for wires up to a section.
 
     Attributes:
-        diameter_m: [m] over the insulation.
-        density_kg_m: [kg/m] per length.
-        stiffness_n_m2: [N m^2] EI.
-        ferrule_m: [m] length of the rigid end.
-        pitch_m: [m] from clamp to clamp for it.
-        chamfer_m: [m] by which a clamp's opening is wider at its front, on each side.
+        pitch_m: [m] from clamp to clamp.
+        chamfer_m: [m] by which the opening is wider at its front, on each side.
         retention_n: [N] that a closed clamp withstands.
     """
 
-    diameter_m: float
-    density_kg_m: float
-    stiffness_n_m2: float
-    ferrule_m: float
     pitch_m: float
     chamfer_m: float
     retention_n: float
@@ -194,6 +192,7 @@ class Catalogue:
     """Rules and tables for what a design file leaves unsaid.
 
     Attributes:
+        clamps: by the largest section that they take [mm^2].
         clamp_play_m: by which an opening is wider than its wire.
         clamp_beyond_ferrule_m: by which it is deeper than the ferrule.
     """
@@ -201,10 +200,10 @@ class Catalogue:
     placement: tuple[tuple[str, Place], ...]
     colour_names: Mapping[str, str]
     colour_values: Mapping[str, str]
-    colour_codes: frozenset[str]
     default_colour: str
     default_section: float
-    wires: Mapping[float, WireType]
+    materials: WireMaterials
+    clamps: Mapping[float, ClampSize]
     clamp_play_m: float
     clamp_beyond_ferrule_m: float
     terminals: tuple[TerminalRule, ...]
@@ -247,14 +246,30 @@ class Catalogue:
             and fnmatchcase(kind, row.kind)
         )
 
-    def clamp_pitch(self, section_mm2: float) -> float:
-        """Return the pitch [m] of clamps for a section, or for the next thicker one it knows."""
-        known = [section for section in self.wires if section >= section_mm2]
-        return self.wires[min(known, default=max(self.wires))].pitch_m
+    def clamp(self, section_mm2: float) -> ClampSize:
+        """Return the clamps for a section: the smallest that take it, or the largest."""
+        large = [section for section in self.clamps if section >= section_mm2]
+        return self.clamps[min(large, default=max(self.clamps))]
+
+    def material(self, section_mm2: float) -> WireMaterial | None:
+        """Return what wires of a section are like; None for one beyond the table of materials."""
+        try:
+            return self.materials.find("", section_mm2)
+        except MaterialError:
+            return None
+
+    def nearest_material(self, section_mm2: float) -> WireMaterial:
+        """Return what wires are like whose section is the nearest in the table of materials."""
+        sections = [section for _, section in self.materials.rows]
+        return self.materials.find("", min(max(section_mm2, min(sections)), max(sections)))
 
 
-def catalogue_from(data: Mapping[str, Any]) -> Catalogue:
-    """Build a catalogue from a document in the form of config/catalogue.schema.json.
+def catalogue_from(data: Mapping[str, Any], materials: WireMaterials) -> Catalogue:
+    """Build a catalogue.
+
+    Args:
+        data: document in the form of config/catalogue.schema.json.
+        materials: of wires.
 
     Raises:
         CatalogueError: if a role has no rule for terminals of any part.
@@ -291,20 +306,16 @@ def catalogue_from(data: Mapping[str, Any]) -> Catalogue:
         placement=tuple((rule["pattern"], Place(rule["place"])) for rule in data["placement"]),
         colour_names=data["colour_names"],
         colour_values=data["colour_values"],
-        colour_codes=frozenset(data["colour_codes"]),
         default_colour=data["default_colour"],
         default_section=float(data["default_section"]),
-        wires={
-            float(section): WireType(
-                float(row["diameter"]),
-                float(row["density"]),
-                float(row["stiffness"]),
-                float(row["ferrule"]),
+        materials=materials,
+        clamps={
+            float(section): ClampSize(
                 pitch_m=float(row["pitch"]),
                 chamfer_m=float(row["chamfer"]),
                 retention_n=float(row["retention"]),
             )
-            for section, row in data["wires"].items()
+            for section, row in data["clamps"]["sections"].items()
         },
         clamp_play_m=float(data["clamps"]["play"]),
         clamp_beyond_ferrule_m=float(data["clamps"]["beyond_ferrule"]),

@@ -176,7 +176,7 @@ class Wire:
     """A wire between two terminals; `name` is unique in its order.
 
     Attributes:
-        colour: IEC 60757 code, such as "BU"; of several colours, such as "GNYE".
+        colour: code, such as "BU"; of several colours one after another, such as "WHBU".
         section_mm2: [mm^2] of the conductor.
         source: where the design file draws it, such as "folio 2, line 1234".
         length_m: [m]; None if the design does not say.

@@ -28,10 +28,6 @@ class AbilityError(ability_error.AbilityError, CellError):
         super().__init__(code, message, found)
 
 
-class MaterialError(CellError):
-    """The table of wire materials is malformed or lacks a wire."""
-
-
 class FaultError(CellError):
     """A fault that cannot be caused as it is asked for."""
 

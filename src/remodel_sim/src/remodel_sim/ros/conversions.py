@@ -21,7 +21,7 @@ from sensor_msgs.msg import CameraInfo, Image
 from remodel_sim.abilities.detect_cable import CableDetected
 from remodel_sim.abilities.execution.robot_context import AbilityResult
 from remodel_sim.core.camera import View
-from remodel_sim.core.errors import MaterialError, PanelError
+from remodel_sim.core.errors import PanelError
 from remodel_sim.core.geometry import Pose
 from remodel_sim.core.goals.goal_pose import WORLD
 from remodel_sim.core.robot.arm import ToolPose
@@ -37,8 +37,8 @@ from remodel_sim.core.workpiece.panel import (
     Rail,
     WireEnd,
 )
-from remodel_sim.core.workpiece.wire_materials import PROPERTIES, WireMaterials
 from remodel_sim.physics.truth import WireTruth
+from remodel_states.core.wires.wire_materials import PROPERTIES, MaterialError, WireMaterials
 
 
 def read_panel(path: Path, materials: WireMaterials) -> Panel:
@@ -56,19 +56,26 @@ def read_panel(path: Path, materials: WireMaterials) -> Panel:
 def panel_from(message: PanelMsg, materials: WireMaterials) -> Panel:
     """Return the panel of a message, its wires' materials completed from the table.
 
+    What is calculated and not in the table is logged.
+
     Raises:
         PanelError: when a wire's material is not known, or a connector's end is none.
     """
     problems, wires = [], []
+    calculated: dict[str, list[str]] = {}
     for wire in message.wires:
         try:
-            wires.append(_wire_from(wire, materials))
+            wires.append(_wire_from(wire, materials, calculated))
         except MaterialError as error:
             problems.append(f"wire {wire.id!r}: {error}")
         except PanelError as error:
             problems += [f"wire {wire.id!r}: {problem}" for problem in error.problems]
     if problems:
         raise PanelError(message.name, tuple(problems))
+    for what, ids in calculated.items():
+        rospy.loginfo(
+            "panel %r: %s, for %d wires, such as %s", message.name, what, len(ids), ids[0]
+        )
     return Panel(
         name=message.name,
         size=(message.size.x, message.size.y, message.size.z),
@@ -122,7 +129,10 @@ def _unless_all_0(values: tuple[float, float, float]) -> tuple[float, float, flo
     return values if any(values) else None
 
 
-def _wire_from(message: object, materials: WireMaterials) -> PanelWire:
+def _wire_from(
+    message: object, materials: WireMaterials, calculated: dict[str, list[str]]
+) -> PanelWire:
+    """Return a wire, and add to what is calculated of wires, by what it is."""
     values = {name: getattr(message, name) for name in PanelWire.__dataclass_fields__}
     values["connectors"] = tuple(_connector_from(c) for c in message.connectors)
     values["route"] = tuple(_point(point) for point in message.route)
@@ -131,6 +141,9 @@ def _wire_from(message: object, materials: WireMaterials) -> PanelWire:
     unsaid = [name for name in PROPERTIES if values[name] == 0]
     if unsaid:
         material = materials.find(message.construction, message.section)
+        if origin := materials.origin(message.construction, message.section):
+            what = f"properties of wires of {message.section:g} mm2 {origin}"
+            calculated.setdefault(what, []).append(message.id)
         values.update({name: getattr(material, name) for name in unsaid})
     return PanelWire(**values)
 

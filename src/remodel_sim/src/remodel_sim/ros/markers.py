@@ -13,9 +13,9 @@ from visualization_msgs.msg import Marker, MarkerArray
 from remodel_sim.core.goals.goal_pose import WORLD
 from remodel_sim.core.workpiece.component_shape import HOUSING
 from remodel_sim.core.workpiece.panel import Component, PanelWire
-from remodel_sim.core.workpiece.wire_colours import WIRE_RGB, Rgb
 from remodel_sim.physics.plant import Plant
 from remodel_sim.ros.sim_clock import SimClock
+from remodel_states.core.wires.wire_colours import Rgb, rgbs_of
 
 # [s] How often the wire under way is published, by the clock of the people who watch: a cell that
 # is faster than that must not be slowed down by showing more than they can see.
@@ -79,7 +79,7 @@ class Markers:
         return marker
 
     def _line(self, wire: PanelWire, nodes: np.ndarray) -> Marker:
-        marker = self._marker("wire", wire.id, Marker.LINE_STRIP, WIRE_RGB[wire.colour])
+        marker = self._marker("wire", wire.id, Marker.LINE_STRIP, rgbs_of(wire.colour)[0])
         marker.scale.x = wire.diameter
         marker.points = [Point(*node) for node in nodes]
         return marker

@@ -19,11 +19,9 @@ from remodel_sim.core.belief.belief_state import NO_CHANNEL
 from remodel_sim.core.cell.cell_design import CellDesign
 from remodel_sim.core.errors import CellError
 from remodel_sim.core.workpiece.panel import WireEnd
-from remodel_sim.core.workpiece.wire_materials import WireMaterials
 from remodel_sim.edge.cell_file import read_cell
 from remodel_sim.edge.cell_memory import CellMemory
 from remodel_sim.edge.film import Film
-from remodel_sim.edge.wire_material_file import read_wire_materials
 from remodel_sim.ros.ability_server import CellAbilityServer
 from remodel_sim.ros.conversions import read_panel
 from remodel_sim.ros.filming import Filming
@@ -33,7 +31,9 @@ from remodel_sim.ros.publishers import FixedFrames, Pictures, RobotState
 from remodel_sim.ros.services import Services
 from remodel_sim.ros.sim_clock import SimClock
 from remodel_states.core.ability_choice import chosen_abilities
+from remodel_states.core.wires.wire_materials import WireMaterials
 from remodel_states.edge.exported_tables import read_abilities
+from remodel_states.edge.wire_material_file import read_wire_materials
 
 # The owner's thread computes without pause; rospy's threads get their turn this often [s].
 SWITCH_INTERVAL_S = 0.001

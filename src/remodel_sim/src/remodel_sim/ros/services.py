@@ -13,11 +13,11 @@ from std_srvs.srv import Trigger, TriggerRequest, TriggerResponse
 
 from remodel_sim.core.cell.faults import check_fault
 from remodel_sim.core.errors import AbilityError, CellError, PanelError
-from remodel_sim.core.workpiece.wire_materials import WireMaterials
 from remodel_sim.physics.truth import ground_truth
 from remodel_sim.ros.conversions import image, panel_from, truth_message
 from remodel_sim.ros.owner import Owner
 from remodel_states.core.codes import Code
+from remodel_states.core.wires.wire_materials import WireMaterials
 
 # The longest request is building a large panel.
 TIMEOUT_S = 60.0

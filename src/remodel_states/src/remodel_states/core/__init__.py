@@ -1,1 +1,1 @@
-"""The tables of abilities, error codes and faults, and what is generated from them. No ROS."""
+"""Tables of abilities, error codes and faults, what is generated from them; wires. No ROS."""

@@ -14,6 +14,7 @@ from jinja2 import Environment, StrictUndefined
 from remodel_planner.core.reports.net_list import Connection, Verdict, share_in_ducts
 from remodel_production.core.production import Order, Wire
 from remodel_production.core.whole_task import WholeTask
+from remodel_states.core.wires.wire_colours import hex_colours
 from remodel_supervision.core.run import Execution, Operation
 from remodel_supervision.core.runs.attempts import Attempt
 from remodel_supervision.core.runs.events import Part
@@ -25,23 +26,6 @@ PLACED, DISCARDED, EMPTIED = "placed", "discarded", "hand emptied"
 
 # Of an ability without a colour of its own.
 _OTHER_COLOUR = "#adb5bd"
-
-# What wires of each IEC 60757 colour look like on the page.
-WIRE_COLOURS = {
-    "BK": "#1a1a1a",
-    "BN": "#7b4b2a",
-    "RD": "#d62828",
-    "OG": "#f77f00",
-    "YE": "#fcbf49",
-    "GN": "#2a9d4a",
-    "BU": "#1d5fd1",
-    "VT": "#7b2cbf",
-    "GY": "#8d99ae",
-    "WH": "#ffffff",
-    "PK": "#ff8fab",
-    "TQ": "#2ec4b6",
-    "GNYE": "#9bc53d",
-}
 
 
 @dataclass(frozen=True)
@@ -281,8 +265,16 @@ def render_html(template: str, report: Report, colours: Mapping[str, str]) -> st
         report=report,
         bars=timeline(report.attempts, colours),
         ability_colours=colours,
-        wire_colours=WIRE_COLOURS,
+        background=_background,
     )
+
+
+def _background(colour: str) -> str:
+    """Return what a swatch of a wire's colour is filled with: its colours, one beside another."""
+    colours = hex_colours(colour)
+    share = 100 // len(colours)
+    stops = (f"{rgb} {i * share}% {(i + 1) * share}%" for i, rgb in enumerate(colours))
+    return f"linear-gradient(90deg, {', '.join(stops)})" if len(colours) > 1 else colours[0]
 
 
 def report_data(report: Report) -> Mapping[str, object]:

@@ -68,9 +68,9 @@ def _has_wires(use_case: UseCase) -> bool:
 
 def _refusal(wire: PanelWire, takes: CellLimits) -> Refusal | None:
     """Return why a cell takes no such wire; None if it does."""
-    if wire.type is None:
+    if wire.material is None:
         section = f"{wire.section_mm2:g} mm2"
-        return Refusal(f"of {section}", f"the catalogue has no wire of {section}")
+        return Refusal(f"of {section}", f"no table of materials has wires of {section}")
     for limits, found, words, kinds in (
         (
             takes.wire_length,
@@ -80,8 +80,8 @@ def _refusal(wire: PanelWire, takes: CellLimits) -> Refusal | None:
         ),
         (
             takes.wire_diameter,
-            wire.type.diameter_m,
-            takes.about_diameter(wire.type.diameter_m),
+            wire.material.diameter,
+            takes.about_diameter(wire.material.diameter),
             ("thinner than {:g} m", "thicker than {:g} m"),
         ),
     ):

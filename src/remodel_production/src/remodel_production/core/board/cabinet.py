@@ -262,9 +262,9 @@ def clamp_pitches(order: Order, catalogue: Catalogue) -> dict[TerminalRef, float
     """Return the pitch [m] of each terminal, by the section of its wire."""
     sections = {end: wire.section_mm2 for wire in order.wires for end in (wire.a, wire.b)}
     return {
-        (ref := TerminalRef(component.name, terminal.name)): catalogue.clamp_pitch(
+        (ref := TerminalRef(component.name, terminal.name)): catalogue.clamp(
             sections.get(ref, catalogue.default_section)
-        )
+        ).pitch_m
         for component in order.components
         for terminal in component.terminals
     }

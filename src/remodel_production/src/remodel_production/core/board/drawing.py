@@ -12,6 +12,7 @@ from remodel_production.core.board.formboard import Point
 from remodel_production.core.board.panel import panel_of
 from remodel_production.core.catalogue import Catalogue
 from remodel_production.core.production import TerminalRef, Wire
+from remodel_states.core.wires.wire_colours import hex_colours
 
 # Pixels of the drawing.
 _WIDTH = 1600
@@ -29,12 +30,12 @@ _WALL_M = 0.002
 # Of an opening whose size is not known [m].
 _OPENING_M = 0.003
 
+# On white paper; of the other colours, what wires look like.
 _COLOURS = {
     **{"BK": "#222222", "BN": "#8b5a2b", "RD": "#d62728", "OG": "#ff8c1a", "YE": "#d9b800"},
     **{"GN": "#2ca02c", "BU": "#1f6fd6", "VT": "#8a4fbf", "GY": "#888888", "WH": "#bdbdbd"},
     **{"PK": "#f29ac2", "TQ": "#2ab7b7", "GD": "#c9a227", "SR": "#a0a0a0"},
 }
-_UNKNOWN = "#555555"
 
 
 @dataclass(frozen=True)
@@ -200,7 +201,8 @@ def _beside(route: tuple[Point, ...], offset: float) -> list[Point]:
 
 
 def _stroke(wire: Wire, start: int) -> str:
-    return _COLOURS.get(wire.colour[start : start + 2], _UNKNOWN)
+    code = wire.colour[start : start + 2]
+    return _COLOURS.get(code) or hex_colours(code)[0]
 
 
 def _clips(board: Board, view: _View) -> Iterator[str]:

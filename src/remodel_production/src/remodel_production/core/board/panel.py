@@ -19,8 +19,9 @@ from itertools import groupby, takewhile
 
 from remodel_production.core.board.board import Board, PlacedDevice
 from remodel_production.core.board.formboard import Point
-from remodel_production.core.catalogue import Catalogue, DeviceClass, DuctSize, WireType
+from remodel_production.core.catalogue import Catalogue, DeviceClass, DuctSize
 from remodel_production.core.production import Clip, Side, Terminal, TerminalRef, Vector, Wire
+from remodel_states.core.wires.wire_materials import WireMaterial
 
 # x, y [m] and the angle about z [rad].
 Pose2 = tuple[float, float, float]
@@ -121,7 +122,7 @@ class PanelWire:
     """A wire with its route [m], from end a to end b.
 
     Attributes:
-        type: its properties; None if the catalogue does not know its section.
+        material: its properties; None for a section beyond the table of materials.
         length: [m] from tip to tip.
         ducts: that the route passes.
     """
@@ -131,7 +132,7 @@ class PanelWire:
     b: TerminalRef
     colour: str
     section_mm2: float
-    type: WireType | None
+    material: WireMaterial | None
     length: float
     route: tuple[Vector, ...]
     ducts: tuple[str, ...]
@@ -163,8 +164,7 @@ class _Maker:
         self._catalogue = catalogue
         self._left, self._low, self._right, self._top = self._bounds()
         self._routed = [wire for wire in board.order.wires if wire.name in board.routes]
-        ends = {end: wire for wire in self._routed for end in (wire.a, wire.b)}
-        self._types = {end: catalogue.wires.get(wire.section_mm2) for end, wire in ends.items()}
+        self._sections = {end: w.section_mm2 for w in self._routed for end in (w.a, w.b)}
 
     def panel(self) -> Panel:
         ducts, duct_of = self._ducts() if self._board.is_cabinet else ((), {})
@@ -237,16 +237,19 @@ class _Maker:
         out, left = y - device.centre[1], device.centre[0] - x
         up, aside = cos * out + sin * left, cos * left - sin * out
         is_top = terminal.side is Side.TOP if self._board.is_cabinet else up > 0
-        kind = self._types.get(ref)
+        section = self._sections.get(ref)
         screw = None
         if part.screw_m is not None:
             behind = -part.screw_m if is_top else part.screw_m
             screw = _rounded((up + behind, aside, part.height_m))
         clamp = (0.0, 0.0, 0.0, 0.0)
-        if kind is not None:
-            bore = kind.diameter_m + self._catalogue.clamp_play_m
-            depth = kind.ferrule_m + self._catalogue.clamp_beyond_ferrule_m
-            clamp = (_number(bore), _number(depth), kind.chamfer_m, kind.retention_n)
+        if section:
+            # A person places a wire beyond the table; its clamp has the size of the nearest one.
+            material = self._catalogue.nearest_material(section)
+            bore = material.diameter + self._catalogue.clamp_play_m
+            depth = material.ferrule_length + self._catalogue.clamp_beyond_ferrule_m
+            size = self._catalogue.clamp(section)
+            clamp = (_number(bore), _number(depth), size.chamfer_m, size.retention_n)
         return PanelOpening(
             terminal.name,
             _rounded((up, aside, part.opening_m)),
@@ -367,8 +370,8 @@ class _Maker:
         return round(math.atan2(x1 - x2, y2 - y1), _DECIMALS)
 
     def _diameter(self, wire: Wire) -> float:
-        kind = self._catalogue.wires.get(wire.section_mm2)
-        return kind.diameter_m if kind else 0.0
+        material = self._catalogue.material(wire.section_mm2)
+        return material.diameter if material else 0.0
 
     def _wire(
         self,
@@ -387,7 +390,7 @@ class _Maker:
             wire.b,
             wire.colour,
             wire.section_mm2,
-            self._catalogue.wires.get(wire.section_mm2),
+            self._catalogue.material(wire.section_mm2),
             length=round(self._board.length_of(wire), _DECIMALS),
             route=tuple((*self._at(point), z) for point, z in zip(points, zs, strict=True)),
             # Several segments in a row belong to one duct.

@@ -23,6 +23,7 @@ from remodel_production.core.imports.vec.vec import ROOT, import_vec
 from remodel_production.core.imports.wire_lists.mapping import WireListMapping
 from remodel_production.core.imports.wire_lists.table import has_headings, without_ends
 from remodel_production.core.imports.wire_lists.wire_list import import_wire_list
+from remodel_production.core.imports.wire_properties import with_wire_properties
 from remodel_production.core.imports.wireviz import import_wireviz
 from remodel_production.errors import DesignError
 
@@ -99,7 +100,7 @@ def format_of(data: bytes, formats: Sequence[DesignFormat]) -> DesignFormat:
 def import_design(
     data: bytes, form: DesignFormat, name: str, source: str, catalogue: Catalogue
 ) -> Imported:
-    """Read a design file, and fill in by the catalogue what it does not say of its terminals.
+    """Read a design file, and fill in by the catalogue what it does not say.
 
     A design without a title is called by its file.
 
@@ -109,7 +110,7 @@ def import_design(
     imported = form.read(data, name, source, catalogue)
     if not imported.order.title:
         imported = replace(imported, order=replace(imported.order, title=source))
-    return with_access(imported, catalogue)
+    return with_wire_properties(with_access(imported, catalogue), catalogue)
 
 
 def _unknown(file: DesignFile, formats: Sequence[DesignFormat]) -> DesignError:

@@ -11,7 +11,8 @@ import numpy as np
 import numpy.typing as npt
 
 from remodel_sim.core.geometry import Array
-from remodel_sim.core.workpiece.wire_colours import GREEN_AND_YELLOW, PLATE_RGB, WIRE_RGB, Rgb
+from remodel_sim.core.workpiece.wire_colours import PLATE_RGB
+from remodel_states.core.wires.wire_colours import Rgb, rgbs_of
 
 Mask = npt.NDArray[np.uint8]
 
@@ -37,8 +38,7 @@ def wire_likelihood(rgb: npt.NDArray[np.uint8], colour: str) -> npt.NDArray[np.f
     plate, whose likelihood is near a half everywhere.
     """
     pixels = rgb.astype(np.float32)
-    colours = GREEN_AND_YELLOW if colour == "GNYE" else (WIRE_RGB[colour],)
-    wire = np.min([shade_distance(pixels, c, WIRE_SHADES) for c in colours], axis=0)
+    wire = np.min([shade_distance(pixels, rgb, WIRE_SHADES) for rgb in rgbs_of(colour)], axis=0)
     plate = shade_distance(pixels, PLATE_RGB, PLATE_SHADES)
     fit = np.clip(1.0 - wire / (2 * TOLERANCE), 0.0, 1.0)
     contrast = np.clip((plate - wire) / TOLERANCE + 0.5, 0.0, 1.0)

@@ -32,7 +32,7 @@ from remodel_sim.core.vision.laid_wire import crossings
 from remodel_sim.core.vision.wire_lines import WireLines
 from remodel_sim.core.workpiece.component_shape import LABEL_CELLS, label_corners
 from remodel_sim.core.workpiece.panel import Component, PanelWire
-from remodel_sim.core.workpiece.wire_colours import GREEN_AND_YELLOW, WIRE_RGB
+from remodel_states.core.wires.wire_colours import DISTINCT_COLOURS, rgbs_of
 
 # The strip: distances from the face along the axis, and places across it [m].
 STEP_M = 0.00025
@@ -292,8 +292,9 @@ def _whose(pixels: Array, wire: PanelWire, light: float) -> tuple[Occupancy, str
     """Return whether pixels (n, 3) of what goes into the opening are a wire's, and their colour."""
     if light < DARK or len(pixels) < LEAST_SAMPLES:
         return Occupancy.UNCLEAR, wire.colour
-    away = {code: _away(pixels, code, light) for code in WIRE_RGB}
-    own = away.pop(wire.colour)
+    own = _away(pixels, wire.colour, light)
+    others = [colour for colour in DISTINCT_COLOURS if colour != wire.colour]
+    away = {colour: _away(pixels, colour, light) for colour in others}
     nearest = min(away, key=lambda code: away[code])
     if own < FAR_LEVELS and own < away[nearest] + SAME_LEVELS:
         return Occupancy.WIRE, wire.colour
@@ -303,8 +304,7 @@ def _whose(pixels: Array, wire: PanelWire, light: float) -> tuple[Occupancy, str
 
 def _away(pixels: Array, colour: str, light: float) -> float:
     """Return the median distance of pixels (n, 3) from a wire's shades [levels in usual light]."""
-    colours = GREEN_AND_YELLOW if colour == "GNYE" else (WIRE_RGB[colour],)
-    shades = np.outer(np.linspace(*WIRE_SHADES, 15), np.ravel(colours)).reshape(-1, 3)
+    shades = np.outer(np.linspace(*WIRE_SHADES, 15), np.ravel(rgbs_of(colour))).reshape(-1, 3)
     seen = np.clip(255 * light * shades, 0.0, 255.0)
     away = np.linalg.norm(pixels[:, None] - seen, axis=-1).min(axis=1)
     return float(np.median(away)) / min(light, 1.0)

@@ -18,7 +18,7 @@ from remodel_sim.core.geometry import Array
 from remodel_sim.core.vision.cables import detect_cables
 from remodel_sim.core.vision.cables.curves.polyline import across_gap, arc_lengths
 from remodel_sim.core.workpiece.panel import PanelWire
-from remodel_sim.core.workpiece.wire_colours import GREEN_AND_YELLOW, WIRE_RGB
+from remodel_states.core.wires.wire_colours import rgbs_of
 
 # Something may hide the wire over so much [widths]; the price of such a gap, that of a bend by an
 # angle s and another one t being s^2 + s t + t^2, and the most that a joint costs.
@@ -66,9 +66,8 @@ class WireLines:
     @property
     def colours(self) -> tuple[Array, ...]:
         """Of the wire, RGB (3,) each, 0 to 255."""
-        code = self.wire.colour
-        colours = GREEN_AND_YELLOW if code == "GNYE" else (WIRE_RGB[code],)
-        return tuple(255.0 * np.array(colour, dtype=np.float64) for colour in colours)
+        rgbs = rgbs_of(self.wire.colour)
+        return tuple(255.0 * np.array(rgb, dtype=np.float64) for rgb in rgbs)
 
     @cached_property
     def pieces(self) -> tuple[Array, ...]:

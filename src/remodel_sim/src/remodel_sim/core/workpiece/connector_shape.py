@@ -10,7 +10,8 @@ from dataclasses import dataclass
 
 from remodel_sim.core.workpiece.component_shape import METAL, Vector
 from remodel_sim.core.workpiece.panel import Connector, PanelWire, WireEnd
-from remodel_sim.core.workpiece.wire_colours import FERRULE_RGB, WIRE_RGB, Rgb
+from remodel_sim.core.workpiece.wire_colours import FERRULE_RGB
+from remodel_states.core.wires.wire_colours import Rgb, rgbs_of
 
 # The mark is as long as a ferrule, begins at the body's face, and stands so far out of the body.
 MARK_WIDTH_M = 0.004
@@ -51,7 +52,7 @@ def connector_solids(wire: PanelWire, connector: Connector) -> tuple[Solid, ...]
     body = Solid(
         (0.0, 0.0, behind_face(connector.body_length)),
         (wire.diameter, connector.body_width, connector.body_length),
-        WIRE_RGB["GN" if wire.colour == "GNYE" else wire.colour],
+        rgbs_of(wire.colour)[0],
     )
     mark = Solid(
         (0.0, 0.0, behind_face(wire.ferrule_length)),

@@ -26,9 +26,9 @@ from remodel_sim.core.workpiece.panel import (
     WireEnd,
     unit_x,
 )
-from remodel_sim.core.workpiece.wire_colours import WIRE_RGB
 from remodel_states.core.cell.cell_limits import CellLimits
 from remodel_states.core.cell.within import within
+from remodel_states.core.wires.wire_colours import WIRE_RGB, is_colour
 
 # The panel lies flat in front of the arm: the plate's surface is the world's z = 0.
 WORLD_FROM_PANEL = Pose.level(0.50, 0.0, 0.0)
@@ -356,8 +356,11 @@ def _overlaps(panel: Panel) -> Iterator[str]:
 
 def _wire(wire: PanelWire, panel: Panel, takes: CellLimits) -> Iterator[str]:
     name = f"wire {wire.id!r}"
-    if wire.colour not in WIRE_RGB:
-        yield f"{name}: colour {wire.colour!r} is no IEC 60757 code; allowed: {' '.join(WIRE_RGB)}"
+    if not is_colour(wire.colour):
+        yield (
+            f"{name}: colour {wire.colour!r} is not known; allowed: one of these codes, or several "
+            f"one after another: {' '.join(WIRE_RGB)}"
+        )
     # In channels the terminals limit the length, too.
     lengths = () if panel.channels else takes.about_length(wire.length)
     for words in (*lengths, *takes.about_diameter(wire.diameter)):

@@ -13,10 +13,11 @@ from remodel_sim.core.geometry import Array, multiply_quaternions, rotation_matr
 from remodel_sim.core.workpiece.connector_shape import Solid
 from remodel_sim.core.workpiece.elastic_joints import ElasticJoints
 from remodel_sim.core.workpiece.panel import WireEnd
-from remodel_sim.core.workpiece.wire_colours import FERRULE_RGB, GREEN_AND_YELLOW, WIRE_RGB, Rgb
+from remodel_sim.core.workpiece.wire_colours import FERRULE_RGB
 from remodel_sim.core.workpiece.wire_mechanics import CableModel, link_frames
 from remodel_sim.physics.wires.cable_body import IDENTITY, CableBody
 from remodel_sim.physics.world import World
+from remodel_states.core.wires.wire_colours import Rgb, rgbs_of
 
 # What holds the halves of a cell together [N]; more than any force in the cell.
 BOLT_FORCE_N = 1e4
@@ -185,9 +186,7 @@ def _bolt(world: World, before: CableBody, after: CableBody) -> int:
 
 
 def link_colours(colour: str, links: int) -> list[Rgb]:
-    """Return each link's colour: ferrules at both ends, stripes for green-and-yellow."""
-    if colour == "GNYE":
-        inner = [GREEN_AND_YELLOW[i % 2] for i in range(links - 2)]
-    else:
-        inner = [WIRE_RGB[colour]] * (links - 2)
+    """Return each link's colour: ferrules at both ends, stripes for a wire of several colours."""
+    stripes = rgbs_of(colour)
+    inner = [stripes[i % len(stripes)] for i in range(links - 2)]
     return [FERRULE_RGB, *inner, FERRULE_RGB]

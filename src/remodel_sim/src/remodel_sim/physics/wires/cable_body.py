@@ -8,9 +8,9 @@ import numpy as np
 
 from remodel_sim.core.geometry import Array
 from remodel_sim.core.workpiece.connector_shape import BODY_FRICTION, Solid
-from remodel_sim.core.workpiece.wire_colours import Rgb
 from remodel_sim.core.workpiece.wire_mechanics import CableModel
 from remodel_sim.physics.world import MASS_SCALE, World
+from remodel_states.core.wires.wire_colours import Rgb
 
 # Light drag instead of the internal friction of strands [1/s].
 DRAG = 3.0

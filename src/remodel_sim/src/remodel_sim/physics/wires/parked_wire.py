@@ -9,6 +9,7 @@ from __future__ import annotations
 import io
 import math
 import tempfile
+from collections.abc import Sequence
 from itertools import pairwise
 from pathlib import Path
 
@@ -17,10 +18,12 @@ import numpy as np
 from remodel_sim.core.geometry import Array, Pose
 from remodel_sim.core.workpiece.connector_shape import connector_solids
 from remodel_sim.core.workpiece.panel import Connector, PanelWire, WireEnd
-from remodel_sim.core.workpiece.wire_colours import FERRULE_RGB, WIRE_RGB
+from remodel_sim.core.workpiece.wire_colours import FERRULE_RGB
+from remodel_sim.core.workpiece.wire_mechanics import CELL_TARGET_M
 from remodel_sim.physics.static_body import MOVING_GROUP, PARKED_GROUP, add_described
 from remodel_sim.physics.wires.cable_body import connector_shapes
 from remodel_sim.physics.world import World
+from remodel_states.core.wires.wire_colours import rgbs_of
 
 SIDES = 8
 STEP_M = 0.004
@@ -35,9 +38,11 @@ def draw_parked(world: World, nodes: Array, wire: PanelWire) -> None:
     from_a = np.r_[0.0, np.cumsum(np.linalg.norm(np.diff(line, axis=0), axis=1))]
     to_tip = {WireEnd.A: from_a, WireEnd.B: from_a[-1] - from_a}
     inner = np.all([to_tip[end] > wire.rigid_length(end) for end in WireEnd], axis=0)
-    parts = [(line[inner], WIRE_RGB[wire.colour])]
+    stripes = rgbs_of(wire.colour)
+    shown = striped(line[inner], len(stripes))
+    parts = [(pieces, rgb) for pieces, rgb in zip(shown, stripes, strict=True) if pieces]
     parts += [
-        (line[to_tip[end] <= wire.ferrule_length + STEP_M], FERRULE_RGB)
+        ([line[to_tip[end] <= wire.ferrule_length + STEP_M]], FERRULE_RGB)
         for end in WireEnd
         if wire.connector_at(end) is None
     ]
@@ -46,14 +51,23 @@ def draw_parked(world: World, nodes: Array, wire: PanelWire) -> None:
         # Bullet keeps the vertices that it is handed, even once the world is cleared: 1 MB for each
         # wire. What it reads from a file it releases.
         file = Path(folder) / "tube.obj"
-        for points, rgb in parts:
-            file.write_text(_tube(points, wire.radius))
+        for pieces, rgb in parts:
+            file.write_text(_tubes(pieces, wire.radius))
             shape = bullet.createVisualShape(
                 bullet.GEOM_MESH, fileName=str(file), rgbaColor=[*rgb, 1]
             )
             bullet.createMultiBody(0, -1, shape, [0, 0, 0])
     for connector in wire.connectors:
         _draw_connector(world, nodes, wire, connector)
+
+
+def striped(line: Array, colours: int) -> list[list[Array]]:
+    """Return the pieces of a line (n, 3) [m] of each of so many colours, which take turns."""
+    if colours == 1:
+        return [[line]]
+    points = round(CELL_TARGET_M / STEP_M)
+    pieces = [line[i : i + points + 1] for i in range(0, len(line) - 1, points)]
+    return [pieces[colour::colours] for colour in range(colours)]
 
 
 def _draw_connector(world: World, nodes: Array, wire: PanelWire, connector: Connector) -> None:
@@ -122,8 +136,23 @@ def _smooth(nodes: Array) -> Array:
     return np.vstack([*pieces, nodes[-1:]])
 
 
-def _tube(line: Array, radius: float) -> str:
-    """Return a tube around a line (n, 3) as a Wavefront OBJ file."""
+def _tubes(lines: Sequence[Array], radius: float) -> str:
+    """Return tubes around lines (n, 3) as a Wavefront OBJ file."""
+    ends = np.cumsum([SIDES * len(line) for line in lines])
+    return "".join(
+        _tube(line, radius, first=int(end) - SIDES * len(line) + 1)
+        for line, end in zip(lines, ends, strict=True)
+    )
+
+
+def _tube(line: Array, radius: float, first: int) -> str:
+    """Return a tube around a line (n, 3) as a part of a Wavefront OBJ file.
+
+    Args:
+        line: (n, 3) [m].
+        radius: [m].
+        first: number of its first vertex in the file, from 1.
+    """
     tangents = np.gradient(line, axis=0)
     tangents /= np.linalg.norm(tangents, axis=1, keepdims=True)
     side = np.cross(tangents, [0.0, 0.0, 1.0])
@@ -134,8 +163,8 @@ def _tube(line: Array, radius: float) -> str:
         np.cos(angles)[None, :, None] * side[:, None] + np.sin(angles)[None, :, None] * top[:, None]
     )
     vertices = (line[:, None] + radius * normals).reshape(-1, 3)
-    # Of each side's quadrilateral, numbered from 1: two corners on its ring, two on the next.
-    a = 1 + np.arange((len(line) - 1) * SIDES).reshape(-1, SIDES)
+    # Of each side's quadrilateral: two corners on its ring, two on the next.
+    a = first + np.arange((len(line) - 1) * SIDES).reshape(-1, SIDES)
     b = np.roll(a, -1, axis=1)
     a, b = a.ravel(), b.ravel()
     faces = np.vstack(

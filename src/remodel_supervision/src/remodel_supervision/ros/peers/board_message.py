@@ -22,6 +22,7 @@ from remodel_production.core.board.panel import (
     PanelWire,
 )
 from remodel_production.core.production import TerminalRef
+from remodel_states.core.wires.wire_materials import PROPERTIES
 
 # Columns of a panel's text.
 _TEXT_WIDTH = 150
@@ -157,9 +158,6 @@ def _wire(wire: PanelWire, name: str, a_terminal: str, b_terminal: str) -> Wire:
         route=[Point(*point) for point in wire.route],
         ducts=list(wire.ducts),
     )
-    if wire.type is not None:
-        message.diameter = wire.type.diameter_m
-        message.linear_density = wire.type.density_kg_m
-        message.bending_stiffness = wire.type.stiffness_n_m2
-        message.ferrule_length = wire.type.ferrule_m
+    for name in PROPERTIES if wire.material is not None else ():
+        setattr(message, name, getattr(wire.material, name))
     return message

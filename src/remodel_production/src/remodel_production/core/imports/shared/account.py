@@ -6,6 +6,9 @@ from dataclasses import dataclass
 
 from remodel_production.core.production import Order
 
+# What the line of a colour that is not known says, for which the default is taken.
+UNKNOWN_COLOUR = "is no known colour"
+
 
 @dataclass(frozen=True)
 class LeftOut:
@@ -43,6 +46,11 @@ class Account:
     joined: int = 0
     wires_joined: int = 0
     unused_columns: tuple[LeftOut, ...] = ()
+
+    @property
+    def unknown_colours(self) -> tuple[str, ...]:
+        """The assumptions for which a colour that is not known got the default."""
+        return tuple(line for line in self.assumptions if UNKNOWN_COLOUR in line)
 
     @property
     def notes(self) -> tuple[str, ...]:

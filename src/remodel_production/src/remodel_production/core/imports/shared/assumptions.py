@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from remodel_production.core.catalogue import Catalogue
+from remodel_production.core.imports.shared.account import UNKNOWN_COLOUR
 from remodel_production.core.imports.shared.colours import colour_code, colour_without_shade
 from remodel_production.core.imports.shared.units import section_mm2
 
@@ -29,7 +30,7 @@ class Assumptions:
             self.add(f"{source}: colour {text!r} read as {code}")
             return code
         default = self._catalogue.default_colour
-        found = repr(text) if text else "not given"
+        found = f"{text!r} {UNKNOWN_COLOUR}" if text else "not given"
         self.add(f"{source}: colour {found}, {default} taken")
         return default
 

@@ -12,7 +12,7 @@ from remodel_sim.core.workpiece.component_shape import Box
 from remodel_sim.core.workpiece.layout import WORLD_FROM_PANEL
 from remodel_sim.core.workpiece.obstacles import WIRES, Obstacles, Solid
 from remodel_sim.core.workpiece.panel import Panel
-from remodel_sim.core.workpiece.wire_colours import WIRE_RGB
+from remodel_states.core.wires.wire_colours import WIRE_RGB
 
 # The plate is divided into squares of this side [m].
 CELL_M = 0.008

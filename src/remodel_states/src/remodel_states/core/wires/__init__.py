@@ -1,0 +1,1 @@
+"""What planner and cell both know of wires."""
