@@ -1,8 +1,8 @@
 """Which tasks of an order a robot does, by which method, and which are left to a person.
 
-A task is by hand if its use case does not allow one of its characteristics, or if no method does
-it. The others are planned as if the task were not there. Of those, the tasks are noted that are
-done by another method than the preferred one.
+A task is by hand if the design leaves it no place, if its use case does not allow one of its
+characteristics, or if no method does it. The others are planned as if the task were not there. Of
+those, the tasks are noted that are done by another method than the preferred one.
 """
 
 from __future__ import annotations
@@ -27,7 +27,7 @@ def triaged(order: WorkOrder, use_case: UseCase) -> WorkOrder:
     whole = {wire: task.name for task in order.whole_tasks for wire in task.wires}
     for task in order.tasks:
         try:
-            refused = _refused_characteristic(task.characteristics, use_case)
+            refused = task.by_hand or _refused_characteristic(task.characteristics, use_case)
             plan = None if refused else decompose_task(task, decomposer)
         except InstanceError as error:
             plan, refused = None, str(error).removeprefix(f"task {task.name}: ")
