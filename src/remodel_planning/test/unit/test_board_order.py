@@ -236,6 +236,20 @@ def test_a_task_that_no_method_does_is_by_hand_with_what_rules_out_each_method()
     )
 
 
+def test_a_wire_that_its_terminal_has_no_place_for_is_by_hand():
+    ends = [(f"Q1:B{n}", f"Q{n + 1}:T1") for n in (1, 2, 3, 4)]
+    made = order(*ends)
+    q1 = next(component for component in made.components if component.name == "Q1")
+    shared = replace(q1, terminals=tuple(replace(end, point="B") for end in q1.terminals))
+    others = tuple(component for component in made.components if component != q1)
+    found = triaged(work(replace(made, components=(shared, *others))), GRIPPERS)
+    assert [task.name for task in found.tasks] == ["W1", "W2"]
+    assert list(map(str, found.by_hand)) == [
+        f"{name}: by hand, Q1:B takes 2 wires, and has 4: it needs a bridge or a bar"
+        for name in ("W3", "W4")
+    ]
+
+
 def test_of_a_task_that_no_method_does_only_what_rules_methods_out_is_a_reason():
     gently = {"name": "gently", "insert": {"component": "Q2"}, "force_n": 20}
     document = {"format": "remodel-preferences-1", "require": [gently]}

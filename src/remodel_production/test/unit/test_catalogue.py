@@ -57,7 +57,7 @@ def test_without_a_pattern_an_element_is_mounted_on_the_plate():
         ),
         (data(terminals=[]), "terminals: no rule with part '*' for role device"),
         (
-            data(terminals=[{"role": "device", "part": "*", "force_limit": 0, "clearance": 0}]),
+            data(terminals=[{**data()["terminals"][-1], "force_limit": 0}]),
             "terminals[0].force_limit: found 0; allowed: more than 0",
         ),
         (data(default_section="wide"), "default_section: found 'wide'; allowed: a value of type"),

@@ -400,3 +400,23 @@ def test_the_headings_of_exports_lose_no_column(headings):
     imported = read(f"{headings}\n{cells}\n")
     assert [str(column) for column in imported.account.unused_columns] == []
     assert len(imported.order.wires) == 1
+
+
+def test_jumpers_and_bars_are_parts_and_no_wires():
+    text = """Wire,From Device,From Terminal,To Device,To Terminal,Color,AWG
+101,K1,A1,TB1,1,RED,18
+J1,TB1,1,TB1,3,JUMPER,
+J2,TB1,3,TB1,4,,
+Drahtbrücke,X1,1,X1,2,SW,16
+103,TB1,5,TB1,6,BLU,18
+BAR1,X1,5,X2,5,Busbar,
+104,K1,A2,TB1,2,,
+"""
+    imported = read(text)
+    assert [wire.name for wire in imported.order.wires] == ["101", "103", "104"]
+    reason = "it is a jumper or bar, a part for a person to set"
+    assert [(item.source, item.reason) for item in imported.account.left_out] == [
+        (f"line {line}", reason) for line in (3, 4, 5, 7)
+    ]
+    # Without columns for it nothing says that a line is no wire.
+    assert len(read("From,To\nTB1:1,TB1:3\n").order.wires) == 1

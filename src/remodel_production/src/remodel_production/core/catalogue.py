@@ -12,7 +12,7 @@ from enum import Enum
 from fnmatch import fnmatchcase
 from typing import Any
 
-from remodel_production.core.production import Role
+from remodel_production.core.production import Component, Role
 from remodel_production.errors import CatalogueError
 from remodel_states.core.wires.wire_materials import (
     MaterialError,
@@ -66,12 +66,16 @@ class TerminalRule:
         part: pattern of their part numbers.
         force_limit_n: [N] that an insertion must not exceed.
         clearance_m: [m] around an opening, for the gripper.
+        kind: pattern of their kinds or names, in lower case.
+        wires: that a terminal takes.
     """
 
     role: Role
     part: str
     force_limit_n: float
     clearance_m: float
+    kind: str = "*"
+    wires: int = 1
 
 
 @dataclass(frozen=True)
@@ -220,16 +224,19 @@ class Catalogue:
                 return place
         return Place.PLATE
 
-    def terminal_rule(self, role: Role, part_number: str) -> TerminalRule:
+    def terminal_rule(self, component: Component) -> TerminalRule:
         """Return the first rule that fits a component; the last one of each role fits all.
 
         A joint has the rules of connectors.
         """
-        role = _LISTED.get(role, role)
+        role = _LISTED.get(component.role, component.role)
+        names = (component.kind.lower(), component.name.lower())
         return next(
             rule
             for rule in self.terminals
-            if rule.role is role and fnmatchcase(part_number, rule.part)
+            if rule.role is role
+            and fnmatchcase(component.part_number, rule.part)
+            and any(fnmatchcase(name, rule.kind) for name in names)
         )
 
     def device_class(self, role: Role, part_number: str, kind: str) -> DeviceClass:
@@ -276,7 +283,12 @@ def catalogue_from(data: Mapping[str, Any], materials: WireMaterials) -> Catalog
     """
     terminals = tuple(
         TerminalRule(
-            Role(row["role"]), row["part"], float(row["force_limit"]), float(row["clearance"])
+            Role(row["role"]),
+            row["part"],
+            float(row["force_limit"]),
+            float(row["clearance"]),
+            kind=row.get("kind", "*"),
+            wires=row["wires"],
         )
         for row in data["terminals"]
     )
@@ -293,7 +305,7 @@ def catalogue_from(data: Mapping[str, Any], materials: WireMaterials) -> Catalog
         for row in data["devices"]
     )
     for role in (Role.DEVICE, Role.CONNECTOR):
-        if not any(rule.role is role and rule.part == "*" for rule in terminals):
+        if not any(rule.role is role and rule.part == rule.kind == "*" for rule in terminals):
             raise CatalogueError(
                 f"terminals: no rule with part '*' for role {role.value}: add one at the end"
             )

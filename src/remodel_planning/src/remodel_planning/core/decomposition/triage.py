@@ -1,8 +1,8 @@
 """Which tasks of an order a robot does, by which method, and which are left to a person.
 
-A task is by hand if its use case does not allow one of its characteristics, or if no method does
-it. The others are planned as if the task were not there. Of those, the tasks are noted that are
-done by another method than the preferred one.
+A task is by hand if the design leaves it no place, if its use case does not allow one of its
+characteristics, or if no method does it. The others are planned as if the task were not there. Of
+those, the tasks are noted that are done by another method than the preferred one.
 """
 
 from __future__ import annotations
@@ -14,7 +14,7 @@ from types import MappingProxyType
 from remodel_planning.core.condition import Features, Value
 from remodel_planning.core.decomposition.decomposed import Decomposition
 from remodel_planning.core.decomposition.wiring_problem import decompose_task, decomposer_of
-from remodel_planning.core.orders.work_order import ByHand, OtherMethod, WorkOrder
+from remodel_planning.core.orders.work_order import ByHand, OtherMethod, Task, WorkOrder
 from remodel_planning.core.use_case.model import INSERTED, Method, UseCase
 from remodel_production.core.whole_task import whole_tasks
 from remodel_production.errors import InstanceError
@@ -48,7 +48,11 @@ def triaged(
     refusals: dict[str, Refusal] = {}
     whole = {wire: task.name for task in order.whole_tasks for wire in task.wires}
     for task in order.tasks:
-        why = refused.get(task.name) or _refused_characteristic(task.characteristics, use_case)
+        why = (
+            refused.get(task.name)
+            or _refused_place(task)
+            or _refused_characteristic(task.characteristics, use_case)
+        )
         plan = None
         if why is None:
             try:
@@ -102,6 +106,10 @@ def _preferred(methods: Sequence[Method], features: Features) -> str:
         for method in methods
         if all(test.passes(features) for test in method.when.tests if test.name == INSERTED)
     )
+
+
+def _refused_place(task: Task) -> Refusal | None:
+    return Refusal("on full terminals", task.by_hand) if task.by_hand else None
 
 
 def _refused_characteristic(stated: Mapping[str, Value], use_case: UseCase) -> Refusal | None:

@@ -185,6 +185,7 @@ class _Wiring:
             first=self._first.get(wire.name),
             meeting_mm=None if able else self._around.meeting(path),
             preferred_arm=nearer.name if nearer else None,
+            by_hand=self._board.full.get(wire.name, ""),
         )
 
     def _stated(self, wire: Wire) -> dict[str, Value]:

@@ -109,6 +109,7 @@ class Task:
         meeting_mm: where one arm may hand it to the other; None: nowhere.
         first: the end to be inserted first; None: the planner chooses.
         values: for the inputs and parameters of states, such as poses.
+        by_hand: why no robot does it; empty: one may.
     """
 
     name: str
@@ -120,6 +121,7 @@ class Task:
     preferred_arm: str | None = None
     first: End | None = None
     values: tuple[tuple[str, object], ...] = ()
+    by_hand: str = ""
 
     @property
     def cable(self) -> str:

@@ -5,13 +5,14 @@ from __future__ import annotations
 import math
 from collections import Counter, defaultdict
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field, replace
 from itertools import pairwise
 
 from remodel_production.core.board.cabinet import clamp_pitches, is_cabinet, laid_out, on_plate
 from remodel_production.core.board.connector_rows import Stand, row_of
 from remodel_production.core.board.formboard import Point, flattened
 from remodel_production.core.catalogue import Catalogue
+from remodel_production.core.full_terminals import reasons_by_wire
 from remodel_production.core.production import (
     Component,
     Order,
@@ -58,6 +59,7 @@ class Board:
         clips: places of the clips, by name.
         routes: of the wires on the board, by name, from end a to end b.
         is_cabinet: whether the segments are ducts.
+        full: why wires are by hand that a terminal has no place for, by their names.
     """
 
     order: Order
@@ -67,6 +69,7 @@ class Board:
     clips: Mapping[str, Point]
     routes: Mapping[str, tuple[Point, ...]]
     is_cabinet: bool
+    full: Mapping[str, str] = field(default_factory=dict)
 
     def length_of(self, wire: Wire) -> float:
         """Return the length [m] of a wire, or that of its route if the design does not say."""
@@ -86,7 +89,7 @@ def board_of(order: Order, catalogue: Catalogue) -> Board:
     order = laid_out(order, catalogue)
     has_ducts = is_cabinet(order)
     make = _plate if has_ducts or not order.segments else _formboard
-    return make(order, catalogue)
+    return replace(make(order, catalogue), full=reasons_by_wire(order.in_cabinet(), catalogue))
 
 
 def _plate(order: Order, catalogue: Catalogue) -> Board:

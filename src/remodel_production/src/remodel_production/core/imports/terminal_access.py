@@ -2,7 +2,7 @@
 
 Of all formats, lists alone have columns for the force with which an end may be pushed in; none says
 how much room is around a terminal, or from where an end goes in. Each value
-filled in is reported as an assumption.
+filled in is reported as an assumption, and so is each terminal with more wires than it takes.
 """
 
 from __future__ import annotations
@@ -11,6 +11,7 @@ from collections import Counter
 from dataclasses import replace
 
 from remodel_production.core.catalogue import Catalogue, TerminalRule
+from remodel_production.core.full_terminals import full_terminals
 from remodel_production.core.imports.shared.account import Imported
 from remodel_production.core.production import Component, Side, Terminal
 
@@ -26,11 +27,17 @@ def with_access(imported: Imported, catalogue: Catalogue) -> Imported:
     lacking: Counter[str] = Counter()
     components = []
     for component in imported.order.components:
-        rule = catalogue.terminal_rule(component.role, component.part_number)
+        rule = catalogue.terminal_rule(component)
         lacking.update(_assumed(component, rule))
         terminals = tuple(_filled(terminal, rule) for terminal in component.terminals)
         components.append(replace(component, terminals=terminals))
-    assumptions = tuple(f"{what} (of {count} terminals)" for what, count in lacking.items())
+    assumptions = (
+        *(f"{what} (of {count} terminals)" for what, count in lacking.items()),
+        *(
+            f"{full.reason}; by hand: {', '.join(full.beyond)}"
+            for full in full_terminals(imported.order.in_cabinet(), catalogue)
+        ),
+    )
     return Imported(
         replace(
             imported.order,

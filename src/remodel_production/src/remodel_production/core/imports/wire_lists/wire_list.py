@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections import Counter
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
@@ -53,6 +54,13 @@ _YES = frozenset(
     {"yes", "y", "ja", "j", "oui", "o", "si", "s\u00ed", "x", "true", "1", "tw", "twisted"}
 )
 _NO_GROUPS = _NONE | _YES
+# What a wire has and a jumper has not, which say what a line is instead.
+_OF_WIRES = (Field.COLOUR, Field.SECTION, Field.LENGTH, Field.CABLE)
+_JUMPER = re.compile(
+    r"\b(?:jumpers?|bridges?|bus ?bars?|comb|links?|(?:draht|steck)?br(?:ü|ue)cken?|querverbinder|"
+    r"ponts?|pontets?|cavaliers?|peignes?|ponticell[oi]|puentes?)\b",
+    re.IGNORECASE,
+)
 # What a spreadsheet shows of a formula that it cannot compute.
 _ERRORS = frozenset({"#REF!", "#N/A", "#VALUE!", "#NAME?", "#DIV/0!", "#NULL!", "#NUM!"})
 
@@ -143,6 +151,7 @@ class _Reader:
                 "are single wires"
             )
         self._lengths = self.table.cells(Field.LENGTH)
+        self._describes_wires = any(any(self.table.cells(field)) for field in _OF_WIRES)
         for line in filter(None, (*assumed, of_sections, of_lengths)):
             self.assumptions.add(line)
 
@@ -188,6 +197,11 @@ class _Reader:
         if a == b:
             self._left_out.append(LeftOut(source, f"both its ends are at {a}"))
             return None
+        if self._is_jumper(row, is_one_component=a.component == b.component):
+            self._left_out.append(
+                LeftOut(source, "it is a jumper or bar, a part for a person to set")
+            )
+            return None
         first, second = sorted((a, b), key=str)
         before = self._seen.setdefault((name, first, second), row.line)
         if before != row.line:
@@ -210,6 +224,19 @@ class _Reader:
             cable=self._cable(row, source),
             core=self._cell(row, Field.CORE),
         )
+
+    def _is_jumper(self, row: Row, *, is_one_component: bool) -> bool:
+        """Return whether a line is no wire but what joins terminals beside each other.
+
+        It says so in place of a colour or section; or it joins terminals of one component and is
+        called so, or has nothing of a wire although others have.
+        """
+        colour, section, *others = (self._cell(row, field) for field in _OF_WIRES)
+        if _JUMPER.search(f"{colour}\n{section}"):
+            return True
+        names = f"{self._cell(row, Field.WIRE)}\n{self._cell(row, Field.CABLE)}"
+        is_bare = self._describes_wires and not any((colour, section, *others))
+        return is_one_component and (is_bare or _JUMPER.search(names) is not None)
 
     @property
     def units(self) -> dict[str, str]:
