@@ -15,11 +15,11 @@ from remodel_production.core.production import TerminalRef, Wire
 A, B, OTHER, THIRD = (TerminalRef("Q1", name) for name in ("1", "2", "3", "4"))
 
 
-def connection(*ends, by_hand=False):
+def connection(*ends):
     """Return a connection from A to B; ends are terminals, or (terminal, whether it is fixed)."""
     pairs = [end if isinstance(end, tuple) else (end, end is not None) for end in ends]
     found = FoundWire(*(FoundEnd(*pair) for pair in pairs)) if pairs else None
-    return Connection("W1", (A, B), found, by_hand)
+    return Connection("W1", (A, B), found)
 
 
 @pytest.mark.parametrize("ends", [(A, B), (B, A)])
@@ -57,12 +57,6 @@ def test_a_wire_that_does_not_reach_its_terminals_is_missing(ends, difference):
 def test_an_end_in_a_terminal_of_others_makes_the_wire_wrong(ends, difference):
     made = connection(*ends)
     assert (made.verdict, made.difference) == (Verdict.WRONG, difference)
-
-
-def test_a_wire_by_hand_that_is_not_there_is_missing_and_said_to_be_by_hand():
-    made = connection(by_hand=True)
-    assert made.verdict is Verdict.MISSING
-    assert made.difference.endswith(", to be placed by hand")
 
 
 def test_the_list_has_what_was_asked_for_and_what_is_there_in_the_designs_order():

@@ -206,7 +206,6 @@ def read_back(*attempts, wires=4):
             "W2": found("Q2:T1", "Q1:B1", duct_length_m=0.2, in_ducts=0.5),
             "W3": found("Q1:B1", "Q2:T2"),
         },
-        by_hand=["W4"],
     )
     return dataclasses.replace(report(*(attempts or (one,))), nets=nets)
 
@@ -302,7 +301,7 @@ def test_the_summary_is_what_the_report_ends_with():
         "30 s simulated in 20 s, real-time factor 1.50",
         "net list: 2 of 4 wires as designed, 1 wrong, 1 missing",
         "  W3 wrong: designed Q1:B1 to Q2:T1, in Q2:T2 instead of Q2:T1",
-        "  W4 missing: designed Q1:B1 to Q2:T1, no piece of it in the cell, to be placed by hand",
+        "  W4 missing: designed Q1:B1 to Q2:T1, no piece of it in the cell",
         "routes: below the rims at 87.5% of their length in ducts",
     ]
 

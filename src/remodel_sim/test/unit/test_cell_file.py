@@ -60,6 +60,17 @@ def test_a_cell_of_ones_own_is_read_from_its_path(tmp_path):
             "feeder, magazine: found both; allowed: one of them",
         ),
         (
+            lambda c: (
+                c["takes"].update(wire_length={"least": 0.3, "most": 3})
+                or c.update(magazine=MAGAZINE)
+            ),
+            r"takes.wire_length.least: found 0.3 m; allowed: 0.48 m or more, since the magazine",
+        ),
+        (
+            lambda c: c["takes"].pop("plate"),
+            "takes: found devices, wire_length, wire_diameter; missing: plate",
+        ),
+        (
             lambda c: c.update(magazine={**MAGAZINE, "y_min": 0.0}),
             r"magazine: y_min 0.000 to y_max 0.400 m; a wire with a span of 0.460 m needs as much",
         ),

@@ -16,7 +16,6 @@ from remodel_sim.core.cell.scrap_bin import bin_of
 from remodel_sim.core.errors import AbilityError
 from remodel_sim.core.goals import DiscardGoal
 from remodel_sim.core.robot.arm import ToolPose
-from remodel_sim.core.workpiece.layout import PLATE_MAX_M
 from remodel_sim.core.workpiece.panel import WireEnd
 from remodel_sim.edge.cell_file import read_cell
 from remodel_sim.edge.cell_memory import CellMemory
@@ -169,9 +168,11 @@ def test_a_hand_that_holds_another_wire_discards_none(cell):
 
 
 @pytest.mark.parametrize("name", ["one_panda", "one_iiwa", "two_pandas"])
-@pytest.mark.parametrize("size", [(0.40, 0.70, 0.003), (*PLATE_MAX_M, 0.003)])
-def test_each_robot_has_a_bin_in_reach_beside_any_plate(name, size):
-    for robot in read_cell(name).robots:
+@pytest.mark.parametrize("small", [(0.40, 0.70), None])
+def test_each_robot_has_a_bin_in_reach_beside_any_plate(name, small):
+    design = read_cell(name)
+    size = (*(small or design.takes.plate), 0.003)
+    for robot in design.robots:
         place = bin_of(robot, panel(size=size))
         assert robot.arm.reaches(place)
         assert abs(place.y) > size[1] / 2 + 0.05 and place.y * robot.home.y > 0

@@ -38,7 +38,7 @@ SLID_M, SLID_TOO_FAR_M, SLIDING_STEPS = 0.006, 0.012, 120
 
 def problems(panel):
     arms = [robot.arm for robot in DESIGN.robots]
-    return find_problems(panel, arms, has_magazine=True)
+    return find_problems(panel, arms, DESIGN.takes, has_magazine=True)
 
 
 def with_wire(**fields):

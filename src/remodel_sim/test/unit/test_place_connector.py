@@ -13,8 +13,10 @@ from remodel_sim.core import goals
 from remodel_sim.core.belief.belief_state import BeliefState, EndState, Feed
 from remodel_sim.core.errors import AbilityError, PanelError
 from remodel_sim.core.geometry import Pose
-from remodel_sim.core.workpiece.layout import WORLD_FROM_PANEL, find_problems
+from remodel_sim.core.workpiece.layout import WORLD_FROM_PANEL
+from remodel_sim.core.workpiece.layout import find_problems as problems_of
 from remodel_sim.core.workpiece.panel import WireEnd
+from remodel_sim.edge.cell_file import read_cell
 from remodel_sim.physics.truth import ground_truth
 from remodel_sim.ros.conversions import read_panel
 from remodel_states.core.codes import Code
@@ -135,6 +137,11 @@ def test_goals_that_cannot_be_done_are_refused_with_the_reason(goal, code, words
     assert caught.value.code is code
 
 
+def find_problems(found):
+    design = read_cell()
+    return problems_of(found, design.arms, design.takes)
+
+
 def with_connector(**changes):
     first = PANEL.wires[0]
     changed = dataclasses.replace(first.connectors[0], **changes)
@@ -165,7 +172,8 @@ def with_header(**changes):
     ],
 )
 def test_connectors_and_headers_that_do_not_work_are_reported(broken, words):
-    assert any(words in problem for problem in find_problems(broken)), find_problems(broken)
+    problems = find_problems(broken)
+    assert any(words in problem for problem in problems), problems
 
 
 def test_the_panel_with_connectors_has_no_problem():

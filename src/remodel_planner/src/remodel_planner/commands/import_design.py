@@ -25,6 +25,8 @@ from remodel_planner.commands.options.documents import (
 )
 from remodel_planner.commands.options.entry import refuses
 from remodel_planner.commands.options.problem_files import build_of, built
+from remodel_planning.core.decomposition.cell_fit import misfits, summary
+from remodel_planning.edge.cell_takes import named_cell
 from remodel_planning.edge.use_case_files import use_case_names
 from remodel_planning.edge.yaml_file import read_yaml
 from remodel_production.core.board.board import board_of
@@ -110,6 +112,8 @@ def main(arguments: list[str] | None = None) -> int:
     add_database_option(parser)
     add_json_option(parser)
     options = parser.parse_args(arguments)
+    if options.cell:
+        named_cell(options.cell)
     name = options.order or re.sub(r"\W+", "_", options.file.stem)
     catalogue = read_catalogue(catalogue_file())
     if options.print_mapping:
@@ -218,20 +222,29 @@ def _document(
     document["lengths"] = {"too_short": short, "too_long": long}
     document["use_cases"] = use_case_names()
     try:
-        work, _ = design_order(order, options)
+        design = design_order(order, options)
     except PlannerError as error:
         return {**document, "nothing_to_plan": str(error)}
-    return {**document, "triage": triage_document(work)}
+    document["triage"] = triage_document(design.work)
+    if design.takes is not None:
+        document["cell"] = {
+            "name": design.takes.cell,
+            "summary": summary(design.work, design.panel, design.takes),
+            "misfits": misfits(design.panel, design.takes),
+        }
+    return document
 
 
 def _report_triage(order: Order, options: argparse.Namespace) -> None:
     """Print which wires are by hand, or why nothing of the order can be planned."""
     try:
-        work, _ = design_order(order, options)
+        design = design_order(order, options)
     except PlannerError as error:
         print(f"  nothing to plan: {error}")
     else:
-        print_triage(work)
+        if design.takes is not None:
+            print(f"  {summary(design.work, design.panel, design.takes)}")
+        print_triage(design.work)
 
 
 def _report(imported: Imported, *, verbose: bool) -> None:

@@ -8,7 +8,9 @@ from pathlib import Path
 
 from remodel_planner.commands.options.database_option import add_database_option
 from remodel_planner.commands.options.entry import refuses
+from remodel_planning.core.decomposition.cell_fit import fitted
 from remodel_planning.core.orders.board_order import board_order, kind_of
+from remodel_planning.edge.cell_takes import cell_takes
 from remodel_planning.edge.use_case_files import use_case_for
 from remodel_production.core.board.board import board_of
 from remodel_production.core.board.drawing import draw_board
@@ -35,6 +37,13 @@ def main(arguments: list[str] | None = None) -> int:
     parser.add_argument(
         "--panel", type=Path, help="file of the panel (YAML), for `cell.launch panel:=FILE`"
     )
+    parser.add_argument(
+        "--cell",
+        metavar="NAME",
+        default="",
+        help="that builds the panel, or its file: the panel has no wire that it does not take "
+        "(default: the cell of the use case)",
+    )
     add_database_option(parser)
     options = parser.parse_args(arguments)
     if not (options.output or options.panel):
@@ -47,7 +56,9 @@ def main(arguments: list[str] | None = None) -> int:
         write_text(options.output, draw_board(board, catalogue))
     if options.panel:
         use_case = use_case_for(kind_of(board))
-        message = board_message(panel_of(board, catalogue), board_order(board, use_case, arms=1))
+        panel, whole = panel_of(board, catalogue), board_order(board, use_case, arms=1)
+        able = fitted(whole, panel, use_case, cell_takes(use_case, options.cell))
+        message = board_message(panel, whole, {task.name for task in able.tasks})
         write_text(options.panel, panel_text(message))
     wires = [wire for wire in board.order.wires if wire.name in board.routes]
     total = sum(map(board.length_of, wires))

@@ -265,6 +265,11 @@ class Catalogue:
         except MaterialError:
             return None
 
+    def nearest_material(self, section_mm2: float) -> WireMaterial:
+        """Return what wires are like whose section is the nearest in the table of materials."""
+        sections = [section for _, section in self.materials.rows]
+        return self.materials.find("", min(max(section_mm2, min(sections)), max(sections)))
+
 
 def catalogue_from(data: Mapping[str, Any], materials: WireMaterials) -> Catalogue:
     """Build a catalogue.

@@ -29,6 +29,7 @@ from remodel_sim.core.robot.kinematics import Kinematics
 from remodel_sim.core.robot.linear_axis import LinearAxis
 from remodel_sim.core.robot.portal import Portal
 from remodel_sim.core.workpiece.panel import Duct, PanelClip
+from remodel_states.core.cell.cell_limits import CellLimits
 from remodel_states.core.schema_problems import schema_problems
 
 
@@ -65,6 +66,7 @@ def _design(parsed: dict[str, Any]) -> CellDesign:
     table, fixtures = parsed["table"], parsed["fixtures"]
     return CellDesign(
         name=parsed["name"],
+        takes=CellLimits.stated(parsed["name"], parsed["takes"]),
         robots=tuple(_robot(robot) for robot in parsed["robots"]),
         overhead=View(
             _lens(overhead),

@@ -118,12 +118,13 @@ class Plant:
         problems = find_problems(
             complete,
             self.design.arms,
+            self.design.takes,
             has_magazine=magazine is not None,
             has_labels=self.design.labels,
         )
         if magazine is None or problems:
             return problems
-        return tuple(find_wire_problems(magazine, complete))
+        return tuple(find_wire_problems(complete))
 
     def _complete(self, panel: Panel) -> Panel:
         """Return a panel with the cell's own fixtures."""

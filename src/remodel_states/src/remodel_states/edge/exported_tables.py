@@ -68,6 +68,11 @@ def read_abilities_of(folder: Path) -> tuple[str, dict[str, Ability]]:
     return name, abilities_in(name, files[name], folder, codes, contract=folders[CONTRACT])
 
 
+def exported_paths(kind: str) -> dict[str, Path]:
+    """Return the file or folder of a kind in each package that exports one, such as "cells"."""
+    return _exported(exporting_packages(), kind)
+
+
 def exporting_packages() -> dict[str, Path]:
     """Return the folders of the packages that export tables, that of the contract first.
 

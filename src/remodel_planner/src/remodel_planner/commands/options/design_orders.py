@@ -3,21 +3,48 @@
 from __future__ import annotations
 
 import argparse
+from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
     from remodel_planning.core.orders.work_order import WorkOrder
     from remodel_planning.core.use_case.model import UseCase
+    from remodel_production.core.board.panel import Panel
     from remodel_production.core.production import Order
+    from remodel_states.core.cell.cell_limits import CellLimits
+
+
+@dataclass(frozen=True)
+class DesignOrder:
+    """An imported order as tasks.
+
+    Attributes:
+        work: the robots' tasks, and the others by hand.
+        use_case: by which they are done.
+        panel: of the board.
+        takes: what the cell can wire; None: that is not known.
+    """
+
+    work: WorkOrder
+    use_case: UseCase
+    panel: Panel
+    takes: CellLimits | None
 
 
 def add_design_options(parser: argparse.ArgumentParser) -> None:
-    """Add --use-case and --arms."""
+    """Add --use-case, --cell and --arms."""
     parser.add_argument(
         "--use-case",
         metavar="NAME",
         help="by which an order of the database is done (default: by what its design is, "
         "docs/use-cases.md)",
+    )
+    parser.add_argument(
+        "--cell",
+        metavar="NAME",
+        default="",
+        help="that places an order of the database, or its file: wires that it does not take are "
+        "by hand (default: the cell of the use case)",
     )
     parser.add_argument(
         "--arms",
@@ -28,23 +55,28 @@ def add_design_options(parser: argparse.ArgumentParser) -> None:
     )
 
 
-def design_order(stored: Order, options: argparse.Namespace) -> tuple[WorkOrder, UseCase]:
-    """Return the robot's tasks of an imported order, and the use case by which they are done.
+def design_order(stored: Order, options: argparse.Namespace) -> DesignOrder:
+    """Return an imported order as tasks.
 
     Raises:
-        PlannerError: if the use case takes no designs, or nothing of the order lies on the board.
+        PlannerError: if the use case takes no designs, or there is no such cell.
     """
     # They take longer to load than most problems to plan, and the commands of files need none.
-    from remodel_planning.core.decomposition.triage import triaged
+    from remodel_planning.core.decomposition.cell_fit import fitted
     from remodel_planning.core.orders.board_order import board_order, kind_of
+    from remodel_planning.edge.cell_takes import cell_takes
     from remodel_planning.edge.use_case_files import use_case_for
     from remodel_production.core.board.board import board_of
+    from remodel_production.core.board.panel import panel_of
     from remodel_production.edge.catalogue_file import read_catalogue
     from remodel_production.edge.package_files import catalogue_file
 
-    board = board_of(stored, read_catalogue(catalogue_file()))
+    catalogue = read_catalogue(catalogue_file())
+    board = board_of(stored, catalogue)
     use_case = use_case_for(kind_of(board), options.use_case or "")
-    return triaged(board_order(board, use_case, options.arms), use_case), use_case
+    takes, panel = cell_takes(use_case, options.cell), panel_of(board, catalogue)
+    whole = board_order(board, use_case, options.arms)
+    return DesignOrder(fitted(whole, panel, use_case, takes), use_case, panel, takes)
 
 
 def print_triage(order: WorkOrder) -> None:

@@ -219,11 +219,11 @@ def build_of(order: Order, options: argparse.Namespace, situations: frozenset[st
     from remodel_planning.core.decomposition.preparation import prepare
 
     with blamed(f"order {order.name}"):
-        work, use_case = design_order(order, options)
+        design = design_order(order, options)
 
     def build(preferences: Documents) -> ProblemFiles:
         with blamed(f"order {order.name}"):
-            prepared = prepare(work, use_case, preferences, situations)
+            prepared = prepare(design.work, design.use_case, preferences, situations)
         return ProblemFiles(prepared.preferred, prepared)
 
     return build

@@ -11,26 +11,27 @@ from remodel_planner.commands.runs.built_in_cell import picture_of_cabinet, wire
 from remodel_planner.commands.runs.run_follower import RunFollower
 from remodel_planner.core.reports.net_list import net_list
 from remodel_planner.core.reports.run_report import Report
-from remodel_planning.core.decomposition.triage import triaged
+from remodel_planning.core.decomposition.cell_fit import fitted
 from remodel_planning.core.orders.board_order import board_order
+from remodel_planning.edge.cell_takes import cell_takes
 from remodel_planning.edge.use_case_files import find_use_case
 from remodel_production.core.board.board import Board, board_of
+from remodel_production.core.board.panel import panel_of
+from remodel_production.core.catalogue import Catalogue
 from remodel_production.core.production import Order
 from remodel_production.edge.catalogue_file import read_catalogue
 from remodel_production.edge.package_files import catalogue_file
 from remodel_production.errors import PlannerError
 from remodel_supervision.core.runs.events import Ending, Part
 from remodel_supervision.core.runs.state import RunState, Stage
+from remodel_supervision.ros.peers.cell import running_cell
 
 
-def order_report(
-    order: Order, wires: int, follower: RunFollower, state: RunState, folder: Path
-) -> Report:
+def order_report(order: Order, follower: RunFollower, state: RunState, folder: Path) -> Report:
     """Return the report of a run that has ended.
 
     Args:
         order: the wires of the cabinet.
-        wires: how many of them were asked for, from the first.
         follower: of the run.
         state: in which the run ended.
         folder: of the report, with the run's pictures.
@@ -39,17 +40,17 @@ def order_report(
     reporter = AttemptReporter(folder / "runs" / str(follower.number))
     reported = [attempt for attempt in attempts if attempt.part is not Part.CLEAR]
     by_name = {wire.name: wire for wire in order.wires}
-    board = board_of(order, read_catalogue(catalogue_file()))
+    catalogue = read_catalogue(catalogue_file())
+    board = board_of(order, catalogue)
     lengths = {w.name: board.length_of(w) for w in order.wires if w.name in board.routes}
     here = {attempt.execution.wire for attempt in attempts}
     done = [name for name, task in state.tasks.items() if task.stage is Stage.DONE]
     is_stopped = state.ended is not None and state.ended.ending is Ending.STOPPED
-    triage, by_hand = _triage(board, state.use_case)
+    triage, by_hand = _triage(board, catalogue, state.use_case)
     if is_stopped and not attempts:  # a cell that refuses a panel keeps another one
         found, unread = {}, "nothing was built"
     else:
         found, unread = wires_in_cell(order)
-    asked = (*(wire.name for wire in order.wires[:wires]), *state.tasks)
     return Report(
         order,
         state.whole_tasks,
@@ -63,24 +64,26 @@ def order_report(
         stopped=state.ended.because if is_stopped and state.ended else "",
         before=frozenset(name for name in done if name not in here),
         triage=triage,
-        nets=() if unread else net_list(order.wires, asked, found, by_hand),
+        by_hand=by_hand,
+        nets=() if unread else net_list(order.wires, state.tasks, found),
         unread=unread,
         simulated_s=follower.ros_s if rospy.get_param("/use_sim_time", False) else None,
         finished=picture_of_cabinet() if attempts else (),
     )
 
 
-def _triage(board: Board, use_case: str) -> tuple[tuple[str, ...], frozenset[str]]:
+def _triage(board: Board, catalogue: Catalogue, use_case: str) -> tuple[tuple[str, ...], int]:
     """Return a line for each wire by hand, and for wires that are done by another method.
 
-    And the names of the wires by hand.
+    And how many wires are by hand.
     """
     if not use_case:  # no run began
-        return (), frozenset()
+        return (), 0
     try:
         methods = find_use_case(use_case)
-        found = triaged(board_order(board, methods, arms=1), methods)
+        takes, panel = cell_takes(methods, running_cell()), panel_of(board, catalogue)
+        found = fitted(board_order(board, methods, arms=1), panel, methods, takes)
     except PlannerError as error:  # the run is over, and its report is worth more than this part
-        return (str(error),), frozenset()
+        return (str(error),), 0
     lines = tuple(map(str, (*found.other_methods, *found.by_hand)))
-    return lines, frozenset(wire for each in found.by_hand for wire in each.wires)
+    return lines, sum(len(each.wires) for each in found.by_hand)

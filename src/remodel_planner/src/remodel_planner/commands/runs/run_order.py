@@ -84,7 +84,7 @@ def main(arguments: list[str] | None = None) -> int:
         return 130
     finally:
         database.close()
-    report = order_report(order, options.wires, follower, state, folder=options.output)
+    report = order_report(order, follower, state, folder=options.output)
     print(*summary_lines(report), sep="\n")
     try:
         print(f"report: {write_report(report, options.output)}")

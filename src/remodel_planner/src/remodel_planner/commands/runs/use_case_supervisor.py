@@ -24,7 +24,7 @@ from remodel_supervision.edge.run_log import RunLog
 from remodel_supervision.ros.event_loop import RosEventLoop
 from remodel_supervision.ros.peers.ability_watch import AbilityWatch
 from remodel_supervision.ros.peers.behavior_synthesizer import BehaviorSynthesizer
-from remodel_supervision.ros.peers.cell import Cell
+from remodel_supervision.ros.peers.cell import Cell, running_cell
 from remodel_supervision.ros.peers.engine_link import EngineLink
 from remodel_supervision.ros.peers.inspection import Inspection
 from remodel_supervision.ros.peers.pictures import CellPictures
@@ -116,6 +116,7 @@ def main(arguments: list[str] | None = None) -> int:
         lease_s=options.lease,
         search_s=options.search,
         explore=options.explore,
+        cell_design=running_cell,
         escalation=hook,
     )
     loop = RosEventLoop()

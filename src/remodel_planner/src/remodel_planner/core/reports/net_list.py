@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Container, Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass
 from enum import Enum
 
@@ -58,13 +58,11 @@ class Connection:
         wire: its name.
         designed: the terminals of ends a and b.
         found: None if the cell has no piece of it.
-        by_hand: whether a person is to place it.
     """
 
     wire: str
     designed: tuple[TerminalRef, TerminalRef]
     found: FoundWire | None
-    by_hand: bool = False
 
     @property
     def verdict(self) -> Verdict:
@@ -77,7 +75,7 @@ class Connection:
     def difference(self) -> str:
         """What differs from the design, for a person; empty if nothing does."""
         if self.found is None:
-            return f"no piece of it in the cell{', to be placed by hand' if self.by_hand else ''}"
+            return "no piece of it in the cell"
         parts = []
         if self._wrong:
             parts.append(f"in {_listed(self._wrong)} instead of {_listed(self._missing)}")
@@ -119,10 +117,7 @@ class Connection:
 
 
 def net_list(
-    wires: Sequence[Wire],
-    asked: Sequence[str],
-    found: Mapping[str, FoundWire],
-    by_hand: Container[str] = (),
+    wires: Sequence[Wire], asked: Collection[str], found: Mapping[str, FoundWire]
 ) -> tuple[Connection, ...]:
     """Return the connections of the wires that were asked for or are in the cell.
 
@@ -130,11 +125,10 @@ def net_list(
         wires: of the order.
         asked: names of the wires that were to be connected.
         found: the wires of which the cell has a piece, by name.
-        by_hand: names of the wires that a person is to place.
     """
     shown = {*asked, *found}
     return tuple(
-        Connection(wire.name, (wire.a, wire.b), found.get(wire.name), wire.name in by_hand)
+        Connection(wire.name, (wire.a, wire.b), found.get(wire.name))
         for wire in wires
         if wire.name in shown
     )

@@ -94,6 +94,7 @@ class Report:
         stopped: why the run ended before its time; empty if it did not.
         before: names of the wires that earlier runs, or other cells, have placed.
         triage: a line for each wire by hand, and for wires that are done by another method.
+        by_hand: how many wires of the order are left to a person.
         nets: what the design connects, beside what a simulated cell says that it has.
         unread: why the cell did not say what was built; empty if it did.
         simulated_s: [s] ROS time of the run; None if that is wall time.
@@ -108,6 +109,7 @@ class Report:
     stopped: str = ""
     before: frozenset[str] = frozenset()
     triage: tuple[str, ...] = ()
+    by_hand: int = 0
     nets: tuple[Connection, ...] = ()
     unread: str = ""
     simulated_s: float | None = None

@@ -36,6 +36,8 @@ def summary_lines(report: Report) -> Iterator[str]:
             f"real-time factor {report.real_time_factor:.2f}"
         )
     yield from _built_lines(report)
+    if report.by_hand:
+        yield f"by hand: {counted(report.by_hand, 'wire')}, listed in the report"
 
 
 def _built_lines(report: Report) -> Iterator[str]:

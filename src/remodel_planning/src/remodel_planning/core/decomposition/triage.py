@@ -8,49 +8,71 @@ those, the tasks are noted that are done by another method than the preferred on
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
+from types import MappingProxyType
 
 from remodel_planning.core.condition import Features, Value
 from remodel_planning.core.decomposition.decomposed import Decomposition
 from remodel_planning.core.decomposition.wiring_problem import decompose_task, decomposer_of
-from remodel_planning.core.orders.work_order import ByHand, OtherMethod, WorkOrder
+from remodel_planning.core.orders.work_order import ByHand, OtherMethod, Task, WorkOrder
 from remodel_planning.core.use_case.model import INSERTED, Method, UseCase
 from remodel_production.core.whole_task import whole_tasks
 from remodel_production.errors import InstanceError
 
 
-def triaged(order: WorkOrder, use_case: UseCase) -> WorkOrder:
-    """Return an order with the tasks that a robot can do, maybe none, and the others by hand."""
+@dataclass(frozen=True)
+class Refusal:
+    """Why no robot does a task.
+
+    Attributes:
+        kind: what several tasks have in common, such as "shorter than 0.48 m".
+        reason: in words.
+    """
+
+    kind: str
+    reason: str
+
+
+def triaged(
+    order: WorkOrder, use_case: UseCase, refused: Mapping[str, Refusal] = MappingProxyType({})
+) -> WorkOrder:
+    """Return an order with the tasks that a robot can do, maybe none, and the others by hand.
+
+    Args:
+        order: all tasks.
+        use_case: by which they are done.
+        refused: tasks that are by hand for reasons of the cell, by name.
+    """
     decomposer = decomposer_of(order, use_case)
     others: dict[str, OtherMethod] = {}
-    refusals: dict[str, str] = {}
+    refusals: dict[str, Refusal] = {}
     whole = {wire: task.name for task in order.whole_tasks for wire in task.wires}
     for task in order.tasks:
-        try:
-            refused = task.by_hand or _refused_characteristic(task.characteristics, use_case)
-            plan = None if refused else decompose_task(task, decomposer)
-        except InstanceError as error:
-            plan, refused = None, str(error).removeprefix(f"task {task.name}: ")
-        if plan is None:
-            refusals[task.name] = refused
-        else:
+        why = refused.get(task.name) or _refused_by_design(task)
+        why = why or _refused_characteristic(task.characteristics, use_case)
+        plan = None
+        if why is None:
+            try:
+                plan = decompose_task(task, decomposer)
+            except InstanceError as error:
+                why = Refusal("", str(error).removeprefix(f"task {task.name}: "))
+        if why is not None:
+            refusals[task.name] = why
+        elif plan is not None:
             _note_methods(others, whole[task.name], plan.alone, use_case)
-    done = {task.name for task in order.tasks} - refusals.keys()
     return replace(
-        order,
-        tasks=tuple(task for task in order.tasks if task.name in done),
-        unders=tuple(under for under in order.unders if {under.before, under.after} <= done),
-        soft_constraints=tuple(s for s in order.soft_constraints if {s.before, s.after} <= done),
+        order.with_tasks([task for task in order.tasks if task.name not in refusals]),
         by_hand=(*order.by_hand, *_by_hand(order, refusals)),
         other_methods=tuple(others.values()),
     )
 
 
-def _by_hand(order: WorkOrder, refusals: Mapping[str, str]) -> Iterator[ByHand]:
+def _by_hand(order: WorkOrder, refusals: Mapping[str, Refusal]) -> Iterator[ByHand]:
     """Yield the tasks that are refused, with the reasons; of a cable all cores that are."""
     refused = ((task.name, task.cable) for task in order.tasks if task.name in refusals)
     for name, wires in whole_tasks(refused):
-        yield ByHand(name, wires, "; ".join(dict.fromkeys(refusals[wire] for wire in wires)))
+        reasons = dict.fromkeys(refusals[wire].reason for wire in wires)
+        yield ByHand(name, wires, "; ".join(reasons), refusals[wires[0]].kind)
 
 
 def _note_methods(
@@ -83,13 +105,18 @@ def _preferred(methods: Sequence[Method], features: Features) -> str:
     )
 
 
-def _refused_characteristic(stated: Mapping[str, Value], use_case: UseCase) -> str:
+def _refused_by_design(task: Task) -> Refusal | None:
+    return Refusal("at terminals that are full", task.by_hand) if task.by_hand else None
+
+
+def _refused_characteristic(stated: Mapping[str, Value], use_case: UseCase) -> Refusal | None:
     for name, value in stated.items():
         characteristic = use_case.task_characteristics.get(name)
         wrong = characteristic.objection(value) if characteristic else ""
         if wrong:
-            return (
+            return Refusal(
+                f"whose {name} is not {wrong}",
                 f"{name} is {value}, and must be {wrong} (characteristics.task.{name} in "
-                f"{use_case.file_name})"
+                f"{use_case.file_name})",
             )
-    return ""
+    return None

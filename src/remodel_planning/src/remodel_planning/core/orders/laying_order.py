@@ -11,6 +11,9 @@ import math
 from collections.abc import Mapping, Sequence
 from itertools import pairwise
 
+import numpy as np
+import numpy.typing as npt
+
 from remodel_planning.core.problem.problem import End, Point
 
 # A loop takes so much of its duct to each side of its slot: there no other wire is taken [mm].
@@ -23,6 +26,9 @@ _DUCT_POINTS = 4
 
 # Of a wire: opening a, where it enters and leaves ducts and turns, opening b.
 Path = Sequence[Point]
+
+Array = npt.NDArray[np.float64]
+Indices = npt.NDArray[np.intp]
 
 
 def first_ends(paths: Mapping[str, Path]) -> dict[str, End]:
@@ -51,24 +57,29 @@ def laying_turns(paths: Mapping[str, Path], first: Mapping[str, End]) -> dict[st
         paths: of wires, by name.
         first: the end at which each begins.
     """
-    led = {
-        name: list(path[1:-1]) if first[name] is End.A else list(path[-2:0:-1])
+    ways = {
+        name: np.array(path[1:-1] if first[name] is End.A else path[-2:0:-1], float)
         for name, path in _in_ducts(paths).items()
     }
-    # For each wire those that pass its loop.
-    before = {
-        name: {other for other in led if other != name and _passes(led[other], loop=way[-1])}
-        for name, way in led.items()
-    }
-    turns: dict[str, int] = {}
-    while len(turns) < len(led):
-        waiting = {name: len(before[name] - turns.keys()) for name in led if name not in turns}
+    if not ways:
+        return {}
+    loops = _Loops(np.array([way[-1] for way in ways.values()]).reshape(-1, 2))
+    passed = [
+        indices[indices != own]
+        for own, indices in enumerate(_passed(way, loops) for way in ways.values())
+    ]
+    # By how many wires that have no turn yet the loop of each is passed.
+    waiting = np.bincount(np.concatenate(passed), minlength=len(ways))
+    turns = np.full(len(ways), -1)
+    turn, left = 0, len(ways)
+    while left:
         # Of wires that are in each other's way one with the fewest before it is next.
-        fewest = min(waiting.values())
-        ready = [name for name, count in waiting.items() if count == fewest]
-        turn = max(turns.values(), default=-1) + 1
-        turns.update(dict.fromkeys(ready if fewest == 0 else ready[:1], turn))
-    return turns
+        ready = np.flatnonzero(waiting == 0) if not waiting.min() else [int(waiting.argmin())]
+        turns[ready], waiting[ready] = turn, len(ways) ** 2
+        for index in ready:
+            waiting[passed[index]] -= 1
+        turn, left = turn + 1, left - len(ready)
+    return dict(zip(ways, turns.tolist(), strict=True))
 
 
 def _in_ducts(paths: Mapping[str, Path]) -> dict[str, Path]:
@@ -82,18 +93,44 @@ def _leg(path: Path, end: End) -> tuple[Point, Point]:
     return slot, corner
 
 
-def _passes(way: Sequence[Point], loop: Point) -> bool:
-    """Return whether a wire that is led along a way comes past a loop before it ends."""
-    if math.dist(way[0], loop) < LOOP_MM:
-        return True
-    on_way = any(_distance(loop, p, q) < BESIDE_MM for p, q in pairwise(way))
-    return on_way and math.dist(way[-1], loop) >= BESIDE_MM
+class _Loops:
+    """Points [mm] where loops stand, sorted by x and by y: ducts lie along one or the other."""
+
+    def __init__(self, points: Array) -> None:
+        self.points = points
+        self._order = np.argsort(points, axis=0)
+        self._sorted = np.take_along_axis(points, self._order, axis=0)
+
+    def between(self, low: Array, high: Array) -> Indices:
+        """Return the indices of the loops of which x is between two points, or y: of the fewer."""
+        spans = [np.searchsorted(self._sorted[:, axis], (low[axis], high[axis])) for axis in (0, 1)]
+        (from_x, to_x), (from_y, to_y) = spans
+        if to_x - from_x < to_y - from_y:
+            return self._order[from_x:to_x, 0]
+        return self._order[from_y:to_y, 1]
 
 
-def _distance(point: Point, p: Point, q: Point) -> float:
-    """Return how far a point is from the line between two others."""
-    (x, y), (px, py), (qx, qy) = point, p, q
-    length = math.dist(p, q)
-    share = ((x - px) * (qx - px) + (y - py) * (qy - py)) / length**2 if length else 0.0
-    share = min(1.0, max(0.0, share))
-    return math.hypot(x - px - share * (qx - px), y - py - share * (qy - py))
+def _passed(way: Array, loops: _Loops) -> Indices:
+    """Return the indices of the loops that a wire comes past before it ends, as it is led.
+
+    Args:
+        way: points (n, 2) [mm] from where it enters its first duct to where its own loop stands.
+        loops: of all wires.
+    """
+    begins, ends = way[0], way[-1]
+    near = loops.between(begins - LOOP_MM, begins + LOOP_MM)
+    passed = [near[np.hypot(*(loops.points[near] - begins).T) < LOOP_MM]]
+    for p, q in pairwise(way):
+        near = loops.between(np.minimum(p, q) - BESIDE_MM, np.maximum(p, q) + BESIDE_MM)
+        points = loops.points[near]
+        is_end = np.hypot(*(points - ends).T) < BESIDE_MM
+        passed.append(near[(_distances(points, p, q) < BESIDE_MM) & ~is_end])
+    return np.unique(np.concatenate(passed))
+
+
+def _distances(points: Array, p: Array, q: Array) -> Array:
+    """Return how far points (n, 2) are from the line between two others."""
+    line = q - p
+    shares = (points - p) @ line / max(line @ line, 1e-12)
+    beside = points - p - shares.clip(0.0, 1.0)[:, None] * line
+    return np.hypot(*beside.T)

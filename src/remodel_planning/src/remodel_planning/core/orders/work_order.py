@@ -6,6 +6,7 @@ docs/use-cases.md describes the form. Lengths are integers in mm, as in core.
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from itertools import pairwise
@@ -156,11 +157,13 @@ class ByHand:
 
     Attributes:
         wires: as of a `WholeTask`.
+        kind: of the reason, which several tasks may have in common; empty: it is theirs alone.
     """
 
     task: str
     wires: tuple[str, ...]
     reason: str
+    kind: str = ""
 
     def __str__(self) -> str:
         """Return the line for a person."""
@@ -216,6 +219,18 @@ class WorkOrder:
     by_hand: tuple[ByHand, ...] = ()
     other_methods: tuple[OtherMethod, ...] = ()
     outside: tuple[str, ...] = ()
+
+    def with_tasks(self, tasks: Sequence[Task]) -> WorkOrder:
+        """Return the order with these tasks alone, and the constraints between them."""
+        names = {task.name for task in tasks}
+        return replace(
+            self,
+            tasks=tuple(tasks),
+            unders=tuple(under for under in self.unders if {under.before, under.after} <= names),
+            soft_constraints=tuple(
+                soft for soft in self.soft_constraints if {soft.before, soft.after} <= names
+            ),
+        )
 
     @property
     def whole_tasks(self) -> tuple[WholeTask, ...]:

@@ -44,6 +44,7 @@ class Designs:
         first: end of each wire that is inserted first: "a" or "b", such as the one that a magazine
             presents in front of its terminal, or the one with the "longer_leg" in its first duct;
             None: the planner chooses.
+        cell: name or file of the one that does it unless another one is named; empty: not known.
     """
 
     default_for: DesignKind | None
@@ -56,6 +57,7 @@ class Designs:
     reach_beyond_m: float
     reach_of_two: float
     first: str | None = None
+    cell: str = ""
 
 
 def designs_from(stated: dict[str, object] | None) -> Designs | None:

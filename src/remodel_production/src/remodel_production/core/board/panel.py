@@ -192,6 +192,7 @@ class _Maker:
         board, catalogue = self._board, self._catalogue
         xs, ys = (
             [d.centre[axis] + sign * d.half_extent[axis] for d in board.devices for sign in (-1, 1)]
+            or [0.0]  # of a board without devices
             for axis in (0, 1)
         )
         margin = catalogue.formboard.plate_margin
@@ -237,13 +238,14 @@ class _Maker:
         up, aside = cos * out + sin * left, cos * left - sin * out
         is_top = terminal.side is Side.TOP if self._board.is_cabinet else up > 0
         section = self._sections.get(ref)
-        material = self._catalogue.material(section) if section else None
         screw = None
         if part.screw_m is not None:
             behind = -part.screw_m if is_top else part.screw_m
             screw = _rounded((up + behind, aside, part.height_m))
         clamp = (0.0, 0.0, 0.0, 0.0)
-        if section and material is not None:
+        if section:
+            # A person places a wire beyond the table; its clamp has the size of the nearest one.
+            material = self._catalogue.nearest_material(section)
             bore = material.diameter + self._catalogue.clamp_play_m
             depth = material.ferrule_length + self._catalogue.clamp_beyond_ferrule_m
             size = self._catalogue.clamp(section)
@@ -259,6 +261,8 @@ class _Maker:
     def _rails(self) -> Iterator[PanelRail]:
         """Yield a rail below each row of devices, all as long as the longest row."""
         rows = {device.centre[1] for device in self._board.devices}
+        if not rows:
+            return
         size = self._catalogue.cabinet.rail
         left = min(d.centre[0] - d.size[0] / 2 for d in self._board.devices)
         right = max(d.centre[0] + d.size[0] / 2 for d in self._board.devices)

@@ -14,11 +14,12 @@ from itertools import combinations
 
 from remodel_sim.core.camera import Lens, View
 from remodel_sim.core.cell.feeding import Feeder
-from remodel_sim.core.cell.magazine import Magazine
+from remodel_sim.core.cell.magazine import LEAST_SLACK_M, Magazine
 from remodel_sim.core.errors import AbilityError
 from remodel_sim.core.robot.arm import Arm, ToolPose
 from remodel_sim.core.robot.kinematics import Kinematics
 from remodel_sim.core.workpiece.panel import Duct, PanelClip
+from remodel_states.core.cell.cell_limits import CellLimits
 
 # Two bases need this much room between them [m].
 BASES_APART_M = 0.50
@@ -91,6 +92,7 @@ class CellDesign:
 
     Attributes:
         name: of the cell.
+        takes: the boards and wires that it can wire.
         robots: one or two.
         overhead: camera for colour and depth that sees the whole plate.
         scene: camera for people.
@@ -102,6 +104,7 @@ class CellDesign:
     """
 
     name: str
+    takes: CellLimits
     robots: tuple[RobotDesign, ...]
     overhead: View
     scene: View
@@ -209,6 +212,14 @@ def _presenting(design: CellDesign) -> Iterator[str]:
         yield (
             f"magazine: y_min {magazine.y_min:.3f} to y_max {magazine.y_max:.3f} m; a wire with a "
             f"span of {magazine.span:.3f} m needs as much"
+        )
+    if magazine is None:
+        return
+    least, presented = design.takes.wire_length[0], magazine.span + LEAST_SLACK_M
+    if least < presented - 1e-9:
+        yield (
+            f"takes.wire_length.least: found {least:g} m; allowed: {presented:g} m or more, since "
+            "the magazine presents no shorter ones"
         )
 
 

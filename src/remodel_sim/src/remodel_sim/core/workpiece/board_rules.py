@@ -14,12 +14,10 @@ import numpy as np
 from remodel_sim.core.geometry import Pose, wrap_angle
 from remodel_sim.core.robot.arm import ToolPose
 from remodel_sim.core.robot.kinematics import Kinematics
-from remodel_sim.core.workpiece.limits import within
 from remodel_sim.core.workpiece.panel import Component, Duct, Panel, PanelWire, WireEnd, unit_x
 
 # Tool centre to tip where devices stand before ducts.
 GRASP_M = 0.025
-LENGTH_M = (0.30, 3.0)
 # A slot lets a wire through that is thinner by this.
 SLOT_PLAY_M = 0.0003
 # A wire that is let down into forks is so much longer than the line between its openings: shorter,
@@ -151,7 +149,6 @@ def _neighbours(panel: Panel, arms: Sequence[Kinematics]) -> Iterator[str]:
 
 def _wire(wire: PanelWire, panel: Panel) -> Iterator[str]:
     name = f"wire {wire.id!r}"
-    yield from within(f"{name}: length", wire.length, LENGTH_M)
     along = sum(math.dist(p[:2], q[:2]) for p, q in pairwise(wire.route))
     if wire.length < along:
         yield (

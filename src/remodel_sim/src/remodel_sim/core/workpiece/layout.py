@@ -9,10 +9,9 @@ from dataclasses import fields, is_dataclass
 from itertools import pairwise
 
 from remodel_sim.core.geometry import Pose, wrap_angle
-from remodel_sim.core.robot.arm import PANDA_AT_ORIGIN, ToolPose
+from remodel_sim.core.robot.arm import ToolPose
 from remodel_sim.core.robot.kinematics import Kinematics
 from remodel_sim.core.workpiece.board_rules import board_problems
-from remodel_sim.core.workpiece.limits import within
 from remodel_sim.core.workpiece.panel import (
     Channel,
     Component,
@@ -27,6 +26,8 @@ from remodel_sim.core.workpiece.panel import (
     WireEnd,
     unit_x,
 )
+from remodel_states.core.cell.cell_limits import CellLimits
+from remodel_states.core.cell.within import within
 from remodel_states.core.wires.wire_colours import WIRE_RGB, is_colour
 
 # The panel lies flat in front of the arm: the plate's surface is the world's z = 0.
@@ -38,7 +39,6 @@ GRASP_DISTANCE_M = 0.045
 # The tip waits so far in front of the opening before it is pushed in.
 STANDOFF_M = 0.008
 
-PLATE_MAX_M = (0.55, 1.00)
 COMPONENT_HEIGHT_M = (0.030, 0.045)  # the hand clears it, and covers the openings
 OPENING_HEIGHT_M = (0.020, 0.026)  # above the plate
 TERMINAL_MAX_Y_M = 0.30
@@ -52,9 +52,7 @@ OPENING_GAP_M = 0.0005  # between neighbouring openings
 RETENTION_N = (1.0, 200.0)
 MARKER_MIN_M = 0.011
 MARKER_MARGIN = 1 / 6  # of the label's side, all around
-DIAMETER_M = (0.0025, 0.0062)
 FERRULE_M = (0.010, 0.016)
-LENGTH_M = (0.40, 0.75)
 # A wire needs so much more than the distance along y between its terminals, and may have so much
 # more.
 LENGTH_BEYOND_M = (0.22, 0.38)
@@ -90,36 +88,37 @@ RAIL_HEIGHT_M = (0.001, 0.016)  # wires lie over them, below the openings
 # Feeding: the far tip lies within this, and after end a is in, end b is picked within reach.
 FEED_LIMIT_Y_M = 0.45
 FEED_REACH_M = 0.52
-MARKER_IDS = 250
 
 
 def find_problems(
     panel: Panel,
-    arms: Sequence[Kinematics] = (PANDA_AT_ORIGIN,),
+    arms: Sequence[Kinematics],
+    takes: CellLimits,
     *,
     has_magazine: bool = False,
     has_labels: bool = True,
 ) -> tuple[str, ...]:
     """Return every violation of the rules by a panel, one sentence each.
 
-    None: it can be built. Each terminal must be within reach of one of the arms. Wires are fed into
-    channels; a panel without any needs a cell with a magazine. Labels have rules where components
-    carry them.
+    None: it can be built by a cell that takes so much. Each terminal must be within reach of one of
+    the arms. Wires are fed into channels; a panel without any needs a cell with a magazine. Labels
+    have rules where components carry them.
     """
     unreal = tuple(_not_finite(panel, "panel"))
     if unreal:
         return unreal
     return (
+        *takes.about_board(panel.size[:2], len(panel.components)),
         *_plate(panel, has_magazine=has_magazine),
         *_names(panel),
-        *(_labels(panel) if has_labels else ()),
+        *(_labels(panel, takes.devices) if has_labels else ()),
         *(p for channel in panel.channels for p in _channel(channel)),
         *(p for component in panel.components for p in _component(component, panel, arms)),
-        *(p for clip in panel.clips for p in _clip(clip, panel)),
+        *(p for clip in panel.clips for p in _clip(clip, panel, takes)),
         *(p for duct in panel.ducts for p in _duct(duct, panel, arms)),
         *(p for rail in panel.rails for p in _rail(rail, panel)),
         *_overlaps(panel),
-        *(p for wire in panel.wires for p in _wire(wire, panel)),
+        *(p for wire in panel.wires for p in _wire(wire, panel, takes)),
         *_sharing(panel),
         *(() if panel.channels else board_problems(panel, arms, _sockets(panel), STANDOFF_M)),
     )
@@ -148,9 +147,6 @@ def _not_finite(value: object, path: str) -> Iterator[str]:
 
 
 def _plate(panel: Panel, *, has_magazine: bool) -> Iterator[str]:
-    for axis, size, most in zip("xy", panel.size, PLATE_MAX_M, strict=False):
-        remedy = "a larger cell, or fewer devices" if size > most else ""
-        yield from within(f"the plate's size in {axis}", size, (0.1, most), remedy=remedy)
     yield from within("the plate's thickness", panel.size[2], (0.001, 0.02))
     if not panel.channels and not has_magazine:
         yield "the panel has no channel; wires are fed into one: a cell with a magazine needs none"
@@ -175,14 +171,14 @@ def _names(panel: Panel) -> Iterator[str]:
             yield f"{counts[name]} of the {noun} are called {name!r}"
 
 
-def _labels(panel: Panel) -> Iterator[str]:
+def _labels(panel: Panel, most: int) -> Iterator[str]:
     markers = Counter(c.marker_id for c in panel.components)
     for marker in sorted(m for m, count in markers.items() if count > 1):
         yield f"{markers[marker]} components have marker_id {marker}; each needs its own"
     for component in panel.components:
         name = f"component {component.id!r}"
-        if component.marker_id >= MARKER_IDS:
-            yield f"{name}: marker_id is {component.marker_id}; allowed: 0 to {MARKER_IDS - 1}"
+        if component.marker_id >= most >= len(panel.components):
+            yield f"{name}: marker_id is {component.marker_id}; allowed: 0 to {most - 1}"
         room = min(component.size[:2]) / (1 + 2 * MARKER_MARGIN)
         yield from within(f"{name}: marker_size", component.marker_size, (MARKER_MIN_M, room))
 
@@ -194,9 +190,9 @@ def _channel(channel: Channel) -> Iterator[str]:
         yield f"{name}: y_max {channel.y_max} must be above y_min {channel.y_min}"
 
 
-def _clip(clip: PanelClip, panel: Panel) -> Iterator[str]:
+def _clip(clip: PanelClip, panel: Panel, takes: CellLimits) -> Iterator[str]:
     name = f"clip {clip.id!r}"
-    yield from within(f"{name}: wire_diameter", clip.wire_diameter, DIAMETER_M)
+    yield from within(f"{name}: wire_diameter", clip.wire_diameter, takes.wire_diameter)
     low = clip.wire_diameter / 2 + CLIP_FLOOR_M
     yield from within(f"{name}: height", clip.height, (low, CLIP_MAX_HEIGHT_M))
     yield from within(f"{name}: length", clip.length, CLIP_LENGTH_M)
@@ -358,14 +354,17 @@ def _overlaps(panel: Panel) -> Iterator[str]:
                 yield f"components {first!r} and {second!r} overlap"
 
 
-def _wire(wire: PanelWire, panel: Panel) -> Iterator[str]:
+def _wire(wire: PanelWire, panel: Panel, takes: CellLimits) -> Iterator[str]:
     name = f"wire {wire.id!r}"
     if not is_colour(wire.colour):
         yield (
             f"{name}: colour {wire.colour!r} is not known; allowed: one of these codes, or several "
             f"one after another: {' '.join(WIRE_RGB)}"
         )
-    yield from within(f"{name}: diameter", wire.diameter, DIAMETER_M)
+    # In channels the terminals limit the length, too.
+    lengths = () if panel.channels else takes.about_length(wire.length)
+    for words in (*lengths, *takes.about_diameter(wire.diameter)):
+        yield f"{name}: {words}"
     yield from within(f"{name}: ferrule_length", wire.ferrule_length, FERRULE_M)
     yield from within(f"{name}: linear_density", wire.linear_density, DENSITY_KG_M, "kg/m")
     yield from within(f"{name}: bending_stiffness", wire.bending_stiffness, STIFFNESS_NM2, "N m^2")
@@ -407,7 +406,7 @@ def _wire(wire: PanelWire, panel: Panel) -> Iterator[str]:
                 f"{terminal.depth:.4f} m deep; it must be {DEPTH_BEYOND_FERRULE_M} m deeper"
             )
     if len(sockets) == 2 and panel.channels:
-        yield from _wire_length(name, wire, sockets, panel)
+        yield from _wire_length(name, wire, sockets, panel, takes)
 
 
 def _clearance(name: str, terminal: PanelTerminal, diameter: float, where: str) -> Iterator[str]:
@@ -461,6 +460,7 @@ def length_limits(
     *,
     crossing: bool,
     direction: int,
+    taken: tuple[float, float],
 ) -> tuple[float, float]:
     """Return the least and the greatest length of a wire [m].
 
@@ -469,21 +469,28 @@ def length_limits(
         opening_b: of the other.
         crossing: whether they open into different channels.
         direction: +1 when the wire is fed from a towards +y, else -1.
+        taken: least and greatest length that the cell takes [m].
     """
     span = abs(opening_b[1] - opening_a[1])
     least, most = CROSSING_BEYOND_M if crossing else LENGTH_BEYOND_M
-    low = max(LENGTH_M[0], span + least)
-    high = min(LENGTH_M[1], max(low, span + most), FEED_REACH_M - direction * opening_a[1])
+    low = max(taken[0], span + least)
+    high = min(taken[1], max(low, span + most), FEED_REACH_M - direction * opening_a[1])
     return low, high
 
 
 def _wire_length(
-    name: str, wire: PanelWire, sockets: dict[WireEnd, Pose], panel: Panel
+    name: str,
+    wire: PanelWire,
+    sockets: dict[WireEnd, Pose],
+    panel: Panel,
+    takes: CellLimits,
 ) -> Iterator[str]:
     a, b = sockets[WireEnd.A].position, sockets[WireEnd.B].position
     crossing = panel.channel_in_front_of(a) != panel.channel_in_front_of(b)
     direction = feed_direction(float(a[1]), float(b[1]))
-    low, high = length_limits((a[0], a[1]), (b[0], b[1]), crossing=crossing, direction=direction)
+    low, high = length_limits(
+        (a[0], a[1]), (b[0], b[1]), crossing=crossing, direction=direction, taken=takes.wire_length
+    )
     yield from within(f"{name}: length between these terminals", wire.length, (low, high))
 
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 from dataclasses import fields
 
 import yaml
@@ -28,10 +28,14 @@ from remodel_states.core.wires.wire_materials import PROPERTIES
 _TEXT_WIDTH = 150
 
 
-def board_message(panel: Panel, order: WorkOrder) -> PanelMsg:
-    """Return the message for a panel, whose wires are the tasks of an order.
+def board_message(panel: Panel, order: WorkOrder, robots: Collection[str]) -> PanelMsg:
+    """Return the message for a panel. It has no channels: a magazine presents the wires.
 
-    It has no channels: a magazine presents the wires.
+    Args:
+        panel: with all wires.
+        order: whose tasks they are, in their order.
+        robots: names of the tasks that robots do: the cell gets these wires. Of those by hand it
+            has the terminals alone.
     """
     message = PanelMsg(
         name=panel.name,
@@ -45,7 +49,8 @@ def board_message(panel: Panel, order: WorkOrder) -> PanelMsg:
     for wire, task in zip(panel.wires, order.tasks, strict=True):
         a, b = (short[name] for name in task.terminals)
         terminals.update({wire.a: a, wire.b: b})
-        message.wires.append(_wire(wire, task.name, a, b))
+        if task.name in robots:
+            message.wires.append(_wire(wire, task.name, a, b))
     message.components = [_component(device, terminals) for device in panel.devices]
     return message
 

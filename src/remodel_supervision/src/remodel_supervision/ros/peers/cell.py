@@ -169,3 +169,8 @@ def _called(name: str, what: str, request: dict[str, object]) -> Message:
         return rospy.ServiceProxy(f"cell/{name}", _SERVICES[name])(**request)
     except (rospy.ServiceException, rospy.ROSException, OSError) as error:
         raise LostError(f"cannot {what}: {error}") from error
+
+
+def running_cell() -> str:
+    """Return the name or file of the simulated cell that runs; empty if another one runs."""
+    return str(rospy.get_param("cell/cell", ""))

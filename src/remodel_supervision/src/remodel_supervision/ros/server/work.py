@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Mapping
+from collections.abc import Callable, Collection, Mapping
 from dataclasses import dataclass, field, replace
 
 from remodel_msgs.msg import Panel
 
-from remodel_planning.core.decomposition.triage import triaged
+from remodel_planning.core.decomposition.cell_fit import fitted, require_fit
 from remodel_planning.core.orders.board_order import board_order, kind_of
 from remodel_planning.core.orders.work_order import Task, WorkOrder
 from remodel_planning.core.problem.preferences import about_wires
@@ -15,6 +15,7 @@ from remodel_planning.core.problem.problem import End
 from remodel_planning.core.task_charts.task_values import poses
 from remodel_planning.core.use_case.fault import FaultTable
 from remodel_planning.core.use_case.model import UseCase
+from remodel_planning.edge.cell_takes import cell_takes
 from remodel_planning.edge.use_case_files import use_case_for
 from remodel_production.core.board.board import Board, board_of
 from remodel_production.core.board.panel import panel_of
@@ -47,6 +48,7 @@ class WorkMaker:
         search_s: [s] wall time that the search for the best order of tasks gets.
         explore: try parameters other than those the use case states, and spare responses that
             hardly ever help, both as recorded runs have taught.
+        cell_design: returns the name or file of the cell that runs; empty: that of the use case.
         escalation: is notified of questions; None: they are only shown at the console.
         descriptions: of the tasks made last, for a person, by name.
     """
@@ -60,6 +62,7 @@ class WorkMaker:
     lease_s: float
     search_s: float
     explore: bool = False
+    cell_design: Callable[[], str] = str
     escalation: EscalationHook | None = None
     descriptions: Mapping[str, str] = field(default_factory=dict)
 
@@ -69,8 +72,8 @@ class WorkMaker:
         Args:
             name: of the order.
             use_case: name of the use case; empty: the default.
-            tasks: how many, from the first, those by hand among them; 0 for all. Or the names of
-                those that a run began with.
+            tasks: how many, from the first of those that are not by hand; 0 for all. Or the names
+                of those that a run began with.
             owner: token of the ownership of the cell.
 
         Raises:
@@ -82,8 +85,11 @@ class WorkMaker:
         found = use_case_for(kind_of(board), use_case or self.use_case)
         found.recovery.require_known(self.faults)
         whole = _whole_order(board, found)
-        panel = board_message(panel_of(board, catalogue), whole)
-        order = _robots_tasks(whole, panel, found, tasks)
+        laid, takes = panel_of(board, catalogue), cell_takes(found, self.cell_design())
+        require_fit(laid, takes)
+        able = fitted(whole, laid, found, takes)
+        panel = board_message(laid, whole, {task.name for task in able.tasks})
+        order = _asked(able, panel, found, tasks)
         experience = Experience(found, ability_calls(self.database), explore=self.explore)
         leases = TaskLeases(self.database, name, self.cell, self.lease_s, token=owner)
         self.descriptions = {
@@ -131,13 +137,13 @@ def _whole_order(board: Board, use_case: UseCase) -> WorkOrder:
     return order
 
 
-def _robots_tasks(
+def _asked(
     order: WorkOrder, panel: Panel, use_case: UseCase, asked: int | Collection[str]
 ) -> WorkOrder:
-    """Return the tasks of the robot, in the panel's frame.
+    """Return the tasks that are asked for, in the panel's frame.
 
     Args:
-        order: with all tasks, in the board's frame.
+        order: with all tasks of robots, in the board's frame.
         panel: to build.
         use_case: by which the tasks are done.
         asked: how many are asked for, from the first (0: all), or their names.
@@ -145,24 +151,21 @@ def _robots_tasks(
     Raises:
         OrderError: if there is none, or one of the names is of none.
     """
+    if not order.tasks:
+        raise OrderError(
+            f"order {order.name}: no task is for the robot: all {len(order.by_hand)} are by hand, "
+            f"such as {order.by_hand[0]}"
+        )
     if isinstance(asked, int):
-        tasks, names = order.tasks[: asked or None], frozenset[str]()
+        tasks = order.tasks[: asked or None]
     else:
-        names = frozenset(asked)
-        tasks = tuple(task for task in order.tasks if task.name in names)
-    done = [_on_panel(task, panel, use_case) for task in tasks]
-    found = triaged(replace(order, tasks=tuple(done)), use_case)
-    lost = names - {task.name for task in found.tasks}
-    if lost:
-        raise OrderError(
-            f"order {order.name}: {min(lost)}, which a run began with, is no task for the robot now"
-        )
-    if not found.tasks:
-        raise OrderError(
-            f"order {order.name}: no task is for the robot: all {len(found.by_hand)} are by hand, "
-            f"such as {found.by_hand[0]}"
-        )
-    return found
+        tasks = tuple(task for task in order.tasks if task.name in asked)
+        if lost := {*asked} - {task.name for task in tasks}:
+            raise OrderError(
+                f"order {order.name}: {min(lost)}, which a run began with, is no task for the "
+                "robot now"
+            )
+    return order.with_tasks([_on_panel(task, panel, use_case) for task in tasks])
 
 
 def _on_panel(task: Task, panel: Panel, use_case: UseCase) -> Task:

@@ -1,0 +1,150 @@
+"""Import, plan and cell give one answer about each wire, and about the board."""
+
+import re
+from contextlib import closing
+from pathlib import Path
+from types import SimpleNamespace
+
+import pytest
+
+from remodel_planner.commands import import_design, plan
+from remodel_planner.commands.options.design_orders import design_order
+from remodel_planning.core.decomposition.cell_fit import misfits
+from remodel_planning.edge.fault_file import read_faults
+from remodel_production.edge.database.production_database import ProductionDatabase
+from remodel_production.errors import OrderError
+from remodel_sim.core.cell.magazine import find_wire_problems
+from remodel_sim.core.workpiece.layout import find_problems
+from remodel_sim.edge.cell_file import read_cell
+from remodel_sim.ros.conversions import panel_from
+from remodel_states.edge.cell_files import read_cell_limits
+from remodel_states.edge.wire_material_file import read_wire_materials
+from remodel_supervision.ros.server.work import WorkMaker
+
+PROJECTS = sorted(Path("/usr/share/qelectrotech/examples").glob("*.qet"))
+QUICK = ("Projet_vierge", "tableau_domestique", "tremie_vibrante")
+CELL = "two_arms_cabinet"
+LIST = """Wire,From,To,Colour,Section mm2,Length mm
+1,K1:1,K2:1,BK,1.5,350
+2,K1:2,K2:2,BK,1.5,600
+3,K1:3,K2:3,BK,16,900
+4,K1:4,K2:4,BK,2.5,3600
+"""
+
+
+@pytest.fixture
+def database(tmp_path):
+    return f"sqlite:///{tmp_path}/production.sqlite"
+
+
+def triage_of(database, name, cell=""):
+    """Return an order as `import` and `plan` have it."""
+    options = SimpleNamespace(use_case="cabinet", cell=cell, arms=1)
+    with closing(ProductionDatabase(database)) as opened:
+        return design_order(opened.order(name).in_cabinet(), options)
+
+
+def work_of(database, name):
+    """Return an order as a supervisor gives it to the cell."""
+    with closing(ProductionDatabase(database)) as opened:
+        maker = WorkMaker(
+            *(opened, read_faults(), "cell", "cabinet"),
+            attended=False,
+            reconnect_s=1.0,
+            lease_s=1.0,
+            search_s=0.0,
+        )
+        return maker.work(name, "", 0, owner=1)
+
+
+def refused_by_cell(message):
+    """Return the sentences with which the cell refuses a panel."""
+    design, panel = read_cell(CELL), panel_from(message, read_wire_materials())
+    found = find_problems(
+        panel, design.arms, design.takes, has_magazine=True, has_labels=design.labels
+    )
+    return (*found, *find_wire_problems(panel))
+
+
+def assert_agreed(database, name):
+    design = triage_of(database, name)
+    robots = {task.name for task in design.work.tasks}
+    if misfits(design.panel, design.takes):
+        with pytest.raises(OrderError, match=f"the board does not fit cell {CELL}: the plate's"):
+            work_of(database, name)
+        return
+    if not robots:
+        with pytest.raises(OrderError, match="no task is for the robot"):
+            work_of(database, name)
+        return
+    work = work_of(database, name)
+    assert {wire.id for wire in work.panel.wires} == robots
+    assert {task.name for task in work.planner.order.tasks} == robots
+    assert refused_by_cell(work.panel) == ()
+
+
+@pytest.mark.parametrize(
+    "project",
+    [
+        pytest.param(each, id=each.stem, marks=() if each.stem in QUICK else pytest.mark.slow)
+        for each in PROJECTS
+    ],
+)
+def test_import_plan_and_cell_agree_about_each_wire_of_a_project(project, database, capsys):
+    order = re.sub(r"\W+", "_", project.stem)
+    if import_design.main([str(project), "--database", database]) == 1:
+        assert "there is nothing to wire" in capsys.readouterr().err
+        return
+    assert f"cell {CELL}: " in capsys.readouterr().out
+    assert_agreed(database, order)
+
+
+def test_a_list_with_wires_that_no_robot_places_is_accepted_without_them(
+    tmp_path, database, capsys
+):
+    file = tmp_path / "list.csv"
+    file.write_text(LIST)
+    arguments = ["--database", database, "--use-case", "cabinet"]
+    assert import_design.main([str(file), *arguments]) == 0
+    said = capsys.readouterr().out
+    assert (
+        f"  cell {CELL}: 1 wire for robots, 3 by hand (1 shorter than 0.48 m, 1 of 16 mm2, "
+        "1 longer than 3 m); the board fits\n"
+    ) in said
+    assert (
+        f"1: by hand, length is 0.35 m, 0.13 m too little; allowed: 0.48 to 3 m (cell {CELL})\n"
+    ) in said
+    assert_agreed(database, "list")
+    output = ["--output", str(tmp_path / "plan.json"), "--time-limit", "0.1"]
+    assert plan.main(["--order", "list", *output, *arguments]) == 0
+    assert "  tasks for the robot: 1, by hand: 3\n" in capsys.readouterr().out
+
+
+def test_a_users_own_cell_decides(tmp_path, database, capsys):
+    file, cell = tmp_path / "list.csv", tmp_path / "mine.yaml"
+    file.write_text(LIST)
+    cell.write_text(
+        "name: mine\n"
+        "takes: {plate: {x: 0.2, y: 0.2}, devices: 1, wire_length: {least: 0.3, most: 9}, "
+        "wire_diameter: {least: 0.001, most: 0.02}}\n"
+    )
+    assert import_design.main([str(file), "--database", database, "--cell", str(cell)]) == 0
+    said = capsys.readouterr().out
+    assert "  cell mine: " in said
+    assert "; the board does not fit: the plate's size in x is 0." in said
+    assert "2 devices are on the plate, 1 too many; allowed: 1: a cell without labels" in said
+    cell.write_text("name: mine\n")
+    for wrong, words in (
+        (str(cell), "missing: takes"),
+        ("nowhere", f"no such cell or file; there are: cabinet, .*{CELL}"),
+    ):
+        other = ["--order", "other", "--database", database, "--cell", wrong]
+        assert import_design.main([str(file), *other]) == 1
+        assert re.search(words, capsys.readouterr().err)
+        with pytest.raises(OrderError, match="no order other"):
+            ProductionDatabase(database).order("other")
+
+
+def test_the_limits_that_are_planned_with_are_those_of_the_cell():
+    for name in ("two_arms_cabinet", "two_arms_formboard", "one_panda"):
+        assert read_cell_limits(name) == read_cell(name).takes

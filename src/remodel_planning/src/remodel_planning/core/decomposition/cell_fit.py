@@ -1,0 +1,91 @@
+"""What of a board a cell can wire: which tasks are by hand, and why the board does not fit."""
+
+from __future__ import annotations
+
+from collections import Counter
+
+from remodel_planning.core.decomposition.triage import Refusal, triaged
+from remodel_planning.core.orders.work_order import WorkOrder
+from remodel_planning.core.use_case.designs import DesignTasks
+from remodel_planning.core.use_case.model import UseCase
+from remodel_production.core.board.panel import Panel, PanelWire
+from remodel_production.core.counted import counted
+from remodel_production.errors import OrderError
+from remodel_states.core.cell.cell_limits import CellLimits
+
+
+def fitted(
+    order: WorkOrder, panel: Panel, use_case: UseCase, takes: CellLimits | None
+) -> WorkOrder:
+    """Return an order with the tasks that the robots of a cell do, and the others by hand.
+
+    Args:
+        order: all tasks of a board.
+        panel: of the same board.
+        use_case: by which the tasks are done.
+        takes: what the cell can wire; None: that is not known, and only the use case decides.
+    """
+    refusals: dict[str, Refusal] = {}
+    if takes is not None and _has_wires(use_case):
+        refusals = {
+            task.name: refusal
+            for task, wire in zip(order.tasks, panel.wires, strict=True)
+            if (refusal := _refusal(wire, takes)) is not None
+        }
+    return triaged(order, use_case, refusals)
+
+
+def misfits(panel: Panel, takes: CellLimits) -> tuple[str, ...]:
+    """Return a sentence for each limit of a cell that a board exceeds."""
+    return tuple(takes.about_board(panel.size[:2], len(panel.devices)))
+
+
+def require_fit(panel: Panel, takes: CellLimits | None) -> None:
+    """Raise OrderError if a board does not fit a cell."""
+    if takes is not None and (found := misfits(panel, takes)):
+        raise OrderError(
+            f"order {panel.name}: the board does not fit cell {takes.cell}: {'; '.join(found)}"
+        )
+
+
+def summary(order: WorkOrder, panel: Panel, takes: CellLimits) -> str:
+    """Return how many wires of an order the robots of a cell place, and whether the board fits."""
+    robots = counted(len(order.tasks), "wire")
+    by_hand = sum(len(each.wires) for each in order.by_hand)
+    kinds = Counter[str]()
+    for each in order.by_hand:
+        kinds[each.kind or "by no method"] += len(each.wires)
+    parts = ", ".join(f"{count} {kind}" for kind, count in kinds.most_common())
+    text = f"cell {takes.cell}: {robots} for robots, {by_hand} by hand"
+    text += f" ({parts})" if parts else ""
+    found = misfits(panel, takes)
+    return f"{text}; the board {'does not fit: ' + '; '.join(found) if found else 'fits'}"
+
+
+def _has_wires(use_case: UseCase) -> bool:
+    return use_case.designs is not None and use_case.designs.tasks is DesignTasks.WIRES
+
+
+def _refusal(wire: PanelWire, takes: CellLimits) -> Refusal | None:
+    """Return why a cell takes no such wire; None if it does."""
+    if wire.material is None:
+        section = f"{wire.section_mm2:g} mm2"
+        return Refusal(f"of {section}", f"no table of materials has wires of {section}")
+    for limits, found, words, kinds in (
+        (
+            takes.wire_length,
+            wire.length,
+            takes.about_length(wire.length),
+            ("shorter than {:g} m", "longer than {:g} m"),
+        ),
+        (
+            takes.wire_diameter,
+            wire.material.diameter,
+            takes.about_diameter(wire.material.diameter),
+            ("thinner than {:g} m", "thicker than {:g} m"),
+        ),
+    ):
+        for sentence in words:
+            side = 0 if found < limits[0] else 1
+            return Refusal(kinds[side].format(limits[side]), f"{sentence} (cell {takes.cell})")
+    return None

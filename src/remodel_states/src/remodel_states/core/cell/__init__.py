@@ -1,0 +1,1 @@
+"""What a cell can do, in the words of its file."""
