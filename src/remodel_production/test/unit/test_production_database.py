@@ -50,6 +50,7 @@ ORDER = Order(
             "BK",
             section_mm2=2.5,
             source="line 2",
+            number="2",
         ),
     ),
     notes=("an assumption",),

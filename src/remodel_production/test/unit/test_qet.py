@@ -108,6 +108,37 @@ def test_terminals_numbered_on_the_folio_are_understood():
     assert order.wires[0].section_mm2 == 2.5
 
 
+def test_numbers_of_conductors_are_names_of_wires_and_a_repeated_one_is_kept_as_number():
+    numbers = ("635", "0V", "0V", "_", "24V 1.5mm\u00b2", "635#2")
+    points = [("b1", "t1"), ("b2", "t2"), ("b1", "t2"), ("b2", "t1"), ("t1", "b1"), ("t2", "b2")]
+    conductors = [
+        wire("q1", a, "q2", b, more=f'num="{number}"')
+        for number, (a, b) in zip(numbers, points, strict=True)
+    ]
+    order, account = read((TWO, conductors))
+    assert [w.name for w in order.wires] == ["635", "0V", "0V#2", "W4", "24V", "635#2"]
+    assert [w.number for w in order.wires] == ["635", "0V", "0V", "", "24V", "635#2"]
+    assert order.wires[4].section_mm2 == 1.5
+    assert any("name 0V occurs before" in line for line in account.assumptions)
+
+
+def test_a_chain_through_references_has_the_number_that_any_of_its_conductors_has():
+    one = ([TWO[0], element(ARROW, "r1", link="r2")], [wire("q1", "b1", "r1", "r")])
+    two = ([TWO[1], element(ARROW, "r2", link="r1")], [])
+    two[1].append(wire("r2", "r", "q2", "t1", more='num="L1"'))
+    order, _ = read(one, two)
+    assert [(w.name, w.number) for w in order.wires] == [("L1", "L1")]
+
+
+def test_terminals_have_the_names_of_the_definition():
+    text = project((TWO, [wire("q1", "b1", "q2", "t1"), wire("q1", "b2", "q2", "b1")]))
+    for old, name in (("{b1}", "A1"), ("{b2}", "A1"), ("{t1}", " N "), ("{t2}", "_")):
+        text = text.replace(f'uuid="{old}" x'.encode(), f'uuid="{old}" name="{name}" x'.encode())
+    order = import_qet(text, "test", "test.qet", CATALOGUE).order
+    assert ends(order) == [("Q1:A1", "Q2:N"), ("Q1:A1#2", "Q2:A1")]
+    assert order.components[0].terminal("A1#2").side is Side.BOTTOM
+
+
 def test_elements_without_uuids_are_distinguished_on_one_line():
     elements = [element(BREAKER, "q1", "Q1"), element(BREAKER, "q2", "Q2", first_id=4)]
     elements = [re.sub(' uuid="[^"]*"', "", text) for text in elements]
@@ -240,6 +271,26 @@ def test_every_conductor_of_every_shipped_project_is_accounted_for(file):
     known = {TerminalRef(c.name, t.name) for c in order.components for t in c.terminals}
     assert len(used) == len(set(used))
     assert set(used) == known
+
+
+@pytest.mark.parametrize(
+    "file",
+    sorted(f for f in EXAMPLES.glob("*.qet") if f.name not in WITHOUT_CONDUCTORS),
+    ids=lambda file: file.stem,
+)
+def test_wires_of_every_shipped_project_have_the_numbers_of_their_conductors(file):
+    text = file.read_bytes()
+    drawn = {
+        f"folio {folio}, line {node.sourceline}": " ".join(node.get("num", "").split())
+        for folio, diagram in enumerate(etree.fromstring(text).findall("diagram"), start=1)
+        for node in diagram.findall("conductors/conductor")
+    }
+    order = import_qet(text, "real", file.name, CATALOGUE).order
+    for each in order.wires:
+        number = drawn[each.source]
+        if number not in ("", "_") and "mm" not in number:
+            assert each.number == number
+            assert each.name.startswith(number)
 
 
 def test_without_references_wires_and_devices_are_conductors_and_elements():

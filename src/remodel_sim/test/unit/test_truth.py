@@ -16,7 +16,7 @@ from remodel_sim.physics.truth import ground_truth, share_in_ducts
 from remodel_sim.ros.conversions import read_panel, truth_message
 
 CONFIG = Path(__file__).parents[2] / "config"
-WIRE, OTHER = "W3", "W5"
+WIRE, OTHER = "W3", "N"
 BELOW_M, ABOVE_M = 0.020, 0.065
 
 

@@ -183,6 +183,8 @@ class Wire:
         cable: that it is a core of; empty if it is a single wire.
         core: its name in the cable.
         route: segments from a to b; empty if the design does not say.
+        number: that the design gives it, such as on its markers; the wires of a potential have the
+            same. Empty if the design gives none.
     """
 
     name: str
@@ -195,6 +197,7 @@ class Wire:
     cable: str = ""
     core: str = ""
     route: tuple[str, ...] = ()
+    number: str = ""
 
 
 @dataclass(frozen=True)

@@ -20,13 +20,14 @@ from __future__ import annotations
 
 import re
 from collections import Counter, defaultdict
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import pairwise
 
 from lxml import etree
 
 from remodel_production.core.catalogue import Catalogue, Place
 from remodel_production.core.imports.qet_drawing import (
+    UNNAMED,
     ByNumber,
     Spot,
     definitions_of,
@@ -37,6 +38,7 @@ from remodel_production.core.imports.qet_drawing import (
     kind_of,
     side_of,
     spot_of,
+    terminal_names,
     terminals_by_number,
 )
 from remodel_production.core.imports.shared.account import Account, Imported, LeftOut
@@ -52,7 +54,7 @@ from remodel_production.core.production import Mount, Order, Side, TerminalRef
 from remodel_production.errors import DesignError
 
 _NEWEST_FORMAT = 0.90
-_SECTION = re.compile(r"\d+(?:[.,]\d+)?\s*(?:mm|awg)|awg\s*\d+", re.IGNORECASE)
+_SECTION = re.compile(r"\d+(?:[.,]\d+)?\s*(?:mm[2\u00b2]?|awg)|awg\s*\d+", re.IGNORECASE)
 _DEVICES = (Place.PLATE, Place.FIELD)
 
 
@@ -70,6 +72,7 @@ class _Conductor:
     ends: tuple[_Point, _Point]
     colour: str
     section: str
+    number: str = ""
 
 
 def import_qet(text: bytes, name: str, source: str, catalogue: Catalogue) -> Imported:
@@ -167,7 +170,9 @@ class _Reader:
         return "" if definition is None else definition.get("link_type", "")
 
     def _name_points(self) -> dict[tuple[str, Side, Spot], str]:
-        """Name the terminals of each device by side and number, left to right, element by element.
+        """Name the terminals of each device as its definition does, else by side and number.
+
+        They are numbered left to right, element by element.
 
         Returns:
             The name of each point, by element, side and place in the element.
@@ -175,13 +180,15 @@ class _Reader:
         names: dict[tuple[str, Side, Spot], str] = {}
         for uuid, element in self._elements.items():
             sides = self._sides[self._masters[uuid]]
+            given = terminal_names(self._definitions.get(element.get("type", "")))
             for side in Side:
                 letter = side.name[0]
                 used = sum(known is side for known in sides.values())
                 points = [t for t in element.iterfind("terminals/terminal") if side_of(t) is side]
                 for number, spot in enumerate(sorted(set(map(spot_of, points))), start=used + 1):
-                    names[uuid, side, spot] = f"{letter}{number}"
-                    sides[f"{letter}{number}"] = side
+                    name = unique_name(given.get((side, spot), f"{letter}{number}"), sides)
+                    names[uuid, side, spot] = name
+                    sides[name] = side
         return names
 
     def _conductors(self, folio: int, diagram: etree._Element) -> list[_Conductor]:
@@ -190,7 +197,7 @@ class _Reader:
         conductors = []
         for node in diagram.iterfind("conductors/conductor"):
             source = f"folio {folio}, {line_of(node)}"
-            first, second = (self._end(node, number, by_number) for number in ("1", "2"))
+            first, second = (self._end(node, which, by_number) for which in ("1", "2"))
             if isinstance(first, str) or isinstance(second, str):
                 reason = first if isinstance(first, str) else str(second)
                 self._left_out.append(LeftOut(source, reason))
@@ -198,21 +205,20 @@ class _Reader:
                 self._left_out.append(LeftOut(source, "both its ends are at the same terminal"))
             else:
                 # Colour and section are attributes since 0.80; before, people wrote them on wires.
-                number = node.get("num") or ""
-                drawn = number if _SECTION.search(number) else ""
+                number, drawn = _number_and_section(node.get("num") or "")
                 section = (node.get("conductor_section") or "").strip() or drawn
                 colour = node.get("conductor_color", "").strip() or node.get("color", "")
-                conductors.append(_Conductor(source, (first, second), colour, section))
+                conductors.append(_Conductor(source, (first, second), colour, section, number))
         return conductors
 
     def _end(
         self,
         node: etree._Element,
-        number: str,
+        which: str,
         by_number: ByNumber,
     ) -> _Point | str:
         """Return the point at one end of a conductor, or why there is none."""
-        uuid, key = node.get(f"element{number}"), node.get(f"terminal{number}", "")
+        uuid, key = node.get(f"element{which}"), node.get(f"terminal{which}", "")
         if uuid is None:
             if key not in by_number:
                 return f"terminal {key!r} is on no element of the folio"
@@ -302,8 +308,8 @@ class _Reader:
             self._left_out += [LeftOut(conductor.source, reason) for conductor in meeting]
             return []
         return [
-            _Conductor(conductor.source, (first, second), conductor.colour, conductor.section)
-            for (first, conductor), (second, _) in pairwise(loose)
+            replace(conductor, ends=(first, second), number=conductor.number or other.number)
+            for (first, conductor), (second, other) in pairwise(loose)
         ]
 
     def _devices(self) -> dict[str, Device]:
@@ -334,7 +340,7 @@ class _Reader:
         )
         colour = self._assumptions.colour(wire.colour, wire.source)
         section = self._assumptions.section(wire.section, wire.source)
-        return Connection(a, b, colour, section, source=wire.source)
+        return Connection(a, b, colour, section, source=wire.source, name=wire.number)
 
     def _unwired(self, wired: set[str]) -> tuple[LeftOut, ...]:
         """Return the devices with terminals to which no wire goes."""
@@ -352,6 +358,13 @@ class _Reader:
 def _reference(conductor: _Conductor, places: dict[str, Place]) -> str:
     """Return the element of the (first) end that is a folio reference."""
     return next(end.element for end in conductor.ends if places[end.element] is Place.REFERENCE)
+
+
+def _number_and_section(text: str) -> tuple[str, str]:
+    """Return the number that a conductor has, and the section that people wrote beside it."""
+    match = _SECTION.search(text)
+    number = " ".join(_SECTION.sub(" ", text).split())
+    return "" if number == UNNAMED else number, match[0] if match else ""
 
 
 def _reasons(left_out: list[LeftOut]) -> str:

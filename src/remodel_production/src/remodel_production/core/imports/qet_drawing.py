@@ -15,6 +15,8 @@ from remodel_production.errors import DesignError
 _NORTH = 0
 # A definition says where a terminal's line ends, an instance where it begins: 4 units inwards.
 _INWARDS = {"n": (0, 4), "e": (-4, 0), "s": (0, -4), "w": (4, 0)}
+# What QElectroTech writes in place of a number or a name that nobody has given.
+UNNAMED = "_"
 
 # x to the right and y down, in the drawing's units.
 Spot = tuple[float, float]
@@ -86,6 +88,19 @@ def docked(spot: Spot, orientation: str) -> Spot:
     """Return where an instance has a terminal that its definition has at the spot."""
     dx, dy = _INWARDS.get(orientation, (0, 0))
     return spot[0] + dx, spot[1] + dy
+
+
+def terminal_names(definition: etree._Element | None) -> dict[tuple[Side, Spot], str]:
+    """Return the names that a definition gives its terminals, by where an instance has them."""
+    names = {}
+    for terminal in () if definition is None else definition.iter("terminal"):
+        name = " ".join(terminal.get("name", "").split())
+        if name in ("", UNNAMED):
+            continue
+        spot, side = spot_of(terminal), side_of(terminal)
+        for place in (spot, docked(spot, terminal.get("orientation", ""))):
+            names[side, place] = name
+    return names
 
 
 def information(element: etree._Element, key: str) -> str:

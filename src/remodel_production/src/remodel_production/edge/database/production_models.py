@@ -222,6 +222,12 @@ class WireRow(Base):
     id = _key()
     product_id = _of("products.id", "that it is part of")
     name = _text("number or designation, unique in the product")
+    number = Column(
+        String,
+        nullable=False,
+        server_default="",
+        comment="that the design gives it; several wires may have the same; empty if none",
+    )
     a_terminal_id = _of("terminals.id", "that its end a is placed in")
     b_terminal_id = _of("terminals.id", "that its end b is placed in")
     colour = _text("IEC 60757 code; of several colours one after another; empty of a shield")

@@ -1,0 +1,23 @@
+"""Wires have the numbers of their design."""
+
+from __future__ import annotations
+
+from alembic import op
+from sqlalchemy import Column, String
+
+revision = "0007"
+down_revision = "0006"
+
+
+def upgrade() -> None:
+    """Add the numbers, which are not known of the products before."""
+    op.add_column(
+        "wires",
+        Column(
+            "number",
+            String,
+            nullable=False,
+            server_default="",
+            comment="that the design gives it; several wires may have the same; empty if none",
+        ),
+    )
