@@ -182,6 +182,20 @@ def test_a_newer_format_is_read_and_reported():
     assert imported.account.assumptions[0] == "line 1: format 0.100.0; read as 0.90"
 
 
+def test_a_label_on_elements_that_are_not_linked_is_reported_with_their_folios():
+    coil = element(BREAKER, "d1", "D28")
+    one = ([TWO[0], coil], [wire("q1", "b1", "d1", "t1")])
+    two = ([TWO[1], element(BREAKER, "d2", "D28")], [wire("q2", "b1", "d2", "t1")])
+    three = ([element(BREAKER, "d3", "D28")], [])
+    order, account = read(one, two, three)
+    assert [c.name for c in order.components] == ["Q1", "D28", "Q2", "D28#2"]
+    (line,) = (line for line in account.assumptions if "D28" in line)
+    assert line.startswith(
+        "2 elements that are not linked have the label D28, on folios 1, 2: read as devices D28, "
+        "D28#2; link"
+    )
+
+
 def test_a_potential_goes_on_through_linked_references():
     one = ([element(BREAKER, "q1", "Q1"), element(ARROW, "r1", link="r2")], [])
     two = ([element(BREAKER, "q2", "Q2"), element(ARROW, "r2", link="r1")], [])

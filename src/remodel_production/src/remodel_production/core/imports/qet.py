@@ -34,6 +34,7 @@ from remodel_production.core.imports.qet_drawing import (
     docked,
     elements_of,
     file_name,
+    folio_of,
     information,
     kind_of,
     side_of,
@@ -127,6 +128,8 @@ class _Reader:
                 + (f"; {reasons}" if reasons else "")
             )
         devices = self._devices()
+        wired = {self._masters[end.element] for wire in wires for end in wire.ends}
+        self._note_names({uuid: device.name for uuid, device in devices.items() if uuid in wired})
         connections = [self._connection(wire, devices) for wire in wires]
         assembly = assemble(devices.values(), connections)
         account = Account(
@@ -134,7 +137,7 @@ class _Reader:
             count,
             (*self._assumptions.lines, *assembly.assumptions),
             tuple(self._left_out),
-            ignored=self._unwired({end.element for wire in wires for end in wire.ends}),
+            ignored=self._unwired(wired),
             joined=joined,
             wires_joined=wires_joined,
         )
@@ -319,12 +322,13 @@ class _Reader:
         for uuid, element in self._elements.items():
             if self._masters[uuid] != uuid or self._places[uuid] not in _DEVICES:
                 continue
-            label = information(element, "label")
-            base = label or information(element, "designation") or file_name(element)
+            base = (
+                information(element, "label")
+                or information(element, "designation")
+                or file_name(element)
+            )
             name = unique_name(base, taken)
             taken.add(name)
-            if name != label:
-                self._assumptions.add(f"the element at {line_of(element)} is named {name}")
             devices[uuid] = Device(
                 name,
                 kind_of(element),
@@ -333,6 +337,26 @@ class _Reader:
                 sides=self._sides[uuid],
             )
         return devices
+
+    def _note_names(self, names: dict[str, str]) -> None:
+        """Note devices that are not named by a label, and labels that several devices have."""
+        labelled: dict[str, list[str]] = defaultdict(list)
+        for uuid, name in names.items():
+            if label := information(self._elements[uuid], "label"):
+                labelled[label].append(uuid)
+            else:
+                self._assumptions.add(
+                    f"the element at {line_of(self._elements[uuid])} is named {name}"
+                )
+        for label, uuids in labelled.items():
+            if len(uuids) > 1:
+                folios = sorted({folio_of(self._elements[uuid]) for uuid in uuids})
+                self._assumptions.add(
+                    f"{len(uuids)} elements that are not linked have the label {label}, on folio"
+                    f"{'s' if len(folios) > 1 else ''} {', '.join(map(str, folios))}: read as "
+                    f"devices {', '.join(names[uuid] for uuid in uuids)}; link those that are one "
+                    "device, and give the others labels of their own"
+                )
 
     def _connection(self, wire: _Conductor, devices: dict[str, Device]) -> Connection:
         a, b = (
@@ -344,7 +368,6 @@ class _Reader:
 
     def _unwired(self, wired: set[str]) -> tuple[LeftOut, ...]:
         """Return the devices with terminals to which no wire goes."""
-        wired = {self._masters[uuid] for uuid in wired}
         return tuple(
             LeftOut(f"{line_of(element)}, {kind_of(element)}", "it has no wire")
             for uuid, element in self._elements.items()

@@ -111,6 +111,12 @@ def information(element: etree._Element, key: str) -> str:
     return ""
 
 
+def folio_of(element: etree._Element) -> int:
+    """Return the number of the folio that an element is on, from 1."""
+    diagram = next(element.iterancestors("diagram"))
+    return 1 + sum(1 for _ in diagram.itersiblings("diagram", preceding=True))
+
+
 def kind_of(element: etree._Element) -> str:
     """Return what an element is, for a person."""
     return (

@@ -46,8 +46,8 @@ _WORDS: Mapping[_Kind, str] = {
     "depart depuis origine tenant gauche initiale; partenza iniziale sorgente "
     "provenienza sinistra sinistro; origen desde inicio procedencia izquierda "
     "izquierdo inicial",
-    _Kind.TO: "to target destination dest dst second ending endpoint right final terminus; nach "
-    "ziel endpunkt zielpunkt rechts rechte rechter rechtes; vers arrivee destination "
+    _Kind.TO: "to target destination dest dst sink second ending endpoint right final terminus; "
+    "nach ziel endpunkt zielpunkt rechts rechte rechter rechtes; vers arrivee destination "
     "aboutissant droite droit finale cible; verso destinazione arrivo destra destro; "
     "destino hacia hasta derecha derecho",
     _Kind.COMPONENT: "component device connector designator equipment refdes ref reference plug "
@@ -60,7 +60,7 @@ _WORDS: Mapping[_Kind, str] = {
     _Kind.TERMINAL: "terminal term pin cavity contact position pos slot cav way point points; "
     "klemme kammer kl anschluss kontakt pol buchse stift; borne broche alveole voie cavite; "
     "morsetto cavita piedino contatto polo terminale; contacto cavidad borna via",
-    _Kind.WIRE: "wire wires lead circuit ckt connection; draht leitung leitungs ltg litze "
+    _Kind.WIRE: "wire wires wiring lead circuit ckt connection; draht leitung leitungs ltg litze "
     "verbindung verbindungs leiter; fil conducteur liaison repere; filo conduttore "
     "collegamento; hilo conductor circuito",
     _Kind.COLOUR: "colour color col clr; farbe farb fb; couleur coul coloris teinte; colore",

@@ -1,7 +1,7 @@
 """Which column of a from-to list means what: the YAML that comes with a list, and its form.
 
 format: remodel-wire-list-1
-name: what lists of this kind are called
+name: of the orders; if it is not given, the name of the list's file
 columns:                    # a column's heading, or a list of headings of which one is there
   from: Source              # component and terminal in one cell, or
   from_component: From Tag  # ... in two
@@ -79,6 +79,7 @@ class WireListMapping:
     """Which column of a list means what.
 
     Attributes:
+        name: title of the orders; empty for the name of the file.
         columns: headings in lower case; one of each field's headings names its column.
         section_unit: of sections without one, "mm2" or "awg".
         length_unit: of lengths without one.
@@ -134,7 +135,7 @@ def mapping_from(text: str) -> WireListMapping:
     _refuse_unknown(units, ("section", "length", "position"), "units")
     colours = root["colours"].mapping("colours") if "colours" in root else {}
     return WireListMapping(
-        _text(root, "name", "wire list"),
+        _text(root, "name", ""),
         _columns(root["columns"]),
         _unit(units, "section", "mm2"),
         _unit(units, "length", "mm"),

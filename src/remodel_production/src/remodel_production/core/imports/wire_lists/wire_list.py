@@ -32,6 +32,7 @@ from remodel_production.core.imports.wire_lists.mapping import (
 from remodel_production.core.imports.wire_lists.pin_list import is_pin_list, with_wires
 from remodel_production.core.imports.wire_lists.table import (
     Row,
+    Source,
     Table,
     headings_table,
     read_table,
@@ -78,6 +79,11 @@ def import_wire_list(
         DesignError: if no mapping fits, or a line cannot be read.
     """
     table, text = read_table(data, mappings)
+    with text.blamed():
+        return _imported(table, text, name, source, catalogue)
+
+
+def _imported(table: Table, text: Source, name: str, source: str, catalogue: Catalogue) -> Imported:
     names = {**catalogue.colour_names, **(table.mapping.colours or {})}
     left_out: tuple[LeftOut, ...] = ()
     disagreements: tuple[str, ...] = ()
@@ -100,7 +106,7 @@ def mapping_draft(data: bytes, catalogue: Catalogue, mappings: Sequence[WireList
     try:
         table, _ = read_table(data, mappings)
     except DesignError:
-        table = headings_table(data)
+        table, _ = headings_table(data)
     reader = _Reader(table, catalogue)
     table = reader.table
     used = set(table.columns.values())
