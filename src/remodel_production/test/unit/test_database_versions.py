@@ -77,10 +77,13 @@ def test_a_database_of_the_version_before_is_migrated(url, tmp_path, monkeypatch
     assert execute(url, "SELECT id FROM more") == []
 
 
-def test_wires_stored_before_their_numbers_were_have_none(url):
+def test_a_database_of_version_0006_gets_numbers_of_wires_and_names_of_places(url):
     open_and_close(url)
     execute(
         url,
+        "INSERT INTO products (id, title, source) VALUES (1, '', '')",
+        "INSERT INTO components (id, product_id, name, kind, role, part_number, mount)"
+        " VALUES (1, 1, 'M1', '', 'device', '', 'field')",
         "ALTER TABLE wires DROP COLUMN number",
         "UPDATE alembic_version SET version_num = '0006'",
     )
@@ -90,6 +93,7 @@ def test_wires_stored_before_their_numbers_were_have_none(url):
         context = MigrationContext.configure(connection, opts={"compare_type": True})
         assert compare_metadata(context, Base.metadata) == []
     engine.dispose()
+    assert execute(url, "SELECT mount FROM components") == [("outside",)]
 
 
 def test_an_open_database_is_opened_again_without_migrating(url, monkeypatch):

@@ -78,7 +78,7 @@ HARNESS = Order(
                     insertion_force_limit_n=60.0,
                 ),
             ),
-            Mount.FIELD,
+            Mount.OUTSIDE,
             role=Role.CONNECTOR,
             part_number="P-1",
             pose=TURNED,

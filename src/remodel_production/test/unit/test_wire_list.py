@@ -357,7 +357,7 @@ def test_the_sheet_of_a_workbook_with_headings_is_read_and_the_others_are_named(
 def test_a_date_in_a_workbook_is_refused_since_it_was_a_terminal():
     lines = [HEADINGS, ["W1", "K1", date(2026, 2, 1), "K2", 1, 1, 1]]
     with pytest.raises(
-        DesignError, match=r"sheet 'Wires', line 2: from_terminal: a cell is the date 2026-02-01"
+        DesignError, match=r"sheet 'Wires': line 2: from_terminal: a cell is the date 2026-02-01"
     ):
         read(workbook(Wires=lines))
 
@@ -365,8 +365,8 @@ def test_a_date_in_a_workbook_is_refused_since_it_was_a_terminal():
 @pytest.mark.parametrize(
     ("cells", "said"),
     [
-        (["W1", "K1", 1, "K2", 1, 1, "", "9"], "sheet 'Wires', line 2: 8 cells found"),
-        (["W1", "", 1, "", 1], "sheet 'Wires', none of its 1 lines names both ends"),
+        (["W1", "K1", 1, "K2", 1, 1, "", "9"], "sheet 'Wires': line 2: 8 cells found"),
+        (["W1", "", 1, "", 1], "sheet 'Wires': none of its 1 lines names both ends"),
     ],
 )
 def test_an_error_about_a_workbook_names_the_sheet(cells, said):

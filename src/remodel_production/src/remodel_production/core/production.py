@@ -34,10 +34,11 @@ class Side(Enum):
 
 
 class Mount(Enum):
-    """Where a component is mounted: on the plate, or outside, where no wire is routed."""
+    """Where a component is mounted: wires are routed on the plate only."""
 
     PLATE = "plate"
-    FIELD = "field"
+    DOOR = "door"
+    OUTSIDE = "outside"
 
 
 class Role(Enum):
@@ -271,6 +272,17 @@ class Order:
             if used:
                 components.append(replace(component, terminals=used))
         return replace(self, components=tuple(components), wires=tuple(wires))
+
+    def leaving(self) -> dict[str, str]:
+        """Return the wires that leave the plate, each with the end that says why."""
+        mounts = {component.name: component.mount for component in self.components}
+        found = {}
+        for wire in self.wires:
+            away = [end for end in (wire.a, wire.b) if mounts[end.component] is not Mount.PLATE]
+            if away:
+                in_door = mounts[away[0].component] is Mount.DOOR
+                found[wire.name] = f"{away[0]} is {'in the door' if in_door else 'outside'}"
+        return found
 
     def clips_of(self, wire: Wire) -> tuple[Clip, ...]:
         """Return the clips along a wire's route, from its end a to its end b."""

@@ -12,7 +12,7 @@ from remodel_planner.commands.runs.run_follower import RunFollower
 from remodel_planner.core.reports.net_list import net_list
 from remodel_planner.core.reports.run_report import Report
 from remodel_planning.core.decomposition.triage import triaged
-from remodel_planning.core.orders.board_order import board_order
+from remodel_planning.core.orders.board_order import board_order, leaving_plate
 from remodel_planning.edge.use_case_files import find_use_case
 from remodel_production.core.board.board import Board, board_of
 from remodel_production.core.production import Order
@@ -24,17 +24,18 @@ from remodel_supervision.core.runs.state import RunState, Stage
 
 
 def order_report(
-    order: Order, wires: int, follower: RunFollower, state: RunState, folder: Path
+    stored: Order, wires: int, follower: RunFollower, state: RunState, folder: Path
 ) -> Report:
     """Return the report of a run that has ended.
 
     Args:
-        order: the wires of the cabinet.
-        wires: how many of them were asked for, from the first.
+        stored: the order.
+        wires: how many of those on its plate were asked for, from the first.
         follower: of the run.
         state: in which the run ended.
         folder: of the report, with the run's pictures.
     """
+    order = stored.in_cabinet()
     attempts = follower.attempts
     reporter = AttemptReporter(folder / "runs" / str(follower.number))
     reported = [attempt for attempt in attempts if attempt.part is not Part.CLEAR]
@@ -62,7 +63,7 @@ def order_report(
         overview=reporter.overview(attempts[-1]) if attempts else (),
         stopped=state.ended.because if is_stopped and state.ended else "",
         before=frozenset(name for name in done if name not in here),
-        triage=triage,
+        triage=(*triage, *map(str, leaving_plate(stored))),
         nets=() if unread else net_list(order.wires, asked, found, by_hand),
         unread=unread,
         simulated_s=follower.ros_s if rospy.get_param("/use_sim_time", False) else None,

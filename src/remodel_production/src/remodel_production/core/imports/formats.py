@@ -9,6 +9,7 @@ from dataclasses import replace
 from remodel_production.core.catalogue import Catalogue
 from remodel_production.core.imports.design_format import DesignFile, DesignFormat
 from remodel_production.core.imports.kbl import import_kbl
+from remodel_production.core.imports.placement import with_mounts
 from remodel_production.core.imports.qet import import_qet
 from remodel_production.core.imports.shared.account import Imported
 from remodel_production.core.imports.shared.spreadsheet import (
@@ -99,7 +100,7 @@ def format_of(data: bytes, formats: Sequence[DesignFormat]) -> DesignFormat:
 def import_design(
     data: bytes, form: DesignFormat, name: str, source: str, catalogue: Catalogue
 ) -> Imported:
-    """Read a design file, and fill in by the catalogue what it does not say of its terminals.
+    """Read a design file, and fill in by the catalogue what it does not say.
 
     A design without a title is called by its file.
 
@@ -109,7 +110,7 @@ def import_design(
     imported = form.read(data, name, source, catalogue)
     if not imported.order.title:
         imported = replace(imported, order=replace(imported.order, title=source))
-    return with_access(imported, catalogue)
+    return with_access(with_mounts(imported, catalogue), catalogue)
 
 
 def _unknown(file: DesignFile, formats: Sequence[DesignFormat]) -> DesignError:

@@ -56,7 +56,7 @@ from remodel_production.errors import DesignError
 
 _NEWEST_FORMAT = 0.90
 _SECTION = re.compile(r"\d+(?:[.,]\d+)?\s*(?:mm[2\u00b2]?|awg)|awg\s*\d+", re.IGNORECASE)
-_DEVICES = (Place.PLATE, Place.FIELD)
+_DEVICES = (Place.PLATE, Place.DOOR, Place.OUTSIDE)
 
 
 @dataclass(frozen=True)
@@ -109,7 +109,8 @@ class _Reader:
         self._definitions = definitions_of(project)
         self._elements = elements_of(project)
         self._masters = {uuid: self._master(uuid) for uuid in self._elements}
-        self._places = {uuid: self._place(master) for uuid, master in self._masters.items()}
+        self._stated = {uuid: self._place(master) for uuid, master in self._masters.items()}
+        self._places = {uuid: place or Place.PLATE for uuid, place in self._stated.items()}
         self._sides: dict[str, dict[str, Side]] = defaultdict(dict)
         self._point_names = self._name_points()
 
@@ -129,7 +130,9 @@ class _Reader:
             )
         devices = self._devices()
         wired = {self._masters[end.element] for wire in wires for end in wire.ends}
-        self._note_names({uuid: device.name for uuid, device in devices.items() if uuid in wired})
+        names = {uuid: device.name for uuid, device in devices.items() if uuid in wired}
+        self._note_names(names)
+        self._note_places(names)
         connections = [self._connection(wire, devices) for wire in wires]
         assembly = assemble(devices.values(), connections)
         account = Account(
@@ -155,7 +158,8 @@ class _Reader:
                 f"line {self._project.sourceline}: format {version or 'not given'}; read as 0.90"
             )
 
-    def _place(self, uuid: str) -> Place:
+    def _place(self, uuid: str) -> Place | None:
+        """Return where an element belongs; None if nothing says it."""
         path = self._elements[uuid].get("type", "")
         return self._catalogue.place(path, self._link_type(uuid))
 
@@ -332,7 +336,7 @@ class _Reader:
             devices[uuid] = Device(
                 name,
                 kind_of(element),
-                Mount.PLATE if self._places[uuid] is Place.PLATE else Mount.FIELD,
+                self._catalogue.mount(name) or Mount(self._places[uuid].value),
                 part_number=information(element, "manufacturer_reference"),
                 sides=self._sides[uuid],
             )
@@ -357,6 +361,22 @@ class _Reader:
                     f"devices {', '.join(names[uuid] for uuid in uuids)}; link those that are one "
                     "device, and give the others labels of their own"
                 )
+
+    def _note_places(self, names: dict[str, str]) -> None:
+        """Note the symbols of the devices that are on the plate since nothing says where they are.
+
+        Args:
+            names: of the devices.
+        """
+        placed: dict[str, list[str]] = defaultdict(list)
+        for uuid, name in names.items():
+            if self._stated[uuid] is None and self._catalogue.mount(name) is None:
+                placed[self._elements[uuid].get("type", "")].append(name)
+        for symbol, devices in sorted(placed.items()):
+            self._assumptions.add(
+                f"nothing says where symbol {symbol.removeprefix('embed://')} is mounted: the "
+                f"plate taken for {', '.join(devices)}"
+            )
 
     def _connection(self, wire: _Conductor, devices: dict[str, Device]) -> Connection:
         a, b = (

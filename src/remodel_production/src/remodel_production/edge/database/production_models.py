@@ -150,7 +150,7 @@ class ComponentRow(Base):
     kind = _text("what it is, for a person")
     role = _text("device or connector")
     part_number = _text("of its article; empty if it is not known")
-    mount = _text("plate (in the cabinet, or on the board) or field (outside)")
+    mount = _text("plate (of the cabinet, or the board), door (of the cabinet) or outside")
     node_id = _of("nodes.id", "of the routes at which it sits; null if at none", optional=True)
     x_m = _number("[m] place in the product's frame")
     y_m = _number("[m] place in the product's frame")

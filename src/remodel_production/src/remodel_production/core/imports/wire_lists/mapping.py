@@ -12,7 +12,8 @@ columns:                    # a column's heading, or a list of headings of which
   wire: Number              # and, all optional: colour, section, length, cable, core, and the
   ...                       # articles of seals: from_seal, to_seal; the group of twisted wires:
   ...                       # twisted; the place of the components: from_x, from_y, to_x, to_y; the
-  ...                       # most with which an end may be pushed in [N]: from_force_limit, to_...
+  ...                       # most with which an end may be pushed in [N]: from_force_limit, to_...;
+  ...                       # where the components are, plate, door or outside: from_place, to_place
 units: {section: mm2, length: mm, position: mm}       # of numbers without one
 terminal_separator: ":"     # the last one in a cell separates component and terminal
 separator: ";"              # of cells; if it is not given, the one that fits the headings
@@ -60,8 +61,11 @@ class Field(Enum):
     TWISTED = "twisted"
     FROM_FORCE_LIMIT = "from_force_limit"
     TO_FORCE_LIMIT = "to_force_limit"
+    FROM_PLACE = "from_place"
+    TO_PLACE = "to_place"
     COMPONENT = "component"
     TERMINAL = "terminal"
+    PLACE = "place"
 
 
 # What a list with a line for each end of a wire has instead of its two ends.

@@ -5,7 +5,7 @@ from __future__ import annotations
 import csv
 import io
 from collections.abc import Iterator, Sequence
-from contextlib import contextmanager
+from contextlib import AbstractContextManager, nullcontext
 from dataclasses import dataclass, replace
 
 from remodel_production.core.imports.shared.account import LeftOut
@@ -29,7 +29,7 @@ from remodel_production.core.imports.wire_lists.mapping import (
     Field,
     WireListMapping,
 )
-from remodel_production.errors import DesignError
+from remodel_production.errors import DesignError, blamed
 
 _SEPARATORS = (";", "\t", ",", "|")
 # Reports begin with titles; below that many lines, no headings are searched.
@@ -124,15 +124,9 @@ class Source:
     others: tuple[LeftOut, ...] = ()
     sheet: str = ""
 
-    @contextmanager
-    def blamed(self) -> Iterator[None]:
-        """Name the sheet in errors about it."""
-        try:
-            yield
-        except DesignError as error:
-            if not self.sheet:
-                raise
-            raise DesignError(f"sheet {self.sheet!r}, {error}") from error
+    def blamed(self) -> AbstractContextManager[None]:
+        """Return what names the sheet in errors about it."""
+        return blamed(f"sheet {self.sheet!r}") if self.sheet else nullcontext()
 
 
 def has_headings(data: bytes, mappings: Sequence[WireListMapping]) -> bool:

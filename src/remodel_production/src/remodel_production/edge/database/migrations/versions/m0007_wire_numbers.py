@@ -1,4 +1,4 @@
-"""Wires have the numbers of their design."""
+"""Wires have the numbers of their design; components are on the plate, in the door or outside."""
 
 from __future__ import annotations
 
@@ -10,7 +10,8 @@ down_revision = "0006"
 
 
 def upgrade() -> None:
-    """Add the numbers, which are not known of the products before."""
+    """Add the numbers, which are not known of the products before, and rename the field."""
+    op.execute("UPDATE components SET mount = 'outside' WHERE mount = 'field'")
     op.add_column(
         "wires",
         Column(
