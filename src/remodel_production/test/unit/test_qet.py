@@ -139,6 +139,26 @@ def test_terminals_have_the_names_of_the_definition():
     assert order.components[0].terminal("A1#2").side is Side.BOTTOM
 
 
+@pytest.mark.parametrize(
+    ("texts", "names"),
+    [
+        ((("L", -14, -18), ("N", 6, -18), ("1", -6, 18), ("2", 6, 18)), ("Q1:1", "Q2:L")),
+        ((("L", -14, -18), ("N", 6, -18), ("1", -6, 18)), ("Q1:B1", "Q2:T1")),
+        ((("L", -14, -18), ("N", 6, -18), ("1", -6, 18), ("2", 6, 40)), ("Q1:B1", "Q2:T1")),
+        ((("L", -14, -18), ("L", 6, -18), ("1", -6, 18), ("2", 6, 18)), ("Q1:B1", "Q2:T1")),
+        ((("L", -14, -18), ("N", 6, -18), ("1", -6, 18), ("QF_", 6, 18)), ("Q1:B1", "Q2:T1")),
+    ],
+)
+def test_texts_beside_all_terminals_of_a_symbol_are_their_names(texts, names):
+    drawn = "".join(f'<text text="{text}" x="{x}" y="{y}"/>' for text, x, y in texts)
+    text = project((TWO, [wire("q1", "b1", "q2", "t1")]))
+    text = text.replace(b'<terminal uuid="{t1}"', f'{drawn}<terminal uuid="{{t1}}"'.encode())
+    found = import_qet(text, "test", "test.qet", CATALOGUE)
+    assert ends(found.order) == [names]
+    line = f"symbol {BREAKER.removeprefix('embed://')}: texts beside its terminals taken as names"
+    assert (line in found.account.assumptions) == (names == ("Q1:1", "Q2:L"))
+
+
 def test_elements_without_uuids_are_distinguished_on_one_line():
     elements = [element(BREAKER, "q1", "Q1"), element(BREAKER, "q2", "Q2", first_id=4)]
     elements = [re.sub(' uuid="[^"]*"', "", text) for text in elements]

@@ -185,9 +185,12 @@ class _Reader:
             The name of each point, by element, side and place in the element.
         """
         names: dict[tuple[str, Side, Spot], str] = {}
+        by_texts: set[str] = set()
         for uuid, element in self._elements.items():
             sides = self._sides[self._masters[uuid]]
-            given = terminal_names(self._definitions.get(element.get("type", "")))
+            symbol = element.get("type", "")
+            given, are_texts = terminal_names(self._definitions.get(symbol))
+            by_texts |= {symbol.removeprefix("embed://")} if are_texts else set()
             for side in Side:
                 letter = side.name[0]
                 used = sum(known is side for known in sides.values())
@@ -196,6 +199,8 @@ class _Reader:
                     name = unique_name(given.get((side, spot), f"{letter}{number}"), sides)
                     names[uuid, side, spot] = name
                     sides[name] = side
+        for symbol in sorted(by_texts):
+            self._assumptions.add(f"symbol {symbol}: texts beside its terminals taken as names")
         return names
 
     def _conductors(self, folio: int, diagram: etree._Element) -> list[_Conductor]:
