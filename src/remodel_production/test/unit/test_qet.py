@@ -229,12 +229,16 @@ def test_a_potential_goes_on_through_linked_references():
     assert (account.connections, account.joined, account.wires_joined) == (4, 4, 2)
 
 
-def test_a_reference_that_leads_nowhere_is_left_out():
-    elements = [*TWO, element(ARROW, "r1")]
+@pytest.mark.parametrize(
+    ("link", "said"),
+    [("r2", "leads to no second device"), ("", "is linked to no other: link them")],
+)
+def test_a_reference_that_leads_nowhere_is_left_out(link, said):
+    elements = [*TWO, element(ARROW, "r1", link=link), element(ARROW, "r2")]
     conductors = [wire("q1", "b1", "q2", "t1"), wire("q1", "b2", "r1", "r")]
     _, account = read((elements, conductors))
     assert account.left_out[0].source == "folio 1, line 3"
-    assert "no second device" in account.left_out[0].reason
+    assert said in account.left_out[0].reason
 
 
 def test_a_point_with_two_wires_becomes_two_terminals():

@@ -166,11 +166,15 @@ class _Reader:
     def _master(self, uuid: str) -> str:
         """Return the element that a device is named and mounted by."""
         if self._link_type(uuid) == "slave":
-            for link in self._elements[uuid].iterfind("links_uuids/link_uuid"):
-                master = link.get("uuid", "")
+            for master in self._linked(uuid):
                 if master in self._elements and self._link_type(master) == "master":
                     return master
         return uuid
+
+    def _linked(self, uuid: str) -> list[str]:
+        """Return the elements that an element is linked to."""
+        links = self._elements[uuid].iterfind("links_uuids/link_uuid")
+        return [link.get("uuid", "") for link in links]
 
     def _link_type(self, uuid: str) -> str:
         definition = self._definitions.get(self._elements[uuid].get("type", ""))
@@ -292,11 +296,7 @@ class _Reader:
                 uuid = parent[uuid]
             return uuid
 
-        links = [
-            (uuid, link.get("uuid", ""))
-            for uuid in parent
-            for link in self._elements[uuid].iterfind("links_uuids/link_uuid")
-        ]
+        links = [(uuid, linked) for uuid in parent for linked in self._linked(uuid)]
         links += [
             (first.element, second.element)
             for first, second in (conductor.ends for conductor in conductors)
@@ -316,7 +316,11 @@ class _Reader:
             if self._places[end.element] in _DEVICES
         ]
         if len(loose) < 2:
+            ends = {end.element for conductor in meeting for end in conductor.ends}
+            references = [uuid for uuid in ends if self._places[uuid] is Place.REFERENCE]
             reason = "its folio reference leads to no second device"
+            if not any(map(self._linked, references)):
+                reason = "its folio reference is linked to no other: link them in QElectroTech"
             self._left_out += [LeftOut(conductor.source, reason) for conductor in meeting]
             return []
         return [
