@@ -9,7 +9,7 @@ export PATH := $(CURDIR)/.venv/bin:/usr/local/sbin:/usr/local/bin:/usr/sbin:/usr
 unexport PYTHONPATH PYTHONHOME ROS_PACKAGE_PATH CMAKE_PREFIX_PATH ROS_MASTER_URI VIRTUAL_ENV
 
 demo film: WIRES ?= 6
-cabinet: WIRES ?= 58
+cabinet: WIRES ?= 52
 harness: WIRES ?= 12
 SEED ?= 1
 CABINET := /usr/share/qelectrotech/examples/tableau_domestique.qet

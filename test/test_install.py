@@ -25,8 +25,7 @@ rosrun remodel_planner planner import {design} --order one
 roslaunch -p {port} remodel_planner order.launch \\
   output:={out} database:=$REMODEL_DATABASE >{out}/nodes.log 2>&1 &
 trap "kill -INT $!; wait $!" EXIT
-# The first wire of the design is by hand: it is too thick.
-rosrun remodel_planner planner run_order one --wait 300 --wires 2 --output {out}
+rosrun remodel_planner planner run_order one --wait 300 --wires 1 --output {out}
 """
 
 

@@ -9,7 +9,7 @@ import rospy
 import rostest
 from actionlib_msgs.msg import GoalStatus
 from gate_case import WINDOW_S, GateCase
-from order_client import BY_HAND, ORDER, SUPERVISOR, wait_until
+from order_client import ORDER, SUPERVISOR, wait_until
 from remodel_msgs.msg import ErrorCode, RunUseCaseActionResult
 
 from remodel_supervision.core.runs.events import Ending
@@ -58,7 +58,7 @@ class GateMomentsTest(GateCase):
         # a node of its own: here it would share the publisher of the client, and latch its goals.
         goal = {
             "goal_id": {"id": "waiting"},
-            "goal": {"id": "waiting", "order": ORDER, "tasks": BY_HAND + 2, "again": True},
+            "goal": {"id": "waiting", "order": ORDER, "tasks": 2, "again": True},
         }
         with self.publishing(
             "remodel/run_use_case/goal", "remodel_msgs/RunUseCaseActionGoal", json.dumps(goal)

@@ -27,8 +27,6 @@ from remodel_supervision.ros.server.state_publisher import STATE
 
 ORDER = "house"
 DESIGN = "/usr/share/qelectrotech/examples/tableau_domestique.qet"
-# Of the first wires of the design, which are placed by hand: they are too thick for the robots.
-BY_HAND = 3
 
 SUPERVISOR = "use_case_supervisor"
 
@@ -90,7 +88,7 @@ class OrderClient:
         # ROS time may jump ahead in a test, so that its limits pass at once.
         drop_dead(self._client.pub_goal)
         wait_until(lambda: self._client.wait_for_server(rospy.Duration(0.5)), "a supervisor")
-        goal = RunUseCaseGoal(id="test", order=ORDER, tasks=BY_HAND + tasks, again=again)
+        goal = RunUseCaseGoal(id="test", order=ORDER, tasks=tasks, again=again)
         return self._client.send_goal(goal)
 
     def start(self, tasks: int, *, again: bool = True) -> int:

@@ -14,12 +14,12 @@ from remodel_production.errors import OrderError
 from remodel_supervision.core.runs.events import Ending, TaskBegun
 
 MARKUP = "<img src=x onerror='document.title=1'>"
-OWN_HEADINGS = f"aaa;bbb;ccc;ddd\nK1:1;X1:1;1;W1\nK1:2;X1:2;1;{MARKUP}\n"
-LIST = """Wire,From,To,Section mm2,Colour,Shelf
-W1,K1:1,X1:1,1,BU,a
-W2,K1:2,X1:2,1,BK,b
-W3,K1:3,X1:3,400,BK,c
-W4,K1:4,X1:4,1,RD,d
+OWN_HEADINGS = f"aaa;bbb;ccc;ddd;eee\nK1:1;X1:1;1;W1;0.6\nK1:2;X1:2;1;{MARKUP};0.6\n"
+LIST = """Wire,From,To,Section mm2,Colour,Shelf,Length mm
+W1,K1:1,X1:1,1,BU,a,600
+W2,K1:2,X1:2,1,BK,b,600
+W3,K1:3,X1:3,400,BK,c,600
+W4,K1:4,X1:4,1,RD,d,600
 """
 
 
@@ -140,7 +140,7 @@ require:
         page = self.page
         self.drop("own.csv", OWN_HEADINGS)
         refused = page.locator(".desk-area .ending.bad")
-        expect(refused).to_contain_text("own.csv: line 1: 'aaa;bbb;ccc;ddd' begins no format")
+        expect(refused).to_contain_text("own.csv: line 1: 'aaa;bbb;ccc;ddd;eee' begins no format")
         self.assertEqual(self.recorded()[-1], ("import own.csv", "failed"))
         expect(page.get_by_role("button", name="Start the order")).to_have_count(0)
         self.press(page, "Draft the mapping")
@@ -148,7 +148,8 @@ require:
         expect(mapping).to_have_value(re.compile('not used: "aaa"'), timeout=WORK_MS)
         mapping.fill(
             "format: remodel-wire-list-1\nname: ours\n"
-            "columns: {from: aaa, to: bbb, section: ccc, wire: ddd}\nterminal_separator: ':'\n"
+            "columns: {from: aaa, to: bbb, section: ccc, wire: ddd, length: eee}\n"
+            "units: {length: m}\nterminal_separator: ':'\n"
         )
         self.press(page, "Read the file by this mapping")
         expect(page.locator(".plan-words")).to_contain_text("2 tasks in", timeout=WORK_MS)

@@ -13,10 +13,10 @@ from remodel_msgs.msg import UseCaseState
 
 from remodel_supervision.core.runs.events import TaskBegun
 
-CABLE = """Wire,Cable,Core,From,To,Section mm2,Colour
-,C1,1,K1:1,X1:1,1,BU
-W1,,,K1:2,X1:2,1,BK
-,C1,2,K1:3,X1:3,1,BN
+CABLE = """Wire,Cable,Core,From,To,Section mm2,Colour,Length mm
+,C1,1,K1:1,X1:1,1,BU,600
+W1,,,K1:2,X1:2,1,BK,600
+,C1,2,K1:3,X1:3,1,BN,600
 """
 
 

@@ -7,7 +7,7 @@ import unittest
 from pathlib import Path
 
 import rostest
-from order_client import BY_HAND, import_order, wait_until
+from order_client import import_order, wait_until
 from own_launch import OwnLaunch
 
 from remodel_production.edge.database.cell_ownership import live_owners
@@ -69,7 +69,7 @@ class StationsTest(unittest.TestCase):
 
     def test_an_order_goes_on_after_its_launch_was_interrupted_and_started_again(self):
         first = self.station("a")
-        self.order(first, "--wires", str(BY_HAND + 4))
+        self.order(first, "--wires", "4")
         wait_until(lambda: self.fixed("a") > 2, "the second wire is under way")
         (head,) = self.log.heads()
         first.interrupt()
@@ -89,10 +89,10 @@ class StationsTest(unittest.TestCase):
         wait_until(lambda: live_owners(self.database), "a station owns the cell")
         owner, other = (first, second) if self.is_owner(first) else (second, first)
         name = "a" if owner is first else "b"
-        self.order(owner, "--wires", str(BY_HAND + 4))
+        self.order(owner, "--wires", "4")
         wait_until(lambda: self.fixed(name) > 0, "the first wire is under way")
         (head,) = self.log.heads()
-        refused = self.order(other, "--wires", str(BY_HAND + 2), "--again")
+        refused = self.order(other, "--wires", "2", "--again")
         self.assertEqual(refused.wait(240.0), 3, other.printed())
         self.assertIn("cell cell is owned by another station", other.printed())
         self.assertIn(owner.master, other.printed())
@@ -100,7 +100,7 @@ class StationsTest(unittest.TestCase):
         self.assertEqual([each.number for each in self.log.heads()], [head.number])
         self.assertEqual(self.ledger("b" if name == "a" else "a"), ())
         owner.interrupt()
-        taken = self.order(other, "--wires", str(BY_HAND + 2), "--again", name="again.log")
+        taken = self.order(other, "--wires", "2", "--again", name="again.log")
         self.assertEqual(taken.wait(240.0), 0, other.printed("again.log"))
 
     def is_owner(self, launch):

@@ -13,7 +13,7 @@ from xmlrpc.client import ServerProxy
 import actionlib
 import rosgraph
 import rospy
-from order_client import BY_HAND, DESIGN
+from order_client import DESIGN
 from remodel_msgs.msg import (
     RunUseCaseAction,
     RunUseCaseGoal,
@@ -79,7 +79,7 @@ class SupervisionCase(unittest.TestCase):
         free = (UseCaseState.IDLE, UseCaseState.ENDED)
         self.wait(lambda: self.last().phase in free, "no run is under way")
         run = self.last().run
-        goal = RunUseCaseGoal(id="test", order="house", tasks=BY_HAND + tasks, again=again)
+        goal = RunUseCaseGoal(id="test", order="house", tasks=tasks, again=again)
         handle = client.send_goal(goal)
         self.wait(lambda: self.last().run > run, "the run begins")
         return handle

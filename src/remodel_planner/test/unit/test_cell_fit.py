@@ -108,8 +108,9 @@ def test_a_list_with_wires_that_no_robot_places_is_accepted_without_them(
     assert import_design.main([str(file), *arguments]) == 0
     said = capsys.readouterr().out
     assert (
-        f"  cell {CELL}: 1 wire for robots, 3 by hand (1 shorter than 0.48 m, 1 of 16 mm2, "
-        "1 longer than 3 m); the board fits\n"
+        f"  cell {CELL}: 1 wire for robots, 3 by hand (1 shorter than 0.48 m, 1 whose "
+        "section_mm2 is not a number from 0.05 to 4, 1 whose length_mm is not a number from 0 to "
+        "3000); the board fits\n"
     ) in said
     assert (
         f"1: by hand, length is 0.35 m, 0.13 m too little; allowed: 0.48 to 3 m (cell {CELL})\n"

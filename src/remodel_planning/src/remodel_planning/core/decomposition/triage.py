@@ -48,8 +48,11 @@ def triaged(
     refusals: dict[str, Refusal] = {}
     whole = {wire: task.name for task in order.whole_tasks for wire in task.wires}
     for task in order.tasks:
-        why = refused.get(task.name) or _refused_by_design(task)
-        why = why or _refused_characteristic(task.characteristics, use_case)
+        why = (
+            _refused_by_design(task)
+            or _refused_characteristic(task.characteristics, use_case)
+            or refused.get(task.name)
+        )
         plan = None
         if why is None:
             try:
