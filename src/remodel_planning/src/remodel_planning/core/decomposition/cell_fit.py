@@ -73,9 +73,9 @@ def _refusal(wire: PanelWire, takes: CellLimits) -> Refusal | None:
         section = f"{wire.section_mm2:g} mm2"
         return Refusal(f"of {section}", f"no table of materials has wires of {section}")
     if not is_colour(wire.colour):  # a shield, or what a mapping or another importer says
-        found = repr(wire.colour) if wire.colour else "none"
+        shown = repr(wire.colour) if wire.colour else "none"
         return Refusal(
-            "of no known colour", f"its colour is {found}; allowed: {' '.join(WIRE_RGB)}"
+            "of no known colour", f"its colour is {shown}; allowed: {' '.join(WIRE_RGB)}"
         )
     for limits, found, words, kinds in (
         (
