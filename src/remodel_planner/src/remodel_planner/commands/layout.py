@@ -58,7 +58,7 @@ def main(arguments: list[str] | None = None) -> int:
         use_case = use_case_for(kind_of(board))
         panel, whole = panel_of(board, catalogue), board_order(board, use_case, arms=1)
         able = fitted(whole, panel, use_case, cell_takes(use_case, options.cell))
-        message = board_message(panel, whole, {task.name for task in able.tasks})
+        message = board_message(panel, whole, able.wires_by_hand)
         write_text(options.panel, panel_text(message))
     wires = [wire for wire in board.order.wires if wire.name in board.routes]
     total = sum(map(board.length_of, wires))

@@ -6,7 +6,7 @@ A package exports the folder of its cells in its package.xml:
       <remodel_states cells="${prefix}/config/cells"/>
     </export>
 
-Of a file `NAME.yaml` in it, `name` and `takes` are read here; the rest is for who runs the cell.
+Of a file `NAME.yaml` in it, `name` and `takes` are read here; the rest is for those who run it.
 """
 
 from __future__ import annotations

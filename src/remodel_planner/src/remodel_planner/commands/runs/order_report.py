@@ -86,4 +86,4 @@ def _triage(board: Board, catalogue: Catalogue, use_case: str) -> tuple[tuple[st
     except PlannerError as error:  # the run is over, and its report is worth more than this part
         return (str(error),), 0
     lines = tuple(map(str, (*found.other_methods, *found.by_hand)))
-    return lines, sum(len(each.wires) for each in found.by_hand)
+    return lines, len(found.wires_by_hand)

@@ -52,12 +52,11 @@ def require_fit(panel: Panel, takes: CellLimits | None) -> None:
 def summary(order: WorkOrder, panel: Panel, takes: CellLimits) -> str:
     """Return how many wires of an order the robots of a cell place, and whether the board fits."""
     robots = counted(len(order.tasks), "wire")
-    by_hand = sum(len(each.wires) for each in order.by_hand)
     kinds = Counter[str]()
     for each in order.by_hand:
         kinds[each.kind or "by no method"] += len(each.wires)
     parts = ", ".join(f"{count} {kind}" for kind, count in kinds.most_common())
-    text = f"cell {takes.cell}: {robots} for robots, {by_hand} by hand"
+    text = f"cell {takes.cell}: {robots} for robots, {len(order.wires_by_hand)} by hand"
     text += f" ({parts})" if parts else ""
     found = misfits(panel, takes)
     return f"{text}; the board {'does not fit: ' + '; '.join(found) if found else 'fits'}"

@@ -48,11 +48,8 @@ def triaged(
     refusals: dict[str, Refusal] = {}
     whole = {wire: task.name for task in order.whole_tasks for wire in task.wires}
     for task in order.tasks:
-        why = (
-            refused.get(task.name)
-            or _refused_place(task)
-            or _refused_characteristic(task.characteristics, use_case)
-        )
+        why = refused.get(task.name) or _refused_by_design(task)
+        why = why or _refused_characteristic(task.characteristics, use_case)
         plan = None
         if why is None:
             try:
@@ -108,8 +105,8 @@ def _preferred(methods: Sequence[Method], features: Features) -> str:
     )
 
 
-def _refused_place(task: Task) -> Refusal | None:
-    return Refusal("on full terminals", task.by_hand) if task.by_hand else None
+def _refused_by_design(task: Task) -> Refusal | None:
+    return Refusal("at terminals that are full", task.by_hand) if task.by_hand else None
 
 
 def _refused_characteristic(stated: Mapping[str, Value], use_case: UseCase) -> Refusal | None:

@@ -238,6 +238,11 @@ class WorkOrder:
         return whole_tasks((task.name, task.cable) for task in self.tasks)
 
     @property
+    def wires_by_hand(self) -> frozenset[str]:
+        """The names of the wires that no robot places."""
+        return frozenset(wire for each in self.by_hand for wire in each.wires)
+
+    @property
     def cables(self) -> dict[str, tuple[str, ...]]:
         """The names of the tasks of each cable, or twisted group, that has several."""
         return {task.name: task.wires for task in self.whole_tasks if task.is_cable}

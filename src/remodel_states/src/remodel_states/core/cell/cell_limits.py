@@ -1,4 +1,4 @@
-"""Which boards and wires a cell can wire: stated once in its file, for whoever plans or builds.
+"""Which boards and wires a cell can wire: stated once, in its file.
 
 The import of a design, the planner and the cell itself ask here, so that they give one answer.
 """

@@ -28,14 +28,13 @@ from remodel_states.core.wires.wire_materials import PROPERTIES
 _TEXT_WIDTH = 150
 
 
-def board_message(panel: Panel, order: WorkOrder, robots: Collection[str]) -> PanelMsg:
+def board_message(panel: Panel, order: WorkOrder, by_hand: Collection[str] = ()) -> PanelMsg:
     """Return the message for a panel. It has no channels: a magazine presents the wires.
 
     Args:
         panel: with all wires.
         order: whose tasks they are, in their order.
-        robots: names of the tasks that robots do: the cell gets these wires. Of those by hand it
-            has the terminals alone.
+        by_hand: names of the tasks that no robot does: of these the cell gets the terminals alone.
     """
     message = PanelMsg(
         name=panel.name,
@@ -49,7 +48,7 @@ def board_message(panel: Panel, order: WorkOrder, robots: Collection[str]) -> Pa
     for wire, task in zip(panel.wires, order.tasks, strict=True):
         a, b = (short[name] for name in task.terminals)
         terminals.update({wire.a: a, wire.b: b})
-        if task.name in robots:
+        if task.name not in by_hand:
             message.wires.append(_wire(wire, task.name, a, b))
     message.components = [_component(device, terminals) for device in panel.devices]
     return message

@@ -88,7 +88,7 @@ class WorkMaker:
         laid, takes = panel_of(board, catalogue), cell_takes(found, self.cell_design())
         require_fit(laid, takes)
         able = fitted(whole, laid, found, takes)
-        panel = board_message(laid, whole, {task.name for task in able.tasks})
+        panel = board_message(laid, whole, able.wires_by_hand)
         order = _asked(able, panel, found, tasks)
         experience = Experience(found, ability_calls(self.database), explore=self.explore)
         leases = TaskLeases(self.database, name, self.cell, self.lease_s, token=owner)
