@@ -146,8 +146,8 @@ def test_any_section_and_colour_and_full_terminals_are_judged_alike(tmp_path, da
     assert import_design.main([*arguments, "--use-case", "cabinet"]) == 0
     said = capsys.readouterr().out
     assert (
-        f"  cell {CELL}: 5 wires for robots, 3 by hand (1 thinner than 0.0025 m, 1 on full "
-        "terminals, 1 of no known colour); the board fits\n"
+        f"  cell {CELL}: 5 wires for robots, 3 by hand (1 thinner than 0.0025 m, 1 at terminals "
+        "that are full, 1 of no known colour); the board fits\n"
     ) in said
     assert "1 colour not known, such as line 5: colour 'puce' is no known colour, BK taken" in said
     assert "1 left out: it is a jumper or bar, a part for a person to set" in said
