@@ -51,7 +51,7 @@ def refused_import(file, database, capsys):
 def test_a_design_is_imported_once(database, capsys):
     arguments = [str(DESIGN), "--order", "house", "--database", database]
     assert import_design.main(arguments) == 0
-    assert "58 wires lie in the cabinet" in capsys.readouterr().out
+    assert "58 wires lie on the plate" in capsys.readouterr().out
     assert import_design.main(arguments) == 1
     assert "has an order house already: give another name" in capsys.readouterr().err
 
@@ -185,7 +185,7 @@ NONE_FOR_ROBOTS = {
     ),
     "porch.qet": (
         LAMP,
-        "  tasks for the robot: 0, by hand: 0\n    1 wire leaves the cabinet and is no task: ",
+        "  tasks for the robot: 0, by hand: 0\n    1 wire leaves the plate and is no task of the ",
         "no wire has both its ends in the cabinet",
     ),
 }
@@ -331,6 +331,20 @@ def test_an_account_and_a_plan_are_printed_for_programs(tmp_path, database, caps
     assert printed.err == f"plan: {said['error']}\n"
 
 
+def test_a_placement_says_what_is_in_the_door(tmp_path, database, capsys):
+    file, placement = tmp_path / "feeder.csv", tmp_path / "placement.yaml"
+    file.write_text("Wire,From,To\n7,K1:1,S1:13\n8,K1:2,X1:1\n")
+    placement.write_text("devices: {S1: door}\n")
+    arguments = [str(file), "--database", database, "--placement", str(placement), "--verbose"]
+    assert import_design.main(arguments) == 0
+    out = capsys.readouterr().out
+    assert "1 wire lies on the plate, 1 leaves it" in out
+    assert "7: by hand, it leaves the plate, S1:13 is in the door" in out
+    placement.write_text("devices: {S1: roof}\n")
+    assert import_design.main(arguments) == 1
+    assert f"{placement}: line 1: devices: S1: 'roof' found" in capsys.readouterr().err
+
+
 def test_a_list_with_headings_of_its_own_needs_its_mapping(tmp_path, database, capsys):
     file, mapping = tmp_path / "mine.csv", tmp_path / "mine.yaml"
     file.write_text("Hier;Dort\nA:1;B:1\n")
@@ -342,7 +356,7 @@ def test_a_list_with_headings_of_its_own_needs_its_mapping(tmp_path, database, c
     mapping.write_text("format: remodel-wire-list-1\ncolumns: {from: Hier, to: Da}\n")
     arguments = [str(file), "--order", "mine", "--database", database, "--mapping", str(mapping)]
     assert import_design.main(arguments) == 1
-    assert "the mapping's headings: wire list: hier, da" in capsys.readouterr().err
+    assert "the mapping's headings: hier, da" in capsys.readouterr().err
     mapping.write_text("format: remodel-wire-list-1\ncolumns: {from: Hier, to: Dort}\n")
     assert import_design.main(arguments) == 0
     mapping.write_text("columns: {}")

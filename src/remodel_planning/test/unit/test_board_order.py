@@ -14,6 +14,7 @@ from flexbe_synthesizer.edge.package_path import find_packages, read_library
 from remodel_planning.core.decomposition.preparation import prepare
 from remodel_planning.core.decomposition.triage import triaged
 from remodel_planning.core.orders.board_order import board_order, kind_of
+from remodel_planning.core.orders.work_order import ByHand
 from remodel_planning.core.problem.defects import require_sound
 from remodel_planning.core.problem.problem import End
 from remodel_planning.core.task_charts.planned_tasks import planned_tasks
@@ -83,7 +84,7 @@ def order(*pairs, section_mm2=2.5, outside=()):
             terminals.setdefault(ref.component, []).append(Terminal(ref.terminal, side))
         wires.append(Wire(f"W{number}", *refs, "BK", section_mm2, "test"))
     components = tuple(
-        Component(name, "", tuple(used), Mount.FIELD if name in outside else Mount.PLATE)
+        Component(name, "", tuple(used), Mount.OUTSIDE if name in outside else Mount.PLATE)
         for name, used in terminals.items()
     )
     return Order("test", "", "", components, wires=tuple(wires))
@@ -185,12 +186,15 @@ def test_wires_whose_names_differ_in_capitals_alone_have_tasks_of_their_own():
     assert [task.name for task in work(replace(found, wires=wires)).tasks] == ["l1", "L1#2"]
 
 
+AWAY = ByHand("W1", ("W1",), "it leaves the plate, M1:T1 is outside")
+
+
 def test_wires_that_leave_the_cabinet_are_no_tasks():
     made = work(order(("Q1:B1", "M1:T1"), ("Q1:B2", "Q2:T2"), outside=("M1",)))
-    assert ([task.name for task in made.tasks], made.outside) == (["W2"], ("W1",))
+    assert ([task.name for task in made.tasks], made.outside) == (["W2"], (AWAY,))
     for use_case in ("cabinet", "automotive_formboard", "branched_harness"):
         away = work(order(("Q1:B1", "M1:T1"), outside=("M1",)), find_use_case(use_case))
-        assert (away.tasks, away.by_hand, away.outside) == ((), (), ("W1",))
+        assert (away.tasks, away.by_hand, away.outside) == ((), (), (AWAY,))
 
 
 def test_what_cannot_be_an_order_is_refused():

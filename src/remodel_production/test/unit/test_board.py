@@ -61,7 +61,7 @@ def order(*pairs, field=()):
             terminals.setdefault(ref.component, []).append(Terminal(ref.terminal, side))
         wires.append(Wire(f"W{number}", *refs, "BK", 2.5, "test"))
     components = tuple(
-        Component(name, "", tuple(used), Mount.FIELD if name in field else Mount.PLATE)
+        Component(name, "", tuple(used), Mount.OUTSIDE if name in field else Mount.PLATE)
         for name, used in terminals.items()
     )
     return Order("test", "", "test.qet", components, wires=tuple(wires))

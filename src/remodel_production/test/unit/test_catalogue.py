@@ -29,8 +29,9 @@ def test_reports_and_thumbnails_are_no_devices_in_any_collection():
     assert catalogue.place("embed://import/other/x.elmt", "thumbnail") is Place.DRAWING
 
 
-def test_without_a_pattern_an_element_is_mounted_on_the_plate():
-    assert read_catalogue(FILE).place("embed://import/other/x.elmt", "simple") is Place.PLATE
+def test_without_a_pattern_only_a_terminal_has_a_place():
+    assert read_catalogue(FILE).place("embed://import/other/x.elmt", "simple") is None
+    assert read_catalogue(FILE).place("embed://import/other/x.elmt", "terminal") is Place.PLATE
 
 
 @pytest.mark.parametrize(
@@ -39,8 +40,8 @@ def test_without_a_pattern_an_element_is_mounted_on_the_plate():
         ([], "the file: found []; allowed: a value of type object"),
         ({}, "the file: found nothing; missing: placement, colour_names, "),
         (
-            data(placement=[{"pattern": "*", "place": "moon"}]),
-            "placement[0].place: found 'moon'; allowed: plate, field, reference, drawing",
+            data(placement=[{"patterns": ["*"], "place": "moon"}]),
+            "placement[0].place: found 'moon'; allowed: plate, door, outside, reference, drawing",
         ),
         (
             data(clamps={**data()["clamps"], "sections": {1.5: {"pitch": 0.008}}}),

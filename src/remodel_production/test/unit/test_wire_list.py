@@ -19,7 +19,7 @@ DESIGNS = Path(__file__).parent / "designs"
 
 def test_an_eplan_like_list_in_windows_encoding_with_decimal_commas():
     imported = read((DESIGNS / "eplan.csv").read_bytes())
-    assert imported.order.title == "EPLAN connection list"
+    assert imported.order.title == ""  # it is called by its file
     assert rows(imported) == [
         ("101", "=A1+C1-K1:A1", "=A1+C1-X1:3.1", "BU", 1.5, 0.35),
         ("102", "=A1+C1-K1:A2", "=A1+C1-X1:4", "GNYE", 2.5, 1.2),
@@ -356,8 +356,37 @@ def test_the_sheet_of_a_workbook_with_headings_is_read_and_the_others_are_named(
 
 def test_a_date_in_a_workbook_is_refused_since_it_was_a_terminal():
     lines = [HEADINGS, ["W1", "K1", date(2026, 2, 1), "K2", 1, 1, 1]]
-    with pytest.raises(DesignError, match=r"line 2: from_terminal: a cell is the date 2026-02-01"):
+    with pytest.raises(
+        DesignError, match=r"sheet 'Wires': line 2: from_terminal: a cell is the date 2026-02-01"
+    ):
         read(workbook(Wires=lines))
+
+
+@pytest.mark.parametrize(
+    ("cells", "said"),
+    [
+        (["W1", "K1", 1, "K2", 1, 1, "", "9"], "sheet 'Wires': line 2: 8 cells found"),
+        (["W1", "", 1, "", 1], "sheet 'Wires': none of its 1 lines names both ends"),
+    ],
+)
+def test_an_error_about_a_workbook_names_the_sheet(cells, said):
+    with pytest.raises(DesignError, match=said):
+        read(workbook(Cover=[["by hand"]], Wires=[HEADINGS, cells]))
+
+
+def test_a_workbook_without_ends_is_refused_with_the_headings_of_the_sheet_that_has_most():
+    data = workbook(Cover=[["Parts", "Price"]], Wires=[["Wire", "From Device", "Colour"], [1, 2]])
+    with pytest.raises(DesignError) as error:
+        read(data)
+    assert "found 'Wire\\tFrom Device\\tColour'" in str(error.value)
+    assert "read as headings in sheet 'Wires': 'Wire' as wire" in str(error.value)
+
+
+def test_source_and_sink_are_the_ends_of_a_wire():
+    imported = read("Circuit,Source,Sink,Wiring Gauge\nHorn,X1:2,H1:+,16 AWG\n")
+    assert rows(imported) == [("Horn", "X1:2", "H1:+", "BK", 1.31, None)]
+    imported = read("Wire,Source Device,Source Pin,Sink Device,Sink Pin\n1,K1,A1,X1,2\n")
+    assert rows(imported) == [("1", "K1:A1", "X1:2", "BK", 2.5, None)]
 
 
 def test_a_workbook_that_is_damaged_or_declares_entities_is_refused():

@@ -23,6 +23,35 @@ def ends(imported):
     return {wire.name: (str(wire.a), str(wire.b)) for wire in imported.order.wires}
 
 
+LISTS = """
+connectors:
+  X1: {pincount: 2}
+  X2: {pincount: 2}
+cables:
+  W1: {wirecount: 2, category: bundle, gauge: [0.5 mm2, 20 AWG], length: [0.3, 450 mm]}
+connections:
+  - [X1: [1-2], W1: [1-2], X2: [1-2]]
+"""
+
+
+def test_gauges_and_lengths_may_be_lists_with_one_for_each_core():
+    wires = read(LISTS).order.wires
+    assert [(w.section_mm2, w.length_m) for w in wires] == [(0.5, 0.3), (0.518, 0.45)]
+
+
+@pytest.mark.parametrize("key", ["gauge: [0.5 mm2, 20 AWG]", "length: [0.3, 450 mm]"])
+def test_a_list_with_another_number_of_values_than_cores_is_refused(key):
+    name = key.partition(":")[0]
+    said = rf"line 6: cable W1: {name}: 1 values found for 2 cores; give one for all, or one for"
+    with pytest.raises(DesignError, match=said):
+        read(LISTS.replace(key, f"{name}: [1]"))
+
+
+def test_a_length_of_a_bundle_that_is_not_understood_is_reported():
+    account = read(LISTS.replace("450 mm", "two ells")).account
+    assert "line 6: length 'two ells' not understood" in account.assumptions
+
+
 def test_a_harness_is_read_with_templates_ranges_shield_and_bundles():
     imported = import_wireviz(HARNESS.read_bytes(), "two", "harness.yml", CATALOGUE)
     assert ends(imported) == {

@@ -68,7 +68,7 @@ def test_a_cell_of_ones_own_is_read_from_its_path(tmp_path):
         ),
         (
             lambda c: c["takes"].pop("plate"),
-            "takes: found devices, wire_length, wire_diameter; missing: plate",
+            "takes: found devices, wire_diameter, wire_length; missing: plate",
         ),
         (
             lambda c: c.update(magazine={**MAGAZINE, "y_min": 0.0}),

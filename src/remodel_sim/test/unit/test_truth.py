@@ -16,7 +16,7 @@ from remodel_sim.ros.conversions import read_panel, truth_message
 from remodel_states.edge.wire_material_file import read_wire_materials
 
 CONFIG = Path(__file__).parents[2] / "config"
-WIRE, OTHER = "W3", "W5"
+WIRE, OTHER = "W3", "W7"
 BELOW_M, ABOVE_M = 0.020, 0.065
 
 

@@ -45,7 +45,7 @@ from remodel_production.core.production import Order
 from remodel_production.edge.ability_files import read_abilities
 from remodel_production.edge.catalogue_file import read_catalogue
 from remodel_production.edge.database.production_database import ProductionDatabase
-from remodel_production.edge.design_files import read_design, read_mappings
+from remodel_production.edge.design_files import read_design, read_mappings, read_placement
 from remodel_production.edge.importer_plug_ins import design_formats
 from remodel_production.edge.package_files import catalogue_file
 from remodel_production.errors import DesignError, PlannerError, blamed
@@ -73,6 +73,12 @@ def main(arguments: list[str] | None = None) -> int:
     )
     parser.add_argument(
         "--mapping", type=Path, metavar="FILE", help="YAML of what the columns of a list mean"
+    )
+    parser.add_argument(
+        "--placement",
+        type=Path,
+        metavar="FILE",
+        help="YAML of which devices are on the plate, in the door, or outside",
     )
     parser.add_argument(
         "--print-mapping",
@@ -121,7 +127,7 @@ def main(arguments: list[str] | None = None) -> int:
         with blamed(options.file):
             print(mapping_draft(data, catalogue, mappings), end="")
         return 0
-    imported = _read(options, name, catalogue)
+    imported = _read(options, name, read_placement(options.placement, catalogue))
     order = laid_out(imported.order, catalogue)
     preferences = _preferences(options, order)
     with closing(ProductionDatabase(options.database)) as database:
@@ -245,6 +251,9 @@ def _report_triage(order: Order, options: argparse.Namespace) -> None:
         if design.takes is not None:
             print(f"  {summary(design.work, design.panel, design.takes)}")
         print_triage(design.work)
+        if options.verbose:
+            for line in design.work.outside:
+                print(f"    {line}")
 
 
 def _report(imported: Imported, *, verbose: bool) -> None:
@@ -273,7 +282,7 @@ def _report(imported: Imported, *, verbose: bool) -> None:
     if inside < len(order.wires):
         lie, leaves = "lies" if inside == 1 else "lie", len(order.wires) - inside
         leave = "leaves" if leaves == 1 else "leave"
-        print(f"  {counted(inside, 'wire')} {lie} in the cabinet, {leaves} {leave} it")
+        print(f"  {counted(inside, 'wire')} {lie} on the plate, {leaves} {leave} it")
     if account.unknown_colours:
         count = counted(len(account.unknown_colours), "colour")
         print(f"  {count} not known, such as {account.unknown_colours[0]}")

@@ -12,7 +12,7 @@ from enum import Enum
 from fnmatch import fnmatchcase
 from typing import Any
 
-from remodel_production.core.production import Component, Role
+from remodel_production.core.production import Component, Mount, Role
 from remodel_production.errors import CatalogueError
 from remodel_states.core.wires.wire_materials import (
     MaterialError,
@@ -22,10 +22,11 @@ from remodel_states.core.wires.wire_materials import (
 
 
 class Place(Enum):
-    """Where an element of a drawing is mounted."""
+    """Where an element of a drawing is mounted, or what it is instead of a device."""
 
     PLATE = "plate"
-    FIELD = "field"
+    DOOR = "door"
+    OUTSIDE = "outside"
     REFERENCE = "reference"
     DRAWING = "drawing"
 
@@ -36,7 +37,8 @@ _PLACES_OF_LINK_TYPES = {
     "previous_report": Place.REFERENCE,
     "thumbnail": Place.DRAWING,
 }
-
+# The link type of terminals, which stand on the plate unless their symbol says something else.
+_TERMINAL = "terminal"
 
 # Roles without rows of their own, and the role whose rows they have.
 _LISTED = {Role.JOINT: Role.CONNECTOR}
@@ -196,6 +198,8 @@ class Catalogue:
     """Rules and tables for what a design file leaves unsaid.
 
     Attributes:
+        placement: patterns of paths of symbols, lower case, and where these belong.
+        mounts: patterns of names of devices, and where a user says that these are.
         clamps: by the largest section that they take [mm^2].
         clamp_play_m: by which an opening is wider than its wire.
         clamp_beyond_ferrule_m: by which it is deeper than the ferrule.
@@ -214,15 +218,26 @@ class Catalogue:
     devices: tuple[DeviceClass, ...]
     cabinet: CabinetRules
     formboard: FormboardRules
+    mounts: tuple[tuple[str, Mount], ...] = ()
 
-    def place(self, path: str, link_type: str) -> Place:
-        """Return where an element belongs, by its path in the collection and its link type."""
+    def place(self, path: str, link_type: str) -> Place | None:
+        """Return where an element belongs; None if nothing says it.
+
+        Args:
+            path: of its symbol in the collection; the case of letters does not matter.
+            link_type: of its symbol.
+        """
         if link_type in _PLACES_OF_LINK_TYPES:
             return _PLACES_OF_LINK_TYPES[link_type]
+        path = path.lower()
         for pattern, place in self.placement:
             if fnmatchcase(path, pattern):
                 return place
-        return Place.PLATE
+        return Place.PLATE if link_type == _TERMINAL else None
+
+    def mount(self, device: str) -> Mount | None:
+        """Return where a user says that a device is; None for nothing."""
+        return next((m for pattern, m in self.mounts if fnmatchcase(device, pattern)), None)
 
     def terminal_rule(self, component: Component) -> TerminalRule:
         """Return the first rule that fits a component; the last one of each role fits all.
@@ -315,7 +330,11 @@ def catalogue_from(data: Mapping[str, Any], materials: WireMaterials) -> Catalog
                 "end"
             )
     return Catalogue(
-        placement=tuple((rule["pattern"], Place(rule["place"])) for rule in data["placement"]),
+        placement=tuple(
+            (pattern, Place(rule["place"]))
+            for rule in data["placement"]
+            for pattern in rule["patterns"]
+        ),
         colour_names=data["colour_names"],
         colour_values=data["colour_values"],
         default_colour=data["default_colour"],

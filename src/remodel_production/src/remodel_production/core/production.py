@@ -34,10 +34,11 @@ class Side(Enum):
 
 
 class Mount(Enum):
-    """Where a component is mounted: on the plate, or outside, where no wire is routed."""
+    """Where a component is mounted: wires are routed on the plate only."""
 
     PLATE = "plate"
-    FIELD = "field"
+    DOOR = "door"
+    OUTSIDE = "outside"
 
 
 class Role(Enum):
@@ -183,6 +184,8 @@ class Wire:
         cable: that it is a core of; empty if it is a single wire.
         core: its name in the cable.
         route: segments from a to b; empty if the design does not say.
+        number: that the design gives it, such as on its markers; the wires of a potential have the
+            same. Empty if the design gives none.
     """
 
     name: str
@@ -195,6 +198,7 @@ class Wire:
     cable: str = ""
     core: str = ""
     route: tuple[str, ...] = ()
+    number: str = ""
 
 
 @dataclass(frozen=True)
@@ -268,6 +272,17 @@ class Order:
             if used:
                 components.append(replace(component, terminals=used))
         return replace(self, components=tuple(components), wires=tuple(wires))
+
+    def leaving(self) -> dict[str, str]:
+        """Return the wires that leave the plate, each with the end that says why."""
+        mounts = {component.name: component.mount for component in self.components}
+        found = {}
+        for wire in self.wires:
+            away = [end for end in (wire.a, wire.b) if mounts[end.component] is not Mount.PLATE]
+            if away:
+                in_door = mounts[away[0].component] is Mount.DOOR
+                found[wire.name] = f"{away[0]} is {'in the door' if in_door else 'outside'}"
+        return found
 
     def clips_of(self, wire: Wire) -> tuple[Clip, ...]:
         """Return the clips along a wire's route, from its end a to its end b."""

@@ -1,13 +1,15 @@
-"""Design files on disk, and the mappings of wire lists."""
+"""Design files on disk, the mappings of wire lists, and placements."""
 
 from __future__ import annotations
 
 from pathlib import Path
 
+from remodel_production.core.catalogue import Catalogue
+from remodel_production.core.imports.placement import with_placement
 from remodel_production.core.imports.shared.text_encoding import decode
 from remodel_production.core.imports.wire_lists.mapping import WireListMapping, mapping_from
 from remodel_production.edge.package_files import wire_list_mappings
-from remodel_production.errors import DesignError
+from remodel_production.errors import DesignError, blamed
 
 # The largest example of QElectroTech has 3.5 MB, a vehicle's harness as KBL some 50 MB.
 _MOST_BYTES = 100_000_000
@@ -40,6 +42,19 @@ def read_mappings(file: Path | None) -> tuple[WireListMapping, ...]:
     """
     files = [file] if file is not None else wire_list_mappings()
     return tuple(_read_mapping(each) for each in files)
+
+
+def read_placement(file: Path | None, catalogue: Catalogue) -> Catalogue:
+    """Return a catalogue in which the placement in a file counts first; itself if there is none.
+
+    Raises:
+        DesignError: naming the file and the line if the placement is malformed.
+    """
+    if file is None:
+        return catalogue
+    data = read_design(file)
+    with blamed(file):
+        return with_placement(catalogue, decode(data)[0])
 
 
 def _read_mapping(file: Path) -> WireListMapping:

@@ -65,6 +65,7 @@ class Triage:
     Attributes:
         robot: names of its tasks; a cable is one.
         cables: the cores of those that are cables, by name.
+        outside: wires that leave the plate.
     """
 
     use_case: str
@@ -72,6 +73,7 @@ class Triage:
     cables: dict[str, tuple[str, ...]] = field(default_factory=dict)
     other_methods: tuple[OtherMethod, ...] = ()
     by_hand: tuple[ByHand, ...] = ()
+    outside: tuple[ByHand, ...] = ()
 
 
 @dataclass(frozen=True)

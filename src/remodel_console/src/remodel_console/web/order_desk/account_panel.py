@@ -27,7 +27,7 @@ def show_account(imported: Imported) -> None:
             outside = imported.counts["wires"] - imported.wires_in_cabinet
             if outside:
                 inside = _counted(imported.wires_in_cabinet, "wires")
-                _line(f"{inside} inside the cabinet, {outside} to outside")
+                _line(f"{inside} on the plate, {outside} leave it")
         for each in account.unused_columns:
             with ui.element("div").classes("held"):
                 ui.label(f"{each.source} is not used: {each.reason}")
@@ -71,6 +71,10 @@ def show_triage(triage: Triage | None, nothing_to_plan: str) -> None:
             with scrollable("Tasks by hand").classes("by-hand"):
                 rows = ((each.words, each.reason) for each in triage.by_hand[:_LISTED])
                 table(("By hand", "Because"), rows)
+        _unfolding(
+            "Wires that leave the plate, by hand",
+            tuple(f"{each.words}: {each.reason}" for each in triage.outside),
+        )
 
 
 def _count_words(imported: Imported) -> str:

@@ -93,9 +93,10 @@ def print_triage(order: WorkOrder) -> None:
         are = "1 is a cable" if len(cables) == 1 else f"{len(cables)} are cables"
         print(f"    {are} of {cores} cores, placed one after another by one arm")
     if outside:
-        what = f"{len(outside)} wires leave the cabinet and are no tasks, such as {outside[0]}"
+        such = f"such as {outside[0]}"
+        what = f"{len(outside)} wires leave the plate and are no tasks of the robots, {such}"
         if len(outside) == 1:
-            what = f"1 wire leaves the cabinet and is no task: {outside[0]}"
+            what = f"1 wire leaves the plate and is no task of the robots: {outside[0]}"
         print(f"    {what}")
     for line in (*order.other_methods, *order.by_hand):
         print(f"    {line}")

@@ -46,7 +46,7 @@ def triage_document(order: WorkOrder) -> Document:
         "use_case": order.use_case,
         "robot": [task.name for task in order.whole_tasks],
         "cables": order.cables,
-        "outside": order.outside,
+        "outside": [asdict(each) for each in order.outside],
         "other_methods": [asdict(each) for each in order.other_methods],
         "by_hand": [asdict(each) for each in order.by_hand],
     }

@@ -12,7 +12,7 @@ from remodel_planner.commands.runs.run_follower import RunFollower
 from remodel_planner.core.reports.net_list import net_list
 from remodel_planner.core.reports.run_report import Report
 from remodel_planning.core.decomposition.cell_fit import fitted
-from remodel_planning.core.orders.board_order import board_order
+from remodel_planning.core.orders.board_order import board_order, leaving_plate
 from remodel_planning.edge.cell_takes import cell_takes
 from remodel_planning.edge.use_case_files import find_use_case
 from remodel_production.core.board.board import Board, board_of
@@ -27,15 +27,16 @@ from remodel_supervision.core.runs.state import RunState, Stage
 from remodel_supervision.ros.peers.cell import running_cell
 
 
-def order_report(order: Order, follower: RunFollower, state: RunState, folder: Path) -> Report:
+def order_report(stored: Order, follower: RunFollower, state: RunState, folder: Path) -> Report:
     """Return the report of a run that has ended.
 
     Args:
-        order: the wires of the cabinet.
+        stored: the order.
         follower: of the run.
         state: in which the run ended.
         folder: of the report, with the run's pictures.
     """
+    order = stored.in_cabinet()
     attempts = follower.attempts
     reporter = AttemptReporter(folder / "runs" / str(follower.number))
     reported = [attempt for attempt in attempts if attempt.part is not Part.CLEAR]
@@ -63,7 +64,7 @@ def order_report(order: Order, follower: RunFollower, state: RunState, folder: P
         overview=reporter.overview(attempts[-1]) if attempts else (),
         stopped=state.ended.because if is_stopped and state.ended else "",
         before=frozenset(name for name in done if name not in here),
-        triage=triage,
+        triage=(*triage, *map(str, leaving_plate(stored))),
         by_hand=by_hand,
         nets=() if unread else net_list(order.wires, state.tasks, found),
         unread=unread,

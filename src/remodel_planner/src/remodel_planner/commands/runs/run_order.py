@@ -61,7 +61,8 @@ def main(arguments: list[str] | None = None) -> int:
         parser.error(f"--wires must be at least 1, found {options.wires}")
     try:
         database = ProductionDatabase(options.database)
-        order = database.order(options.order).in_cabinet()
+        stored = database.order(options.order)
+        order = stored.in_cabinet()
     except PlannerError as error:
         print(f"run_order: {error}", file=sys.stderr)
         return 1
@@ -84,7 +85,7 @@ def main(arguments: list[str] | None = None) -> int:
         return 130
     finally:
         database.close()
-    report = order_report(order, follower, state, folder=options.output)
+    report = order_report(stored, follower, state, folder=options.output)
     print(*summary_lines(report), sep="\n")
     try:
         print(f"report: {write_report(report, options.output)}")

@@ -349,6 +349,7 @@ def _wire_data(wire: Wire, length_m: float) -> Mapping[str, object]:
         "section_mm2": wire.section_mm2,
         "cable": wire.cable,
         "length_m": length_m,
+        "number": wire.number,
         "source": wire.source,
     }
 

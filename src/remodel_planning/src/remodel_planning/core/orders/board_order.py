@@ -17,14 +17,21 @@ from remodel_planning.core.condition import Value
 from remodel_planning.core.orders.branch_order import branch_order
 from remodel_planning.core.orders.laying_order import first_ends, laying_turns
 from remodel_planning.core.orders.surroundings import Surroundings, in_mm
-from remodel_planning.core.orders.work_order import Access, Route, RouteClip, Task, WorkOrder
+from remodel_planning.core.orders.work_order import (
+    Access,
+    ByHand,
+    Route,
+    RouteClip,
+    Task,
+    WorkOrder,
+)
 from remodel_planning.core.problem.problem import End, PlannedTerminal
 from remodel_planning.core.use_case.designs import LONGER_LEG, DesignKind, DesignTasks
 from remodel_planning.core.use_case.model import UseCase, declared
 from remodel_planning.core.use_case.plain_name import take_name
 from remodel_production.core.board.board import Board
 from remodel_production.core.imports.shared.assembly import unique_name
-from remodel_production.core.production import Component, Role, Terminal, TerminalRef, Wire
+from remodel_production.core.production import Component, Order, Role, Terminal, TerminalRef, Wire
 from remodel_production.errors import OrderError
 
 LAYING_TURN = "laying_turn"
@@ -34,6 +41,14 @@ def kind_of(board: Board) -> DesignKind:
     """Return what a board is for: a harness has segments of its own, or connectors alone."""
     has_devices = any(device.component.role is Role.DEVICE for device in board.devices)
     return DesignKind.CABINET if board.is_cabinet and has_devices else DesignKind.HARNESS
+
+
+def leaving_plate(order: Order) -> tuple[ByHand, ...]:
+    """Return the wires of an order that leave the plate, and are by hand."""
+    return tuple(
+        ByHand(wire, (wire,), f"it leaves the plate, {end}")
+        for wire, end in order.leaving().items()
+    )
 
 
 def board_order(board: Board, use_case: UseCase, arms: int) -> WorkOrder:
@@ -53,7 +68,7 @@ def board_order(board: Board, use_case: UseCase, arms: int) -> WorkOrder:
             f"use case {use_case.name} takes no imported designs: it says nothing under `designs` "
             "(docs/use-cases.md); choose another one by --use-case"
         )
-    outside = tuple(wire.name for wire in board.order.wires if wire.name not in board.routes)
+    outside = leaving_plate(board.order)
     if not board.routes:
         placed = Surroundings([(0, 0)], designs, arms).arms
         return WorkOrder(name, use_case.name, placed, {}, terminals=(), tasks=(), outside=outside)

@@ -204,7 +204,7 @@ class WorkOrder:
         access: to terminals, by name.
         by_hand: what the design has besides the tasks.
         other_methods: by which some of the tasks are done.
-        outside: names of the design's wires that leave the cabinet, and are no tasks.
+        outside: the design's wires that leave the plate, and are no tasks.
     """
 
     name: str
@@ -218,7 +218,7 @@ class WorkOrder:
     access: dict[str, Access] = field(default_factory=dict)
     by_hand: tuple[ByHand, ...] = ()
     other_methods: tuple[OtherMethod, ...] = ()
-    outside: tuple[str, ...] = ()
+    outside: tuple[ByHand, ...] = ()
 
     def with_tasks(self, tasks: Sequence[Task]) -> WorkOrder:
         """Return the order with these tasks alone, and the constraints between them."""

@@ -9,6 +9,7 @@ from dataclasses import replace
 from remodel_production.core.catalogue import Catalogue
 from remodel_production.core.imports.design_format import DesignFile, DesignFormat
 from remodel_production.core.imports.kbl import import_kbl
+from remodel_production.core.imports.placement import with_mounts
 from remodel_production.core.imports.qet import import_qet
 from remodel_production.core.imports.shared.account import Imported
 from remodel_production.core.imports.shared.spreadsheet import (
@@ -110,7 +111,8 @@ def import_design(
     imported = form.read(data, name, source, catalogue)
     if not imported.order.title:
         imported = replace(imported, order=replace(imported.order, title=source))
-    return with_wire_properties(with_access(imported, catalogue), catalogue)
+    mounted = with_mounts(imported, catalogue)
+    return with_wire_properties(with_access(mounted, catalogue), catalogue)
 
 
 def _unknown(file: DesignFile, formats: Sequence[DesignFormat]) -> DesignError:

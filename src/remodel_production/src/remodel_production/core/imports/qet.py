@@ -20,23 +20,26 @@ from __future__ import annotations
 
 import re
 from collections import Counter, defaultdict
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import pairwise
 
 from lxml import etree
 
 from remodel_production.core.catalogue import Catalogue, Place
 from remodel_production.core.imports.qet_drawing import (
+    UNNAMED,
     ByNumber,
     Spot,
     definitions_of,
     docked,
     elements_of,
     file_name,
+    folio_of,
     information,
     kind_of,
     side_of,
     spot_of,
+    terminal_names,
     terminals_by_number,
 )
 from remodel_production.core.imports.shared.account import Account, Imported, LeftOut
@@ -52,8 +55,8 @@ from remodel_production.core.production import Mount, Order, Side, TerminalRef
 from remodel_production.errors import DesignError
 
 _NEWEST_FORMAT = 0.90
-_SECTION = re.compile(r"\d+(?:[.,]\d+)?\s*(?:mm|awg)|awg\s*\d+", re.IGNORECASE)
-_DEVICES = (Place.PLATE, Place.FIELD)
+_SECTION = re.compile(r"\d+(?:[.,]\d+)?\s*(?:mm[2\u00b2]?|awg)|awg\s*\d+", re.IGNORECASE)
+_DEVICES = (Place.PLATE, Place.DOOR, Place.OUTSIDE)
 
 
 @dataclass(frozen=True)
@@ -70,6 +73,7 @@ class _Conductor:
     ends: tuple[_Point, _Point]
     colour: str
     section: str
+    number: str = ""
 
 
 def import_qet(text: bytes, name: str, source: str, catalogue: Catalogue) -> Imported:
@@ -105,7 +109,8 @@ class _Reader:
         self._definitions = definitions_of(project)
         self._elements = elements_of(project)
         self._masters = {uuid: self._master(uuid) for uuid in self._elements}
-        self._places = {uuid: self._place(master) for uuid, master in self._masters.items()}
+        self._stated = {uuid: self._place(master) for uuid, master in self._masters.items()}
+        self._places = {uuid: place or Place.PLATE for uuid, place in self._stated.items()}
         self._sides: dict[str, dict[str, Side]] = defaultdict(dict)
         self._point_names = self._name_points()
 
@@ -124,6 +129,10 @@ class _Reader:
                 + (f"; {reasons}" if reasons else "")
             )
         devices = self._devices()
+        wired = {self._masters[end.element] for wire in wires for end in wire.ends}
+        names = {uuid: device.name for uuid, device in devices.items() if uuid in wired}
+        self._note_names(names)
+        self._note_places(names)
         connections = [self._connection(wire, devices) for wire in wires]
         assembly = assemble(devices.values(), connections)
         account = Account(
@@ -131,7 +140,7 @@ class _Reader:
             count,
             (*self._assumptions.lines, *assembly.assumptions),
             tuple(self._left_out),
-            ignored=self._unwired({end.element for wire in wires for end in wire.ends}),
+            ignored=self._unwired(wired),
             joined=joined,
             wires_joined=wires_joined,
         )
@@ -149,39 +158,53 @@ class _Reader:
                 f"line {self._project.sourceline}: format {version or 'not given'}; read as 0.90"
             )
 
-    def _place(self, uuid: str) -> Place:
+    def _place(self, uuid: str) -> Place | None:
+        """Return where an element belongs; None if nothing says it."""
         path = self._elements[uuid].get("type", "")
         return self._catalogue.place(path, self._link_type(uuid))
 
     def _master(self, uuid: str) -> str:
         """Return the element that a device is named and mounted by."""
         if self._link_type(uuid) == "slave":
-            for link in self._elements[uuid].iterfind("links_uuids/link_uuid"):
-                master = link.get("uuid", "")
+            for master in self._linked(uuid):
                 if master in self._elements and self._link_type(master) == "master":
                     return master
         return uuid
+
+    def _linked(self, uuid: str) -> list[str]:
+        """Return the elements that an element is linked to."""
+        links = self._elements[uuid].iterfind("links_uuids/link_uuid")
+        return [link.get("uuid", "") for link in links]
 
     def _link_type(self, uuid: str) -> str:
         definition = self._definitions.get(self._elements[uuid].get("type", ""))
         return "" if definition is None else definition.get("link_type", "")
 
     def _name_points(self) -> dict[tuple[str, Side, Spot], str]:
-        """Name the terminals of each device by side and number, left to right, element by element.
+        """Name the terminals of each device as its definition does, else by side and number.
+
+        They are numbered left to right, element by element.
 
         Returns:
             The name of each point, by element, side and place in the element.
         """
         names: dict[tuple[str, Side, Spot], str] = {}
+        by_texts: set[str] = set()
         for uuid, element in self._elements.items():
             sides = self._sides[self._masters[uuid]]
+            symbol = element.get("type", "")
+            given, are_texts = terminal_names(self._definitions.get(symbol))
+            by_texts |= {symbol.removeprefix("embed://")} if are_texts else set()
             for side in Side:
                 letter = side.name[0]
                 used = sum(known is side for known in sides.values())
                 points = [t for t in element.iterfind("terminals/terminal") if side_of(t) is side]
                 for number, spot in enumerate(sorted(set(map(spot_of, points))), start=used + 1):
-                    names[uuid, side, spot] = f"{letter}{number}"
-                    sides[f"{letter}{number}"] = side
+                    name = unique_name(given.get((side, spot), f"{letter}{number}"), sides)
+                    names[uuid, side, spot] = name
+                    sides[name] = side
+        for symbol in sorted(by_texts):
+            self._assumptions.add(f"symbol {symbol}: texts beside its terminals taken as names")
         return names
 
     def _conductors(self, folio: int, diagram: etree._Element) -> list[_Conductor]:
@@ -190,7 +213,7 @@ class _Reader:
         conductors = []
         for node in diagram.iterfind("conductors/conductor"):
             source = f"folio {folio}, {line_of(node)}"
-            first, second = (self._end(node, number, by_number) for number in ("1", "2"))
+            first, second = (self._end(node, which, by_number) for which in ("1", "2"))
             if isinstance(first, str) or isinstance(second, str):
                 reason = first if isinstance(first, str) else str(second)
                 self._left_out.append(LeftOut(source, reason))
@@ -198,21 +221,20 @@ class _Reader:
                 self._left_out.append(LeftOut(source, "both its ends are at the same terminal"))
             else:
                 # Colour and section are attributes since 0.80; before, people wrote them on wires.
-                number = node.get("num") or ""
-                drawn = number if _SECTION.search(number) else ""
+                number, drawn = _number_and_section(node.get("num") or "")
                 section = (node.get("conductor_section") or "").strip() or drawn
                 colour = node.get("conductor_color", "").strip() or node.get("color", "")
-                conductors.append(_Conductor(source, (first, second), colour, section))
+                conductors.append(_Conductor(source, (first, second), colour, section, number))
         return conductors
 
     def _end(
         self,
         node: etree._Element,
-        number: str,
+        which: str,
         by_number: ByNumber,
     ) -> _Point | str:
         """Return the point at one end of a conductor, or why there is none."""
-        uuid, key = node.get(f"element{number}"), node.get(f"terminal{number}", "")
+        uuid, key = node.get(f"element{which}"), node.get(f"terminal{which}", "")
         if uuid is None:
             if key not in by_number:
                 return f"terminal {key!r} is on no element of the folio"
@@ -274,11 +296,7 @@ class _Reader:
                 uuid = parent[uuid]
             return uuid
 
-        links = [
-            (uuid, link.get("uuid", ""))
-            for uuid in parent
-            for link in self._elements[uuid].iterfind("links_uuids/link_uuid")
-        ]
+        links = [(uuid, linked) for uuid in parent for linked in self._linked(uuid)]
         links += [
             (first.element, second.element)
             for first, second in (conductor.ends for conductor in conductors)
@@ -298,12 +316,16 @@ class _Reader:
             if self._places[end.element] in _DEVICES
         ]
         if len(loose) < 2:
+            ends = {end.element for conductor in meeting for end in conductor.ends}
+            references = [uuid for uuid in ends if self._places[uuid] is Place.REFERENCE]
             reason = "its folio reference leads to no second device"
+            if not any(map(self._linked, references)):
+                reason = "its folio reference is linked to no other: link them in QElectroTech"
             self._left_out += [LeftOut(conductor.source, reason) for conductor in meeting]
             return []
         return [
-            _Conductor(conductor.source, (first, second), conductor.colour, conductor.section)
-            for (first, conductor), (second, _) in pairwise(loose)
+            replace(conductor, ends=(first, second), number=conductor.number or other.number)
+            for (first, conductor), (second, other) in pairwise(loose)
         ]
 
     def _devices(self) -> dict[str, Device]:
@@ -313,20 +335,57 @@ class _Reader:
         for uuid, element in self._elements.items():
             if self._masters[uuid] != uuid or self._places[uuid] not in _DEVICES:
                 continue
-            label = information(element, "label")
-            base = label or information(element, "designation") or file_name(element)
+            base = (
+                information(element, "label")
+                or information(element, "designation")
+                or file_name(element)
+            )
             name = unique_name(base, taken)
             taken.add(name)
-            if name != label:
-                self._assumptions.add(f"the element at {line_of(element)} is named {name}")
             devices[uuid] = Device(
                 name,
                 kind_of(element),
-                Mount.PLATE if self._places[uuid] is Place.PLATE else Mount.FIELD,
+                self._catalogue.mount(name) or Mount(self._places[uuid].value),
                 part_number=information(element, "manufacturer_reference"),
                 sides=self._sides[uuid],
             )
         return devices
+
+    def _note_names(self, names: dict[str, str]) -> None:
+        """Note devices that are not named by a label, and labels that several devices have."""
+        labelled: dict[str, list[str]] = defaultdict(list)
+        for uuid, name in names.items():
+            if label := information(self._elements[uuid], "label"):
+                labelled[label].append(uuid)
+            else:
+                self._assumptions.add(
+                    f"the element at {line_of(self._elements[uuid])} is named {name}"
+                )
+        for label, uuids in labelled.items():
+            if len(uuids) > 1:
+                folios = sorted({folio_of(self._elements[uuid]) for uuid in uuids})
+                self._assumptions.add(
+                    f"{len(uuids)} elements that are not linked have the label {label}, on folio"
+                    f"{'s' if len(folios) > 1 else ''} {', '.join(map(str, folios))}: read as "
+                    f"devices {', '.join(names[uuid] for uuid in uuids)}; link those that are one "
+                    "device, and give the others labels of their own"
+                )
+
+    def _note_places(self, names: dict[str, str]) -> None:
+        """Note the symbols of the devices that are on the plate since nothing says where they are.
+
+        Args:
+            names: of the devices.
+        """
+        placed: dict[str, list[str]] = defaultdict(list)
+        for uuid, name in names.items():
+            if self._stated[uuid] is None and self._catalogue.mount(name) is None:
+                placed[self._elements[uuid].get("type", "")].append(name)
+        for symbol, devices in sorted(placed.items()):
+            self._assumptions.add(
+                f"nothing says where symbol {symbol.removeprefix('embed://')} is mounted: the "
+                f"plate taken for {', '.join(devices)}"
+            )
 
     def _connection(self, wire: _Conductor, devices: dict[str, Device]) -> Connection:
         a, b = (
@@ -334,11 +393,10 @@ class _Reader:
         )
         colour = self._assumptions.colour(wire.colour, wire.source)
         section = self._assumptions.section(wire.section, wire.source)
-        return Connection(a, b, colour, section, source=wire.source)
+        return Connection(a, b, colour, section, source=wire.source, name=wire.number)
 
     def _unwired(self, wired: set[str]) -> tuple[LeftOut, ...]:
         """Return the devices with terminals to which no wire goes."""
-        wired = {self._masters[uuid] for uuid in wired}
         return tuple(
             LeftOut(f"{line_of(element)}, {kind_of(element)}", "it has no wire")
             for uuid, element in self._elements.items()
@@ -352,6 +410,13 @@ class _Reader:
 def _reference(conductor: _Conductor, places: dict[str, Place]) -> str:
     """Return the element of the (first) end that is a folio reference."""
     return next(end.element for end in conductor.ends if places[end.element] is Place.REFERENCE)
+
+
+def _number_and_section(text: str) -> tuple[str, str]:
+    """Return the number that a conductor has, and the section that people wrote beside it."""
+    match = _SECTION.search(text)
+    number = " ".join(_SECTION.sub(" ", text).split())
+    return "" if number == UNNAMED else number, match[0] if match else ""
 
 
 def _reasons(left_out: list[LeftOut]) -> str:

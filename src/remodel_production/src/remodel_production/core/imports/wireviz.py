@@ -28,6 +28,7 @@ from remodel_production.core.imports.shared.assembly import Connection, Device, 
 from remodel_production.core.imports.shared.assumptions import Assumptions
 from remodel_production.core.imports.shared.splices import names_splice
 from remodel_production.core.imports.shared.text_encoding import decode
+from remodel_production.core.imports.shared.units import length_m
 from remodel_production.core.imports.shared.yaml_tree import Value, parse_yaml
 from remodel_production.core.imports.wireviz_parts import (
     SHIELD,
@@ -382,10 +383,10 @@ class _Reader:
             left,
             right,
             "" if key == SHIELD else self.assumptions.colour(colour, where),
-            self.assumptions.section(cable.gauge, where),
+            self.assumptions.section(cable.gauge_of(key), where),
             source=where,
             name=f"{designator}.{key}",
-            length_m=cable.length_m,
+            length_m=cable.length_of(key),
             cable="" if cable.is_bundle else designator,
             core=key,
         )
@@ -412,9 +413,12 @@ class _Reader:
         cables = []
         for designator, template in self._templates.items():
             part = self._cables.get(template)
-            if part is not None and not part.is_bundle:
-                if part.length and part.length_m is None:
-                    self.assumptions.add(f"line {part.line}: length {part.length!r} not understood")
+            if part is None:
+                continue
+            for length in dict.fromkeys(part.lengths):
+                if length_m(length) is None:
+                    self.assumptions.add(f"line {part.line}: length {length!r} not understood")
+            if not part.is_bundle:
                 cables.append(
                     Cable(
                         designator,

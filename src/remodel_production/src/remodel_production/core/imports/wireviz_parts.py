@@ -95,17 +95,15 @@ class CablePart:
     """A cable or bundle, or the template of some.
 
     Attributes:
-        gauge: as the file has it; empty if it has none.
-        length_m: [m]; None if the file has none.
-        length: as the file has it.
+        gauges: of its cores, as the file has them; empty if it has none.
+        lengths: likewise.
         is_bundle: whether its cores are single wires.
     """
 
     pinout: Pinout
     kind: str
-    gauge: str
-    length_m: float | None
-    length: str
+    gauges: tuple[str, ...]
+    lengths: tuple[str, ...]
     is_shielded: bool
     is_bundle: bool
     line: int
@@ -114,6 +112,25 @@ class CablePart:
         """Return a core's colour as the file has it; empty if it has none."""
         index = self.pinout.keys.index(core) if core in self.pinout.keys else -1
         return self.pinout.colours[index] if 0 <= index < len(self.pinout.colours) else ""
+
+    def gauge_of(self, core: str) -> str:
+        """Return a core's gauge as the file has it; empty if it has none."""
+        return self._of_core(self.gauges, core)
+
+    def length_of(self, core: str) -> float | None:
+        """Return a core's length [m]; None if the file has none that is understood."""
+        return length_m(self._of_core(self.lengths, core))
+
+    @property
+    def length_m(self) -> float | None:
+        """The length [m] of all its cores; None if the file has none, or several."""
+        return length_m(self.lengths[0]) if len({*self.lengths}) == 1 else None
+
+    def _of_core(self, values: tuple[str, ...], core: str) -> str:
+        """Return a core's value; a shield has that of the cores if they have the same."""
+        if core in self.pinout.keys and values:
+            return values[self.pinout.keys.index(core)]
+        return values[0] if len({*values}) == 1 else ""
 
 
 def connector_part(name: str, value: Value) -> ConnectorPart:
@@ -169,7 +186,6 @@ def cable_part(name: str, value: Value) -> CablePart:
     if code and not colours:
         colours = core_colours(code, count)
     colours = [colours[i % len(colours)] for i in range(count)] if colours else []
-    length = _text(attributes, "length")
     is_shielded = "shield" in attributes and attributes["shield"].data not in (None, False)
     return CablePart(
         Pinout(
@@ -181,9 +197,8 @@ def cable_part(name: str, value: Value) -> CablePart:
             extra=(SHIELD,) if is_shielded else (),
         ),
         _text(attributes, "type") or _text(attributes, "mpn") or _text(attributes, "pn"),
-        _text(attributes, "gauge"),
-        length_m(length) if length else None,
-        length=length,
+        _of_cores(attributes, "gauge", count, what),
+        _of_cores(attributes, "length", count, what),
         is_shielded=is_shielded,
         is_bundle=_text(attributes, "category") == "bundle",
         line=value.line,
@@ -203,6 +218,22 @@ def _texts(attributes: dict[str, Value], key: str, what: str) -> list[str]:
     if len(items) > _MOST_PINS:
         raise DesignError(f"{attributes[key].where}: {what}, {key}: at most {_MOST_PINS} allowed")
     return [item.text.strip() for item in items]
+
+
+def _of_cores(attributes: dict[str, Value], key: str, count: int, what: str) -> tuple[str, ...]:
+    """Return an attribute of each core: one for all, or a list; empty if it is not there."""
+    value = attributes.get(key)
+    if value is None or value.data in (None, ""):
+        return ()
+    if value.is_scalar:
+        return (_text(attributes, key),) * count
+    values = value.items(f"{what}, {key}")
+    if len(values) != count or not all(each.is_scalar for each in values):
+        raise DesignError(
+            f"{value.where}: {what}: {key}: {len(values)} values found for {count} cores; give one "
+            "for all, or one for each"
+        )
+    return tuple(" ".join(each.text.split()) for each in values)
 
 
 def _count(attributes: dict[str, Value], key: str, what: str) -> int:

@@ -150,7 +150,7 @@ class ComponentRow(Base):
     kind = _text("what it is, for a person")
     role = _text("device or connector")
     part_number = _text("of its article; empty if it is not known")
-    mount = _text("plate (in the cabinet, or on the board) or field (outside)")
+    mount = _text("plate (of the cabinet, or the board), door (of the cabinet) or outside")
     node_id = _of("nodes.id", "of the routes at which it sits; null if at none", optional=True)
     x_m = _number("[m] place in the product's frame")
     y_m = _number("[m] place in the product's frame")
@@ -222,6 +222,12 @@ class WireRow(Base):
     id = _key()
     product_id = _of("products.id", "that it is part of")
     name = _text("number or designation, unique in the product")
+    number = Column(
+        String,
+        nullable=False,
+        server_default="",
+        comment="that the design gives it; several wires may have the same; empty if none",
+    )
     a_terminal_id = _of("terminals.id", "that its end a is placed in")
     b_terminal_id = _of("terminals.id", "that its end b is placed in")
     colour = _text("IEC 60757 code; of several colours one after another; empty of a shield")

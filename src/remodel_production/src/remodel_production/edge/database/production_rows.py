@@ -149,6 +149,7 @@ def order_of_row(connection: Connection, row: Row) -> Order:
                 cable="" if wire.cable_id is None else cables[wire.cable_id].name,
                 core=wire.core,
                 route=tuple(routes[wire.id]),
+                number=wire.number,
             )
             for wire in rows(WireRow)
         ),
@@ -280,6 +281,7 @@ def _wire_row(
 ) -> _Columns:
     return {
         "name": wire.name,
+        "number": wire.number,
         "a_terminal_id": terminals[wire.a],
         "b_terminal_id": terminals[wire.b],
         "colour": wire.colour,

@@ -106,6 +106,7 @@ def assemble(devices: Iterable[Device], connections: Sequence[Connection]) -> As
             cable=connection.cable,
             core=connection.core,
             route=connection.route,
+            number=connection.name,
         )
         for name, connection in zip(names, connections, strict=True)
     )

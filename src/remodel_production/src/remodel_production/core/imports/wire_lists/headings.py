@@ -36,6 +36,7 @@ class _Kind(Enum):
     SIGNAL = auto()
     SEAL = auto()
     TWISTED = auto()
+    PLACE = auto()
     FILLER = auto()
 
 
@@ -46,8 +47,8 @@ _WORDS: Mapping[_Kind, str] = {
     "depart depuis origine tenant gauche initiale; partenza iniziale sorgente "
     "provenienza sinistra sinistro; origen desde inicio procedencia izquierda "
     "izquierdo inicial",
-    _Kind.TO: "to target destination dest dst second ending endpoint right final terminus; nach "
-    "ziel endpunkt zielpunkt rechts rechte rechter rechtes; vers arrivee destination "
+    _Kind.TO: "to target destination dest dst sink second ending endpoint right final terminus; "
+    "nach ziel endpunkt zielpunkt rechts rechte rechter rechtes; vers arrivee destination "
     "aboutissant droite droit finale cible; verso destinazione arrivo destra destro; "
     "destino hacia hasta derecha derecho",
     _Kind.COMPONENT: "component device connector designator equipment refdes ref reference plug "
@@ -60,7 +61,7 @@ _WORDS: Mapping[_Kind, str] = {
     _Kind.TERMINAL: "terminal term pin cavity contact position pos slot cav way point points; "
     "klemme kammer kl anschluss kontakt pol buchse stift; borne broche alveole voie cavite; "
     "morsetto cavita piedino contatto polo terminale; contacto cavidad borna via",
-    _Kind.WIRE: "wire wires lead circuit ckt connection; draht leitung leitungs ltg litze "
+    _Kind.WIRE: "wire wires wiring lead circuit ckt connection; draht leitung leitungs ltg litze "
     "verbindung verbindungs leiter; fil conducteur liaison repere; filo conduttore "
     "collegamento; hilo conductor circuito",
     _Kind.COLOUR: "colour color col clr; farbe farb fb; couleur coul coloris teinte; colore",
@@ -73,6 +74,7 @@ _WORDS: Mapping[_Kind, str] = {
     _Kind.SEAL: "seal seals; dichtung ead; joint; guarnizione; sello",
     _Kind.TWISTED: "twist twisted pair; verdrillt verdrillung verdrillgruppe; torsade torsadee; "
     "intrecciato; trenzado",
+    _Kind.PLACE: "place placement",
     _Kind.FILLER: "no nr num number id identifier ident name tag code label mark the of in cross "
     "insulation cut dt full data info designation diameter complete est estimated "
     "total nominal run finished; daten angaben gesamt; donnees; dati; datos; nummer "
@@ -137,6 +139,8 @@ _FIELDS = {
     (_Kind.TO, _Kind.TERMINAL): Field.TO_TERMINAL,
     (_Kind.FROM, _Kind.SEAL): Field.FROM_SEAL,
     (_Kind.TO, _Kind.SEAL): Field.TO_SEAL,
+    (_Kind.FROM, _Kind.PLACE): Field.FROM_PLACE,
+    (_Kind.TO, _Kind.PLACE): Field.TO_PLACE,
 }
 # Where a component has a column of its own, a column of the whole end says something else.
 _COMPONENT_OF = {Field.FROM: Field.FROM_COMPONENT, Field.TO: Field.TO_COMPONENT}
@@ -224,7 +228,7 @@ def fields_of(headings: Sequence[str]) -> dict[Field, int]:
         elif field is None and side is not None:
             field = _FIELDS.get((side, part))
         elif field is None and part is not None:
-            field = {**_QUANTITIES, **_THINGS}.get(part)
+            field = {**_QUANTITIES, **_THINGS, _Kind.PLACE: Field.PLACE}.get(part)
         if field in found and not _is_weak(words[column]) and _is_weak(words[found[field]]):
             found[field] = column
         elif field is not None:
@@ -242,6 +246,8 @@ def fields_of(headings: Sequence[str]) -> dict[Field, int]:
     if Field.COMPONENT in found and Field.WIRE not in found:
         own = next((field for field in (Field.CORE, Field.CABLE) if field in found), None)
         found |= {Field.WIRE: found.pop(own)} if own else {}
+    if Field.COMPONENT not in found:
+        found.pop(Field.PLACE, None)  # of which end is not said
     return {f: i for f, i in found.items() if _COMPONENT_OF.get(f) not in found}
 
 
@@ -353,8 +359,9 @@ def _unit_field(heading: str, words: Sequence[str]) -> Field | None:
 def _reading(words: Sequence[str], *, has_b: bool) -> tuple[_Kind | None, _Kind | None]:
     """Return which end a heading is about, and what of it; None for what it does not say."""
     number = {*words} & {"1", "2", "a", "b"}
-    if any(_KINDS.get(word) is _Kind.SEAL for word in words):
-        return _reading_of_seal(words, has_b=has_b)
+    for kind in (_Kind.SEAL, _Kind.PLACE):
+        if any(_KINDS.get(word) is kind for word in words):
+            return _reading_beside(kind, words, has_b=has_b)
     kinds = _kinds([word for word in words if word not in number])
     if kinds is None or (not _DIAMETERS.isdisjoint(words) and _Kind.SECTION not in kinds):
         return None, None
@@ -380,15 +387,17 @@ def _reading(words: Sequence[str], *, has_b: bool) -> tuple[_Kind | None, _Kind 
     return (sides.pop() if sides else _weak_side(words, part, has_b=has_b)), part
 
 
-def _reading_of_seal(words: Sequence[str], *, has_b: bool) -> tuple[_Kind | None, _Kind | None]:
-    """Return the end of a seal's heading; a seal in a cavity or at a terminal is a seal."""
+def _reading_beside(
+    kind: _Kind, words: Sequence[str], *, has_b: bool
+) -> tuple[_Kind | None, _Kind | None]:
+    """Return the end of a heading about a seal or a place, also of a cavity or a component."""
     left = [word for word in words if word not in _ARTICLE and word not in {"1", "2", "a", "b"}]
     kinds = _kinds(left)
-    if kinds is None or not kinds <= {_Kind.SEAL, _Kind.FROM, _Kind.TO, _Kind.FILLER, *_PARTS}:
+    if kinds is None or not kinds <= {kind, _Kind.FROM, _Kind.TO, _Kind.FILLER, *_PARTS}:
         return None, None
     sides = kinds & {_Kind.FROM, _Kind.TO}
-    side = sides.pop() if len(sides) == 1 else _weak_side(words, _Kind.SEAL, has_b=has_b)
-    return side, _Kind.SEAL
+    side = sides.pop() if len(sides) == 1 else _weak_side(words, kind, has_b=has_b)
+    return side, kind
 
 
 def _weak_side(words: Sequence[str], part: _Kind | None, *, has_b: bool) -> _Kind | None:

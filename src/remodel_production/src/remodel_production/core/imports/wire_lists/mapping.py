@@ -1,7 +1,7 @@
 """Which column of a from-to list means what: the YAML that comes with a list, and its form.
 
 format: remodel-wire-list-1
-name: what lists of this kind are called
+name: of the orders; if it is not given, the name of the list's file
 columns:                    # a column's heading, or a list of headings of which one is there
   from: Source              # component and terminal in one cell, or
   from_component: From Tag  # ... in two
@@ -12,7 +12,8 @@ columns:                    # a column's heading, or a list of headings of which
   wire: Number              # and, all optional: colour, section, length, cable, core, and the
   ...                       # articles of seals: from_seal, to_seal; the group of twisted wires:
   ...                       # twisted; the place of the components: from_x, from_y, to_x, to_y; the
-  ...                       # most with which an end may be pushed in [N]: from_force_limit, to_...
+  ...                       # most with which an end may be pushed in [N]: from_force_limit, to_...;
+  ...                       # where the components are, plate, door or outside: from_place, to_place
 units: {section: mm2, length: mm, position: mm}       # of numbers without one
 terminal_separator: ":"     # the last one in a cell separates component and terminal
 separator: ";"              # of cells; if it is not given, the one that fits the headings
@@ -60,8 +61,11 @@ class Field(Enum):
     TWISTED = "twisted"
     FROM_FORCE_LIMIT = "from_force_limit"
     TO_FORCE_LIMIT = "to_force_limit"
+    FROM_PLACE = "from_place"
+    TO_PLACE = "to_place"
     COMPONENT = "component"
     TERMINAL = "terminal"
+    PLACE = "place"
 
 
 # What a list with a line for each end of a wire has instead of its two ends.
@@ -79,6 +83,7 @@ class WireListMapping:
     """Which column of a list means what.
 
     Attributes:
+        name: title of the orders; empty for the name of the file.
         columns: headings in lower case; one of each field's headings names its column.
         section_unit: of sections without one, "mm2" or "awg".
         length_unit: of lengths without one.
@@ -134,7 +139,7 @@ def mapping_from(text: str) -> WireListMapping:
     _refuse_unknown(units, ("section", "length", "position"), "units")
     colours = root["colours"].mapping("colours") if "colours" in root else {}
     return WireListMapping(
-        _text(root, "name", "wire list"),
+        _text(root, "name", ""),
         _columns(root["columns"]),
         _unit(units, "section", "mm2"),
         _unit(units, "length", "mm"),

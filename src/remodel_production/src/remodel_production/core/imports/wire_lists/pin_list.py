@@ -34,6 +34,9 @@ def with_wires(table: Table) -> tuple[Table, tuple[LeftOut, ...], tuple[str, ...
         Field.TO_COMPONENT: width + component,
         Field.TO_TERMINAL: width + terminal,
     }
+    place = columns.pop(Field.PLACE, None)
+    if place is not None:
+        ends |= {Field.FROM_PLACE: place, Field.TO_PLACE: width + place}
     of_wire: dict[str, list[Row]] = {}
     left_out: list[LeftOut] = []
     for row in table.rows:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import csv
 import io
 from collections.abc import Iterator, Sequence
+from contextlib import AbstractContextManager, nullcontext
 from dataclasses import dataclass, replace
 
 from remodel_production.core.imports.shared.account import LeftOut
@@ -28,7 +29,7 @@ from remodel_production.core.imports.wire_lists.mapping import (
     Field,
     WireListMapping,
 )
-from remodel_production.errors import DesignError
+from remodel_production.errors import DesignError, blamed
 
 _SEPARATORS = (";", "\t", ",", "|")
 # Reports begin with titles; below that many lines, no headings are searched.
@@ -112,6 +113,7 @@ class Source:
 
     Attributes:
         assumed: of the file; empty if nothing was.
+        sheet: of a workbook.
         separators: of its cells; empty if they are to be found.
         others: sheets beside it.
     """
@@ -120,6 +122,11 @@ class Source:
     assumed: str
     separators: tuple[str, ...] = ()
     others: tuple[LeftOut, ...] = ()
+    sheet: str = ""
+
+    def blamed(self) -> AbstractContextManager[None]:
+        """Return what names the sheet in errors about it."""
+        return blamed(f"sheet {self.sheet!r}") if self.sheet else nullcontext()
 
 
 def has_headings(data: bytes, mappings: Sequence[WireListMapping]) -> bool:
@@ -138,26 +145,29 @@ def read_table(data: bytes, mappings: Sequence[WireListMapping]) -> tuple[Table,
         DesignError: if no mapping fits, or the rows cannot be read.
     """
     table, source = _headed(data, mappings)
-    return replace(table, rows=tuple(_rows(source.text, table))), source
+    with source.blamed():
+        return replace(table, rows=tuple(_rows(source.text, table))), source
 
 
-def headings_table(data: bytes) -> Table:
+def headings_table(data: bytes) -> tuple[Table, Source]:
     """Return the headings with the most meaning of a file in which not both ends are found.
+
+    And the text, or the sheet of a workbook, that they are in.
 
     Raises:
         DesignError: if no line of it has cells.
     """
     mapping = WireListMapping("", {}, has_synonyms=True)
-    source = next(_sources(data, ""))
     tables = [
-        table
+        (table, source)
+        for source in _sources(data, "")
         for separator in source.separators or _SEPARATORS
         for table in _tables(source.text, mapping, separator)
         if len(table.headings) > 1
     ]
     if not tables:
         raise DesignError("no line of it has cells: a CSV file with a line of headings is needed")
-    return max(tables, key=lambda table: (len(table.columns), len(table.headings)))
+    return max(tables, key=lambda found: (len(found[0].columns), len(found[0].headings)))
 
 
 def similar_headings(headings: Sequence[str]) -> str:
@@ -169,9 +179,10 @@ def similar_headings(headings: Sequence[str]) -> str:
 def without_ends(data: bytes) -> str:
     """Return why a file that is no wire list is none; empty if it has nothing of one."""
     try:
-        table = headings_table(data)
+        table, source = headings_table(data)
     except DesignError:
         return ""
+    where = f" in sheet {source.sheet!r}" if source.sheet else ""
     known = {field.value: table.headings[column] for field, column in table.columns.items()}
     similar = similar_headings([h for i, h in enumerate(table.headings) if h])
     text = ""
@@ -182,7 +193,7 @@ def without_ends(data: bytes) -> str:
             for whole, part in ENDS
             if whole not in table.columns and part not in table.columns
         ]
-        text = f"; read as headings: {found}; missing: {' and '.join(missing)}"
+        text = f"; read as headings{where}: {found}; missing: {' and '.join(missing)}"
         if len(missing) == len(ENDS) and any(field in table.columns for field in _CUT):
             text += (
                 "; a cut list states how wires are cut, not where they end: import the list of the "
@@ -194,11 +205,8 @@ def without_ends(data: bytes) -> str:
 def _headed(data: bytes, mappings: Sequence[WireListMapping]) -> tuple[Table, Source]:
     """Return the list, without its rows, by the mapping that fits best."""
     best: tuple[tuple[int, ...], Table, Source] | None = None
-    headings = ""
     for mapping in mappings:
         for source in _sources(data, mapping.encoding, mapping.sheet):
-            lines = (line for line in source.text.splitlines() if line.strip())
-            headings = headings or next(lines, "")
             own = (mapping.separator,) if mapping.separator else _SEPARATORS
             for separator in source.separators or own:
                 tables = _tables(source.text, mapping, separator)
@@ -217,10 +225,22 @@ def _headed(data: bytes, mappings: Sequence[WireListMapping]) -> tuple[Table, So
     if best is None:
         raise DesignError(
             f"no line of the first {_HEADINGS_WITHIN} has the headings of a wire list; found "
-            f"{headings[:120]!r}; {_wanted(mappings)}{without_ends(data)}; give the columns with "
-            "--mapping, which --print-mapping drafts"
+            f"{_first_line(data)[:120]!r}; {_wanted(mappings)}{without_ends(data)}; give the "
+            "columns with --mapping, which --print-mapping drafts"
         )
     return best[1], best[2]
+
+
+def _first_line(data: bytes) -> str:
+    """Return the headings with the most meaning, or else the first line that is not empty."""
+    try:
+        table, source = headings_table(data)
+    except DesignError:
+        source, first = next(_sources(data, "")), 1
+    else:
+        first = table.first_line - 1
+    lines = (line for line in source.text.splitlines()[first - 1 :] if line.strip())
+    return next(lines, "")
 
 
 def _known(table: Table) -> tuple[int, int, bool]:
@@ -237,8 +257,7 @@ def _wanted(mappings: Sequence[WireListMapping]) -> str:
     if any(mapping.has_synonyms for mapping in mappings):
         return "needed are headings such as From Device, From Pin, To Device, To Pin"
     own = "; ".join(
-        f"{mapping.name}: " + ", ".join("/".join(names) for names in mapping.columns.values())
-        for mapping in mappings
+        ", ".join("/".join(names) for names in mapping.columns.values()) for mapping in mappings
     )
     return f"the mapping's headings: {own}"
 
@@ -262,7 +281,7 @@ def _sources(data: bytes, encoding: str, wanted: str = "") -> Iterator[Source]:
             for other in sheets
             if other != title and sheets[other].strip()
         )
-        yield Source(text, f"sheet {title!r} is read", (SEPARATOR,), others)
+        yield Source(text, f"sheet {title!r} is read", (SEPARATOR,), others, sheet=title)
 
 
 def _tables(text: str, mapping: WireListMapping, separator: str) -> Iterator[Table]:

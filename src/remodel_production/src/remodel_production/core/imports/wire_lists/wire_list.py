@@ -33,6 +33,7 @@ from remodel_production.core.imports.wire_lists.mapping import (
 from remodel_production.core.imports.wire_lists.pin_list import is_pin_list, with_wires
 from remodel_production.core.imports.wire_lists.table import (
     Row,
+    Source,
     Table,
     headings_table,
     read_table,
@@ -40,6 +41,7 @@ from remodel_production.core.imports.wire_lists.table import (
 from remodel_production.core.production import (
     TWISTED,
     Cable,
+    Mount,
     Order,
     Pose,
     Role,
@@ -64,6 +66,8 @@ _JUMPER = re.compile(
 # What a spreadsheet shows of a formula that it cannot compute.
 _ERRORS = frozenset({"#REF!", "#N/A", "#VALUE!", "#NAME?", "#DIV/0!", "#NULL!", "#NUM!"})
 
+_MOUNTS = {mount.value: mount for mount in Mount}
+
 
 def import_wire_list(
     data: bytes,
@@ -86,6 +90,11 @@ def import_wire_list(
         DesignError: if no mapping fits, or a line cannot be read.
     """
     table, text = read_table(data, mappings)
+    with text.blamed():
+        return _imported(table, text, name, source, catalogue)
+
+
+def _imported(table: Table, text: Source, name: str, source: str, catalogue: Catalogue) -> Imported:
     names = {**catalogue.colour_names, **(table.mapping.colours or {})}
     left_out: tuple[LeftOut, ...] = ()
     disagreements: tuple[str, ...] = ()
@@ -108,7 +117,7 @@ def mapping_draft(data: bytes, catalogue: Catalogue, mappings: Sequence[WireList
     try:
         table, _ = read_table(data, mappings)
     except DesignError:
-        table = headings_table(data)
+        table, _ = headings_table(data)
     reader = _Reader(table, catalogue)
     table = reader.table
     used = set(table.columns.values())
@@ -138,6 +147,8 @@ class _Reader:
         self._left_out = [*left_out]
         self._devices: dict[str, Device] = {}
         self._placed_at: dict[str, int] = {}
+        # By component: its place, and the line that says it.
+        self._mounted: dict[str, tuple[str, int]] = {}
         self._cables: dict[str, Cable] = {}
         self._seen: dict[tuple[str, TerminalRef, TerminalRef], int] = {}
         self._section_unit, of_sections = unit_of_sections(self.table)
@@ -209,6 +220,8 @@ class _Reader:
             return None
         self._device(a, row, Field.FROM_X, Field.FROM_Y)
         self._device(b, row, Field.TO_X, Field.TO_Y)
+        self._mount(a, row, Field.FROM_PLACE)
+        self._mount(b, row, Field.TO_PLACE)
         self._seal(a, row, Field.FROM_SEAL)
         self._seal(b, row, Field.TO_SEAL)
         self._force_limit(a, row, Field.FROM_FORCE_LIMIT)
@@ -324,6 +337,25 @@ class _Reader:
             )
         self._devices[end.component] = replace(known, pose=pose)
         self._placed_at.setdefault(end.component, row.line)
+
+    def _mount(self, end: TerminalRef, row: Row, field: Field) -> None:
+        """Note where a component is mounted, if the line says it."""
+        text = self._cell(row, field).lower()
+        if not text:
+            return
+        if text not in _MOUNTS:
+            raise DesignError(
+                f"line {row.line}: {field.value}: {text!r} found for {end.component}; allowed: "
+                f"{', '.join(_MOUNTS)}; call the column something else if it is about other things"
+            )
+        before, line = self._mounted.setdefault(end.component, (text, row.line))
+        if before != text:
+            raise DesignError(
+                f"line {row.line}: {field.value}: {end.component} is at {text}, and at {before} in "
+                f"line {line}: give it one place"
+            )
+        known = self._devices[end.component]
+        self._devices[end.component] = replace(known, mount=_MOUNTS[text])
 
     def _seal(self, end: TerminalRef, row: Row, field: Field) -> None:
         """Note the seal of an end, if the line has one."""
