@@ -121,6 +121,42 @@ def test_a_list_with_wires_that_no_robot_places_is_accepted_without_them(
     assert "  tasks for the robot: 1, by hand: 3\n" in capsys.readouterr().out
 
 
+MIXED = """Wire,From,To,Colour,Section,Length mm
+1,K1:1,K2:1,WHBU,AWG 14,900
+2,K1:2,K2:2,YEGN,0.5 mm2,900
+3,K1:3,K2:3,DB,AWG 18,900
+4,K1:4,K2:4,puce,AWG 26,900
+5,K1:6,K2:6,RED,1.5 mm2,900
+6,K1:6,K2:7,RED,1.5 mm2,900
+7,K1:6,K2:8,RED,1.5 mm2,900
+8,K1:9,K2:9,ours,1.5 mm2,900
+J1,K1:9,K1:10,JUMPER,,
+"""
+MAPPING = """format: remodel-wire-list-1
+name: list
+columns: {wire: Wire, from: From, to: To, colour: Colour, section: Section, length: Length mm}
+colours: {ours: XX}
+"""
+
+
+def test_any_section_and_colour_and_full_terminals_are_judged_alike(tmp_path, database, capsys):
+    file, mapping = tmp_path / "list.csv", tmp_path / "mapping.yaml"
+    file.write_text(MIXED)
+    mapping.write_text(MAPPING)
+    arguments = [str(file), "--mapping", str(mapping), "--database", database]
+    assert import_design.main([*arguments, "--use-case", "cabinet"]) == 0
+    said = capsys.readouterr().out
+    assert (
+        f"  cell {CELL}: 5 wires for robots, 3 by hand (1 thinner than 0.0025 m, 1 at terminals "
+        "that are full, 1 of no known colour); the board fits\n"
+    ) in said
+    assert "1 colour not known, such as line 5: colour 'puce' is no known colour, BK taken" in said
+    assert "1 left out: it is a jumper or bar, a part for a person to set" in said
+    assert "7: by hand, K1:6 takes 2 wires, and has 3: it needs a bridge or a bar" in said
+    assert "8: by hand, its colour is 'XX'; allowed: BK BN RD" in said
+    assert_agreed(database, "list")
+
+
 def test_a_users_own_cell_decides(tmp_path, database, capsys):
     file, cell = tmp_path / "list.csv", tmp_path / "mine.yaml"
     file.write_text(LIST)

@@ -12,6 +12,7 @@ from remodel_production.core.board.panel import Panel, PanelWire
 from remodel_production.core.counted import counted
 from remodel_production.errors import OrderError
 from remodel_states.core.cell.cell_limits import CellLimits
+from remodel_states.core.wires.wire_colours import WIRE_RGB, is_colour
 
 
 def fitted(
@@ -70,6 +71,11 @@ def _refusal(wire: PanelWire, takes: CellLimits) -> Refusal | None:
     if wire.material is None:
         section = f"{wire.section_mm2:g} mm2"
         return Refusal(f"of {section}", f"no table of materials has wires of {section}")
+    if not is_colour(wire.colour):  # a shield, or what a mapping or another importer says
+        shown = repr(wire.colour) if wire.colour else "none"
+        return Refusal(
+            "of no known colour", f"its colour is {shown}; allowed: {' '.join(WIRE_RGB)}"
+        )
     for limits, found, words, kinds in (
         (
             takes.wire_length,
