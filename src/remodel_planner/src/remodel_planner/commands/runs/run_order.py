@@ -37,7 +37,10 @@ def main(arguments: list[str] | None = None) -> int:
         help="by which the order is done (default: the supervisor's; docs/use-cases.md)",
     )
     parser.add_argument(
-        "--wires", type=int, default=6, help="how many wires, from the first that robots place (default 6)"
+        "--wires",
+        type=int,
+        default=6,
+        help="how many wires, from the first that robots place (default 6)",
     )
     parser.add_argument(
         "--again", action="store_true", help="place wires again that are placed already"
