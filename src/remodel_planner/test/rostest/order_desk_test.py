@@ -27,6 +27,8 @@ class OrderDeskTest(OrderDeskCase):
         area = page.locator(".desk-area")
         expect(area.locator(".count", has_text="robot")).to_contain_text("2")
         expect(area.locator(".count", has_text="a cable of 2 cores")).to_contain_text("1")
+        fits = "Cell two_arms_cabinet: 3 wires for robots, 0 by hand; the board fits"
+        expect(area).to_contain_text(fits)
         expect(area.locator(".plan-words")).to_contain_text("2 tasks in")
         page.get_by_text("Tasks in their order").click()
         planned = self.planned()

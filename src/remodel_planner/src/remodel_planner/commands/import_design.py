@@ -13,6 +13,7 @@ from pathlib import Path
 
 from remodel_planner.commands.options.database_option import add_database_option
 from remodel_planner.commands.options.design_orders import (
+    DesignOrder,
     add_design_options,
     design_order,
     print_triage,
@@ -25,6 +26,7 @@ from remodel_planner.commands.options.documents import (
 )
 from remodel_planner.commands.options.entry import refuses
 from remodel_planner.commands.options.problem_files import build_of, built
+from remodel_planner.commands.options.stages import stages
 from remodel_planning.core.decomposition.cell_fit import misfits, summary
 from remodel_planning.edge.cell_takes import named_cell
 from remodel_planning.edge.use_case_files import use_case_names
@@ -127,17 +129,27 @@ def main(arguments: list[str] | None = None) -> int:
         with blamed(options.file):
             print(mapping_draft(data, catalogue, mappings), end="")
         return 0
-    imported = _read(options, name, read_placement(options.placement, catalogue))
-    order = laid_out(imported.order, catalogue)
-    preferences = _preferences(options, order)
-    with closing(ProductionDatabase(options.database)) as database:
-        database.add_order(order, preferences, read_abilities())
+    with stages(4) as begin:
+        begin(f"reading {options.file.name}")
+        imported = _read(options, name, read_placement(options.placement, catalogue))
+        begin("laying out the board")
+        order = laid_out(imported.order, catalogue)
+        preferences = _preferences(options, order)
+        begin("storing the order")
+        with closing(ProductionDatabase(options.database)) as database:
+            database.add_order(order, preferences, read_abilities())
+        begin("looking for the wires that robots place")
+        lengths = _length_findings(imported, order, catalogue)
+        try:
+            design: DesignOrder | PlannerError = design_order(order, options)
+        except PlannerError as error:
+            design = error
     if options.json:
-        print(json.dumps(_document(imported, order, catalogue, options)))
+        print(json.dumps(_document(imported, lengths, design)))
         return 0
     _report(imported, verbose=options.verbose)
-    _report_lengths(imported, order, catalogue, verbose=options.verbose)
-    _report_triage(order, options)
+    _report_lengths(lengths, verbose=options.verbose)
+    _report_triage(design, verbose=options.verbose)
     return 0
 
 
@@ -187,12 +199,10 @@ def _preferences(options: argparse.Namespace, order: Order) -> object:
     return document
 
 
-def _report_lengths(
-    imported: Imported, order: Order, catalogue: Catalogue, *, verbose: bool
-) -> None:
+def _report_lengths(lengths: tuple[tuple[str, ...], ...], *, verbose: bool) -> None:
     """Print which lengths of the design do not fit the board."""
     for lines, what in zip(
-        _length_findings(imported, order, catalogue),
+        lengths,
         (
             ("is shorter than its route", "are shorter than their routes", " on the board."),
             (
@@ -220,17 +230,15 @@ def _length_findings(
 
 
 def _document(
-    imported: Imported, order: Order, catalogue: Catalogue, options: argparse.Namespace
+    imported: Imported, lengths: tuple[tuple[str, ...], ...], design: DesignOrder | PlannerError
 ) -> Document:
     """Return what is printed with --json."""
-    short, long = _length_findings(imported, order, catalogue)
+    short, long = lengths
     document = order_document(imported.order, imported.account)
     document["lengths"] = {"too_short": short, "too_long": long}
     document["use_cases"] = use_case_names()
-    try:
-        design = design_order(order, options)
-    except PlannerError as error:
-        return {**document, "nothing_to_plan": str(error)}
+    if isinstance(design, PlannerError):
+        return {**document, "nothing_to_plan": str(design)}
     document["triage"] = triage_document(design.work)
     if design.takes is not None:
         document["cell"] = {
@@ -241,19 +249,17 @@ def _document(
     return document
 
 
-def _report_triage(order: Order, options: argparse.Namespace) -> None:
+def _report_triage(design: DesignOrder | PlannerError, *, verbose: bool) -> None:
     """Print which wires are by hand, or why nothing of the order can be planned."""
-    try:
-        design = design_order(order, options)
-    except PlannerError as error:
-        print(f"  nothing to plan: {error}")
-    else:
-        if design.takes is not None:
-            print(f"  {summary(design.work, design.panel, design.takes)}")
-        print_triage(design.work)
-        if options.verbose:
-            for line in design.work.outside:
-                print(f"    {line}")
+    if isinstance(design, PlannerError):
+        print(f"  nothing to plan: {design}")
+        return
+    if design.takes is not None:
+        print(f"  {summary(design.work, design.panel, design.takes)}")
+    print_triage(design.work)
+    if verbose:
+        for line in design.work.outside:
+            print(f"    {line}")
 
 
 def _report(imported: Imported, *, verbose: bool) -> None:

@@ -77,6 +77,21 @@ class Triage:
 
 
 @dataclass(frozen=True)
+class CellFit:
+    """What the cell takes of an order.
+
+    Attributes:
+        name: of the cell.
+        summary: how many wires its robots place, and whether the board fits, in words.
+        misfits: why the board does not fit; empty if it does.
+    """
+
+    name: str
+    summary: str
+    misfits: tuple[str, ...] = ()
+
+
+@dataclass(frozen=True)
 class Lengths:
     """Lines about wires whose lengths do not fit their routes on the board."""
 
@@ -92,6 +107,7 @@ class Imported:
         counts: of components, wires, cables, segments and clips.
         use_cases: names of all that there are.
         triage: None if nothing can be planned, as `nothing_to_plan` says.
+        cell: None if no cell is known.
     """
 
     order: str
@@ -103,6 +119,7 @@ class Imported:
     use_cases: tuple[str, ...] = ()
     triage: Triage | None = None
     nothing_to_plan: str = ""
+    cell: CellFit | None = None
 
 
 @dataclass(frozen=True)

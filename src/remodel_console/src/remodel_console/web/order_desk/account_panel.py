@@ -7,7 +7,7 @@ from collections.abc import Iterable, Sequence
 
 from nicegui import ui
 
-from remodel_console.core.order_desk.findings import Account, Imported, Triage
+from remodel_console.core.order_desk.findings import Account, CellFit, Imported, Triage
 from remodel_console.web.page import card, scrollable, table
 
 _LISTED = 500  # lines; the planner's `import --verbose` prints all
@@ -37,7 +37,7 @@ def show_account(imported: Imported) -> None:
         _unfolding("Wires much longer than their routes", imported.lengths.too_long)
 
 
-def show_triage(triage: Triage | None, nothing_to_plan: str) -> None:
+def show_triage(triage: Triage | None, nothing_to_plan: str, cell: CellFit | None) -> None:
     """Add the card of which tasks are for the robot, by which method, and which by hand."""
     with card("Who does which task", "Decided by the use case; its file and key stand beside."):
         if triage is None:
@@ -60,6 +60,9 @@ def show_triage(triage: Triage | None, nothing_to_plan: str) -> None:
                     ui.label(str(others)).classes("figure")
                     ui.label("by another method").classes("soft")
         ui.label(f"Use case {triage.use_case}").classes("soft")
+        if cell is not None:
+            with ui.element("div").classes("ending bad" if cell.misfits else "soft"):
+                ui.label(cell.summary[:1].upper() + cell.summary[1:])
         if triage.other_methods:
             with scrollable("Tasks by another method"):
                 head = ("Tasks", "Method", "Not the preferred one, because")

@@ -8,7 +8,7 @@ from functools import partial
 from nicegui import ui
 
 from remodel_console.core.answer import DONE, CommandResult
-from remodel_console.core.order_desk.findings import Triage
+from remodel_console.core.order_desk.findings import CellFit, Triage
 from remodel_console.core.order_desk.preferences import Document
 from remodel_console.core.world import Notice, World, supervisor_notice
 from remodel_console.edge.order_desk.order_drafts import DraftState, OrderDraft
@@ -295,12 +295,12 @@ class _Section:
             self._add(now)
 
 
-def _triage_of(now: DraftState) -> tuple[Triage | None, str] | None:
+def _triage_of(now: DraftState) -> tuple[Triage | None, str, CellFit | None] | None:
     """Return who does which task, by the newest of import and plan; None before the import."""
     if now.imported is None:
         return None
     planned = now.plan.triage if now.plan else None
-    return planned or now.imported.triage, now.imported.nothing_to_plan
+    return planned or now.imported.triage, now.imported.nothing_to_plan, now.imported.cell
 
 
 def _show_account(now: DraftState) -> None:

@@ -1,0 +1,39 @@
+"""A bar that shows which stage of a command runs, for a person who waits at a terminal."""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+
+# [s] Wall time that a command may take without a bar.
+_QUIET_S = 1.0
+
+
+@contextmanager
+def stages(count: int) -> Iterator[Callable[[str], None]]:
+    """Yield what begins a stage, by what it does; nothing is shown where errors go to a file.
+
+    Args:
+        count: of all stages.
+    """
+    from tqdm import tqdm
+
+    with tqdm(
+        total=count,
+        file=sys.stderr,
+        leave=False,
+        disable=None,
+        delay=_QUIET_S,
+        bar_format="{percentage:3.0f} % |{bar:16}| {elapsed}  {desc}",
+    ) as bar:
+        begun = 0
+
+        def begin(does: str) -> None:
+            nonlocal begun
+            bar.set_description_str(does, refresh=False)
+            bar.update(min(begun, 1))
+            bar.refresh()
+            begun += 1
+
+        yield begin
