@@ -22,6 +22,13 @@ from remodel_states.edge.wire_material_file import read_wire_materials
 from remodel_supervision.ros.server.work import WorkMaker
 
 PROJECTS = sorted(Path("/usr/share/qelectrotech/examples").glob("*.qet"))
+PACKAGES = Path(__file__).parents[3]
+HARNESSES = (
+    PACKAGES / "remodel_planning/examples/harness.yml",
+    PACKAGES / "remodel_production/test/unit/designs/harness.yml",
+    PACKAGES / "remodel_production/test/unit/designs/loom.kbl",
+    PACKAGES / "remodel_production/test/unit/designs/loom.vec",
+)
 QUICK = ("Projet_vierge", "tableau_domestique", "tremie_vibrante")
 CELL = "two_arms_cabinet"
 LIST = """Wire,From,To,Colour,Section mm2,Length mm
@@ -37,18 +44,18 @@ def database(tmp_path):
     return f"sqlite:///{tmp_path}/production.sqlite"
 
 
-def triage_of(database, name, cell=""):
+def triage_of(database, name, use_case):
     """Return an order as `import` and `plan` have it."""
-    options = SimpleNamespace(use_case="cabinet", cell=cell, arms=1)
+    options = SimpleNamespace(use_case=use_case, cell="", arms=1)
     with closing(ProductionDatabase(database)) as opened:
         return design_order(opened.order(name).in_cabinet(), options)
 
 
-def work_of(database, name):
+def work_of(database, name, use_case):
     """Return an order as a supervisor gives it to the cell."""
     with closing(ProductionDatabase(database)) as opened:
         maker = WorkMaker(
-            *(opened, read_faults(), "cell", "cabinet"),
+            *(opened, read_faults(), "cell", use_case),
             attended=False,
             reconnect_s=1.0,
             lease_s=1.0,
@@ -57,30 +64,30 @@ def work_of(database, name):
         return maker.work(name, "", 0, owner=1)
 
 
-def refused_by_cell(message):
-    """Return the sentences with which the cell refuses a panel."""
-    design, panel = read_cell(CELL), panel_from(message, read_wire_materials())
+def refused_by(cell, message):
+    """Return the sentences with which a cell refuses a panel."""
+    design, panel = read_cell(cell), panel_from(message, read_wire_materials())
     found = find_problems(
         panel, design.arms, design.takes, has_magazine=True, has_labels=design.labels
     )
     return (*found, *find_wire_problems(panel))
 
 
-def assert_agreed(database, name):
-    design = triage_of(database, name)
+def assert_agreed(database, name, use_case="cabinet", cell=CELL):
+    design = triage_of(database, name, use_case)
     robots = {task.name for task in design.work.tasks}
     if misfits(design.panel, design.takes):
-        with pytest.raises(OrderError, match=f"the board does not fit cell {CELL}: the plate's"):
-            work_of(database, name)
+        with pytest.raises(OrderError, match=f"the board does not fit cell {cell}: the plate's"):
+            work_of(database, name, use_case)
         return
     if not robots:
         with pytest.raises(OrderError, match="no task is for the robot"):
-            work_of(database, name)
+            work_of(database, name, use_case)
         return
-    work = work_of(database, name)
+    work = work_of(database, name, use_case)
     assert {wire.id for wire in work.panel.wires} == robots
     assert {task.name for task in work.planner.order.tasks} == robots
-    assert refused_by_cell(work.panel) == ()
+    assert refused_by(cell, work.panel) == ()
 
 
 @pytest.mark.parametrize(
@@ -97,6 +104,14 @@ def test_import_plan_and_cell_agree_about_each_wire_of_a_project(project, databa
         return
     assert f"cell {CELL}: " in capsys.readouterr().out
     assert_agreed(database, order)
+
+
+@pytest.mark.parametrize("design", HARNESSES, ids=lambda design: design.name)
+def test_they_agree_about_each_wire_of_a_harness(design, database, capsys):
+    arguments = [str(design), "--order", "harness", "--use-case", "harness_formboard"]
+    assert import_design.main([*arguments, "--database", database]) == 0
+    assert "  cell two_arms_formboard: " in capsys.readouterr().out
+    assert_agreed(database, "harness", "harness_formboard", "two_arms_formboard")
 
 
 def test_a_list_with_wires_that_no_robot_places_is_accepted_without_them(
@@ -119,6 +134,17 @@ def test_a_list_with_wires_that_no_robot_places_is_accepted_without_them(
     output = ["--output", str(tmp_path / "plan.json"), "--time-limit", "0.1"]
     assert plan.main(["--order", "list", *output, *arguments]) == 0
     assert "  tasks for the robot: 1, by hand: 3\n" in capsys.readouterr().out
+
+
+def test_a_wire_that_is_shorter_than_its_route_is_by_hand(tmp_path, database, capsys):
+    file = tmp_path / "list.csv"
+    row = "".join(f"{n},K{n}:1,K{n + 1}:2,BK,1.5,900\n" for n in range(1, 21))
+    file.write_text(f"Wire,From,To,Colour,Section mm2,Length mm\n{row}far,K1:3,K21:3,BK,1.5,480\n")
+    assert import_design.main([str(file), "--database", database]) == 0
+    said = capsys.readouterr().out
+    assert f"  cell {CELL}: 20 wires for robots, 1 by hand (1 shorter than their routes); " in said
+    assert "    far: by hand, it is 0.48 m long and its route " in said
+    assert_agreed(database, "list")
 
 
 MIXED = """Wire,From,To,Colour,Section,Length mm

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections import Counter
+from collections.abc import Mapping
 
 from remodel_planning.core.decomposition.triage import Refusal, triaged
 from remodel_planning.core.orders.work_order import WorkOrder
@@ -12,6 +13,7 @@ from remodel_production.core.board.panel import Panel, PanelWire
 from remodel_production.core.counted import counted
 from remodel_production.errors import OrderError
 from remodel_states.core.cell.cell_limits import CellLimits
+from remodel_states.core.cell.wire_rules import Passage, objections
 from remodel_states.core.wires.wire_colours import WIRE_RGB, is_colour
 
 
@@ -28,10 +30,14 @@ def fitted(
     """
     refusals: dict[str, Refusal] = {}
     if takes is not None and _has_wires(use_case):
+        ducts = {
+            duct.name: Passage(duct.name, duct.length, duct.slot_pitch, duct.slot_width)
+            for duct in panel.ducts
+        }
         refusals = {
             task.name: refusal
             for task, wire in zip(order.tasks, panel.wires, strict=True)
-            if (refusal := _refusal(wire, takes)) is not None
+            if (refusal := _refusal(wire, ducts, takes)) is not None
         }
     return triaged(order, use_case, refusals)
 
@@ -66,7 +72,7 @@ def _has_wires(use_case: UseCase) -> bool:
     return use_case.designs is not None and use_case.designs.tasks is DesignTasks.WIRES
 
 
-def _refusal(wire: PanelWire, takes: CellLimits) -> Refusal | None:
+def _refusal(wire: PanelWire, ducts: Mapping[str, Passage], takes: CellLimits) -> Refusal | None:
     """Return why a cell takes no such wire; None if it does."""
     if wire.material is None:
         section = f"{wire.section_mm2:g} mm2"
@@ -76,21 +82,9 @@ def _refusal(wire: PanelWire, takes: CellLimits) -> Refusal | None:
         return Refusal(
             "of no known colour", f"its colour is {shown}; allowed: {' '.join(WIRE_RGB)}"
         )
-    for limits, found, words, kinds in (
-        (
-            takes.wire_length,
-            wire.length,
-            takes.about_length(wire.length),
-            ("shorter than {:g} m", "longer than {:g} m"),
-        ),
-        (
-            takes.wire_diameter,
-            wire.material.diameter,
-            takes.about_diameter(wire.material.diameter),
-            ("thinner than {:g} m", "thicker than {:g} m"),
-        ),
-    ):
-        for sentence in words:
-            side = 0 if found < limits[0] else 1
-            return Refusal(kinds[side].format(limits[side]), f"{sentence} (cell {takes.cell})")
-    return None
+    passages = [ducts[name] for name in wire.ducts]
+    found = [*objections(takes, wire.length, wire.material.diameter, wire.route, passages)]
+    if not found:
+        return None
+    sentences = "; ".join(objection.sentence for objection in found)
+    return Refusal(found[0].kind, f"{sentences} (cell {takes.cell})")

@@ -15,15 +15,11 @@ from remodel_sim.core.geometry import Pose, wrap_angle
 from remodel_sim.core.robot.arm import ToolPose
 from remodel_sim.core.robot.kinematics import Kinematics
 from remodel_sim.core.workpiece.panel import Component, Duct, Panel, PanelWire, WireEnd, unit_x
+from remodel_states.core.cell.cell_limits import CellLimits
+from remodel_states.core.cell.wire_rules import objections
 
 # Tool centre to tip where devices stand before ducts.
 GRASP_M = 0.025
-# A slot lets a wire through that is thinner by this.
-SLOT_PLAY_M = 0.0003
-# A wire that is let down into forks is so much longer than the line between its openings: shorter,
-# its second end does not come in front of its opening; longer, it bows out between the forks.
-SPARE_M = (0.028, 0.060)
-STRAIGHT_RAD = math.radians(5.0)
 # Between a finger and the wire in the next terminal.
 FINGER_PLAY_M = 0.0005
 # How far out of reach a terminal is, is found in steps of [m], up to this.
@@ -35,7 +31,11 @@ Sockets = Mapping[tuple[str, str], Pose]
 
 
 def board_problems(
-    panel: Panel, arms: Sequence[Kinematics], sockets: Sockets, standoff_m: float
+    panel: Panel,
+    arms: Sequence[Kinematics],
+    takes: CellLimits,
+    sockets: Sockets,
+    standoff_m: float,
 ) -> Iterator[str]:
     """Yield what of a board the arms cannot wire, a sentence each.
 
@@ -45,7 +45,7 @@ def board_problems(
     yield from _room(panel, arms, standoff_m)
     yield from _neighbours(panel, arms)
     for wire in panel.wires:
-        yield from _wire(wire, panel)
+        yield from _wire(wire, panel, takes)
 
 
 def _reach(arms: Sequence[Kinematics], sockets: Sockets, standoff_m: float) -> Iterator[str]:
@@ -147,47 +147,13 @@ def _neighbours(panel: Panel, arms: Sequence[Kinematics]) -> Iterator[str]:
         )
 
 
-def _wire(wire: PanelWire, panel: Panel) -> Iterator[str]:
+def _wire(wire: PanelWire, panel: Panel, takes: CellLimits) -> Iterator[str]:
     name = f"wire {wire.id!r}"
-    along = sum(math.dist(p[:2], q[:2]) for p, q in pairwise(wire.route))
-    if wire.length < along:
-        yield (
-            f"{name}: it is {wire.length:.2f} m long and its route {along:.2f} m, "
-            f"{along - wire.length:.2f} m too short: cut it to the route's length and both bends"
-        )
-    if any(duct.is_fork and duct.id in wire.ducts for duct in panel.ducts):
-        yield from _through_forks(wire, along)
     ducts = {duct.id: duct for duct in panel.ducts}
     for duct_id in dict.fromkeys(wire.ducts):
-        duct = ducts.get(duct_id)
-        if duct is None:
+        if duct_id not in ducts:
             there_are = ", ".join(ducts) or "none"
             yield f"{name}: its route passes duct {duct_id!r}; the panel has: {there_are}"
-            continue
-        lack = wire.diameter + SLOT_PLAY_M - duct.slot_width
-        if duct.slot_pitch and lack > 0:
-            yield (
-                f"{name}: {wire.diameter * 1e3:.1f} mm thick, and the slots of duct {duct_id!r} "
-                f"are {duct.slot_width * 1e3:.1f} mm wide, {lack * 1e3:.1f} mm too narrow: slots "
-                f"of {(wire.diameter + SLOT_PLAY_M) * 1e3:.1f} mm"
-            )
-
-
-def _through_forks(wire: PanelWire, along: float) -> Iterator[str]:
-    """Yield why a wire with a route of a length [m] cannot be let down into its forks."""
-    name = f"wire {wire.id!r}"
-    headings = [math.atan2(q[1] - p[1], q[0] - p[0]) for p, q in pairwise(wire.route)]
-    turn = max((abs(float(wrap_angle(b - a))) for a, b in pairwise(headings)), default=0.0)
-    if turn > STRAIGHT_RAD:
-        yield (
-            f"{name}: its route turns by {math.degrees(turn):.0f} deg; the cell lets wires down "
-            "into forks in a straight line only: connectors that face each other"
-        )
-        return
-    least, most = SPARE_M
-    if not least - 1e-6 <= wire.length - along <= most + 1e-6:
-        yield (
-            f"{name}: it is {wire.length:.3f} m long and its openings are {along:.3f} m apart, "
-            f"through forks; allowed: {least * 1e3:.0f} to {most * 1e3:.0f} mm more: cut it to "
-            f"{along + least:.3f} to {along + most:.3f} m"
-        )
+    passages = [ducts[duct_id].passage for duct_id in wire.ducts if duct_id in ducts]
+    for objection in objections(takes, wire.length, wire.diameter, wire.route, passages):
+        yield f"{name}: {objection.sentence}"

@@ -120,8 +120,13 @@ def find_problems(
         *_overlaps(panel),
         *(p for wire in panel.wires for p in _wire(wire, panel, takes)),
         *_sharing(panel),
-        *(() if panel.channels else board_problems(panel, arms, _sockets(panel), STANDOFF_M)),
+        *_board(panel, arms, takes),
     )
+
+
+def _board(panel: Panel, arms: Sequence[Kinematics], takes: CellLimits) -> Iterator[str]:
+    if not panel.channels:
+        yield from board_problems(panel, arms, takes, _sockets(panel), STANDOFF_M)
 
 
 def _sockets(panel: Panel) -> dict[tuple[str, str], Pose]:
@@ -361,10 +366,9 @@ def _wire(wire: PanelWire, panel: Panel, takes: CellLimits) -> Iterator[str]:
             f"{name}: colour {wire.colour!r} is not known; allowed: one of these codes, or several "
             f"one after another: {' '.join(WIRE_RGB)}"
         )
-    # In channels the terminals limit the length, too.
-    lengths = () if panel.channels else takes.about_length(wire.length)
-    for words in (*lengths, *takes.about_diameter(wire.diameter)):
-        yield f"{name}: {words}"
+    if panel.channels:  # where the terminals limit the length
+        for sentence in takes.about_diameter(wire.diameter):
+            yield f"{name}: {sentence}"
     yield from within(f"{name}: ferrule_length", wire.ferrule_length, FERRULE_M)
     yield from within(f"{name}: linear_density", wire.linear_density, DENSITY_KG_M, "kg/m")
     yield from within(f"{name}: bending_stiffness", wire.bending_stiffness, STIFFNESS_NM2, "N m^2")

@@ -10,6 +10,7 @@ import numpy as np
 
 from remodel_sim.core.errors import AbilityError
 from remodel_sim.core.geometry import Array, Pose
+from remodel_states.core.cell.wire_rules import Passage
 from remodel_states.core.codes import Code
 
 
@@ -24,8 +25,6 @@ class Named(Protocol):
 Item = TypeVar("Item", bound=Named)
 # Pitches that differ by less are the same [m].
 PITCH_TOLERANCE_M = 1e-5
-# Walls along a wire that are no longer than this are the posts of a fork [m].
-FORK_LENGTH_M = 0.02
 
 
 class WireEnd(Enum):
@@ -144,9 +143,14 @@ class Duct:
     slot_bottom: float = 0.0
 
     @property
+    def passage(self) -> Passage:
+        """What a wire's route passes."""
+        return Passage(self.id, self.length, self.slot_pitch, self.slot_width)
+
+    @property
     def is_fork(self) -> bool:
-        """Whether it is no trough, but the posts of a fork: walls too short to hold a wire bent."""
-        return not self.slot_pitch and self.length <= FORK_LENGTH_M
+        """Whether it is no trough, but the posts of a fork."""
+        return self.passage.is_fork
 
     @property
     def panel_from_duct(self) -> Pose:
