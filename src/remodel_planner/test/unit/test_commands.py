@@ -458,7 +458,7 @@ def test_the_use_case_of_an_order_is_chosen_and_refused_by_name(
 ):
     monkeypatch.setenv("REMODEL_USE_CASES", str(tmp_path))
     stored = ["--order", "mine", "--database", database]
-    import_design.main([str(DESIGNS / "loom.kbl"), *stored])
+    import_design.main([str(DESIGN), *stored])
     assert tasks.main([*stored, "--use-case", "cabinet"]) == 0
     assert "Insert a" in capsys.readouterr().out
     own = (use_case_folder() / "cabinet.yaml").read_text().replace("name: cabinet", "name: ours")
