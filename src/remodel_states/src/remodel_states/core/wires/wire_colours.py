@@ -38,7 +38,7 @@ WIRE_RGB: dict[str, Rgb] = {
     "SN": (0.72, 0.72, 0.70),
 }
 GREEN_AND_YELLOW = "GNYE"
-# The colours of most wires, which a camera tells apart: the others are shades of them.
+# The colours of most wires, which a camera distinguishes: the others are shades of them.
 DISTINCT_COLOURS = (
     *("BK", "BN", "RD", "OG", "YE", "GN", "BU", "VT", "GY", "WH", "PK", "TQ"),
     GREEN_AND_YELLOW,
