@@ -71,6 +71,9 @@ class WrongEngine:
             )
             for topic, kind in published.items()
         ]
+        # What the real engine publishes before it is connected is lost.
+        for subscriber in self._subscribers[len(kinds) :]:
+            wait_until(lambda end=subscriber: end.get_num_connections() > 0)
         self._ask = rospy.ServiceProxy(f"{INNER}/{topics.USERDATA_SERVICE}", GetUserdata)
         self._service = rospy.Service(topics.USERDATA_SERVICE, GetUserdata, self._on_ask)
 
@@ -119,5 +122,6 @@ class WrongEngine:
 def wait_until(condition):
     """Poll until a connection is made, of which rospy has no notification."""
     end = rospy.get_time() + LIMIT_S
-    while not condition() and rospy.get_time() < end:
+    while not condition():
+        assert rospy.get_time() < end, f"a topic of the engine is not connected within {LIMIT_S} s"
         rospy.sleep(0.002)
