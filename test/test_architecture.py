@@ -33,6 +33,8 @@ CORES |= {
     "remodel_robot": "core",
     "remodel_states": "core",
 }
+# Packages that are pure but for these rooms.
+PURE = {"remodel_work", "remodel_vision"}
 ROS_ROOMS = {"ros", "commands"}
 # The rooms of a core, each above the rooms that it may import.
 LAYERS = {
@@ -77,7 +79,9 @@ MAY_IMPORT = {
     "flexbe_synthesizer": {"flexbe_core"},
     "remodel_states": {"flexbe_core"},
     "remodel_behaviors": {"flexbe_core", "flexbe_states", "remodel_states"},
-    "remodel_sim": {"flexbe_core", "remodel_states"},
+    "remodel_work": {"remodel_states"},
+    "remodel_vision": {"flexbe_core", "remodel_states", "remodel_work"},
+    "remodel_sim": {"flexbe_core", "remodel_states", "remodel_work", "remodel_vision"},
     "remodel_robot": {"flexbe_core", "remodel_states"},
     "remodel_production": {"remodel_states"},
     "remodel_planning": {"remodel_production", "flexbe_synthesizer", "remodel_states"},
@@ -155,6 +159,7 @@ def from_ros(names):
 
 def test_the_cores_are_pure():
     allowed = tuple(f"{package}.{room}" for package in CORES for room in (CORES[package], "errors"))
+    allowed += tuple(PURE)
     impure = []
     for package, core in CORES.items():
         for name, path in modules(package).items():
@@ -163,6 +168,13 @@ def test_the_cores_are_pure():
                 inside = {n for n in names if "." in n and n.split(".")[0] in CORES}
                 bad = from_ros(names) | {n.split(".")[0] for n in names} & OUTSIDE
                 bad |= {n for n in inside if not n.startswith(allowed)}
+                impure += [f"{name} imports {n}" for n in sorted(bad)]
+    for package in PURE:
+        for name, path in modules(package).items():
+            if room(name) not in ROS_ROOMS | {"edge"}:
+                names = set(imported_names(path))
+                bad = from_ros(names) | {n.split(".")[0] for n in names} & OUTSIDE
+                bad |= {n for n in names if n.startswith("remodel_") and not n.startswith(allowed)}
                 impure += [f"{name} imports {n}" for n in sorted(bad)]
     assert impure == []
 
@@ -288,7 +300,8 @@ def test_packages_import_one_way():
 def test_only_the_care_for_master_clock_and_connections_is_taken_from_the_engine():
     modules_allowed = ("connections", "master", "steady_action_server")
     allowed = tuple(f"flexbe_core.ros.{name}" for name in modules_allowed)
-    packages = ("remodel_planner", "remodel_supervision", "flexbe_synthesizer", "remodel_sim")
+    packages = ("remodel_planner", "remodel_supervision", "flexbe_synthesizer")
+    packages += ("remodel_sim", "remodel_vision")
     found = [
         f"{name} imports {imported}"
         for package in packages

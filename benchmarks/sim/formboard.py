@@ -42,17 +42,17 @@ from remodel_sim.abilities.place_cable import place_cable
 from remodel_sim.abilities.route_wire import route_wire
 from remodel_sim.cell import Cell
 from remodel_sim.core import goals
-from remodel_sim.core.camera import Picture
-from remodel_sim.core.errors import AbilityError
-from remodel_sim.core.geometry import Pose
-from remodel_sim.core.workpiece.layout import WORLD_FROM_PANEL
-from remodel_sim.core.workpiece.panel import PanelWire, WireEnd
 from remodel_sim.edge.cell_file import read_cell
 from remodel_sim.physics.plant import Plant
 from remodel_sim.physics.truth import ground_truth
 from remodel_sim.ros.conversions import read_panel
 from remodel_states.core.codes import Code
 from remodel_states.edge.wire_material_file import read_wire_materials
+from remodel_work.camera import Picture
+from remodel_work.errors import AbilityError
+from remodel_work.geometry import Pose
+from remodel_work.layout import WORLD_FROM_PANEL
+from remodel_work.panel import PanelWire, WireEnd
 
 CONFIG = Path(__file__).parents[2] / "src" / "remodel_sim" / "config"
 FIRST, SECOND = "robot_1", "robot_2"

@@ -22,13 +22,13 @@ from wire_task import ROBOT
 
 from remodel_sim.abilities.insert_cable import insert_cable
 from remodel_sim.cell import Cell
-from remodel_sim.core.errors import AbilityError
-from remodel_sim.core.geometry import Pose
 from remodel_sim.core.goals import InsertGoal
-from remodel_sim.core.workpiece.panel import Panel, WireEnd
 from remodel_sim.physics.truth import ground_truth
 from remodel_sim.ros.conversions import read_panel
 from remodel_states.edge.wire_material_file import read_wire_materials
+from remodel_work.errors import AbilityError
+from remodel_work.geometry import Pose
+from remodel_work.panel import Panel, WireEnd
 
 PANEL = Path(__file__).parents[2] / "src" / "remodel_sim" / "config" / "panel.yaml"
 LINES = Path("out/bench/insertion-map.jsonl")

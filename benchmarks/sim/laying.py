@@ -30,12 +30,12 @@ from remodel_sim.abilities.locate_gearbox_component import locate_gearbox_compon
 from remodel_sim.abilities.pick_cable import pick_cable
 from remodel_sim.cell import Cell
 from remodel_sim.core import goals
-from remodel_sim.core.errors import AbilityError
-from remodel_sim.core.workpiece.panel import Panel, WireEnd
 from remodel_sim.edge.cell_file import read_cell
 from remodel_sim.physics.truth import ground_truth, share_in_ducts
 from remodel_sim.ros.conversions import read_panel
 from remodel_states.edge.wire_material_file import read_wire_materials
+from remodel_work.errors import AbilityError
+from remodel_work.panel import Panel, WireEnd
 
 CONFIG = Path(__file__).parents[2] / "src" / "remodel_sim" / "config"
 GUIDE, HOLDER = "robot_1", "robot_2"

@@ -15,11 +15,11 @@ from elastica import cantilever_drop
 from peer_wire import REPEATS, SAG_LOAD, PeerWire
 from row import Row
 
-from remodel_sim.core.workpiece.panel import WireEnd
-from remodel_sim.core.workpiece.wire_mechanics import GRAVITY, discretise
+from remodel_sim.core.wires.wire_mechanics import GRAVITY, discretise
 from remodel_sim.physics.fixtures.panel_scene import PLATE_FRICTION, add_plate_surface
 from remodel_sim.physics.wires.cable import SimulatedWire
 from remodel_sim.physics.world import World
+from remodel_work.panel import WireEnd
 
 LENGTHS_M = (1.0, 2.0, 3.0)
 RATE_HZ = 240.0

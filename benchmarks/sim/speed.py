@@ -9,7 +9,7 @@ import numpy as np
 from panels import wire
 from row import Row
 
-from remodel_sim.core.workpiece.wire_mechanics import Piece, chain
+from remodel_sim.core.wires.wire_mechanics import Piece, chain
 from remodel_sim.edge.cell_file import read_cell
 from remodel_sim.physics.fixtures.panel_scene import add_plate_surface
 from remodel_sim.physics.robot import Robot

@@ -22,13 +22,13 @@ from remodel_sim.abilities.primitives.grasping import release
 from remodel_sim.abilities.primitives.motions import HAND_OPEN_M, rise
 from remodel_sim.cell import Cell
 from remodel_sim.core import goals
-from remodel_sim.core.errors import AbilityError
-from remodel_sim.core.geometry import Pose
-from remodel_sim.core.workpiece.panel import Panel, PanelWire, WireEnd
-from remodel_sim.core.workpiece.routes import world_from_clip
 from remodel_sim.physics.truth import ground_truth, lies_in
 from remodel_states.core.codes import Code
 from remodel_states.core.wires.wire_colours import DISTINCT_COLOURS
+from remodel_work.errors import AbilityError
+from remodel_work.geometry import Pose
+from remodel_work.panel import Panel, PanelWire, WireEnd
+from remodel_work.routes import world_from_clip
 
 # An end that was picked is off the plate by so much [m].
 LIFTED_M = 0.010

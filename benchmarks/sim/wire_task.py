@@ -21,10 +21,10 @@ from remodel_sim.abilities.place_connector import place_connector as mate_connec
 from remodel_sim.abilities.route_wire import route_wire
 from remodel_sim.cell import Cell
 from remodel_sim.core import goals
-from remodel_sim.core.errors import AbilityError
-from remodel_sim.core.geometry import Pose
-from remodel_sim.core.workpiece.layout import WORLD_FROM_PANEL
-from remodel_sim.core.workpiece.panel import PanelWire, WireEnd
+from remodel_work.errors import AbilityError
+from remodel_work.geometry import Pose
+from remodel_work.layout import WORLD_FROM_PANEL
+from remodel_work.panel import PanelWire, WireEnd
 
 ROBOT = "robot_1"
 

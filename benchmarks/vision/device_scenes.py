@@ -14,16 +14,16 @@ from pathlib import Path
 
 import numpy as np
 
-from remodel_sim.core.camera import Picture, View, looking_down
-from remodel_sim.core.geometry import Array, Pose
-from remodel_sim.core.workpiece.layout import WORLD_FROM_PANEL
-from remodel_sim.core.workpiece.panel import Component, Panel
 from remodel_sim.edge.cell_file import read_cell
 from remodel_sim.physics.cameras import take
 from remodel_sim.physics.fixtures.panel_scene import PanelScene
 from remodel_sim.physics.world import World
 from remodel_sim.ros.conversions import read_panel
 from remodel_states.edge.wire_material_file import read_wire_materials
+from remodel_work.camera import Picture, View, looking_down
+from remodel_work.geometry import Array, Pose
+from remodel_work.layout import WORLD_FROM_PANEL
+from remodel_work.panel import Component, Panel
 
 CONFIG = Path(__file__).parents[2] / "src" / "remodel_sim" / "config"
 # The wrist camera's height when it observes a component [m].

@@ -25,17 +25,17 @@ from row import Row, report
 
 from remodel_sim.abilities.locate_gearbox_component import VIEWS
 from remodel_sim.abilities.primitives.observation.viewpoints import LABEL_ASIDE_M
-from remodel_sim.core.camera import Picture
-from remodel_sim.core.geometry import Pose
-from remodel_sim.core.vision.device_pose import (
+from remodel_sim.physics.world import World
+from remodel_vision.device_pose import (
     DeviceView,
     locate_device,
     search_device,
     stands_there,
 )
-from remodel_sim.core.vision.panel_pose import register_panel
-from remodel_sim.core.workpiece.panel import Component
-from remodel_sim.physics.world import World
+from remodel_vision.panel_pose import register_panel
+from remodel_work.camera import Picture
+from remodel_work.geometry import Pose
+from remodel_work.panel import Component
 
 # Places of the hand's camera over the device and beside it [m], in the order of their trial.
 ASIDE_M = ((0.0, 0.0), *LABEL_ASIDE_M)

@@ -13,16 +13,6 @@ import cv2
 import numpy as np
 import numpy.typing as npt
 
-from remodel_sim.core.camera import Picture, View, looking_down
-from remodel_sim.core.geometry import Array, Pose
-from remodel_sim.core.workpiece.component_shape import (
-    LABEL_MARGIN_CELLS,
-    Box,
-    component_boxes,
-    label_corners,
-)
-from remodel_sim.core.workpiece.layout import WORLD_FROM_PANEL
-from remodel_sim.core.workpiece.panel import Component, Panel
 from remodel_sim.edge.cell_file import read_cell
 from remodel_sim.physics.cameras import NOISE_LEVELS, take
 from remodel_sim.physics.fixtures.panel_scene import PanelScene
@@ -30,6 +20,16 @@ from remodel_sim.physics.static_body import add_static
 from remodel_sim.physics.wires.parked_wire import draw_parked
 from remodel_sim.physics.world import World
 from remodel_states.core.wires.wire_colours import DISTINCT_COLOURS
+from remodel_work.camera import Picture, View, looking_down
+from remodel_work.component_shape import (
+    LABEL_MARGIN_CELLS,
+    Box,
+    component_boxes,
+    label_corners,
+)
+from remodel_work.geometry import Array, Pose
+from remodel_work.layout import WORLD_FROM_PANEL
+from remodel_work.panel import Component, Panel
 
 # Changes of pose: along the plate [m], about its normal [rad]; off it [m], and tilted [rad].
 SHIFT_M, TURN_RAD = 0.010, math.radians(8.0)

@@ -25,15 +25,15 @@ from row import Row, report
 
 from remodel_sim.abilities.locate_gearbox_component import VIEWS
 from remodel_sim.abilities.primitives.observation.viewpoints import LABEL_ASIDE_M
-from remodel_sim.core.camera import Picture
-from remodel_sim.core.geometry import Array, Pose
-from remodel_sim.core.vision.label_pose import LabelView, locate_component
-from remodel_sim.core.vision.labels import find_labels, search_label
-from remodel_sim.core.workpiece.layout import WORLD_FROM_PANEL
-from remodel_sim.core.workpiece.panel import Component
 from remodel_sim.physics.world import World
 from remodel_sim.ros.conversions import read_panel
 from remodel_states.edge.wire_material_file import read_wire_materials
+from remodel_vision.label_pose import LabelView, locate_component
+from remodel_vision.labels import find_labels, search_label
+from remodel_work.camera import Picture
+from remodel_work.geometry import Array, Pose
+from remodel_work.layout import WORLD_FROM_PANEL
+from remodel_work.panel import Component
 
 PANEL = Path(__file__).parents[2] / "src" / "remodel_sim" / "config" / "panel.yaml"
 # Places of the hand's camera over the label and beside it [m], in the order of their trial.

@@ -23,7 +23,7 @@ import numpy as np
 from cable_curves import Array
 from row import Row, report, start
 
-from remodel_sim.core.vision.cables import DetectedCable, Detection, detect_cables
+from remodel_vision.cables import DetectedCable, Detection, detect_cables
 
 # A cable is followed when so much of its line lies on it, and so much of it under its line: at
 # crossings both belong to the other one.

@@ -26,8 +26,8 @@ from row import Row, report, start
 from scenes import Kind, make_scene
 from scoring import Score, auc, follows, score
 
-from remodel_sim.core.vision.cables import detect_cables
-from remodel_sim.core.vision.cables.warnings import SURE
+from remodel_vision.cables import detect_cables
+from remodel_vision.cables.warnings import SURE
 
 COUNTS = (1, 2, 3, 4, 5)
 # What is made worse, and by how much: of the light and the camera, and of the scene.

@@ -10,7 +10,7 @@ from cable_curves import Array, CableCurve, TrueCrossing
 from renderer import paint_labels
 from scenes import SIZE, Scene
 
-from remodel_sim.core.vision.cables import CableEnding, DetectedCable, Detection
+from remodel_vision.cables import CableEnding, DetectedCable, Detection
 
 # A cable is found when its centreline lies within these of the true one [px], [widths].
 MEAN_LIMIT_PX, FAR_LIMIT_WIDTHS = 1.0, 1.0

@@ -22,12 +22,12 @@ import cv2
 import numpy as np
 
 from remodel_sim.cell import Cell
-from remodel_sim.core.geometry import Array
-from remodel_sim.core.vision.wire_ends import find_ends, line_between
-from remodel_sim.core.workpiece.panel import WireEnd
 from remodel_sim.ros.conversions import read_panel
 from remodel_states.core.wires.wire_colours import DISTINCT_COLOURS
 from remodel_states.edge.wire_material_file import read_wire_materials
+from remodel_vision.wire_ends import find_ends, line_between
+from remodel_work.geometry import Array
+from remodel_work.panel import WireEnd
 
 PANEL = Path(__file__).parents[2] / "src" / "remodel_sim" / "config" / "panel.yaml"
 # Of a wire is seen what lies this near to its line [mm].

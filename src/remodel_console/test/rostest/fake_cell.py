@@ -10,8 +10,8 @@ from std_msgs.msg import ColorRGBA
 from tf2_msgs.msg import TFMessage
 from visualization_msgs.msg import Marker, MarkerArray
 
-from remodel_sim.core.robot.arm import PANDA_AT_ORIGIN
 from remodel_sim.physics.robot_description import robot_description
+from remodel_work.robot.arm import PANDA_AT_ORIGIN
 
 PERIOD_S = 0.05
 POSTURE = (0.0, 0.3, 0.0, -2.0, 0.0, 2.3, 0.8)

@@ -4,7 +4,7 @@ import math
 
 from panels import wire
 
-from remodel_sim.core.workpiece.panel import Channel, Component, Panel, PanelTerminal
+from remodel_work.panel import Channel, Component, Panel, PanelTerminal
 
 ROW_X = 0.110
 DEPTH, HEIGHT = 0.090, 0.045

@@ -9,7 +9,7 @@ import place_wire as do
 from panels import panel
 
 from remodel_sim.cell import Cell
-from remodel_sim.core.workpiece.panel import WireEnd
+from remodel_work.panel import WireEnd
 
 
 def fingerprint():

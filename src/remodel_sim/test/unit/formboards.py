@@ -4,9 +4,9 @@ import math
 
 from panels import component, wire
 
-from remodel_sim.core.geometry import Pose
-from remodel_sim.core.workpiece.layout import WORLD_FROM_PANEL
-from remodel_sim.core.workpiece.panel import Channel, Duct, Panel, PanelClip
+from remodel_work.geometry import Pose
+from remodel_work.layout import WORLD_FROM_PANEL
+from remodel_work.panel import Channel, Duct, Panel, PanelClip
 
 LINE_X = -0.040
 FIRST_Y = -0.085

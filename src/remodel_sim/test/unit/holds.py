@@ -6,12 +6,7 @@ import math
 import numpy as np
 from panels import component, wire
 
-from remodel_sim.core.geometry import Pose
-from remodel_sim.core.robot.arm import PANDA_AT_ORIGIN, ToolPose
-from remodel_sim.core.workpiece.component_shape import component_boxes
-from remodel_sim.core.workpiece.fixtures import PLAY_M, lips_of
-from remodel_sim.core.workpiece.panel import PanelClip, WireEnd
-from remodel_sim.core.workpiece.wire_mechanics import Piece, chain, discretise
+from remodel_sim.core.wires.wire_mechanics import Piece, chain, discretise
 from remodel_sim.physics.fixtures.clamps import close_clamp
 from remodel_sim.physics.fixtures.clips import add_clip
 from remodel_sim.physics.fixtures.panel_scene import add_plate_surface
@@ -19,6 +14,11 @@ from remodel_sim.physics.robot import HAND_30_N, Robot
 from remodel_sim.physics.static_body import add_static
 from remodel_sim.physics.wires.cable import SimulatedWire
 from remodel_sim.physics.world import CONTACT_DAMPING, CONTACT_STIFFNESS, World
+from remodel_work.component_shape import component_boxes
+from remodel_work.fixtures import PLAY_M, lips_of
+from remodel_work.geometry import Pose
+from remodel_work.panel import PanelClip, WireEnd
+from remodel_work.robot.arm import PANDA_AT_ORIGIN, ToolPose
 
 # A pull grows by this share of what should hold, per second: quasi-static.
 GROWTH_1_S = 0.5

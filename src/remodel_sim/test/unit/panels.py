@@ -3,7 +3,7 @@
 import dataclasses
 import math
 
-from remodel_sim.core.workpiece.panel import Channel, Component, Panel, PanelTerminal, PanelWire
+from remodel_work.panel import Channel, Component, Panel, PanelTerminal, PanelWire
 
 ROW_X = 0.080
 

@@ -11,9 +11,9 @@ from remodel_sim.abilities.pick_cable import pick_cable
 from remodel_sim.abilities.place_cable import place_cable
 from remodel_sim.abilities.route_wire import route_wire
 from remodel_sim.core import goals
-from remodel_sim.core.geometry import Pose
-from remodel_sim.core.workpiece.layout import WORLD_FROM_PANEL
-from remodel_sim.core.workpiece.panel import WireEnd
+from remodel_work.geometry import Pose
+from remodel_work.layout import WORLD_FROM_PANEL
+from remodel_work.panel import WireEnd
 
 ROBOT = "robot_1"
 # In the channel, beyond end b's terminal.

@@ -16,9 +16,9 @@ from panels import panel
 
 from remodel_sim.cell import Cell
 from remodel_sim.core.belief.belief_state import EndState, Grip
-from remodel_sim.core.belief.placed_wires import ParkedWire, PlacedWires
-from remodel_sim.core.geometry import Pose
-from remodel_sim.core.workpiece.panel import WireEnd
+from remodel_work.geometry import Pose
+from remodel_work.panel import WireEnd
+from remodel_work.placed_wires import ParkedWire, PlacedWires
 
 FILE = Path(__file__).with_name("stored_wires.json")
 # Panels, and wires of them.

@@ -4,12 +4,12 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from remodel_sim.core.errors import AbilityError
-from remodel_sim.core.robot.arm import KUKA_IIWA, PANDA_AT_ORIGIN, Arm, ToolPose
 from remodel_sim.edge.cell_file import read_cell
 from remodel_sim.physics.robot import Robot
 from remodel_sim.physics.world import World
 from remodel_states.core.codes import Code
+from remodel_work.errors import AbilityError
+from remodel_work.robot.arm import KUKA_IIWA, PANDA_AT_ORIGIN, Arm, ToolPose
 
 IIWA = Arm(KUKA_IIWA, (-0.05, 0.02, 0.01, 0.1))
 FACING_PANDA = Arm(PANDA_AT_ORIGIN.model, (1.0, 0.0, 0.0, math.pi))

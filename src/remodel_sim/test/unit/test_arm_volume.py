@@ -3,12 +3,12 @@ import math
 import numpy as np
 import pytest
 
-from remodel_sim.core.geometry import Pose
-from remodel_sim.core.robot.arm import KUKA_IIWA, PANDA_AT_ORIGIN, Arm, ToolPose
-from remodel_sim.core.robot.arm_volume import Volume, gap_between, gaps_between, volume_of
 from remodel_sim.edge.cell_file import read_cell
 from remodel_sim.physics.robot import Robot
 from remodel_sim.physics.world import World
+from remodel_work.geometry import Pose
+from remodel_work.robot.arm import KUKA_IIWA, PANDA_AT_ORIGIN, Arm, ToolPose
+from remodel_work.robot.arm_volume import Volume, gap_between, gaps_between, volume_of
 
 FACING = Arm(PANDA_AT_ORIGIN.model, (1.0, 0.0, 0.0, math.pi))
 ON_AXIS = read_cell("cabinet").robots[0].arm

@@ -4,9 +4,9 @@ import cv2
 import numpy as np
 import pytest
 
-from remodel_sim.core.camera import Lens, View, looking_at, looking_down
 from remodel_sim.physics.cameras import take
 from remodel_sim.physics.world import World
+from remodel_work.camera import Lens, View, looking_at, looking_down
 
 VIEWS = {
     "overhead": View(Lens(1280, 960, math.radians(36)), looking_down(0.5, 0.0, 1.1, 0.0)),

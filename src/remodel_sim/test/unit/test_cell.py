@@ -12,13 +12,13 @@ from panels import panel
 from stored import put_live
 
 from remodel_sim.cell import Cell
-from remodel_sim.core.errors import AbilityError
-from remodel_sim.core.geometry import Pose
-from remodel_sim.core.workpiece.panel import Channel, WireEnd
 from remodel_sim.physics.truth import ground_truth
 from remodel_sim.ros.conversions import read_panel
 from remodel_states.core.codes import Code
 from remodel_states.edge.wire_material_file import read_wire_materials
+from remodel_work.errors import AbilityError
+from remodel_work.geometry import Pose
+from remodel_work.panel import Channel, WireEnd
 
 pytestmark = pytest.mark.physics
 

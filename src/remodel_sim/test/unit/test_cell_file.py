@@ -6,8 +6,8 @@ import yaml
 from panels import panel
 
 from remodel_sim.cell import Cell
-from remodel_sim.core.errors import CellFileError
 from remodel_sim.edge.cell_file import read_cell
+from remodel_work.errors import CellFileError
 
 CELLS = Path(__file__).parents[2] / "config/cells"
 MAGAZINE = yaml.safe_load((CELLS / "cabinet.yaml").read_text())["magazine"]

@@ -10,9 +10,7 @@ from stored import put, put_live
 from remodel_sim.abilities.ability import cell_abilities
 from remodel_sim.abilities.execution.runner import advance
 from remodel_sim.cell import Cell
-from remodel_sim.core.belief.placed_wires import ParkedWire, PlacedWires
-from remodel_sim.core.errors import AbilityError, MemoryFileError
-from remodel_sim.core.workpiece.panel import WireEnd
+from remodel_sim.core.errors import MemoryFileError
 from remodel_sim.edge.cell_memory import CellMemory
 from remodel_sim.physics.truth import ground_truth
 from remodel_sim.ros.job import Job
@@ -20,6 +18,9 @@ from remodel_states.core.codes import Code
 from remodel_states.core.goal_owner import NO_OWNER
 from remodel_states.edge.exported_tables import read_abilities
 from remodel_states.serving.running_goal import RunningGoal
+from remodel_work.errors import AbilityError
+from remodel_work.panel import WireEnd
+from remodel_work.placed_wires import ParkedWire, PlacedWires
 
 OTHER = panel(name="other")
 

@@ -18,17 +18,17 @@ from remodel_sim.abilities.primitives.concurrently import concurrently
 from remodel_sim.abilities.primitives.motions import TRAVEL_Z, move_to
 from remodel_sim.cell import Cell
 from remodel_sim.core import goals
-from remodel_sim.core.errors import AbilityError
-from remodel_sim.core.geometry import Pose
 from remodel_sim.core.goals import PlacePinGoal
-from remodel_sim.core.robot.arm import ToolPose
-from remodel_sim.core.workpiece.layout import WORLD_FROM_PANEL
-from remodel_sim.core.workpiece.panel import WireEnd
 from remodel_sim.edge.cell_file import read_cell
 from remodel_sim.physics.truth import ground_truth
 from remodel_sim.ros.conversions import read_panel
 from remodel_states.core.codes import Code
 from remodel_states.edge.wire_material_file import read_wire_materials
+from remodel_work.errors import AbilityError
+from remodel_work.geometry import Pose
+from remodel_work.layout import WORLD_FROM_PANEL
+from remodel_work.panel import WireEnd
+from remodel_work.robot.arm import ToolPose
 
 pytestmark = pytest.mark.physics
 

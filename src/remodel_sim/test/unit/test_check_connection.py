@@ -5,12 +5,12 @@ from place_wire import carry, connect, do
 from stored import put_live
 
 from remodel_sim.abilities.check_connection import check_connection
-from remodel_sim.core.errors import AbilityError
 from remodel_sim.core.goals import CheckGoal
-from remodel_sim.core.vision.opening_occupancy import Occupancy, OpeningObservation, combine
-from remodel_sim.core.workpiece.panel import WireEnd
 from remodel_sim.physics.truth import ground_truth
 from remodel_states.core.codes import Code
+from remodel_vision.opening_occupancy import Occupancy, OpeningObservation, combine
+from remodel_work.errors import AbilityError
+from remodel_work.panel import WireEnd
 
 
 def is_connected(cell, wire, end, terminal=None):

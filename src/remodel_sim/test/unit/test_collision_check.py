@@ -13,25 +13,25 @@ from remodel_sim.abilities.primitives.motions import FREE_SPEED, LIFTS_Z, move_t
 from remodel_sim.abilities.primitives.pushing import tool_before
 from remodel_sim.cell import Cell
 from remodel_sim.core.belief.belief_state import Feed, Grip
-from remodel_sim.core.errors import AbilityError
-from remodel_sim.core.geometry import Pose
-from remodel_sim.core.robot.arm import ToolPose
 from remodel_sim.core.robot.motion import Line
-from remodel_sim.core.workpiece.component_shape import Box
-from remodel_sim.core.workpiece.layout import STANDOFF_M, WORLD_FROM_PANEL
-from remodel_sim.core.workpiece.obstacles import (
+from remodel_sim.edge.cell_file import read_cell
+from remodel_sim.physics.collision_check import CollisionCheck, HeldTip
+from remodel_sim.ros.conversions import read_panel
+from remodel_states.core.codes import Code
+from remodel_states.edge.wire_material_file import read_wire_materials
+from remodel_work.component_shape import Box
+from remodel_work.errors import AbilityError
+from remodel_work.geometry import Pose
+from remodel_work.layout import STANDOFF_M, WORLD_FROM_PANEL
+from remodel_work.obstacles import (
     WIRES,
     Obstacles,
     Solid,
     component_name,
     panel_obstacles,
 )
-from remodel_sim.core.workpiece.panel import Duct, Rail, WireEnd
-from remodel_sim.edge.cell_file import read_cell
-from remodel_sim.physics.collision_check import CollisionCheck, HeldTip
-from remodel_sim.ros.conversions import read_panel
-from remodel_states.core.codes import Code
-from remodel_states.edge.wire_material_file import read_wire_materials
+from remodel_work.panel import Duct, Rail, WireEnd
+from remodel_work.robot.arm import ToolPose
 
 DESIGN = read_cell("cabinet")
 (ROBOT,) = DESIGN.robots

@@ -7,20 +7,20 @@ import numpy as np
 import pytest
 from panels import component, panel
 
-from remodel_sim.core.camera import View, looking_down
-from remodel_sim.core.geometry import Pose
-from remodel_sim.core.vision.device_pose import (
+from remodel_sim.edge.cell_file import read_cell
+from remodel_sim.physics.cameras import take
+from remodel_sim.physics.fixtures.panel_scene import PanelScene
+from remodel_sim.physics.world import World
+from remodel_vision.device_pose import (
     device_edges,
     locate_device,
     search_device,
     stands_there,
 )
-from remodel_sim.core.vision.panel_pose import register_panel
-from remodel_sim.core.workpiece.layout import WORLD_FROM_PANEL
-from remodel_sim.edge.cell_file import read_cell
-from remodel_sim.physics.cameras import take
-from remodel_sim.physics.fixtures.panel_scene import PanelScene
-from remodel_sim.physics.world import World
+from remodel_vision.panel_pose import register_panel
+from remodel_work.camera import View, looking_down
+from remodel_work.geometry import Pose
+from remodel_work.layout import WORLD_FROM_PANEL
 
 HEIGHT = 0.204
 CELL = read_cell()

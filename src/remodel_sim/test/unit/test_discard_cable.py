@@ -12,15 +12,15 @@ from remodel_sim.abilities.discard_cable import discard_cable
 from remodel_sim.abilities.primitives import carrying
 from remodel_sim.cell import Cell
 from remodel_sim.core.belief.belief_state import EndState
-from remodel_sim.core.cell.scrap_bin import bin_of
-from remodel_sim.core.errors import AbilityError
 from remodel_sim.core.goals import DiscardGoal
-from remodel_sim.core.robot.arm import ToolPose
-from remodel_sim.core.workpiece.panel import WireEnd
 from remodel_sim.edge.cell_file import read_cell
 from remodel_sim.edge.cell_memory import CellMemory
 from remodel_sim.physics.truth import ground_truth
 from remodel_states.core.codes import Code
+from remodel_work.cell.scrap_bin import bin_of
+from remodel_work.errors import AbilityError
+from remodel_work.panel import WireEnd
+from remodel_work.robot.arm import ToolPose
 
 # A hand that has carried a wire so far loses it [m].
 CARRIED_M = 0.10

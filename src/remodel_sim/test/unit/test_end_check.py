@@ -6,11 +6,11 @@ from place_wire import ROBOT, carry, do, fix, goals, insert, locate
 from stored import put_live
 
 from remodel_sim.abilities.discard_cable import discard_cable
-from remodel_sim.core.belief.openings import opening_of
-from remodel_sim.core.errors import AbilityError
-from remodel_sim.core.workpiece.panel import WireEnd, unit_x
 from remodel_sim.physics.truth import ground_truth
 from remodel_states.core.codes import Code
+from remodel_work.errors import AbilityError
+from remodel_work.openings import opening_of
+from remodel_work.panel import WireEnd, unit_x
 
 pytestmark = pytest.mark.physics
 

@@ -6,8 +6,9 @@ import place_wire as do
 import pytest
 
 from remodel_sim.core.cell.faults import check_fault
-from remodel_sim.core.errors import AbilityError, FaultError
-from remodel_sim.core.workpiece.panel import WireEnd
+from remodel_sim.core.errors import FaultError
+from remodel_work.errors import AbilityError
+from remodel_work.panel import WireEnd
 
 
 @pytest.mark.parametrize(

@@ -8,16 +8,16 @@ import pytest
 from holds import TOOL, wire_in_hand
 from panels import wire
 
-from remodel_sim.core.geometry import Pose
-from remodel_sim.core.robot.arm import PANDA_AT_ORIGIN
-from remodel_sim.core.workpiece.component_shape import Box
-from remodel_sim.core.workpiece.panel import WireEnd
 from remodel_sim.edge.cell_file import read_cell
 from remodel_sim.physics.robot import Robot
 from remodel_sim.physics.robot_description import FINGERS, SHEATHS
 from remodel_sim.physics.static_body import add_static
 from remodel_sim.physics.wires.parked_wire import add_solid
 from remodel_sim.physics.world import CONTACT_STIFFNESS, GRAVITY, MASS_SCALE, World
+from remodel_work.component_shape import Box
+from remodel_work.geometry import Pose
+from remodel_work.panel import WireEnd
+from remodel_work.robot.arm import PANDA_AT_ORIGIN
 
 (CABINET,) = read_cell("cabinet").robots
 SLIM = CABINET.arm

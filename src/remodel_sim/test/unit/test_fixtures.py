@@ -5,8 +5,8 @@ from itertools import pairwise
 
 import pytest
 
-from remodel_sim.core.workpiece.fixtures import WALL_M, duct_boxes, rail_box
-from remodel_sim.core.workpiece.panel import Duct, Rail
+from remodel_work.fixtures import WALL_M, duct_boxes, rail_box
+from remodel_work.panel import Duct, Rail
 
 ROW = Duct("D1", (0.0, 0.0, math.pi / 2), length=0.40, width=0.040, height=0.060)
 SLOTTED = Duct(

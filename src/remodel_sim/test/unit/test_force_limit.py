@@ -14,13 +14,13 @@ from place_wire import insert
 
 from remodel_sim.abilities.primitives.pushing import BENDS_N, FEEL_N, FEELS_M
 from remodel_sim.cell import Cell
-from remodel_sim.core.errors import AbilityError
-from remodel_sim.core.workpiece.panel import WireEnd
 from remodel_sim.physics import plant
 from remodel_sim.physics.truth import ground_truth
 from remodel_sim.ros.conversions import read_panel
 from remodel_states.core.codes import Code
 from remodel_states.edge.wire_material_file import read_wire_materials
+from remodel_work.errors import AbilityError
+from remodel_work.panel import WireEnd
 
 pytestmark = pytest.mark.physics
 

@@ -9,16 +9,16 @@ import pytest
 from remodel_sim.abilities.primitives.observation.fork_check import check_forks
 from remodel_sim.cell import Cell
 from remodel_sim.core.belief.belief_state import NO_CHANNEL, Feed
-from remodel_sim.core.belief.placed_wires import ParkedWire
-from remodel_sim.core.errors import AbilityError
-from remodel_sim.core.workpiece.fixtures import WALL_M
-from remodel_sim.core.workpiece.layout import WORLD_FROM_PANEL
-from remodel_sim.core.workpiece.panel import WireEnd
 from remodel_sim.edge.cell_file import read_cell
 from remodel_sim.physics.truth import share_in_ducts
 from remodel_sim.ros.conversions import read_panel
 from remodel_states.core.codes import Code
 from remodel_states.edge.wire_material_file import read_wire_materials
+from remodel_work.errors import AbilityError
+from remodel_work.fixtures import WALL_M
+from remodel_work.layout import WORLD_FROM_PANEL
+from remodel_work.panel import WireEnd
+from remodel_work.placed_wires import ParkedWire
 
 pytestmark = pytest.mark.physics
 

@@ -15,16 +15,16 @@ from remodel_sim.abilities.pick_cable import pick_cable
 from remodel_sim.abilities.route_wire import route_wire
 from remodel_sim.cell import Cell
 from remodel_sim.core import goals
-from remodel_sim.core.cell.magazine import GRASP_M, LEAST_GRASP_M
-from remodel_sim.core.errors import AbilityError
-from remodel_sim.core.geometry import Pose
-from remodel_sim.core.workpiece.layout import WORLD_FROM_PANEL, find_problems
-from remodel_sim.core.workpiece.panel import WireEnd
 from remodel_sim.edge.cell_file import read_cell
 from remodel_sim.physics.truth import share_in_ducts
 from remodel_sim.ros.conversions import read_panel
 from remodel_states.core.codes import Code
 from remodel_states.edge.wire_material_file import read_wire_materials
+from remodel_work.cell.magazine import GRASP_M, LEAST_GRASP_M
+from remodel_work.errors import AbilityError
+from remodel_work.geometry import Pose
+from remodel_work.layout import WORLD_FROM_PANEL, find_problems
+from remodel_work.panel import WireEnd
 
 CONFIG = Path(__file__).parents[2] / "config"
 DESIGN = read_cell("two_arms_formboard")

@@ -6,13 +6,13 @@ from panels import panel
 
 from remodel_sim.core import goals
 from remodel_sim.core.belief.belief_state import NO_CHANNEL, BeliefState, EndState, Feed, Grip
-from remodel_sim.core.errors import AbilityError
-from remodel_sim.core.geometry import Pose
 from remodel_sim.core.goals.requirements import parse_end
-from remodel_sim.core.robot.arm import ToolPose
-from remodel_sim.core.workpiece.layout import WORLD_FROM_PANEL
-from remodel_sim.core.workpiece.panel import WireEnd
 from remodel_states.core.codes import Code
+from remodel_work.errors import AbilityError
+from remodel_work.geometry import Pose
+from remodel_work.layout import WORLD_FROM_PANEL
+from remodel_work.panel import WireEnd
+from remodel_work.robot.arm import ToolPose
 
 SOCKET = WORLD_FROM_PANEL @ panel().panel_from_socket("X1", "1")
 NAN = float("nan")

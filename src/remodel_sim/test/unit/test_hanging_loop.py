@@ -4,11 +4,11 @@ import numpy as np
 import pytest
 from panels import wire
 
-from remodel_sim.core.workpiece.hanging_loop import HeldEnd, hanging_loop
-from remodel_sim.core.workpiece.panel import WireEnd
-from remodel_sim.core.workpiece.wire_mechanics import discretise
+from remodel_sim.core.wires.hanging_loop import HeldEnd, hanging_loop
+from remodel_sim.core.wires.wire_mechanics import discretise
 from remodel_sim.physics.live_wire import hanging_cable
 from remodel_sim.physics.world import World
+from remodel_work.panel import WireEnd
 
 FORWARD = np.array([1.0, 0.0, 0.0])
 

@@ -12,11 +12,11 @@ from remodel_sim.abilities.pick_cable import pick_cable
 from remodel_sim.abilities.primitives.pushing import FEEL_N, bring_before, push_in
 from remodel_sim.cell import Cell
 from remodel_sim.core import goals
-from remodel_sim.core.workpiece.panel import WireEnd
 from remodel_sim.edge.cell_file import read_cell
 from remodel_sim.physics.truth import ground_truth
 from remodel_sim.ros.conversions import read_panel
 from remodel_states.edge.wire_material_file import read_wire_materials
+from remodel_work.panel import WireEnd
 
 pytestmark = pytest.mark.physics
 

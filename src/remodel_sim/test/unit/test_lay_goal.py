@@ -4,12 +4,12 @@ import pytest
 from panels import panel
 
 from remodel_sim.core.belief.belief_state import BeliefState, EndState, Feed, Grip
-from remodel_sim.core.errors import AbilityError
 from remodel_sim.core.goals import LayGoal
-from remodel_sim.core.robot.arm import PANDA_AT_ORIGIN, ToolPose
-from remodel_sim.core.robot.fingers import PANDA_FINGERS, Eyelet
-from remodel_sim.core.workpiece.panel import WireEnd
 from remodel_states.core.codes import Code
+from remodel_work.errors import AbilityError
+from remodel_work.panel import WireEnd
+from remodel_work.robot.arm import PANDA_AT_ORIGIN, ToolPose
+from remodel_work.robot.fingers import PANDA_FINGERS, Eyelet
 
 GOAL = LayGoal("robot_2", "robot_1", "W1")
 LEADING = dataclasses.replace(

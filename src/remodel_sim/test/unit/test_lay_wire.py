@@ -38,17 +38,6 @@ from remodel_sim.abilities.primitives.observation.duct_check import (
 )
 from remodel_sim.cell import Cell
 from remodel_sim.core import goals
-from remodel_sim.core.belief.openings import opening_of
-from remodel_sim.core.belief.placed_wires import ParkedWire
-from remodel_sim.core.errors import AbilityError
-from remodel_sim.core.geometry import Pose
-from remodel_sim.core.robot.arm import ToolPose
-from remodel_sim.core.vision.board.graspable import graspable_places
-from remodel_sim.core.vision.laid_wire import uppermost_past, wire_past
-from remodel_sim.core.vision.opening_occupancy import is_seen_empty
-from remodel_sim.core.vision.wire_lines import WireLines
-from remodel_sim.core.workpiece.layout import WORLD_FROM_PANEL
-from remodel_sim.core.workpiece.panel import WireEnd
 from remodel_sim.edge.cell_file import read_cell
 from remodel_sim.physics import truth
 from remodel_sim.physics.wires.parked_wire import draw_parked
@@ -56,6 +45,17 @@ from remodel_sim.ros.conversions import read_panel
 from remodel_states.core.codes import Code
 from remodel_states.edge.wire_material_file import read_wire_materials
 from remodel_states.fix_cable_state import FixCableState
+from remodel_vision.board.graspable import graspable_places
+from remodel_vision.laid_wire import uppermost_past, wire_past
+from remodel_vision.opening_occupancy import is_seen_empty
+from remodel_vision.wire_lines import WireLines
+from remodel_work.errors import AbilityError
+from remodel_work.geometry import Pose
+from remodel_work.layout import WORLD_FROM_PANEL
+from remodel_work.openings import opening_of
+from remodel_work.panel import WireEnd
+from remodel_work.placed_wires import ParkedWire
+from remodel_work.robot.arm import ToolPose
 
 CONFIG = Path(__file__).parents[2] / "config"
 GUIDE, HOLDER, WIRE = "robot_1", "robot_2", "W3"

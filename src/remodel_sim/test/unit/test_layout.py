@@ -7,13 +7,13 @@ import pytest
 from panels import component, panel, wire
 
 from remodel_sim.cell import Cell
-from remodel_sim.core.errors import PanelError
-from remodel_sim.core.workpiece.layout import find_problems as problems_of
-from remodel_sim.core.workpiece.panel import Duct, PanelClip
 from remodel_sim.edge.cell_file import read_cell
 from remodel_sim.physics.plant import Plant
 from remodel_sim.ros.conversions import read_panel
 from remodel_states.edge.wire_material_file import read_wire_materials
+from remodel_work.errors import PanelError
+from remodel_work.layout import find_problems as problems_of
+from remodel_work.panel import Duct, PanelClip
 
 CLIP = PanelClip(
     id="C1",

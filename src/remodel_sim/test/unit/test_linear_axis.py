@@ -9,11 +9,11 @@ from panels import panel
 
 from remodel_sim.abilities.primitives.motions import FREE_SPEED, choose_flip, move_to, park
 from remodel_sim.cell import Cell
-from remodel_sim.core.cell.scrap_bin import bin_of
-from remodel_sim.core.robot.arm import ToolPose
-from remodel_sim.core.robot.arm_volume import gap_between, volume_of
 from remodel_sim.core.robot.motion import ACCELERATION, Line
 from remodel_sim.edge.cell_file import read_cell
+from remodel_work.cell.scrap_bin import bin_of
+from remodel_work.robot.arm import ToolPose
+from remodel_work.robot.arm_volume import gap_between, volume_of
 
 CELL, PAIR = read_cell("cabinet"), read_cell("two_arms_cabinet")
 (ROBOT,) = CELL.robots

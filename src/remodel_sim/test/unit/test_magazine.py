@@ -12,13 +12,13 @@ from remodel_sim.abilities.discard_cable import discard_cable
 from remodel_sim.abilities.pick_cable import pick_cable
 from remodel_sim.cell import Cell
 from remodel_sim.core import goals
-from remodel_sim.core.cell.magazine import Magazine, plan_presentation
-from remodel_sim.core.errors import PanelError
-from remodel_sim.core.geometry import Pose
-from remodel_sim.core.workpiece.panel import WireEnd
 from remodel_sim.edge.cell_file import read_cell
 from remodel_sim.physics.magazine import present
 from remodel_sim.physics.world import World
+from remodel_work.cell.magazine import Magazine, plan_presentation
+from remodel_work.errors import PanelError
+from remodel_work.geometry import Pose
+from remodel_work.panel import WireEnd
 
 MAGAZINE = Magazine(x=0.20, height=0.050, span=0.46, y_min=-0.30, y_max=0.40)
 TO_THE_LEFT = board_wire("W1", ("N1", "b1"), ("N2", "b10"), 0.53)

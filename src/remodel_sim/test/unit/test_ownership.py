@@ -1,9 +1,9 @@
 import pytest
 
 from remodel_sim.core.cell.ownership import check_owner
-from remodel_sim.core.errors import AbilityError
 from remodel_states.core.codes import Code
 from remodel_states.core.goal_owner import NO_OWNER, owner_of
+from remodel_work.errors import AbilityError
 
 
 @pytest.mark.parametrize(

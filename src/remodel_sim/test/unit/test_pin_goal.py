@@ -6,12 +6,12 @@ import pytest
 from panels import panel
 
 from remodel_sim.core.belief.belief_state import BeliefState, EndState, Feed
-from remodel_sim.core.errors import AbilityError
 from remodel_sim.core.goals.pin_goal import PlacePinGoal, pin_row
-from remodel_sim.core.robot.arm import PANDA_AT_ORIGIN, Arm
-from remodel_sim.core.workpiece.layout import WORLD_FROM_PANEL
-from remodel_sim.core.workpiece.panel import WireEnd
 from remodel_states.core.codes import Code
+from remodel_work.errors import AbilityError
+from remodel_work.layout import WORLD_FROM_PANEL
+from remodel_work.panel import WireEnd
+from remodel_work.robot.arm import PANDA_AT_ORIGIN, Arm
 
 FACING = Arm(PANDA_AT_ORIGIN.model, (1.0, 0.0, 0.0, math.pi))
 WIRE = panel().wires[0]  # 0.48 m

@@ -8,13 +8,13 @@ from place_wire import lay_down as lay_down_wire
 from remodel_sim.abilities.detect_cable import detect_cable
 from remodel_sim.abilities.pick_cable import pick_cable
 from remodel_sim.core.belief.belief_state import EndState
-from remodel_sim.core.errors import AbilityError
-from remodel_sim.core.geometry import Pose
 from remodel_sim.core.goals import DetectGoal, PickGoal
-from remodel_sim.core.workpiece.layout import GRASP_DISTANCE_M
-from remodel_sim.core.workpiece.panel import WireEnd
 from remodel_sim.physics.truth import ground_truth
 from remodel_states.core.codes import Code
+from remodel_work.errors import AbilityError
+from remodel_work.geometry import Pose
+from remodel_work.layout import GRASP_DISTANCE_M
+from remodel_work.panel import WireEnd
 
 pytestmark = pytest.mark.physics
 

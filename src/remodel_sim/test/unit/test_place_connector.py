@@ -11,16 +11,16 @@ from remodel_sim.abilities.place_connector import place_connector
 from remodel_sim.cell import Cell
 from remodel_sim.core import goals
 from remodel_sim.core.belief.belief_state import BeliefState, EndState, Feed
-from remodel_sim.core.errors import AbilityError, PanelError
-from remodel_sim.core.geometry import Pose
-from remodel_sim.core.workpiece.layout import WORLD_FROM_PANEL
-from remodel_sim.core.workpiece.layout import find_problems as problems_of
-from remodel_sim.core.workpiece.panel import WireEnd
 from remodel_sim.edge.cell_file import read_cell
 from remodel_sim.physics.truth import ground_truth
 from remodel_sim.ros.conversions import read_panel
 from remodel_states.core.codes import Code
 from remodel_states.edge.wire_material_file import read_wire_materials
+from remodel_work.errors import AbilityError, PanelError
+from remodel_work.geometry import Pose
+from remodel_work.layout import WORLD_FROM_PANEL
+from remodel_work.layout import find_problems as problems_of
+from remodel_work.panel import WireEnd
 
 CONFIG = Path(__file__).parents[2] / "config"
 PANEL = read_panel(CONFIG / "connectors.yaml", read_wire_materials())

@@ -10,17 +10,17 @@ import pytest
 from remodel_sim.abilities.primitives.motions import FREE_SPEED, choose_flip, move_to, swing_to
 from remodel_sim.cell import REST_S, Cell
 from remodel_sim.core.belief.belief_state import Grip
-from remodel_sim.core.errors import AbilityError
-from remodel_sim.core.geometry import wrap_angle
-from remodel_sim.core.robot.arm import ToolPose
-from remodel_sim.core.robot.fingers import PANDA_FINGERS
 from remodel_sim.core.robot.motion import PEAK_OVER_MEAN, WIRE_TURN_RATE
-from remodel_sim.core.robot.portal import TURN_RATE, Portal
-from remodel_sim.core.workpiece.panel import WireEnd
 from remodel_sim.edge.cell_file import read_cell
 from remodel_sim.ros.conversions import read_panel
 from remodel_states.core.codes import Code
 from remodel_states.edge.wire_material_file import read_wire_materials
+from remodel_work.errors import AbilityError
+from remodel_work.geometry import wrap_angle
+from remodel_work.panel import WireEnd
+from remodel_work.robot.arm import ToolPose
+from remodel_work.robot.fingers import PANDA_FINGERS
+from remodel_work.robot.portal import TURN_RATE, Portal
 
 CONFIG = Path(__file__).parents[2] / "config"
 PORTAL = Portal((0.5, 0.0, 0.0, math.pi / 2), (-0.4, -0.6, 0.0), (0.4, 0.6, 0.9), PANDA_FINGERS)

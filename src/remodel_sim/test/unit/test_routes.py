@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 from formboards import along_clips, duct, formboard
 
-from remodel_sim.core.geometry import Pose
-from remodel_sim.core.workpiece.layout import WORLD_FROM_PANEL
-from remodel_sim.core.workpiece.routes import clips_along, places_in, world_from_clip
+from remodel_work.geometry import Pose
+from remodel_work.layout import WORLD_FROM_PANEL
+from remodel_work.routes import clips_along, places_in, world_from_clip
 
 
 def path(*points):

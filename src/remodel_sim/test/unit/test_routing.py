@@ -12,14 +12,14 @@ from stored import put_live
 from remodel_sim.abilities.primitives.observation.route_check import check_ducts
 from remodel_sim.cell import Cell
 from remodel_sim.core import goals
-from remodel_sim.core.errors import AbilityError
-from remodel_sim.core.geometry import Pose
-from remodel_sim.core.workpiece.component_shape import Box
-from remodel_sim.core.workpiece.layout import WORLD_FROM_PANEL
-from remodel_sim.core.workpiece.panel import WireEnd
 from remodel_sim.physics.static_body import add_static
 from remodel_sim.physics.truth import lies_in
 from remodel_states.core.codes import Code
+from remodel_work.component_shape import Box
+from remodel_work.errors import AbilityError
+from remodel_work.geometry import Pose
+from remodel_work.layout import WORLD_FROM_PANEL
+from remodel_work.panel import WireEnd
 
 pytestmark = pytest.mark.physics
 

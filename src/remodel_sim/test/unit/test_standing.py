@@ -15,13 +15,13 @@ from remodel_sim.abilities.primitives.motions import (
 )
 from remodel_sim.cell import Cell
 from remodel_sim.core.belief.belief_state import NO_CHANNEL, Feed
-from remodel_sim.core.belief.placed_wires import ParkedWire
-from remodel_sim.core.robot.arm import ToolPose
-from remodel_sim.core.vision.board.standing import CELL_M, standing_wires
-from remodel_sim.core.workpiece.layout import WORLD_FROM_PANEL
-from remodel_sim.core.workpiece.obstacles import WIRES, panel_obstacles
-from remodel_sim.core.workpiece.panel import WireEnd
 from remodel_sim.edge.cell_file import read_cell
+from remodel_vision.board.standing import CELL_M, standing_wires
+from remodel_work.layout import WORLD_FROM_PANEL
+from remodel_work.obstacles import WIRES, panel_obstacles
+from remodel_work.panel import WireEnd
+from remodel_work.placed_wires import ParkedWire
+from remodel_work.robot.arm import ToolPose
 
 PANEL = panel(channels=())
 # A finished wire that arches across the plate, higher than a hand travels [m].

@@ -2,10 +2,10 @@ import math
 
 import numpy as np
 
-from remodel_sim.core.robot.arm import PANDA_AT_ORIGIN, Arm, ToolPose
-from remodel_sim.core.robot.arm_volume import volume_of
 from remodel_sim.core.robot.motion import Line
 from remodel_sim.core.robot.traffic import Traffic
+from remodel_work.robot.arm import PANDA_AT_ORIGIN, Arm, ToolPose
+from remodel_work.robot.arm_volume import volume_of
 
 FACING = Arm(PANDA_AT_ORIGIN.model, (1.0, 0.0, 0.0, math.pi))
 HOME = ToolPose(0.98, 0.46, 0.35, math.pi / 2)

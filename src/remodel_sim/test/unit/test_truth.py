@@ -7,13 +7,13 @@ import numpy as np
 import pytest
 
 from remodel_sim.cell import Cell
-from remodel_sim.core.belief.placed_wires import ParkedWire
-from remodel_sim.core.workpiece.layout import WORLD_FROM_PANEL
-from remodel_sim.core.workpiece.panel import WireEnd
 from remodel_sim.edge.cell_file import read_cell
 from remodel_sim.physics.truth import ground_truth, share_in_ducts
 from remodel_sim.ros.conversions import read_panel, truth_message
 from remodel_states.edge.wire_material_file import read_wire_materials
+from remodel_work.layout import WORLD_FROM_PANEL
+from remodel_work.panel import WireEnd
+from remodel_work.placed_wires import ParkedWire
 
 CONFIG = Path(__file__).parents[2] / "config"
 WIRE, OTHER = "W3", "W7"

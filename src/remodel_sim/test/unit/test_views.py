@@ -12,12 +12,12 @@ from remodel_sim.abilities.execution.observers import Observers
 from remodel_sim.abilities.locate_gearbox_component import locate_gearbox_component
 from remodel_sim.cell import Cell
 from remodel_sim.core import goals
-from remodel_sim.core.errors import AbilityError
-from remodel_sim.core.geometry import Pose
-from remodel_sim.core.workpiece.component_shape import Box, label_corners
-from remodel_sim.core.workpiece.panel import WireEnd
 from remodel_sim.physics.static_body import add_static
 from remodel_states.core.codes import Code
+from remodel_work.component_shape import Box, label_corners
+from remodel_work.errors import AbilityError
+from remodel_work.geometry import Pose
+from remodel_work.panel import WireEnd
 
 pytestmark = pytest.mark.physics
 

@@ -12,15 +12,15 @@ from place_wire import do
 from remodel_sim.abilities.detect_cable import detect_cable
 from remodel_sim.cell import Cell
 from remodel_sim.core.belief.belief_state import EndState
-from remodel_sim.core.errors import AbilityError
 from remodel_sim.core.goals import DetectGoal
-from remodel_sim.core.vision.label_pose import LabelView, locate_component
-from remodel_sim.core.vision.labels import find_labels
-from remodel_sim.core.vision.wire_ends import find_ends, line_between
-from remodel_sim.core.workpiece.panel import WireEnd
 from remodel_sim.physics.wires.parked_wire import draw_parked
 from remodel_states.core.codes import Code
 from remodel_states.core.wires.wire_colours import DISTINCT_COLOURS
+from remodel_vision.label_pose import LabelView, locate_component
+from remodel_vision.labels import find_labels
+from remodel_vision.wire_ends import find_ends, line_between
+from remodel_work.errors import AbilityError
+from remodel_work.panel import WireEnd
 
 
 def test_every_label_is_found_from_above_to_half_a_millimetre(cell):
@@ -85,7 +85,7 @@ def test_two_ends_side_by_side_are_ambiguous(cell):
     picture = cell.plant.take_overhead_picture()
     close = dataclasses.replace(cell.context.wire)
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr("remodel_sim.core.vision.wire_ends.SEARCH_M", 0.5)
+        patch.setattr("remodel_vision.wire_ends.SEARCH_M", 0.5)
         with pytest.raises(AbilityError) as caught:
             find_ends(picture, close, between)
     assert caught.value.code is Code.CABLE_AMBIGUOUS

@@ -8,12 +8,12 @@ import pytest
 from panels import panel
 
 from remodel_sim.cell import Cell
-from remodel_sim.core.geometry import Pose
-from remodel_sim.core.vision.laid_wire import wire_around, wire_past
-from remodel_sim.core.vision.wire_lines import WireLines, follow, joined
-from remodel_sim.core.workpiece.panel import WireEnd
 from remodel_sim.physics.wires.parked_wire import draw_parked
 from remodel_states.core.wires.wire_colours import WIRE_RGB
+from remodel_vision.laid_wire import wire_around, wire_past
+from remodel_vision.wire_lines import WireLines, follow, joined
+from remodel_work.geometry import Pose
+from remodel_work.panel import WireEnd
 
 WIDTH = 5.0
 RIGHT = np.array([1.0, 0.0])

@@ -21,25 +21,25 @@ from remodel_sim.abilities.primitives.observation.component_views import (
 )
 from remodel_sim.abilities.primitives.observation.observing import go_and_see
 from remodel_sim.abilities.primitives.observation.viewpoints import camera_above
-from remodel_sim.core.camera import Picture
-from remodel_sim.core.errors import AbilityError
-from remodel_sim.core.geometry import Pose
 from remodel_sim.core.goals import CheckGoal
 from remodel_sim.core.goals.goal_pose import Message
 from remodel_sim.core.goals.requirements import parse_end
-from remodel_sim.core.robot.arm import ToolPose
-from remodel_sim.core.vision.component_observation import ComponentObservation
-from remodel_sim.core.vision.drawing import ORANGE, Drawing
-from remodel_sim.core.vision.opening_occupancy import (
+from remodel_states.core.codes import Code
+from remodel_vision.component_observation import ComponentObservation
+from remodel_vision.drawing import ORANGE, Drawing
+from remodel_vision.opening_occupancy import (
     Occupancy,
     OpeningObservation,
     combine,
     light_on,
     observe_opening,
 )
-from remodel_sim.core.workpiece.layout import WORLD_FROM_PANEL
-from remodel_sim.core.workpiece.panel import Component
-from remodel_states.core.codes import Code
+from remodel_work.camera import Picture
+from remodel_work.errors import AbilityError
+from remodel_work.geometry import Pose
+from remodel_work.layout import WORLD_FROM_PANEL
+from remodel_work.panel import Component
+from remodel_work.robot.arm import ToolPose
 
 # Places of the lens beside an opening [m]: out of its face, where the housing's edge does not hide
 # the opening, and across; the two that lie far apart come first.

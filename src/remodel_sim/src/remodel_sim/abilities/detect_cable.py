@@ -17,16 +17,15 @@ from remodel_sim.abilities.primitives.observation.observing import (
     observe_from_above,
     observe_from_aside,
 )
-from remodel_sim.core.belief.belief_state import TipObservation
-from remodel_sim.core.errors import AbilityError
-from remodel_sim.core.geometry import Array
 from remodel_sim.core.goals import DetectGoal
 from remodel_sim.core.goals.goal_pose import Message
-from remodel_sim.core.vision.cables.curves.polyline import arc_lengths
-from remodel_sim.core.vision.drawing import ORANGE, Drawing
-from remodel_sim.core.vision.wire_ends import STRAIGHT_M, line_between, line_from
-from remodel_sim.core.workpiece.panel import PanelWire, WireEnd
 from remodel_states.core.codes import Code
+from remodel_vision.cables.curves.polyline import arc_lengths
+from remodel_vision.drawing import ORANGE, Drawing
+from remodel_vision.wire_ends import STRAIGHT_M, TipObservation, line_between, line_from
+from remodel_work.errors import AbilityError
+from remodel_work.geometry import Array
+from remodel_work.panel import PanelWire, WireEnd
 
 
 @dataclass(frozen=True, eq=False)

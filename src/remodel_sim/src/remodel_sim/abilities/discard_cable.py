@@ -22,14 +22,14 @@ from remodel_sim.abilities.primitives.grasping import (
 from remodel_sim.abilities.primitives.motions import rise
 from remodel_sim.abilities.primitives.observation.observing import loose_ends
 from remodel_sim.abilities.primitives.picking_up import pick_up
-from remodel_sim.core.belief.openings import TerminalKey, nearest_terminal, opening_of
-from remodel_sim.core.errors import AbilityError
-from remodel_sim.core.geometry import Pose
 from remodel_sim.core.goals import DiscardGoal, ExtractGoal, LocateGoal
 from remodel_sim.core.goals.goal_pose import Message
-from remodel_sim.core.robot.arm import ToolPose
-from remodel_sim.core.workpiece.panel import WireEnd
 from remodel_states.core.codes import Code
+from remodel_work.errors import AbilityError
+from remodel_work.geometry import Pose
+from remodel_work.openings import TerminalKey, nearest_terminal, opening_of
+from remodel_work.panel import WireEnd
+from remodel_work.robot.arm import ToolPose
 
 
 @dataclass(frozen=True)

@@ -30,13 +30,13 @@ from remodel_sim.abilities.primitives.motions import (
 from remodel_sim.abilities.primitives.pulling_out import pull_out
 from remodel_sim.abilities.primitives.pushing import tool_before
 from remodel_sim.core.belief.belief_state import EndState, Grip
-from remodel_sim.core.errors import AbilityError
-from remodel_sim.core.geometry import Pose
 from remodel_sim.core.goals import ExtractGoal
 from remodel_sim.core.goals.goal_pose import Message, pose_from
-from remodel_sim.core.robot.arm import ToolPose
-from remodel_sim.core.workpiece.panel import WireEnd
 from remodel_states.core.codes import Code
+from remodel_work.errors import AbilityError
+from remodel_work.geometry import Pose
+from remodel_work.panel import WireEnd
+from remodel_work.robot.arm import ToolPose
 
 # An end that does not come at this force is stuck: the grip holds not much more.
 MAX_PULL_N = 25.0

@@ -20,10 +20,10 @@ from remodel_sim.abilities.primitives.observation.fork_check import check_forks
 from remodel_sim.abilities.primitives.pull_test import pull_test
 from remodel_sim.abilities.primitives.pushing import yielding_in
 from remodel_sim.core.belief.belief_state import EndState
-from remodel_sim.core.errors import AbilityError
 from remodel_sim.core.goals import FixGoal
 from remodel_sim.core.goals.goal_pose import Message
 from remodel_states.core.codes import Code
+from remodel_work.errors import AbilityError
 
 
 @dataclass(frozen=True)

@@ -15,10 +15,10 @@ from remodel_sim.abilities.primitives.pushing import (
     judge_alignment,
     judge_depth,
 )
-from remodel_sim.core.belief.openings import opening_of
 from remodel_sim.core.goals import InsertGoal
 from remodel_sim.core.goals.goal_pose import Message, pose_from
 from remodel_sim.core.goals.requirements import parse_end
+from remodel_work.openings import opening_of
 
 
 @dataclass(frozen=True)

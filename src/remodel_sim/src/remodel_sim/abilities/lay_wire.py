@@ -53,19 +53,19 @@ from remodel_sim.abilities.primitives.observation.route_check import observe_boa
 from remodel_sim.abilities.primitives.observation.sight_lines import clear_sight
 from remodel_sim.abilities.primitives.together import move_together
 from remodel_sim.core.belief.belief_state import EndState
-from remodel_sim.core.camera import Picture
-from remodel_sim.core.errors import AbilityError
-from remodel_sim.core.geometry import Array, Pose, wrap_angle
 from remodel_sim.core.goals import LayGoal
 from remodel_sim.core.goals.goal_pose import Message
-from remodel_sim.core.robot.arm import ToolPose
 from remodel_sim.core.robot.force_control import ForceControl
-from remodel_sim.core.vision.laid_wire import Passing, uppermost_past
-from remodel_sim.core.vision.wire_lines import WireLines
-from remodel_sim.core.workpiece.layout import WORLD_FROM_PANEL
-from remodel_sim.core.workpiece.panel import Duct, WireEnd, unit_x
-from remodel_sim.core.workpiece.slots import slot_before
 from remodel_states.core.codes import Code
+from remodel_vision.laid_wire import Passing, uppermost_past
+from remodel_vision.wire_lines import WireLines
+from remodel_work.camera import Picture
+from remodel_work.errors import AbilityError
+from remodel_work.geometry import Array, Pose, wrap_angle
+from remodel_work.layout import WORLD_FROM_PANEL
+from remodel_work.panel import Duct, WireEnd, unit_x
+from remodel_work.robot.arm import ToolPose
+from remodel_work.slots import slot_before
 
 # The pads stay so far apart that the edges of the eyelet do not pinch the wire. Pads that are so
 # near to each other, or by such a share of the wire's diameter, have nothing between them. If the

@@ -18,18 +18,18 @@ from remodel_sim.abilities.primitives.observation.component_views import (
 )
 from remodel_sim.abilities.primitives.observation.observing import go_and_see
 from remodel_sim.abilities.primitives.observation.viewpoints import component_views
-from remodel_sim.core.camera import Picture
-from remodel_sim.core.errors import AbilityError
-from remodel_sim.core.geometry import Pose
 from remodel_sim.core.goals import LocateGoal
 from remodel_sim.core.goals.goal_pose import Message
 from remodel_sim.core.goals.requirements import LEVEL_RAD
-from remodel_sim.core.vision.component_observation import ComponentObservation
-from remodel_sim.core.vision.device_pose import stands_there
-from remodel_sim.core.vision.drawing import ORANGE, Drawing
-from remodel_sim.core.workpiece.layout import WORLD_FROM_PANEL
-from remodel_sim.core.workpiece.panel import Component, unit_x
 from remodel_states.core.codes import Code
+from remodel_vision.component_observation import ComponentObservation
+from remodel_vision.device_pose import stands_there
+from remodel_vision.drawing import ORANGE, Drawing
+from remodel_work.camera import Picture
+from remodel_work.errors import AbilityError
+from remodel_work.geometry import Pose
+from remodel_work.layout import WORLD_FROM_PANEL
+from remodel_work.panel import Component, unit_x
 
 # Further than this from its place on the panel, something is wrong with the panel or the component.
 DISPLACED_M = 0.030

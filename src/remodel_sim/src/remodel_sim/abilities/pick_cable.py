@@ -10,8 +10,8 @@ from remodel_sim.abilities.primitives.grasping import pick_end
 from remodel_sim.core.goals import PickGoal
 from remodel_sim.core.goals.goal_pose import Message
 from remodel_sim.core.goals.requirements import parse_end
-from remodel_sim.core.robot.arm import ToolPose
-from remodel_sim.core.workpiece.layout import WORLD_FROM_PANEL
+from remodel_work.layout import WORLD_FROM_PANEL
+from remodel_work.robot.arm import ToolPose
 
 
 @dataclass(frozen=True)

@@ -15,11 +15,11 @@ from remodel_sim.abilities.primitives.motions import (
 )
 from remodel_sim.abilities.primitives.pulling_out import pull_out
 from remodel_sim.core.belief.belief_state import EndState
-from remodel_sim.core.belief.openings import nearest_terminal
-from remodel_sim.core.errors import AbilityError
 from remodel_sim.core.goals import PlaceGoal
 from remodel_sim.core.goals.goal_pose import Message, pose_from
 from remodel_states.core.codes import Code
+from remodel_work.errors import AbilityError
+from remodel_work.openings import nearest_terminal
 
 # An end that is only pushed in comes out more easily; at a closed clamp the grip would slip.
 MAX_PULL_N = 10.0

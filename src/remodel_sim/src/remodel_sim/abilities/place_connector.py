@@ -17,12 +17,12 @@ from remodel_sim.abilities.primitives.pushing import (
     judge_depth,
     push_in,
 )
-from remodel_sim.core.belief.openings import opening_of
-from remodel_sim.core.errors import AbilityError
-from remodel_sim.core.geometry import Pose
 from remodel_sim.core.goals import ConnectGoal
 from remodel_sim.core.goals.goal_pose import Message, pose_from
 from remodel_states.core.codes import Code
+from remodel_work.errors import AbilityError
+from remodel_work.geometry import Pose
+from remodel_work.openings import opening_of
 
 # Resistance so far before the pins are in whole is not the body's on the header's face: a connector
 # bends less than a wire.

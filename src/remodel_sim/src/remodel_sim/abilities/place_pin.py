@@ -40,16 +40,16 @@ from remodel_sim.abilities.primitives.observation.observing import (
 from remodel_sim.abilities.primitives.pushing import tool_before
 from remodel_sim.abilities.primitives.together import move_together
 from remodel_sim.core.belief.belief_state import Grip
-from remodel_sim.core.errors import AbilityError
-from remodel_sim.core.geometry import Array, Pose
 from remodel_sim.core.goals.goal_pose import Message
 from remodel_sim.core.goals.pin_goal import PlacePinGoal, pin_row
-from remodel_sim.core.robot.arm import ToolPose
 from remodel_sim.core.robot.force_control import WIRE_STIFFNESS, ForceControl
-from remodel_sim.core.vision.drawing import ORANGE, Drawing
-from remodel_sim.core.vision.wire_ends import line_from
-from remodel_sim.core.workpiece.panel import WireEnd
 from remodel_states.core.codes import Code
+from remodel_vision.drawing import ORANGE, Drawing
+from remodel_vision.wire_ends import line_from
+from remodel_work.errors import AbilityError
+from remodel_work.geometry import Array, Pose
+from remodel_work.panel import WireEnd
+from remodel_work.robot.arm import ToolPose
 
 # A pin may lie so far from its place, and the wire so far from a pose of the path [m]: nothing
 # holds the wire, so that it takes up to 10 mm of its coil's bow again when it is released.

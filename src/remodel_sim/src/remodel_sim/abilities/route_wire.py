@@ -22,14 +22,14 @@ from remodel_sim.abilities.primitives.observation.route_check import (
     observe_route,
 )
 from remodel_sim.core.belief.belief_state import Grip
-from remodel_sim.core.belief.openings import opening_of
-from remodel_sim.core.errors import AbilityError
-from remodel_sim.core.geometry import Array
 from remodel_sim.core.goals import RouteGoal
 from remodel_sim.core.goals.goal_pose import Message, pose_from
-from remodel_sim.core.workpiece.panel import PanelClip
-from remodel_sim.core.workpiece.routes import clips_along, world_from_clip
 from remodel_states.core.codes import Code
+from remodel_work.errors import AbilityError
+from remodel_work.geometry import Array
+from remodel_work.openings import opening_of
+from remodel_work.panel import PanelClip
+from remodel_work.routes import clips_along, world_from_clip
 
 # A wire that is seen to stand off its clips is pressed in again so often.
 PRESSES = 2

@@ -1,49 +1,10 @@
-"""Errors of the cell."""
+"""Errors of the simulated cell."""
 
-from remodel_states.core import ability_error
-from remodel_states.core.codes import Code
-
-
-class CellError(Exception):
-    """Base of the errors that the cell reports to its clients."""
-
-
-class AbilityError(ability_error.AbilityError, CellError):
-    """An ability cannot do, or did not manage, what its goal asks.
-
-    Attributes:
-        code: the physical or contractual cause.
-    """
-
-    code: Code
-
-    def __init__(self, code: Code, message: str, **found: object) -> None:
-        """State what was asked, what was found, and what to do.
-
-        Args:
-            code: see the class.
-            message: the text.
-            found: what was measured before it failed, by the name of the result's field.
-        """
-        super().__init__(code, message, found)
+from remodel_work.errors import CellError
 
 
 class FaultError(CellError):
     """A fault that cannot be caused as it is asked for."""
-
-
-class PanelError(CellError):
-    """A panel breaks the layout rules.
-
-    Attributes:
-        problems: every problem found, one sentence each.
-    """
-
-    def __init__(self, name: str, problems: tuple[str, ...]) -> None:
-        """List every problem at once."""
-        lines = "\n".join(f"  - {problem}" for problem in problems)
-        super().__init__(f"panel {name!r} cannot be built ({len(problems)} problems):\n{lines}")
-        self.problems = problems
 
 
 class FilmError(CellError):
@@ -52,21 +13,3 @@ class FilmError(CellError):
 
 class MemoryFileError(CellError):
     """The memory of a cell cannot be read or written."""
-
-
-class PictureFileError(CellError):
-    """A file is no picture, or is truncated."""
-
-
-class CellFileError(CellError):
-    """A cell's file cannot be read or is invalid.
-
-    Attributes:
-        problems: every problem found: its place in the file, what was found, what is allowed.
-    """
-
-    def __init__(self, file: str, problems: tuple[str, ...]) -> None:
-        """List every problem at once."""
-        lines = "\n".join(f"  - {problem}" for problem in problems)
-        super().__init__(f"cell {file}: {len(problems)} problems:\n{lines}")
-        self.problems = problems

@@ -11,8 +11,10 @@ import numpy as np
 import rospkg
 import yaml
 
-from remodel_sim.core.camera import Lens, View, looking_at, looking_down
-from remodel_sim.core.cell.cell_design import (
+from remodel_states.core.cell.cell_limits import CellLimits
+from remodel_states.core.schema_problems import schema_problems
+from remodel_work.camera import Lens, View, looking_at, looking_down
+from remodel_work.cell.cell_design import (
     CellDesign,
     Gripper,
     RobotDesign,
@@ -20,17 +22,15 @@ from remodel_sim.core.cell.cell_design import (
     WristCamera,
     find_design_problems,
 )
-from remodel_sim.core.cell.feeding import Feeder
-from remodel_sim.core.cell.magazine import Magazine
-from remodel_sim.core.errors import CellFileError
-from remodel_sim.core.robot.arm import ARM_MODELS, Arm, ToolPose
-from remodel_sim.core.robot.fingers import PANDA_FINGERS, Eyelet, Fingers, Stem
-from remodel_sim.core.robot.kinematics import Kinematics
-from remodel_sim.core.robot.linear_axis import LinearAxis
-from remodel_sim.core.robot.portal import Portal
-from remodel_sim.core.workpiece.panel import Duct, PanelClip
-from remodel_states.core.cell.cell_limits import CellLimits
-from remodel_states.core.schema_problems import schema_problems
+from remodel_work.cell.feeding import Feeder
+from remodel_work.cell.magazine import Magazine
+from remodel_work.errors import CellFileError
+from remodel_work.panel import Duct, PanelClip
+from remodel_work.robot.arm import ARM_MODELS, Arm, ToolPose
+from remodel_work.robot.fingers import PANDA_FINGERS, Eyelet, Fingers, Stem
+from remodel_work.robot.kinematics import Kinematics
+from remodel_work.robot.linear_axis import LinearAxis
+from remodel_work.robot.portal import Portal
 
 
 def read_cell(cell: str = "one_panda") -> CellDesign:

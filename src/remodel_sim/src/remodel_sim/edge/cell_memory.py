@@ -13,9 +13,9 @@ from pathlib import Path
 
 import numpy as np
 
-from remodel_sim.core.belief.placed_wires import ParkedWire, PlacedWires
 from remodel_sim.core.errors import MemoryFileError
-from remodel_sim.core.workpiece.panel import Panel, WireEnd
+from remodel_work.panel import Panel, WireEnd
+from remodel_work.placed_wires import ParkedWire, PlacedWires
 
 _TIME = struct.Struct("<d")
 

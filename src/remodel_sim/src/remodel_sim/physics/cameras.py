@@ -5,9 +5,9 @@ from __future__ import annotations
 import cv2
 import numpy as np
 
-from remodel_sim.core.camera import Picture, View
-from remodel_sim.core.geometry import Pose
 from remodel_sim.physics.world import World
+from remodel_work.camera import Picture, View
+from remodel_work.geometry import Pose
 
 NEAR_M = 0.05
 FAR_M = 2.5

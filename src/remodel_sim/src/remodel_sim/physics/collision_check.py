@@ -15,13 +15,13 @@ from typing import Any
 
 import numpy as np
 
-from remodel_sim.core.geometry import Pose, turn_between
-from remodel_sim.core.robot.arm import ToolPose
-from remodel_sim.core.robot.kinematics import Kinematics
-from remodel_sim.core.workpiece.obstacles import WIRES, Obstacles
 from remodel_sim.physics.bullet import connect
 from remodel_sim.physics.robot_description import FINGERS, HAND, robot_description
 from remodel_sim.physics.static_body import add_static
+from remodel_work.geometry import Pose, turn_between
+from remodel_work.obstacles import WIRES, Obstacles
+from remodel_work.robot.arm import ToolPose
+from remodel_work.robot.kinematics import Kinematics
 
 # Nearest points are searched for within this distance [m]: more takes longer.
 SIGHT_M = 0.015

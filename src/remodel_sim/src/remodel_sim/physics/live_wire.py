@@ -5,16 +5,16 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 
-from remodel_sim.core.belief.placed_wires import ParkedWire
-from remodel_sim.core.geometry import Array
-from remodel_sim.core.workpiece.connector_shape import connector_solids
-from remodel_sim.core.workpiece.hanging_loop import HeldEnd, hanging_loop
-from remodel_sim.core.workpiece.panel import Connector, PanelWire, WireEnd
-from remodel_sim.core.workpiece.wire_mechanics import discretise
+from remodel_sim.core.wires.hanging_loop import HeldEnd, hanging_loop
+from remodel_sim.core.wires.wire_mechanics import discretise
 from remodel_sim.physics.fixtures.clamps import Clamp
 from remodel_sim.physics.fixtures.latches import Header, Latch
 from remodel_sim.physics.wires.cable import SimulatedWire
 from remodel_sim.physics.world import World
+from remodel_work.connector_shape import connector_solids
+from remodel_work.geometry import Array
+from remodel_work.panel import Connector, PanelWire, WireEnd
+from remodel_work.placed_wires import ParkedWire
 
 
 @dataclass(eq=False)

@@ -4,7 +4,13 @@ from __future__ import annotations
 
 import numpy as np
 
-from remodel_sim.core.cell.magazine import (
+from remodel_sim.core.wires.hanging_loop import HeldEnd
+from remodel_sim.physics.fixtures.clips import add_clip
+from remodel_sim.physics.live_wire import hanging_cable
+from remodel_sim.physics.static_body import add_static
+from remodel_sim.physics.wires.cable import SimulatedWire
+from remodel_sim.physics.world import World
+from remodel_work.cell.magazine import (
     Magazine,
     disturbed,
     fork_clips,
@@ -12,14 +18,8 @@ from remodel_sim.core.cell.magazine import (
     plan_presentation,
     stop_box,
 )
-from remodel_sim.core.cell.presentation import Presentation
-from remodel_sim.core.workpiece.hanging_loop import HeldEnd
-from remodel_sim.core.workpiece.panel import Panel, PanelWire, WireEnd
-from remodel_sim.physics.fixtures.clips import add_clip
-from remodel_sim.physics.live_wire import hanging_cable
-from remodel_sim.physics.static_body import add_static
-from remodel_sim.physics.wires.cable import SimulatedWire
-from remodel_sim.physics.world import World
+from remodel_work.cell.presentation import Presentation
+from remodel_work.panel import Panel, PanelWire, WireEnd
 
 # The ends are held until the loop has come to rest in the clips, with this force.
 SETTLING_S = 0.5

@@ -13,20 +13,9 @@ from functools import partial
 import numpy as np
 import numpy.typing as npt
 
-from remodel_sim.core.belief.openings import TerminalKey
-from remodel_sim.core.belief.placed_wires import ParkedWire
-from remodel_sim.core.camera import Picture, View
-from remodel_sim.core.cell.cell_design import CellDesign, WristCamera
 from remodel_sim.core.cell.faults import Disturbances, Stray, check_fault
-from remodel_sim.core.cell.magazine import find_wire_problems
-from remodel_sim.core.cell.presentation import Presentation
-from remodel_sim.core.errors import FaultError, PanelError
-from remodel_sim.core.geometry import Array, Pose
-from remodel_sim.core.robot.arm import ToolPose
-from remodel_sim.core.workpiece.component_shape import Box
-from remodel_sim.core.workpiece.layout import WORLD_FROM_PANEL, find_problems
-from remodel_sim.core.workpiece.panel import Channel, Connector, Panel, PanelWire, WireEnd
-from remodel_sim.core.workpiece.wire_mechanics import discretise
+from remodel_sim.core.errors import FaultError
+from remodel_sim.core.wires.wire_mechanics import discretise
 from remodel_sim.physics import cameras
 from remodel_sim.physics.collision_check import CollisionCheck
 from remodel_sim.physics.feeder import lay
@@ -40,6 +29,18 @@ from remodel_sim.physics.static_body import add_static
 from remodel_sim.physics.wires.cable import SimulatedWire
 from remodel_sim.physics.wires.parked_wire import add_solid, draw_parked
 from remodel_sim.physics.world import CONTACT_DAMPING, CONTACT_STIFFNESS, World
+from remodel_work.camera import Picture, View
+from remodel_work.cell.cell_design import CellDesign, WristCamera
+from remodel_work.cell.magazine import find_wire_problems
+from remodel_work.cell.presentation import Presentation
+from remodel_work.component_shape import Box
+from remodel_work.errors import PanelError
+from remodel_work.geometry import Array, Pose
+from remodel_work.layout import WORLD_FROM_PANEL, find_problems
+from remodel_work.openings import TerminalKey
+from remodel_work.panel import Channel, Connector, Panel, PanelWire, WireEnd
+from remodel_work.placed_wires import ParkedWire
+from remodel_work.robot.arm import ToolPose
 
 FILM_WIDTH_PX = 640
 # A piece of cable that was left behind, and how far above the plate it falls from.

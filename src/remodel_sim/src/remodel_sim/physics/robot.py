@@ -8,11 +8,6 @@ from pathlib import Path
 
 import numpy as np
 
-from remodel_sim.core.cell.cell_design import Gripper
-from remodel_sim.core.geometry import Array, Pose
-from remodel_sim.core.robot.arm import PANDA_AT_ORIGIN, ToolPose
-from remodel_sim.core.robot.kinematics import Kinematics
-from remodel_sim.core.robot.portal import Portal
 from remodel_sim.physics.robot_description import (
     AXIS_FORCE_N,
     CAMERA_MOUNT,
@@ -24,6 +19,11 @@ from remodel_sim.physics.robot_description import (
 )
 from remodel_sim.physics.static_body import PARKED_GROUP
 from remodel_sim.physics.world import CONTACT_DAMPING, CONTACT_STIFFNESS, World
+from remodel_work.cell.cell_design import Gripper
+from remodel_work.geometry import Array, Pose
+from remodel_work.robot.arm import PANDA_AT_ORIGIN, ToolPose
+from remodel_work.robot.kinematics import Kinematics
+from remodel_work.robot.portal import Portal
 
 ARM_TORQUE = 200.0  # [N m] stiff servo: the arm follows to 0.05 mm
 ARM_GAIN = 0.3

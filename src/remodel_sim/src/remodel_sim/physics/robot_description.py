@@ -14,12 +14,12 @@ from pathlib import Path
 
 import pybullet_data
 
-from remodel_sim.core.robot.arm import FRANKA_PANDA, KUKA_IIWA, Arm
-from remodel_sim.core.robot.fingers import Eyelet, Fingers
-from remodel_sim.core.robot.kinematics import Kinematics
-from remodel_sim.core.robot.linear_axis import LinearAxis
-from remodel_sim.core.robot.portal import JOINT_NAMES, TURN_RAD, Portal
-from remodel_sim.core.workpiece.component_shape import Box
+from remodel_work.component_shape import Box
+from remodel_work.robot.arm import FRANKA_PANDA, KUKA_IIWA, Arm
+from remodel_work.robot.fingers import Eyelet, Fingers
+from remodel_work.robot.kinematics import Kinematics
+from remodel_work.robot.linear_axis import LinearAxis
+from remodel_work.robot.portal import JOINT_NAMES, TURN_RAD, Portal
 
 FINGER_ROOT_M = 0.0584  # hand frame to finger frame, as in the original
 STEEL = (0.82, 0.83, 0.85)

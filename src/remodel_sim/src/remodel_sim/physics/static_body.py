@@ -6,8 +6,8 @@ import tempfile
 from collections.abc import Iterable, Iterator
 from pathlib import Path
 
-from remodel_sim.core.geometry import Pose
-from remodel_sim.core.workpiece.component_shape import Box
+from remodel_work.component_shape import Box
+from remodel_work.geometry import Pose
 
 # Bullet's own groups of what moves, which an arm is not in, and of what does not; and that of
 # parked wires. Two bodies touch if the mask of either has the group of the other: fingers, which

@@ -7,11 +7,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from remodel_sim.core.geometry import Array, Pose
-from remodel_sim.core.workpiece.layout import WORLD_FROM_PANEL
-from remodel_sim.core.workpiece.panel import Duct, PanelClip, WireEnd
-from remodel_sim.core.workpiece.routes import places_in, step_in, world_from_clip
 from remodel_sim.physics.plant import Plant
+from remodel_work.geometry import Array, Pose
+from remodel_work.layout import WORLD_FROM_PANEL
+from remodel_work.panel import Duct, PanelClip, WireEnd
+from remodel_work.routes import places_in, step_in, world_from_clip
 
 # A tip that is so near to the bottom sits at it; InsertCable judges by the same distance. The
 # clamp's jaw is further out.

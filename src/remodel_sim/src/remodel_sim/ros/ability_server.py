@@ -9,7 +9,6 @@ from genpy import Message
 
 from remodel_sim.abilities.ability import CellAbility
 from remodel_sim.abilities.execution.robot_context import RobotContext
-from remodel_sim.core.errors import AbilityError
 from remodel_sim.core.goals import Goal
 from remodel_sim.core.goals.requirements import require, require_number
 from remodel_sim.ros.job import Job
@@ -20,6 +19,7 @@ from remodel_states.core.codes import Code
 from remodel_states.core.goal_owner import owner_of
 from remodel_states.core.robot_fields import ROBOT_FIELDS
 from remodel_states.serving.running_goal import RunningGoal
+from remodel_work.errors import AbilityError
 
 MAX_TIMEOUT_S = 3600.0
 

@@ -7,7 +7,6 @@ from __future__ import annotations
 
 from pathlib import Path
 
-import numpy as np
 import rospy
 import yaml
 from genpy import Message
@@ -16,16 +15,17 @@ from geometry_msgs.msg import Point, Pose2D, PoseStamped, Quaternion
 from remodel_msgs.msg import CableObservation
 from remodel_msgs.msg import Panel as PanelMsg
 from remodel_msgs.msg import WireTruth as WireTruthMsg
-from sensor_msgs.msg import CameraInfo, Image
+from sensor_msgs.msg import CameraInfo
 
 from remodel_sim.abilities.detect_cable import CableDetected
 from remodel_sim.abilities.execution.robot_context import AbilityResult
-from remodel_sim.core.camera import View
-from remodel_sim.core.errors import PanelError
-from remodel_sim.core.geometry import Pose
 from remodel_sim.core.goals.goal_pose import WORLD
-from remodel_sim.core.robot.arm import ToolPose
-from remodel_sim.core.workpiece.panel import (
+from remodel_sim.physics.truth import WireTruth
+from remodel_states.core.wires.wire_materials import PROPERTIES, MaterialError, WireMaterials
+from remodel_work.camera import View
+from remodel_work.errors import PanelError
+from remodel_work.geometry import Pose
+from remodel_work.panel import (
     Channel,
     Component,
     Connector,
@@ -37,8 +37,7 @@ from remodel_sim.core.workpiece.panel import (
     Rail,
     WireEnd,
 )
-from remodel_sim.physics.truth import WireTruth
-from remodel_states.core.wires.wire_materials import PROPERTIES, MaterialError, WireMaterials
+from remodel_work.robot.arm import ToolPose
 
 
 def read_panel(path: Path, materials: WireMaterials) -> Panel:
@@ -237,16 +236,6 @@ def truth_message(truth: WireTruth) -> WireTruthMsg:
         duct_length=truth.duct_length,
         in_ducts=truth.in_ducts,
     )
-
-
-def image(rgb: np.ndarray, frame_id: str, stamp: rospy.Time) -> Image:
-    """Return a colour picture (height, width, 3) uint8 as a message."""
-    message = Image()
-    message.header.frame_id, message.header.stamp = frame_id, stamp
-    message.height, message.width = rgb.shape[:2]
-    message.encoding, message.step = "rgb8", 3 * rgb.shape[1]
-    message.data = np.ascontiguousarray(rgb).tobytes()
-    return message
 
 
 def camera_info(view: View, frame_id: str, stamp: rospy.Time) -> CameraInfo:

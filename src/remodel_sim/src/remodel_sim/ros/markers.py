@@ -11,11 +11,11 @@ from std_msgs.msg import ColorRGBA
 from visualization_msgs.msg import Marker, MarkerArray
 
 from remodel_sim.core.goals.goal_pose import WORLD
-from remodel_sim.core.workpiece.component_shape import HOUSING
-from remodel_sim.core.workpiece.panel import Component, PanelWire
 from remodel_sim.physics.plant import Plant
 from remodel_sim.ros.sim_clock import SimClock
 from remodel_states.core.wires.wire_colours import Rgb, rgbs_of
+from remodel_work.component_shape import HOUSING
+from remodel_work.panel import Component, PanelWire
 
 # [s] How often the wire under way is published, by the clock of the people who watch: a cell that
 # is faster than that must not be slowed down by showing more than they can see.

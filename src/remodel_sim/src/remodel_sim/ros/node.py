@@ -16,9 +16,6 @@ from remodel_sim.abilities.ability import cell_abilities
 from remodel_sim.abilities.execution.observers import Observers
 from remodel_sim.cell import Cell
 from remodel_sim.core.belief.belief_state import NO_CHANNEL
-from remodel_sim.core.cell.cell_design import CellDesign
-from remodel_sim.core.errors import CellError
-from remodel_sim.core.workpiece.panel import WireEnd
 from remodel_sim.edge.cell_file import read_cell
 from remodel_sim.edge.cell_memory import CellMemory
 from remodel_sim.edge.film import Film
@@ -34,6 +31,9 @@ from remodel_states.core.ability_choice import chosen_abilities
 from remodel_states.core.wires.wire_materials import WireMaterials
 from remodel_states.edge.exported_tables import read_abilities
 from remodel_states.edge.wire_material_file import read_wire_materials
+from remodel_work.cell.cell_design import CellDesign
+from remodel_work.errors import CellError
+from remodel_work.panel import WireEnd
 
 # The owner's thread computes without pause; rospy's threads get their turn this often [s].
 SWITCH_INTERVAL_S = 0.001

@@ -20,9 +20,9 @@ from typing import Generic, TypeVar
 
 from remodel_sim.abilities.execution.runner import advance
 from remodel_sim.cell import Cell
-from remodel_sim.core.errors import CellError
 from remodel_sim.ros.job import Job
 from remodel_sim.ros.sim_clock import SimClock
+from remodel_work.errors import CellError
 
 T = TypeVar("T")
 

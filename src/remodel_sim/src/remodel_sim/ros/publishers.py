@@ -10,12 +10,7 @@ from geometry_msgs.msg import TransformStamped, Vector3, WrenchStamped
 from sensor_msgs.msg import CameraInfo, Image, JointState
 from tf2_ros import StaticTransformBroadcaster, TransformBroadcaster
 
-from remodel_sim.core.camera import Picture
-from remodel_sim.core.cell.cell_design import CellDesign, RobotDesign
-from remodel_sim.core.geometry import Pose
 from remodel_sim.core.goals.goal_pose import PANEL, WORLD
-from remodel_sim.core.robot.kinematics import Kinematics
-from remodel_sim.core.workpiece.layout import WORLD_FROM_PANEL
 from remodel_sim.physics.plant import Plant
 from remodel_sim.physics.robot_description import (
     CAMERA_MOUNT,
@@ -24,8 +19,14 @@ from remodel_sim.physics.robot_description import (
     foot_link,
     robot_description,
 )
-from remodel_sim.ros.conversions import camera_info, image
+from remodel_sim.ros.conversions import camera_info
 from remodel_sim.ros.sim_clock import SimClock
+from remodel_vision.ros.image_message import image
+from remodel_work.camera import Picture
+from remodel_work.cell.cell_design import CellDesign, RobotDesign
+from remodel_work.geometry import Pose
+from remodel_work.layout import WORLD_FROM_PANEL
+from remodel_work.robot.kinematics import Kinematics
 
 # Joint states, forces and frames are published this often [s of simulated time].
 STATE_PERIOD_S = 0.04

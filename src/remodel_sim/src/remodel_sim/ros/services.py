@@ -12,12 +12,13 @@ from remodel_msgs import srv
 from std_srvs.srv import Trigger, TriggerRequest, TriggerResponse
 
 from remodel_sim.core.cell.faults import check_fault
-from remodel_sim.core.errors import AbilityError, CellError, PanelError
 from remodel_sim.physics.truth import ground_truth
-from remodel_sim.ros.conversions import image, panel_from, truth_message
+from remodel_sim.ros.conversions import panel_from, truth_message
 from remodel_sim.ros.owner import Owner
 from remodel_states.core.codes import Code
 from remodel_states.core.wires.wire_materials import WireMaterials
+from remodel_vision.ros.image_message import image
+from remodel_work.errors import AbilityError, CellError, PanelError
 
 # The longest request is building a large panel.
 TIMEOUT_S = 60.0

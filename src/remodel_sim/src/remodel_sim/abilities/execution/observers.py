@@ -8,8 +8,8 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
-from remodel_sim.core.camera import Picture
-from remodel_sim.core.geometry import Pose
+from remodel_work.camera import Picture
+from remodel_work.geometry import Pose
 
 Image = npt.NDArray[np.uint8]
 # Called after every observation: camera, picture, and what was found drawn into it (None before it

@@ -13,25 +13,25 @@ import numpy as np
 
 from remodel_sim.abilities.execution.observers import Image, Observers
 from remodel_sim.core.belief.belief_state import NO_CHANNEL, BeliefState, Feed, Grip
-from remodel_sim.core.camera import Picture, View
-from remodel_sim.core.cell.cell_design import RobotDesign
-from remodel_sim.core.cell.feeding import resting_place
-from remodel_sim.core.cell.magazine import plan_presentation
-from remodel_sim.core.cell.scrap_bin import bin_of
-from remodel_sim.core.errors import AbilityError
-from remodel_sim.core.geometry import Array, Pose
-from remodel_sim.core.robot.arm import ToolPose
-from remodel_sim.core.robot.arm_volume import volume_of
-from remodel_sim.core.robot.fingers import Fingers
 from remodel_sim.core.robot.traffic import Traffic
-from remodel_sim.core.vision.board.standing import standing_wires
-from remodel_sim.core.workpiece.layout import WORLD_FROM_PANEL
-from remodel_sim.core.workpiece.obstacles import Obstacles, panel_obstacles
-from remodel_sim.core.workpiece.panel import Panel, PanelWire, WireEnd
 from remodel_sim.physics.collision_check import HeldTip, Touch
 from remodel_sim.physics.plant import Plant
 from remodel_sim.physics.robot import TOUCH_GAP, Controller, Robot
 from remodel_states.core.codes import Code
+from remodel_vision.board.standing import standing_wires
+from remodel_work.camera import Picture, View
+from remodel_work.cell.cell_design import RobotDesign
+from remodel_work.cell.feeding import resting_place
+from remodel_work.cell.magazine import plan_presentation
+from remodel_work.cell.scrap_bin import bin_of
+from remodel_work.errors import AbilityError
+from remodel_work.geometry import Array, Pose
+from remodel_work.layout import WORLD_FROM_PANEL
+from remodel_work.obstacles import Obstacles, panel_obstacles
+from remodel_work.panel import Panel, PanelWire, WireEnd
+from remodel_work.robot.arm import ToolPose
+from remodel_work.robot.arm_volume import volume_of
+from remodel_work.robot.fingers import Fingers
 
 # Commands to the arm and checks of its sensors [1/s].
 TICK_HZ = 120.0

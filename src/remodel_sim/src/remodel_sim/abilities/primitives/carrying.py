@@ -18,14 +18,14 @@ from remodel_sim.abilities.primitives.motions import (
     rise,
     wait,
 )
-from remodel_sim.core.camera import Picture
-from remodel_sim.core.errors import AbilityError
-from remodel_sim.core.geometry import Array
-from remodel_sim.core.robot.arm import ToolPose
-from remodel_sim.core.vision.board.new_points import new_length
-from remodel_sim.core.workpiece.layout import WORLD_FROM_PANEL
-from remodel_sim.core.workpiece.panel import WireEnd
 from remodel_states.core.codes import Code
+from remodel_vision.board.new_points import new_length
+from remodel_work.camera import Picture
+from remodel_work.errors import AbilityError
+from remodel_work.geometry import Array
+from remodel_work.layout import WORLD_FROM_PANEL
+from remodel_work.panel import WireEnd
+from remodel_work.robot.arm import ToolPose
 
 # A wire that hangs on something pulls at the hand with so much more than a free one, for so long
 # [N], [s]: one that becomes taut slips out of the grip 60 ms later. A free one pulls with no more

@@ -28,17 +28,17 @@ from remodel_sim.abilities.primitives.motions import (
 )
 from remodel_sim.abilities.primitives.observation.observing import go_and_see
 from remodel_sim.abilities.primitives.observation.viewpoints import camera_above
-from remodel_sim.core.errors import AbilityError
-from remodel_sim.core.geometry import Array, Pose
-from remodel_sim.core.robot.arm import ToolPose
 from remodel_sim.core.robot.force_control import ForceControl
-from remodel_sim.core.vision.drawing import ORANGE, Drawing
-from remodel_sim.core.vision.laid_wire import wire_around
-from remodel_sim.core.vision.wire_lines import WireLines
-from remodel_sim.core.workpiece.fixtures import SLOPE_ABOVE_LIPS_M, lip_top
-from remodel_sim.core.workpiece.panel import PanelClip
-from remodel_sim.core.workpiece.routes import world_from_clip
 from remodel_states.core.codes import Code
+from remodel_vision.drawing import ORANGE, Drawing
+from remodel_vision.laid_wire import wire_around
+from remodel_vision.wire_lines import WireLines
+from remodel_work.errors import AbilityError
+from remodel_work.fixtures import SLOPE_ABOVE_LIPS_M, lip_top
+from remodel_work.geometry import Array, Pose
+from remodel_work.panel import PanelClip
+from remodel_work.robot.arm import ToolPose
+from remodel_work.routes import world_from_clip
 
 # The pads clear the clip's slopes by so much along the wire.
 CLEAR_OF_SLOPES_M = 0.007

@@ -8,9 +8,9 @@ from dataclasses import replace
 import numpy as np
 
 from remodel_sim.abilities.execution.robot_context import RobotContext, Steps
-from remodel_sim.core.geometry import Array
-from remodel_sim.core.robot.arm import ToolPose
 from remodel_sim.core.robot.force_control import ForceControl, Yielding
+from remodel_work.geometry import Array
+from remodel_work.robot.arm import ToolPose
 
 # A motion that gets no further than this within this time has met its limit as well: what it rests
 # on may swing about the limit by less than the sensor's low pass lets through.

@@ -27,13 +27,13 @@ from remodel_sim.abilities.primitives.grasping import check_grip
 from remodel_sim.abilities.primitives.motions import APPROACH_SPEED, CARRY_SPEED
 from remodel_sim.abilities.primitives.pushing import tool_before
 from remodel_sim.core.belief.belief_state import EndState, Grip
-from remodel_sim.core.belief.openings import opening_of
-from remodel_sim.core.errors import AbilityError
-from remodel_sim.core.geometry import Array, wrap_angle
-from remodel_sim.core.robot.arm import ToolPose
-from remodel_sim.core.workpiece.layout import STANDOFF_M, WORLD_FROM_PANEL
-from remodel_sim.core.workpiece.panel import Duct
 from remodel_states.core.codes import Code
+from remodel_work.errors import AbilityError
+from remodel_work.geometry import Array, wrap_angle
+from remodel_work.layout import STANDOFF_M, WORLD_FROM_PANEL
+from remodel_work.openings import opening_of
+from remodel_work.panel import Duct
+from remodel_work.robot.arm import ToolPose
 
 # The hand is so far from the fixed end, as a share of the wire between them: it pulls at neither,
 # and the wire bows aside by 25 mm at most, less than half a fork.

@@ -20,15 +20,15 @@ from remodel_sim.abilities.primitives.motions import (
 )
 from remodel_sim.abilities.primitives.observation.observing import GraspObservation, observe_end
 from remodel_sim.core.belief.belief_state import EndState, Grip
-from remodel_sim.core.belief.openings import TerminalKey
-from remodel_sim.core.cell.magazine import GRASP_M, grasp_before_clips
-from remodel_sim.core.errors import AbilityError
-from remodel_sim.core.geometry import Pose, wrap_angle
-from remodel_sim.core.robot.arm import ToolPose
-from remodel_sim.core.robot.kinematics import Kinematics
-from remodel_sim.core.workpiece.layout import GRASP_DISTANCE_M, WORLD_FROM_PANEL
-from remodel_sim.core.workpiece.panel import WireEnd, unit_x
 from remodel_states.core.codes import Code
+from remodel_work.cell.magazine import GRASP_M, grasp_before_clips
+from remodel_work.errors import AbilityError
+from remodel_work.geometry import Pose, wrap_angle
+from remodel_work.layout import GRASP_DISTANCE_M, WORLD_FROM_PANEL
+from remodel_work.openings import TerminalKey
+from remodel_work.panel import WireEnd, unit_x
+from remodel_work.robot.arm import ToolPose
+from remodel_work.robot.kinematics import Kinematics
 
 # The pads stop so far above the plate.
 FLOOR_CLEARANCE_M = 0.0003

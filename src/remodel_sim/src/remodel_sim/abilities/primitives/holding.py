@@ -11,11 +11,11 @@ import numpy as np
 from remodel_sim.abilities.execution.robot_context import RobotContext
 from remodel_sim.abilities.primitives.motions import canonical, is_free
 from remodel_sim.abilities.primitives.together import least_gap
-from remodel_sim.core.errors import AbilityError
-from remodel_sim.core.geometry import Array, wrap_angle
-from remodel_sim.core.robot.arm import ToolPose
 from remodel_sim.core.robot.motion import Line
 from remodel_states.core.codes import Code
+from remodel_work.errors import AbilityError
+from remodel_work.geometry import Array, wrap_angle
+from remodel_work.robot.arm import ToolPose
 
 # Where the wire goes from the first place: so far aside of its direction there.
 ASIDE_RAD = np.radians([0.0, 25.0, -25.0, 50.0, -50.0, 75.0, -75.0, 100.0, -100.0])

@@ -18,9 +18,9 @@ from remodel_sim.abilities.primitives.motions import (
     wait,
 )
 from remodel_sim.core.belief.belief_state import EndState, Grip
-from remodel_sim.core.cell.feeding import FORK_BEHIND_GRASP_M
-from remodel_sim.core.robot.arm import ToolPose
-from remodel_sim.core.workpiece.layout import WORLD_FROM_PANEL
+from remodel_work.cell.feeding import FORK_BEHIND_GRASP_M
+from remodel_work.layout import WORLD_FROM_PANEL
+from remodel_work.robot.arm import ToolPose
 
 # Within this distance the wire is carried low, between the rows; further it is lifted over them
 # [m].

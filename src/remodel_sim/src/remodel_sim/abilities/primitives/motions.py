@@ -10,14 +10,14 @@ from itertools import pairwise
 import numpy as np
 
 from remodel_sim.abilities.execution.robot_context import RobotContext, Steps
-from remodel_sim.core.errors import AbilityError
-from remodel_sim.core.geometry import Array, Pose, wrap_angle
-from remodel_sim.core.robot.arm import ToolPose
-from remodel_sim.core.robot.kinematics import Kinematics
 from remodel_sim.core.robot.motion import PEAK_OVER_MEAN, WIRE_TURN_RATE, Line
-from remodel_sim.core.workpiece.layout import STANDOFF_M
 from remodel_sim.physics.collision_check import Touch
 from remodel_states.core.codes import Code
+from remodel_work.errors import AbilityError
+from remodel_work.geometry import Array, Pose, wrap_angle
+from remodel_work.layout import STANDOFF_M
+from remodel_work.robot.arm import ToolPose
+from remodel_work.robot.kinematics import Kinematics
 
 FREE_SPEED = 0.90  # [m/s], hand empty and high
 CARRY_SPEED = 0.30  # with a wire in the hand
@@ -54,7 +54,7 @@ def move_to(
         context: of the robot that moves.
         target: where to.
         speed: peak speed of the tool centre [m/s].
-        allowed: names of obstacles that the motion may touch, see `core/workpiece/obstacles.py`.
+        allowed: names of obstacles that the motion may touch, see `remodel_work/obstacles.py`.
 
     Raises:
         AbilityError: UNREACHABLE before it starts, MOTION_FAULT when it does not arrive.

@@ -21,14 +21,14 @@ from remodel_sim.abilities.primitives.motions import (
     rise,
 )
 from remodel_sim.core.belief.belief_state import Grip
-from remodel_sim.core.camera import Picture
-from remodel_sim.core.errors import AbilityError
-from remodel_sim.core.geometry import Pose
-from remodel_sim.core.robot.arm import ToolPose
-from remodel_sim.core.vision.board.graspable import APART_M, graspable_places
-from remodel_sim.core.vision.drawing import ORANGE, Drawing
-from remodel_sim.core.workpiece.panel import WireEnd
 from remodel_states.core.codes import Code
+from remodel_vision.board.graspable import APART_M, graspable_places
+from remodel_vision.drawing import ORANGE, Drawing
+from remodel_work.camera import Picture
+from remodel_work.errors import AbilityError
+from remodel_work.geometry import Pose
+from remodel_work.panel import WireEnd
+from remodel_work.robot.arm import ToolPose
 
 # It is tried so often.
 TAKES = 4

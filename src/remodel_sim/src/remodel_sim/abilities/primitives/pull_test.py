@@ -5,11 +5,11 @@ from __future__ import annotations
 from remodel_sim.abilities.execution.robot_context import RobotContext, Steps
 from remodel_sim.abilities.primitives.force_motion import RIGID, ForceMotion
 from remodel_sim.abilities.primitives.motions import wait
-from remodel_sim.core.errors import AbilityError
-from remodel_sim.core.geometry import Pose
 from remodel_sim.core.robot.force_control import ForceControl, Yielding
-from remodel_sim.core.workpiece.panel import unit_x
 from remodel_states.core.codes import Code
+from remodel_work.errors import AbilityError
+from remodel_work.geometry import Pose
+from remodel_work.panel import unit_x
 
 PULL_SPEED = 0.015  # [m/s]
 # The pads damp what is clamped with 2300 N s/m, measured: within the control's time constant that

@@ -27,15 +27,15 @@ from remodel_sim.abilities.primitives.motions import (
 from remodel_sim.abilities.primitives.observation.observing import observe_held_tip
 from remodel_sim.abilities.primitives.together import move_together
 from remodel_sim.core.belief.belief_state import Grip
-from remodel_sim.core.errors import AbilityError
-from remodel_sim.core.geometry import Array, Pose, wrap_angle
-from remodel_sim.core.robot.arm import ToolPose
 from remodel_sim.core.robot.force_control import WIRE_STIFFNESS, ForceControl, Yielding
 from remodel_sim.core.robot.push_monitor import PushMonitor
-from remodel_sim.core.workpiece.layout import STANDOFF_M, WORLD_FROM_PANEL
-from remodel_sim.core.workpiece.panel import PanelTerminal, unit_x
-from remodel_sim.core.workpiece.slots import slot_before
 from remodel_states.core.codes import Code
+from remodel_work.errors import AbilityError
+from remodel_work.geometry import Array, Pose, wrap_angle
+from remodel_work.layout import STANDOFF_M, WORLD_FROM_PANEL
+from remodel_work.panel import PanelTerminal, unit_x
+from remodel_work.robot.arm import ToolPose
+from remodel_work.slots import slot_before
 
 # The tip goes to the opening faster than into it [m/s]: what stops it there must not hurt it.
 APPROACH_OPENING_SPEED = 0.04

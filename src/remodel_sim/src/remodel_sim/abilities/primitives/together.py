@@ -16,12 +16,12 @@ from remodel_sim.abilities.primitives.motions import (
     check_tracking,
     straight_line,
 )
-from remodel_sim.core.errors import AbilityError
-from remodel_sim.core.robot.arm import ToolPose
-from remodel_sim.core.robot.arm_volume import gap_between, volume_of
 from remodel_sim.core.robot.motion import Line
 from remodel_sim.core.robot.traffic import MARGIN_M
 from remodel_states.core.codes import Code
+from remodel_work.errors import AbilityError
+from remodel_work.robot.arm import ToolPose
+from remodel_work.robot.arm_volume import gap_between, volume_of
 
 # The distance between the robots is checked at moments that are so far apart along a path [m].
 CHECK_STEP_M = 0.02

@@ -7,14 +7,15 @@ from enum import Enum
 
 import numpy as np
 
-from remodel_sim.core.belief.openings import TerminalKey
-from remodel_sim.core.belief.placed_wires import PlacedWires
-from remodel_sim.core.camera import Picture
-from remodel_sim.core.geometry import Array, Pose
-from remodel_sim.core.robot.arm import PANDA_AT_ORIGIN, ToolPose
-from remodel_sim.core.robot.kinematics import Kinematics
-from remodel_sim.core.workpiece.layout import GRASP_DISTANCE_M
-from remodel_sim.core.workpiece.panel import WireEnd
+from remodel_vision.wire_ends import TipObservation
+from remodel_work.camera import Picture
+from remodel_work.geometry import Array, Pose
+from remodel_work.layout import GRASP_DISTANCE_M
+from remodel_work.openings import TerminalKey
+from remodel_work.panel import WireEnd
+from remodel_work.placed_wires import PlacedWires
+from remodel_work.robot.arm import PANDA_AT_ORIGIN, ToolPose
+from remodel_work.robot.kinematics import Kinematics
 
 
 class EndState(Enum):
@@ -23,21 +24,6 @@ class EndState(Enum):
     LOOSE = "loose"
     SEATED = "seated"  # pushed in, clamp open
     FIXED = "fixed"  # clamp closed
-
-
-@dataclass(frozen=True, eq=False)
-class TipObservation:
-    """A loose end as a camera saw it.
-
-    Attributes:
-        tip: apex of the ferrule, (3,) [m], world frame.
-        out_yaw: direction of the wire out of the tip [rad].
-        pitch: by which the wire rises towards the tip [rad].
-    """
-
-    tip: Array
-    out_yaw: float
-    pitch: float = 0.0
 
 
 # Of a wire that the magazine presents.

@@ -8,7 +8,7 @@ from dataclasses import dataclass, field
 from types import MappingProxyType
 
 from remodel_sim.core.errors import FaultError
-from remodel_sim.core.geometry import Pose
+from remodel_work.geometry import Pose
 
 
 @dataclass(frozen=True)

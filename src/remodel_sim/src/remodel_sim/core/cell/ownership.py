@@ -8,9 +8,9 @@ moves nothing when it continues. A goal without a token is not checked.
 
 from __future__ import annotations
 
-from remodel_sim.core.errors import AbilityError
 from remodel_states.core.codes import Code
 from remodel_states.core.goal_owner import NO_OWNER
+from remodel_work.errors import AbilityError
 
 
 def check_owner(owner: int, newest: int) -> None:

@@ -11,8 +11,6 @@ from dataclasses import dataclass
 from typing import Protocol
 
 from remodel_sim.core.belief.belief_state import BeliefState, EndState
-from remodel_sim.core.errors import AbilityError
-from remodel_sim.core.geometry import Pose
 from remodel_sim.core.goals.checks import (
     check_clamp,
     check_hand,
@@ -28,9 +26,11 @@ from remodel_sim.core.goals.requirements import (
     require_pose,
     require_robot,
 )
-from remodel_sim.core.workpiece.panel import Panel, WireEnd
-from remodel_sim.core.workpiece.routes import clips_along
 from remodel_states.core.codes import Code
+from remodel_work.errors import AbilityError
+from remodel_work.geometry import Pose
+from remodel_work.panel import Panel, WireEnd
+from remodel_work.routes import clips_along
 
 # What the grip holds safely by friction [N].
 MAX_FORCE_N = 25.0

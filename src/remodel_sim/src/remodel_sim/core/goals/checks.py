@@ -7,14 +7,14 @@ import math
 import numpy as np
 
 from remodel_sim.core.belief.belief_state import BeliefState
-from remodel_sim.core.belief.openings import nearest_terminal, opening_of
-from remodel_sim.core.errors import AbilityError
-from remodel_sim.core.geometry import Pose, wrap_angle
-from remodel_sim.core.robot.arm import ToolPose
-from remodel_sim.core.robot.kinematics import Kinematics
-from remodel_sim.core.workpiece.layout import GRASP_DISTANCE_M, STANDOFF_M, WORLD_FROM_PANEL
-from remodel_sim.core.workpiece.panel import Panel, WireEnd, unit_x
 from remodel_states.core.codes import Code
+from remodel_work.errors import AbilityError
+from remodel_work.geometry import Pose, wrap_angle
+from remodel_work.layout import GRASP_DISTANCE_M, STANDOFF_M, WORLD_FROM_PANEL
+from remodel_work.openings import nearest_terminal, opening_of
+from remodel_work.panel import Panel, WireEnd, unit_x
+from remodel_work.robot.arm import ToolPose
+from remodel_work.robot.kinematics import Kinematics
 
 # A socket further than this from the panel's own place is no pose of that terminal [m].
 SOCKET_TOLERANCE_M = 0.05

@@ -5,11 +5,11 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from remodel_sim.core.belief.belief_state import BeliefState
-from remodel_sim.core.errors import AbilityError
 from remodel_sim.core.goals.checks import check_hands_empty, check_held
 from remodel_sim.core.goals.requirements import require_robot
-from remodel_sim.core.workpiece.panel import Panel
 from remodel_states.core.codes import Code
+from remodel_work.errors import AbilityError
+from remodel_work.panel import Panel
 
 
 @dataclass(frozen=True)

@@ -14,14 +14,14 @@ from dataclasses import dataclass
 import numpy as np
 
 from remodel_sim.core.belief.belief_state import BeliefState, EndState
-from remodel_sim.core.errors import AbilityError
-from remodel_sim.core.geometry import Array, Pose
 from remodel_sim.core.goals.checks import check_reach
 from remodel_sim.core.goals.requirements import require, require_number
-from remodel_sim.core.robot.arm import ToolPose
-from remodel_sim.core.workpiece.layout import GRASP_DISTANCE_M, WORLD_FROM_PANEL
-from remodel_sim.core.workpiece.panel import Panel, PanelWire
 from remodel_states.core.codes import Code
+from remodel_work.errors import AbilityError
+from remodel_work.geometry import Array, Pose
+from remodel_work.layout import GRASP_DISTANCE_M, WORLD_FROM_PANEL
+from remodel_work.panel import Panel, PanelWire
+from remodel_work.robot.arm import ToolPose
 
 # How much shorter than the wire the way between its pins may be [m]: the wire is drawn straight, so
 # each pin lies half of this beyond its place.

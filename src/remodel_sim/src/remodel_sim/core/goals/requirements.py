@@ -6,10 +6,10 @@ import math
 
 import numpy as np
 
-from remodel_sim.core.errors import AbilityError
-from remodel_sim.core.geometry import Pose
-from remodel_sim.core.workpiece.panel import WireEnd, unit_x
 from remodel_states.core.codes import Code
+from remodel_work.errors import AbilityError
+from remodel_work.geometry import Pose
+from remodel_work.panel import WireEnd, unit_x
 
 # A tool pose may tilt so much and still counts as level [rad].
 LEVEL_RAD = math.radians(2.0)

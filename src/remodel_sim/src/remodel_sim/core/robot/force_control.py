@@ -11,7 +11,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from remodel_sim.core.geometry import Array
+from remodel_work.geometry import Array
 
 # A wire in the grip, at the bottom of its terminal or in its clamp, gives by 1 mm at 60 N [N/m].
 WIRE_STIFFNESS = 6e4

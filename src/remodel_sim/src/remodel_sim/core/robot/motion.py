@@ -7,9 +7,9 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from remodel_sim.core.geometry import Array
-from remodel_sim.core.robot.arm import ToolPose
-from remodel_sim.core.robot.kinematics import Kinematics
+from remodel_work.geometry import Array
+from remodel_work.robot.arm import ToolPose
+from remodel_work.robot.kinematics import Kinematics
 
 # A minimum-jerk motion peaks at 15/8 of its mean speed.
 PEAK_OVER_MEAN = 15.0 / 8.0

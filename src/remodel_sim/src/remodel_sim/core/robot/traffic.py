@@ -10,7 +10,7 @@ from __future__ import annotations
 from collections.abc import Iterable
 from dataclasses import dataclass, field
 
-from remodel_sim.core.robot.arm_volume import Volume, gap_between
+from remodel_work.robot.arm_volume import Volume, gap_between
 
 # Between the spaces of two robots [m]: paths are sampled and arms lag by centimetres.
 MARGIN_M = 0.03

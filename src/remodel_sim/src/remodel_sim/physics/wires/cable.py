@@ -9,15 +9,15 @@ from types import MappingProxyType
 
 import numpy as np
 
-from remodel_sim.core.geometry import Array, multiply_quaternions, rotation_matrix
-from remodel_sim.core.workpiece.connector_shape import Solid
-from remodel_sim.core.workpiece.elastic_joints import ElasticJoints
-from remodel_sim.core.workpiece.panel import WireEnd
-from remodel_sim.core.workpiece.wire_colours import FERRULE_RGB
-from remodel_sim.core.workpiece.wire_mechanics import CableModel, link_frames
+from remodel_sim.core.wires.elastic_joints import ElasticJoints
+from remodel_sim.core.wires.wire_mechanics import CableModel, link_frames
 from remodel_sim.physics.wires.cable_body import IDENTITY, CableBody
 from remodel_sim.physics.world import World
 from remodel_states.core.wires.wire_colours import Rgb, rgbs_of
+from remodel_work.connector_shape import Solid
+from remodel_work.geometry import Array, multiply_quaternions, rotation_matrix
+from remodel_work.panel import WireEnd
+from remodel_work.wire_colours import FERRULE_RGB
 
 # What holds the halves of a cell together [N]; more than any force in the cell.
 BOLT_FORCE_N = 1e4

@@ -23,9 +23,9 @@ from remodel_sim.abilities.primitives.motions import (
     move_to,
     straight_line,
 )
-from remodel_sim.core.geometry import Array, wrap_angle
-from remodel_sim.core.robot.arm import ToolPose
-from remodel_sim.core.workpiece.obstacles import WIRES, duct_name
+from remodel_work.geometry import Array, wrap_angle
+from remodel_work.obstacles import WIRES, duct_name
+from remodel_work.robot.arm import ToolPose
 
 # A leading hand goes among other wires, which yield.
 AMONG_WIRES = frozenset({WIRES})

@@ -39,11 +39,11 @@ from remodel_sim.abilities.primitives.observation.duct_check import (
     Inspection,
     inspect_ducts,
 )
-from remodel_sim.core.errors import AbilityError
-from remodel_sim.core.geometry import Pose
-from remodel_sim.core.robot.arm import ToolPose
-from remodel_sim.core.vision.laid_wire import Passing, uppermost_past
-from remodel_sim.core.workpiece.panel import Duct
+from remodel_vision.laid_wire import Passing, uppermost_past
+from remodel_work.errors import AbilityError
+from remodel_work.geometry import Pose
+from remodel_work.panel import Duct
+from remodel_work.robot.arm import ToolPose
 
 # A wire that lies in its ducts at so much of its route is left alone; it is tucked in so often, and
 # so often while the inspection would refuse it.

@@ -5,18 +5,18 @@ from __future__ import annotations
 import numpy as np
 
 from remodel_sim.abilities.execution.robot_context import RobotContext
-from remodel_sim.core.camera import Picture
-from remodel_sim.core.errors import AbilityError
-from remodel_sim.core.geometry import Array, Pose
-from remodel_sim.core.vision.component_observation import ComponentObservation
-from remodel_sim.core.vision.device_pose import DeviceView, locate_device, search_device
-from remodel_sim.core.vision.label_pose import LabelView, locate_component
-from remodel_sim.core.vision.labels import find_labels, search_label
-from remodel_sim.core.vision.panel_pose import register_panel
-from remodel_sim.core.workpiece.component_shape import label_corners
-from remodel_sim.core.workpiece.layout import WORLD_FROM_PANEL
-from remodel_sim.core.workpiece.panel import Component
 from remodel_states.core.codes import Code
+from remodel_vision.component_observation import ComponentObservation
+from remodel_vision.device_pose import DeviceView, locate_device, search_device
+from remodel_vision.label_pose import LabelView, locate_component
+from remodel_vision.labels import find_labels, search_label
+from remodel_vision.panel_pose import register_panel
+from remodel_work.camera import Picture
+from remodel_work.component_shape import label_corners
+from remodel_work.errors import AbilityError
+from remodel_work.geometry import Array, Pose
+from remodel_work.layout import WORLD_FROM_PANEL
+from remodel_work.panel import Component
 
 # So much of a device's top, around its middle, is to be in the pictures of a hand with a wire.
 IN_VIEW = 0.8

@@ -8,16 +8,16 @@ import numpy as np
 
 from remodel_sim.abilities.execution.robot_context import RobotContext, Steps
 from remodel_sim.abilities.primitives.observation.route_check import observe_route
-from remodel_sim.core.camera import Picture
-from remodel_sim.core.errors import AbilityError
-from remodel_sim.core.geometry import Array, Pose
-from remodel_sim.core.vision.board.outside_ducts import route_outside_ducts
-from remodel_sim.core.vision.drawing import Drawing
-from remodel_sim.core.vision.wire_lines import WireLines
-from remodel_sim.core.workpiece.layout import WORLD_FROM_PANEL
-from remodel_sim.core.workpiece.panel import Duct
-from remodel_sim.core.workpiece.routes import places_in, step_in
 from remodel_states.core.codes import Code
+from remodel_vision.board.outside_ducts import route_outside_ducts
+from remodel_vision.drawing import Drawing
+from remodel_vision.wire_lines import WireLines
+from remodel_work.camera import Picture
+from remodel_work.errors import AbilityError
+from remodel_work.geometry import Array, Pose
+from remodel_work.layout import WORLD_FROM_PANEL
+from remodel_work.panel import Duct
+from remodel_work.routes import places_in, step_in
 
 # A wire must lie in its ducts at so much of its route in them.
 LEAST_IN_DUCTS = 0.8

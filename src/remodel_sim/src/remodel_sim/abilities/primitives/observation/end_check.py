@@ -5,12 +5,12 @@ from __future__ import annotations
 from remodel_sim.abilities.execution.robot_context import RobotContext, Steps
 from remodel_sim.abilities.primitives.observation.component_views import ComponentViews
 from remodel_sim.abilities.primitives.observation.route_check import observe_board
-from remodel_sim.core.errors import AbilityError
-from remodel_sim.core.vision.drawing import ORANGE, Drawing
-from remodel_sim.core.vision.opening_occupancy import is_seen_empty
-from remodel_sim.core.workpiece.layout import WORLD_FROM_PANEL
-from remodel_sim.core.workpiece.panel import WireEnd
 from remodel_states.core.codes import Code
+from remodel_vision.drawing import ORANGE, Drawing
+from remodel_vision.opening_occupancy import is_seen_empty
+from remodel_work.errors import AbilityError
+from remodel_work.layout import WORLD_FROM_PANEL
+from remodel_work.panel import WireEnd
 
 
 def check_end(context: RobotContext, end: WireEnd) -> Steps[None]:

@@ -13,15 +13,15 @@ import numpy as np
 
 from remodel_sim.abilities.execution.robot_context import RobotContext, Steps
 from remodel_sim.abilities.primitives.observation.route_check import observe_route
-from remodel_sim.core.errors import AbilityError
-from remodel_sim.core.geometry import Array
-from remodel_sim.core.vision.drawing import BLUE, ORANGE, Drawing
-from remodel_sim.core.vision.laid_wire import points_of_colour
-from remodel_sim.core.vision.wire_lines import WireLines
-from remodel_sim.core.workpiece.fixtures import WALL_M
-from remodel_sim.core.workpiece.layout import WORLD_FROM_PANEL
-from remodel_sim.core.workpiece.panel import Duct
 from remodel_states.core.codes import Code
+from remodel_vision.drawing import BLUE, ORANGE, Drawing
+from remodel_vision.laid_wire import points_of_colour
+from remodel_vision.wire_lines import WireLines
+from remodel_work.errors import AbilityError
+from remodel_work.fixtures import WALL_M
+from remodel_work.geometry import Array
+from remodel_work.layout import WORLD_FROM_PANEL
+from remodel_work.panel import Duct
 
 # Before and behind its posts a fork is observed from so far beyond them to so far, and to so far
 # beside them [m].

@@ -18,18 +18,18 @@ from remodel_sim.abilities.primitives.motions import (
     wait,
 )
 from remodel_sim.abilities.primitives.observation.viewpoints import views_around
-from remodel_sim.core.belief.belief_state import EndState, TipObservation
-from remodel_sim.core.camera import Picture
-from remodel_sim.core.errors import AbilityError
-from remodel_sim.core.geometry import Array
-from remodel_sim.core.robot.arm import ToolPose
-from remodel_sim.core.vision.cables.curves.polyline import arc_lengths, at_distance
-from remodel_sim.core.vision.drawing import BLUE, ORANGE, Drawing
-from remodel_sim.core.vision.wire_ends import EndObservation, find_ends, line_from
-from remodel_sim.core.vision.wire_lines import WireLines
-from remodel_sim.core.workpiece.layout import GRASP_DISTANCE_M
-from remodel_sim.core.workpiece.panel import WireEnd
+from remodel_sim.core.belief.belief_state import EndState
 from remodel_states.core.codes import Code
+from remodel_vision.cables.curves.polyline import arc_lengths, at_distance
+from remodel_vision.drawing import BLUE, ORANGE, Drawing
+from remodel_vision.wire_ends import EndObservation, TipObservation, find_ends, line_from
+from remodel_vision.wire_lines import WireLines
+from remodel_work.camera import Picture
+from remodel_work.errors import AbilityError
+from remodel_work.geometry import Array
+from remodel_work.layout import GRASP_DISTANCE_M
+from remodel_work.panel import WireEnd
+from remodel_work.robot.arm import ToolPose
 
 # The arm rings down before a picture is taken [s].
 STILL_S = 0.10

@@ -8,15 +8,15 @@ import numpy as np
 
 from remodel_sim.abilities.execution.robot_context import RobotContext, Steps
 from remodel_sim.abilities.primitives.motions import park
-from remodel_sim.core.errors import AbilityError
-from remodel_sim.core.geometry import Pose
-from remodel_sim.core.vision.drawing import BLUE, ORANGE, Drawing
-from remodel_sim.core.vision.laid_wire import Passing, wire_past
-from remodel_sim.core.vision.wire_lines import WireLines
-from remodel_sim.core.workpiece.fixtures import SLOPE_LENGTH_M
-from remodel_sim.core.workpiece.panel import Duct, PanelClip
-from remodel_sim.core.workpiece.routes import places_in, world_from_clip
 from remodel_states.core.codes import Code
+from remodel_vision.drawing import BLUE, ORANGE, Drawing
+from remodel_vision.laid_wire import Passing, wire_past
+from remodel_vision.wire_lines import WireLines
+from remodel_work.errors import AbilityError
+from remodel_work.fixtures import SLOPE_LENGTH_M
+from remodel_work.geometry import Pose
+from remodel_work.panel import Duct, PanelClip
+from remodel_work.routes import places_in, world_from_clip
 
 # Beside a clip the wire is observed so far from its slopes; it is searched for so far aside [m].
 BESIDE_CLIP_M = 0.003

@@ -9,12 +9,12 @@ import numpy as np
 
 from remodel_sim.abilities.execution.robot_context import RobotContext, Steps
 from remodel_sim.abilities.primitives.motions import FREE_SPEED, move_to, rise
-from remodel_sim.core.errors import AbilityError
-from remodel_sim.core.geometry import Array
-from remodel_sim.core.robot.arm import ToolPose
-from remodel_sim.core.robot.arm_volume import Volume, gap_between, volume_of
 from remodel_sim.core.robot.traffic import MARGIN_M
 from remodel_states.core.codes import Code
+from remodel_work.errors import AbilityError
+from remodel_work.geometry import Array
+from remodel_work.robot.arm import ToolPose
+from remodel_work.robot.arm_volume import Volume, gap_between, volume_of
 
 # A line of sight is free if nothing is nearer to it [m].
 SIGHT_RADIUS_M = 0.015

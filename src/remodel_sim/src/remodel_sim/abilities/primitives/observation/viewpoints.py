@@ -10,13 +10,13 @@ import numpy as np
 
 from remodel_sim.abilities.execution.robot_context import RobotContext
 from remodel_sim.abilities.primitives.motions import TRAVEL_Z, nearest_hand_yaw
-from remodel_sim.core.camera import Lens, View
-from remodel_sim.core.errors import AbilityError
-from remodel_sim.core.geometry import Array, Pose, wrap_angle
-from remodel_sim.core.robot.arm import ToolPose
-from remodel_sim.core.robot.fingers import PANDA_FINGERS
 from remodel_sim.physics.robot_description import CAMERA_MOUNT
 from remodel_states.core.codes import Code
+from remodel_work.camera import Lens, View
+from remodel_work.errors import AbilityError
+from remodel_work.geometry import Array, Pose, wrap_angle
+from remodel_work.robot.arm import ToolPose
+from remodel_work.robot.fingers import PANDA_FINGERS
 
 # The tool's height for an observation from the hand: the lens is 84 mm above the tool centre of
 # the Panda's fingers.

@@ -1,1 +1,0 @@
-"""From pictures to poses and shapes: OpenCV and numpy only."""

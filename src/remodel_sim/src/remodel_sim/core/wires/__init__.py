@@ -1,0 +1,1 @@
+"""How wires bend: discrete rods, and the forms in which they hang."""

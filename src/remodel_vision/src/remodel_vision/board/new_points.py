@@ -1,0 +1,83 @@
+"""What a depth picture from above shows of a wire that was not there before."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import cv2
+import numpy as np
+import numpy.typing as npt
+
+from remodel_work.camera import Picture
+from remodel_work.geometry import Array
+from remodel_work.layout import WORLD_FROM_PANEL
+
+# What is higher is a hand [m]: a wire that sprang out of its ducts stood 235 mm high.
+HAND_M = 0.30
+# What is nearer to the middle of a hand, seen from above, may be that hand [m].
+NEAR_HAND_M = 0.15
+# What stood somewhere before is found again so near to its place [pixels].
+AGAIN_PX = 2
+# What is narrower than this is the depth camera's noise.
+LEAST_PX = np.ones((2, 2), np.uint8)
+
+
+def new_points(
+    picture: Picture, before: Picture, radius: float
+) -> tuple[Array, npt.NDArray[np.bool_]]:
+    """Return what a picture shows as points (n, 3) [m], and which are a wire's of a radius.
+
+    Args:
+        picture: with depth, from above, the wire in it.
+        before: the same, without the wire.
+        radius: of the wire [m].
+    """
+    points, stood = _points_of(picture), _points_of(before, AGAIN_PX)
+    return points, (points[:, 2] > stood[:, 2] + radius) & (points[:, 2] < HAND_M)
+
+
+def new_length(
+    picture: Picture,
+    before: Picture,
+    size: tuple[float, float, float],
+    radius: float,
+    hands: Sequence[Array],
+) -> float:
+    """Return along how much a new wire is seen on the panel [m].
+
+    Args:
+        picture: with depth, from above.
+        before: the same, without the wire.
+        size: of the panel's plate [m].
+        radius: of the wire [m].
+        hands: of the robots (3,) [m], world frame; what is near one is not counted.
+    """
+    points, is_new = new_points(picture, before, radius)
+    at = np.abs(WORLD_FROM_PANEL.inverse().apply(points)[:, :2])
+    is_new &= (at <= np.array(size[:2]) / 2).all(axis=1)
+    for hand in hands:
+        is_new &= np.linalg.norm((points - hand)[:, :2], axis=1) > NEAR_HAND_M
+    seen = points[without_noise(picture, is_new)]
+    if not len(seen):
+        return 0.0
+    pixel = picture.view.metres_per_pixel(float(seen[:, 2].mean()))
+    return len(seen) * pixel**2 / (2 * radius)
+
+
+def without_noise(picture: Picture, is_own: npt.NDArray[np.bool_]) -> npt.NDArray[np.bool_]:
+    """Return which of a wire's points in a picture are more than the depth camera's noise."""
+    assert picture.depth is not None, "its points"
+    mask = is_own.reshape(picture.depth.shape).astype(np.uint8)
+    return cv2.morphologyEx(mask, cv2.MORPH_OPEN, LEAST_PX).ravel() > 0
+
+
+def _points_of(picture: Picture, around: int = 0) -> Array:
+    """Return what a depth camera sees as points (n, 3) [m], world frame, row by row.
+
+    For each pixel it is the nearest to the camera of so many pixels around it.
+    """
+    assert picture.depth is not None, "the camera measures depth"
+    near = np.ones(2 * [2 * around + 1])
+    depth = np.asarray(cv2.erode(picture.depth.astype(np.float32), near), np.float64)
+    rows, columns = np.indices(depth.shape).reshape(2, -1)
+    return picture.view.at_depth(np.column_stack([columns, rows]).astype(np.float64), depth.ravel())

@@ -1,0 +1,232 @@
+"""Find cables' two edges on cross-section profiles, to a fraction of a pixel.
+
+A profile is a row of samples across a centreline, and has two sides, from the middle outwards. An
+edge is where, on the way out, the cable's share of a sample falls below a half. Where the cable's
+colour differs from the surroundings' in more than brightness, samples are taken for mixtures of any
+shades of the two, so that neither the cable's dark side nor a shadow beside it moves the edge.
+Otherwise brightness decides: the edge is halfway between what lies near outside and the cable's
+shade at its rim, which is darker than within, since it is round. All profiles of all cables are
+processed at once.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import cv2
+import numpy as np
+import numpy.typing as npt
+
+from remodel_vision.cables.curves.robust_statistics import limited, median_colour
+from remodel_vision.pixels import Pixels
+from remodel_work.geometry import Array
+
+# Samples of a profile, and how far it reaches [widths].
+SAMPLES = 25
+REACH = 1.2
+OFFSETS = np.linspace(-REACH, REACH, SAMPLES).astype(np.float32)
+MIDDLE = SAMPLES // 2
+OUTWARD = OFFSETS[MIDDLE:]
+STEP = REACH / MIDDLE
+# Profiles averaged along the cable: noise falls, a bend within them does not matter.
+ALONG = 3
+# What of a profile shows the cable's body; its colour is learned from every third profile.
+SPARSE = 3
+BODY = slice(*np.searchsorted(OFFSETS, (-0.34, 0.34)).tolist())
+# Edges are searched for from here on outwards.
+EDGE_FROM = int(np.searchsorted(OUTWARD, 0.28))
+
+
+def _means(offsets: Pixels, *ranges: tuple[float, float]) -> Pixels:
+    """Return the matrix (m, k) that takes samples to their means over ranges of offsets."""
+    inside = np.stack([(offsets > low) & (offsets < high) for low, high in ranges], axis=1)
+    return (inside / inside.sum(axis=0)).astype(np.float32)
+
+
+# Of a profile: the surroundings at its left and at its right end, and the cable's middle.
+OF_SECTION = _means(OFFSETS, (-1.3, -1.0), (1.0, 1.3), (-0.18, 0.18))
+# Of a side: its middle, just inside an edge, and near outside.
+OF_SIDE = _means(OUTWARD, (-0.1, 0.18), (0.20, 0.34), (0.60, 0.80))
+# A round cable's rim is as bright as this share of its middle (set on rendered tubes); at an edge
+# one sees that share of the contrast, at least and at most.
+RIM_SHADE = 0.65
+AT_EDGE = (0.05, 0.55)
+# What lies near outside differs from the middle by this share of what lies farther out, at least.
+NEAR_SHARE = 0.5
+# Colours are distinct in any shade when their directions differ by this sine, and when so much of
+# the cable's is no shade of the surroundings' [grey levels].
+DISTINCT_SINE, DISTINCT_LEVELS = 0.12, 30.0
+# A side that is this share of the other, in the same hue, lies in the cable's shadow.
+SHADOW = (0.35, 1.0)
+# Hues are the same when that much of the difference of two colours is left without shades.
+SAME_HUE = 0.3
+# A camera's black: shades are compared as if each colour had a fourth channel of this level [grey
+# levels]. So what noise shows on a black table has no hue and is no shade of a cable; on a lit
+# table it changes nothing. Photographs on black do as well with 10 as with 80.
+BLACK = 20.0
+
+
+@dataclass(frozen=True, eq=False)
+class CrossSections:
+    """Edges along centrelines.
+
+    Attributes:
+        edges: (n, 2) offsets of the left and right edge from the centreline [px]; the left is
+            negative; infinite where there is none.
+        contrast: (n, 2) how far the colour just inside is from the surroundings [grey levels].
+        middle: (n, 3) colour of the cable.
+        inside: (n, 2, 3) the same just inside the left and the right edge.
+        beside: (n, 2, 3) colour of the surroundings, left and right.
+        shadow: (n,) how bright the darker side is, as a share of the other; 1 where that is no
+            shadow of the same hue.
+        softness: (n,) how far the blunter edge stretches [px].
+    """
+
+    edges: Pixels
+    contrast: Pixels
+    middle: Pixels
+    inside: Pixels
+    beside: Pixels
+    shadow: Pixels
+    softness: Pixels
+
+    def part(self, of: slice) -> CrossSections:
+        """Return some of the profiles."""
+        return CrossSections(
+            edges=self.edges[of],
+            contrast=self.contrast[of],
+            middle=self.middle[of],
+            inside=self.inside[of],
+            beside=self.beside[of],
+            shadow=self.shadow[of],
+            softness=self.softness[of],
+        )
+
+
+def find_edges(
+    rgb: Pixels, points: Array, normals: Array, width: Array, counts: npt.NDArray[np.int_]
+) -> CrossSections:
+    """Return the edges on profiles.
+
+    Args:
+        rgb: (height, width, 3).
+        points: (n, 2) on centrelines [px], cable after cable.
+        normals: (n, 2) unit vectors.
+        width: (n,) of the cable there [px].
+        counts: (k,) of the points on each cable.
+    """
+    reach = width[:, None] * OFFSETS
+    x = (points[:, :1] + reach * normals[:, :1]).astype(np.float32)
+    y = (points[:, 1:] + reach * normals[:, 1:]).astype(np.float32)
+    picked = cv2.remap(rgb, x, y, cv2.INTER_LINEAR, borderMode=cv2.BORDER_REPLICATE)
+    blurred = cv2.blur(picked.astype(np.float32), (1, ALONG), borderType=cv2.BORDER_REPLICATE)
+    colours = np.stack(cv2.split(blurred))
+    left, right, middle = (colours @ OF_SECTION).transpose(2, 0, 1)
+    left, right, shadow = _lit(left, right)
+    stops = np.cumsum(counts).tolist()
+    bodies = [
+        colours[:, i - n : i : SPARSE, BODY] for i, n in zip(stops, counts.tolist(), strict=True)
+    ]
+    own = np.stack([median_colour(body.reshape(3, -1).T) for body in bodies], axis=1)
+    own = np.repeat(own, counts, axis=1)
+    # Both sides of all profiles in a row: the left ones, then the right ones.
+    sides = np.concatenate([colours[:, :, MIDDLE::-1], colours[:, :, MIDDLE:]], axis=1)
+    around = np.concatenate([left, right], axis=1)
+    middles, insides, near = (sides @ OF_SIDE).transpose(2, 0, 1)
+    # Where the assumed width is too small, what should lie near outside is the cable itself.
+    outside, far = middles - near, middles - around
+    hidden = _dot(outside, outside) < NEAR_SHARE**2 * _dot(far, far)
+    near = np.where(hidden, around, near)
+    by_hue, distinct = _shares(sides, around, np.concatenate([own, own], axis=1))
+    edge, last = _fall(np.where(distinct[:, None], by_hue, _levels(sides, middles, insides, near)))
+    apart = insides - around
+    contrast = np.sqrt(_dot(apart, apart))
+    rows = np.arange(len(last))
+    fall = sides[:, rows, last] - sides[:, rows, last + 1]
+    slope = np.maximum(np.sqrt(_dot(fall, fall)), 1e-3)
+    softness = (contrast / slope).reshape(2, -1).max(axis=0) * (STEP * width)
+    half = len(points)
+    return CrossSections(
+        edges=np.stack([-width * edge[:half], width * edge[half:]], axis=1),
+        contrast=contrast.reshape(2, -1).T,
+        middle=middle.T,
+        inside=insides.T.reshape(2, half, 3).transpose(1, 0, 2),
+        beside=np.stack([left.T, right.T], axis=1),
+        shadow=shadow,
+        softness=softness,
+    )
+
+
+def _dot(a: Pixels, b: Pixels) -> Pixels:
+    """Return the products of colours, whose channels come first."""
+    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
+
+
+def length(a: Pixels) -> Pixels:
+    """Return the lengths of vectors (n, 3)."""
+    return np.sqrt(_dot(a.T, a.T))
+
+
+def _lit(left: Pixels, right: Pixels) -> tuple[Pixels, Pixels, Pixels]:
+    """Return surroundings (3, n), the lit side for one in shadow, and how bright the shadow is."""
+    left_lit = left.sum(axis=0) > right.sum(axis=0)
+    light, dark = np.where(left_lit, left, right), np.where(left_lit, right, left)
+    black = BLACK**2
+    shade = limited((_dot(dark, light) + black) / (_dot(light, light) + black), *SHADOW)
+    hue, whole = dark - shade * light, light - dark
+    is_shadow = _dot(hue, hue) < SAME_HUE**2 * _dot(whole, whole)
+    return (
+        np.where(is_shadow & ~left_lit, light, left),
+        np.where(is_shadow & left_lit, light, right),
+        np.where(is_shadow, shade, 1.0),
+    )
+
+
+def _shares(colours: Pixels, beside: Pixels, own: Pixels) -> tuple[Pixels, npt.NDArray[np.bool_]]:
+    """Return the cable's share of colours (3, n, m), and for which profiles (n,) it is reliable.
+
+    A colour is taken for a s + b o with the surroundings s and the cable's own colour o (3, n); the
+    share is b / (a + b), by least squares.
+    """
+    black = BLACK**2
+    ss, oo = _dot(beside, beside) + black, _dot(own, own) + black
+    so = _dot(beside, own) + black
+    determinant = np.maximum(ss * oo - so**2, 1.0)
+    distinct = determinant > np.maximum(DISTINCT_SINE**2 * oo, DISTINCT_LEVELS**2) * ss
+    cs = _dot(colours, beside[:, :, None]) + black
+    co = _dot(colours, own[:, :, None]) + black
+    # The common factor 1 / determinant falls out of the share.
+    a = np.maximum(oo[:, None] * cs - so[:, None] * co, 0.0)
+    b = np.maximum(ss[:, None] * co - so[:, None] * cs, 0.0)
+    return b / np.maximum(a + b, 1e-3), distinct
+
+
+def _levels(colours: Pixels, middle: Pixels, inside: Pixels, outside: Pixels) -> Pixels:
+    """Return the cable's share of colours (3, n, m), from the middle outwards, by their level.
+
+    It is 1 where the colour is the cable's, in its middle or just inside the edge, whichever
+    differs more (a dark cable's highlight differs less), a half at the edge, and 0 near outside.
+    """
+    middle, inside = middle - outside, inside - outside
+    way = np.where(_dot(middle, middle) > _dot(inside, inside), middle, inside)
+    whole = np.maximum(_dot(way, way), 1.0)
+    rim = RIM_SHADE * (way + outside) - outside
+    at_edge = limited(0.5 * _dot(rim, way) / whole, *AT_EDGE)
+    # 0.5 + 0.5 (level - at_edge) / (1 - at_edge), with as little as possible done per sample.
+    slope = 0.5 / (1 - at_edge)
+    way = way * (slope / whole)
+    return _dot(colours, way[:, :, None]) + (0.5 - slope * at_edge - _dot(outside, way))[:, None]
+
+
+def _fall(share: Pixels) -> tuple[Pixels, npt.NDArray[np.intp]]:
+    """Return where shares (n, m), from the middle outwards, fall below a half [widths].
+
+    And the last samples before they do.
+    """
+    below = share[:, EDGE_FROM:] < 0.5
+    first = np.argmax(below, axis=1)
+    rows = np.arange(len(share))
+    last = first + (EDGE_FROM - 1)
+    before, after = share[rows, last], share[rows, last + 1]
+    part = limited((before - 0.5) / np.maximum(before - after, 1e-3), 0, 1)
+    return np.where(below[rows, first], OUTWARD[last] + part * STEP, np.inf), last

@@ -1,0 +1,222 @@
+"""Warnings about a result: the light, the cables found, and what they leave unexplained."""
+
+from __future__ import annotations
+
+import itertools
+import math
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import cv2
+import numpy as np
+
+from remodel_vision.cables.curves.robust_statistics import median
+from remodel_vision.cables.ends import goes_on, in_shadow
+from remodel_vision.cables.model import CableEnding, DetectedCable
+from remodel_vision.cables.strands.foreground import Foreground
+from remodel_vision.pixels import Pixels
+
+NOTHING = "nothing in the picture looks like a cable"
+CLUTTERED = "the picture is too cluttered; clear the table, or take it from nearer"
+# A cable with less confidence causes a warning.
+SURE = 0.5
+# A picture is overexposed when this share of it is at the top of the scale, and dark when that
+# share of it stays below a level.
+CLIPPED, TOP = 0.18, 250
+DARK_SHARE, DARK = 0.995, 75
+# A tip beyond which this share of the contrast is left may be none: true ones leave up to 0.19,
+# ends that noise cut 0.36 to 1.05.
+GOES_ON = 0.28
+# Evidence of which a cable has more only where it is hard to see: its width varies by this share,
+# while so few of its edges agree; its edges stretch over this share of the width; this share of it
+# lies beside a deep shadow.
+UNEVEN, FEW_EDGES, BLURRED, IN_SHADOW = 0.06, 0.70, 0.8, 0.3
+# Another way to join strands is nearly as good when it is dearer by less: right ones on photographs
+# have 0.38 and more, wrong ones had 0.20 and 0.27.
+AS_GOOD = 0.3
+# A picture is noisy from this standard deviation on [grey levels].
+NOISY = 17.0
+# An end this near to another cable may be a part of it [widths].
+BESIDE_WIDTHS = 1.7
+# A line that leaves its chord by less is straight [widths].
+STRAIGHT_WIDTHS = 0.5
+# Farther than this from another cable an end may be at any distance [widths].
+NEAR_WIDTHS = 6.0
+# Two ends of like colours [grey levels], this near [widths], that face each other [cosine], may
+# be one cable, with something hidden between them.
+SAME_COLOUR, FACING_WIDTHS, FACING = 60.0, 12.0, 0.8
+# Around a cable's width, shadow and blur explain so much more, to both sides together [widths],
+# and [px of the mask].
+RIM_WIDTHS, RIM_PX = 1.8, 3
+# A rest counts from this area on [squared cable widths], where it is this far from the table's
+# colour [standard deviations] and not at the rim of a foreign object.
+REST = 4.0
+CLEAR = 8.0
+# A cable over a foreign object of another colour than the table causes a warning from this share of
+# it on: a rim of the object may be taken for a cable, and a cable of its colour is not found.
+OVER_FOREIGN_OBJECT = 0.02
+
+
+@dataclass(frozen=True)
+class Notice:
+    """A reason why a result may be wrong, and the indices of the cables that it is about."""
+
+    text: str
+    cables: tuple[int, ...] = ()
+
+
+def exposure_warnings(rgb: Pixels) -> Iterator[Notice]:
+    """Yield what is wrong with the light of a picture (height, width, 3)."""
+    red, green, blue = cv2.split(np.ascontiguousarray(rgb[::4, ::4]))
+    brightest = cv2.max(cv2.max(red, green), blue)
+    clipped = np.count_nonzero(brightest >= TOP) / brightest.size
+    if clipped > CLIPPED:
+        yield Notice(
+            f"{clipped:.0%} of the picture is overexposed; take it with a shorter exposure"
+        )
+    steps = rgb[::12, :, 1].astype(np.int16)
+    second = np.abs(steps[:, 2:] - 2 * steps[:, 1:-1] + steps[:, :-2])
+    # Of Gaussian noise the second difference has the variance 6; the median is 0.674 deviations.
+    noise = median(second) / (0.674 * math.sqrt(6))
+    if noise > NOISY:
+        yield Notice(f"the picture is noisy, by {noise:.0f} grey levels; take it with more light")
+    if np.count_nonzero(brightest < DARK) > DARK_SHARE * brightest.size:
+        yield Notice("the picture is dark; take it with more light or a longer exposure")
+
+
+def cable_warnings(rgb: Pixels, cables: list[DetectedCable]) -> Iterator[Notice]:
+    """Yield what is odd about cables in a picture (height, width, 3)."""
+    if not cables:
+        yield Notice(NOTHING)
+    for i, cable in enumerate(cables):
+        if cable.confidence < SURE:
+            text = f"cable {i} may be none, or not one: confidence {cable.confidence:.2f}"
+            yield Notice(text, (i,))
+        if _is_ruled(cable):
+            text = f"cable {i} is straight from border to border: it may be an edge or a seam"
+            yield Notice(text, (i,))
+        for tip in cable.tips:
+            column, row = tip.point
+            if tip.end is CableEnding.HIDDEN:
+                yield Notice(
+                    f"cable {i} may go on beyond ({column:.0f}, {row:.0f}), where a foreign object "
+                    "lies",
+                    (i,),
+                )
+            elif tip.end is CableEnding.TIP and in_shadow(rgb, tip, cable):
+                text = f"cable {i} may end before ({column:.0f}, {row:.0f}): a shadow lies there"
+                yield Notice(text, (i,))
+            elif tip.end is CableEnding.TIP and goes_on(rgb, tip, cable.width) > GOES_ON:
+                text = f"cable {i} may go on beyond ({column:.0f}, {row:.0f}), fainter"
+                yield Notice(text, (i,))
+            for j, other in enumerate(cables):
+                gap = np.hypot(*(other.centreline - tip.point).T).min()
+                if i != j and gap < BESIDE_WIDTHS * max(cable.width, other.width):
+                    text = f"cable {i} ends at ({column:.0f}, {row:.0f}) on cable {j}"
+                    yield Notice(text, (i, j))
+    for (i, one), (j, other) in itertools.combinations(enumerate(cables), 2):
+        if np.linalg.norm(np.subtract(one.colour, other.colour)) > SAME_COLOUR:
+            continue
+        for a, b in itertools.product(one.tips, other.tips):
+            gap = b.point - a.point
+            length = float(np.hypot(*gap))
+            if length < FACING_WIDTHS * (one.width + other.width) / 2:
+                facing = min(gap @ a.outward, -gap @ b.outward) / max(length, 1e-6)
+                if facing > FACING:
+                    text = f"cables {i} and {j} may be one: their ends face each other"
+                    yield Notice(text, (i, j))
+
+
+def evidence_warnings(terms: list[dict[str, float]]) -> Iterator[Notice]:
+    """Yield what is odd about the evidence of cables, by the terms of their confidence."""
+    for i, of in enumerate(terms):
+        if of["softness [widths]"] > BLURRED:
+            yield Notice(f"cable {i} is blurred; focus, or take it from nearer", (i,))
+        if of["spread of the width"] > UNEVEN and of["edges that agree"] < FEW_EDGES:
+            yield Notice(f"cable {i} varies in width: one of its edges may be another one", (i,))
+        if of["margin"] < AS_GOOD:
+            text = f"cable {i} may be joined to a part of another: another way is nearly as good"
+            yield Notice(text, (i,))
+        if of["deep shadows"] > IN_SHADOW:
+            yield Notice(f"cable {i} lies beside a deep shadow; use softer light", (i,))
+
+
+def _is_ruled(cable: DetectedCable) -> bool:
+    """Return whether a cable enters and leaves the picture and is straight in between."""
+    truncated = all(tip.end is CableEnding.TRUNCATED for tip in cable.tips)
+    return truncated and _bend(cable) < STRAIGHT_WIDTHS
+
+
+def _bend(cable: DetectedCable) -> float:
+    """Return how far a cable leaves the chord between its tips [widths]."""
+    chord = cable.tips[1].point - cable.tips[0].point
+    away = (cable.centreline - cable.tips[0].point) @ np.array([-chord[1], chord[0]])
+    return float(np.abs(away).max()) / (max(math.hypot(*chord.tolist()), 1.0) * cable.width)
+
+
+def surrounding_terms(rgb: Pixels, cables: list[DetectedCable], index: int) -> dict[str, float]:
+    """Return the terms of the confidence that the ends and the other cables give."""
+    cable = cables[index]
+    loose = [tip for tip in cable.tips if tip.end is CableEnding.TIP]
+    left = [limited_to(goes_on(rgb, tip, cable.width), (-0.5, 1.5)) for tip in loose]
+    gaps = [
+        float(np.hypot(*(other.centreline - tip.point).T).min()) / cable.width
+        for tip in cable.tips
+        for other in cables
+        if other is not cable
+    ]
+    return {
+        "goes on": max(left, default=0.0),
+        "hidden ends": float(sum(tip.end is CableEnding.HIDDEN for tip in cable.tips)),
+        "bend [log widths]": math.log(_bend(cable) + 0.1),
+        "end near another [widths]": min(min(gaps, default=NEAR_WIDTHS), NEAR_WIDTHS),
+    }
+
+
+def limited_to(value: float, limits: tuple[float, float]) -> float:
+    """Return a value within limits."""
+    return min(max(value, limits[0]), limits[1])
+
+
+def remainder_warnings(
+    foreground: Foreground, cables: list[DetectedCable], scale: int
+) -> Iterator[Notice]:
+    """Yield what is odd about cables in a mask made `scale` times smaller than the picture."""
+    left = (foreground.distance > CLEAR).astype(np.uint8) & foreground.mask
+    if foreground.foreign_objects.any():
+        left[cv2.dilate(foreground.foreign_objects, np.ones((7, 7), np.uint8)) > 0] = 0
+    for i, cable in enumerate(cables):
+        line = (cable.centreline + 0.5) / scale - 0.5
+        _wipe(left, line, cable.width / scale)
+        share = over_foreign_objects(foreground, cable, scale)
+        if share > OVER_FOREIGN_OBJECT:
+            text = f"cable {i} lies on a foreign object for {share:.0%} of its length"
+            yield Notice(text, (i,))
+    if not cables:
+        return
+    typical = float(np.median([cable.width for cable in cables])) / scale
+    if cv2.countNonZero(left) <= REST * typical**2:
+        return
+    count, _, stats, centres = cv2.connectedComponentsWithStats(left, connectivity=8)
+    for label in range(1, count):
+        if stats[label, cv2.CC_STAT_AREA] > REST * typical**2:
+            column, row = (centres[label] + 0.5) * scale - 0.5
+            yield Notice(f"what lies at ({column:.0f}, {row:.0f}) is part of no cable found")
+
+
+def over_foreign_objects(foreground: Foreground, cable: DetectedCable, scale: int) -> float:
+    """Return the share of a cable that lies on foreign objects."""
+    objects = foreground.foreign_objects
+    columns, rows = np.rint((cable.centreline + 0.5) / scale - 0.5).astype(int).T
+    height, width = objects.shape
+    at = objects[np.clip(rows, 0, height - 1), np.clip(columns, 0, width - 1)]
+    return float(at.mean())
+
+
+def _wipe(mask: Pixels, line: Pixels, width: float) -> None:
+    """Erase a centreline (n, 2) [px] with its surroundings, beyond its ends too."""
+    start = line[0] + (line[0] - line[2]) / 2
+    stop = line[-1] + (line[-1] - line[-3]) / 2
+    fixed = np.rint(np.vstack([start, line, stop]) * 16).astype(np.int32)
+    thickness = round(RIM_WIDTHS * width + RIM_PX)
+    cv2.polylines(mask, [fixed], False, (0,), thickness, cv2.LINE_8, 4)

@@ -1,0 +1,248 @@
+"""Where a wire runs past a place, by a colour and depth picture from above."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import cv2
+import numpy as np
+import numpy.typing as npt
+
+from remodel_vision.wire_lines import WireLines
+from remodel_work.camera import Picture
+from remodel_work.geometry import Array, Pose
+
+# The height of a wire is measured so far along it to both sides of a place [m].
+ALONG_M = np.linspace(-0.0015, 0.0015, 7)
+# Wires that lie beside or over each other are so near [m]; so much of what is around them lies
+# below the uppermost one's crest, but for the depth camera's noise [%].
+BESIDE_M = 0.010
+TOP_PERCENT = 95.0
+# What stood somewhere before is found again so near to its place [m].
+AGAIN_M = np.stack(np.meshgrid(*2 * [[-0.002, 0.0, 0.002]], [0.0]), axis=-1).reshape(-1, 3)
+# Where colour does not show it, more than this share of the points that the camera sees across a
+# wire's diameter must be new: a few always are, by the depth camera's noise.
+LEAST_NEW = 0.4
+# What is lower than this share of where a wire is expected is what it lies on.
+LEAST_HEIGHT = 0.5
+# A wire has these shades of its colour; another colour differs from all of them by so much
+# [grey levels].
+SHADES = (0.5, 1.0)
+OTHER_COLOUR = 25.0
+# To each side of where it is expected a wire is searched for around a circle [rad].
+TURN_RAD = np.radians(60.0)
+# The camera looks along the wire's height twice: once at the height that is expected.
+LOOKS = 2
+
+
+@dataclass(frozen=True)
+class Passing:
+    """How a wire passes a place.
+
+    Attributes:
+        aside: of its axis from the place's own, along its y [m].
+        height: of its axis, world frame [m].
+    """
+
+    aside: float
+    height: float
+
+
+def wire_past(place: Pose, reach: float, lines: WireLines) -> Passing | None:
+    """Return how a wire passes a place, or None where none is seen.
+
+    Args:
+        place: where its axis is expected, x along it, world frame.
+        reach: how far to each side it is searched for [m].
+        lines: of the wire, in a picture from above with depth.
+    """
+    return _passing_near(place, 0.0, reach, lines)
+
+
+def _passing_near(place: Pose, near: float, reach: float, lines: WireLines) -> Passing | None:
+    """Return how a wire passes a place nearest to so far aside of it [m]; None: none is seen."""
+    height, aside = float(place.position[2]), near
+    for _ in range(LOOKS):
+        across = _across(place, height, reach, lines)
+        if not across:
+            return None
+        aside = min(across, key=lambda y: abs(y - near))
+        crest = place.apply(np.array([[x, aside, 0.0] for x in ALONG_M]))
+        crest[:, 2] = height + lines.wire.radius
+        height = _height(lines.picture, crest) - lines.wire.radius
+    return Passing(aside, height)
+
+
+def _across(place: Pose, height: float, reach: float, lines: WireLines) -> list[float]:
+    """Return how far aside of a place its wire's lines pass it, if they are so high [m]."""
+    return [
+        y
+        for line in lines.passings(height)
+        for y in crossings(place.inverse().apply(line)[:, :2], 0.0)
+        if abs(y) <= reach
+    ]
+
+
+def uppermost_past(
+    place: Pose, reach: float, lines: WireLines, before: Picture | None = None
+) -> Passing | None:
+    """Return how the uppermost of the wires beside each other passes a place; None: none is seen.
+
+    Of several of its colour it is the highest; colour may not distinguish it from those below it:
+    then depth alone counts. What stood there before does not count.
+
+    Args:
+        place: where its axis is expected, x along it, world frame.
+        reach: how far to each side they are searched for [m].
+        lines: of one of the wires, in a picture from above with depth.
+        before: with depth, from above, without it; None: there is none.
+    """
+    expected, radius = float(place.position[2]), lines.wire.radius
+    asides = _across(place, expected, reach, lines)
+    passings = [p for aside in asides if (p := _passing_near(place, aside, reach, lines))]
+    if before is not None:
+        passings = [p for p in passings if is_new(p, place, before, radius)]
+    passing = max(passings, key=lambda p: p.height, default=None)
+    near = Passing(0.0, expected) if passing is None else passing
+    at = place.apply(np.array([0.0, near.aside, near.height - expected]))
+    surface = _surface_around(lines.picture, at, reach + BESIDE_M)[0]
+    x, y, z = place.inverse().apply(surface).T
+    across = (np.abs(x) <= ALONG_M[-1]) & (np.abs(y - near.aside) <= reach)
+    surface, y, z = surface[across], y[across], z[across]
+    is_there = np.full(len(y), True) if before is None else are_new(surface, before, radius)
+    if passing is None and before is not None:
+        aside = _where_most(y[is_there], radius, LEAST_NEW * len(y) * radius / reach)
+        if aside is None:
+            return None
+        is_there &= np.abs(y - aside) <= radius
+    else:
+        is_there &= np.abs(y - near.aside) <= BESIDE_M
+    if not is_there.any():
+        return passing
+    y, z = y[is_there], z[is_there]
+    top = float(np.percentile(z, TOP_PERCENT))
+    height = expected + top - radius
+    least = LEAST_HEIGHT * expected if passing is None else passing.height + radius
+    if height < least:
+        return passing
+    return Passing(float(np.mean(y[z > top - radius / 2])), height)
+
+
+def _where_most(aside: Array, radius: float, least: float) -> float | None:
+    """Return where, within a wire's radius [m] to each side, most points are (n,) [m].
+
+    None: nowhere are more than `least`.
+    """
+    counts = (np.abs(aside[:, None] - aside) <= radius).sum(axis=1)
+    return float(aside[counts.argmax()]) if counts.max(initial=0) > least else None
+
+
+def is_new(passing: Passing, place: Pose, before: Picture, radius: float) -> bool:
+    """Return whether a wire of a radius [m] that passes a place was not there before."""
+    crest = [0.0, passing.aside, passing.height + radius - float(place.position[2])]
+    return bool(are_new(place.apply(np.array([crest])), before, radius / 2)[0])
+
+
+def are_new(points: Array, before: Picture, rise: float) -> npt.NDArray[np.bool_]:
+    """Return which points (n, 3) [m] of a surface are of a wire that was not there before.
+
+    Args:
+        points: world frame.
+        before: with depth, from above.
+        rise: how far above what stood there the wire is at least [m].
+    """
+    return points[:, 2] > stood_at(points, before) + rise
+
+
+def stood_at(points: Array, before: Picture) -> Array:
+    """Return how high what stood at points (n, 3) reached in an earlier picture (n,) [m]."""
+    again = (points[:, None] + AGAIN_M).reshape(-1, 3)
+    return heights_at(before, again).reshape(len(points), -1).max(axis=1)
+
+
+def points_of_colour(lines: WireLines, point: Array, reach: float) -> Array:
+    """Return what has a wire's colour around a point (3,), as points (n, 3) [m], world frame.
+
+    Args:
+        lines: of the wire, in a picture from above with depth.
+        point: in the middle, world frame [m].
+        reach: how far along the picture's sides it is searched for [m].
+    """
+    points, colours = _surface_around(lines.picture, point, reach)
+    is_own = np.zeros(len(points), bool)
+    for own in lines.colours:
+        shades = np.clip(colours @ own / float(own @ own), *SHADES)
+        is_own |= np.linalg.norm(colours - shades[:, None] * own, axis=1) < OTHER_COLOUR
+    return points[is_own]
+
+
+def _surface_around(picture: Picture, point: Array, reach: float) -> tuple[Array, Array]:
+    """Return what a depth camera sees around a point (3,).
+
+    Returns:
+        Points (n, 3) [m], world frame, and their colours (n, 3), 0 to 255.
+    """
+    assert picture.depth is not None, "the camera measures depth"
+    column, row = np.rint(picture.view.project(point)[0]).astype(int)
+    far = math.ceil(reach / picture.view.metres_per_pixel(float(point[2])))
+    height, width = picture.depth.shape
+    rows = np.arange(max(0, row - far), min(height, row + far + 1))
+    columns = np.arange(max(0, column - far), min(width, column + far + 1))
+    pixels = np.stack(np.meshgrid(columns, rows), axis=-1).reshape(-1, 2).astype(np.float64)
+    at = np.ix_(rows, columns)
+    points = picture.view.at_depth(pixels, picture.depth[at].ravel())
+    return points, picture.rgb[at].reshape(-1, 3).astype(np.float64)
+
+
+def wire_around(centre: Array, radius: float, towards: float, lines: WireLines) -> float | None:
+    """Return in which direction a wire crosses a circle on the plate, or None where none is seen.
+
+    Args:
+        centre: of the circle, (2,) [m], world frame.
+        radius: of the circle [m].
+        towards: direction in which it is searched for, up to TURN_RAD to each side [rad].
+        lines: of the wire, in a picture from above.
+
+    Returns:
+        The angle from `towards` [rad].
+    """
+    turns = []
+    for line in lines.passings(lines.wire.radius):
+        way = (line[:, :2] - centre) @ np.array([1.0, 1.0j]) * np.exp(-1j * towards)
+        polar = np.column_stack([np.abs(way) - radius, np.unwrap(np.angle(way))])
+        # A line past the centre is unwrapped to either side.
+        turns += [math.remainder(turn, math.tau) for turn in crossings(polar, 0.0)]
+    return min((turn for turn in turns if abs(turn) <= TURN_RAD), key=abs, default=None)
+
+
+def crossings(line: Array, at: float) -> list[float]:
+    """Return the second coordinates at which a line (n, 2) crosses a value of its first."""
+    first, second = line[:, 0] - at, line[:, 1]
+    i = np.flatnonzero((first[:-1] > 0) != (first[1:] > 0))
+    share = first[i] / (first[i] - first[i + 1])
+    found: list[float] = (second[i] + share * (second[i + 1] - second[i])).tolist()
+    return found
+
+
+def _height(picture: Picture, points: Array) -> float:
+    """Return the height that the depth camera sees around points (n, 3) [m], their median."""
+    return float(np.median(heights_at(picture, points)))
+
+
+def heights_at(picture: Picture, points: Array) -> Array:
+    """Return the heights (n,) [m] that a depth camera sees in directions of points (n, 3) [m]."""
+    return surface_at(picture, points)[:, 2]
+
+
+def surface_at(picture: Picture, points: Array) -> Array:
+    """Return what a depth camera sees in directions of points, both (n, 3) [m], world frame."""
+    assert picture.depth is not None, "the camera measures depth"
+    pixels = picture.view.project(points)
+    depths = _sample(picture.depth.astype(np.float32), pixels)
+    return picture.view.at_depth(pixels, depths)
+
+
+def _sample(image: npt.NDArray[np.float32], pixels: Array) -> Array:
+    u, v = pixels.astype(np.float32).T
+    return np.asarray(cv2.remap(image, u, v, cv2.INTER_LINEAR), np.float64).ravel()

@@ -1,0 +1,1 @@
+"""What a cell works on: panels, wires, frames, arms, cameras. Pure."""

@@ -1,0 +1,1 @@
+"""The design of a cell: robots, magazine, feeder, scrap bin."""

@@ -1,0 +1,235 @@
+"""A cell as a value: its arms and hands, its cameras, its feeder and its own fixtures.
+
+Everything stands in the world's frame, whose z = 0 is the plate's surface; the middle of the plate
+lies at `layout.WORLD_FROM_PANEL`. Components, sockets and wires are the panel's, not the cell's.
+"""
+
+from __future__ import annotations
+
+import math
+from collections import Counter
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from itertools import combinations
+
+from remodel_states.core.cell.cell_limits import CellLimits
+from remodel_work.camera import Lens, View
+from remodel_work.cell.feeding import Feeder
+from remodel_work.cell.magazine import LEAST_SLACK_M, Magazine
+from remodel_work.errors import AbilityError
+from remodel_work.panel import Duct, PanelClip
+from remodel_work.robot.arm import Arm, ToolPose
+from remodel_work.robot.kinematics import Kinematics
+
+# Two bases need this much room between them [m].
+BASES_APART_M = 0.50
+
+
+@dataclass(frozen=True)
+class Gripper:
+    """How a parallel hand grips; its fingers are the arm's.
+
+    Attributes:
+        grip_force: per finger at which closing stops [N].
+        pad_friction: Coulomb's, of the pads.
+    """
+
+    grip_force: float
+    pad_friction: float
+
+
+@dataclass(frozen=True)
+class WristCamera:
+    """A camera on the side of a hand that looks straight down; its name is part of its topics.
+
+    Attributes:
+        depth: whether it measures depth, beside colour.
+    """
+
+    name: str
+    lens: Lens
+    depth: bool = False
+
+
+@dataclass(frozen=True)
+class RobotDesign:
+    """An arm with a hand.
+
+    Attributes:
+        name: as goals name it, such as "robot_1".
+        arm: in its place.
+        home: where the empty hand goes, out of the overhead camera's picture.
+        gripper: its hand.
+        camera: on its hand.
+        prefix: put before the names of its frames and joints.
+        scrap_bin: where the hand drops wires into its scrap bin; None: beside the plate.
+        clearance: that motions keep to what stands on the plate [m]; None: they are not checked.
+    """
+
+    name: str
+    arm: Kinematics
+    home: ToolPose
+    gripper: Gripper
+    camera: WristCamera
+    prefix: str
+    scrap_bin: ToolPose | None = None
+    clearance: float | None = None
+
+
+@dataclass(frozen=True)
+class Table:
+    """What the plate lies on, to be seen only: its middle, and its size along x and y [m]."""
+
+    x: float
+    y: float
+    length: float
+    width: float
+
+
+@dataclass(frozen=True, eq=False)
+class CellDesign:
+    """All of a cell but its panel.
+
+    Attributes:
+        name: of the cell.
+        takes: the boards and wires that it can wire.
+        robots: one or two.
+        overhead: camera for colour and depth that sees the whole plate.
+        scene: camera for people.
+        table: under the plate.
+        feeder: lays wires; None where a magazine presents them.
+        clips, ducts: the cell's own, besides the panel's; panel frame.
+        magazine: presents wires beside the plate; None: the feeder does.
+        labels: whether components carry labels; else they are located by their shape.
+    """
+
+    name: str
+    takes: CellLimits
+    robots: tuple[RobotDesign, ...]
+    overhead: View
+    scene: View
+    table: Table
+    feeder: Feeder | None
+    clips: tuple[PanelClip, ...]
+    ducts: tuple[Duct, ...]
+    magazine: Magazine | None = None
+    labels: bool = True
+
+    @property
+    def arms(self) -> tuple[Kinematics, ...]:
+        """The robots' arms."""
+        return tuple(robot.arm for robot in self.robots)
+
+    @property
+    def camera_names(self) -> tuple[str, ...]:
+        """All cameras: from above, on the wrists, and for people."""
+        return ("overhead", *(robot.camera.name for robot in self.robots), "scene")
+
+
+def find_design_problems(design: CellDesign) -> tuple[str, ...]:
+    """Return every problem of a cell, one sentence each: place, found, allowed."""
+    return (
+        *_names(design),
+        *_axes(design),
+        *_fingers(design),
+        *_homes(design),
+        *_bases(design),
+        *_presenting(design),
+    )
+
+
+def _names(design: CellDesign) -> Iterator[str]:
+    groups = {
+        "name": [robot.name for robot in design.robots],
+        "camera.name": list(design.camera_names),
+        "prefix": [robot.prefix for robot in design.robots],
+    }
+    for what, names in groups.items():
+        for name, count in Counter(names).items():
+            if count > 1:
+                yield f"robots: {count} have {what} {name!r}; each needs its own"
+
+
+def _axes(design: CellDesign) -> Iterator[str]:
+    for i, robot in enumerate(design.robots):
+        axis = robot.arm.axis
+        if axis is not None and not axis.lower < axis.upper:
+            yield (
+                f"robots[{i}].axis: found lower {axis.lower}, upper {axis.upper}; allowed: lower "
+                "less than upper"
+            )
+
+
+def _fingers(design: CellDesign) -> Iterator[str]:
+    for i, robot in enumerate(design.robots):
+        fingers = robot.arm.fingers
+        place, eyelet = f"robots[{i}].gripper.fingers", fingers.eyelet
+        least = fingers.below
+        if eyelet is not None:
+            least += eyelet.above + eyelet.height / 2
+            lowest = round(eyelet.height / 2 + eyelet.bevel, 6)
+            if eyelet.above < lowest:
+                yield (
+                    f"{place}.eyelet.above: found {eyelet.above}; allowed: {lowest} or more: the "
+                    "pads below it and its bevel grip"
+                )
+        if fingers.pad_height < least:
+            yield (
+                f"{place}.pad_height: found {fingers.pad_height}; allowed: {least:.5g} or more: "
+                "from the tips to above the wire and the eyelet"
+            )
+        if fingers.pad_height > fingers.length:
+            yield f"{place}.pad_height: found {fingers.pad_height}; allowed: up to the length"
+
+
+def _homes(design: CellDesign) -> Iterator[str]:
+    for i, robot in enumerate(design.robots):
+        lower, higher = robot.arm.limits
+        wide: Sequence[tuple[float, float]] = ()
+        if isinstance(robot.arm, Arm):
+            lower, higher = lower[-7:], higher[-7:]
+            wide = tuple(zip(robot.arm.model.lower, robot.arm.model.higher, strict=True))
+        for j, (least, most) in enumerate(wide):
+            if not least <= lower[j] <= higher[j] <= most:
+                yield (
+                    f"robots[{i}].limits: joint {j + 1} has {lower[j]:.4f} to {higher[j]:.4f} rad; "
+                    f"allowed within {least:.4f} to {most:.4f} rad"
+                )
+        for name, tool in (("home", robot.home), ("scrap_bin", robot.scrap_bin)):
+            try:
+                if tool is not None:
+                    robot.arm.joints_for(tool)
+            except AbilityError as error:
+                yield f"robots[{i}].{name}: {error}"
+
+
+def _presenting(design: CellDesign) -> Iterator[str]:
+    magazine = design.magazine
+    if (magazine is None) == (design.feeder is None):
+        found = "both" if magazine is not None else "none"
+        yield f"feeder, magazine: found {found}; allowed: one of them"
+    if magazine is not None and magazine.y_max - magazine.y_min < magazine.span:
+        yield (
+            f"magazine: y_min {magazine.y_min:.3f} to y_max {magazine.y_max:.3f} m; a wire with a "
+            f"span of {magazine.span:.3f} m needs as much"
+        )
+    if magazine is None:
+        return
+    least, presented = design.takes.wire_length[0], magazine.span + LEAST_SLACK_M
+    if least < presented - 1e-9:
+        yield (
+            f"takes.wire_length.least: found {least:g} m; allowed: {presented:g} m or more, since "
+            "the magazine presents no shorter ones"
+        )
+
+
+def _bases(design: CellDesign) -> Iterator[str]:
+    standing = [robot for robot in design.robots if isinstance(robot.arm, Arm)]
+    for first, second in combinations(standing, 2):
+        (xa, ya, *_), (xb, yb, *_) = first.arm.base, second.arm.base
+        apart = math.hypot(xb - xa, yb - ya)
+        if apart < BASES_APART_M:
+            yield (
+                f"robots: the bases of {first.name!r} and {second.name!r} are {apart:.2f} m apart; "
+                f"allowed: {BASES_APART_M:.2f} m or more"
+            )

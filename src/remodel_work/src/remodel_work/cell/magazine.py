@@ -1,0 +1,137 @@
+r"""Where the magazine presents a wire: beside the plate, both ends held level, the rest hanging.
+
+Seen from the board, with the wire running from end a towards +y:
+
+      tip a                                         tip b
+        ====[clip]====[clip]       [clip]====[clip]====
+                         \            /
+                          \__________/      a loop that hangs below the table's level
+
+The tips point away from each other along y, so the loop stays in one upright plane and clear of the
+robot. The clips let an end out upwards, and are drawn in once a hand has it.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import numpy as np
+
+from remodel_work.cell.presentation import Presentation
+from remodel_work.component_shape import Box
+from remodel_work.fixtures import SLOPE_LENGTH_M
+from remodel_work.geometry import Pose
+from remodel_work.layout import WORLD_FROM_PANEL, feed_direction
+from remodel_work.panel import Panel, PanelClip, PanelWire, WireEnd
+
+RGB = (0.16, 0.45, 0.30)
+# Slim fingers grasp an end so far behind its tip [m]: farther off they do not fit between a device
+# and the duct before it, nearer they would touch the device before the end is at its bottom.
+GRASP_M, LEAST_GRASP_M = 0.025, 0.0215
+# Clips hold each end so far behind its tip, their middles [m]: two, so that it lies level; the
+# fingers grasp before them.
+CLIPS_M = (0.044, 0.090)
+CLIP_LENGTH_M = 0.008
+# Fingers keep so far from where a clip may be [m].
+BESIDE_CLIP_M = 0.0005
+# A clip's wire lies so far above its foot [m].
+FOOT_M = 0.010
+# A clip lets the wire out at this force [N], or at so much per bending stiffness [1/m^2] if that is
+# more: the stiffer a wire, the more its loop levers its end up.
+RETENTION_N = 4.0
+RETENTION_PER_STIFFNESS = 1.6e3
+# A stop before the tip, from and to [m]: the loop of a short wire would push its ends outwards.
+STOP_M = (0.001, 0.004)
+# A wire is at least so much longer than the span, and hangs a little [m].
+LEAST_SLACK_M = 0.02
+# Ends are presented so exactly: along the wire, and in every other direction [m], at most.
+ALONG_TOLERANCE_M = 0.002
+ASIDE_TOLERANCE_M = 0.001
+
+
+@dataclass(frozen=True)
+class Magazine:
+    """How a cell's magazine presents wires; world frame.
+
+    Attributes:
+        x: of both ends [m].
+        height: of the ends' axes above the plate's surface [m].
+        span: from tip to tip [m].
+        y_min, y_max: within which both tips lie [m].
+    """
+
+    x: float
+    height: float
+    span: float
+    y_min: float
+    y_max: float
+
+
+def plan_presentation(magazine: Magazine, panel: Panel, wire: PanelWire) -> Presentation:
+    """Return where a wire is presented: as near to end a's terminal as the magazine can."""
+    y_a, y_b = (
+        float((WORLD_FROM_PANEL @ panel.panel_from_socket(*wire.goes_to(end))).position[1])
+        for end in WireEnd
+    )
+    direction = feed_direction(y_a, y_b)
+    half = magazine.span / 2
+    middle = min(max(y_a, magazine.y_min + half), magazine.y_max - half)
+    tips = {
+        end: Pose.level(magazine.x, middle + out * half, magazine.height, out * math.pi / 2)
+        for end, out in ((WireEnd.A, -direction), (WireEnd.B, direction))
+    }
+    return Presentation(tips, direction)
+
+
+def find_wire_problems(panel: Panel) -> Iterator[str]:
+    """Yield a sentence for every wire that cannot be presented."""
+    for wire in panel.wires:
+        if wire.connectors:
+            yield f"wire {wire.id!r} has a connector; the cell's magazine holds ferrules only"
+
+
+def disturbed(tip: Pose, noise: np.random.Generator) -> Pose:
+    """Return where a tip that should be at a pose really is."""
+    along = noise.uniform(-ALONG_TOLERANCE_M, ALONG_TOLERANCE_M)
+    aside, up = noise.uniform(-ASIDE_TOLERANCE_M, ASIDE_TOLERANCE_M, 2)
+    return tip @ Pose.level(along, aside, up)
+
+
+def fork_clips(wire: PanelWire, tip: Pose) -> tuple[tuple[PanelClip, Pose], ...]:
+    """Return the clips that hold an end whose tip is at a pose, and each one's pose beside it."""
+    foot = FOOT_M + wire.radius
+    clip = PanelClip(
+        id="",
+        pose=(0.0, 0.0, 0.0),
+        wire_diameter=wire.diameter,
+        height=foot,
+        length=CLIP_LENGTH_M,
+        retention_force=max(RETENTION_N, RETENTION_PER_STIFFNESS * wire.bending_stiffness),
+    )
+    return tuple((clip, tip @ Pose.level(-back, 0.0, -foot)) for back in CLIPS_M)
+
+
+def grasp_before_clips(slid: float, finger_width: float) -> float:
+    """Return where an end is grasped, from its tip [m], between the tip and the clips.
+
+    Args:
+        slid: how far the end is behind the place where it is presented [m].
+        finger_width: along the wire [m].
+    """
+    clip_from = CLIPS_M[0] - CLIP_LENGTH_M / 2 - SLOPE_LENGTH_M - ALONG_TOLERANCE_M - slid
+    room = clip_from - BESIDE_CLIP_M - finger_width / 2
+    return min(GRASP_M, max(LEAST_GRASP_M, room))
+
+
+def stop_box(wire: PanelWire) -> Box:
+    """Return the stop before a tip, in the frame of the tip, z up."""
+    near, far = STOP_M
+    size = (far - near, wire.diameter, wire.diameter)
+    return Box(((near + far) / 2, 0.0, 0.0), size, RGB)
+
+
+def held_length() -> float:
+    """Return how much of the wire, from each tip, lies level [m]."""
+    return CLIPS_M[-1] + CLIP_LENGTH_M / 2

@@ -1,0 +1,1 @@
+"""Arms: kinematics, limits, volume."""

@@ -1,0 +1,98 @@
+"""Which fixtures of the panel a wire runs through where it is laid."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, replace
+from itertools import pairwise
+
+import numpy as np
+import numpy.typing as npt
+
+from remodel_work.geometry import Array, Pose, wrap_angle
+from remodel_work.layout import WORLD_FROM_PANEL
+from remodel_work.panel import Duct, Panel, PanelClip
+
+# A clip whose middle is so near to a wire's line, and that points so nearly along it, is its clip.
+CLIP_ASIDE_M = 0.010
+CLIP_TURN_RAD = math.radians(15.0)
+# Places in a duct that are checked are so far apart [m].
+DUCT_STEP_M = 0.02
+
+
+def world_from_clip(clip: PanelClip) -> Pose:
+    """Return a clip's frame in the world."""
+    return WORLD_FROM_PANEL @ clip.panel_from_clip
+
+
+def clips_along(path: tuple[Pose, ...], panel: Panel) -> tuple[PanelClip, ...]:
+    """Return the clips that straight lines from pose to pose of a path pass, in their order.
+
+    A clip may point either way along the wire; those returned point along the path.
+    """
+    lines = tuple(_lines(path))
+    found = [passing for clip in panel.clips if (passing := _first_passing(clip, lines))]
+    return tuple(clip for _, _, clip in sorted(found, key=lambda passing: passing[:2]))
+
+
+def _first_passing(clip: PanelClip, lines: Sequence[_Line]) -> tuple[int, float, PanelClip] | None:
+    """Return the first line that passes a clip, how far along it, and the clip along the line."""
+    place = world_from_clip(clip)
+    for i, line in enumerate(lines):
+        x, y, _ = line.frame.inverse().apply(place.position)
+        turned = abs(wrap_angle(place.yaw - line.frame.yaw))
+        if not 0 <= x < line.length or abs(y) > CLIP_ASIDE_M:
+            continue
+        if turned < CLIP_TURN_RAD:
+            return i, float(x), clip
+        if math.pi - turned < CLIP_TURN_RAD:
+            return i, float(x), _turned(clip)
+    return None
+
+
+def _turned(clip: PanelClip) -> PanelClip:
+    x, y, yaw = clip.pose
+    return replace(clip, pose=(x, y, yaw + math.pi))
+
+
+def step_in(duct: Duct) -> float:
+    """Return how far apart the places are that are checked in a duct [m], about DUCT_STEP_M."""
+    return duct.length / max(1, round(duct.length / DUCT_STEP_M))
+
+
+def places_in(duct: Duct, path: tuple[Pose, ...]) -> tuple[Pose, ...]:
+    """Return frames along the middle of a duct, where the path runs in it; x along it, world frame.
+
+    They are `step_in` the duct apart.
+    """
+    middle = WORLD_FROM_PANEL @ duct.panel_from_duct
+    step = step_in(duct)
+    along = np.arange(step / 2, duct.length, step) - duct.length / 2
+    places = [middle @ Pose.level(float(x), 0.0, 0.0) for x in along]
+    middles = np.array([place.position for place in places])
+    passed = [_passes(line, middles, middle.yaw, duct) for line in _lines(path)]
+    return tuple(place for place, *by in zip(places, *passed, strict=True) if any(by))
+
+
+@dataclass(frozen=True, eq=False)
+class _Line:
+    """A straight part of a path: x along it from its start."""
+
+    frame: Pose
+    length: float
+
+
+def _lines(path: tuple[Pose, ...]) -> Iterator[_Line]:
+    for start, end in pairwise(path):
+        x, y = (float(v) for v in (end.position - start.position)[:2])
+        if x or y:
+            here = Pose.level(0.0, 0.0, 0.0, math.atan2(y, x))
+            yield _Line(Pose(start.position, here.quaternion), math.hypot(x, y))
+
+
+def _passes(line: _Line, places: Array, yaw: float, duct: Duct) -> npt.NDArray[np.bool_]:
+    """Return which places (n, 3) [m] in a duct, all turned by a yaw, a line passes along it."""
+    x, y, _ = line.frame.inverse().apply(places).T
+    turned = abs(wrap_angle(2 * (yaw - line.frame.yaw)) / 2)
+    return (x >= 0) & (x < line.length) & (abs(y) < duct.width / 2) & (turned < math.pi / 4)
