@@ -34,7 +34,7 @@ CORES |= {
     "remodel_states": "core",
 }
 # Packages that are pure but for these rooms.
-PURE = {"remodel_work", "remodel_vision"}
+PURE = {"remodel_work", "remodel_vision", "remodel_skills"}
 ROS_ROOMS = {"ros", "commands"}
 # The rooms of a core, each above the rooms that it may import.
 LAYERS = {
@@ -81,7 +81,14 @@ MAY_IMPORT = {
     "remodel_behaviors": {"flexbe_core", "flexbe_states", "remodel_states"},
     "remodel_work": {"remodel_states"},
     "remodel_vision": {"flexbe_core", "remodel_states", "remodel_work"},
-    "remodel_sim": {"flexbe_core", "remodel_states", "remodel_work", "remodel_vision"},
+    "remodel_skills": {"remodel_states", "remodel_work", "remodel_vision"},
+    "remodel_sim": {
+        "flexbe_core",
+        "remodel_states",
+        "remodel_work",
+        "remodel_vision",
+        "remodel_skills",
+    },
     "remodel_robot": {"flexbe_core", "remodel_states"},
     "remodel_production": {"remodel_states"},
     "remodel_planning": {"remodel_production", "flexbe_synthesizer", "remodel_states"},
@@ -332,10 +339,11 @@ def test_only_the_room_physics_knows_pybullet():
             assert not {top for top in tops if top.startswith("pybullet")}, name
 
 
-def test_abilities_never_ask_for_the_truth():
+def test_skills_reach_the_physics_only_through_the_device_port():
     for name, path in modules("remodel_sim").items():
-        if room(name) == "abilities":
-            assert "remodel_sim.physics.truth" not in set(imported_names(path)), name
+        if room(name) in ("abilities", "core"):
+            physics = {n for n in imported_names(path) if n.startswith("remodel_sim.physics")}
+            assert not physics, name
 
 
 def definitions():

@@ -180,7 +180,7 @@ class Trial:
             if grip is None:
                 continue
             tip, out = plant.live.cable.tip(grip.end)
-            tool = context.tool
+            tool = context.device.arm.tool
             yaw = tool.yaw + grip.flip
             along = np.array([math.cos(yaw), math.sin(yaw), 0.0])
             off = tip - tool.position

@@ -17,12 +17,12 @@ from force_record import recorded
 
 from remodel_sim.abilities.check_connection import check_connection
 from remodel_sim.abilities.discard_cable import discard_cable
-from remodel_sim.abilities.primitives.force_motion import ForceMotion
 from remodel_sim.abilities.primitives.grasping import release
 from remodel_sim.abilities.primitives.motions import HAND_OPEN_M, rise
 from remodel_sim.cell import Cell
 from remodel_sim.core import goals
 from remodel_sim.physics.truth import ground_truth, lies_in
+from remodel_skills.force_control import ForceLoop
 from remodel_states.core.codes import Code
 from remodel_states.core.wires.wire_colours import DISTINCT_COLOURS
 from remodel_work.errors import AbilityError
@@ -87,11 +87,11 @@ def run(trial: Trial) -> Outcome:
     """
     with recorded() as records:
         outcome = _run(trial)
-    highest: dict[ForceMotion, float] = {}
+    highest: dict[ForceLoop, float] = {}
     for each in records:
-        highest[each.motion] = max(each.limit, highest.get(each.motion, 0.0))
+        highest[each.loop] = max(each.limit, highest.get(each.loop, 0.0))
     pushes = tuple(
-        (r.limit, r.peak, r.motion.peak if r.limit == highest[r.motion] else 0.0, r.allowed)
+        (r.limit, r.peak, r.loop.peak if r.limit == highest[r.loop] else 0.0, r.allowed)
         for r in records
     )
     return replace(outcome, pushes=pushes)

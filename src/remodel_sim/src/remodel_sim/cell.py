@@ -16,6 +16,7 @@ from remodel_sim.core.goals.demands import find_demand_problems
 from remodel_sim.core.robot.traffic import Traffic
 from remodel_sim.edge.cell_file import read_cell
 from remodel_sim.edge.cell_memory import CellMemory
+from remodel_sim.physics.device import device_of
 from remodel_sim.physics.plant import Plant
 from remodel_states.core.codes import Code
 from remodel_states.core.goal_owner import NO_OWNER
@@ -69,7 +70,14 @@ class Cell:
         for robot in self.plant.design.robots:
             own = belief if robot is first else belief.beside(robot.name, robot.arm)
             robots[robot.name] = RobotContext(
-                self.plant, robot, own, robots, traffic=traffic, observers=self._observers
+                device_of(self.plant, robot),
+                self.plant.design,
+                robot,
+                self.plant.panel,
+                own,
+                robots,
+                traffic=traffic,
+                observers=self._observers,
             )
         return robots
 
@@ -193,7 +201,7 @@ class Cell:
         """Run an ability of some robots, the first by default; raises what it raises."""
         contexts = [self.contexts[robot] for robot in robots] or [self.context]
         try:
-            return run(self.plant, self.context, occupy(contexts, steps))
+            return run(self.plant.tick, occupy(contexts, steps))
         finally:
             self.come_to_rest()
 

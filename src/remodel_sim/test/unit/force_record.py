@@ -3,8 +3,8 @@
 from contextlib import contextmanager
 from dataclasses import dataclass, field
 
-from remodel_sim.abilities.primitives.force_motion import ForceMotion
 from remodel_sim.physics.robot import Robot
+from remodel_skills.force_control import ForceLoop
 
 # The force is recorded for so long after the last command of a push [s].
 AFTER_S = 0.05
@@ -16,14 +16,14 @@ class ForceRecord:
 
     Attributes:
         limit: its force limit [N].
-        motion: what controls it.
+        loop: what controls it.
         forces: on the hand against the motion, of each step [N].
         low_passed: the same, as the sensor says [N].
         since_s: time since the last command [s].
     """
 
     limit: float
-    motion: ForceMotion
+    loop: ForceLoop
     forces: list[float] = field(default_factory=list)
     low_passed: list[float] = field(default_factory=list)
     since_s: float = 0.0
@@ -47,10 +47,10 @@ def recorded():
     drive_by, sense = Robot.drive_by, Robot._sense
 
     def begin(robot, controller):
-        motion = controller.__self__
-        limit, now = motion._control.limit, current.get(robot)
-        if now is None or now.motion is not motion or now.limit != limit:
-            current[robot] = ForceRecord(limit, motion)
+        loop = controller.__self__
+        limit, now = loop.control.limit, current.get(robot)
+        if now is None or now.loop is not loop or now.limit != limit:
+            current[robot] = ForceRecord(limit, loop)
             records.append(current[robot])
         current[robot].since_s = 0.0
         drive_by(robot, controller)
@@ -63,7 +63,7 @@ def recorded():
         now.since_s += robot._time_step
         rotation = robot.world_from_hand.rotation
         for felt, to in ((robot.read_wrist(), now.forces), (robot.wrist_force, now.low_passed)):
-            to.append(float((rotation @ felt - now.motion._free) @ now.motion._along))
+            to.append(float((rotation @ felt - now.loop.free) @ now.loop.along))
 
     Robot.drive_by, Robot._sense = begin, record
     try:

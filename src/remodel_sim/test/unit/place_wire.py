@@ -75,7 +75,7 @@ def carry(cell, wire, channel):
     """Pick end b and route it along the channel to beside its terminal."""
     do(cell, pick_cable, goals.PickGoal(ROBOT, wire, WireEnd.B, 0.0))
     context = cell.context
-    tool, direction = context.tool, context.belief.feed.direction
+    tool, direction = context.device.arm.tool, context.belief.feed.direction
     x = float(WORLD_FROM_PANEL.position[0]) + context.panel.channel(channel).x
     target = context.panel.wire(wire).goes_to(WireEnd.B)
     y = float((WORLD_FROM_PANEL @ context.panel.panel_from_socket(*target)).position[1])

@@ -128,7 +128,7 @@ def test_a_stopped_ability_leaves_a_scene_that_the_next_one_can_use(cell):
     steps = do.insert_cable(cell.context, goal)
     while cell.context.progress.message != "pushing":
         next(steps)
-        for _ in range(cell.context.steps_per_tick):
+        for _ in range(cell.plant.steps_per_tick):
             cell.plant.step()
     for _ in range(10):
         next(steps)

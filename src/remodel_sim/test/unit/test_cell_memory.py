@@ -8,7 +8,7 @@ from remodel_msgs.msg import FixCableGoal
 from stored import put, put_live
 
 from remodel_sim.abilities.ability import cell_abilities
-from remodel_sim.abilities.execution.runner import advance
+from remodel_sim.abilities.primitives.taking_up import take_up
 from remodel_sim.cell import Cell
 from remodel_sim.core.errors import MemoryFileError
 from remodel_sim.edge.cell_memory import CellMemory
@@ -36,7 +36,7 @@ def memory(tmp_path):
 def test_a_placed_wire_is_there_after_the_cell_was_killed(memory):
     cell = Cell(panel(), seed=1, memory=memory)
     put(cell, "W1", *WireEnd)
-    cell.context.make_live("W1")
+    take_up(cell.context, "W1")
     cell.come_to_rest()
     before = ground_truth(cell.plant, ["W1"])
     assert [truth.placed for truth in before] == [True]
@@ -90,7 +90,7 @@ def test_a_wire_whose_last_end_is_reported_fixed_is_there_after_a_kill_at_that_m
     )
     with pytest.raises(KilledError, match="end b of W1 fixed"):
         while not job.step():
-            advance(cell.plant, cell.context)
+            cell.plant.tick()
     cell.close()
 
     again = Cell(panel(), seed=1, memory=memory)

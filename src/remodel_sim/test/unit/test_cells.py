@@ -83,7 +83,7 @@ def test_two_arms_work_at_once_and_keep_apart(cell):
     pick = pick_cable(two, goals.PickGoal("robot_2", "W1", WireEnd.B, 0.0))
     gaps = []
     both = concurrently(occupy([one], locate), occupy([two], pick))
-    located, _ = run(cell.plant, one, watched(cell, both, gaps))
+    located, _ = run(cell.plant.tick, watched(cell, both, gaps))
     assert located.socket_pose is not None
     assert two.belief.grip is not None and one.belief.grip is None
     assert min(gaps) > 0.03, "what the claims keep free"
@@ -170,7 +170,7 @@ def test_two_arms_in_each_others_way_do_not_wait_forever(cell):
         occupy([two], move_to(two, ToolPose(0.50, -0.2, 0.2, 3.0), 0.6)),
     )
     with pytest.raises(AbilityError, match="in each other's way") as caught:
-        run(cell.plant, one, crossing)
+        run(cell.plant.tick, crossing)
     assert caught.value.code is Code.ROBOT_IN_THE_WAY
     assert not one.busy and not two.busy
 

@@ -52,7 +52,7 @@ def beside(cell, y):
 def test_a_wire_lies_low_between_the_pads_that_are_to_press_it_down(height):
     cell = with_wire(formboard(0), 0.50, 0.0, {-0.040: height, 0.040: height})
     cell.run(grip_from_above(cell.context, Pose.level(0.50, 0.0, 0.0015, np.pi / 2)))
-    tips = cell.context.tool.z - cell.context.fingers.below
+    tips = cell.context.device.arm.tool.z - cell.context.fingers.below
     assert 0 < beside(cell, 0.0)[1] - tips < 0.005
     cell.close()
 

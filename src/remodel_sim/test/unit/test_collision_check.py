@@ -194,7 +194,9 @@ def test_a_blocked_line_leads_over_the_obstacle(cell):
     travel(cell, beside_x2(-1))
     heights = travel(cell, beside_x2(1))
     assert max(heights) == pytest.approx(LIFTS_Z[0], abs=1e-6)
-    np.testing.assert_allclose(cell.context.tool.position, beside_x2(1).position, atol=1e-3)
+    np.testing.assert_allclose(
+        cell.context.device.arm.tool.position, beside_x2(1).position, atol=1e-3
+    )
     assert not cell.plant.world.bullet.getContactPoints(cell.plant.robots["robot_1"].body)
 
 
@@ -221,17 +223,17 @@ def test_a_blocked_straight_line_is_refused_though_a_way_over_it_is_free(cell):
 def test_a_planned_contact_is_allowed_by_name(cell):
     context = cell.context
     line = Line(beside_x2(-1), at(0.58, 0.12, 0.03), 0.1)
-    assert context.first_touch(line.between, line.distance, frozenset()).solid == X2
-    assert context.first_touch(line.between, line.distance, frozenset([X2])) is None
+    assert context.scene.first_touch(line.between, line.distance, frozenset()).solid == X2
+    assert context.scene.first_touch(line.between, line.distance, frozenset([X2])) is None
 
 
 def test_the_held_end_is_taken_from_the_belief(cell):
     context, belief = cell.context, cell.context.belief
     belief.feed = Feed("W1", "A", 1)
     line = Line(at(0.48, 0.12, 0.03), at(0.53, 0.12, 0.03), 0.1)
-    assert context.first_touch(line.between, line.distance, frozenset()) is None
+    assert context.scene.first_touch(line.between, line.distance, frozenset()) is None
     belief.grip = Grip(WireEnd.A, distance=0.045, height=0.0, flip=0.0, tool=line.start)
-    found = context.first_touch(line.between, line.distance, frozenset())
+    found = context.scene.first_touch(line.between, line.distance, frozenset())
     assert found.part == "the held end of 'W1'"
     belief.grip, belief.feed = None, None
 
@@ -239,5 +241,5 @@ def test_the_held_end_is_taken_from_the_belief(cell):
 def test_a_cell_without_a_clearance_checks_nothing():
     made = Cell(panel())
     inside = Line(at(0.5, 0.12, 0.10), at(0.58, 0.12, 0.03), 0.1)
-    assert made.context.first_touch(inside.between, inside.distance, frozenset()) is None
+    assert made.context.scene.first_touch(inside.between, inside.distance, frozenset()) is None
     made.close()

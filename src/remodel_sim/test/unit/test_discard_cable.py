@@ -10,6 +10,7 @@ from stored import put, put_live, shape_of, stored
 
 from remodel_sim.abilities.discard_cable import discard_cable
 from remodel_sim.abilities.primitives import carrying
+from remodel_sim.abilities.primitives.taking_up import take_up
 from remodel_sim.cell import Cell
 from remodel_sim.core.belief.belief_state import EndState
 from remodel_sim.core.goals import DiscardGoal
@@ -37,7 +38,7 @@ def assert_gone(cell, wire):
     assert wire not in [held[0] for held in belief.occupied.values()]
     assert ground_truth(cell.plant, [wire]) == []
     half = cell.context.panel.size[1] / 2
-    assert abs(cell.context.tool.y) > half + 0.05, "it was dropped beyond the plate"
+    assert abs(cell.context.device.arm.tool.y) > half + 0.05, "it was dropped beyond the plate"
 
 
 @pytest.mark.physics
@@ -49,13 +50,13 @@ def test_a_piece_that_lies_in_its_channel_is_dropped_into_the_bin(seed):
     steps = discard_cable(cell.context, goal)
     while cell.context.progress.message != "dropping the wire":
         next(steps)
-        for _ in range(cell.context.steps_per_tick):
+        for _ in range(cell.plant.steps_per_tick):
             cell.plant.step()
         assert cell.plant.live is not None, "it leaves the world over the bin only"
     for _ in steps:
         is_known = "W1" in cell.context.belief.fed
         assert (cell.plant.live is not None) == is_known, "a cancel may come now"
-        for _ in range(cell.context.steps_per_tick):
+        for _ in range(cell.plant.steps_per_tick):
             cell.plant.step()
     assert_gone(cell, "W1")
     assert discard(cell, "W1").message == "no piece of W1 is in the cell"
@@ -102,7 +103,7 @@ def test_a_placed_wire_is_released_and_discarded_by_a_cell_that_was_restarted(tm
 @pytest.mark.physics
 def test_a_placed_wire_is_extracted_and_discarded(cell):
     put(cell, "W1", *WireEnd)
-    cell.context.make_live("W1")
+    take_up(cell.context, "W1")
     do.extract(cell, "W1", "X2", "1", socket=do.locate(cell, "X2", "1"))
     (truth,) = ground_truth(cell.plant, ["W1"])
     assert truth.a.seated and truth.a.fixed and truth.b.at == ""
@@ -127,10 +128,13 @@ def test_a_wire_that_falls_before_the_bin_is_seen_to_lie_there(cell, monkeypatch
             while True:
                 next(steps)
                 if not context.progress.message.startswith("carrying"):
-                    begun = context.tool
-                elif np.linalg.norm((context.tool.position - begun.position)[:2]) > CARRIED_M:
+                    begun = context.device.arm.tool
+                elif (
+                    np.linalg.norm((context.device.arm.tool.position - begun.position)[:2])
+                    > CARRIED_M
+                ):
                     context.drive_fingers(carrying.HAND_OPEN_M)
-                for _ in range(context.steps_per_tick):
+                for _ in range(cell.plant.steps_per_tick):
                     cell.plant.step()
     assert caught.value.code is Code.GRASP_SLIPPED
     assert cell.plant.live is not None and "W1" in context.belief.fed

@@ -79,11 +79,11 @@ def test_a_bumped_camera_shows_the_plate_from_elsewhere_than_it_says(cell):
 
 
 def test_less_light_darkens_the_pictures_until_the_panel_is_rebuilt(cell):
-    usual = cell.context.take_wrist_picture().rgb.mean()
+    usual = cell.context.cameras.take_wrist_picture().rgb.mean()
     cell.plant.disturb("light_changed", "", [0.5])
-    assert cell.context.take_wrist_picture().rgb.mean() == pytest.approx(usual / 2, rel=0.1)
+    assert cell.context.cameras.take_wrist_picture().rgb.mean() == pytest.approx(usual / 2, rel=0.1)
     cell.reset()
-    assert cell.context.take_wrist_picture().rgb.mean() == pytest.approx(usual, rel=0.1)
+    assert cell.context.cameras.take_wrist_picture().rgb.mean() == pytest.approx(usual, rel=0.1)
 
 
 @pytest.mark.physics

@@ -2,7 +2,7 @@
 
 import pytest
 
-from remodel_sim.core.robot.force_control import ForceControl
+from remodel_skills.force_control import ForceControl
 
 SPEED = 0.02
 

@@ -143,7 +143,7 @@ def test_an_end_that_has_slid_back_into_its_clips_is_grasped_before_them():
     do(cell, detect_cable, goals.DetectGoal(WIRE))
     pick = goals.PickGoal(HOLDER, WIRE, WireEnd.B, 0.0)
     cell.run(pick_cable(cell.contexts[HOLDER], pick), HOLDER)
-    tool, tip = cell.contexts[HOLDER].tool, cable.tip(WireEnd.B)[0]
+    tool, tip = cell.contexts[HOLDER].device.arm.tool, cable.tip(WireEnd.B)[0]
     assert LEAST_GRASP_M - 0.002 < tip[1] - tool.y < GRASP_M - 0.001
     cell.close()
 

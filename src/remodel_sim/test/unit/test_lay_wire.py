@@ -36,10 +36,12 @@ from remodel_sim.abilities.primitives.observation.duct_check import (
     check_ducts,
     inspect_ducts,
 )
+from remodel_sim.abilities.primitives.taking_up import take_up
 from remodel_sim.cell import Cell
 from remodel_sim.core import goals
 from remodel_sim.edge.cell_file import read_cell
 from remodel_sim.physics import truth
+from remodel_sim.physics.device import SimulatedGripper
 from remodel_sim.physics.wires.parked_wire import draw_parked
 from remodel_sim.ros.conversions import read_panel
 from remodel_states.core.codes import Code
@@ -156,7 +158,7 @@ def along(route, height):
 
 def before(cell):
     """Return a picture of the board as it is."""
-    picture = cell.context.take_overhead_picture()
+    picture = cell.context.cameras.take_overhead_picture()
     assert picture.depth is not None
     return picture
 
@@ -186,7 +188,7 @@ def test_two_hands_take_a_short_wire_and_insert_its_first_end():
     (found,) = truth.ground_truth(cell.plant, [SHORT])
     assert found.a.seated
     grips = [cell.contexts[robot].belief.grip for robot in (GUIDE, HOLDER)]
-    tools = [cell.contexts[robot].tool.position for robot in (GUIDE, HOLDER)]
+    tools = [cell.contexts[robot].device.arm.tool.position for robot in (GUIDE, HOLDER)]
     free = cell.plant.panel.wire(SHORT).length - sum(grip.distance for grip in grips)
     assert np.linalg.norm(tools[0] - tools[1]) < STRAIGHT * free
     cell.close()
@@ -236,7 +238,9 @@ def test_a_wire_is_led_into_its_ducts_over_one_that_lies_there(monkeypatch):
     at = guide.commanded
     kept = at.position[:2] - corner[:2]
     assert np.linalg.norm(kept - leading.CORNER_M * onward) < 1e-3
-    assert guide.finger_gap < leading.HAND_OPEN_M / 2, "its eyelet is closed around the wire there"
+    assert guide.device.gripper.gap < leading.HAND_OPEN_M / 2, (
+        "its eyelet is closed around the wire there"
+    )
     grip = holder.belief.grip
     assert grip is not None, "the holder keeps the free end"
     tip_yaw = holder.commanded.yaw + grip.flip
@@ -261,7 +265,7 @@ def test_a_wire_that_is_kept_in_its_duct_is_let_go_before_it_is_discarded():
     lay_from_b(cell)
     steps = discard_cable(cell.contexts[HOLDER], goals.DiscardGoal(HOLDER, WIRE))
     cell.run(steps, HOLDER)
-    assert cell.contexts[GUIDE].finger_gap > leading.HAND_OPEN_M
+    assert cell.contexts[GUIDE].device.gripper.gap > leading.HAND_OPEN_M
     assert cell.plant.live is None
     cell.close()
 
@@ -278,7 +282,7 @@ def test_a_wire_that_lies_in_the_notch_of_an_open_finger_is_shed():
     cell.run(leading.move_to(guide, beside, leading.LEAVE_SPEED, leading.in_ducts(guide)), GUIDE)
     cell.run(leading.let_go(guide), GUIDE)
     assert guide.commanded == beside.at(z=leading.TRAVEL_Z)
-    away = np.linalg.norm(cell.plant.live.cable.nodes() - guide.tool.position, axis=1)
+    away = np.linalg.norm(cell.plant.live.cable.nodes() - guide.device.arm.tool.position, axis=1)
     assert away.min() > SHED_M
     cell.close()
 
@@ -319,7 +323,7 @@ def arched(cell):
     holder = cell.contexts[HOLDER]
     picture = before(cell)
     cell.plant.parked[SHORT] = shape_of(cell, SHORT, *WireEnd)
-    holder.make_live(SHORT)
+    take_up(holder, SHORT)
     moved = math.inf
     while moved > STILL_M:
         nodes = cell.plant.live.cable.nodes()
@@ -342,7 +346,7 @@ def test_a_wire_that_arches_over_its_last_corner_is_tucked_in(monkeypatch):
     assert share >= was + TUCKED, "the physics"
     assert found.share == pytest.approx(share, abs=0.15), "the picture from above"
     assert sheds(targets)
-    assert holder.finger_gap > tucking.HAND_OPEN_M
+    assert holder.device.gripper.gap > tucking.HAND_OPEN_M
     assert holder.commanded.z >= tucking.TRAVEL_Z
     cell.close()
 
@@ -421,14 +425,14 @@ def test_a_wire_that_resists_is_brought_down_no_farther(monkeypatch):
     open_fingers, opened_at = leading.open_fingers, []
 
     def noted(context, opening):
-        opened_at.append(context.tool.z)
+        opened_at.append(context.device.arm.tool.z)
         return open_fingers(context, opening)
 
     monkeypatch.setattr(leading, "open_fingers", noted)
     cell.run(tuck_in(holder), HOLDER)
     (height,) = opened_at
     assert height > tucking.DOWN_M + WELL_ABOVE_M
-    assert holder.finger_gap > tucking.HAND_OPEN_M
+    assert holder.device.gripper.gap > tucking.HAND_OPEN_M
     assert holder.commanded.z >= tucking.TRAVEL_Z
     cell.close()
 
@@ -450,7 +454,7 @@ def test_fingers_that_close_beside_a_wire_press_nothing_down(monkeypatch):
     was = truth.share_in_ducts(cell.plant, SHORT)
     cell.run(tuck_in(holder), HOLDER)
     assert truth.share_in_ducts(cell.plant, SHORT) == pytest.approx(was, abs=0.1)
-    assert holder.finger_gap > tucking.HAND_OPEN_M
+    assert holder.device.gripper.gap > tucking.HAND_OPEN_M
     assert holder.commanded.z >= tucking.TRAVEL_Z
     cell.close()
 
@@ -685,7 +689,7 @@ def test_the_uppermost_of_two_wires_beside_each_other_is_taken():
     cell.plant.parked[ALIKE] = ParkedWire(lower, frozenset())
     cell.plant.parked[UNLIKE] = ParkedWire(upper, frozenset())
     cell.feed(WIRE, "")
-    picture = cell.context.take_overhead_picture()
+    picture = cell.context.cameras.take_overhead_picture()
     lower_seen, upper_seen = (
         WireLines(picture, cell.plant.panel.wire(name)) for name in (ALIKE, UNLIKE)
     )
@@ -718,7 +722,7 @@ def test_the_highest_of_several_wires_of_one_colour_is_taken_not_the_nearest():
         line = along(route_of(cell), height) + np.array([aside, 0.0, 0.0])
         cell.plant.parked[name] = ParkedWire(line, frozenset())
     cell.feed(WIRE, "")
-    seen = WireLines(cell.context.take_overhead_picture(), own)
+    seen = WireLines(cell.context.cameras.take_overhead_picture(), own)
     x, y, _ = route_of(cell)[1:3].mean(axis=0)
     place = Pose.level(float(x), float(y), 0.070, math.pi / 2)
     passing = uppermost_past(place, SEARCH_M, seen)
@@ -827,7 +831,7 @@ def test_a_steep_wire_is_taken_where_it_is_seen_and_lets_the_pads_close_later(mo
     guide = cell.context
     cell.feed(WIRE, "")
     tool = ToolPose(*map(float, route_of(cell)[1]), 0.0)
-    monkeypatch.setattr(RobotContext, "finger_gap", 0.003)
+    monkeypatch.setattr(SimulatedGripper, "gap", 0.003)
     cell.run(_take(guide, tool, is_seen=True), GUIDE)
     assert guide.commanded.z == pytest.approx(tool.z - STEP_DOWN_M)
     with pytest.raises(AbilityError, match=r"3\.0 mm apart; draw it out") as caught:
@@ -842,7 +846,7 @@ def test_the_board_is_remembered_as_it_was_before_the_wire_was_touched():
     cell = cell_of()
     hold_an_end(cell)
     (picture,) = cell.context.belief.untouched
-    cell.context.take_overhead_picture()
+    cell.context.cameras.take_overhead_picture()
     assert cell.contexts[GUIDE].belief.untouched == [picture], "the wire is in the hand"
     cell.context.belief.start_wire(cell.context.belief.feed, {})
     assert not cell.context.belief.untouched, "another wire was fed"

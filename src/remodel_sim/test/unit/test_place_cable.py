@@ -44,7 +44,7 @@ def test_an_end_that_is_pushed_in_is_drawn_out_and_can_be_picked_again(cell):
     do(cell, detect_cable, DetectGoal("W1"))
     do(cell, pick_cable, PickGoal(ROBOT, "W1", WireEnd.A, 0.0))
     tip, _ = cell.plant.live.cable.tip(WireEnd.A)
-    held_at = cell.context.tool.position
+    held_at = cell.context.device.arm.tool.position
     assert np.linalg.norm(tip - held_at) < GRASP_DISTANCE_M + 0.010, "end a, not end b"
 
 
@@ -64,7 +64,9 @@ def test_whatever_the_hand_holds_is_laid_down_when_no_wire_is_named(cell):
 @pytest.mark.slow
 def test_an_end_that_is_fixed_is_released_in_its_terminal(cell):
     hold_end_a_in_its_terminal(cell)
-    assert cell.context.close_clamp("X1", "1"), "as FixCable does before it is stopped"
+    assert cell.context.device.fixture.close_clamp("X1", "1"), (
+        "as FixCable does before it is stopped"
+    )
     with pytest.raises(AbilityError, match="released there, the hand is empty") as caught:
         lay_down(cell)
     assert caught.value.code is Code.EXTRACTION_STUCK

@@ -85,7 +85,7 @@ def test_a_hand_goes_around_one_that_holds_a_wire():
     other.belief.grip = Grip(WireEnd.B, 0.01, 0.0, 0.0, other.commanded)
     target = ToolPose(0.318, -0.357, 0.088, -math.pi / 2)
     cell.run(swing_to(one, target), one.name)
-    assert np.allclose(one.tool.position, target.position, atol=1e-3)
+    assert np.allclose(one.device.arm.tool.position, target.position, atol=1e-3)
     cell.close()
 
 

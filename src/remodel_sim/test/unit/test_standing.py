@@ -69,7 +69,7 @@ def test_a_hand_travels_over_a_wire_that_stands_out(cell):
         assert beneath.min() - 0.004 < middle + height / 2 < beneath.max() + 0.006
     context = cell.context
     context.belief.feed = Feed("W1", NO_CHANNEL, 1)
-    context.take_overhead_picture()
+    context.cameras.take_overhead_picture()
     x = float(WORLD_FROM_PANEL.position[0])
     heights = []
 

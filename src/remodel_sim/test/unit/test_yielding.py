@@ -9,10 +9,10 @@ from place_wire import do, insert
 from remodel_sim.abilities.detect_cable import detect_cable
 from remodel_sim.cell import Cell
 from remodel_sim.core import goals
-from remodel_sim.core.robot.force_control import ACCELERATION, Yielding
 from remodel_sim.edge.cell_file import read_cell
 from remodel_sim.physics.truth import ground_truth
 from remodel_sim.ros.conversions import read_panel
+from remodel_skills.force_control import ACCELERATION, Yielding
 from remodel_states.edge.wire_material_file import read_wire_materials
 from remodel_work.geometry import Pose
 from remodel_work.panel import WireEnd

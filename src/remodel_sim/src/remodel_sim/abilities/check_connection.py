@@ -124,7 +124,7 @@ def _from_hand(context: RobotContext, tool: ToolPose) -> Steps[tuple[str, Pictur
 
 
 def _from_here(context: RobotContext) -> Steps[tuple[str, Picture]]:
-    picture = context.take_wrist_picture()
+    picture = context.cameras.take_wrist_picture()
     yield
     return "wrist", picture
 
@@ -132,7 +132,7 @@ def _from_here(context: RobotContext) -> Steps[tuple[str, Picture]]:
 def _from_above(context: RobotContext) -> Steps[tuple[str, Picture]]:
     if context.belief.grip is None and not holds(context):
         yield from park(context)
-    picture = context.take_overhead_picture()
+    picture = context.cameras.take_overhead_picture()
     yield
     return "overhead", picture
 
@@ -170,7 +170,7 @@ def _observation(
         shot.picture,
         pose @ terminal.component_from_socket,
         context.panel.wire(goal.cable_id),
-        light_on(shot.picture, component, pose, label=context.has_labels),
+        light_on(shot.picture, component, pose, label=context.cell.labels),
     )
 
 
@@ -185,7 +185,7 @@ def _show(context: RobotContext, goal: CheckGoal, shots: list[Shot], occupancy: 
         axis = shot.picture.view.project(socket.apply(np.array([[-0.02, 0, 0], [0, 0, 0]])))
         drawing.arrow(axis[0], axis[1], ORANGE)
     drawing.title(title + occupancy.value)
-    context.show(shot.camera, shot.picture, drawing.image)
+    context.cameras.show(shot.camera, shot.picture, drawing.image)
 
 
 def _undecided(context: RobotContext, goal: CheckGoal, shots: list[Shot]) -> AbilityError:

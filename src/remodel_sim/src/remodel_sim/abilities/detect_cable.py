@@ -139,7 +139,7 @@ def detect_cable(context: RobotContext, goal: DetectGoal) -> Steps[CableDetected
     if hidden:
         text = ", ".join(end.value for end in hidden)
         drawing.title(f"{wire.id}: end {text} not seen from above")
-        context.show("overhead", above.picture, drawing.image)
+        context.cameras.show("overhead", above.picture, drawing.image)
     if goal.view and context.belief.grip is None:
         hidden = wanted
     aside = yield from _observe_from_aside(context, above, hidden, goal.view)
@@ -156,7 +156,7 @@ def detect_cable(context: RobotContext, goal: DetectGoal) -> Steps[CableDetected
     drawing.title(
         f"{wire.id} ({wire.colour}): {length * 1e3:.0f} of {wire.length * 1e3:.0f} mm seen"
     )
-    context.show("overhead", above.picture, drawing.image)
+    context.cameras.show("overhead", above.picture, drawing.image)
     ends = " and ".join(end.value for end in wanted)
     tips = tuple(context.belief.tips[end] for end in wanted)
     message = f"loose end {ends} of {wire.id} seen, and {length * 1e3:.0f} mm of the wire"

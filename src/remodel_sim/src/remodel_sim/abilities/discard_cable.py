@@ -22,9 +22,11 @@ from remodel_sim.abilities.primitives.grasping import (
 from remodel_sim.abilities.primitives.motions import rise
 from remodel_sim.abilities.primitives.observation.observing import loose_ends
 from remodel_sim.abilities.primitives.picking_up import pick_up
+from remodel_sim.abilities.primitives.taking_up import take_up
 from remodel_sim.core.goals import DiscardGoal, ExtractGoal, LocateGoal
 from remodel_sim.core.goals.goal_pose import Message
 from remodel_states.core.codes import Code
+from remodel_work.cell.scrap_bin import bin_of
 from remodel_work.errors import AbilityError
 from remodel_work.geometry import Pose
 from remodel_work.openings import TerminalKey, nearest_terminal, opening_of
@@ -54,12 +56,12 @@ def discard_cable(context: RobotContext, goal: DiscardGoal) -> Steps[CableDiscar
     wire_id = goal.cable_id or context.wire.id
     if wire_id not in belief.fed:
         return CableDiscarded(f"no piece of {wire_id} is in the cell")
-    above_bin = context.scrap_bin
+    above_bin = bin_of(context.design, context.panel)
     if belief.grip is not None and not holds(context):
         belief.grip = None
         if not goal.cable_id:
             raise AbilityError(Code.NOTHING_HELD, f"{wire_id!r} slipped out of the fingers")
-    context.make_live(wire_id)
+    take_up(context, wire_id)
     yield from let_go(context)
     occupants = {wire for wire, _ in belief.occupied.values()}
     was_connected = belief.engaged is not None or wire_id in occupants

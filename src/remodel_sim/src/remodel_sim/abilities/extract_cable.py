@@ -29,6 +29,7 @@ from remodel_sim.abilities.primitives.motions import (
 )
 from remodel_sim.abilities.primitives.pulling_out import pull_out
 from remodel_sim.abilities.primitives.pushing import tool_before
+from remodel_sim.abilities.primitives.taking_up import take_up
 from remodel_sim.core.belief.belief_state import EndState, Grip
 from remodel_sim.core.goals import ExtractGoal
 from remodel_sim.core.goals.goal_pose import Message, pose_from
@@ -89,7 +90,7 @@ def draw_out(context: RobotContext, goal: ExtractGoal) -> Steps[tuple[WireEnd, f
         neither in the hand nor in the terminal: it lies loose.
     """
     belief = context.belief
-    context.make_live(goal.cable_id)
+    take_up(context, goal.cable_id)
     yield from let_go(context)
     end = _end_at(context, goal)
     where = f"'{goal.component_id}/{goal.terminal_id}'"
@@ -100,7 +101,7 @@ def draw_out(context: RobotContext, goal: ExtractGoal) -> Steps[tuple[WireEnd, f
         # Before the terminal opens: a bent wire springs out of one that is open.
         yield from _regrasp(context, end, goal)
     context.report(f"opening {where}", 0.3)
-    context.open_clamp(goal.component_id, goal.terminal_id)
+    context.device.fixture.open_clamp(goal.component_id, goal.terminal_id)
     peak = 0.0
     if belief.grip is None:
         belief.engaged = None

@@ -57,7 +57,7 @@ def fix_cable(context: RobotContext, goal: FixGoal) -> Steps[CableFixed]:
     where = f"'{goal.component_id}/{goal.terminal_id}'"
     context.report(f"closing {where}", 0.1)
     end = belief.grip.end if belief.grip is not None else None
-    closed = context.close_clamp(*key)
+    closed = context.device.fixture.close_clamp(*key)
     yield from wait(context, 0.1)
     if end is None or not closed:
         raise AbilityError(

@@ -55,7 +55,7 @@ from remodel_sim.abilities.primitives.together import move_together
 from remodel_sim.core.belief.belief_state import EndState
 from remodel_sim.core.goals import LayGoal
 from remodel_sim.core.goals.goal_pose import Message
-from remodel_sim.core.robot.force_control import ForceControl
+from remodel_skills.force_control import ForceControl
 from remodel_states.core.codes import Code
 from remodel_vision.laid_wire import Passing, uppermost_past
 from remodel_vision.wire_lines import WireLines
@@ -208,7 +208,7 @@ def _lead(holder: RobotContext, guide: RobotContext, route: list[Array]) -> Step
         if is_seen or error.code is not Code.GRASP_MISSED:
             raise
         yield from _take(guide, tool.moved(onward / np.linalg.norm(onward), ONWARD_M), is_seen)
-    free = guide.force
+    free = guide.device.arm.force
     over_slot = guide.commanded.at(z=over - _eyelet_above(guide))
     lifted = replace(over_slot, yaw=over_slot.yaw + turn)
     peak = yield from _watched(guide, [(guide, lifted)], free)
@@ -370,8 +370,8 @@ def _take(guide: RobotContext, tool: ToolPose, is_seen: bool) -> Steps[None]:
     raise AbilityError(
         Code.GRASP_MISSED,
         f"the eyelet of {guide.name} does not close around {guide.wire.id!r} at {tool}, or up to "
-        f"{drops[-1] * 1e3:.0f} mm lower: the pads were last {guide.finger_gap * 1e3:.1f} mm "
-        "apart; draw the wire out and insert it again",
+        f"{drops[-1] * 1e3:.0f} mm lower: the pads were last "
+        f"{guide.device.gripper.gap * 1e3:.1f} mm apart; draw the wire out and insert it again",
     )
 
 
@@ -386,7 +386,7 @@ def _close_at(guide: RobotContext, tool: ToolPose, drop: float) -> Steps[None]:
 
 def _is_between(guide: RobotContext) -> bool:
     """Return whether something keeps the pads apart."""
-    return guide.finger_gap >= max(CLOSED_M, CLOSED_SHARE * guide.wire.diameter)
+    return guide.device.gripper.gap >= max(CLOSED_M, CLOSED_SHARE * guide.wire.diameter)
 
 
 def _check_closed(guide: RobotContext) -> None:
@@ -395,7 +395,7 @@ def _check_closed(guide: RobotContext) -> None:
         raise AbilityError(
             Code.GRASP_MISSED,
             f"{guide.wire.id!r} is between the pads of the leading hand, not in its eyelet: they "
-            f"are {guide.finger_gap * 1e3:.1f} mm apart; draw it out and place it again",
+            f"are {guide.device.gripper.gap * 1e3:.1f} mm apart; draw it out and place it again",
         )
 
 
@@ -518,16 +518,17 @@ def _watched(
     peak, pulled_s, limit = 0.0, 0.0, _max_pull(guide)
     for _ in move_together(move, LEAD_SPEED, HOLD_SPEED, AMONG_WIRES):
         yield
-        pull = float(np.linalg.norm((guide.force - free)[:2]))
+        pull = float(np.linalg.norm((guide.device.arm.force - free)[:2]))
         peak = max(peak, pull)
         pulled_s = pulled_s + guide.tick_s if pull > limit else 0.0
         if pulled_s > SNAG_S:
             for context, _ in move:
-                context.follow(context.tool)
+                context.follow(context.device.arm.tool)
             raise AbilityError(
                 Code.SNAGGED,
-                f"{guide.wire.id!r} pulls at the leading hand with {pull:.0f} N at {guide.tool}, "
-                f"allowed: {limit:.0f} N; it hangs on something: draw it out and place it again",
+                f"{guide.wire.id!r} pulls at the leading hand with {pull:.0f} N at "
+                f"{guide.device.arm.tool}, allowed: {limit:.0f} N; it hangs on "
+                "something: draw it out and place it again",
                 peak_force=peak,
             )
     return peak

@@ -74,18 +74,18 @@ def locate_gearbox_component(context: RobotContext, goal: LocateGoal) -> Steps[C
     if context.belief.grip is None:
         context.report("observing from above", 0.05)
         yield from park(context)
-        above = context.take_overhead_picture()
+        above = context.cameras.take_overhead_picture()
         yield
-        if not context.has_labels:
+        if not context.cell.labels:
             find_panel(context, above)
     coarse = expected_place(context, component)
-    if above is not None and context.has_labels:
+    if above is not None and context.cell.labels:
         seen = _see(context, "overhead", above, ComponentViews(context, component), goal, coarse)
         code = Code.COMPONENT_NOT_FOUND if seen is None else code
         coarse = coarse if seen is None else seen.world_from_component
     context.report("observing from the hand", 0.4)
     observation = yield from _observe_from_hand(context, component, goal, coarse)
-    if above is not None and not context.has_labels:
+    if above is not None and not context.cell.labels:
         place = coarse if observation is None else observation.world_from_component
         if not stands_there(above, component, place):
             code, observation = Code.COMPONENT_NOT_FOUND, None
@@ -145,7 +145,7 @@ def _see(
         drawing.title(f"{_what(context, component)} not seen well")
     else:
         _draw(drawing, component, observation, goal)
-    context.show(camera, picture, drawing.image)
+    context.cameras.show(camera, picture, drawing.image)
     if observation is not None:
         _check_place(component, observation)
     return observation
@@ -153,7 +153,7 @@ def _see(
 
 def _what(context: RobotContext, component: Component) -> str:
     """Return what is searched for, for a person."""
-    if context.has_labels:
+    if context.cell.labels:
         return f"label {component.marker_id} of {component.id!r}"
     return f"outline with the screws of {component.id!r}"
 

@@ -40,6 +40,6 @@ def pick_cable(context: RobotContext, goal: PickGoal) -> Steps[CablePicked]:
     """Find the end, grasp it so that the hand can insert it where it belongs, and lift it."""
     socket = WORLD_FROM_PANEL @ context.panel.panel_from_socket(*context.wire.goes_to(goal.end))
     yield from pick_end(context, goal.end, goal.grasp_distance, socket, shares=(0.0, 1.0))
-    gap = context.finger_gap
+    gap = context.device.gripper.gap
     message = f"end {goal.end.value} of {goal.cable_id} held, {gap * 1e3:.1f} mm between the pads"
     return CablePicked(message, context.belief.picked_at[goal.end].tool, gap)

@@ -42,7 +42,7 @@ from remodel_sim.abilities.primitives.together import move_together
 from remodel_sim.core.belief.belief_state import Grip
 from remodel_sim.core.goals.goal_pose import Message
 from remodel_sim.core.goals.pin_goal import PlacePinGoal, pin_row
-from remodel_sim.core.robot.force_control import WIRE_STIFFNESS, ForceControl
+from remodel_skills.force_control import WIRE_STIFFNESS, ForceControl
 from remodel_states.core.codes import Code
 from remodel_vision.drawing import ORANGE, Drawing
 from remodel_vision.wire_ends import line_from
@@ -101,7 +101,7 @@ def place_pin(one: RobotContext, two: RobotContext, goal: PlacePinGoal) -> Steps
     """Pick both ends, carry them together, lay them down together, and observe them."""
     row = pin_row(goal, one.wire)
     if goal.show_in_tf:
-        one.show_frames({f"placepin/{name}": pose for name, pose in row.items()})
+        one.observers.show_frames({f"placepin/{name}": pose for name, pose in row.items()})
     hands = _share_out((one, two), row)
     yield from concurrently(*(disengage(hand.context) for hand in hands))
     if one.belief.grip is None and two.belief.grip is None:
@@ -110,7 +110,7 @@ def place_pin(one: RobotContext, two: RobotContext, goal: PlacePinGoal) -> Steps
         yield from observe_from_above(one)
     one.report("picking both ends", 0.1)
     yield from concurrently(*(_pick(hand) for hand in hands))
-    one.move_fork(*FORK_AWAY_M)
+    one.device.magazine.move_fork(*FORK_AWAY_M)
     one.report("carrying both ends to their connectors", 0.5)
     yield from move_together([(hand.context, _above(hand)) for hand in hands], CARRY_SPEED)
     for hand in hands:
@@ -185,7 +185,9 @@ def _draw(hand: Hand) -> Steps[None]:
     context, out = hand.context, hand.pin.rotation[:, 0]
     yield from wait(context, STILL_S)
     # Both arms pull at the wire, which is as if it were twice as stiff.
-    motion = ForceMotion(context, out, ForceControl(TAUT_N, 2 * WIRE_STIFFNESS), context.force)
+    motion = ForceMotion(
+        context, out, ForceControl(TAUT_N, 2 * WIRE_STIFFNESS), context.device.arm.force
+    )
     while not motion.met_limit and motion.travel < DRAW_M:
         yield from motion.advance(DRAW_SPEED)
     motion.stop()
@@ -214,7 +216,7 @@ def _judge(
     for pose in row.values():
         drawing.circle(above.picture.view.project(pose.position)[0], 6, ORANGE)
     drawing.title(f"PlacePin: {len(away)} of 2 pins seen")
-    context.show("overhead", above.picture, drawing.image)
+    context.cameras.show("overhead", above.picture, drawing.image)
     for hand in hands:
         if away.get(hand.end, math.inf) > PIN_TOLERANCE_M:
             found = f"{away[hand.end] * 1e3:.0f} mm away" if hand.end in away else "not seen"

@@ -86,7 +86,7 @@ def route_wire(context: RobotContext, goal: RouteGoal) -> Steps[WireRouted]:
 
 def _carry_along(context: RobotContext, goal: RouteGoal) -> Steps[None]:
     """Lift to the first pose's height, then go from pose to pose in straight lines."""
-    count, free = len(goal.path), context.force
+    count, free = len(goal.path), context.device.arm.force
     for i, pose in enumerate(goal.path):
         context.report(f"carrying the wire to pose {i + 1} of {count}", 0.95 * i / count)
         tool = held_tool(context, pose)

@@ -9,7 +9,6 @@ from __future__ import annotations
 import math
 import tempfile
 from collections.abc import Callable, Sequence, Set
-from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -18,6 +17,7 @@ import numpy as np
 from remodel_sim.physics.bullet import connect
 from remodel_sim.physics.robot_description import FINGERS, HAND, robot_description
 from remodel_sim.physics.static_body import add_static
+from remodel_skills.collision import HeldTip, Touch
 from remodel_work.geometry import Pose, turn_between
 from remodel_work.obstacles import WIRES, Obstacles
 from remodel_work.robot.arm import ToolPose
@@ -36,49 +36,6 @@ AMONG_WIRES_M = 0.04
 # A part of the robot, what it is near to, and Bullet's nearest points of both, with these fields.
 NearPoint = tuple[str, Obstacles, tuple[Any, ...]]
 LINK_A, ON_B, DISTANCE = 3, 6, 8
-
-
-@dataclass(frozen=True)
-class HeldTip:
-    """The straight end of a wire ahead of the hand.
-
-    Attributes:
-        name: of the wire.
-        radius: [m].
-        distance: from the tool centre to the tip [m].
-        height: of the wire's axis above the tool centre [m].
-        flip: direction of the tip relative to the hand's x axis [rad].
-    """
-
-    name: str
-    radius: float
-    distance: float
-    height: float
-    flip: float
-
-
-@dataclass(frozen=True)
-class Touch:
-    """Where a motion comes too near to something.
-
-    Attributes:
-        part: of the robot, or what it holds.
-        solid: the obstacle's name.
-        tool: where the tool is then.
-        gap: between the two [m]; negative where they would overlap.
-    """
-
-    part: str
-    solid: str
-    tool: ToolPose
-    gap: float
-
-    def __str__(self) -> str:
-        """Say which part would touch what, where and by how much."""
-        verb = "would overlap" if self.gap < 0 else "would come as near as"
-        how = f"{verb} {abs(self.gap) * 1e3:.1f} mm"
-        joined = "with" if self.gap < 0 else "to"
-        return f"{self.part} {how} {joined} {self.solid}, the tool at {self.tool}"
 
 
 class CollisionCheck:

@@ -29,6 +29,7 @@ from remodel_sim.physics.static_body import add_static
 from remodel_sim.physics.wires.cable import SimulatedWire
 from remodel_sim.physics.wires.parked_wire import add_solid, draw_parked
 from remodel_sim.physics.world import CONTACT_DAMPING, CONTACT_STIFFNESS, World
+from remodel_skills.device import PlacedEnds
 from remodel_work.camera import Picture, View
 from remodel_work.cell.cell_design import CellDesign, WristCamera
 from remodel_work.cell.magazine import find_wire_problems
@@ -43,6 +44,8 @@ from remodel_work.placed_wires import ParkedWire
 from remodel_work.robot.arm import ToolPose
 
 FILM_WIDTH_PX = 640
+# Commands to the arms and checks of their sensors [1/s].
+TICK_HZ = 120.0
 # A piece of cable that was left behind, and how far above the plate it falls from.
 STRAY_LENGTH_M = 0.12
 STRAY_DROP_M = 0.02
@@ -70,6 +73,7 @@ class Plant:
             moved.
         robots: by name.
         collision_checks: of motions, by robot; of none whose design names no clearance.
+        tick_s, steps_per_tick: time between two commands to an arm [s], in steps of the physics.
         live: the wire that was fed last, until it is parked.
         parked: the wires that have been parked.
     """
@@ -87,6 +91,8 @@ class Plant:
         self.design = design
         self.seed = seed
         self.world = World(rate_hz, gui=gui)
+        self.steps_per_tick = max(1, round(1.0 / (TICK_HZ * self.world.time_step)))
+        self.tick_s = self.steps_per_tick * self.world.time_step
         self.collision_checks = {
             robot.name: CollisionCheck(robot.arm, robot.clearance)
             for robot in design.robots
@@ -179,6 +185,11 @@ class Plant:
         """Advance by one time step."""
         self.world.step()
 
+    def tick(self) -> None:
+        """Advance by one tick of the skills."""
+        for _ in range(self.steps_per_tick):
+            self.step()
+
     def close(self) -> None:
         """Leave PyBullet."""
         for check in self.collision_checks.values():
@@ -228,7 +239,11 @@ class Plant:
             tops += [float(z) + radius for z in parked.nodes[inside, 2]]
         return max(tops)
 
-    def revive(self, wire_id: str, tools: Mapping[str, ToolPose]) -> ParkedWire:
+    def is_at_hand(self, wire_id: str) -> bool:
+        """Return whether a wire is the live one."""
+        return self.live is not None and self.live.wire.id == wire_id
+
+    def take_up(self, wire_id: str, tools: Mapping[str, ToolPose]) -> PlacedEnds:
         """Make a parked wire live again, held where it was; the live wire is parked.
 
         Each robot starts from where it was sent last, `tools`, with open fingers.
@@ -245,7 +260,11 @@ class Plant:
             self.close_clamp(*self._terminal_at(self.live.cable.tip(end)[0]))
         for _ in range(round(REVIVED_S / self.world.time_step)):
             self.step()
-        return parked
+        expected = {
+            end: np.array([*parked.nodes[node, :2], wire.radius])
+            for end, node in ((WireEnd.A, 0), (WireEnd.B, -1))
+        }
+        return PlacedEnds(expected, parked.fixed)
 
     def _terminal_at(self, tip: Array) -> TerminalKey:
         """Return the terminal that a tip (3,) [m] sits in."""

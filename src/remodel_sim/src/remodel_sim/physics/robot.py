@@ -10,7 +10,6 @@ import numpy as np
 
 from remodel_sim.physics.robot_description import (
     AXIS_FORCE_N,
-    CAMERA_MOUNT,
     FINGERS,
     HAND,
     SHEATHS,
@@ -22,6 +21,7 @@ from remodel_sim.physics.world import CONTACT_DAMPING, CONTACT_STIFFNESS, World
 from remodel_work.cell.cell_design import Gripper
 from remodel_work.geometry import Array, Pose
 from remodel_work.robot.arm import PANDA_AT_ORIGIN, ToolPose
+from remodel_work.robot.fingers import CAMERA_MOUNT
 from remodel_work.robot.kinematics import Kinematics
 from remodel_work.robot.portal import Portal
 

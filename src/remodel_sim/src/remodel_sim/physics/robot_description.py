@@ -16,7 +16,7 @@ import pybullet_data
 
 from remodel_work.component_shape import Box
 from remodel_work.robot.arm import FRANKA_PANDA, KUKA_IIWA, Arm
-from remodel_work.robot.fingers import Eyelet, Fingers
+from remodel_work.robot.fingers import CAMERA_MOUNT, Eyelet, Fingers
 from remodel_work.robot.kinematics import Kinematics
 from remodel_work.robot.linear_axis import LinearAxis
 from remodel_work.robot.portal import JOINT_NAMES, TURN_RAD, Portal
@@ -25,9 +25,6 @@ FINGER_ROOT_M = 0.0584  # hand frame to finger frame, as in the original
 STEEL = (0.82, 0.83, 0.85)
 RUBBER = (0.15, 0.15, 0.16)
 BEVEL_THICKNESS_M = 0.001
-# Camera housing on the side of the hand; the lens looks straight down. Hand frame.
-CAMERA_MOUNT = (0.0, 0.118, 0.045)
-
 
 HAND = "panda_hand"
 FINGERS = ("panda_leftfinger", "panda_rightfinger")

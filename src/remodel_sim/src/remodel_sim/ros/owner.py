@@ -18,7 +18,6 @@ import threading
 from collections.abc import Callable, Sequence
 from typing import Generic, TypeVar
 
-from remodel_sim.abilities.execution.runner import advance
 from remodel_sim.cell import Cell
 from remodel_sim.ros.job import Job
 from remodel_sim.ros.sim_clock import SimClock
@@ -107,8 +106,8 @@ class Owner:
                 self.clock.advance(passed_s)
                 self._publish()
             return
-        advance(self.cell.plant, self.cell.context)
-        self.clock.advance(self.cell.context.tick_s)
+        self.cell.plant.tick()
+        self.clock.advance(self.cell.plant.tick_s)
 
 
 class _Answer(Generic[T]):

@@ -13,7 +13,6 @@ from tf2_ros import StaticTransformBroadcaster, TransformBroadcaster
 from remodel_sim.core.goals.goal_pose import PANEL, WORLD
 from remodel_sim.physics.plant import Plant
 from remodel_sim.physics.robot_description import (
-    CAMERA_MOUNT,
     HAND,
     RAIL,
     foot_link,
@@ -26,6 +25,7 @@ from remodel_work.camera import Picture
 from remodel_work.cell.cell_design import CellDesign, RobotDesign
 from remodel_work.geometry import Pose
 from remodel_work.layout import WORLD_FROM_PANEL
+from remodel_work.robot.fingers import CAMERA_MOUNT
 from remodel_work.robot.kinematics import Kinematics
 
 # Joint states, forces and frames are published this often [s of simulated time].

@@ -16,6 +16,8 @@ from dataclasses import dataclass
 
 # The body of the Panda's hand ends so far below the flange; fingers are measured from there [m].
 HAND_BODY_M = 0.066
+# Camera housing on the side of the hand; the lens looks straight down. Hand frame.
+CAMERA_MOUNT = (0.0, 0.118, 0.045)
 # Lengths are sums of decimal numbers of a file; a micrometre is far below what matters.
 DIGITS = 6
 

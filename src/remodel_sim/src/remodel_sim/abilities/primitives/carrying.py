@@ -18,9 +18,11 @@ from remodel_sim.abilities.primitives.motions import (
     rise,
     wait,
 )
+from remodel_sim.abilities.primitives.taking_up import end_wire
 from remodel_states.core.codes import Code
 from remodel_vision.board.new_points import new_length
 from remodel_work.camera import Picture
+from remodel_work.cell.scrap_bin import bin_of
 from remodel_work.errors import AbilityError
 from remodel_work.geometry import Array
 from remodel_work.layout import WORLD_FROM_PANEL
@@ -62,14 +64,15 @@ def carry(
     pulled_s = 0.0
     for _ in move_to(context, tool, speed):
         yield
-        pull = float(np.linalg.norm((context.force - free)[:2]))
+        pull = float(np.linalg.norm((context.device.arm.force - free)[:2]))
         pulled_s = pulled_s + context.tick_s if pull > most else 0.0
         if pulled_s > SNAG_S:
-            context.follow(context.tool)
+            context.follow(context.device.arm.tool)
             raise AbilityError(
                 Code.SNAGGED,
-                f"{context.wire.id!r} pulls at the hand with {pull:.0f} N at {context.tool}: it "
-                "hangs on something or is too short; move back, observe it, take another route",
+                f"{context.wire.id!r} pulls at the hand with {pull:.0f} N at "
+                f"{context.device.arm.tool}: it hangs on something or is too short; "
+                "move back, observe it, take another route",
             )
 
 
@@ -80,10 +83,10 @@ def drop_into_bin(context: RobotContext, shares: tuple[float, float]) -> Steps[N
         AbilityError: SNAGGED, GRASP_SLIPPED, also when it lies on the board.
     """
     first, last = shares
-    before = context.belief.board_before or context.take_overhead_picture()
+    before = context.belief.board_before or context.cameras.take_overhead_picture()
     context.report("carrying the wire to the scrap bin", first)
-    above_bin = context.scrap_bin
-    context.lower_fork()
+    above_bin = bin_of(context.design, context.panel)
+    context.device.magazine.lower_fork()
     yield from rise(context, _drawn_up_z(context, above_bin.z))
     now = context.commanded
     yaw = nearest_hand_yaw(context.arm, above_bin.x, above_bin.y, now.yaw, near=now.yaw)
@@ -94,10 +97,10 @@ def drop_into_bin(context: RobotContext, shares: tuple[float, float]) -> Steps[N
     context.report("dropping the wire", first + 0.8 * (last - first))
     context.drive_fingers(HAND_OPEN_M)
     yield from wait(context, OPENING_S)
-    context.drop_wire()
+    context.device.magazine.drop(context.device.arm.tool.position)
     context.belief.grip = None
     _check_gone(context, before)
-    context.end_wire()
+    end_wire(context)
 
 
 def _check_gone(context: RobotContext, before: Picture) -> None:
@@ -106,8 +109,8 @@ def _check_gone(context: RobotContext, before: Picture) -> None:
     There is no step in between, so that a cancel leaves a wire either in the bin or known. What the
     wire or an arm covered in the picture from before is not compared.
     """
-    picture = context.take_overhead_picture()
-    hands = [robot.tool.position for robot in context.robots.values()]
+    picture = context.cameras.take_overhead_picture()
+    hands = [robot.device.arm.tool.position for robot in context.robots.values()]
     length = new_length(picture, before, context.panel.size, context.wire.radius, hands)
     if length > LEAST_SEEN_M:
         raise AbilityError(

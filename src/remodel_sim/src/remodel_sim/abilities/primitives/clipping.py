@@ -28,7 +28,7 @@ from remodel_sim.abilities.primitives.motions import (
 )
 from remodel_sim.abilities.primitives.observation.observing import go_and_see
 from remodel_sim.abilities.primitives.observation.viewpoints import camera_above
-from remodel_sim.core.robot.force_control import ForceControl
+from remodel_skills.force_control import ForceControl
 from remodel_states.core.codes import Code
 from remodel_vision.drawing import ORANGE, Drawing
 from remodel_vision.laid_wire import wire_around
@@ -113,7 +113,7 @@ def _bring_into(
 ) -> Steps[None]:
     beside = _beside(context, clip)
     grasp = yield from _find(context, clip, held_at, slack)
-    free = context.force
+    free = context.device.arm.force
     yield from grip_from_above(context, grasp)
     for place in (grasp, beside):
         over = _lifted(place, held_at, _clear_height(context, clip))
@@ -179,7 +179,7 @@ def _find(context: RobotContext, clip: PanelClip, held_at: Array, slack: float) 
     drawing = Drawing(picture.rgb, picture.view)
     if turned is None:
         drawing.title(f"{wire.id} not seen before clip {clip.id}")
-        context.show("wrist", picture, drawing.image)
+        context.cameras.show("wrist", picture, drawing.image)
         raise AbilityError(
             Code.CABLE_NOT_FOUND,
             f"{wire.id!r} is not seen {radius * 1e3:.0f} mm from where it is held last, before "
@@ -190,7 +190,7 @@ def _find(context: RobotContext, clip: PanelClip, held_at: Array, slack: float) 
     grasp = Pose.level(float(x), float(y), wire.radius, yaw)
     drawing.circle(picture.view.project(grasp.position)[0], 9, ORANGE)
     drawing.title(f"{wire.id} before clip {clip.id}")
-    context.show("wrist", picture, drawing.image)
+    context.cameras.show("wrist", picture, drawing.image)
     return grasp
 
 
@@ -204,7 +204,7 @@ def grip_from_above(context: RobotContext, grasp: Pose) -> Steps[None]:
         yield from move_to(context, tool.at(z=tool.z + above), APPROACH_SPEED)
         context.drive_fingers(0.0)
         yield from _fingers_still(context)
-        if not grips_nothing(context.finger_gap, context.wire.diameter):
+        if not grips_nothing(context.device.gripper.gap, context.wire.diameter):
             return
         context.drive_fingers(HAND_OPEN_M)
         yield from wait(context, OPEN_S)
@@ -220,9 +220,9 @@ def _fingers_still(context: RobotContext) -> Steps[None]:
     before = math.inf
     for _ in range(math.ceil(CLOSE_S / context.tick_s)):
         yield
-        if abs(context.finger_gap - before) < REST_M:
+        if abs(context.device.gripper.gap - before) < REST_M:
             return
-        before = context.finger_gap
+        before = context.device.gripper.gap
 
 
 def _press_to(context: RobotContext, bottom: ToolPose, limit: float) -> Steps[bool]:
@@ -230,7 +230,7 @@ def _press_to(context: RobotContext, bottom: ToolPose, limit: float) -> Steps[bo
     yield from wait(context, STILL_S)
     way = bottom.position - context.commanded.position
     length = float(np.linalg.norm(way))
-    motion = ForceMotion(context, way / length, ForceControl(limit), context.force)
+    motion = ForceMotion(context, way / length, ForceControl(limit), context.device.arm.force)
     while not motion.met_limit and motion.travel < length - REST_M:
         left = length - motion.travel
         speed = PRESS_SPEED if left > LIPS_WITHIN_M else LIPS_SPEED
@@ -240,7 +240,7 @@ def _press_to(context: RobotContext, bottom: ToolPose, limit: float) -> Steps[bo
 
 
 def _release(context: RobotContext) -> Steps[None]:
-    start = context.finger_gap / 2
+    start = context.device.gripper.gap / 2
     for tick in range(1, math.ceil(HAND_OPEN_M / OPEN_SPEED / context.tick_s) + 1):
         context.drive_fingers(start + min(HAND_OPEN_M, tick * OPEN_SPEED * context.tick_s))
         yield

@@ -63,7 +63,7 @@ def let_into_forks(context: RobotContext, forks: Iterable[Duct]) -> Steps[None]:
         for end in (grip.end.other, grip.end)
     )
     before = tool_before(own, grip, -STANDOFF_M)
-    free, fixed = context.force, start.position
+    free, fixed = context.device.arm.force, start.position
     length = context.wire.length - grip.distance - INSIDE_M
     away = before.position[:2] - fixed[:2]
     towards = away / np.linalg.norm(away)

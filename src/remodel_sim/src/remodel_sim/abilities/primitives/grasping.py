@@ -85,9 +85,10 @@ def pick_end(
     yield from close_on_wire(
         context, Grip(end=end, distance=distance, height=height, flip=flip, tool=tool)
     )
-    context.open_magazine(end)
+    context.device.magazine.open_magazine(end)
     if context.belief.ends[end.other] is not EndState.LOOSE:
-        context.lower_fork()  # it has nothing more to keep, and the wire could hang on it
+        # It has nothing more to keep, and the wire could hang on it.
+        context.device.magazine.lower_fork()
     context.report(f"lifting end {end.value}", first + 0.9 * (last - first))
     lifted = max(CARRY_Z, tool.z + LIFT_M)
     yield from move_to(context, context.commanded.at(z=lifted), LIFT_SPEED)
@@ -161,12 +162,12 @@ def close_fingers_on(context: RobotContext, thickness: float) -> Steps[None]:
         AbilityError: GRASP_MISSED, the hand open again, and lifted.
     """
     wire_id = context.wire.id
-    context.empty_force = context.free_force = context.force
+    context.empty_force = context.free_force = context.device.arm.force
     context.close_fingers(thickness)
     gap = math.inf
     for _ in range(math.ceil(CLOSE_TIMEOUT_S / context.tick_s)):
         yield
-        before, gap = gap, context.finger_gap
+        before, gap = gap, context.device.gripper.gap
         if abs(before - gap) < 1e-5:
             break
     if gap > thickness + BLOCKED_M:
@@ -198,7 +199,7 @@ def grips_nothing(gap: float, thickness: float) -> bool:
 
 def holds(context: RobotContext) -> bool:
     """Return whether the fingers press on something: they stay where they are when it slips out."""
-    return context.finger_load > HELD_LOAD_N
+    return context.device.gripper.load > HELD_LOAD_N
 
 
 def check_grip(context: RobotContext) -> None:
@@ -209,7 +210,7 @@ def check_grip(context: RobotContext) -> None:
         raise AbilityError(
             Code.GRASP_SLIPPED,
             f"end {end.value} of {context.wire.id!r} slipped out of the fingers, which feel "
-            f"{context.finger_load:.1f} N; detect it again",
+            f"{context.device.gripper.load:.1f} N; detect it again",
         )
 
 
@@ -225,7 +226,7 @@ def open_fingers(context: RobotContext, opening: float) -> Steps[None]:
 
     A bent wire leans on a pad, and one that is thrown aside pulls at its fixed end.
     """
-    start = context.finger_gap / 2
+    start = context.device.gripper.gap / 2
     context.belief.grip = None
     context.belief.engaged = None
     for tick in range(1, math.ceil(opening / OPEN_SPEED / context.tick_s) + 1):

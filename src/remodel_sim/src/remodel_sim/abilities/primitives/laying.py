@@ -90,7 +90,7 @@ def _bring_fork(context: RobotContext, tool: ToolPose, grip: Grip) -> None:
     if abs(tool.x - middle) < FORK_TOLERANCE_M:
         behind = np.array([tool.x, tool.y]) - tip_of(tool, grip)
         behind *= FORK_BEHIND_GRASP_M / np.linalg.norm(behind)
-        context.move_fork(middle, tool.y + float(behind[1]))
+        context.device.magazine.move_fork(middle, tool.y + float(behind[1]))
 
 
 def tip_of(tool: ToolPose, grip: Grip) -> np.ndarray:

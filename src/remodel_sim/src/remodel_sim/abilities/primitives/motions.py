@@ -11,7 +11,7 @@ import numpy as np
 
 from remodel_sim.abilities.execution.robot_context import RobotContext, Steps
 from remodel_sim.core.robot.motion import PEAK_OVER_MEAN, WIRE_TURN_RATE, Line
-from remodel_sim.physics.collision_check import Touch
+from remodel_skills.collision import Touch
 from remodel_states.core.codes import Code
 from remodel_work.errors import AbilityError
 from remodel_work.geometry import Array, Pose, wrap_angle
@@ -67,7 +67,7 @@ def move_to(
             check_lag(context)
         context.follow(line.end)
         yield
-        context.stand()
+        context.space.stand(context.commanded)
         check_tracking(context)
 
 
@@ -135,7 +135,7 @@ def _clear_lines(
 
 def _touch_on(context: RobotContext, line: Line, allowed: Set[str]) -> Touch | None:
     length = line.distance + HAND_CORNER_M * abs(line.end.yaw - line.start.yaw)
-    return context.first_touch(line.between, length, allowed)
+    return context.scene.first_touch(line.between, length, allowed)
 
 
 def _blocked(touch: Touch, target: ToolPose, nor_over: str = "") -> AbilityError:
@@ -148,7 +148,7 @@ def _blocked(touch: Touch, target: ToolPose, nor_over: str = "") -> AbilityError
 
 def check_lag(context: RobotContext) -> None:
     """Stop the arm and raise MOTION_FAULT when something holds it up."""
-    sent, tool = context.commanded, context.tool
+    sent, tool = context.commanded, context.device.arm.tool
     lag = float(np.linalg.norm(tool.position - sent.position))
     if lag > MAX_LAG_M:
         context.follow(tool)
@@ -160,7 +160,7 @@ def check_lag(context: RobotContext) -> None:
 
 def check_tracking(context: RobotContext) -> None:
     """Raise MOTION_FAULT when the arm is not where it was sent."""
-    away = float(np.linalg.norm(context.tool.position - context.commanded.position))
+    away = float(np.linalg.norm(context.device.arm.tool.position - context.commanded.position))
     if away > TRACKING_TOLERANCE_M:
         raise AbilityError(
             Code.MOTION_FAULT,
@@ -184,7 +184,7 @@ def past_robots(context: RobotContext, target: ToolPose) -> tuple[ToolPose, ...]
         if not all(arm.reaches(leg) for leg in legs):
             continue
         stops = [arm.joints_for(leg) for leg in (here, *legs)]
-        if all(context.has_way(_through(*pair)) for pair in pairwise(stops)):
+        if all(context.space.has_way(_through(*pair)) for pair in pairwise(stops)):
             return legs
     return ()
 
@@ -218,7 +218,7 @@ def _swing(context: RobotContext, target: ToolPose) -> Steps[None]:
     start = context.arm.joints_for(context.commanded)
     end = context.arm.joints_for(canonical(context, target))
     farthest = float(np.abs(end - start).max())
-    touch = context.first_touch(
+    touch = context.scene.first_touch(
         lambda share: context.arm.tool_of(start + share * (end - start)),
         SWING_M * farthest,
         NOTHING,
@@ -234,7 +234,7 @@ def _swing(context: RobotContext, target: ToolPose) -> Steps[None]:
         context.drive_joints(start + t**3 * (10 - 15 * t + 6 * t * t) * (end - start))
         yield
     context.commanded = context.arm.tool_of(end)
-    context.stand()
+    context.space.stand(context.commanded)
 
 
 def wait(context: RobotContext, seconds: float) -> Steps[None]:
@@ -275,25 +275,26 @@ def clear_path(context: RobotContext, postures: Array) -> Steps[None]:
             make way in time.
     """
     for _ in range(math.ceil(WAIT_LIMIT_S / WAIT_S)):
-        other = context.claim(postures)
-        if other is None:
-            context.wait_for(None)
+        name = context.space.claim(postures)
+        if name is None:
+            context.space.wait_for(None)
             return
+        other = context.robots[name]
         _check_makes_way(context, other)
-        context.wait_for(other)
+        context.space.wait_for(name)
         if other.busy:
             yield from wait(context, WAIT_S)
         else:
             yield from send_home(other)
     raise AbilityError(
         Code.ROBOT_IN_THE_WAY,
-        f"{other.name} has been in the way of {context.name} for {WAIT_LIMIT_S:.0f} s: it does "
+        f"{name} has been in the way of {context.name} for {WAIT_LIMIT_S:.0f} s: it does "
         f"{other.progress.message!r}; wait for it or cancel it",
     )
 
 
 def _check_makes_way(context: RobotContext, other: RobotContext) -> None:
-    if other.waits_for(context):
+    if other.space.waits_for(context.name):
         raise AbilityError(
             Code.ROBOT_IN_THE_WAY,
             f"{context.name} and {other.name} are in each other's way; {context.name} gives up: "

@@ -52,7 +52,7 @@ def pick_up(context: RobotContext) -> Steps[bool]:
     for _ in range(TAKES):
         yield from park(context)
         yield from clear_hand(context)
-        picture = context.take_overhead_picture()
+        picture = context.cameras.take_overhead_picture()
         yield
         place = _next_place(context, picture, before, tried)
         _show(context, picture, place)
@@ -86,7 +86,7 @@ def _show(context: RobotContext, picture: Picture, place: Pose | None) -> None:
         drawing.circle(picture.view.project(place.position)[0], 9, ORANGE)
     found = "not seen" if place is None else "highest here"
     drawing.title(f"Picking up {context.wire.id}: {found}")
-    context.show("overhead", picture, drawing.image)
+    context.cameras.show("overhead", picture, drawing.image)
 
 
 def _tool_at(context: RobotContext, place: Pose) -> ToolPose:
@@ -101,7 +101,7 @@ def _has_room(context: RobotContext, tool: ToolPose) -> bool:
     return (
         context.arm.reaches(tool)
         and context.arm.reaches(above)
-        and context.has_room(tool)
+        and context.space.has_room(tool)
         and is_free(context, tool, AMONG_WIRES, start=above)
     )
 

@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 from remodel_sim.abilities.execution.robot_context import RobotContext, Steps
-from remodel_sim.abilities.primitives.force_motion import RIGID, ForceMotion
+from remodel_sim.abilities.primitives.force_motion import ForceMotion
 from remodel_sim.abilities.primitives.motions import wait
-from remodel_sim.core.robot.force_control import ForceControl, Yielding
+from remodel_skills.force_control import RIGID, ForceControl, Yielding
 from remodel_states.core.codes import Code
 from remodel_work.errors import AbilityError
 from remodel_work.geometry import Pose

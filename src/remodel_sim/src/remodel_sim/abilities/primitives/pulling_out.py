@@ -5,7 +5,7 @@ from __future__ import annotations
 from remodel_sim.abilities.execution.robot_context import RobotContext, Steps
 from remodel_sim.abilities.primitives.force_motion import ForceMotion
 from remodel_sim.abilities.primitives.motions import wait
-from remodel_sim.core.robot.force_control import ForceControl
+from remodel_skills.force_control import ForceControl
 from remodel_states.core.codes import Code
 from remodel_work.errors import AbilityError
 from remodel_work.geometry import Pose
@@ -50,8 +50,8 @@ def pull_out(context: RobotContext, socket: Pose, most_n: float) -> Steps[float]
             raise AbilityError(
                 Code.EXTRACTION_STUCK,
                 f"it does not come out at {stuck_at:.0f} N",
-                peak_force=motion.peak,
+                peak_force=motion.loop.peak,
             )
     motion.stop()
     context.belief.engaged = None
-    return motion.peak
+    return motion.loop.peak

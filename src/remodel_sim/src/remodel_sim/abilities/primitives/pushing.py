@@ -27,8 +27,8 @@ from remodel_sim.abilities.primitives.motions import (
 from remodel_sim.abilities.primitives.observation.observing import observe_held_tip
 from remodel_sim.abilities.primitives.together import move_together
 from remodel_sim.core.belief.belief_state import Grip
-from remodel_sim.core.robot.force_control import WIRE_STIFFNESS, ForceControl, Yielding
 from remodel_sim.core.robot.push_monitor import PushMonitor
+from remodel_skills.force_control import WIRE_STIFFNESS, ForceControl, Yielding
 from remodel_states.core.codes import Code
 from remodel_work.errors import AbilityError
 from remodel_work.geometry import Array, Pose, wrap_angle
@@ -247,7 +247,7 @@ def push_in(
             opening. If this is less than the limit, a tip that rubs is pushed no further [N].
     """
     into, grip = unit_x(socket), _grip(context)
-    context.free_force = context.force
+    context.free_force = context.device.arm.force
     monitor = PushMonitor(manner.buckles)
     slant, here = _slant(context, socket), context.commanded
     way = _way_in(socket, slant, grip, replace(here, yaw=here.yaw - slant)) if slant else None
@@ -273,13 +273,15 @@ def push_in(
         stopped = motion.met_limit or monitor.gave_way
         context.report("pushing", 0.75 + 0.2 * np.clip(ahead / bottom, 0, 1))
     motion.stop()
-    tip = _held_tip(grip, context.tool) - motion.yielded  # the end is where the opening keeps it
+    tip = (
+        _held_tip(grip, context.device.arm.tool) - motion.yielded
+    )  # the end is where the opening keeps it
     yield from wait(context, 0.1)
     depth = float((tip - socket.position) @ into)
     at_bottom = stopped and -SHORT_OF_BOTTOM_M <= depth - bottom <= SLID_M
-    pressed_at = None if at_bottom else motion.pressed_at
+    pressed_at = None if at_bottom else motion.loop.pressed_at
     jammed_at = None if pressed_at is None else pressed_at - STANDOFF_M
-    return Push(tip, depth, motion.peak, stopped, rubs=rubs, jammed_at=jammed_at)
+    return Push(tip, depth, motion.loop.peak, stopped, rubs=rubs, jammed_at=jammed_at)
 
 
 def yielding_in(socket: Pose) -> Yielding:
@@ -325,7 +327,7 @@ def _feels(context: RobotContext) -> Steps[tuple[float, ...]]:
 
     A tip that is seen from above is first brought to the opening's height.
     """
-    expected = _held_tip(_grip(context), context.tool)
+    expected = _held_tip(_grip(context), context.device.arm.tool)
     seen = yield from observe_held_tip(context, expected)
     if seen is None:
         return FEELS_M

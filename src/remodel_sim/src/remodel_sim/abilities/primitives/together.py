@@ -58,7 +58,7 @@ def move_together(
     moves = [(c, replace(line, least_s=duration)) for c, line in zip(contexts, lines, strict=True)]
     _check_apart(moves)
     for context, line in moves:
-        context.take_space(line.postures(context.arm))
+        context.space.take(line.postures(context.arm))
     tick_s = contexts[0].tick_s
     for tick in range(1, math.ceil(duration / tick_s) + 1):
         for context, line in moves:
@@ -70,7 +70,7 @@ def move_together(
         context.follow(line.end)
     yield
     for context in contexts:
-        context.stand()
+        context.space.stand(context.commanded)
         check_tracking(context)
 
 

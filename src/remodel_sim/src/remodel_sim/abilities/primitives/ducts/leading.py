@@ -112,7 +112,7 @@ def _shed(guide: RobotContext) -> Steps[None]:
     for target in (*to_both_sides, over):
         if guide.arm.reaches(target) and is_free(guide, target, allowed):
             way = straight_line(guide, target, LEAVE_SPEED, allowed)
-            if guide.has_way(way.postures(guide.arm)):
+            if guide.space.has_way(way.postures(guide.arm)):
                 yield from move_to(guide, target, LEAVE_SPEED, allowed)
 
 

@@ -164,7 +164,7 @@ def _tuck(context: RobotContext, standing: Standing) -> Steps[bool]:
             yield from move_to(context, lower, APPROACH_SPEED, AMONG_WIRES)
         context.close_fingers(context.wire.diameter)
         yield from wait(context, CLOSE_S)
-        if not grips_nothing(context.finger_gap, context.wire.diameter):
+        if not grips_nothing(context.device.gripper.gap, context.wire.diameter):
             is_taken = True
             yield from _bring_down(context, take, over_middle, down)
     yield from withdraw(context, context.commanded)
@@ -173,10 +173,10 @@ def _tuck(context: RobotContext, standing: Standing) -> Steps[bool]:
 
 def _bring_down(context: RobotContext, *tools: ToolPose) -> Steps[None]:
     """Move a wire that is between the fingers, until it or what lies below it resists."""
-    free = context.force
+    free = context.device.arm.force
     for tool in tools:
         for _ in move_to(context, tool, LEAVE_SPEED, in_ducts(context)):
             yield
-            if float(np.linalg.norm(context.force - free)) > MOST_N:
-                context.follow(context.tool)
+            if float(np.linalg.norm(context.device.arm.force - free)) > MOST_N:
+                context.follow(context.device.arm.tool)
                 return

@@ -48,7 +48,7 @@ class ComponentViews:
             near: about where it stands, world frame.
         """
         component, panel = self.component, self._context.panel
-        if not self._context.has_labels:
+        if not self._context.cell.labels:
             device = search_device(picture, panel, component, near)
             if device is None:
                 return None
@@ -69,7 +69,7 @@ class ComponentViews:
 
 def to_be_seen(context: RobotContext, component: Component) -> Array:
     """Return what of a component pictures should show, (4, 3) [m], component frame."""
-    if context.has_labels:
+    if context.cell.labels:
         return label_corners(component)
     depth, width, height = component.size
     corners = np.array([[-depth, width], [depth, width], [depth, -width], [-depth, -width]])
@@ -81,10 +81,10 @@ def expected_place(context: RobotContext, component: Component) -> Pose:
 
     In a cell without labels it follows from where the panel lies, by the camera from above.
     """
-    if context.has_labels:
+    if context.cell.labels:
         return WORLD_FROM_PANEL @ component.panel_from_component
     if not context.belief.panel_at:
-        find_panel(context, context.take_overhead_picture())
+        find_panel(context, context.cameras.take_overhead_picture())
     return context.belief.panel_at[-1] @ component.panel_from_component
 
 

@@ -62,7 +62,7 @@ def inspect_ducts(context: RobotContext) -> Steps[Inspection | None]:
     outside = route_outside_ducts(seen.picture, before, context.panel, places, wire.radius, ways)
     drawing = Drawing(seen.picture.rgb, seen.picture.view)
     drawing.title(f"{wire.id}: outside its ducts at {outside * 1e3:.0f} mm")
-    context.show("overhead", seen.picture, drawing.image)
+    context.cameras.show("overhead", seen.picture, drawing.image)
     return Inspection(max(0.0, 1.0 - outside / planned), seen, before, route, places)
 
 

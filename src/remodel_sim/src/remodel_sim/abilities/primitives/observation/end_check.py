@@ -41,7 +41,7 @@ def check_end(context: RobotContext, end: WireEnd) -> Steps[None]:
     drawing = Drawing(seen.picture.rgb, seen.picture.view)
     drawing.circle(seen.picture.view.project(socket.position)[0], 6, ORANGE)
     drawing.title(f"{wire.id}: end {end.value} is not in {where}")
-    context.show("overhead", seen.picture, drawing.image)
+    context.cameras.show("overhead", seen.picture, drawing.image)
     belief.loosen(end)
     raise AbilityError(
         Code.CAME_OUT,

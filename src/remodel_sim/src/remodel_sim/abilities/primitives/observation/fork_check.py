@@ -112,7 +112,7 @@ def _show(context: RobotContext, seen: WireLines, faults: Mapping[Duct, str]) ->
         drawing.circle(seen.picture.view.project(middle)[0], 6, ORANGE if fault else BLUE)
     texts = "; ".join(fault for fault in faults.values() if fault)
     drawing.title(f"{seen.wire.id}: {texts or 'lies in its forks'}")
-    context.show("overhead", seen.picture, drawing.image)
+    context.cameras.show("overhead", seen.picture, drawing.image)
 
 
 def _out(found: str) -> AbilityError:

@@ -70,7 +70,7 @@ def observe_from_above(context: RobotContext) -> Steps[OverheadObservation]:
     """Observe the plate from above, the empty hand aside, and note the visible loose ends."""
     if context.belief.grip is None:
         yield from park(context)
-    picture = context.take_overhead_picture()
+    picture = context.cameras.take_overhead_picture()
     yield
     belief = context.belief
     expected = {end: belief.expected[end] for end in loose_ends(context)}
@@ -128,7 +128,7 @@ def _find_from_above(context: RobotContext, end: WireEnd) -> Steps[None]:
     for seen, observation in above.ends.items():
         mark_end(drawing, observation, f"{wire_id} end {seen.value}")
     drawing.title(f"Searching for end {end.value} of {wire_id}")
-    context.show("overhead", above.picture, drawing.image)
+    context.cameras.show("overhead", above.picture, drawing.image)
     if end not in above.ends and (yield from observe_from_aside(context, end)) is None:
         raise AbilityError(
             Code.TIP_NOT_FOUND,
@@ -147,7 +147,7 @@ def observe_held_tip(context: RobotContext, expected: Array) -> Steps[TipObserva
     grip = context.belief.grip
     assert grip is not None, "the hand holds the end"
     yield from wait(context, STILL_S)
-    picture = context.take_overhead_picture()
+    picture = context.cameras.take_overhead_picture()
     yield
     try:
         ends, _ = find_ends(picture, context.wire, {grip.end: expected})
@@ -162,7 +162,7 @@ def observe_held_tip(context: RobotContext, expected: Array) -> Steps[TipObserva
     drawing = Drawing(picture.rgb, picture.view)
     mark_end(drawing, seen, f"{context.wire.id} end {grip.end.value}")
     drawing.title(f"End {grip.end.value} of {context.wire.id} in the hand")
-    context.show("overhead", picture, drawing.image)
+    context.cameras.show("overhead", picture, drawing.image)
     return seen.tip
 
 
@@ -229,7 +229,7 @@ def _search(
     observation = ends.get(end)
     if observation is None or _is_other_end(context, end, observation):
         drawing.title(f"End {end.value} of {wire.id} not seen")
-        context.show("wrist", picture, drawing.image)
+        context.cameras.show("wrist", picture, drawing.image)
         return None
     z = float(observation.tip.tip[2])
     pixels = line_from(observation, lines)
@@ -243,7 +243,7 @@ def _search(
     drawing.circle(picture.view.project(grasp)[0], 9, ORANGE)
     drawing.note("grasp", picture.view.project(grasp)[0], ORANGE)
     drawing.title(f"End {end.value} of {wire.id} from the hand")
-    context.show("wrist", picture, drawing.image)
+    context.cameras.show("wrist", picture, drawing.image)
     tip = replace(observation.tip, pitch=pitch)
     context.belief.tips[end] = tip
     return GraspObservation(grasp, math.atan2(out[1], out[0]), tip, line)
@@ -287,6 +287,6 @@ def go_and_see(context: RobotContext, tool: ToolPose) -> Steps[Picture]:
         yield from move_to(context, context.commanded.at(z=tool.z), APPROACH_SPEED)
         yield from move_to(context, tool, CARRY_SPEED)
     yield from wait(context, STILL_S)
-    picture = context.take_wrist_picture()
+    picture = context.cameras.take_wrist_picture()
     yield
     return picture

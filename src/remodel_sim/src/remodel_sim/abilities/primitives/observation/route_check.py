@@ -38,7 +38,7 @@ def observe_route(context: RobotContext) -> Steps[WireLines]:
 
 def observe_board(context: RobotContext) -> Steps[WireLines]:
     """Observe the plate from above, the hands where they are."""
-    picture = context.take_overhead_picture()
+    picture = context.cameras.take_overhead_picture()
     yield
     return WireLines(picture, context.wire)
 
@@ -129,7 +129,7 @@ def _show(
     for place in places:
         drawing.circle(seen.picture.view.project(place.position)[0], 6, colour)
     drawing.title(f"{seen.wire.id}: {'; '.join(faults) or 'lies where it should'}")
-    context.show("overhead", seen.picture, drawing.image)
+    context.cameras.show("overhead", seen.picture, drawing.image)
 
 
 def _out(context: RobotContext, faults: Sequence[str]) -> AbilityError:

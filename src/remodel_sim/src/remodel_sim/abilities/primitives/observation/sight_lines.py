@@ -63,7 +63,7 @@ def _aside(context: RobotContext, points: Array) -> Iterator[ToolPose]:
 
 
 def _sees_past(context: RobotContext, place: ToolPose, points: Array) -> bool:
-    eye = context.overhead_view.world_from_camera.position
+    eye = context.cameras.overhead_view.world_from_camera.position
     lines = Volume(np.tile(eye, (len(points), 1)), points, np.full(len(points), SIGHT_RADIUS_M))
     return gap_between(volume_of(context.arm, context.arm.joints_for(place)), lines) > 0
 

@@ -10,13 +10,12 @@ import numpy as np
 
 from remodel_sim.abilities.execution.robot_context import RobotContext
 from remodel_sim.abilities.primitives.motions import TRAVEL_Z, nearest_hand_yaw
-from remodel_sim.physics.robot_description import CAMERA_MOUNT
 from remodel_states.core.codes import Code
 from remodel_work.camera import Lens, View
 from remodel_work.errors import AbilityError
 from remodel_work.geometry import Array, Pose, wrap_angle
 from remodel_work.robot.arm import ToolPose
-from remodel_work.robot.fingers import PANDA_FINGERS
+from remodel_work.robot.fingers import CAMERA_MOUNT, PANDA_FINGERS
 
 # The tool's height for an observation from the hand: the lens is 84 mm above the tool centre of
 # the Panda's fingers.
@@ -106,7 +105,7 @@ def camera_above(context: RobotContext, point: Array, yaw: float, z: float = CAM
             if arm.reaches(tool):
                 reached.append(tool)
     if reached:
-        return min(reached, key=lambda tool: not context.has_room(tool))
+        return min(reached, key=lambda tool: not context.space.has_room(tool))
     x, y = point - _camera_offset(yaw)
     return ToolPose(float(x), float(y), z, yaw)
 
@@ -164,7 +163,7 @@ def component_views(
 
 def _held_views(context: RobotContext, target: Array, turns: Array) -> list[ToolPose]:
     """Return the tool poses near the hand's that bring a component into view, the nearest first."""
-    now, lens = context.commanded, context.wrist_view.lens
+    now, lens = context.commanded, context.cameras.wrist_view.lens
     above = context.fingers.tool_m - CAMERA_MOUNT[2]
     looks: list[tuple[float, ToolPose]] = []
     for turn in turns:

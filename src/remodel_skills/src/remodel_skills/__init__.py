@@ -1,0 +1,1 @@
+"""What makes a wire go in: the skills of a cell, on any robot that offers the device port."""
