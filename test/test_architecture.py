@@ -53,7 +53,7 @@ LAYERS = {
 # Modules that no import of a program reaches, but that are found by their name or their place.
 ENTRY_POINTS = {
     "flexbe_states.*_state",  # states, found in the text of their package
-    "remodel_sim.abilities.*",  # abilities, found by their place (abilities/ability.py)
+    "remodel_skills.abilities.*",  # abilities, found by their place (abilities/ability.py)
     "remodel_states.*_state",
     "remodel_behaviors.*_sm",  # behaviors, named by their manifests
     "flexbe_core.core.exceptions",  # FlexBE's import path
@@ -339,11 +339,12 @@ def test_only_the_room_physics_knows_pybullet():
             assert not {top for top in tops if top.startswith("pybullet")}, name
 
 
-def test_skills_reach_the_physics_only_through_the_device_port():
+def test_the_physics_knows_of_skills_only_the_device_port():
+    port = tuple(f"remodel_skills.{module}" for module in ("device", "collision", "force_control"))
     for name, path in modules("remodel_sim").items():
-        if room(name) in ("abilities", "core"):
-            physics = {n for n in imported_names(path) if n.startswith("remodel_sim.physics")}
-            assert not physics, name
+        if room(name) in ("physics", "core", "edge"):
+            skills = {n for n in imported_names(path) if n.startswith("remodel_skills.")}
+            assert not {n for n in skills if not n.startswith(port)}, name
 
 
 def definitions():

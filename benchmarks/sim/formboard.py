@@ -27,25 +27,25 @@ from typing import TypeVar
 import cv2
 import numpy as np
 
-from remodel_sim.abilities.detect_cable import detect_cable
-from remodel_sim.abilities.discard_cable import discard_cable
-from remodel_sim.abilities.execution.observers import Image, Observers, OnObservation
-from remodel_sim.abilities.execution.robot_context import RobotContext, Steps
-from remodel_sim.abilities.fix_cable import fix_cable
-from remodel_sim.abilities.insert_cable import insert_cable
-from remodel_sim.abilities.locate_gearbox_component import (
-    ComponentLocated,
-    locate_gearbox_component,
-)
-from remodel_sim.abilities.pick_cable import pick_cable
-from remodel_sim.abilities.place_cable import place_cable
-from remodel_sim.abilities.route_wire import route_wire
 from remodel_sim.cell import Cell
-from remodel_sim.core import goals
 from remodel_sim.edge.cell_file import read_cell
 from remodel_sim.physics.plant import Plant
 from remodel_sim.physics.truth import ground_truth
 from remodel_sim.ros.conversions import read_panel
+from remodel_skills import goals
+from remodel_skills.abilities.detect_cable import detect_cable
+from remodel_skills.abilities.discard_cable import discard_cable
+from remodel_skills.abilities.fix_cable import fix_cable
+from remodel_skills.abilities.insert_cable import insert_cable
+from remodel_skills.abilities.locate_gearbox_component import (
+    ComponentLocated,
+    locate_gearbox_component,
+)
+from remodel_skills.abilities.pick_cable import pick_cable
+from remodel_skills.abilities.place_cable import place_cable
+from remodel_skills.abilities.route_wire import route_wire
+from remodel_skills.observers import Image, Observers, OnObservation
+from remodel_skills.robot_context import RobotContext, Steps
 from remodel_states.core.codes import Code
 from remodel_states.edge.wire_material_file import read_wire_materials
 from remodel_work.camera import Picture

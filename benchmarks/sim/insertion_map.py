@@ -20,11 +20,11 @@ import numpy as np
 from plots import BLACK, MARGIN, RED, WIDTH, Axes, axes
 from wire_task import ROBOT
 
-from remodel_sim.abilities.insert_cable import insert_cable
 from remodel_sim.cell import Cell
-from remodel_sim.core.goals import InsertGoal
 from remodel_sim.physics.truth import ground_truth
 from remodel_sim.ros.conversions import read_panel
+from remodel_skills.abilities.insert_cable import insert_cable
+from remodel_skills.goals import InsertGoal
 from remodel_states.edge.wire_material_file import read_wire_materials
 from remodel_work.errors import AbilityError
 from remodel_work.geometry import Pose

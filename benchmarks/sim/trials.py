@@ -15,14 +15,14 @@ import numpy as np
 import wire_task as task
 from force_record import recorded
 
-from remodel_sim.abilities.check_connection import check_connection
-from remodel_sim.abilities.discard_cable import discard_cable
-from remodel_sim.abilities.primitives.grasping import release
-from remodel_sim.abilities.primitives.motions import HAND_OPEN_M, rise
 from remodel_sim.cell import Cell
-from remodel_sim.core import goals
 from remodel_sim.physics.truth import ground_truth, lies_in
+from remodel_skills import goals
+from remodel_skills.abilities.check_connection import check_connection
+from remodel_skills.abilities.discard_cable import discard_cable
 from remodel_skills.force_control import ForceLoop
+from remodel_skills.primitives.grasping import release
+from remodel_skills.primitives.motions import HAND_OPEN_M, rise
 from remodel_states.core.codes import Code
 from remodel_states.core.wires.wire_colours import DISTINCT_COLOURS
 from remodel_work.errors import AbilityError

@@ -10,17 +10,17 @@ from typing import TypeVar
 import chart_run
 
 from flexbe_synthesizer.core.chart.model import State
-from remodel_sim.abilities.detect_cable import detect_cable
-from remodel_sim.abilities.execution.robot_context import RobotContext, Steps
-from remodel_sim.abilities.extract_cable import extract_cable
-from remodel_sim.abilities.fix_cable import fix_cable
-from remodel_sim.abilities.insert_cable import insert_cable
-from remodel_sim.abilities.locate_gearbox_component import locate_gearbox_component
-from remodel_sim.abilities.pick_cable import pick_cable
-from remodel_sim.abilities.place_connector import place_connector as mate_connector
-from remodel_sim.abilities.route_wire import route_wire
 from remodel_sim.cell import Cell
-from remodel_sim.core import goals
+from remodel_skills import goals
+from remodel_skills.abilities.detect_cable import detect_cable
+from remodel_skills.abilities.extract_cable import extract_cable
+from remodel_skills.abilities.fix_cable import fix_cable
+from remodel_skills.abilities.insert_cable import insert_cable
+from remodel_skills.abilities.locate_gearbox_component import locate_gearbox_component
+from remodel_skills.abilities.pick_cable import pick_cable
+from remodel_skills.abilities.place_connector import place_connector as mate_connector
+from remodel_skills.abilities.route_wire import route_wire
+from remodel_skills.robot_context import RobotContext, Steps
 from remodel_work.errors import AbilityError
 from remodel_work.geometry import Pose
 from remodel_work.layout import WORLD_FROM_PANEL

@@ -23,9 +23,9 @@ import numpy as np
 from device_scenes import BOARDS, DeviceScene, Mistake
 from row import Row, report
 
-from remodel_sim.abilities.locate_gearbox_component import VIEWS
-from remodel_sim.abilities.primitives.observation.viewpoints import LABEL_ASIDE_M
 from remodel_sim.physics.world import World
+from remodel_skills.abilities.locate_gearbox_component import VIEWS
+from remodel_skills.primitives.observation.viewpoints import LABEL_ASIDE_M
 from remodel_vision.device_pose import (
     DeviceView,
     locate_device,

@@ -6,18 +6,18 @@ from collections.abc import Collection, Iterator, Mapping
 from types import MappingProxyType
 from typing import TypeVar
 
-from remodel_sim.abilities.execution.observers import Observers
-from remodel_sim.abilities.execution.robot_context import RobotContext, Steps
-from remodel_sim.abilities.execution.runner import occupy, run
-from remodel_sim.core.belief.belief_state import NO_CHANNEL, BeliefState, EndState, Feed
 from remodel_sim.core.cell.ownership import check_owner
-from remodel_sim.core.goals.checks import check_hands_empty, check_not_in_cell
-from remodel_sim.core.goals.demands import find_demand_problems
-from remodel_sim.core.robot.traffic import Traffic
 from remodel_sim.edge.cell_file import read_cell
 from remodel_sim.edge.cell_memory import CellMemory
 from remodel_sim.physics.device import device_of
 from remodel_sim.physics.plant import Plant
+from remodel_skills.belief_state import NO_CHANNEL, BeliefState, EndState, Feed
+from remodel_skills.goals.checks import check_hands_empty, check_not_in_cell
+from remodel_skills.goals.demands import find_demand_problems
+from remodel_skills.observers import Observers
+from remodel_skills.robot_context import RobotContext, Steps
+from remodel_skills.runner import occupy, run
+from remodel_skills.traffic import Traffic
 from remodel_states.core.codes import Code
 from remodel_states.core.goal_owner import NO_OWNER
 from remodel_work.cell.cell_design import CellDesign

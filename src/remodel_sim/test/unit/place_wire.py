@@ -2,15 +2,15 @@
 
 import math
 
-from remodel_sim.abilities.detect_cable import detect_cable
-from remodel_sim.abilities.extract_cable import extract_cable
-from remodel_sim.abilities.fix_cable import fix_cable
-from remodel_sim.abilities.insert_cable import insert_cable
-from remodel_sim.abilities.locate_gearbox_component import locate_gearbox_component
-from remodel_sim.abilities.pick_cable import pick_cable
-from remodel_sim.abilities.place_cable import place_cable
-from remodel_sim.abilities.route_wire import route_wire
-from remodel_sim.core import goals
+from remodel_skills import goals
+from remodel_skills.abilities.detect_cable import detect_cable
+from remodel_skills.abilities.extract_cable import extract_cable
+from remodel_skills.abilities.fix_cable import fix_cable
+from remodel_skills.abilities.insert_cable import insert_cable
+from remodel_skills.abilities.locate_gearbox_component import locate_gearbox_component
+from remodel_skills.abilities.pick_cable import pick_cable
+from remodel_skills.abilities.place_cable import place_cable
+from remodel_skills.abilities.route_wire import route_wire
 from remodel_work.geometry import Pose
 from remodel_work.layout import WORLD_FROM_PANEL
 from remodel_work.panel import WireEnd

@@ -15,7 +15,7 @@ from formboards import formboard
 from panels import panel
 
 from remodel_sim.cell import Cell
-from remodel_sim.core.belief.belief_state import EndState, Grip
+from remodel_skills.belief_state import EndState, Grip
 from remodel_work.geometry import Pose
 from remodel_work.panel import WireEnd
 from remodel_work.placed_wires import ParkedWire, PlacedWires

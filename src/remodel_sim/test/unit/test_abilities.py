@@ -1,6 +1,6 @@
 """The cell's abilities are those of the table in remodel_msgs."""
 
-from remodel_sim.abilities.ability import cell_abilities
+from remodel_skills.abilities.ability import cell_abilities
 from remodel_states.edge.exported_tables import read_abilities
 
 

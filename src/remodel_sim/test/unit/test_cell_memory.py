@@ -7,13 +7,13 @@ from panels import panel
 from remodel_msgs.msg import FixCableGoal
 from stored import put, put_live
 
-from remodel_sim.abilities.ability import cell_abilities
-from remodel_sim.abilities.primitives.taking_up import take_up
 from remodel_sim.cell import Cell
 from remodel_sim.core.errors import MemoryFileError
 from remodel_sim.edge.cell_memory import CellMemory
 from remodel_sim.physics.truth import ground_truth
 from remodel_sim.ros.job import Job
+from remodel_skills.abilities.ability import cell_abilities
+from remodel_skills.primitives.taking_up import take_up
 from remodel_states.core.codes import Code
 from remodel_states.core.goal_owner import NO_OWNER
 from remodel_states.edge.exported_tables import read_abilities

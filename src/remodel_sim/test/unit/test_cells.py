@@ -7,21 +7,21 @@ import place_wire
 import pytest
 from panels import panel
 
-from remodel_sim.abilities.execution.runner import occupy, run
-from remodel_sim.abilities.fix_cable import fix_cable
-from remodel_sim.abilities.insert_cable import insert_cable
-from remodel_sim.abilities.locate_gearbox_component import locate_gearbox_component
-from remodel_sim.abilities.pick_cable import pick_cable
-from remodel_sim.abilities.place_cable import place_cable
-from remodel_sim.abilities.place_pin import place_pin
-from remodel_sim.abilities.primitives.concurrently import concurrently
-from remodel_sim.abilities.primitives.motions import TRAVEL_Z, move_to
 from remodel_sim.cell import Cell
-from remodel_sim.core import goals
-from remodel_sim.core.goals import PlacePinGoal
 from remodel_sim.edge.cell_file import read_cell
 from remodel_sim.physics.truth import ground_truth
 from remodel_sim.ros.conversions import read_panel
+from remodel_skills import goals
+from remodel_skills.abilities.fix_cable import fix_cable
+from remodel_skills.abilities.insert_cable import insert_cable
+from remodel_skills.abilities.locate_gearbox_component import locate_gearbox_component
+from remodel_skills.abilities.pick_cable import pick_cable
+from remodel_skills.abilities.place_cable import place_cable
+from remodel_skills.abilities.place_pin import place_pin
+from remodel_skills.goals import PlacePinGoal
+from remodel_skills.primitives.concurrently import concurrently
+from remodel_skills.primitives.motions import TRAVEL_Z, move_to
+from remodel_skills.runner import occupy, run
 from remodel_states.core.codes import Code
 from remodel_states.edge.wire_material_file import read_wire_materials
 from remodel_work.errors import AbilityError

@@ -4,9 +4,9 @@ import pytest
 from place_wire import carry, connect, do
 from stored import put_live
 
-from remodel_sim.abilities.check_connection import check_connection
-from remodel_sim.core.goals import CheckGoal
 from remodel_sim.physics.truth import ground_truth
+from remodel_skills.abilities.check_connection import check_connection
+from remodel_skills.goals import CheckGoal
 from remodel_states.core.codes import Code
 from remodel_vision.opening_occupancy import Occupancy, OpeningObservation, combine
 from remodel_work.errors import AbilityError

@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 from formboards import formboard
 
-from remodel_sim.abilities.primitives.clipping import grip_from_above, press_around
 from remodel_sim.cell import Cell
 from remodel_sim.physics.static_body import add_static
+from remodel_skills.primitives.clipping import grip_from_above, press_around
 from remodel_work.component_shape import Box
 from remodel_work.geometry import Pose
 from remodel_work.routes import world_from_clip

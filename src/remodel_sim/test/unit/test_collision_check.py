@@ -9,14 +9,14 @@ import numpy as np
 import pytest
 from panels import panel
 
-from remodel_sim.abilities.primitives.motions import FREE_SPEED, LIFTS_Z, move_to, straight_line
-from remodel_sim.abilities.primitives.pushing import tool_before
 from remodel_sim.cell import Cell
-from remodel_sim.core.belief.belief_state import Feed, Grip
-from remodel_sim.core.robot.motion import Line
 from remodel_sim.edge.cell_file import read_cell
 from remodel_sim.physics.collision_check import CollisionCheck, HeldTip
 from remodel_sim.ros.conversions import read_panel
+from remodel_skills.belief_state import Feed, Grip
+from remodel_skills.motion import Line
+from remodel_skills.primitives.motions import FREE_SPEED, LIFTS_Z, move_to, straight_line
+from remodel_skills.primitives.pushing import tool_before
 from remodel_states.core.codes import Code
 from remodel_states.edge.wire_material_file import read_wire_materials
 from remodel_work.component_shape import Box

@@ -8,15 +8,15 @@ import pytest
 from panels import panel
 from stored import put, put_live, shape_of, stored
 
-from remodel_sim.abilities.discard_cable import discard_cable
-from remodel_sim.abilities.primitives import carrying
-from remodel_sim.abilities.primitives.taking_up import take_up
 from remodel_sim.cell import Cell
-from remodel_sim.core.belief.belief_state import EndState
-from remodel_sim.core.goals import DiscardGoal
 from remodel_sim.edge.cell_file import read_cell
 from remodel_sim.edge.cell_memory import CellMemory
 from remodel_sim.physics.truth import ground_truth
+from remodel_skills.abilities.discard_cable import discard_cable
+from remodel_skills.belief_state import EndState
+from remodel_skills.goals import DiscardGoal
+from remodel_skills.primitives import carrying
+from remodel_skills.primitives.taking_up import take_up
 from remodel_states.core.codes import Code
 from remodel_work.cell.scrap_bin import bin_of
 from remodel_work.errors import AbilityError

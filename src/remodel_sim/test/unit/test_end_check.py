@@ -5,8 +5,8 @@ from holds import pull_out
 from place_wire import ROBOT, carry, do, fix, goals, insert, locate
 from stored import put_live
 
-from remodel_sim.abilities.discard_cable import discard_cable
 from remodel_sim.physics.truth import ground_truth
+from remodel_skills.abilities.discard_cable import discard_cable
 from remodel_states.core.codes import Code
 from remodel_work.errors import AbilityError
 from remodel_work.openings import opening_of

@@ -12,11 +12,11 @@ import pytest
 from panels import panel
 from place_wire import insert
 
-from remodel_sim.abilities.primitives.pushing import BENDS_N, FEEL_N, FEELS_M
 from remodel_sim.cell import Cell
 from remodel_sim.physics import plant
 from remodel_sim.physics.truth import ground_truth
 from remodel_sim.ros.conversions import read_panel
+from remodel_skills.primitives.pushing import BENDS_N, FEEL_N, FEELS_M
 from remodel_states.core.codes import Code
 from remodel_states.edge.wire_material_file import read_wire_materials
 from remodel_work.errors import AbilityError

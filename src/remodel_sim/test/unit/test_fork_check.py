@@ -6,12 +6,12 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from remodel_sim.abilities.primitives.observation.fork_check import check_forks
 from remodel_sim.cell import Cell
-from remodel_sim.core.belief.belief_state import NO_CHANNEL, Feed
 from remodel_sim.edge.cell_file import read_cell
 from remodel_sim.physics.truth import share_in_ducts
 from remodel_sim.ros.conversions import read_panel
+from remodel_skills.belief_state import NO_CHANNEL, Feed
+from remodel_skills.primitives.observation.fork_check import check_forks
 from remodel_states.core.codes import Code
 from remodel_states.edge.wire_material_file import read_wire_materials
 from remodel_work.errors import AbilityError

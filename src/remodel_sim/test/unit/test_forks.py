@@ -8,16 +8,16 @@ import numpy as np
 import pytest
 from place_wire import do, fix, insert, locate
 
-from remodel_sim.abilities.detect_cable import detect_cable
-from remodel_sim.abilities.fix_cable import fix_cable
-from remodel_sim.abilities.insert_cable import insert_cable
-from remodel_sim.abilities.pick_cable import pick_cable
-from remodel_sim.abilities.route_wire import route_wire
 from remodel_sim.cell import Cell
-from remodel_sim.core import goals
 from remodel_sim.edge.cell_file import read_cell
 from remodel_sim.physics.truth import share_in_ducts
 from remodel_sim.ros.conversions import read_panel
+from remodel_skills import goals
+from remodel_skills.abilities.detect_cable import detect_cable
+from remodel_skills.abilities.fix_cable import fix_cable
+from remodel_skills.abilities.insert_cable import insert_cable
+from remodel_skills.abilities.pick_cable import pick_cable
+from remodel_skills.abilities.route_wire import route_wire
 from remodel_states.core.codes import Code
 from remodel_states.edge.wire_material_file import read_wire_materials
 from remodel_work.cell.magazine import GRASP_M, LEAST_GRASP_M

@@ -6,15 +6,15 @@ from pathlib import Path
 import pytest
 from place_wire import do, locate
 
-from remodel_sim.abilities.detect_cable import detect_cable
-from remodel_sim.abilities.insert_cable import insert_cable
-from remodel_sim.abilities.pick_cable import pick_cable
-from remodel_sim.abilities.primitives.pushing import FEEL_N, bring_before, push_in
 from remodel_sim.cell import Cell
-from remodel_sim.core import goals
 from remodel_sim.edge.cell_file import read_cell
 from remodel_sim.physics.truth import ground_truth
 from remodel_sim.ros.conversions import read_panel
+from remodel_skills import goals
+from remodel_skills.abilities.detect_cable import detect_cable
+from remodel_skills.abilities.insert_cable import insert_cable
+from remodel_skills.abilities.pick_cable import pick_cable
+from remodel_skills.primitives.pushing import FEEL_N, bring_before, push_in
 from remodel_states.edge.wire_material_file import read_wire_materials
 from remodel_work.panel import WireEnd
 

@@ -3,8 +3,8 @@ import dataclasses
 import pytest
 from panels import panel
 
-from remodel_sim.core.belief.belief_state import BeliefState, EndState, Feed, Grip
-from remodel_sim.core.goals import LayGoal
+from remodel_skills.belief_state import BeliefState, EndState, Feed, Grip
+from remodel_skills.goals import LayGoal
 from remodel_states.core.codes import Code
 from remodel_work.errors import AbilityError
 from remodel_work.panel import WireEnd

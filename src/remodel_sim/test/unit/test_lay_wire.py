@@ -12,13 +12,19 @@ import pytest
 from place_wire import do, extract, fix, insert, locate
 from stored import shape_of
 
-from remodel_sim.abilities import lay_wire as lay_wire_module
-from remodel_sim.abilities.detect_cable import detect_cable
-from remodel_sim.abilities.discard_cable import discard_cable
-from remodel_sim.abilities.execution.robot_context import RobotContext
-from remodel_sim.abilities.fix_cable import fix_cable
-from remodel_sim.abilities.insert_cable import insert_cable
-from remodel_sim.abilities.lay_wire import (
+from remodel_sim.cell import Cell
+from remodel_sim.edge.cell_file import read_cell
+from remodel_sim.physics import truth
+from remodel_sim.physics.device import SimulatedGripper
+from remodel_sim.physics.wires.parked_wire import draw_parked
+from remodel_sim.ros.conversions import read_panel
+from remodel_skills import goals
+from remodel_skills.abilities import lay_wire as lay_wire_module
+from remodel_skills.abilities.detect_cable import detect_cable
+from remodel_skills.abilities.discard_cable import discard_cable
+from remodel_skills.abilities.fix_cable import fix_cable
+from remodel_skills.abilities.insert_cable import insert_cable
+from remodel_skills.abilities.lay_wire import (
     SEARCH_M,
     STEP_DOWN_M,
     TIGHTEN_M,
@@ -27,23 +33,17 @@ from remodel_sim.abilities.lay_wire import (
     draw_straight,
     lay_wire,
 )
-from remodel_sim.abilities.pick_cable import pick_cable
-from remodel_sim.abilities.place_cable import place_cable
-from remodel_sim.abilities.primitives.ducts import leading, tucking
-from remodel_sim.abilities.primitives.ducts.tucking import tuck_in
-from remodel_sim.abilities.primitives.observation.duct_check import (
+from remodel_skills.abilities.pick_cable import pick_cable
+from remodel_skills.abilities.place_cable import place_cable
+from remodel_skills.primitives.ducts import leading, tucking
+from remodel_skills.primitives.ducts.tucking import tuck_in
+from remodel_skills.primitives.observation.duct_check import (
     LEAST_IN_DUCTS,
     check_ducts,
     inspect_ducts,
 )
-from remodel_sim.abilities.primitives.taking_up import take_up
-from remodel_sim.cell import Cell
-from remodel_sim.core import goals
-from remodel_sim.edge.cell_file import read_cell
-from remodel_sim.physics import truth
-from remodel_sim.physics.device import SimulatedGripper
-from remodel_sim.physics.wires.parked_wire import draw_parked
-from remodel_sim.ros.conversions import read_panel
+from remodel_skills.primitives.taking_up import take_up
+from remodel_skills.robot_context import RobotContext
 from remodel_states.core.codes import Code
 from remodel_states.edge.wire_material_file import read_wire_materials
 from remodel_states.fix_cable_state import FixCableState

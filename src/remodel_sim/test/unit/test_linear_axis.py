@@ -7,10 +7,10 @@ import numpy as np
 import pytest
 from panels import panel
 
-from remodel_sim.abilities.primitives.motions import FREE_SPEED, choose_flip, move_to, park
 from remodel_sim.cell import Cell
-from remodel_sim.core.robot.motion import ACCELERATION, Line
 from remodel_sim.edge.cell_file import read_cell
+from remodel_skills.motion import ACCELERATION, Line
+from remodel_skills.primitives.motions import FREE_SPEED, choose_flip, move_to, park
 from remodel_work.cell.scrap_bin import bin_of
 from remodel_work.robot.arm import ToolPose
 from remodel_work.robot.arm_volume import gap_between, volume_of

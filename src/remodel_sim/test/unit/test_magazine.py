@@ -7,14 +7,14 @@ import pytest
 from dense_board import board_wire, dense_panel
 from place_wire import ROBOT, do, fix, insert, lay_down, locate
 
-from remodel_sim.abilities.detect_cable import detect_cable
-from remodel_sim.abilities.discard_cable import discard_cable
-from remodel_sim.abilities.pick_cable import pick_cable
 from remodel_sim.cell import Cell
-from remodel_sim.core import goals
 from remodel_sim.edge.cell_file import read_cell
 from remodel_sim.physics.magazine import present
 from remodel_sim.physics.world import World
+from remodel_skills import goals
+from remodel_skills.abilities.detect_cable import detect_cable
+from remodel_skills.abilities.discard_cable import discard_cable
+from remodel_skills.abilities.pick_cable import pick_cable
 from remodel_work.cell.magazine import Magazine, plan_presentation
 from remodel_work.errors import PanelError
 from remodel_work.geometry import Pose

@@ -5,8 +5,8 @@ import numpy as np
 import pytest
 from panels import panel
 
-from remodel_sim.core.belief.belief_state import BeliefState, EndState, Feed
-from remodel_sim.core.goals.pin_goal import PlacePinGoal, pin_row
+from remodel_skills.belief_state import BeliefState, EndState, Feed
+from remodel_skills.goals.pin_goal import PlacePinGoal, pin_row
 from remodel_states.core.codes import Code
 from remodel_work.errors import AbilityError
 from remodel_work.layout import WORLD_FROM_PANEL

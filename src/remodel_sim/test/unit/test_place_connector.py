@@ -7,13 +7,13 @@ import numpy as np
 import pytest
 from place_wire import ROBOT, do, extract, locate
 
-from remodel_sim.abilities.place_connector import place_connector
 from remodel_sim.cell import Cell
-from remodel_sim.core import goals
-from remodel_sim.core.belief.belief_state import BeliefState, EndState, Feed
 from remodel_sim.edge.cell_file import read_cell
 from remodel_sim.physics.truth import ground_truth
 from remodel_sim.ros.conversions import read_panel
+from remodel_skills import goals
+from remodel_skills.abilities.place_connector import place_connector
+from remodel_skills.belief_state import BeliefState, EndState, Feed
 from remodel_states.core.codes import Code
 from remodel_states.edge.wire_material_file import read_wire_materials
 from remodel_work.errors import AbilityError, PanelError

@@ -7,12 +7,12 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from remodel_sim.abilities.primitives.motions import FREE_SPEED, choose_flip, move_to, swing_to
 from remodel_sim.cell import REST_S, Cell
-from remodel_sim.core.belief.belief_state import Grip
-from remodel_sim.core.robot.motion import PEAK_OVER_MEAN, WIRE_TURN_RATE
 from remodel_sim.edge.cell_file import read_cell
 from remodel_sim.ros.conversions import read_panel
+from remodel_skills.belief_state import Grip
+from remodel_skills.motion import PEAK_OVER_MEAN, WIRE_TURN_RATE
+from remodel_skills.primitives.motions import FREE_SPEED, choose_flip, move_to, swing_to
 from remodel_states.core.codes import Code
 from remodel_states.edge.wire_material_file import read_wire_materials
 from remodel_work.errors import AbilityError

@@ -2,7 +2,7 @@
 
 import pytest
 
-from remodel_sim.core.robot.push_monitor import PushMonitor
+from remodel_skills.push_monitor import PushMonitor
 
 FREE = (0.6, 0.7, 0.7)
 HANGING = (9.1, 19.7, 7.7, 5.0)

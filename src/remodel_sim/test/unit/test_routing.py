@@ -9,11 +9,11 @@ import pytest
 from formboards import along_clips, duct, formboard
 from stored import put_live
 
-from remodel_sim.abilities.primitives.observation.route_check import check_ducts
 from remodel_sim.cell import Cell
-from remodel_sim.core import goals
 from remodel_sim.physics.static_body import add_static
 from remodel_sim.physics.truth import lies_in
+from remodel_skills import goals
+from remodel_skills.primitives.observation.route_check import check_ducts
 from remodel_states.core.codes import Code
 from remodel_work.component_shape import Box
 from remodel_work.errors import AbilityError

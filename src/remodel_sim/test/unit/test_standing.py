@@ -6,16 +6,16 @@ import numpy as np
 import pytest
 from panels import panel
 
-from remodel_sim.abilities.primitives.motions import (
+from remodel_sim.cell import Cell
+from remodel_sim.edge.cell_file import read_cell
+from remodel_skills.belief_state import NO_CHANNEL, Feed
+from remodel_skills.primitives.motions import (
     FREE_SPEED,
     LIFTS_Z,
     TRAVEL_Z,
     move_to,
     swing_to,
 )
-from remodel_sim.cell import Cell
-from remodel_sim.core.belief.belief_state import NO_CHANNEL, Feed
-from remodel_sim.edge.cell_file import read_cell
 from remodel_vision.board.standing import CELL_M, standing_wires
 from remodel_work.layout import WORLD_FROM_PANEL
 from remodel_work.obstacles import WIRES, panel_obstacles

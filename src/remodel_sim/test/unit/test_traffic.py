@@ -2,8 +2,8 @@ import math
 
 import numpy as np
 
-from remodel_sim.core.robot.motion import Line
-from remodel_sim.core.robot.traffic import Traffic
+from remodel_skills.motion import Line
+from remodel_skills.traffic import Traffic
 from remodel_work.robot.arm import PANDA_AT_ORIGIN, Arm, ToolPose
 from remodel_work.robot.arm_volume import volume_of
 

@@ -8,12 +8,12 @@ import numpy as np
 import place_wire as do
 import pytest
 
-from remodel_sim.abilities.check_connection import check_connection
-from remodel_sim.abilities.locate_gearbox_component import locate_gearbox_component
 from remodel_sim.cell import Cell
-from remodel_sim.core import goals
 from remodel_sim.edge.cell_file import read_cell
 from remodel_sim.ros.conversions import read_panel
+from remodel_skills import goals
+from remodel_skills.abilities.check_connection import check_connection
+from remodel_skills.abilities.locate_gearbox_component import locate_gearbox_component
 from remodel_states.core.codes import Code
 from remodel_states.edge.wire_material_file import read_wire_materials
 from remodel_work.errors import AbilityError

@@ -7,12 +7,12 @@ import place_wire as do
 import pytest
 from panels import panel
 
-from remodel_sim.abilities.detect_cable import detect_cable
-from remodel_sim.abilities.execution.observers import Observers
-from remodel_sim.abilities.locate_gearbox_component import locate_gearbox_component
 from remodel_sim.cell import Cell
-from remodel_sim.core import goals
 from remodel_sim.physics.static_body import add_static
+from remodel_skills import goals
+from remodel_skills.abilities.detect_cable import detect_cable
+from remodel_skills.abilities.locate_gearbox_component import locate_gearbox_component
+from remodel_skills.observers import Observers
 from remodel_states.core.codes import Code
 from remodel_work.component_shape import Box, label_corners
 from remodel_work.errors import AbilityError

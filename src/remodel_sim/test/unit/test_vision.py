@@ -9,11 +9,11 @@ import pytest
 from panels import panel, wire
 from place_wire import do
 
-from remodel_sim.abilities.detect_cable import detect_cable
 from remodel_sim.cell import Cell
-from remodel_sim.core.belief.belief_state import EndState
-from remodel_sim.core.goals import DetectGoal
 from remodel_sim.physics.wires.parked_wire import draw_parked
+from remodel_skills.abilities.detect_cable import detect_cable
+from remodel_skills.belief_state import EndState
+from remodel_skills.goals import DetectGoal
 from remodel_states.core.codes import Code
 from remodel_states.core.wires.wire_colours import DISTINCT_COLOURS
 from remodel_vision.label_pose import LabelView, locate_component

@@ -6,12 +6,12 @@ import numpy as np
 import pytest
 from place_wire import do, insert
 
-from remodel_sim.abilities.detect_cable import detect_cable
 from remodel_sim.cell import Cell
-from remodel_sim.core import goals
 from remodel_sim.edge.cell_file import read_cell
 from remodel_sim.physics.truth import ground_truth
 from remodel_sim.ros.conversions import read_panel
+from remodel_skills import goals
+from remodel_skills.abilities.detect_cable import detect_cable
 from remodel_skills.force_control import ACCELERATION, Yielding
 from remodel_states.edge.wire_material_file import read_wire_materials
 from remodel_work.geometry import Pose

@@ -1,8 +1,8 @@
 """The device port: all that skills use of a robot and of the cell around it.
 
 Lengths are in m, angles in rad, forces in N and times in s; poses, points and forces are in the
-frame of the world. Skills command an arm once a tick. Whoever runs them advances the cell's time
-by `tick_s` whenever they yield.
+frame of the world. Skills command an arm once a tick: the cell's time advances by `tick_s`
+whenever a skill yields.
 """
 
 from __future__ import annotations

@@ -89,8 +89,8 @@ RIGID = Yielding(np.zeros((0, 3)), np.zeros(0))
 class ForceLoop:
     """A push or pull under force control, step by step of the arm's controller.
 
-    A skill tells it at each tick where to go and how fast; the controller asks it at each of its
-    own steps for the joints, or does as it does.
+    A skill sets at each tick where it leads and how fast; the controller takes the joints of each
+    of its own steps from it, or does the same by itself.
 
     Attributes:
         along: unit vector of the motion, (3,), world frame.

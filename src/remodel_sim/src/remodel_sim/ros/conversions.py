@@ -17,10 +17,10 @@ from remodel_msgs.msg import Panel as PanelMsg
 from remodel_msgs.msg import WireTruth as WireTruthMsg
 from sensor_msgs.msg import CameraInfo
 
-from remodel_sim.abilities.detect_cable import CableDetected
-from remodel_sim.abilities.execution.robot_context import AbilityResult
-from remodel_sim.core.goals.goal_pose import WORLD
 from remodel_sim.physics.truth import WireTruth
+from remodel_skills.abilities.detect_cable import CableDetected
+from remodel_skills.goals.goal_pose import WORLD
+from remodel_skills.robot_context import AbilityResult
 from remodel_states.core.wires.wire_materials import PROPERTIES, MaterialError, WireMaterials
 from remodel_work.camera import View
 from remodel_work.errors import PanelError

@@ -8,12 +8,12 @@ from typing import Any
 
 import rospy
 
-from remodel_sim.abilities.ability import CellAbility
-from remodel_sim.abilities.execution.robot_context import AbilityResult, RobotContext
-from remodel_sim.abilities.execution.runner import occupy
 from remodel_sim.core.errors import MemoryFileError
-from remodel_sim.core.goals import Goal
 from remodel_sim.ros.conversions import result_fields
+from remodel_skills.abilities.ability import CellAbility
+from remodel_skills.goals import Goal
+from remodel_skills.robot_context import AbilityResult, RobotContext
+from remodel_skills.runner import occupy
 from remodel_states.core.ability_error import AbilityError
 from remodel_states.core.codes import Code
 from remodel_states.serving.running_goal import RunningGoal

@@ -12,10 +12,7 @@ import yaml
 from genpy import MessageException
 
 from flexbe_core.ros.master import join, spin
-from remodel_sim.abilities.ability import cell_abilities
-from remodel_sim.abilities.execution.observers import Observers
 from remodel_sim.cell import Cell
-from remodel_sim.core.belief.belief_state import NO_CHANNEL
 from remodel_sim.edge.cell_file import read_cell
 from remodel_sim.edge.cell_memory import CellMemory
 from remodel_sim.edge.film import Film
@@ -27,6 +24,9 @@ from remodel_sim.ros.owner import Owner
 from remodel_sim.ros.publishers import FixedFrames, Pictures, RobotState
 from remodel_sim.ros.services import Services
 from remodel_sim.ros.sim_clock import SimClock
+from remodel_skills.abilities.ability import cell_abilities
+from remodel_skills.belief_state import NO_CHANNEL
+from remodel_skills.observers import Observers
 from remodel_states.core.ability_choice import chosen_abilities
 from remodel_states.core.wires.wire_materials import WireMaterials
 from remodel_states.edge.exported_tables import read_abilities

@@ -10,7 +10,6 @@ from geometry_msgs.msg import TransformStamped, Vector3, WrenchStamped
 from sensor_msgs.msg import CameraInfo, Image, JointState
 from tf2_ros import StaticTransformBroadcaster, TransformBroadcaster
 
-from remodel_sim.core.goals.goal_pose import PANEL, WORLD
 from remodel_sim.physics.plant import Plant
 from remodel_sim.physics.robot_description import (
     HAND,
@@ -20,6 +19,7 @@ from remodel_sim.physics.robot_description import (
 )
 from remodel_sim.ros.conversions import camera_info
 from remodel_sim.ros.sim_clock import SimClock
+from remodel_skills.goals.goal_pose import PANEL, WORLD
 from remodel_vision.ros.image_message import image
 from remodel_work.camera import Picture
 from remodel_work.cell.cell_design import CellDesign, RobotDesign

@@ -1,6 +1,6 @@
 """What each ability does to the world.
 
-The effects are those of the simulated cell (remodel_sim.abilities); forces and shapes are left out.
+The effects are those of the skills (remodel_skills.abilities); forces and shapes are left out.
 A goal is anything with the fields of the ability's goal message.
 """
 

@@ -1,1 +1,0 @@
-"""What an ability may use of its robot and cell, and how its steps run."""

@@ -1,1 +1,0 @@
-"""The robot: kinematics, the volume it occupies, its motions and the forces of a push."""

@@ -1,0 +1,59 @@
+"""What makes a function an ability of the cell.
+
+A module directly in this folder becomes one by the decorator:
+
+    @ability("PickCable", _goal)
+    def pick_cable(context: RobotContext, goal: PickGoal) -> Steps[CablePicked]:
+
+The name is that of the action, and of the row in the table of abilities. The goal's class checks
+its values when it is made, and `check` of it whether the cell can do it as it is now.
+"""
+
+from __future__ import annotations
+
+import pkgutil
+from collections.abc import Callable
+from dataclasses import dataclass
+from importlib import import_module
+from typing import Any, TypeVar
+
+from remodel_skills import abilities
+
+Function = TypeVar("Function", bound=Callable[..., Any])
+
+_MARK = "ability_of_the_cell"
+
+
+@dataclass(frozen=True)
+class CellAbility:
+    """One ability.
+
+    Attributes:
+        name: of the action, such as "InsertCable".
+        parse: makes the goal of a goal message; raises AbilityError.
+        perform: the steps that do it, given the robots' contexts and the goal.
+    """
+
+    name: str
+    parse: Callable[[Any], Any]
+    perform: Callable[..., Any]
+
+
+def ability(name: str, parse: Callable[[Any], Any]) -> Callable[[Function], Function]:
+    """Return a decorator for the steps that do an ability."""
+
+    def mark(perform: Function) -> Function:
+        setattr(perform, _MARK, CellAbility(name, parse, perform))
+        return perform
+
+    return mark
+
+
+def cell_abilities() -> dict[str, CellAbility]:
+    """Return the abilities of all modules directly in this folder, by name."""
+    found_here = pkgutil.iter_modules(abilities.__path__)
+    names = sorted(module.name for module in found_here if not module.ispkg)
+    modules = [import_module(f"{abilities.__name__}.{name}") for name in names]
+    values = [value for module in modules for value in vars(module).values()]
+    found = [getattr(value, _MARK) for value in values if hasattr(value, _MARK)]
+    return {each.name: each for each in found}

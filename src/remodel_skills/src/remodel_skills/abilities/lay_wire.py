@@ -1,0 +1,534 @@
+"""LayWire: one robot leads a wire into the ducts of its route, another holds its free end.
+
+The leading hand closes its eyelet around the wire: the wire slides through it, and lies along the
+duct behind it. The holding hand keeps the free part off the board, and comes nearer as that part
+becomes shorter. At last the leading hand keeps the wire in its duct at the last corner, until
+InsertCable has inserted the free end; FixCable then inspects the ducts.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Sequence
+from contextlib import suppress
+from dataclasses import dataclass, replace
+from functools import partial
+from itertools import pairwise
+
+import numpy as np
+
+from remodel_skills.abilities.ability import ability
+from remodel_skills.belief_state import EndState
+from remodel_skills.force_control import ForceControl
+from remodel_skills.goals import LayGoal
+from remodel_skills.goals.goal_pose import Message
+from remodel_skills.primitives.ducts.leading import (
+    AMONG_WIRES,
+    BACK_M,
+    CORNER_M,
+    LEAVE_SPEED,
+    behind_hand,
+    eyelet_yaw,
+    keep_in_duct,
+    keeps_room,
+    lowest,
+    withdraw,
+)
+from remodel_skills.primitives.force_motion import ForceMotion
+from remodel_skills.primitives.grasping import check_grip
+from remodel_skills.primitives.holding import (
+    FLAT,
+    HOLD_SPEED,
+    SLACK,
+    STEEP,
+    bring_together,
+    hold_off,
+)
+from remodel_skills.primitives.motions import (
+    APPROACH_SPEED,
+    FREE_SPEED,
+    HAND_OPEN_M,
+    TRAVEL_Z,
+    move_to,
+    wait,
+)
+from remodel_skills.primitives.observation.route_check import observe_board
+from remodel_skills.primitives.observation.sight_lines import clear_sight
+from remodel_skills.primitives.together import move_together
+from remodel_skills.robot_context import RobotContext, Steps
+from remodel_states.core.codes import Code
+from remodel_vision.laid_wire import Passing, uppermost_past
+from remodel_vision.wire_lines import WireLines
+from remodel_work.camera import Picture
+from remodel_work.errors import AbilityError
+from remodel_work.geometry import Array, Pose, wrap_angle
+from remodel_work.layout import WORLD_FROM_PANEL
+from remodel_work.panel import Duct, WireEnd, unit_x
+from remodel_work.robot.arm import ToolPose
+from remodel_work.slots import slot_before
+
+# The pads stay so far apart that the edges of the eyelet do not pinch the wire. Pads that are so
+# near to each other, or by such a share of the wire's diameter, have nothing between them. If the
+# wire is there instead of in the eyelet, the hand goes down by so much, so often [m]: as far as a
+# loop of another wire may lie over it, or as far as a wire that is seen may be from there.
+APART_M = 0.0010
+CLOSED_M = 0.0016
+CLOSED_SHARE = 0.7
+STEP_DOWN_M = 0.004
+TAKES = 7
+SEEN_TAKES = 3
+# So much of the turn it has done in the middle of the corner and where it ends; all, so far behind.
+TURNED_SHARES = (0.3, 0.65)
+STRAIGHT_AGAIN_M = 0.070
+# A wire that is straight leaves its first duct through the slots of both walls: the hand lifts it
+# so far over their rim, turns it, and lays it down between them [m].
+OVER_RIM_M = 0.008
+# It is led so far below the rim, above the wires that lie there: ahead of the hand it rises over
+# the wall behind a corner, and it sinks behind the hand [m].
+UNDER_RIM_M = 0.012
+# The leading hand goes along a duct so fast [m/s].
+LEAD_SPEED = 0.25
+# The wire may pull at the leading hand, level, with so much of what its terminal holds; with more
+# for so long, and it hangs on something [s].
+MAX_PULL_SHARE = 0.3
+SNAG_S = 0.05
+# Where the wire crosses its first duct it is searched for so far to each side of the slot [m].
+SEARCH_M = 0.030
+CLOSE_S = 0.6
+# The holder draws the wire straight until it feels so much, no further than so far [N, m, m/s]. It
+# may pull with more before it has stopped, but no more than the other limit [N].
+TIGHT_N = 2.0
+MAX_TIGHT_N = 8.0
+TIGHTEN_M = 0.20
+TIGHTEN_SPEED = 0.10
+# A wire that sags yields far more than one in the grip: 200 N/m between 1 and 2 N, measured at 0.2
+# to 0.9 m. So much is assumed [N/m].
+SAGGING_STIFFNESS = 8e3
+# So far before the last slot the wire rises to the holding hand [m].
+RISES_M = 0.12
+# It is released with the free part so far to the inner side of its last corner [rad].
+INWARD_RAD = math.radians(35.0)
+# So much of the wire is inside its terminal, about [m].
+INSIDE_M = 0.014
+# Two hands need so much of the wire between them: where less is left at the last slot, the leading
+# hand releases the wire before it, where it rises to the holding hand anyway [m].
+LEAST_HELD_M = 0.20
+# Where others hide the wire at its slot the pads are so far above the middle of its route there
+# [m]: it comes out 7 to 14 mm above that, and the pads reach 7 mm higher than the tool.
+HIDDEN_M = 0.011
+# A hidden wire that is not felt there may leave its slot aslant: it is felt for so far on, too [m].
+ONWARD_M = 0.010
+# The direction of the wire at its slot is taken over so much to each side [m].
+DIRECTION_M = 0.012
+
+
+@dataclass(frozen=True)
+class WireLaid:
+    """A wire in its ducts, its free end in the holding hand.
+
+    Attributes:
+        message: for a person.
+        peak_force: the largest level force at the leading hand [N].
+    """
+
+    message: str
+    peak_force: float
+
+
+def _goal(message: Message) -> LayGoal:
+    return LayGoal(message.robot_name, message.guide_name, message.cable_id)
+
+
+@ability("LayWire", _goal)
+def lay_wire(holder: RobotContext, guide: RobotContext, goal: LayGoal) -> Steps[WireLaid]:
+    """Lead the wire along its route, and keep it in its last duct."""
+    try:
+        peak = yield from _lead(holder, guide, _route(holder))
+    except AbilityError:
+        # What went wrong first is what counts.
+        with suppress(AbilityError):
+            yield from withdraw(guide, behind_hand(guide, holder))
+        raise
+    return WireLaid(f"{goal.cable_id} laid into {', '.join(holder.wire.ducts)}", peak)
+
+
+def _route(holder: RobotContext) -> list[Array]:
+    """Return the route from the fixed end to the free one, (3,) each [m], world frame.
+
+    It enters and leaves the ducts where there are slots.
+    """
+    wire, grip = holder.wire, holder.belief.grip
+    assert grip is not None, "the holder has the free end"
+    points = [WORLD_FROM_PANEL.apply(np.array(point)) for point in wire.route]
+    if grip.end is WireEnd.A:
+        points.reverse()
+    for end, index in ((grip.end.other, 1), (grip.end, -2)):
+        opening = holder.panel.panel_from_socket(*wire.goes_to(end))
+        slot = slot_before(holder.panel, opening)
+        aside = 0.0 if slot is None else slot.aside
+        points[index] = points[index] + aside * (WORLD_FROM_PANEL @ opening).rotation[:, 1]
+    return points
+
+
+def _lead(holder: RobotContext, guide: RobotContext, route: list[Array]) -> Steps[float]:
+    """Take the wire where it comes out of the first slot, and lead it to the last one.
+
+    Returns:
+        The peak of the level pull at the guide [N].
+    """
+    grip = holder.belief.grip
+    assert grip is not None, "the holder has the free end"
+    fixed = WORLD_FROM_PANEL @ guide.panel.panel_from_socket(*guide.wire.goes_to(grip.end.other))
+    depths = [np.array([0.0, 0.0, _rim(guide, at) - UNDER_RIM_M - at[2]]) for at in route[1:-1]]
+    places = list(_places_along([at + d for at, d in zip(route[1:-1], depths, strict=True)]))
+    over = _rim(guide, route[1]) + OVER_RIM_M
+    places.insert(0, replace(places[0], at=np.array([*places[0].at[:2], over])))
+    guide.report("searching for the wire at its slot", 0.2)
+    left = guide.wire.length - grip.distance - INSIDE_M - float(np.linalg.norm(route[1] - route[0]))
+    slot = ToolPose(*(float(v) for v in route[1]), 0.0)
+    # On the side to which the wire goes on: a hand that swings across pitches the wire in its grip.
+    onward = (route[2] - route[1]) * [1.0, 1.0, 0.0]
+    out = onward / np.linalg.norm(onward) - unit_x(fixed)
+    flat = hold_off(holder, slot, out / np.linalg.norm(out), left, FLAT)
+    if flat:
+        yield from move_together(flat, HOLD_SPEED)
+    yield from clear_sight(guide, route[1][None])
+    seen = yield from observe_board(guide)
+    before = guide.belief.board_before
+    tool, is_seen = _find(guide, route[1], -unit_x(fixed), seen, before)
+    # Lifted, the wire comes straight from its slot: the eyelet turns half the way there.
+    turn = float(wrap_angle(fixed.yaw + math.pi - tool.yaw)) / 2
+    yaw = tool.yaw + turn
+    yaws = [tool.yaw, yaw, *(place.yaw for place in places)]
+    tool = replace(tool, yaw=eyelet_yaw(guide, yaws))
+    guide.report("taking the wire", 0.3)
+    try:
+        yield from _take(guide, tool, is_seen)
+    except AbilityError as error:
+        if is_seen or error.code is not Code.GRASP_MISSED:
+            raise
+        yield from _take(guide, tool.moved(onward / np.linalg.norm(onward), ONWARD_M), is_seen)
+    free = guide.device.arm.force
+    over_slot = guide.commanded.at(z=over - _eyelet_above(guide))
+    lifted = replace(over_slot, yaw=over_slot.yaw + turn)
+    peak = yield from _watched(guide, [(guide, lifted)], free)
+    here = route[1]
+    for i, place in enumerate(places):
+        guide.report(f"leading the wire, {i + 1} of {len(places)}", 0.35 + 0.6 * i / len(places))
+        target = place if place is not places[-1] else _last(place, here, left)
+        ahead = float(np.linalg.norm(target.at - here))
+        left -= ahead
+        turn = float(wrap_angle(target.yaw - yaw))
+        peak = max(peak, (yield from _bring(holder, guide, target, turn, left, free)))
+        if ahead > 0:
+            left = yield from draw_straight(holder, target.at, left)
+            _check_closed(guide)
+        check_grip(holder)
+        here, yaw = target.at, target.yaw
+    # A wire that is pulled upwards would leave its ducts.
+    risen = yield from _loosen(holder, guide, target, left, _last_turn(places))
+    corner, slot = route[-3], route[-2]
+    if keeps_room(corner, slot):
+        guide.report("keeping the wire in its duct", 0.95)
+        yield from keep_in_duct(guide, corner, slot)
+    else:
+        guide.report("releasing the wire", 0.95)
+        yield from withdraw(guide, risen)
+    return peak
+
+
+def _last(place: _Place, here: Array, left: float) -> _Place:
+    """Return where the leading hand releases the wire: at the last slot, or before it.
+
+    Args:
+        place: at the last slot.
+        here: where the eyelet is, (3,) [m].
+        left: how long the wire is from there to the holder [m].
+    """
+    way = here - place.at
+    length = float(np.linalg.norm(way))
+    back = min(max(0.0, LEAST_HELD_M - (left - length)), RISES_M, length)
+    return replace(place, at=place.at + way / length * back)
+
+
+def _rim(guide: RobotContext, point: Array) -> float:
+    """Return the height of the walls of the wire's duct at a point (3,) [m]."""
+    place = WORLD_FROM_PANEL.inverse().apply(point)
+    ducts = [duct for duct in guide.panel.ducts if duct.id in guide.wire.ducts]
+    nearest = min(ducts, key=lambda duct: _outside(duct, place))
+    return nearest.height
+
+
+def _outside(duct: Duct, place: Array) -> float:
+    """Return how far a point (3,) is outside a duct [m], panel frame."""
+    along, across = np.abs(duct.panel_from_duct.inverse().apply(place)[:2])
+    return float(max(along - duct.length / 2, across - duct.width / 2))
+
+
+@dataclass(frozen=True)
+class _Place:
+    """Where the leading hand goes.
+
+    Attributes:
+        at: of the eyelet's middle, (3,) [m], world frame.
+        heading: in which the wire goes on [rad].
+        yaw: in which the eyelet looks [rad].
+    """
+
+    at: Array
+    heading: float
+    yaw: float
+
+
+def _places_along(points: list[Array]) -> Iterator[_Place]:
+    """Yield where the leading hand goes along a polyline, (3,) each [m].
+
+    The eyelet turns later than the way does: it looks along the wire that lies behind it, which
+    would be kinked between its edges otherwise.
+    """
+    legs = [(a, b - a) for a, b in pairwise(points) if float(np.linalg.norm((b - a)[:2])) > 1e-3]
+    headings = [math.atan2(leg[1], leg[0]) for _, leg in legs]
+    lengths = [float(np.linalg.norm(leg)) for _, leg in legs]
+    units = [leg / length for (_, leg), length in zip(legs, lengths, strict=True)]
+    cuts = [unit * min(length / 2, CORNER_M) for unit, length in zip(units, lengths, strict=True)]
+    yield _Place(legs[0][0] + cuts[0], headings[0], headings[0])
+    for i in range(1, len(legs)):
+        corner, last = legs[i][0], headings[i - 1]
+        turn = float(wrap_angle(headings[i] - last))
+        yield _Place(corner - cuts[i - 1], last, last)
+        yield _Place(corner - cuts[i - 1], last + turn / 4, last)
+        middle = corner + (cuts[i] - cuts[i - 1]) / 4
+        yield _Place(middle, last + turn / 2, last + TURNED_SHARES[0] * turn)
+        yield _Place(middle, last + 3 * turn / 4, last + TURNED_SHARES[0] * turn)
+        yield _Place(corner + cuts[i], headings[i], last + TURNED_SHARES[1] * turn)
+        after = corner + units[i] * min(lengths[i] / 2, STRAIGHT_AGAIN_M)
+        yield _Place(after, headings[i], headings[i])
+    yield _Place(points[-1], headings[-1], headings[-1])
+
+
+def _find(
+    guide: RobotContext, crossing: Array, out: Array, seen: WireLines, before: Picture | None
+) -> tuple[ToolPose, bool]:
+    """Return the tool pose on the wire in its first duct, along the wire, and whether it is seen.
+
+    The other hand holds it off: from above it is seen over those that lie beside it. Where others
+    hide it at the crossing, it runs straight between where it is seen to both sides, or is taken
+    on one side; where they hide it altogether, the pads are above where it comes out of its slot.
+    """
+    place = Pose.level(*(float(v) for v in crossing), math.atan2(out[1], out[0]))
+    behind, here, beyond = (
+        uppermost_past(place @ Pose.level(along, 0.0, 0.0, 0.0), SEARCH_M, seen, before)
+        for along in (-DIRECTION_M, 0.0, DIRECTION_M)
+    )
+    along, turn = 0.0, 0.0
+    if behind is not None and beyond is not None:
+        turn = math.atan2(beyond.aside - behind.aside, 2 * DIRECTION_M)
+        middle = Passing((behind.aside + beyond.aside) / 2, (behind.height + beyond.height) / 2)
+        here = here or middle
+    if here is None:
+        along = -DIRECTION_M if beyond is None else DIRECTION_M
+        here = behind or beyond
+    if here is None:
+        x, y, z = (float(v) for v in crossing)
+        return ToolPose(x, y, z + HIDDEN_M, place.yaw), False
+    at = place.apply(np.array([along, here.aside, 0.0]))
+    z = max(lowest(guide), here.height - _eyelet_above(guide))
+    return ToolPose(float(at[0]), float(at[1]), z, place.yaw + turn), True
+
+
+def _eyelet_above(guide: RobotContext) -> float:
+    """Return how high the eyelet is above the tool centre [m]."""
+    assert guide.fingers.eyelet is not None, "the goal's check"
+    return guide.fingers.eyelet.above
+
+
+def _take(guide: RobotContext, tool: ToolPose, is_seen: bool) -> Steps[None]:
+    """Close the eyelet around the wire.
+
+    A wire that is not seen must have been between the pads before. One that is seen and comes
+    steeply from its slot keeps the pads apart in the eyelet too: it is taken between the heights,
+    and `_check_closed` finds out whether it is in the eyelet once it is drawn straight.
+
+    Raises:
+        AbilityError: GRASP_MISSED when a wire that is not seen keeps the pads apart at all heights.
+    """
+    is_there = is_seen
+    drops = STEP_DOWN_M * np.arange(SEEN_TAKES if is_seen else TAKES)
+    guide.drive_fingers(HAND_OPEN_M)
+    yield from move_to(guide, tool.at(z=max(TRAVEL_Z, guide.commanded.z)), FREE_SPEED)
+    yield from move_to(guide, tool.at(z=TRAVEL_Z), FREE_SPEED)
+    for drop in drops:
+        yield from _close_at(guide, tool, float(drop))
+        is_between = _is_between(guide)
+        if is_there and not is_between:
+            return
+        # The wire is between the pads, below the eyelet or above it.
+        is_there = is_there or is_between
+    if is_seen:
+        yield from _close_at(guide, tool, float(np.median(drops)))
+        return
+    raise AbilityError(
+        Code.GRASP_MISSED,
+        f"the eyelet of {guide.name} does not close around {guide.wire.id!r} at {tool}, or up to "
+        f"{drops[-1] * 1e3:.0f} mm lower: the pads were last "
+        f"{guide.device.gripper.gap * 1e3:.1f} mm apart; draw the wire out and insert it again",
+    )
+
+
+def _close_at(guide: RobotContext, tool: ToolPose, drop: float) -> Steps[None]:
+    """Open the hand, and close it so far below a tool pose [m]."""
+    guide.drive_fingers(HAND_OPEN_M)
+    yield from wait(guide, CLOSE_S)
+    yield from move_to(guide, tool.at(z=max(lowest(guide), tool.z - drop)), APPROACH_SPEED)
+    guide.drive_fingers(APART_M / 2)
+    yield from wait(guide, CLOSE_S)
+
+
+def _is_between(guide: RobotContext) -> bool:
+    """Return whether something keeps the pads apart."""
+    return guide.device.gripper.gap >= max(CLOSED_M, CLOSED_SHARE * guide.wire.diameter)
+
+
+def _check_closed(guide: RobotContext) -> None:
+    """Raise GRASP_MISSED when a wire that is drawn straight keeps the pads apart."""
+    if _is_between(guide):
+        raise AbilityError(
+            Code.GRASP_MISSED,
+            f"{guide.wire.id!r} is between the pads of the leading hand, not in its eyelet: they "
+            f"are {guide.device.gripper.gap * 1e3:.1f} mm apart; draw it out and place it again",
+        )
+
+
+def _bring(
+    holder: RobotContext,
+    guide: RobotContext,
+    place: _Place,
+    turn: float,
+    left: float,
+    free: Array,
+) -> Steps[float]:
+    """Lead the wire to a place and heading; the holder keeps `left` [m] of it off the board.
+
+    Where it hangs in a slot of a wall, both hands lift it out over the rim, and go on: the leading
+    hand alone would come too near to the holder.
+    """
+    x, y, z = (float(v) for v in place.at)
+    z = max(lowest(guide), z - _eyelet_above(guide))
+    tool = ToolPose(x, y, z, guide.commanded.yaw + turn)
+    lead = partial(_lead_to, holder, guide, place, left=left, free=free)
+    try:
+        return (yield from lead(tool))
+    except AbilityError as error:
+        if error.code is not Code.SNAGGED:
+            raise
+        peak = error.found["peak_force"]
+    lift = OVER_RIM_M + UNDER_RIM_M
+    both = [(robot, robot.commanded) for robot in (guide, holder)]
+    lifted = [(robot, here.at(z=here.z + lift)) for robot, here in both]
+    yield from move_together(lifted, LEAVE_SPEED, allowed=AMONG_WIRES)
+    for target in (tool.at(z=z + lift), tool):
+        peak = max(peak, (yield from lead(target)))
+    return peak
+
+
+def _lead_to(
+    holder: RobotContext,
+    guide: RobotContext,
+    place: _Place,
+    tool: ToolPose,
+    left: float,
+    free: Array,
+) -> Steps[float]:
+    """Lead the wire to where the tool goes, for a place; return the peak of the level pull [N]."""
+    out = np.array([math.cos(place.heading), math.sin(place.heading), 0.0])
+    peak = 0.0
+    for move in bring_together(guide, tool, holder, out, left, STEEP, place.yaw):
+        peak = max(peak, (yield from _watched(guide, move, free)))
+    return peak
+
+
+def _last_turn(places: Sequence[_Place]) -> float:
+    """Return by how much the way turns at its last corner [rad], positive to the left."""
+    turns = [float(wrap_angle(b.heading - a.heading)) for a, b in pairwise(places)]
+    return next((turn for turn in reversed(turns) if abs(turn) > 1e-6), 0.0)
+
+
+def _loosen(
+    holder: RobotContext, guide: RobotContext, place: _Place, left: float, turn: float
+) -> Steps[ToolPose]:
+    """Give the free part of the wire slack; return where the leading hand has room to rise to.
+
+    After its last `turn` [rad] the wire springs outwards, into the notch of an open finger: the
+    holder bends it the other way. `left` is how long the free part is [m].
+    """
+    here = guide.commanded
+    out = np.array([math.cos(place.heading), math.sin(place.heading), 0.0])
+    risen = here.moved(-out, BACK_M).at(z=max(here.z, TRAVEL_Z))
+    inward = place.heading + math.copysign(INWARD_RAD, turn) if turn else place.heading
+    inwards = np.array([math.cos(inward), math.sin(inward), 0.0])
+    moves = bring_together(guide, here, holder, inwards, left, SLACK, place.yaw, then=risen)
+    for move in moves:
+        yield from move_together(move, LEAD_SPEED, HOLD_SPEED)
+    return risen
+
+
+def draw_straight(holder: RobotContext, eyelet: Array, left: float) -> Steps[float]:
+    """Draw the wire straight; return its length from the eyelet (3,) to the holder [m].
+
+    A wire that sags ahead of the hand goes through the slots of the walls.
+
+    Raises:
+        AbilityError: GRASP_MISSED when it does not become straight: the eyelet does not lead it.
+    """
+    away, step = holder.commanded.position - eyelet, TIGHTEN_SPEED * holder.tick_s
+    unit = away / np.linalg.norm(away)
+    control = ForceControl(MAX_TIGHT_N, SAGGING_STIFFNESS)
+    motion = ForceMotion(holder, unit, control, holder.empty_force)
+    while motion.force < TIGHT_N and not motion.met_limit and motion.travel < TIGHTEN_M:
+        # What was commanded is where this tick began.
+        if not holder.arm.reaches(holder.commanded.moved(unit, 2 * step)):
+            break
+        yield from motion.advance(TIGHTEN_SPEED)
+    motion.stop()
+    apart = float(np.linalg.norm(holder.commanded.position - eyelet))
+    if motion.force >= TIGHT_N or motion.met_limit:
+        return apart
+    if motion.travel >= TIGHTEN_M:
+        raise AbilityError(
+            Code.GRASP_MISSED,
+            f"{holder.wire.id!r} is not in the eyelet of the leading hand: drawn by "
+            f"{motion.travel * 1e3:.0f} mm, it pulls with {motion.force:.1f} N, expected "
+            f"{TIGHT_N:.1f} N; draw it out and place it again",
+        )
+    return max(left, apart)
+
+
+def _max_pull(guide: RobotContext) -> float:
+    """Return the pull that the wire's fixed ends stand [N]."""
+    ends = guide.belief.ends.items()
+    keys = [guide.wire.goes_to(end) for end, state in ends if state is EndState.FIXED]
+    terminals = [guide.panel.component(part).terminal(name) for part, name in keys]
+    return MAX_PULL_SHARE * min(terminal.retention_force for terminal in terminals)
+
+
+def _watched(
+    guide: RobotContext, move: list[tuple[RobotContext, ToolPose]], free: Array
+) -> Steps[float]:
+    """Move the hands together; return the peak of the level pull at the guide [N]."""
+    peak, pulled_s, limit = 0.0, 0.0, _max_pull(guide)
+    for _ in move_together(move, LEAD_SPEED, HOLD_SPEED, AMONG_WIRES):
+        yield
+        pull = float(np.linalg.norm((guide.device.arm.force - free)[:2]))
+        peak = max(peak, pull)
+        pulled_s = pulled_s + guide.tick_s if pull > limit else 0.0
+        if pulled_s > SNAG_S:
+            for context, _ in move:
+                context.follow(context.device.arm.tool)
+            raise AbilityError(
+                Code.SNAGGED,
+                f"{guide.wire.id!r} pulls at the leading hand with {pull:.0f} N at "
+                f"{guide.device.arm.tool}, allowed: {limit:.0f} N; it hangs on "
+                "something: draw it out and place it again",
+                peak_force=peak,
+            )
+    return peak

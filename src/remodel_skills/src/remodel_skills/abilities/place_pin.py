@@ -1,0 +1,246 @@
+"""PlacePin: two arms lay the live wire, its pins at two connectors and itself along the path.
+
+A wire that is released with slack springs straight and takes its ends with it. So the arms draw it
+taut, by the force at their wrists, before they release it.
+"""
+
+from __future__ import annotations
+
+import itertools
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+from remodel_skills.abilities.ability import ability
+from remodel_skills.belief_state import Grip
+from remodel_skills.force_control import WIRE_STIFFNESS, ForceControl
+from remodel_skills.goals.goal_pose import Message
+from remodel_skills.goals.pin_goal import PlacePinGoal, pin_row
+from remodel_skills.primitives.concurrently import concurrently
+from remodel_skills.primitives.force_motion import ForceMotion
+from remodel_skills.primitives.grasping import (
+    FLOOR_CLEARANCE_M,
+    check_grip,
+    pick_end,
+    release,
+)
+from remodel_skills.primitives.motions import (
+    APPROACH_SPEED,
+    CARRY_SPEED,
+    CARRY_Z,
+    HAND_OPEN_M,
+    disengage,
+    park,
+    rise,
+    wait,
+)
+from remodel_skills.primitives.observation.observing import (
+    OverheadObservation,
+    mark_end,
+    observe_from_above,
+)
+from remodel_skills.primitives.pushing import tool_before
+from remodel_skills.primitives.together import move_together
+from remodel_skills.robot_context import RobotContext, Steps
+from remodel_states.core.codes import Code
+from remodel_vision.drawing import ORANGE, Drawing
+from remodel_vision.wire_ends import line_from
+from remodel_work.errors import AbilityError
+from remodel_work.geometry import Array, Pose
+from remodel_work.panel import WireEnd
+from remodel_work.robot.arm import ToolPose
+
+# A pin may lie so far from its place, and the wire so far from a pose of the path [m]: nothing
+# holds the wire, so that it takes up to 10 mm of its coil's bow again when it is released.
+PIN_TOLERANCE_M = 0.015
+PATH_TOLERANCE_M = 0.025
+# The feeder's fork waits here while the wire is laid, beyond the plate [m].
+FORK_AWAY_M = (0.50, 0.62)
+# A wire is taut at this pull [N]; each arm draws so fast [m/s], and so far at most [m].
+TAUT_N = 2.0
+DRAW_SPEED = 0.010
+DRAW_M = 0.012
+STILL_S = 0.15
+
+
+@dataclass(frozen=True)
+class PinPlaced:
+    """A wire laid between two connectors.
+
+    Attributes:
+        message: for a person.
+    """
+
+    message: str
+
+
+@dataclass(frozen=True)
+class Hand:
+    """One arm's part: which end it lays, and where that pin goes, x out of the wire."""
+
+    context: RobotContext
+    end: WireEnd
+    pin: Pose
+
+
+def _goal(message: Message) -> PlacePinGoal:
+    return PlacePinGoal(
+        robot_1=message.robot_1_name,
+        robot_2=message.robot_2_name,
+        path_space=message.path_space,
+        connector_space=message.connector_space,
+        centered=message.centered,
+        rotate=message.rotate,
+        show_in_tf=message.show_in_TF,
+    )
+
+
+@ability("PlacePin", _goal)
+def place_pin(one: RobotContext, two: RobotContext, goal: PlacePinGoal) -> Steps[PinPlaced]:
+    """Pick both ends, carry them together, lay them down together, and observe them."""
+    row = pin_row(goal, one.wire)
+    if goal.show_in_tf:
+        one.observers.show_frames({f"placepin/{name}": pose for name, pose in row.items()})
+    hands = _share_out((one, two), row)
+    yield from concurrently(*(disengage(hand.context) for hand in hands))
+    if one.belief.grip is None and two.belief.grip is None:
+        one.report("searching for both pins", 0.05)
+        yield from concurrently(park(one), park(two))
+        yield from observe_from_above(one)
+    one.report("picking both ends", 0.1)
+    yield from concurrently(*(_pick(hand) for hand in hands))
+    one.device.magazine.move_fork(*FORK_AWAY_M)
+    one.report("carrying both ends to their connectors", 0.5)
+    yield from move_together([(hand.context, _above(hand)) for hand in hands], CARRY_SPEED)
+    for hand in hands:
+        check_grip(hand.context)
+    one.report("laying both pins down", 0.65)
+    yield from move_together([(hand.context, _lying(hand)) for hand in hands], APPROACH_SPEED)
+    one.report("drawing the wire taut", 0.7)
+    yield from concurrently(*(_draw(hand) for hand in hands))
+    yield from concurrently(*(_release(hand) for hand in hands))
+    one.report("observing the pins from above", 0.8)
+    yield from concurrently(park(one), park(two))
+    above = yield from observe_from_above(one)
+    worst = _judge(one, above, hands, row)
+    return PinPlaced(
+        f"pins of {one.wire.id} lie {goal.connector_space * 1e3:.0f} mm apart, within "
+        f"{worst * 1e3:.1f} mm of their places"
+    )
+
+
+def _share_out(contexts: tuple[RobotContext, RobotContext], row: dict[str, Pose]) -> list[Hand]:
+    """Return which robot lays which end where: as they hold them, else by the shortest distances.
+
+    The wire is not turned round: the end that lies nearer to a pin goes there.
+    """
+    options = []
+    for first, pins in itertools.product(
+        (WireEnd.A, WireEnd.B), (("pin_1", "pin_2"), ("pin_2", "pin_1"))
+    ):
+        ends = (first, first.other)
+        hands = [
+            Hand(context, end, row[pin])
+            for context, end, pin in zip(contexts, ends, pins, strict=True)
+        ]
+        if all(h.context.belief.grip is None or h.context.belief.grip.end is h.end for h in hands):
+            options.append((sum(_distance(hand) for hand in hands), hands))
+    return min(options, key=lambda option: option[0])[1]
+
+
+def _distance(hand: Hand) -> float:
+    """Return how far an arm goes to its end's place, and that end to its pin's [m]."""
+    belief, pin = hand.context.belief, hand.pin.position[:2]
+    if belief.grip is not None:
+        return float(np.linalg.norm(hand.context.commanded.position[:2] - pin))
+    lies = belief.expected[hand.end][:2]
+    reach = np.linalg.norm(hand.context.home.position[:2] - lies)
+    return float(reach + 2 * np.linalg.norm(lies - pin))
+
+
+def _pick(hand: Hand) -> Steps[None]:
+    if hand.context.belief.grip is None:
+        yield from pick_end(hand.context, hand.end, 0.0, hand.pin, shares=(0.1, 0.45))
+
+
+def _grip(hand: Hand) -> Grip:
+    grip = hand.context.belief.grip
+    if grip is None:
+        raise AbilityError(Code.NOTHING_HELD, f"{hand.context.name} holds nothing; try again")
+    return grip
+
+
+def _above(hand: Hand) -> ToolPose:
+    return tool_before(hand.pin, _grip(hand), 0.0).at(z=CARRY_Z)
+
+
+def _lying(hand: Hand) -> ToolPose:
+    tool = tool_before(hand.pin, _grip(hand), 0.0)
+    return tool.at(z=max(tool.z, hand.context.fingers.below + FLOOR_CLEARANCE_M))
+
+
+def _draw(hand: Hand) -> Steps[None]:
+    """Draw an end out along the row until the wire pulls back."""
+    context, out = hand.context, hand.pin.rotation[:, 0]
+    yield from wait(context, STILL_S)
+    # Both arms pull at the wire, which is as if it were twice as stiff.
+    motion = ForceMotion(
+        context, out, ForceControl(TAUT_N, 2 * WIRE_STIFFNESS), context.device.arm.force
+    )
+    while not motion.met_limit and motion.travel < DRAW_M:
+        yield from motion.advance(DRAW_SPEED)
+    motion.stop()
+    check_grip(context)
+
+
+def _release(hand: Hand) -> Steps[None]:
+    belief = hand.context.belief
+    belief.expected[hand.end] = hand.pin.position.copy()
+    belief.tips.pop(hand.end, None)
+    yield from release(hand.context, HAND_OPEN_M)
+    yield from rise(hand.context)
+
+
+def _judge(
+    context: RobotContext, above: OverheadObservation, hands: list[Hand], row: dict[str, Pose]
+) -> float:
+    """Return how far the worse pin is from its place [m]; raise when it or the wire is too far."""
+    drawing = Drawing(above.picture.rgb, above.picture.view)
+    away: dict[WireEnd, float] = {}
+    for hand in hands:
+        if hand.end in above.ends:
+            tip = above.ends[hand.end].tip.tip
+            away[hand.end] = float(np.linalg.norm(tip[:2] - hand.pin.position[:2]))
+            mark_end(drawing, above.ends[hand.end], f"{away[hand.end] * 1e3:.1f} mm")
+    for pose in row.values():
+        drawing.circle(above.picture.view.project(pose.position)[0], 6, ORANGE)
+    drawing.title(f"PlacePin: {len(away)} of 2 pins seen")
+    context.cameras.show("overhead", above.picture, drawing.image)
+    for hand in hands:
+        if away.get(hand.end, math.inf) > PIN_TOLERANCE_M:
+            found = f"{away[hand.end] * 1e3:.0f} mm away" if hand.end in away else "not seen"
+            raise AbilityError(
+                Code.NOT_SEATED,
+                f"pin {hand.end.value} of {context.wire.id!r} is {found}, allowed: "
+                f"{PIN_TOLERANCE_M * 1e3:.0f} mm from its place; place it again",
+            )
+    _judge_path(context, above, [pose for name, pose in row.items() if name.startswith("path")])
+    return max(away.values())
+
+
+def _judge_path(context: RobotContext, above: OverheadObservation, path: list[Pose]) -> None:
+    wire = context.wire
+    lines = [
+        above.picture.view.on_plane(line_from(observation, above.lines), wire.radius)
+        for observation in above.ends.values()
+    ]
+    line: Array = np.concatenate(lines)[:, :2]
+    for i, pose in enumerate(path, 1):
+        away = float(np.linalg.norm(line - pose.position[:2], axis=1).min())
+        if away > PATH_TOLERANCE_M:
+            raise AbilityError(
+                Code.OUT_OF_DUCT,
+                f"{wire.id!r} passes {away * 1e3:.0f} mm beside pose {i} of the path, allowed: "
+                f"{PATH_TOLERANCE_M * 1e3:.0f} mm; place it again",
+            )

@@ -1,0 +1,132 @@
+"""RouteWire: carry the held end along a path, or lay the wire into the clips on it."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from remodel_skills.abilities.ability import ability
+from remodel_skills.belief_state import Grip
+from remodel_skills.goals import RouteGoal
+from remodel_skills.goals.goal_pose import Message, pose_from
+from remodel_skills.primitives.carrying import carry
+from remodel_skills.primitives.clipping import lay_into, press_around
+from remodel_skills.primitives.forks import let_into_forks
+from remodel_skills.primitives.grasping import check_grip
+from remodel_skills.primitives.laying import lay_down
+from remodel_skills.primitives.motions import CARRY_SPEED, disengage, held_tool
+from remodel_skills.primitives.observation.route_check import (
+    check_ducts,
+    clip_fault,
+    duct_places,
+    judge_clips,
+    observe_route,
+)
+from remodel_skills.robot_context import RobotContext, Steps
+from remodel_states.core.codes import Code
+from remodel_work.errors import AbilityError
+from remodel_work.geometry import Array
+from remodel_work.openings import opening_of
+from remodel_work.panel import PanelClip
+from remodel_work.routes import clips_along, world_from_clip
+
+# A wire that is seen to stand off its clips is pressed in again so often.
+PRESSES = 2
+
+
+@dataclass(frozen=True)
+class WireRouted:
+    """A wire carried along.
+
+    Attributes:
+        message: for a person.
+        reached: number of path poses reached.
+    """
+
+    message: str
+    reached: int
+
+
+def _goal(message: Message) -> RouteGoal:
+    return RouteGoal(
+        message.robot_name,
+        message.cable_id,
+        tuple(pose_from(f"path[{i}]", p) for i, p in enumerate(message.path)),
+    )
+
+
+@ability("RouteWire", _goal)
+def route_wire(context: RobotContext, goal: RouteGoal) -> Steps[WireRouted]:
+    """Go from pose to pose with the end; lay the wire into the clips or forks that the path passes.
+
+    Whether it lies in clips and ducts is seen from above; in forks it still moves until FixCable
+    has fixed its end. The end stays in the hand, or lies loose when there are clips.
+    """
+    yield from disengage(context)
+    clips = clips_along(goal.path, context.panel)
+    forks = [duct for duct in duct_places(context, goal.path) if duct.is_fork]
+    if clips:
+        yield from _lay_into_all(context, clips)
+    elif forks and context.belief.by_magazine:
+        context.report("letting the wire down into its forks", 0.1)
+        yield from let_into_forks(context, forks)
+    else:
+        yield from _carry_along(context, goal)
+    count = len(goal.path)
+    try:
+        yield from check_ducts(context, goal.path)
+    except AbilityError as error:
+        error.found["reached"] = count
+        raise
+    holders = [holder.id for holder in (*clips, *forks)]
+    done = f"laid into {', '.join(holders)}" if holders else f"carried along {count} poses"
+    return WireRouted(f"{goal.cable_id} {done}", count)
+
+
+def _carry_along(context: RobotContext, goal: RouteGoal) -> Steps[None]:
+    """Lift to the first pose's height, then go from pose to pose in straight lines."""
+    count, free = len(goal.path), context.device.arm.force
+    for i, pose in enumerate(goal.path):
+        context.report(f"carrying the wire to pose {i + 1} of {count}", 0.95 * i / count)
+        tool = held_tool(context, pose)
+        try:
+            if i == 0 and tool.z > context.commanded.z:
+                yield from carry(context, context.commanded.at(z=tool.z), CARRY_SPEED, free)
+            yield from carry(context, tool, CARRY_SPEED, free)
+            check_grip(context)
+        except AbilityError as error:
+            error.found["reached"] = i
+            raise
+
+
+def _lay_into_all(context: RobotContext, clips: tuple[PanelClip, ...]) -> Steps[None]:
+    """Lay the end down where it was picked, and the wire into its clips, one by one."""
+    grip = context.belief.grip
+    if grip is None:
+        raise AbilityError(Code.NOTHING_HELD, "the gripper is empty; pick the wire first")
+    held_at = _held_at(context, grip)
+    yield from lay_down(context, context.belief.picked_at[grip.end].tool, (0.0, 0.05), fork=False)
+    for i, clip in enumerate(clips):
+        context.report(f"laying the wire into clip {clip.id}", 0.05 + 0.8 * i / len(clips))
+        yield from lay_into(context, clip, held_at)
+        held_at = world_from_clip(clip).apply(np.array([0.0, 0.0, clip.height]))
+        context.belief.in_clips.append(held_at)
+    context.report("observing the clips from above", 0.85)
+    seen = yield from observe_route(context)
+    for _ in range(PRESSES):
+        standing_off = [clip for clip in clips if clip_fault(clip, seen)]
+        if not standing_off:
+            break
+        for clip in standing_off:
+            yield from press_around(context, clip)
+        seen = yield from observe_route(context)
+    judge_clips(context, clips, seen)
+
+
+def _held_at(context: RobotContext, grip: Grip) -> Array:
+    """Return where the wire is held nearest to the held end, (3,) [m], world frame."""
+    if context.belief.in_clips:
+        return context.belief.in_clips[-1]
+    terminal = context.wire.goes_to(grip.end.other)
+    return opening_of(terminal, context.panel, context.belief.seen).position

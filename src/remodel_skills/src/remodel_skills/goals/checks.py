@@ -1,0 +1,155 @@
+"""Checks of goals against the panel and the belief; each raises before anything moves."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from remodel_skills.belief_state import BeliefState
+from remodel_states.core.codes import Code
+from remodel_work.errors import AbilityError
+from remodel_work.geometry import Pose, wrap_angle
+from remodel_work.layout import GRASP_DISTANCE_M, STANDOFF_M, WORLD_FROM_PANEL
+from remodel_work.openings import nearest_terminal, opening_of
+from remodel_work.panel import Panel, WireEnd, unit_x
+from remodel_work.robot.arm import ToolPose
+from remodel_work.robot.kinematics import Kinematics
+
+# A socket further than this from the panel's own place is no pose of that terminal [m].
+SOCKET_TOLERANCE_M = 0.05
+# An opening that lies or points so far from where its component was last observed is another one:
+# an observation errs by less than 1 mm and 1 deg, and a push detects by itself that it is 6 mm
+# beside.
+OPENING_TOLERANCE_M = 0.010
+OPENING_TOLERANCE_RAD = math.radians(10.0)
+
+
+def check_live(cable_id: str, panel: Panel, belief: BeliefState) -> None:
+    """Raise unless a wire is the one that was fed last."""
+    panel.wire(cable_id)
+    if belief.feed is None:
+        raise AbilityError(Code.WIRE_NOT_FED, f"wire {cable_id!r} has not been fed; feed it first")
+    if belief.feed.wire_id != cable_id:
+        raise AbilityError(
+            Code.WIRE_NOT_FED,
+            f"wire {cable_id!r} is not the one fed last, which is {belief.feed.wire_id!r}; feed it "
+            "first",
+        )
+
+
+def check_held(belief: BeliefState, end: WireEnd | None = None) -> None:
+    """Raise unless the hand holds the live wire, at that end if one is named."""
+    if belief.grip is None:
+        raise AbilityError(Code.NOTHING_HELD, "the gripper is empty; pick the wire first")
+    if end is not None and belief.grip.end is not end:
+        raise AbilityError(
+            Code.OTHER_CABLE_HELD,
+            f"the gripper holds end {belief.grip.end.value}, not end {end.value}; place it first",
+        )
+
+
+def check_hand(belief: BeliefState, end: WireEnd) -> None:
+    """Raise unless the hand is empty or holds that end, and no other robot holds it."""
+    for robot, grip in belief.hands.items():
+        if robot != belief.robot and grip.end is end:
+            raise AbilityError(
+                Code.OTHER_CABLE_HELD,
+                f"{robot} holds end {end.value}; have it placed first",
+            )
+    if belief.grip is not None:
+        check_held(belief, end)
+
+
+def check_hands_empty(belief: BeliefState) -> None:
+    """Raise OTHER_CABLE_HELD when any robot holds a wire."""
+    for robot, grip in belief.hands.items():
+        held = belief.feed.wire_id if belief.feed is not None else ""
+        raise AbilityError(
+            Code.OTHER_CABLE_HELD, f"{robot} holds end {grip.end.value} of {held!r}; place it first"
+        )
+
+
+def check_not_in_cell(wire_id: str, belief: BeliefState) -> None:
+    """Raise WIRE_LEFT_BEHIND when a piece of a wire is in the cell."""
+    if wire_id not in belief.fed:
+        return
+    where = "left on the panel"
+    if belief.feed is not None and belief.feed.wire_id == wire_id:
+        presented = "presented in the magazine"
+        if not belief.by_magazine:
+            presented = f"presented in channel {belief.feed.channel_id!r}"
+        where = "moved or connected" if belief.is_touched else presented
+    raise AbilityError(
+        Code.WIRE_LEFT_BEHIND,
+        f"a piece of wire {wire_id!r} is in the cell already, {where}; discard it first",
+    )
+
+
+def check_clamp(component_id: str, terminal_id: str, panel: Panel) -> None:
+    """Raise unless a terminal is a clamp for one wire's end."""
+    if panel.component(component_id).terminal(terminal_id).is_header:
+        raise AbilityError(
+            Code.INVALID_GOAL,
+            f"'{component_id}/{terminal_id}' is a header, which takes a connector and latches by "
+            "itself; use PlaceConnector",
+        )
+
+
+def check_socket(
+    component_id: str, terminal_id: str, socket: Pose, panel: Panel, belief: BeliefState
+) -> None:
+    """Raise when an opening is not near its terminal on the panel, or out of reach."""
+    nominal = WORLD_FROM_PANEL @ panel.panel_from_socket(component_id, terminal_id)
+    away = float(np.linalg.norm(socket.position - nominal.position))
+    if away > SOCKET_TOLERANCE_M:
+        raise AbilityError(
+            Code.INVALID_GOAL,
+            f"socket_pose is {away * 1e3:.0f} mm from terminal '{component_id}/{terminal_id}' on "
+            "the panel, "
+            f"allowed: {SOCKET_TOLERANCE_M * 1e3:.0f} mm; locate the terminal first",
+        )
+    tool = socket.position - unit_x(socket) * (GRASP_DISTANCE_M + STANDOFF_M)
+    x, y, z = (float(v) for v in tool)
+    check_reach(belief.arm, ToolPose(x, y, z, socket.yaw))
+
+
+def check_opening(
+    component_id: str, terminal_id: str, socket: Pose, panel: Panel, belief: BeliefState
+) -> None:
+    """Raise when an opening is another terminal's, or is not where it was last observed."""
+    where = f"'{component_id}/{terminal_id}'"
+    known = opening_of((component_id, terminal_id), panel, belief.seen)
+    source = "was last seen" if component_id in belief.seen else "is on the panel"
+    away = float(np.linalg.norm(socket.position - known.position))
+    nearest = nearest_terminal(socket.position, panel, belief.seen)
+    if nearest != (component_id, terminal_id):
+        raise AbilityError(
+            Code.INVALID_GOAL,
+            f"socket_pose is at the opening of '{'/'.join(nearest)}', {away * 1e3:.0f} mm from "
+            f"where {where} {source}; locate {where} and insert there",
+        )
+    turned = abs(wrap_angle(socket.yaw - known.yaw))
+    if away > OPENING_TOLERANCE_M or turned > OPENING_TOLERANCE_RAD:
+        raise AbilityError(
+            Code.COMPONENT_DISPLACED,
+            f"socket_pose is {away * 1e3:.0f} mm and {math.degrees(turned):.0f} deg from where "
+            f"{where} {source}, allowed: {OPENING_TOLERANCE_M * 1e3:.0f} mm and "
+            f"{math.degrees(OPENING_TOLERANCE_RAD):.0f} deg; locate it and insert where it is seen",
+        )
+
+
+def check_tool_path(path: tuple[Pose, ...], belief: BeliefState) -> None:
+    """Raise UNREACHABLE when the held wire's tool poses are out of the arm's reach."""
+    flip = belief.grip.flip if belief.grip is not None else 0.0
+    for pose in path:
+        x, y, z = (float(v) for v in pose.position)
+        belief.arm.joints_for(ToolPose(x, y, z, pose.yaw - flip))
+
+
+def check_reach(arm: Kinematics, tool: ToolPose) -> None:
+    """Raise UNREACHABLE when neither the pose nor that with the hand turned by pi is reached."""
+    try:
+        arm.joints_for(tool)
+    except AbilityError:
+        arm.joints_for(ToolPose(tool.x, tool.y, tool.z, tool.yaw + math.pi))

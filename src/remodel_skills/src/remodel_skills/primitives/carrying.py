@@ -1,0 +1,155 @@
+"""Carry a held wire, also to the scrap bin, and stop when it snags, as steps of an ability."""
+
+from __future__ import annotations
+
+import math
+from itertools import pairwise
+
+import numpy as np
+
+from remodel_skills.primitives.grasping import check_grip
+from remodel_skills.primitives.motions import (
+    CARRY_SPEED,
+    HAND_OPEN_M,
+    TRAVEL_Z,
+    move_to,
+    nearest_hand_yaw,
+    rise,
+    wait,
+)
+from remodel_skills.primitives.taking_up import end_wire
+from remodel_skills.robot_context import RobotContext, Steps
+from remodel_states.core.codes import Code
+from remodel_vision.board.new_points import new_length
+from remodel_work.camera import Picture
+from remodel_work.cell.scrap_bin import bin_of
+from remodel_work.errors import AbilityError
+from remodel_work.geometry import Array
+from remodel_work.layout import WORLD_FROM_PANEL
+from remodel_work.panel import WireEnd
+from remodel_work.robot.arm import ToolPose
+
+# A wire that hangs on something pulls at the hand with so much more than a free one, for so long
+# [N], [s]: one that becomes taut slips out of the grip 60 ms later. A free one pulls with no more
+# than its bending stiffness over the square of the tightest bend into a channel [m].
+SNAG_N = 5.0
+SNAG_S = 0.025
+TIGHTEST_BEND_M = 0.020
+# A wire that is drawn out of clips or out of a duct pulls more than a free one; one that pulls more
+# than the grip holds safely hangs on something [N].
+MAX_PULL_N = 25.0
+# A wire is drawn up out of its ducts to the highest of so many heights that the hand reaches.
+HEIGHTS = 20
+# So much of a wire is seen on the board if it fell there instead of into the bin [m]: of one that
+# lies flat on the plate the depth camera sees only parts, of one that is gone nothing.
+LEAST_SEEN_M = 0.03
+# The fingers are open after this [s].
+OPENING_S = 0.2
+
+
+def carry(
+    context: RobotContext, tool: ToolPose, speed: float, free: Array, most: float | None = None
+) -> Steps[None]:
+    """Move as `move_to`; raises SNAGGED, the arm stopped, when the wire pulls back.
+
+    Args:
+        context: the cell, a wire in its hand.
+        tool: where to.
+        speed: peak speed of the tool centre [m/s].
+        free: what the wrist feels without the wire's pull, world frame (3,) [N].
+        most: by which it may pull, level [N]; None for what a free wire of its stiffness does.
+    """
+    if most is None:
+        most = SNAG_N + context.wire.bending_stiffness / TIGHTEST_BEND_M**2
+    pulled_s = 0.0
+    for _ in move_to(context, tool, speed):
+        yield
+        pull = float(np.linalg.norm((context.device.arm.force - free)[:2]))
+        pulled_s = pulled_s + context.tick_s if pull > most else 0.0
+        if pulled_s > SNAG_S:
+            context.follow(context.device.arm.tool)
+            raise AbilityError(
+                Code.SNAGGED,
+                f"{context.wire.id!r} pulls at the hand with {pull:.0f} N at "
+                f"{context.device.arm.tool}: it hangs on something or is too short; "
+                "move back, observe it, take another route",
+            )
+
+
+def drop_into_bin(context: RobotContext, shares: tuple[float, float]) -> Steps[None]:
+    """Carry the wire in the hand over the robot's scrap bin, open, and see that it is gone.
+
+    Raises:
+        AbilityError: SNAGGED, GRASP_SLIPPED, also when it lies on the board.
+    """
+    first, last = shares
+    before = context.belief.board_before or context.cameras.take_overhead_picture()
+    context.report("carrying the wire to the scrap bin", first)
+    above_bin = bin_of(context.design, context.panel)
+    context.device.magazine.lower_fork()
+    yield from rise(context, _drawn_up_z(context, above_bin.z))
+    now = context.commanded
+    yaw = nearest_hand_yaw(context.arm, above_bin.x, above_bin.y, now.yaw, near=now.yaw)
+    over = ToolPose(above_bin.x, above_bin.y, now.z, yaw)
+    # Where it was drawn out, the wire may still pull.
+    yield from carry(context, over, CARRY_SPEED, context.empty_force, most=MAX_PULL_N)
+    check_grip(context)
+    context.report("dropping the wire", first + 0.8 * (last - first))
+    context.drive_fingers(HAND_OPEN_M)
+    yield from wait(context, OPENING_S)
+    context.device.magazine.drop(context.device.arm.tool.position)
+    context.belief.grip = None
+    _check_gone(context, before)
+    end_wire(context)
+
+
+def _check_gone(context: RobotContext, before: Picture) -> None:
+    """Raise GRASP_SLIPPED when the dropped wire is seen on the board.
+
+    There is no step in between, so that a cancel leaves a wire either in the bin or known. What the
+    wire or an arm covered in the picture from before is not compared.
+    """
+    picture = context.cameras.take_overhead_picture()
+    hands = [robot.device.arm.tool.position for robot in context.robots.values()]
+    length = new_length(picture, before, context.panel.size, context.wire.radius, hands)
+    if length > LEAST_SEEN_M:
+        raise AbilityError(
+            Code.GRASP_SLIPPED,
+            f"{context.wire.id!r} is still seen on the board after it was dropped, along "
+            f"{length * 1e3:.0f} mm: it slipped out of the fingers; detect it again",
+        )
+
+
+def lift_out(context: RobotContext) -> Steps[None]:
+    """Lift the wire out of its ducts along its route, from the held end on.
+
+    Drawn along its ducts, it would hang on corners and on the wires that lie over it.
+
+    Raises:
+        AbilityError: SNAGGED, GRASP_SLIPPED.
+    """
+    yield from rise(context)
+    grip = context.belief.grip
+    assert grip is not None, "the wire is in the hand"
+    points = [WORLD_FROM_PANEL.apply(np.array(point)) for point in context.wire.route]
+    if grip.end is WireEnd.B:
+        points.reverse()
+    lifted, highest = 0.0, _drawn_up_z(context, TRAVEL_Z)
+    for before, (x, y, z) in pairwise(points[:-1]):
+        lifted += math.dist(before, (x, y, z))
+        above = ToolPose(x, y, min(highest, max(TRAVEL_Z, z + lifted)), context.commanded.yaw)
+        if context.arm.reaches(above):
+            yield from carry(context, above, CARRY_SPEED, context.empty_force, most=MAX_PULL_N)
+            check_grip(context)
+
+
+def _drawn_up_z(context: RobotContext, least: float) -> float:
+    """Return the height to which the hand draws the wire up [m]: out of its ducts, if it has any.
+
+    Drawn aside, it would catch on their walls.
+    """
+    if not context.wire.ducts:
+        return least
+    heights = np.linspace(max(least, context.wire.length), least, HEIGHTS)
+    reached = (z for z in heights if context.arm.reaches(context.commanded.at(z=float(z))))
+    return float(next(reached, least))

@@ -1,0 +1,239 @@
+"""Hold the free end of a wire out of the way while another robot inserts or lays the rest."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from remodel_skills.motion import Line
+from remodel_skills.primitives.motions import canonical, is_free
+from remodel_skills.primitives.together import least_gap
+from remodel_skills.robot_context import RobotContext
+from remodel_states.core.codes import Code
+from remodel_work.errors import AbilityError
+from remodel_work.geometry import Array, wrap_angle
+from remodel_work.robot.arm import ToolPose
+
+# Where the wire goes from the first place: so far aside of its direction there.
+ASIDE_RAD = np.radians([0.0, 25.0, -25.0, 50.0, -50.0, 75.0, -75.0, 100.0, -100.0])
+# On the way the wire leaves the first hand with at most so much aside.
+MOST_ASIDE_RAD = math.radians(110.0)
+# The hand holds between these heights [m].
+HEIGHTS_M = (0.12, 0.85)
+# Between the two robots there [m].
+APART_M = 0.035
+# The holding hand goes through the air so fast [m/s].
+HOLD_SPEED = 0.45
+# A way of a metre costs as much as so much aside [rad].
+WAY_COST = 1.0
+
+
+@dataclass(frozen=True)
+class Hold:
+    """How the other end is held.
+
+    Attributes:
+        shares: the straight distance between the places at which the wire is held, as a share of
+            its length between them; the best first.
+        most: on the way it is never more than this share.
+        up_rad: how steeply the wire rises from the working hand, the best first [rad].
+    """
+
+    shares: tuple[float, ...]
+    most: float
+    up_rad: tuple[float, ...]
+
+
+# It hangs a little, and pulls at neither.
+SLACK = Hold((0.88, 0.80, 0.70, 0.60), 0.92, tuple(np.radians([30.0, 20.0, 40.0, 55.0])))
+# It is nearly straight, and rises over the wall behind the next corner.
+STEEP = Hold(
+    (0.97, 0.94, 0.90, 0.85, 0.75),
+    1.0,
+    tuple(np.radians([55.0, 48.0, 62.0, 40.0, 70.0, 30.0, 20.0])),
+)
+
+# It leaves a terminal and its slot so flatly that an eyelet closes around it there.
+FLAT = Hold((0.95, 0.90, 0.85, 0.80), 1.0, tuple(np.radians([20.0, 25.0, 30.0, 15.0, 35.0, 40.0])))
+
+
+def holder_of(context: RobotContext) -> RobotContext | None:
+    """Return the other robot that holds the live wire's other end and does nothing else."""
+    grip = context.belief.grip
+    for peer in context.peers:
+        held = peer.belief.grip
+        if held is not None and grip is not None and held.end is grip.end.other and not peer.busy:
+            return peer
+    return None
+
+
+def free_length(context: RobotContext, holder: RobotContext) -> float:
+    """Return how long the wire is between the grips of two robots [m]."""
+    mine, other = context.belief.grip, holder.belief.grip
+    assert mine is not None and other is not None, "both hold it"
+    return context.wire.length - mine.distance - other.distance
+
+
+def bring_together(
+    working: RobotContext,
+    tool: ToolPose,
+    holder: RobotContext,
+    out: Array,
+    length: float,
+    hold: Hold = SLACK,
+    front: float | None = None,
+    then: ToolPose | None = None,
+    keeps: bool = False,
+) -> list[list[tuple[RobotContext, ToolPose]]]:
+    """Plan how a robot moves with a part of a wire while another one keeps the rest off the board.
+
+    Args:
+        working: the robot that inserts or leads the wire.
+        tool: where its tool goes.
+        holder: holds the free end.
+        out: in which the wire then leaves the working hand, unit vector (3,), level.
+        length: of the wire from there to the holder's grip [m].
+        hold: how tightly and steeply.
+        front: yaw of the working hand's side at which the wire leaves it [rad]; None: of `out`.
+        then: where the working hand goes afterwards, while the other one stays.
+        keeps: whether it has the wire then.
+
+    Returns:
+        Moves, one after the other: all robots of a move move at the same time.
+
+    Raises:
+        AbilityError: UNREACHABLE.
+    """
+    front = math.atan2(out[1], out[0]) if front is None else front
+    tool = canonical(working, tool)
+    for share in hold.shares:
+        places = sorted(
+            _places(holder, tool, out, share * length, hold.up_rad), key=lambda found: found[0]
+        )
+        for _, place in places:
+            if not holder.arm.reaches(place):
+                continue
+            after = [] if then is None else [[(working, then), (holder, place)]]
+            for moves in _orders(working, tool, holder, place):
+                with_wire = [*moves, *after] if keeps else moves
+                if (
+                    _is_slack(with_wire, hold.most * length)
+                    and _leaves_in_front(moves, tool.yaw - front)
+                    and _are_apart([*moves, *after])
+                    and _keeps_clear(holder, moves)
+                ):
+                    return moves
+    raise AbilityError(
+        Code.UNREACHABLE,
+        f"{holder.name} has no place to hold the other end of {working.wire.id!r} while "
+        f"{working.name} is at {tool}; present the wire nearer to its terminals",
+    )
+
+
+def hold_off(
+    holder: RobotContext, at: ToolPose, out: Array, length: float, hold: Hold
+) -> list[tuple[RobotContext, ToolPose]]:
+    """Plan where a robot holds a wire that is fixed at its other end; the other robots stay.
+
+    Args:
+        holder: holds the free end.
+        at: where the wire comes from.
+        out: in which it goes on from there, unit vector (3,), level.
+        length: of the wire from there to the holder's grip [m].
+        hold: how tightly and steeply.
+
+    Returns:
+        A move of all robots at the same time; none where there is no such place.
+    """
+    others = [(peer, peer.commanded) for peer in holder.peers]
+    for share in hold.shares:
+        places = sorted(
+            _places(holder, at, out, share * length, hold.up_rad), key=lambda found: found[0]
+        )
+        for _, place in places:
+            move = [(holder, place), *others]
+            if holder.arm.reaches(place) and _are_apart([move]) and _keeps_clear(holder, [move]):
+                return move
+    return []
+
+
+def _orders(
+    working: RobotContext, tool: ToolPose, holder: RobotContext, place: ToolPose
+) -> Iterator[list[list[tuple[RobotContext, ToolPose]]]]:
+    """Yield ways to get there: both at once, or one first, while the other one stays."""
+    here, there = working.commanded, holder.commanded
+    yield [[(working, tool), (holder, place)]]
+    yield [[(working, here), (holder, place)], [(working, tool), (holder, place)]]
+    yield [[(working, tool), (holder, there)], [(working, tool), (holder, place)]]
+
+
+def _is_slack(moves: list[list[tuple[RobotContext, ToolPose]]], most: float) -> bool:
+    """Return whether two hands are never farther from each other than this [m]."""
+    return all(
+        float(np.linalg.norm(one.position - other.position)) <= most
+        for (_, one), (_, other) in moves
+    )
+
+
+def _leaves_in_front(moves: list[list[tuple[RobotContext, ToolPose]]], turned: float) -> bool:
+    """Return whether the wire never winds around the first hand: it goes away from its front.
+
+    Args:
+        moves: of the working hand, then of the holder's.
+        turned: the working hand's yaw against that of its side at which the wire leaves it [rad].
+    """
+    at = [context.commanded for context, _ in moves[0]]
+    for move in moves:
+        lines = [Line(start, target, 1.0) for start, (_, target) in zip(at, move, strict=True)]
+        for share in np.linspace(0.0, 1.0, 9):
+            hand, other = (line.between(share) for line in lines)
+            yaw = math.atan2(other.y - hand.y, other.x - hand.x)
+            if abs(wrap_angle(yaw - hand.yaw + turned)) > MOST_ASIDE_RAD and share > 0:
+                return False
+        at = [target for _, target in move]
+    return True
+
+
+def _are_apart(moves: list[list[tuple[RobotContext, ToolPose]]]) -> bool:
+    at = {context: context.commanded for context, _ in moves[0]}
+    for move in moves:
+        lines = [(context, Line(at[context], target, 1.0)) for context, target in move]
+        if least_gap(lines) < APART_M:
+            return False
+        at.update(move)
+    return True
+
+
+def _keeps_clear(holder: RobotContext, moves: list[list[tuple[RobotContext, ToolPose]]]) -> bool:
+    """Return whether the holder touches nothing that stands on the plate."""
+    here = holder.commanded
+    for move in moves:
+        there = dict(move)[holder]
+        if there != here and not is_free(holder, there, start=here):
+            return False
+        here = there
+    return True
+
+
+def _places(
+    holder: RobotContext, tool: ToolPose, out: Array, straight: float, ups: Sequence[float]
+) -> Iterator[tuple[float, ToolPose]]:
+    """Yield places so far from a tool [m], each with its cost."""
+    heading, grip = math.atan2(out[1], out[0]), holder.belief.grip
+    assert grip is not None, "it holds the end"
+    for aside in ASIDE_RAD:
+        for up in ups:
+            z = float(np.clip(tool.z + straight * math.sin(up), *HEIGHTS_M))
+            level, yaw = math.sqrt(straight**2 - min(straight, z - tool.z) ** 2), heading + aside
+            x, y = tool.x + level * math.cos(yaw), tool.y + level * math.sin(yaw)
+            # The tip points away: the other way round the wire would turn back beside the hand.
+            now = holder.commanded.yaw
+            hand = holder.arm.canonical_yaw(x, y, now + float(wrap_angle(yaw - grip.flip - now)))
+            if hand is None:
+                continue
+            place = ToolPose(x, y, z, hand)
+            way = float(np.linalg.norm(place.position - holder.commanded.position))
+            yield abs(aside) + 0.3 * abs(up - ups[0]) + WAY_COST * way, place

@@ -1,0 +1,406 @@
+"""Motions of the arm, as steps of an ability."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Set
+from dataclasses import replace
+from itertools import pairwise
+
+import numpy as np
+
+from remodel_skills.collision import Touch
+from remodel_skills.motion import PEAK_OVER_MEAN, WIRE_TURN_RATE, Line
+from remodel_skills.robot_context import RobotContext, Steps
+from remodel_states.core.codes import Code
+from remodel_work.errors import AbilityError
+from remodel_work.geometry import Array, Pose, wrap_angle
+from remodel_work.layout import STANDOFF_M
+from remodel_work.robot.arm import ToolPose
+from remodel_work.robot.kinematics import Kinematics
+
+FREE_SPEED = 0.90  # [m/s], hand empty and high
+CARRY_SPEED = 0.30  # with a wire in the hand
+APPROACH_SPEED = 0.25  # near things
+# High enough for the fingers to clear components, 45 mm high, with a wire in the grip.
+TRAVEL_Z = 0.10
+# Low enough that a carried wire stays between the rows.
+CARRY_Z = 0.028
+HAND_OPEN_M = 0.012
+# A path through joint space is checked this far apart [rad].
+CHECK_STEP_RAD = 0.1
+# A motion that is blocked lifts the tool to one of these heights, travels, and descends.
+LIFTS_Z = (TRAVEL_Z, 0.14, 0.18)
+# A corner of the hand is so far from the tool's axis; so far swings the outstretched arm [m/rad].
+HAND_CORNER_M = 0.12
+SWING_M = 0.9
+NOTHING: Set[str] = frozenset()
+# A hand goes around another robot so far beyond where it begins and where it ends [m].
+AROUND_M = (0.15, 0.30, 0.45)
+# Another robot is waited for so long, and checked so often [s].
+WAIT_LIMIT_S = 60.0
+WAIT_S = 0.1
+TRACKING_TOLERANCE_M = 0.003
+# The servo lags by up to 8 mm at full speed; more means that something is in the way.
+MAX_LAG_M = 0.015
+
+
+def move_to(
+    context: RobotContext, target: ToolPose, speed: float, allowed: Set[str] = NOTHING
+) -> Steps[None]:
+    """Move the tool in a straight line, or over what it would touch on it.
+
+    Args:
+        context: of the robot that moves.
+        target: where to.
+        speed: peak speed of the tool centre [m/s].
+        allowed: names of obstacles that the motion may touch, see `remodel_work/obstacles.py`.
+
+    Raises:
+        AbilityError: UNREACHABLE before it starts, MOTION_FAULT when it does not arrive.
+    """
+    for line in _clear_lines(context, target, speed, allowed):
+        yield from clear_path(context, line.postures(context.arm))
+        for tick in range(1, math.ceil(line.duration / context.tick_s) + 1):
+            context.follow(line.at(tick * context.tick_s))
+            yield
+            check_lag(context)
+        context.follow(line.end)
+        yield
+        context.space.stand(context.commanded)
+        check_tracking(context)
+
+
+def straight_line(
+    context: RobotContext, target: ToolPose, speed: float, allowed: Set[str] = NOTHING
+) -> Line:
+    """Return the straight line to a tool pose; raises UNREACHABLE when it would touch something."""
+    line = _line_to(context, target, speed)
+    touch = _touch_on(context, line, allowed)
+    if touch is not None:
+        raise _blocked(touch, target)
+    return line
+
+
+def is_free(
+    context: RobotContext,
+    target: ToolPose,
+    allowed: Set[str] = NOTHING,
+    start: ToolPose | None = None,
+) -> bool:
+    """Return whether the straight line to a tool pose touches nothing else; raises UNREACHABLE.
+
+    It begins where the tool is, unless at `start`.
+    """
+    line = _line_to(context, target, APPROACH_SPEED, start)
+    return _touch_on(context, line, allowed) is None
+
+
+def _line_to(
+    context: RobotContext, target: ToolPose, speed: float, start: ToolPose | None = None
+) -> Line:
+    start = canonical(context, context.commanded if start is None else start)
+    end = canonical(context, target)
+    return Line(start, end, speed).paced(context.arm)
+
+
+def _clear_lines(
+    context: RobotContext, target: ToolPose, speed: float, allowed: Set[str]
+) -> list[Line]:
+    """Return the lines of a motion that touches nothing; raises UNREACHABLE."""
+    arm, start = context.arm, context.commanded
+    turn_rate = float(arm.speeds[-1]) if context.belief.grip is None else WIRE_TURN_RATE
+
+    def line(first: ToolPose, second: ToolPose) -> Line:
+        ends = canonical(context, first), canonical(context, second)
+        return Line(*ends, speed, turn_rate).paced(arm)
+
+    direct = line(start, target)
+    touch = _touch_on(context, direct, allowed)
+    if touch is None:
+        return [direct]
+    for height in LIFTS_Z:
+        if height <= max(start.z, target.z):
+            continue
+        over = start.at(z=height), target.at(z=height)
+        try:
+            lines = [line(start, over[0]), line(*over), line(over[1], target)]
+            if all(_touch_on(context, part, allowed) is None for part in lines):
+                return lines
+        except AbilityError as error:
+            if error.code is not Code.UNREACHABLE:
+                raise
+    raise _blocked(touch, target, ", nor one over it,")
+
+
+def _touch_on(context: RobotContext, line: Line, allowed: Set[str]) -> Touch | None:
+    length = line.distance + HAND_CORNER_M * abs(line.end.yaw - line.start.yaw)
+    return context.scene.first_touch(line.between, length, allowed)
+
+
+def _blocked(touch: Touch, target: ToolPose, nor_over: str = "") -> AbilityError:
+    return AbilityError(
+        Code.UNREACHABLE,
+        f"{touch}: no straight path to {target}{nor_over} is free; move what is in the way, or "
+        "approach from elsewhere",
+    )
+
+
+def check_lag(context: RobotContext) -> None:
+    """Stop the arm and raise MOTION_FAULT when something holds it up."""
+    sent, tool = context.commanded, context.device.arm.tool
+    lag = float(np.linalg.norm(tool.position - sent.position))
+    if lag > MAX_LAG_M:
+        context.follow(tool)
+        raise AbilityError(
+            Code.MOTION_FAULT,
+            f"the tool is held up at {tool}, {lag * 1e3:.0f} mm behind; check for a collision",
+        )
+
+
+def check_tracking(context: RobotContext) -> None:
+    """Raise MOTION_FAULT when the arm is not where it was sent."""
+    away = float(np.linalg.norm(context.device.arm.tool.position - context.commanded.position))
+    if away > TRACKING_TOLERANCE_M:
+        raise AbilityError(
+            Code.MOTION_FAULT,
+            f"the tool stands {away * 1e3:.1f} mm from {context.commanded}; check for a collision",
+        )
+
+
+def swing_to(context: RobotContext, target: ToolPose) -> Steps[None]:
+    """Move the empty hand, high up, past other robots; raises UNREACHABLE before it starts."""
+    for leg in past_robots(context, target) or (target,):
+        yield from _swing(context, leg)
+
+
+def past_robots(context: RobotContext, target: ToolPose) -> tuple[ToolPose, ...]:
+    """Return legs to a tool pose, over corners where a robot stands in the direct way.
+
+    There are none where robots stand in all ways.
+    """
+    here, arm = context.commanded, context.arm
+    for legs in _ways(here, target):
+        if not all(arm.reaches(leg) for leg in legs):
+            continue
+        stops = [arm.joints_for(leg) for leg in (here, *legs)]
+        if all(context.space.has_way(_through(*pair)) for pair in pairwise(stops)):
+            return legs
+    return ()
+
+
+def _ways(here: ToolPose, target: ToolPose) -> Iterator[tuple[ToolPose, ...]]:
+    """Yield legs to a tool pose: straight, over one corner, or around what stands between."""
+    yield (target,)
+    for corner in (replace(target, x=here.x, z=here.z), replace(target, y=here.y, z=here.z)):
+        yield corner, target
+    for away in AROUND_M:
+        for x in (max(here.x, target.x) + away, min(here.x, target.x) - away):
+            yield replace(target, x=x, y=here.y, z=here.z), replace(target, x=x, z=here.z), target
+        for y in (max(here.y, target.y) + away, min(here.y, target.y) - away):
+            yield replace(target, x=here.x, y=y, z=here.z), replace(target, y=y, z=here.z), target
+
+
+def _through(start: Array, end: Array) -> Array:
+    """Return postures between two, (n, joints), CHECK_STEP_RAD apart or less."""
+    return np.linspace(start, end, math.ceil(np.abs(end - start).max() / CHECK_STEP_RAD) + 2)
+
+
+def _swing(context: RobotContext, target: ToolPose) -> Steps[None]:
+    """Move the empty hand, high up, through joint space, or straight over what is in its way.
+
+    An arm on an axis goes straight: a posture that its axis's rule does not give has no tool pose
+    to resume from when it is stopped.
+    """
+    if context.arm.axis is not None:
+        yield from move_to(context, target, FREE_SPEED)
+        return
+    start = context.arm.joints_for(context.commanded)
+    end = context.arm.joints_for(canonical(context, target))
+    farthest = float(np.abs(end - start).max())
+    touch = context.scene.first_touch(
+        lambda share: context.arm.tool_of(start + share * (end - start)),
+        SWING_M * farthest,
+        NOTHING,
+    )
+    if touch is not None:
+        yield from move_to(context, target, FREE_SPEED)
+        return
+    yield from clear_path(context, _through(start, end))
+    seconds = PEAK_OVER_MEAN * float((np.abs(end - start) / context.arm.speeds).max())
+    ticks = math.ceil(seconds / context.tick_s)
+    for tick in range(1, ticks + 1):
+        t = tick / ticks
+        context.drive_joints(start + t**3 * (10 - 15 * t + 6 * t * t) * (end - start))
+        yield
+    context.commanded = context.arm.tool_of(end)
+    context.space.stand(context.commanded)
+
+
+def wait(context: RobotContext, seconds: float) -> Steps[None]:
+    """Wait for a time [s]."""
+    for _ in range(math.ceil(seconds / context.tick_s)):
+        yield
+
+
+def held_tool(context: RobotContext, pose: Pose) -> ToolPose:
+    """Return the tool pose that points the held wire's tip along a pose's x axis."""
+    x, y, z = (float(v) for v in pose.position)
+    flip = context.belief.grip.flip if context.belief.grip is not None else 0.0
+    return ToolPose(x, y, z, pose.yaw - (0.0 if math.isclose(flip, 0.0) else flip))
+
+
+def rise(context: RobotContext, z: float = TRAVEL_Z) -> Steps[None]:
+    """Lift the tool straight up to a height, unless it is higher."""
+    if context.commanded.z < z:
+        yield from move_to(context, context.commanded.at(z=z), FREE_SPEED)
+
+
+def clear_hand(context: RobotContext) -> Steps[None]:
+    """Open the empty hand and lift it: an ability that was stopped may have left it anywhere."""
+    context.keeps_wire = False
+    if context.fingers_open_to < HAND_OPEN_M:
+        context.drive_fingers(HAND_OPEN_M)
+        yield from wait(context, 0.2)
+    yield from rise(context)
+
+
+def clear_path(context: RobotContext, postures: Array) -> Steps[None]:
+    """Wait until no other robot is in the way of a path, (n, joints), and claim its space.
+
+    A robot that does nothing and holds nothing is sent home.
+
+    Raises:
+        AbilityError: ROBOT_IN_THE_WAY when it holds something, or waits for this one, or does not
+            make way in time.
+    """
+    for _ in range(math.ceil(WAIT_LIMIT_S / WAIT_S)):
+        name = context.space.claim(postures)
+        if name is None:
+            context.space.wait_for(None)
+            return
+        other = context.robots[name]
+        _check_makes_way(context, other)
+        context.space.wait_for(name)
+        if other.busy:
+            yield from wait(context, WAIT_S)
+        else:
+            yield from send_home(other)
+    raise AbilityError(
+        Code.ROBOT_IN_THE_WAY,
+        f"{name} has been in the way of {context.name} for {WAIT_LIMIT_S:.0f} s: it does "
+        f"{other.progress.message!r}; wait for it or cancel it",
+    )
+
+
+def _check_makes_way(context: RobotContext, other: RobotContext) -> None:
+    if other.space.waits_for(context.name):
+        raise AbilityError(
+            Code.ROBOT_IN_THE_WAY,
+            f"{context.name} and {other.name} are in each other's way; {context.name} gives up: "
+            "try again when the other is done",
+        )
+    if not other.busy and (other.belief.grip is not None or other.commanded == other.home):
+        raise AbilityError(
+            Code.ROBOT_IN_THE_WAY,
+            f"{other.name} stands at {other.commanded}, in the way of {context.name}; place what "
+            "it holds, or take another route",
+        )
+
+
+def send_home(other: RobotContext) -> Steps[None]:
+    """Take the empty hand of a robot that does nothing home."""
+    other.begin()
+    other.report("making way", 0.0)
+    try:
+        yield from _go_home(other)
+    finally:
+        other.end()
+
+
+def park(context: RobotContext) -> Steps[None]:
+    """Take the empty hand out of the overhead camera's picture, and idle robots' as well."""
+    for other in context.peers:
+        if not other.busy and other.belief.grip is None and other.commanded != other.home:
+            yield from send_home(other)
+    yield from _go_home(context)
+
+
+def _go_home(context: RobotContext) -> Steps[None]:
+    if context.commanded != context.home:
+        yield from clear_hand(context)
+        yield from swing_to(context, context.home)
+        context.commanded = context.home
+
+
+def disengage(context: RobotContext) -> Steps[None]:
+    """Pull the held end straight out of the opening that it is in or in front of."""
+    socket = context.belief.engaged
+    if socket is None or context.belief.grip is None:
+        return
+    into = socket.rotation[:, 0]
+    grip, at = context.belief.grip, context.commanded
+    ahead = float((at.position - socket.position) @ into) + grip.distance
+    back = max(0.0, ahead + STANDOFF_M)
+    yield from move_to(context, at.moved(into, -back), APPROACH_SPEED / 2)
+    context.belief.engaged = None
+
+
+def choose_flip(
+    arm: Kinematics,
+    at: tuple[float, float],
+    tip_yaw: float,
+    then_at: tuple[float, float],
+    then_tip_yaw: float,
+) -> float:
+    """Return how to hold a wire, tip along the hand's x axis (0) or against it (pi).
+
+    The hand grasps at one place and turns the wire to another direction at a second one; joint 7
+    must reach both, and turn the short way between them. Of two possible holds it takes
+    the one further from joint 7's limits.
+
+    Raises:
+        AbilityError: UNREACHABLE.
+    """
+    turn = wrap_angle(then_tip_yaw - tip_yaw)
+    best: tuple[float, float] | None = None
+    for flip in (0.0, math.pi):
+        first = arm.canonical_yaw(*at, float(wrap_angle(tip_yaw - flip)))
+        if first is None:
+            continue
+        second = arm.canonical_yaw(*then_at, first + turn)
+        if second is None or abs(second - first - turn) > 0.5:
+            continue
+        q7 = [arm.last_joint(*at, first), arm.last_joint(*then_at, second)]
+        cost = max(abs(q) for q in q7)
+        if best is None or cost < best[0]:
+            best = cost, flip
+    if best is None:
+        raise AbilityError(
+            Code.UNREACHABLE,
+            f"the hand cannot turn the wire from {math.degrees(tip_yaw):.0f} to "
+            f"{math.degrees(then_tip_yaw):.0f} deg "
+            f"between x {at[0]:.3f}, y {at[1]:.3f} m and x {then_at[0]:.3f}, y {then_at[1]:.3f} m",
+        )
+    return best[1]
+
+
+def nearest_hand_yaw(arm: Kinematics, x: float, y: float, yaw: float, near: float) -> float:
+    """Return `yaw`, or that turned by pi, whichever joint 7 reaches with less turning."""
+    turns = (wrap_angle(yaw + turn - near) for turn in (0.0, math.pi))
+    options = [arm.canonical_yaw(x, y, near + float(turn)) for turn in turns]
+    reachable = [option for option in options if option is not None]
+    return min(reachable, key=lambda option: abs(option - near), default=yaw)
+
+
+def canonical(context: RobotContext, tool: ToolPose) -> ToolPose:
+    """Return a tool pose with the yaw that the arm takes, of those that are a full turn apart.
+
+    Of several the one as given; with a wire in the hand, which it would wind up, the nearest.
+    """
+    wanted = tool.yaw
+    if context.belief.grip is not None:
+        now = context.commanded.yaw
+        wanted = now + float(wrap_angle(tool.yaw - now))
+    yaw = context.arm.canonical_yaw(tool.x, tool.y, wanted)
+    return tool if yaw is None else ToolPose(tool.x, tool.y, tool.z, yaw)

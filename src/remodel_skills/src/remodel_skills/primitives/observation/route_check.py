@@ -1,0 +1,140 @@
+"""Check from above whether a wire lies in its clips and ducts, as steps of an ability."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from remodel_skills.primitives.motions import park
+from remodel_skills.robot_context import RobotContext, Steps
+from remodel_states.core.codes import Code
+from remodel_vision.drawing import BLUE, ORANGE, Drawing
+from remodel_vision.laid_wire import Passing, wire_past
+from remodel_vision.wire_lines import WireLines
+from remodel_work.errors import AbilityError
+from remodel_work.fixtures import SLOPE_LENGTH_M
+from remodel_work.geometry import Pose
+from remodel_work.panel import Duct, PanelClip
+from remodel_work.routes import places_in, world_from_clip
+
+# Beside a clip the wire is observed so far from its slopes; it is searched for so far aside [m].
+BESIDE_CLIP_M = 0.003
+SEARCH_ASIDE_M = 0.025
+# The same beside a duct.
+BESIDE_DUCT_M = 0.060
+# A wire in a clip passes so near to its axis, and so little above it in the mean of both ends; on
+# closed lips it is 3 mm higher [m].
+ASIDE_M = 0.0015
+ABOVE_M = 0.0012
+
+
+def observe_route(context: RobotContext) -> Steps[WireLines]:
+    """Observe the plate from above, the empty hand out of the way."""
+    if context.belief.grip is None:
+        yield from park(context)
+    return (yield from observe_board(context))
+
+
+def observe_board(context: RobotContext) -> Steps[WireLines]:
+    """Observe the plate from above, the hands where they are."""
+    picture = context.cameras.take_overhead_picture()
+    yield
+    return WireLines(picture, context.wire)
+
+
+def clip_fault(clip: PanelClip, seen: WireLines) -> str:
+    """Return what is wrong with the wire at a clip; empty: nothing."""
+    passings = [wire_past(place, SEARCH_ASIDE_M, seen) for place in _beside(clip)]
+    found = [passing for passing in passings if passing is not None]
+    if len(found) < len(passings):
+        return f"it is not visible at clip {clip.id!r}"
+    aside = max(abs(passing.aside) for passing in found)
+    above = float(np.mean([passing.height for passing in found])) - clip.height
+    if aside <= ASIDE_M and abs(above) <= ABOVE_M:
+        return ""
+    return (
+        f"at clip {clip.id!r} it lies {aside * 1e3:.1f} mm aside and {above * 1e3:+.1f} mm above "
+        "where it belongs"
+    )
+
+
+def _beside(clip: PanelClip) -> tuple[Pose, ...]:
+    out = clip.length / 2 + SLOPE_LENGTH_M + BESIDE_CLIP_M
+    return tuple(world_from_clip(clip) @ Pose.level(x, 0.0, clip.height) for x in (-out, out))
+
+
+def judge_clips(context: RobotContext, clips: Sequence[PanelClip], seen: WireLines) -> None:
+    """Show the clips, and raise OUT_OF_DUCT when the wire does not lie in all of them."""
+    faults = [fault for clip in clips if (fault := clip_fault(clip, seen))]
+    _show(context, seen, [place for clip in clips for place in _beside(clip)], faults)
+    if faults:
+        raise _out(context, faults)
+
+
+def check_ducts(context: RobotContext, path: tuple[Pose, ...]) -> Steps[None]:
+    """Check whether the wire lies in the ducts in which a path runs.
+
+    Forks do not count: a wire that is held moves in them until both its ends are fixed.
+
+    Raises:
+        AbilityError: OUT_OF_DUCT when it lies beside one, CABLE_OCCLUDED when it is not visible
+            in any. Where other wires hide it, it lies below them: beside a duct there are none.
+    """
+    found = duct_places(context, path)
+    places = {duct: at for duct, at in found.items() if not duct.is_fork}
+    if not places:
+        return
+    context.report("observing the ducts from above", 0.95)
+    seen = yield from observe_route(context)
+    passings = {duct: _passings(duct, at, seen) for duct, at in places.items()}
+    if not any(passings.values()):
+        ducts = ", ".join(duct.id for duct in places)
+        raise AbilityError(
+            Code.CABLE_OCCLUDED,
+            f"{seen.wire.id!r} is seen in none of the ducts {ducts}, nor within "
+            f"{BESIDE_DUCT_M * 1e3:.0f} mm of one; observe it from another side",
+        )
+    faults = [f for duct, found in passings.items() if (f := _duct_fault(duct, found))]
+    _show(context, seen, [place for at in places.values() for place in at], faults)
+    if faults:
+        raise _out(context, faults)
+
+
+def duct_places(context: RobotContext, path: tuple[Pose, ...]) -> dict[Duct, tuple[Pose, ...]]:
+    """Return where a path runs in ducts."""
+    found = {duct: tuple(places_in(duct, path)) for duct in context.panel.ducts}
+    return {duct: places for duct, places in found.items() if places}
+
+
+def _passings(duct: Duct, places: Sequence[Pose], seen: WireLines) -> list[Passing]:
+    """Return how the wire passes a duct, at the places where it is seen."""
+    reach = duct.width / 2 + BESIDE_DUCT_M
+    found = [wire_past(place, reach, seen) for place in places]
+    return [passing for passing in found if passing is not None]
+
+
+def _duct_fault(duct: Duct, passings: Sequence[Passing]) -> str:
+    """Return how far beside a duct the wire lies; what is still held above it does not count."""
+    down = [abs(passing.aside) for passing in passings if passing.height < duct.height]
+    beside = max(down, default=0.0) - duct.width / 2
+    return f"it lies {beside * 1e3:.0f} mm beside duct {duct.id!r}" if beside > 0 else ""
+
+
+def _show(
+    context: RobotContext, seen: WireLines, places: Sequence[Pose], faults: Sequence[str]
+) -> None:
+    drawing = Drawing(seen.picture.rgb, seen.picture.view)
+    colour = ORANGE if faults else BLUE
+    for place in places:
+        drawing.circle(seen.picture.view.project(place.position)[0], 6, colour)
+    drawing.title(f"{seen.wire.id}: {'; '.join(faults) or 'lies where it should'}")
+    context.cameras.show("overhead", seen.picture, drawing.image)
+
+
+def _out(context: RobotContext, faults: Sequence[str]) -> AbilityError:
+    return AbilityError(
+        Code.OUT_OF_DUCT,
+        f"{context.wire.id!r} does not lie where it should: {'; '.join(faults)}; pick its end and "
+        "route it again",
+    )

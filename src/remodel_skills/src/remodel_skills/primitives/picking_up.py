@@ -1,0 +1,128 @@
+"""Pick a loose wire up wherever it lies, as steps of an ability."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from remodel_skills.belief_state import Grip
+from remodel_skills.primitives.ducts.leading import AMONG_WIRES, lowest
+from remodel_skills.primitives.grasping import check_grip, close_fingers_on
+from remodel_skills.primitives.motions import (
+    APPROACH_SPEED,
+    FREE_SPEED,
+    TRAVEL_Z,
+    clear_hand,
+    is_free,
+    move_to,
+    nearest_hand_yaw,
+    park,
+    rise,
+)
+from remodel_skills.robot_context import RobotContext, Steps
+from remodel_states.core.codes import Code
+from remodel_vision.board.graspable import APART_M, graspable_places
+from remodel_vision.drawing import ORANGE, Drawing
+from remodel_work.camera import Picture
+from remodel_work.errors import AbilityError
+from remodel_work.geometry import Pose
+from remodel_work.panel import WireEnd
+from remodel_work.robot.arm import ToolPose
+
+# It is tried so often.
+TAKES = 4
+
+
+def pick_up(context: RobotContext) -> Steps[bool]:
+    """Pick the live wire up between its ends, where it lies highest and the hand has room.
+
+    It is what stands higher than before it was touched, by the overhead depth camera. No tip stands
+    out of the hand then: the grip's distance is 0.
+
+    Returns:
+        Whether the hand holds it. It does not where no picture from before shows what is new, or
+        the wire is seen nowhere, or slips away.
+    """
+    before = context.belief.board_before
+    if before is None:
+        return False
+    context.report(f"searching for {context.wire.id} anywhere", 0.5)
+    tried: list[Pose] = []
+    for _ in range(TAKES):
+        yield from park(context)
+        yield from clear_hand(context)
+        picture = context.cameras.take_overhead_picture()
+        yield
+        place = _next_place(context, picture, before, tried)
+        _show(context, picture, place)
+        if place is None:
+            return False
+        tried.append(place)
+        try:
+            yield from _grasp(context, _tool_at(context, place))
+        except AbilityError as error:
+            if error.code not in (Code.GRASP_MISSED, Code.GRASP_SLIPPED):
+                raise
+        else:
+            return True
+    return False
+
+
+def _next_place(
+    context: RobotContext, picture: Picture, before: Picture, tried: Sequence[Pose]
+) -> Pose | None:
+    """Return where the wire lies highest, and the hand reaches it, apart from what was tried."""
+    for place in graspable_places(picture, before, context.wire.radius):
+        away = [float(np.linalg.norm((place.position - t.position)[:2])) for t in tried]
+        if min(away, default=APART_M) >= APART_M and _has_room(context, _tool_at(context, place)):
+            return place
+    return None
+
+
+def _show(context: RobotContext, picture: Picture, place: Pose | None) -> None:
+    drawing = Drawing(picture.rgb, picture.view)
+    if place is not None:
+        drawing.circle(picture.view.project(place.position)[0], 9, ORANGE)
+    found = "not seen" if place is None else "highest here"
+    drawing.title(f"Picking up {context.wire.id}: {found}")
+    context.cameras.show("overhead", picture, drawing.image)
+
+
+def _tool_at(context: RobotContext, place: Pose) -> ToolPose:
+    x, y, z = (float(v) for v in place.position)
+    yaw = nearest_hand_yaw(context.arm, x, y, place.yaw, near=context.commanded.yaw)
+    return ToolPose(x, y, max(z, lowest(context)), yaw)
+
+
+def _has_room(context: RobotContext, tool: ToolPose) -> bool:
+    """Return whether the open hand reaches a tool pose from above, past all but wires."""
+    above = _above(tool)
+    return (
+        context.arm.reaches(tool)
+        and context.arm.reaches(above)
+        and context.space.has_room(tool)
+        and is_free(context, tool, AMONG_WIRES, start=above)
+    )
+
+
+def _above(tool: ToolPose) -> ToolPose:
+    return tool.at(z=max(TRAVEL_Z, tool.z))
+
+
+def _grasp(context: RobotContext, tool: ToolPose) -> Steps[None]:
+    """Close the hand on the wire at a tool pose, and lift it.
+
+    Raises:
+        AbilityError: GRASP_MISSED, GRASP_SLIPPED; the hand is empty.
+    """
+    context.report(f"grasping {context.wire.id} where it lies", 0.6)
+    above = _above(tool)
+    yield from move_to(context, above.at(z=max(above.z, context.commanded.z)), FREE_SPEED)
+    yield from move_to(context, above, FREE_SPEED)
+    yield from move_to(context, tool, APPROACH_SPEED, AMONG_WIRES)
+    yield from close_fingers_on(context, context.wire.diameter)
+    context.belief.grip = Grip(end=WireEnd.A, distance=0.0, height=0.0, flip=0.0, tool=tool)
+    context.belief.tips.clear()
+    yield from rise(context)
+    check_grip(context)

@@ -1,0 +1,70 @@
+"""Test by a pull that an end is held where it was pushed in, as steps of an ability."""
+
+from __future__ import annotations
+
+from remodel_skills.force_control import RIGID, ForceControl, Yielding
+from remodel_skills.primitives.force_motion import ForceMotion
+from remodel_skills.primitives.motions import wait
+from remodel_skills.robot_context import RobotContext, Steps
+from remodel_states.core.codes import Code
+from remodel_work.errors import AbilityError
+from remodel_work.geometry import Pose
+from remodel_work.panel import unit_x
+
+PULL_SPEED = 0.015  # [m/s]
+# The pads damp what is clamped with 2300 N s/m, measured: within the control's time constant that
+# is as hard as 2e5 N/m. With less than this the control overcorrects, and the force swings at
+# each step, from 3.5 to 6.4 N about 5 N with 1.2e5 [N/m].
+CLAMPED_STIFFNESS = 4e5
+# A straight, firmly held end takes up the pull within this travel: slack, pads and contacts give so
+# much.
+PULL_TRAVEL_M = 0.006
+# The slip is counted from here on [share of the pull].
+TAKEN_UP = 0.4
+MAX_SLIP_M = 0.0015
+
+
+def pull_test(
+    context: RobotContext,
+    socket: Pose,
+    newtons: float,
+    where: str,
+    stiffness: float = CLAMPED_STIFFNESS,
+    yielding: Yielding = RIGID,
+) -> Steps[float]:
+    """Pull the held end outwards until the force is reached; return the slip [m].
+
+    Args:
+        context: the cell; its hand holds the end.
+        socket: the opening's frame, x into the terminal.
+        newtons: the force [N].
+        where: the terminal's name.
+        stiffness: with which a held end takes up the pull [N/m].
+        yielding: how the hand gives way across the pull: an end that it holds askew leans on its
+            opening, and would jerk between the pads.
+
+    Raises:
+        AbilityError: PULLED_OUT.
+    """
+    out = -unit_x(socket)
+    start = context.commanded
+    # The push left the end under load; the pull counts from the free hand.
+    motion = ForceMotion(context, out, ForceControl(newtons, stiffness))
+    motion.yield_to(yielding)
+    taken_up = None
+    while not motion.met_limit and motion.travel < PULL_TRAVEL_M:
+        yield from motion.advance(PULL_SPEED)
+        if taken_up is None and motion.force >= TAKEN_UP * newtons:
+            taken_up = motion.travel
+    motion.stop()
+    slip = motion.travel - (taken_up if taken_up is not None else 0.0)
+    if not motion.met_limit or slip > MAX_SLIP_M:
+        raise AbilityError(
+            Code.PULLED_OUT,
+            f"the end moved {slip * 1e3:.1f} mm in {where} at {motion.force:.1f} of {newtons:.1f} "
+            "N; extract, locate again, insert again",
+            slip=slip,
+        )
+    context.drive(start)
+    yield from wait(context, 0.15)
+    return slip

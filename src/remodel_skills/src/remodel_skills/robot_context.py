@@ -1,0 +1,169 @@
+"""What an ability may use of one robot of the cell."""
+
+from __future__ import annotations
+
+from collections.abc import Generator, Mapping
+from dataclasses import dataclass
+from typing import Protocol, TypeVar
+
+from remodel_skills.belief_state import BeliefState
+from remodel_skills.device import Device
+from remodel_skills.force_control import ForceLoop
+from remodel_skills.observers import Cameras, Observers
+from remodel_skills.scene import Scene
+from remodel_skills.space import Space
+from remodel_skills.traffic import Traffic
+from remodel_work.cell.cell_design import CellDesign, RobotDesign
+from remodel_work.geometry import Array
+from remodel_work.panel import Panel, PanelWire
+from remodel_work.robot.arm import ToolPose
+from remodel_work.robot.fingers import Fingers
+
+T = TypeVar("T")
+# An ability is a generator: each `yield` lets the cell advance by one tick; what it returns is its
+# result.
+Steps = Generator[None, None, T]
+
+
+class AbilityResult(Protocol):
+    """What an ability returns: what it did, and fields named as in its action's result."""
+
+    message: str
+
+
+@dataclass
+class Progress:
+    """The progress of an ability; its share never decreases.
+
+    Attributes:
+        message: the step being done.
+        share: 0 to 1.
+    """
+
+    message: str = ""
+    share: float = 0.0
+
+
+class RobotContext:
+    """One robot: its device, what the cell believes, the space that it claims, and what it does.
+
+    Nothing here returns ground truth.
+
+    Attributes:
+        name: of the robot.
+        device: its sensors and actuators.
+        cell: the design of the cell.
+        design: of the robot in it.
+        arm: its kinematics.
+        home: where the empty hand waits, out of the overhead camera's picture.
+        robots: the contexts of all robots of the cell, by name.
+        panel: as drawn: components may stand elsewhere.
+        belief: what the cell believes from its own actions and observations.
+        scene: what the robot must not touch.
+        space: what it claims among the other robots.
+        observers: who receives what abilities observe and intend.
+        cameras: its pictures, which the observers receive as well.
+        tick_s: time between two commands to the arm [s].
+        busy: whether the robot does something.
+        progress: of the ability that runs.
+        keeps_wire: whether its closed eyelet keeps the live wire in its duct.
+        commanded: where the tool was sent.
+        fingers_open_to: how far each finger was sent from the middle [m].
+        empty_force: what the wrist felt, world frame (3,) [N], when the hand was last empty: the
+            hand always points down, so its weight reads the same everywhere.
+        free_force: the same when it last pushed nothing: with a wire in it, that may pull at it.
+    """
+
+    def __init__(
+        self,
+        device: Device,
+        cell: CellDesign,
+        design: RobotDesign,
+        panel: Panel,
+        belief: BeliefState,
+        robots: Mapping[str, RobotContext],
+        traffic: Traffic,
+        observers: Observers,
+    ) -> None:
+        """Take over a robot of a cell in which nothing has happened yet."""
+        self.device, self.cell, self.design = device, cell, design
+        self.name, self.arm, self.home = design.name, design.arm, design.home
+        self.robots, self.panel, self.belief = robots, panel, belief
+        self.scene = Scene(device, panel, belief)
+        self.space = Space(design.name, design.arm, traffic, robots)
+        self.observers = observers
+        self.cameras = Cameras(device, design.camera.name, belief, observers)
+        self.tick_s = device.tick_s
+        self.busy = self.keeps_wire = False
+        self.progress = Progress()
+        self.commanded = self.home
+        self.space.stand(self.home)
+        self.empty_force = self.free_force = device.arm.force
+        self.arm_restarted()
+
+    @property
+    def fingers(self) -> Fingers:
+        """What its hand grips with."""
+        return self.arm.fingers
+
+    @property
+    def peers(self) -> list[RobotContext]:
+        """The cell's other robots."""
+        return [context for name, context in self.robots.items() if name != self.name]
+
+    @property
+    def wire(self) -> PanelWire:
+        """The live wire as ordered."""
+        return self.scene.wire
+
+    def begin(self) -> None:
+        """Note that the robot begins to do something."""
+        self.busy, self.progress = True, Progress()
+
+    def end(self) -> None:
+        """Note that the robot has stopped, and release all space but that of its posture."""
+        self.busy = False
+        self.space.wait_for(None)
+        self.space.stand(self.commanded)
+
+    def report(self, message: str, share: float) -> None:
+        """Report what is being done, and its progress from 0 to 1."""
+        self.progress = Progress(message, max(self.progress.share, share))
+
+    def follow(self, tool: ToolPose) -> None:
+        """Command a tool pose on a path whose space is claimed; raises UNREACHABLE."""
+        self.device.arm.go(tool)
+        self.commanded = tool
+
+    def drive(self, tool: ToolPose) -> None:
+        """Command a tool pose near contact; raises UNREACHABLE, or ROBOT_IN_THE_WAY and stops."""
+        self.space.check(tool, self.commanded)
+        self.follow(tool)
+
+    def press(self, loop: ForceLoop, tool: ToolPose) -> None:
+        """Let the arm's controller move near a tool pose under force control.
+
+        Until another command; raises UNREACHABLE or ROBOT_IN_THE_WAY.
+        """
+        self.space.check(tool, self.commanded)
+        self.device.arm.press(loop)
+        self.commanded = tool
+
+    def drive_joints(self, joints: Array) -> None:
+        """Command the arm's joints; joints 3 and 5 stay at zero."""
+        self.device.arm.go_joints(joints)
+        self.commanded = self.arm.tool_of(joints)
+
+    def drive_fingers(self, opening: float) -> None:
+        """Send each finger to a distance from the middle [m]."""
+        self.device.gripper.open_to(opening)
+        self.fingers_open_to = opening
+
+    def close_fingers(self, thickness: float) -> None:
+        """Close the fingers until they stop on what they grip, about so thick [m]."""
+        self.device.gripper.close_on(thickness)
+        self.fingers_open_to = 0.0
+
+    def arm_restarted(self) -> None:
+        """Note that the arm stands where it was sent, its fingers open."""
+        self.fingers_open_to = self.device.gripper.gap / 2
