@@ -312,7 +312,17 @@ class Trials:
         return exchange
 
     def _runs(self, exchange: Exchange) -> bool:
-        """Wait for a third of the ability's time; return whether the goal still runs."""
+        """Wait for a third of the ability's time; return whether the goal still runs.
+
+        A cancel has a connection of its own: on a busy machine it overtakes a goal that the server
+        does not work on yet, and actionlib ends that goal with an empty result.
+        """
+        self._probe.wait(
+            lambda: (
+                bool(exchange.results or exchange.feedback) or exchange.active_ros_s is not None
+            ),
+            ANSWER_LIMIT_S,
+        )
         return not self._probe.wait(lambda: bool(exchange.results), self._nominal_s / 3)
 
     def _is_quick(self) -> bool:
