@@ -190,6 +190,25 @@ def test_a_package_that_exports_no_behaviors_is_warned_about(run, charts):
     assert "exports no <flexbe_behaviors/>" in err
 
 
+def test_a_behavior_that_the_engine_would_not_run_is_warned_about(
+    charts, package_path, capsys, tmp_path
+):
+    first = Path(shutil.copytree(charts.parent, tmp_path / "first"))
+    text = (first / "package.xml").read_text()
+    (first / "package.xml").write_text(text.replace(">cell<", ">first<"))
+    path = f"{first}:{charts.parent}:{package_path}"
+    assert main([str(charts / "plain.xml")], path) == 0
+    assert capsys.readouterr().err == "", "no other package has written one"
+    assert main([str(first / "charts" / "plain.xml")], path) == 0
+    assert capsys.readouterr().err == "", "it comes first"
+    assert main([str(charts / "plain.xml")], path) == 0
+    assert capsys.readouterr().err == (
+        "warning: the engine would not run the behavior 'plain_chart' that is written to "
+        f"{charts.parent}: {first} has one of that name, and comes first on the ROS package path; "
+        "rename the chart, or delete the other behavior\n"
+    )
+
+
 def test_a_broken_package_on_the_path_is_a_warning(charts, package_path, capsys, tmp_path):
     (tmp_path / "bad").mkdir()
     (tmp_path / "bad" / "package.xml").write_text("<package>")

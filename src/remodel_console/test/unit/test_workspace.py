@@ -141,6 +141,43 @@ def test_a_chart_is_not_saved_over_the_behavior_of_another_chart_of_its_name(
     assert code.read_bytes() == before
 
 
+def other_package(folder):
+    """Make a package for behaviors; return its folder."""
+    (folder / "charts").mkdir(parents=True)
+    (folder / "package.xml").write_text(
+        f"<package><name>{folder.name}</name><export><flexbe_behaviors/></export></package>"
+    )
+    return folder
+
+
+@pytest.mark.parametrize("found", ["Outer", "Inner"])
+def test_a_behavior_that_the_engine_would_not_run_is_not_saved(
+    found, package, user_charts, tmp_path
+):
+    first = other_package(tmp_path / "first")
+    rest = f"{package}:{SRC / 'remodel_states'}:{SRC / 'flexbe' / 'flexbe_states'}"
+
+    def save(path, name):
+        session = Session(Workspace(path, lambda: (user_charts,)))
+        session.carry_out(read_command(f"load {name}"))
+        return session.carry_out(read_command("save"))
+
+    chart = first / "charts" / "before.xml"
+    chart.write_text(CHART.format(name=found, target="finished"))
+    save(f"{first}:{rest}", found)
+    chart.unlink()
+    (user_charts / "inner.xml").write_text(CHART.format(name="Inner", target="finished"))
+    use = '<behavior id="In" type="inner.xml"><transition event="finished" target="finished"/>'
+    text = CHART.format(name="Outer", target="In")
+    text = text.replace("</statemachine>", f"{use}</behavior></statemachine>")
+    (user_charts / "outer.xml").write_text(text)
+    code = package / "src" / "remodel_behaviors" / "outer_sm.py"
+    with pytest.raises(CommandError, match=f"'{found}' .*{package}: {first} has one of that name"):
+        save(f"{first}:{rest}", "Outer")
+    assert not code.exists()
+    assert str(code) in save(f"{rest}:{first}", "Outer"), "it comes after"
+
+
 def test_without_an_output_package_saving_says_what_to_do(user_charts):
     (user_charts / "lost.xml").write_text(CHART.format(name="Lost", target="finished"))
     session = Session(Workspace(str(SRC / "flexbe" / "flexbe_states"), lambda: (user_charts,)))

@@ -160,7 +160,8 @@ class Workspace:
         files = self._check(str(file), {str(file): draft.text.encode()}, is_written=True)
         self._expect_right(files)
         try:
-            expect_found(draft.chart.name, files.packages[str(file)], self._inventory())
+            for path, one in files.charts.items():
+                expect_found(one.resolved.chart.name, files.packages[path], self._inventory())
             return write_behaviors(files, {file.resolve(): draft.content})
         except OutputError as error:
             raise CommandError(str(error)) from error

@@ -227,9 +227,14 @@ def _log_error(error: threading.ExceptHookArgs) -> None:
 
     The timers of actionlib's servers do that at each shutdown.
     """
-    is_late = isinstance(error.exc_value, rospy.ROSException) and "closed" in str(error.exc_value)
-    if not (is_late and rospy.core.is_shutdown_requested()):
+    if not is_late_publication(error.exc_value):
         threading.__excepthook__(error)
+
+
+def is_late_publication(error: BaseException | None) -> bool:
+    """Return whether an error only says that ROS is shutting down and has closed a topic."""
+    is_closed = isinstance(error, rospy.ROSException) and "closed" in str(error)
+    return is_closed and rospy.core.is_shutdown_requested()
 
 
 def join_interruptibly(name: str, anonymous: bool = True) -> None:
