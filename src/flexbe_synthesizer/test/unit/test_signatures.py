@@ -143,7 +143,7 @@ def test_lists_can_come_from_a_constructor_argument():
         ("pass", "no __init__"),
         ("def __init__(self): pass", "does not call super"),
         ("def __init__(self): super().__init__()", "no outcomes"),
-        ("def __init__(self): super().__init__(outcomes=[])", "no outcomes"),
+        ("def __init__(self): super().__init__(outcomes=[])", "needs one, too, which it never"),
         ("def __init__(self): super().__init__(outcomes=X)", "outcomes are X"),
         ("def __init__(self): super().__init__(outcomes=['a', b])", "outcomes are"),
         ("def __init__(self): super().__init__(outcomes=['a'] + ['b'])", "outcomes are"),

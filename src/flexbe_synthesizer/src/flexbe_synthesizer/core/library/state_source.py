@@ -71,7 +71,10 @@ def _read_class(found: ast.ClassDef, package: str, module: str) -> StateClass:
     }
     outcomes = lists.get("outcomes", ())
     if not outcomes:
-        raise _UnreadableError("its constructor declares no outcomes")
+        raise _UnreadableError(
+            "its constructor declares no outcomes; a state that monitors until its container ends "
+            "needs one, too, which it never returns"
+        )
     for outcome in () if isinstance(outcomes, FromParameter) else outcomes:
         if not names.is_readable_outcome(outcome):
             raise _UnreadableError(f"the FlexBE App cannot read its outcome {outcome!r}")
