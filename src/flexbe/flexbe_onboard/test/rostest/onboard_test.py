@@ -33,6 +33,7 @@ from std_msgs.msg import Bool, Empty, Int32, String, UInt8
 from flexbe_core import BehaviorLibrary
 from flexbe_core.engine.checksum import checksum
 from flexbe_core.engine.userdata.visit_text import Known, VisitText
+from flexbe_core.ros.connections import senders
 from flexbe_core.testing import wait_until
 
 LIMIT_S = 90.0
@@ -49,7 +50,7 @@ class Recorder:
 
     @property
     def is_connected(self):
-        return self._subscriber.get_num_connections() > 0
+        return bool(senders(self._subscriber))
 
     def _on_message(self, message):
         with self._arrived:
