@@ -51,8 +51,7 @@ from remodel_states.edge.wire_material_file import read_wire_materials
 from remodel_work.camera import Picture
 from remodel_work.errors import AbilityError
 from remodel_work.geometry import Pose
-from remodel_work.layout import WORLD_FROM_PANEL
-from remodel_work.panel import PanelWire, WireEnd
+from remodel_work.panel import BOARD, PanelWire, WireEnd
 
 CONFIG = Path(__file__).parents[2] / "src" / "remodel_sim" / "config"
 FIRST, SECOND = "robot_1", "robot_2"
@@ -98,7 +97,7 @@ class Trial:
         """Empty the hands, and discard the wire; raises what an ability raises."""
         for robot, context in self.cell.contexts.items():
             if context.belief.grip is not None:
-                target = WORLD_FROM_PANEL @ Pose.level(0.0, 0.0, CARRY_Z)
+                target = BOARD @ Pose.level(0.0, 0.0, CARRY_Z)
                 with suppress(AbilityError):  # what has slipped out of the fingers is released
                     self._do(robot, place_cable, goals.PlaceGoal(robot, wire_id, target))
         discard = goals.DiscardGoal(FIRST, wire_id)
@@ -208,7 +207,7 @@ def _passings(plant: Plant, wire_id: str) -> str:
     nodes = plant.live.cable.nodes() if live else plant.parked[wire_id].nodes
     texts = []
     for fork in plant.panel.ducts:
-        x, y, z = (WORLD_FROM_PANEL @ fork.panel_from_duct).inverse().apply(nodes).T
+        x, y, z = (BOARD @ fork.panel_from_duct).inverse().apply(nodes).T
         for i in np.flatnonzero(x[:-1] * x[1:] < 0):
             share = x[i] / (x[i] - x[i + 1])
             aside, height = (1e3 * (v[i] + share * (v[i + 1] - v[i])) for v in (y, z))
@@ -221,7 +220,7 @@ def _path(wire: PanelWire) -> tuple[Pose, ...]:
     points = [np.array(point[:2]) for point in wire.route]
     yaws = [math.atan2(*(q - p)[::-1]) for p, q in itertools.pairwise(points)]
     at = zip(points, [*yaws, yaws[-1]], strict=True)
-    return tuple(WORLD_FROM_PANEL @ Pose.level(*p.tolist(), CARRY_Z, yaw) for p, yaw in at)
+    return tuple(BOARD @ Pose.level(*p.tolist(), CARRY_Z, yaw) for p, yaw in at)
 
 
 def _photograph(cell: Cell, folder: Path, name: str) -> None:

@@ -250,7 +250,7 @@ def route(cell: Cell, wire: PanelWire) -> Outcome:
 
 def _over_clips(panel: Panel) -> tuple[Pose, ...]:
     """Return a path from clip to clip, and a little beyond both ends, world frame."""
-    clips = [world_from_clip(clip) for clip in panel.clips]
+    clips = [world_from_clip(clip, panel) for clip in panel.clips]
     before, after = (Pose.level(x, 0.0, 0.0) for x in (-BEYOND_CLIP_M, BEYOND_CLIP_M))
     ways = [clips[0] @ before, *clips, clips[-1] @ after]
     return tuple(way @ Pose.level(0.0, 0.0, PATH_Z_M) for way in ways)

@@ -23,8 +23,7 @@ from remodel_skills.abilities.route_wire import route_wire
 from remodel_skills.robot_context import RobotContext, Steps
 from remodel_work.errors import AbilityError
 from remodel_work.geometry import Pose
-from remodel_work.layout import WORLD_FROM_PANEL
-from remodel_work.panel import PanelWire, WireEnd
+from remodel_work.panel import BOARD, PanelWire, WireEnd
 
 ROBOT = "robot_1"
 
@@ -170,8 +169,8 @@ def carry(cell: Cell, wire: PanelWire) -> None:
     panel, belief = cell.context.panel, cell.context.belief
     assert belief.feed is not None, "a wire was picked"
     direction = belief.feed.direction
-    lane = float(WORLD_FROM_PANEL.position[0]) + panel.channel(channel_of(cell, wire)).x
-    opening = WORLD_FROM_PANEL @ panel.panel_from_socket(*wire.goes_to(WireEnd.B))
+    lane = float(BOARD.position[0]) + panel.channel(channel_of(cell, wire)).x
+    opening = BOARD @ panel.panel_from_socket(*wire.goes_to(WireEnd.B))
     beside = float(opening.position[1]) + BESIDE_M * direction
     target = Pose.level(lane, beside, CARRY_Z_M, direction * math.pi / 2)
     route(cell, wire, (target,))

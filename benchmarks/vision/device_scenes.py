@@ -22,8 +22,7 @@ from remodel_sim.ros.conversions import read_panel
 from remodel_states.edge.wire_material_file import read_wire_materials
 from remodel_work.camera import Picture, View, looking_down
 from remodel_work.geometry import Array, Pose
-from remodel_work.layout import WORLD_FROM_PANEL
-from remodel_work.panel import Component, Panel
+from remodel_work.panel import BOARD, Component, Panel
 
 CONFIG = Path(__file__).parents[2] / "src" / "remodel_sim" / "config"
 # The wrist camera's height when it observes a component [m].
@@ -89,7 +88,7 @@ class DeviceScene:
         cell = read_cell(board.cell)
         self._overhead, self._wrist_lens = cell.overhead, cell.robots[0].camera.lens
         dx, dy, turn = self._random.uniform(-1, 1, 3) * (PANEL_M, PANEL_M, PANEL_RAD)
-        panel_at = WORLD_FROM_PANEL @ Pose.level(dx, dy, 0.0, turn)
+        panel_at = BOARD @ Pose.level(dx, dy, 0.0, turn)
         row = self._random.uniform(-1, 1) * board.row
         self.poses = {}
         for part in self.panel.components:

@@ -28,8 +28,7 @@ from remodel_work.component_shape import (
     label_corners,
 )
 from remodel_work.geometry import Array, Pose
-from remodel_work.layout import WORLD_FROM_PANEL
-from remodel_work.panel import Component, Panel
+from remodel_work.panel import BOARD, Component, Panel
 
 # Changes of pose: along the plate [m], about its normal [rad]; off it [m], and tilted [rad].
 SHIFT_M, TURN_RAD = 0.010, math.radians(8.0)
@@ -132,7 +131,7 @@ class LabelScene:
             half = math.sin(angle / 2) * np.array([math.cos(way), math.sin(way), 0.0])
             tilt = np.array([*half, math.cos(angle / 2)])
             moved @= Pose(np.array([0.0, 0.0, self._random.uniform(0, LIFT_M)]), tilt)
-        return WORLD_FROM_PANEL @ moved
+        return BOARD @ moved
 
     def _add_strangers(self, markers: npt.NDArray[np.int64]) -> None:
         """Stand small components with other labels on the plate."""
@@ -141,7 +140,7 @@ class LabelScene:
             size = self._random.uniform(*LABEL_M)
             wide = size * (1 + 2 * LABEL_MARGIN_CELLS / 6)
             part = Component("", "", int(marker), size, (x, y, 0.0), (wide, wide, 0.02), ())
-            pose = WORLD_FROM_PANEL @ Pose.level(x, y, 0.0, self._random.uniform(-3, 3))
+            pose = BOARD @ Pose.level(x, y, 0.0, self._random.uniform(-3, 3))
             add_static(self._world.bullet, component_boxes(part), pose)
 
     def _add_wire(self, panel: Panel) -> None:

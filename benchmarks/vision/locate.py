@@ -32,8 +32,7 @@ from remodel_vision.label_pose import LabelView, locate_component
 from remodel_vision.labels import find_labels, search_label
 from remodel_work.camera import Picture
 from remodel_work.geometry import Array, Pose
-from remodel_work.layout import WORLD_FROM_PANEL
-from remodel_work.panel import Component
+from remodel_work.panel import BOARD, Component
 
 PANEL = Path(__file__).parents[2] / "src" / "remodel_sim" / "config" / "panel.yaml"
 # Places of the hand's camera over the label and beside it [m], in the order of their trial.
@@ -73,7 +72,7 @@ class Answer:
 
 def locate(scene: LabelScene, component: Component) -> Answer:
     """Locate a component, and compare the answer with the truth."""
-    nominal = WORLD_FROM_PANEL @ component.panel_from_component
+    nominal = BOARD @ component.panel_from_component
     corners = _label(scene, component, picture := scene.take_overhead_picture(), nominal)
     above = None if corners is None else locate_component(component, [LabelView(picture, corners)])
     coarse = above.world_from_component if above is not None and above.clear else nominal

@@ -30,8 +30,7 @@ from remodel_sim.edge.cell_memory import CellMemory
 from remodel_sim.ros.conversions import panel_from
 from remodel_states.edge.wire_material_file import read_wire_materials
 from remodel_supervision.ros.peers.board_message import board_message
-from remodel_work.layout import WORLD_FROM_PANEL
-from remodel_work.panel import WireEnd
+from remodel_work.panel import BOARD, WireEnd
 from remodel_work.placed_wires import ParkedWire, PlacedWires
 
 MEMORY = Path(sys.argv[1])
@@ -42,12 +41,12 @@ BELOW_M, ABOVE_M, BETWEEN_M = 0.020, 0.065, 0.005
 def bottom(panel, key):
     """Return the bottom of a terminal (3,) [m] in the world."""
     depth = panel.component(key[0]).terminal(key[1]).depth
-    return (WORLD_FROM_PANEL @ panel.panel_from_socket(*key)).apply(np.array([depth, 0.0, 0.0]))
+    return (BOARD @ panel.panel_from_socket(*key)).apply(np.array([depth, 0.0, 0.0]))
 
 
 def lying(panel, wire_id, *, height, ends, fixed=tuple(WireEnd)):
     """Return a wire along its route at a height [m], its tips in terminals; None: beside them."""
-    route = [WORLD_FROM_PANEL.apply(np.array(at)) for at in panel.wire(wire_id).route]
+    route = [BOARD.apply(np.array(at)) for at in panel.wire(wire_id).route]
     legs = []
     for a, b in pairwise(route):
         leg = np.linspace(a, b, round(np.linalg.norm(b - a) / BETWEEN_M), endpoint=False)

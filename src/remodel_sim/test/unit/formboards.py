@@ -5,8 +5,7 @@ import math
 from panels import component, wire
 
 from remodel_work.geometry import Pose
-from remodel_work.layout import WORLD_FROM_PANEL
-from remodel_work.panel import Channel, Duct, Panel, PanelClip
+from remodel_work.panel import BOARD, Channel, Duct, Panel, PanelClip
 
 LINE_X = -0.040
 FIRST_Y = -0.085
@@ -45,7 +44,7 @@ def formboard(clips=6, ducts=()):
 def along_clips(panel):
     """Return the path that passes all clips of a formboard, world frame."""
     ends = (FIRST_Y - 0.03, panel.clips[-1].pose[1] + 0.03)
-    return tuple(WORLD_FROM_PANEL @ Pose.level(LINE_X, y, 0.05, math.pi / 2) for y in ends)
+    return tuple(BOARD @ Pose.level(LINE_X, y, 0.05, math.pi / 2) for y in ends)
 
 
 def duct(x, y, length=0.12, width=0.050, yaw=math.pi / 2):

@@ -12,8 +12,7 @@ from remodel_skills.abilities.pick_cable import pick_cable
 from remodel_skills.abilities.place_cable import place_cable
 from remodel_skills.abilities.route_wire import route_wire
 from remodel_work.geometry import Pose
-from remodel_work.layout import WORLD_FROM_PANEL
-from remodel_work.panel import WireEnd
+from remodel_work.panel import BOARD, WireEnd
 
 ROBOT = "robot_1"
 # In the channel, beyond end b's terminal.
@@ -76,9 +75,9 @@ def carry(cell, wire, channel):
     do(cell, pick_cable, goals.PickGoal(ROBOT, wire, WireEnd.B, 0.0))
     context = cell.context
     tool, direction = context.device.arm.tool, context.belief.feed.direction
-    x = float(WORLD_FROM_PANEL.position[0]) + context.panel.channel(channel).x
+    x = float(BOARD.position[0]) + context.panel.channel(channel).x
     target = context.panel.wire(wire).goes_to(WireEnd.B)
-    y = float((WORLD_FROM_PANEL @ context.panel.panel_from_socket(*target)).position[1])
+    y = float((BOARD @ context.panel.panel_from_socket(*target)).position[1])
     along = direction * math.pi / 2
     path = (
         Pose.level(tool.x, tool.y, 0.04, tool.yaw + context.belief.grip.flip),

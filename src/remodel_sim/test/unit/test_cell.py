@@ -12,6 +12,7 @@ from panels import panel
 from stored import put_live
 
 from remodel_sim.cell import Cell
+from remodel_sim.edge.cell_file import read_cell
 from remodel_sim.physics.truth import ground_truth
 from remodel_sim.ros.conversions import read_panel
 from remodel_states.core.codes import Code
@@ -28,6 +29,19 @@ CONFIG = Path(__file__).parents[2] / "config"
 @pytest.mark.slow
 def test_the_same_seed_and_goals_give_the_same_bits_in_two_processes():
     assert fingerprint_elsewhere() == fingerprint_elsewhere()
+
+
+def test_a_board_that_a_cell_holds_elsewhere_is_wired_there():
+    board = Pose.level(0.52, 0.01, 0.0, np.radians(4.0))
+    made = Cell(panel(), design=replace(read_cell(), world_from_panel=board), seed=7)
+    made.feed("W1", "A")
+    socket = do.locate(made, "X1", "1")
+    true = board @ made.plant.panel.panel_from_socket("X1", "1")
+    assert np.linalg.norm(socket.position - true.position) < 1e-3
+    do.insert(made, "W1", WireEnd.A, "X1", terminal="1", socket=socket)
+    (truth,) = ground_truth(made.plant, ["W1"])
+    assert truth.a.at == "X1/1"
+    made.close()
 
 
 @pytest.mark.slow

@@ -1,6 +1,7 @@
 import re
 from pathlib import Path
 
+import numpy as np
 import pytest
 import yaml
 from panels import panel
@@ -8,6 +9,7 @@ from panels import panel
 from remodel_sim.cell import Cell
 from remodel_sim.edge.cell_file import read_cell
 from remodel_work.errors import CellFileError
+from remodel_work.panel import BOARD
 
 CELLS = Path(__file__).parents[2] / "config/cells"
 MAGAZINE = yaml.safe_load((CELLS / "cabinet.yaml").read_text())["magazine"]
@@ -42,6 +44,16 @@ def test_a_cell_has_labels_unless_it_says_otherwise(tmp_path):
     assert not read_cell(str(file)).labels
     (problem,) = problems(tmp_path, lambda cell: cell.update(labels="no"))
     assert "labels" in problem and "'no'" in problem
+
+
+def test_a_board_lies_where_the_cell_says(tmp_path):
+    file = tmp_path / "mine.yaml"
+    file.write_text(yaml.safe_dump({**parsed(), "board": {"x": 0.6, "y": -0.1, "yaw_deg": 90}}))
+    board = read_cell(str(file)).world_from_panel
+    assert board.apply(np.array([0.1, 0.0, 0.0])) == pytest.approx([0.6, 0.0, 0.0])
+    assert read_cell().world_from_panel == BOARD
+    (problem,) = problems(tmp_path, lambda cell: cell.update(board={"x": 0.6}))
+    assert "board" in problem and "missing: y" in problem
 
 
 def test_a_cell_of_ones_own_is_read_from_its_path(tmp_path):

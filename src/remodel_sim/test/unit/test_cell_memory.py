@@ -19,7 +19,7 @@ from remodel_states.core.goal_owner import NO_OWNER
 from remodel_states.edge.exported_tables import read_abilities
 from remodel_states.serving.running_goal import RunningGoal
 from remodel_work.errors import AbilityError
-from remodel_work.panel import WireEnd
+from remodel_work.panel import BOARD, WireEnd
 from remodel_work.placed_wires import ParkedWire, PlacedWires
 
 OTHER = panel(name="other")
@@ -86,7 +86,12 @@ def test_a_wire_whose_last_end_is_reported_fixed_is_there_after_a_kill_at_that_m
     fix = cell_abilities()["FixCable"]
     running = RunningGoal(read_abilities()["FixCable"], DyingHandle(goal), lambda: 0.0)
     job = Job(
-        fix, running, [cell.context], fix.parse(goal), keep=cell.keep, finish=lambda end: end()
+        fix,
+        running,
+        [cell.context],
+        fix.parse(goal, BOARD),
+        keep=cell.keep,
+        finish=lambda end: end(),
     )
     with pytest.raises(KilledError, match="end b of W1 fixed"):
         while not job.step():

@@ -26,8 +26,7 @@ from remodel_states.core.codes import Code
 from remodel_states.edge.wire_material_file import read_wire_materials
 from remodel_work.errors import AbilityError
 from remodel_work.geometry import Pose
-from remodel_work.layout import WORLD_FROM_PANEL
-from remodel_work.panel import WireEnd
+from remodel_work.panel import BOARD, WireEnd
 from remodel_work.robot.arm import ToolPose
 
 pytestmark = pytest.mark.physics
@@ -184,6 +183,6 @@ def test_small_labels_show_no_tilt_where_there_is_none():
         for view in range(3):
             goal = goals.LocateGoal(*terminal, view)
             found = place_wire.do(made, locate_gearbox_component, goal).socket_pose
-            true = WORLD_FROM_PANEL @ household.panel_from_socket(*terminal)
+            true = BOARD @ household.panel_from_socket(*terminal)
             np.testing.assert_allclose(found.position, true.position, atol=5e-4)
     made.close()

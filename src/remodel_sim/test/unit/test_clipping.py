@@ -60,7 +60,7 @@ def test_a_wire_lies_low_between_the_pads_that_are_to_press_it_down(height):
 def test_a_wire_that_stands_on_its_lips_at_one_end_is_pressed_in_at_both():
     board = formboard(1)
     (clip,) = board.clips
-    x, y, _ = world_from_clip(clip).position
+    x, y, _ = world_from_clip(clip, board).position
     cell = with_wire(board, x, y, {-0.036: 0.0197, 0.0: 0.0115, 0.036: 0.0092})
     cell.run(press_around(cell.context, clip))
     for end in (-clip.length / 2, clip.length / 2):

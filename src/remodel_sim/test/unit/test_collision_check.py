@@ -22,7 +22,7 @@ from remodel_states.edge.wire_material_file import read_wire_materials
 from remodel_work.component_shape import Box
 from remodel_work.errors import AbilityError
 from remodel_work.geometry import Pose
-from remodel_work.layout import STANDOFF_M, WORLD_FROM_PANEL
+from remodel_work.layout import STANDOFF_M
 from remodel_work.obstacles import (
     WIRES,
     Obstacles,
@@ -30,7 +30,7 @@ from remodel_work.obstacles import (
     component_name,
     panel_obstacles,
 )
-from remodel_work.panel import Duct, Rail, WireEnd
+from remodel_work.panel import BOARD, Duct, Rail, WireEnd
 from remodel_work.robot.arm import ToolPose
 
 DESIGN = read_cell("cabinet")
@@ -145,7 +145,7 @@ def test_a_panels_obstacles_stand_where_they_were_located_else_as_drawn():
     assert {"duct 'D'", "rail 'R'", X2} <= set(boxes)
     np.testing.assert_allclose(boxes["component 'X1'"].centre, [0.41, -0.10, 0.0225])
     assert boxes["component 'X1'"].rpy == pytest.approx((0.0, 0.0, 0.2))
-    x, y, _ = WORLD_FROM_PANEL.position
+    x, y, _ = BOARD.position
     assert obstacles.nearest(np.array([x + 0.08, y + 0.12, 0.05])) == X2
     assert obstacles.nearest(np.array([x - 0.02, y - 0.01, 0.05])) == "duct 'D'"
 
@@ -155,7 +155,7 @@ def test_every_terminal_of_the_household_panel_is_approached_without_touching_an
     obstacles = panel_obstacles(household, {})
     ends = [(wire, wire.goes_to(end)) for wire in household.wires for end in WireEnd]
     for (wire, terminal), flip in product(ends, (0.0, math.pi)):
-        socket = WORLD_FROM_PANEL @ household.panel_from_socket(*terminal)
+        socket = BOARD @ household.panel_from_socket(*terminal)
         grip = Grip(WireEnd.A, distance=GRASP_M, height=0.0, flip=flip, tool=ROBOT.home)
         before = tool_before(socket, grip, -STANDOFF_M)
         held = HeldTip(wire.id, wire.radius, GRASP_M, height=0.0, flip=flip)

@@ -20,7 +20,7 @@ from remodel_vision.device_pose import (
 from remodel_vision.panel_pose import register_panel
 from remodel_work.camera import View, looking_down
 from remodel_work.geometry import Pose
-from remodel_work.layout import WORLD_FROM_PANEL
+from remodel_work.panel import BOARD
 
 HEIGHT = 0.204
 CELL = read_cell()
@@ -28,7 +28,7 @@ CELL = read_cell()
 ROW = tuple(component(f"D{i}", i, -0.08, 0.05 + 0.047 * i, side=1) for i in range(4))
 ALONE = component("X1", 9, 0.08, -0.12, side=-1, terminals=2)
 PANEL = panel(components=(*ROW, ALONE), wires=())
-PANEL_AT = WORLD_FROM_PANEL @ Pose.level(0.006, -0.007, 0.0, math.radians(1.2))
+PANEL_AT = BOARD @ Pose.level(0.006, -0.007, 0.0, math.radians(1.2))
 
 
 @pytest.fixture(scope="module")
@@ -120,7 +120,7 @@ def test_a_panel_that_is_another_one_or_too_far_off_is_not_registered(world):
     stand(world)
     other = dataclasses.replace(PANEL, size=(0.30, 0.50, 0.003), components=(ALONE,))
     assert register_panel(from_above(world), other) is None
-    stand(world, WORLD_FROM_PANEL @ Pose.level(0.03, 0.0, 0.0))
+    stand(world, BOARD @ Pose.level(0.03, 0.0, 0.0))
     assert register_panel(from_above(world), PANEL) is None
 
 

@@ -16,8 +16,7 @@ from remodel_states.core.codes import Code
 from remodel_states.edge.wire_material_file import read_wire_materials
 from remodel_work.errors import AbilityError
 from remodel_work.fixtures import WALL_M
-from remodel_work.layout import WORLD_FROM_PANEL
-from remodel_work.panel import WireEnd
+from remodel_work.panel import BOARD, WireEnd
 from remodel_work.placed_wires import ParkedWire
 
 pytestmark = pytest.mark.physics
@@ -52,7 +51,7 @@ def lying(wire_id, aside, height):
     # In the fork the wire runs straight along the posts.
     x = ax + along * (bx - ax) + bow * (aside - (ax + bx) / 2) - np.sin(2 * np.pi * along) * ax / 2
     points = np.column_stack([x, ay + along * (by - ay), z + bow * (height - z)])
-    return ParkedWire(WORLD_FROM_PANEL.apply(points), frozenset(WireEnd))
+    return ParkedWire(BOARD.apply(points), frozenset(WireEnd))
 
 
 def observed(cell, wire_id, parked):

@@ -23,8 +23,8 @@ from remodel_states.edge.wire_material_file import read_wire_materials
 from remodel_work.cell.magazine import GRASP_M, LEAST_GRASP_M
 from remodel_work.errors import AbilityError
 from remodel_work.geometry import Pose
-from remodel_work.layout import WORLD_FROM_PANEL, find_problems
-from remodel_work.panel import WireEnd
+from remodel_work.layout import find_problems
+from remodel_work.panel import BOARD, WireEnd
 
 CONFIG = Path(__file__).parents[2] / "config"
 DESIGN = read_cell("two_arms_formboard")
@@ -69,7 +69,7 @@ def path_of(cell):
     """Return the wire's route as the use case gives it to RouteWire."""
     (ax, ay, _), (bx, by, _) = cell.plant.panel.wire(WIRE).route
     yaw = math.atan2(by - ay, bx - ax)
-    return tuple(WORLD_FROM_PANEL @ Pose.level(x, y, 0.06, yaw) for x, y in ((ax, ay), (bx, by)))
+    return tuple(BOARD @ Pose.level(x, y, 0.06, yaw) for x, y in ((ax, ay), (bx, by)))
 
 
 def route(cell):
@@ -107,7 +107,7 @@ def test_a_wire_is_let_down_into_its_forks_once_its_other_end_is_fixed_and_is_se
     cell.run(pick_cable(holder, pick), HOLDER)
     assert route(cell).message == f"{WIRE} laid into F1, F2, F3"
     # In front of its opening, by the physics.
-    opening = WORLD_FROM_PANEL @ cell.plant.panel.panel_from_socket(*wire.goes_to(WireEnd.B))
+    opening = BOARD @ cell.plant.panel.panel_from_socket(*wire.goes_to(WireEnd.B))
     tip = opening.inverse().apply(cell.plant.live.cable.nodes()[-1])
     assert -0.015 < tip[0] < 0
     assert abs(tip[1]) < 0.003

@@ -10,11 +10,10 @@ from remodel_skills.goals.requirements import parse_end
 from remodel_states.core.codes import Code
 from remodel_work.errors import AbilityError
 from remodel_work.geometry import Pose
-from remodel_work.layout import WORLD_FROM_PANEL
-from remodel_work.panel import WireEnd
+from remodel_work.panel import BOARD, WireEnd
 from remodel_work.robot.arm import ToolPose
 
-SOCKET = WORLD_FROM_PANEL @ panel().panel_from_socket("X1", "1")
+SOCKET = BOARD @ panel().panel_from_socket("X1", "1")
 NAN = float("nan")
 
 
@@ -191,7 +190,7 @@ def test_an_opening_is_of_its_own_terminal(socket, code, words):
 def test_an_opening_is_compared_with_the_last_observation():
     belief = fed_belief()
     moved = np.array([0.0, 0.018, 0.0])
-    drawn = WORLD_FROM_PANEL @ panel().component("X1").panel_from_component
+    drawn = BOARD @ panel().component("X1").panel_from_component
     belief.seen["X1"] = Pose(drawn.position + moved, drawn.quaternion)
     insertion(socket=beside(0.018)).check(panel(), belief)
     with pytest.raises(AbilityError, match="18 mm and 0 deg from where 'X1/1' was last seen"):

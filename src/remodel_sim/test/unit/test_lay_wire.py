@@ -53,9 +53,8 @@ from remodel_vision.opening_occupancy import is_seen_empty
 from remodel_vision.wire_lines import WireLines
 from remodel_work.errors import AbilityError
 from remodel_work.geometry import Pose
-from remodel_work.layout import WORLD_FROM_PANEL
 from remodel_work.openings import opening_of
-from remodel_work.panel import WireEnd
+from remodel_work.panel import BOARD, WireEnd
 from remodel_work.placed_wires import ParkedWire
 from remodel_work.robot.arm import ToolPose
 
@@ -145,7 +144,7 @@ def lay_from_b(cell):
 
 
 def route_of(cell, wire_id=WIRE):
-    points = [WORLD_FROM_PANEL.apply(np.array(at)) for at in cell.plant.panel.wire(wire_id).route]
+    points = [BOARD.apply(np.array(at)) for at in cell.plant.panel.wire(wire_id).route]
     return np.array(points)
 
 
@@ -386,7 +385,7 @@ def test_fingers_go_below_the_rim_only_where_both_are_beside_the_duct(monkeypatc
     cell = cell_of()
     holder = arched(cell)
     duct = next(duct for duct in cell.plant.panel.ducts if duct.id == "L")
-    place = WORLD_FROM_PANEL @ duct.panel_from_duct @ Pose.level(0.0, 0.0, duct.height)
+    place = BOARD @ duct.panel_from_duct @ Pose.level(0.0, 0.0, duct.height)
     closed_at = []
     monkeypatch.setattr(
         RobotContext, "close_fingers", lambda context, _: closed_at.append(context.commanded.z)

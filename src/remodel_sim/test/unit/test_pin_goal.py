@@ -9,8 +9,7 @@ from remodel_skills.belief_state import BeliefState, EndState, Feed
 from remodel_skills.goals.pin_goal import PlacePinGoal, pin_row
 from remodel_states.core.codes import Code
 from remodel_work.errors import AbilityError
-from remodel_work.layout import WORLD_FROM_PANEL
-from remodel_work.panel import WireEnd
+from remodel_work.panel import BOARD, WireEnd
 from remodel_work.robot.arm import PANDA_AT_ORIGIN, Arm
 
 FACING = Arm(PANDA_AT_ORIGIN.model, (1.0, 0.0, 0.0, math.pi))
@@ -38,8 +37,8 @@ def fed(arm=PANDA_AT_ORIGIN):
 
 def places(some_goal):
     """Return the names and places of a row on the panel."""
-    row = pin_row(some_goal, WIRE)
-    inverse = WORLD_FROM_PANEL.inverse()
+    row = pin_row(some_goal, WIRE, panel())
+    inverse = BOARD.inverse()
     return {name: inverse.apply(pose.position)[:2].round(6).tolist() for name, pose in row.items()}
 
 
@@ -67,16 +66,16 @@ def test_a_row_that_is_not_centered_begins_at_the_origin_and_one_not_rotated_run
 
 
 def test_the_pins_point_out_of_the_wire():
-    row = pin_row(GOOD, WIRE)
+    row = pin_row(GOOD, WIRE, panel())
     outward = row["pin_2"].position - row["pin_1"].position
     assert row["pin_2"].rotation[:, 0] @ outward > 0 > row["pin_1"].rotation[:, 0] @ outward
     assert all(math.isclose(pose.position[2], WIRE.radius) for pose in row.values())
 
 
 def test_no_pose_of_the_path_falls_on_a_pin():
-    row = pin_row(goal(path_space=0.472 / 3), WIRE)
+    row = pin_row(goal(path_space=0.472 / 3), WIRE, panel())
     assert list(row) == ["pin_1", "path_1", "path_2", "pin_2"]
-    assert list(pin_row(goal(path_space=0.472), WIRE)) == ["pin_1", "pin_2"]
+    assert list(pin_row(goal(path_space=0.472), WIRE, panel())) == ["pin_1", "pin_2"]
 
 
 @pytest.mark.parametrize(

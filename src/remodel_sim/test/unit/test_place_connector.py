@@ -18,13 +18,12 @@ from remodel_states.core.codes import Code
 from remodel_states.edge.wire_material_file import read_wire_materials
 from remodel_work.errors import AbilityError, PanelError
 from remodel_work.geometry import Pose
-from remodel_work.layout import WORLD_FROM_PANEL
 from remodel_work.layout import find_problems as problems_of
-from remodel_work.panel import WireEnd
+from remodel_work.panel import BOARD, WireEnd
 
 CONFIG = Path(__file__).parents[2] / "config"
 PANEL = read_panel(CONFIG / "connectors.yaml", read_wire_materials())
-FACE = WORLD_FROM_PANEL @ PANEL.panel_from_socket("U1", "J1")
+FACE = BOARD @ PANEL.panel_from_socket("U1", "J1")
 
 
 @pytest.fixture

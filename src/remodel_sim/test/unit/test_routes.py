@@ -5,12 +5,12 @@ import pytest
 from formboards import along_clips, duct, formboard
 
 from remodel_work.geometry import Pose
-from remodel_work.layout import WORLD_FROM_PANEL
+from remodel_work.panel import BOARD
 from remodel_work.routes import clips_along, places_in, world_from_clip
 
 
 def path(*points):
-    return tuple(WORLD_FROM_PANEL @ Pose.level(x, y, 0.04, 0.0) for x, y in points)
+    return tuple(BOARD @ Pose.level(x, y, 0.04, 0.0) for x, y in points)
 
 
 def test_the_clips_on_a_path_come_in_its_order():
@@ -22,7 +22,7 @@ def test_the_clips_on_a_path_come_in_its_order():
 
 def test_a_path_from_clip_to_clip_passes_each_of_them_once():
     board = formboard(6)
-    poses = [world_from_clip(clip) for clip in board.clips]
+    poses = [world_from_clip(clip, board) for clip in board.clips]
     ends = along_clips(board)
     found = clips_along((ends[0], *poses, ends[1]), board)
     assert [clip.id for clip in found] == ["C1", "C2", "C3", "C4", "C5", "C6"]
@@ -49,9 +49,9 @@ def test_a_clip_beside_across_or_behind_a_path_is_not_on_it(points):
 
 
 def test_a_path_is_checked_where_it_runs_in_a_duct():
-    trough = duct(0.0, 0.0, length=0.12)
-    places = places_in(trough, path((0.0, -0.2), (0.005, 0.02)))
+    trough, board = duct(0.0, 0.0, length=0.12), formboard(2)
+    places = places_in(trough, path((0.0, -0.2), (0.005, 0.02)), board)
     ys = [place.position[1] for place in places]
     assert np.allclose(ys, [-0.05, -0.03, -0.01, 0.01])
-    assert places_in(trough, path((-0.2, 0.0), (0.2, 0.0))) == (), "it only crosses it"
-    assert places_in(trough, path((0.05, -0.2), (0.05, 0.2))) == ()
+    assert places_in(trough, path((-0.2, 0.0), (0.2, 0.0)), board) == (), "it only crosses it"
+    assert places_in(trough, path((0.05, -0.2), (0.05, 0.2)), board) == ()

@@ -18,8 +18,7 @@ from remodel_states.core.codes import Code
 from remodel_work.component_shape import Box
 from remodel_work.errors import AbilityError
 from remodel_work.geometry import Pose
-from remodel_work.layout import WORLD_FROM_PANEL
-from remodel_work.panel import WireEnd
+from remodel_work.panel import BOARD, WireEnd
 
 pytestmark = pytest.mark.physics
 
@@ -36,7 +35,7 @@ def route(cell, *path):
 
 
 def at(x, y, z=0.05):
-    return WORLD_FROM_PANEL @ Pose.level(x, y, z, math.pi / 2)
+    return BOARD @ Pose.level(x, y, z, math.pi / 2)
 
 
 def test_a_wire_is_laid_into_its_clips_and_stays_there():
@@ -79,7 +78,7 @@ def test_a_wire_that_is_hidden_in_one_duct_is_judged_by_the_others(hidden):
     for one in ducts:
         if one.id in hidden:
             cover = Box((0.0, 0.0, 0.03), (0.2, 0.2, 0.002), (0.5, 0.5, 0.5), solid=False)
-            add_static(cell.plant.world.bullet, [cover], WORLD_FROM_PANEL @ one.panel_from_duct)
+            add_static(cell.plant.world.bullet, [cover], BOARD @ one.panel_from_duct)
     try:
         with pytest.raises(AbilityError) if len(hidden) > 1 else nullcontext() as caught:
             cell.run(check_ducts(cell.context, (at(0.0, -0.2), at(0.0, 0.2))))

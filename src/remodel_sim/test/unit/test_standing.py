@@ -17,9 +17,8 @@ from remodel_skills.primitives.motions import (
     swing_to,
 )
 from remodel_vision.board.standing import CELL_M, standing_wires
-from remodel_work.layout import WORLD_FROM_PANEL
 from remodel_work.obstacles import WIRES, panel_obstacles
-from remodel_work.panel import WireEnd
+from remodel_work.panel import BOARD, WireEnd
 from remodel_work.placed_wires import ParkedWire
 from remodel_work.robot.arm import ToolPose
 
@@ -44,7 +43,7 @@ def seen(cell):
 
 
 def lay_arch(cell):
-    middle = WORLD_FROM_PANEL.position[0]
+    middle = BOARD.position[0]
     x = np.linspace(-SPAN / 2, SPAN / 2, NODES)
     z = 0.003 + (ARCH_TOP - 0.003) * np.cos(math.pi * x / SPAN)
     nodes = np.column_stack([middle + x, np.full(NODES, ARCH_Y), z])
@@ -70,7 +69,7 @@ def test_a_hand_travels_over_a_wire_that_stands_out(cell):
     context = cell.context
     context.belief.feed = Feed("W1", NO_CHANNEL, 1)
     context.cameras.take_overhead_picture()
-    x = float(WORLD_FROM_PANEL.position[0])
+    x = float(BOARD.position[0])
     heights = []
 
     def steps():

@@ -11,8 +11,7 @@ from remodel_sim.edge.cell_file import read_cell
 from remodel_sim.physics.truth import ground_truth, share_in_ducts
 from remodel_sim.ros.conversions import read_panel, truth_message
 from remodel_states.edge.wire_material_file import read_wire_materials
-from remodel_work.layout import WORLD_FROM_PANEL
-from remodel_work.panel import WireEnd
+from remodel_work.panel import BOARD, WireEnd
 from remodel_work.placed_wires import ParkedWire
 
 CONFIG = Path(__file__).parents[2] / "config"
@@ -30,7 +29,7 @@ def board():
 
 def park(plant, heights, ends, fixed):
     """Park the wire along its route at a height [m] per leg, from the bottom of one terminal."""
-    route = [WORLD_FROM_PANEL.apply(np.array(at)) for at in plant.panel.wire(WIRE).route]
+    route = [BOARD.apply(np.array(at)) for at in plant.panel.wire(WIRE).route]
     legs = [np.linspace(a, b, 200) for a, b in pairwise(route)]
     for leg, height in zip(legs, heights, strict=True):
         leg[:, 2] = height
@@ -70,7 +69,7 @@ def test_a_wire_that_rounds_a_corner_is_in_its_ducts_and_one_that_leaves_them_is
     ends = [board.panel.wire(WIRE).goes_to(end) for end in WireEnd]
     straight = park(board, [BELOW_M] * 5, ends, fixed=WireEnd)
     nodes = board.parked[WIRE].nodes
-    corner = WORLD_FROM_PANEL.apply(np.array(board.panel.wire(WIRE).route[2]))
+    corner = BOARD.apply(np.array(board.panel.wire(WIRE).route[2]))
     for rounded_m, least, most in ((0.035, 1.0, 1.0), (0.090, 0.0, 0.95)):
         cut = np.linalg.norm((nodes - corner)[:, :2], axis=1) > rounded_m
         board.parked[WIRE] = ParkedWire(nodes[cut], frozenset(WireEnd))

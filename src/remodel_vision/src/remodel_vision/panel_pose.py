@@ -19,7 +19,6 @@ import numpy.typing as npt
 
 from remodel_work.camera import Picture
 from remodel_work.geometry import Array, Pose
-from remodel_work.layout import WORLD_FROM_PANEL
 from remodel_work.obstacles import panel_obstacles
 from remodel_work.panel import Panel
 
@@ -88,7 +87,7 @@ def register_panel(picture: Picture, panel: Panel) -> Pose | None:
     high = (drawn > HIGH_M) | (seen > HIGH_M)
     if high.any() and np.mean(np.abs(drawn - seen)[high] < FAR_M) < LEAST_FITTING:
         return None
-    return WORLD_FROM_PANEL @ Pose.level(best[0], best[1], 0.0, best[2])
+    return panel.world_from_panel @ Pose.level(best[0], best[1], 0.0, best[2])
 
 
 def _around(centre: Array, step: Step) -> Iterator[tuple[float, float, float]]:
@@ -129,7 +128,7 @@ def _points(picture: Picture, panel: Panel) -> Array:
     columns, rows = np.meshgrid(np.arange(width), np.arange(height))
     pixels = np.column_stack([columns.ravel(), rows.ravel()]).astype(np.float64)
     points = picture.view.at_depth(pixels, picture.depth.ravel())
-    points = WORLD_FROM_PANEL.inverse().apply(points)
+    points = panel.world_from_panel.inverse().apply(points)
     reach = np.array(panel.size[:2]) / 2 + AROUND_M / 2
     points[np.any(np.abs(points[:, :2]) > reach, axis=1)] = np.nan
     return points.reshape(height, width, 3)
@@ -146,7 +145,7 @@ def _relief(panel: Panel) -> npt.NDArray[np.float32]:
         half = np.array([[-1, -1], [1, -1], [1, 1], [-1, 1]]) * box.size[:2] / 2
         corners = np.column_stack([half, np.zeros(4)])
         x, y, _ = box.centre
-        placed = WORLD_FROM_PANEL.inverse() @ Pose.level(x, y, 0.0, box.rpy[2])
+        placed = panel.world_from_panel.inverse() @ Pose.level(x, y, 0.0, box.rpy[2])
         cells = placed.apply(corners)[:, :2] / CELL_M + size / 2 - 0.5
         top = box.centre[2] + box.size[2] / 2
         cv2.fillConvexPoly(heights, np.rint(cells[:, ::-1]).astype(np.int32), (top,))

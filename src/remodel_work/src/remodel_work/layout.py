@@ -30,9 +30,6 @@ from remodel_work.panel import (
 from remodel_work.robot.arm import ToolPose
 from remodel_work.robot.kinematics import Kinematics
 
-# The panel lies flat in front of the arm: the plate's surface is the world's z = 0.
-WORLD_FROM_PANEL = Pose.level(0.50, 0.0, 0.0)
-
 # Tool centre to tip when a wire is held for insertion: short enough not to buckle or sag, long
 # enough for the fingers.
 GRASP_DISTANCE_M = 0.045
@@ -137,7 +134,7 @@ def _sockets(panel: Panel) -> dict[tuple[str, str], Pose]:
         for terminal in component.terminals
     }
     ends = dict.fromkeys(wire.goes_to(end) for wire in panel.wires for end in WireEnd)
-    return {end: WORLD_FROM_PANEL @ openings[end] for end in ends if end in openings}
+    return {end: panel.world_from_panel @ openings[end] for end in ends if end in openings}
 
 
 def _not_finite(value: object, path: str) -> Iterator[str]:
@@ -330,7 +327,7 @@ def _reach(
     if not channel.y_min <= opening[1] <= channel.y_max:
         yield f"{name}: at y {opening[1]:.3f} m it lies beyond the end of channel {channel.id!r}"
     yield from within(f"{name}: |y| on the panel", abs(opening[1]), (0.0, TERMINAL_MAX_Y_M))
-    tool = WORLD_FROM_PANEL.apply(opening - into * (GRASP_DISTANCE_M + STANDOFF_M))
+    tool = panel.world_from_panel.apply(opening - into * (GRASP_DISTANCE_M + STANDOFF_M))
     yaws = (panel_from_socket.yaw, panel_from_socket.yaw + math.pi)
     poses = [ToolPose(tool[0], tool[1], tool[2], yaw) for yaw in yaws]
     if not any(arm.reaches(pose) for arm in arms for pose in poses):

@@ -12,7 +12,6 @@ import numpy as np
 from remodel_work.component_shape import Box
 from remodel_work.fixtures import FIXTURE_RGB, clip_boxes, duct_boxes
 from remodel_work.geometry import Array, Pose, rotation_matrix
-from remodel_work.layout import WORLD_FROM_PANEL
 from remodel_work.panel import Panel
 
 # The name of every solid that stands for wires: those yield.
@@ -61,19 +60,21 @@ def panel_obstacles(panel: Panel, seen: Mapping[str, Pose]) -> Obstacles:
 
 def _panel_solids(panel: Panel, seen: Mapping[str, Pose]) -> Iterator[Solid]:
     for component in panel.components:
-        place = seen.get(component.id, WORLD_FROM_PANEL @ component.panel_from_component)
+        place = seen.get(component.id, panel.world_from_panel @ component.panel_from_component)
         housing = Box((0.0, 0.0, component.size[2] / 2), component.size, FIXTURE_RGB)
         yield Solid(component_name(component.id), _placed(housing, place))
     for rail in panel.rails:
         profile = (rail.length, rail.width, rail.height)
         box = Box((0.0, 0.0, rail.height / 2), profile, FIXTURE_RGB)
-        yield Solid(f"rail {rail.id!r}", _placed(box, WORLD_FROM_PANEL @ rail.panel_from_rail))
+        yield Solid(
+            f"rail {rail.id!r}", _placed(box, panel.world_from_panel @ rail.panel_from_rail)
+        )
     for duct in panel.ducts:
-        place = WORLD_FROM_PANEL @ duct.panel_from_duct
+        place = panel.world_from_panel @ duct.panel_from_duct
         for wall in duct_boxes(duct, panel.ducts):
             yield Solid(duct_name(duct.id), _placed(wall, place))
     for clip in panel.clips:
-        place = WORLD_FROM_PANEL @ clip.panel_from_clip
+        place = panel.world_from_panel @ clip.panel_from_clip
         for part in clip_boxes(clip):
             yield Solid(f"clip {clip.id!r}", _placed(part, place))
 

@@ -7,7 +7,6 @@ from collections.abc import Iterator, Mapping
 import numpy as np
 
 from remodel_work.geometry import Array, Pose
-from remodel_work.layout import WORLD_FROM_PANEL
 from remodel_work.panel import Panel
 
 # Component and terminal.
@@ -24,7 +23,7 @@ def opening_of(terminal: TerminalKey, panel: Panel, seen: Mapping[str, Pose]) ->
     """
     component_id, terminal_id = terminal
     component = panel.component(component_id)
-    drawn = WORLD_FROM_PANEL @ component.panel_from_component
+    drawn = panel.world_from_panel @ component.panel_from_component
     stands = seen.get(component_id, drawn)
     return stands @ component.terminal(terminal_id).component_from_socket
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from enum import Enum
 from typing import Protocol, TypeVar
 
@@ -266,9 +266,18 @@ class PanelWire:
         return self.ferrule_length if connector is None else connector.length
 
 
+# Where a board stands unless its cell says otherwise.
+BOARD = Pose.level(0.50, 0.0, 0.0)
+
+
 @dataclass(frozen=True)
 class Panel:
-    """A mounting plate and all that belongs on it; `serial` is the product's serial number."""
+    """A mounting plate and all that belongs on it.
+
+    Attributes:
+        serial: the product's serial number.
+        world_from_panel: where the cell that has it holds it, level: the middle of its surface.
+    """
 
     name: str
     size: tuple[float, float, float]
@@ -279,6 +288,7 @@ class Panel:
     ducts: tuple[Duct, ...] = ()
     serial: str = ""
     rails: tuple[Rail, ...] = ()
+    world_from_panel: Pose = field(default=BOARD, compare=False)
 
     def component(self, component_id: str) -> Component:
         """Return the component of that name, or say which there are."""

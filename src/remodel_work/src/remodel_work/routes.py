@@ -11,7 +11,6 @@ import numpy as np
 import numpy.typing as npt
 
 from remodel_work.geometry import Array, Pose, wrap_angle
-from remodel_work.layout import WORLD_FROM_PANEL
 from remodel_work.panel import Duct, Panel, PanelClip
 
 # A clip whose middle is so near to a wire's line, and that points so nearly along it, is its clip.
@@ -21,9 +20,9 @@ CLIP_TURN_RAD = math.radians(15.0)
 DUCT_STEP_M = 0.02
 
 
-def world_from_clip(clip: PanelClip) -> Pose:
+def world_from_clip(clip: PanelClip, panel: Panel) -> Pose:
     """Return a clip's frame in the world."""
-    return WORLD_FROM_PANEL @ clip.panel_from_clip
+    return panel.world_from_panel @ clip.panel_from_clip
 
 
 def clips_along(path: tuple[Pose, ...], panel: Panel) -> tuple[PanelClip, ...]:
@@ -32,13 +31,15 @@ def clips_along(path: tuple[Pose, ...], panel: Panel) -> tuple[PanelClip, ...]:
     A clip may point either way along the wire; those returned point along the path.
     """
     lines = tuple(_lines(path))
-    found = [passing for clip in panel.clips if (passing := _first_passing(clip, lines))]
+    found = [passing for clip in panel.clips if (passing := _first_passing(clip, lines, panel))]
     return tuple(clip for _, _, clip in sorted(found, key=lambda passing: passing[:2]))
 
 
-def _first_passing(clip: PanelClip, lines: Sequence[_Line]) -> tuple[int, float, PanelClip] | None:
+def _first_passing(
+    clip: PanelClip, lines: Sequence[_Line], panel: Panel
+) -> tuple[int, float, PanelClip] | None:
     """Return the first line that passes a clip, how far along it, and the clip along the line."""
-    place = world_from_clip(clip)
+    place = world_from_clip(clip, panel)
     for i, line in enumerate(lines):
         x, y, _ = line.frame.inverse().apply(place.position)
         turned = abs(wrap_angle(place.yaw - line.frame.yaw))
@@ -61,12 +62,12 @@ def step_in(duct: Duct) -> float:
     return duct.length / max(1, round(duct.length / DUCT_STEP_M))
 
 
-def places_in(duct: Duct, path: tuple[Pose, ...]) -> tuple[Pose, ...]:
+def places_in(duct: Duct, path: tuple[Pose, ...], panel: Panel) -> tuple[Pose, ...]:
     """Return frames along the middle of a duct, where the path runs in it; x along it, world frame.
 
     They are `step_in` the duct apart.
     """
-    middle = WORLD_FROM_PANEL @ duct.panel_from_duct
+    middle = panel.world_from_panel @ duct.panel_from_duct
     step = step_in(duct)
     along = np.arange(step / 2, duct.length, step) - duct.length / 2
     places = [middle @ Pose.level(float(x), 0.0, 0.0) for x in along]

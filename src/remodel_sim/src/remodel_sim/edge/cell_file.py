@@ -25,7 +25,8 @@ from remodel_work.cell.cell_design import (
 from remodel_work.cell.feeding import Feeder
 from remodel_work.cell.magazine import Magazine
 from remodel_work.errors import CellFileError
-from remodel_work.panel import Duct, PanelClip
+from remodel_work.geometry import Pose
+from remodel_work.panel import BOARD, Duct, PanelClip
 from remodel_work.robot.arm import ARM_MODELS, Arm, ToolPose
 from remodel_work.robot.fingers import PANDA_FINGERS, Eyelet, Fingers, Stem
 from remodel_work.robot.kinematics import Kinematics
@@ -86,7 +87,13 @@ def _design(parsed: dict[str, Any]) -> CellDesign:
         ),
         magazine=_magazine(parsed["magazine"]) if "magazine" in parsed else None,
         labels=parsed.get("labels", True),
+        world_from_panel=_board(parsed["board"]) if "board" in parsed else BOARD,
     )
+
+
+def _board(parsed: dict[str, float]) -> Pose:
+    yaw = math.radians(parsed.get("yaw_deg", 0.0))
+    return Pose.level(float(parsed["x"]), float(parsed["y"]), 0.0, yaw)
 
 
 def _feeder(parsed: dict[str, Any]) -> Feeder:

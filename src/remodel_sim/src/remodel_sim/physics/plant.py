@@ -37,7 +37,7 @@ from remodel_work.cell.presentation import Presentation
 from remodel_work.component_shape import Box
 from remodel_work.errors import PanelError
 from remodel_work.geometry import Array, Pose
-from remodel_work.layout import WORLD_FROM_PANEL, find_problems
+from remodel_work.layout import find_problems
 from remodel_work.openings import TerminalKey
 from remodel_work.panel import Channel, Connector, Panel, PanelWire, WireEnd
 from remodel_work.placed_wires import ParkedWire
@@ -113,8 +113,8 @@ class Plant:
         self.live: LiveWire | None = None
         self.parked: dict[str, ParkedWire] = {}
         self._noise = np.random.default_rng(self.seed)
-        self._world_from_panel = WORLD_FROM_PANEL
-        self._poses = {c.id: WORLD_FROM_PANEL @ c.panel_from_component for c in panel.components}
+        self._world_from_panel = board = self.panel.world_from_panel
+        self._poses = {c.id: board @ c.panel_from_component for c in panel.components}
         self._blocked: set[tuple[str, str]] = set()
         self._disturbances = Disturbances()
         self._build({robot.name: robot.home for robot in design.robots})
@@ -134,10 +134,13 @@ class Plant:
         return tuple(find_wire_problems(complete))
 
     def _complete(self, panel: Panel) -> Panel:
-        """Return a panel with the cell's own fixtures."""
+        """Return a panel as the cell holds it, with the cell's own fixtures."""
         design = self.design
         return replace(
-            panel, clips=(*panel.clips, *design.clips), ducts=(*panel.ducts, *design.ducts)
+            panel,
+            clips=(*panel.clips, *design.clips),
+            ducts=(*panel.ducts, *design.ducts),
+            world_from_panel=design.world_from_panel,
         )
 
     def restore(self, parked: Mapping[str, ParkedWire]) -> None:
@@ -232,7 +235,7 @@ class Plant:
         """Return how high parked wires reach in a channel [m]; 0 where none lies."""
         tops = [0.0]
         for wire_id, parked in self.parked.items():
-            x, y, _ = WORLD_FROM_PANEL.inverse().apply(parked.nodes).T
+            x, y, _ = self.panel.world_from_panel.inverse().apply(parked.nodes).T
             inside = abs(x - channel.x) <= channel.width / 2
             inside &= (y >= channel.y_min) & (y <= channel.y_max)
             radius = self.panel.wire(wire_id).radius
@@ -376,7 +379,7 @@ class Plant:
 
         The robots are at home.
         """
-        moved = WORLD_FROM_PANEL @ Pose.level(dx, dy, 0.0, dyaw)
+        moved = self.panel.world_from_panel @ Pose.level(dx, dy, 0.0, dyaw)
         change = moved @ self._world_from_panel.inverse()
         self._world_from_panel = moved
         self._poses = {name: change @ pose for name, pose in self._poses.items()}
@@ -440,7 +443,7 @@ class Plant:
         """Let a piece of the panel's first wire fall onto what lies there."""
         wire = replace(self.panel.wires[0], length=STRAY_LENGTH_M, colour=STRAY_COLOUR)
         cable = SimulatedWire(self.world, discretise(wire, self.world.time_step), wire.colour)
-        middle = WORLD_FROM_PANEL @ Pose.level(stray.x, stray.y, STRAY_DROP_M, stray.yaw)
+        middle = self.panel.world_from_panel @ Pose.level(stray.x, stray.y, STRAY_DROP_M, stray.yaw)
         tip = middle.apply(np.array([-STRAY_LENGTH_M / 2, 0.0, 0.0]))
         cable.lay(tip, middle.yaw, np.zeros(len(cable.model.spans)))
 

@@ -9,7 +9,6 @@ import numpy as np
 
 from remodel_sim.physics.plant import Plant
 from remodel_work.geometry import Array, Pose
-from remodel_work.layout import WORLD_FROM_PANEL
 from remodel_work.panel import Duct, PanelClip, WireEnd
 from remodel_work.routes import places_in, step_in, world_from_clip
 
@@ -79,7 +78,7 @@ def ground_truth(plant: Plant, wire_ids: list[str]) -> list[WireTruth]:
 
 def lies_in(plant: Plant, wire_id: str, clip: PanelClip) -> bool:
     """Return whether a wire that was fed runs through a clip, below its lips."""
-    x, y, z = world_from_clip(clip).inverse().apply(_nodes(plant, wire_id)).T
+    x, y, z = world_from_clip(clip, plant.panel).inverse().apply(_nodes(plant, wire_id)).T
     order = np.argsort(x)
     aside, height = (float(np.interp(0.0, x[order], v[order])) for v in (y, z))
     return bool(x.min() < 0 < x.max()) and max(abs(aside), abs(height - clip.height)) < IN_CLIP_M
@@ -94,11 +93,13 @@ def share_in_ducts(plant: Plant, wire_id: str) -> float:
 def _lengths_in_ducts(plant: Plant, wire_id: str) -> tuple[float, float]:
     """Return how long a wire's planned route in ducts is, and how much of it is kept [m]."""
     nodes, wire = _nodes(plant, wire_id), plant.panel.wire(wire_id)
-    route = tuple(Pose.level(*WORLD_FROM_PANEL.apply(np.array(p)).tolist()) for p in wire.route)
+    board = plant.panel.world_from_panel
+    route = tuple(Pose.level(*board.apply(np.array(p)).tolist()) for p in wire.route)
     ducts = [duct for duct in plant.panel.ducts if duct.id in wire.ducts]
     planned = found = 0.0
     for duct in ducts:
-        inside = [_passes_below(nodes, place, duct, ducts) for place in places_in(duct, route)]
+        places = places_in(duct, route, plant.panel)
+        inside = [_passes_below(nodes, place, duct, ducts, board) for place in places]
         planned += len(inside) * step_in(duct)
         found += sum(inside) * step_in(duct)
     return planned, found
@@ -111,7 +112,9 @@ def _nodes(plant: Plant, wire_id: str) -> Array:
     return plant.parked[wire_id].nodes
 
 
-def _passes_below(nodes: Array, place: Pose, duct: Duct, ducts: Sequence[Duct]) -> bool:
+def _passes_below(
+    nodes: Array, place: Pose, duct: Duct, ducts: Sequence[Duct], board: Pose
+) -> bool:
     """Return whether a wire crosses a place's plane between walls, below their rim.
 
     Args:
@@ -119,6 +122,7 @@ def _passes_below(nodes: Array, place: Pose, duct: Duct, ducts: Sequence[Duct]) 
         place: in the duct.
         duct: the wire passes no further aside of the place than this one is wide.
         ducts: of its route; where two meet, a wire in the one crosses planes of the other.
+        board: where the panel lies.
     """
     local = place.inverse().apply(nodes)
     x = local[:, 0]
@@ -126,15 +130,15 @@ def _passes_below(nodes: Array, place: Pose, duct: Duct, ducts: Sequence[Duct]) 
         share = x[i] / (x[i] - x[i + 1]) if x[i] != x[i + 1] else 0.0
         crossing = local[i] + share * (local[i + 1] - local[i])
         if abs(crossing[1]) < duct.width and any(
-            _is_in(each, place.apply(crossing)) for each in ducts
+            _is_in(board @ each.panel_from_duct, each, place.apply(crossing)) for each in ducts
         ):
             return True
     return False
 
 
-def _is_in(duct: Duct, point: Array) -> bool:
-    """Return whether a point (3,) [m], world frame, is between a duct's walls, below the rim."""
-    x, y, z = (WORLD_FROM_PANEL @ duct.panel_from_duct).inverse().apply(point)
+def _is_in(place: Pose, duct: Duct, point: Array) -> bool:
+    """Return whether a point (3,) [m], world frame, is in a duct at a place, below its rim."""
+    x, y, z = place.inverse().apply(point)
     return bool(abs(x) < duct.length / 2 and abs(y) < duct.width / 2 and z < duct.height)
 
 

@@ -88,7 +88,7 @@ class CellAbilityServer(AbilityServer):
         """Return the goal of a message; raises AbilityError when it cannot be taken."""
         require(bool(message.id.strip()), "id is empty; it must name the goal")
         require_number("timeout", message.timeout, 0.1, MAX_TIMEOUT_S, unit="s")
-        goal = self._steps.parse(message)
+        goal = self._steps.parse(message, self._owner.cell.plant.panel.world_from_panel)
         for context in contexts:
             goal.check(context.panel, context.belief)
         return goal

@@ -24,7 +24,6 @@ from remodel_vision.ros.image_message import image
 from remodel_work.camera import Picture
 from remodel_work.cell.cell_design import CellDesign, RobotDesign
 from remodel_work.geometry import Pose
-from remodel_work.layout import WORLD_FROM_PANEL
 from remodel_work.robot.fingers import CAMERA_MOUNT
 from remodel_work.robot.kinematics import Kinematics
 
@@ -98,7 +97,7 @@ class RobotState:
         }
         self._moving = TransformBroadcaster()
         overhead = plant.design.overhead.world_from_camera
-        fixed({PANEL: WORLD_FROM_PANEL, optical_frame("overhead"): overhead})
+        fixed({PANEL: plant.panel.world_from_panel, optical_frame("overhead"): overhead})
         lens = Pose(np.array(CAMERA_MOUNT), np.array([0.0, 0.0, 0.0, 1.0]))
         for robot in plant.design.robots:
             fixed({robot.prefix + _foot(robot.arm): robot.arm.world_from_base})

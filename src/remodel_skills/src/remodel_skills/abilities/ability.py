@@ -18,6 +18,7 @@ from importlib import import_module
 from typing import Any, TypeVar
 
 from remodel_skills import abilities
+from remodel_work.geometry import Pose
 
 Function = TypeVar("Function", bound=Callable[..., Any])
 
@@ -30,16 +31,16 @@ class CellAbility:
 
     Attributes:
         name: of the action, such as "InsertCable".
-        parse: makes the goal of a goal message; raises AbilityError.
+        parse: makes the goal of a goal message and of where the panel lies; raises AbilityError.
         perform: the steps that do it, given the robots' contexts and the goal.
     """
 
     name: str
-    parse: Callable[[Any], Any]
+    parse: Callable[[Any, Pose], Any]
     perform: Callable[..., Any]
 
 
-def ability(name: str, parse: Callable[[Any], Any]) -> Callable[[Function], Function]:
+def ability(name: str, parse: Callable[[Any, Pose], Any]) -> Callable[[Function], Function]:
     """Return a decorator for the steps that do an ability."""
 
     def mark(perform: Function) -> Function:

@@ -37,7 +37,6 @@ from remodel_vision.opening_occupancy import (
 from remodel_work.camera import Picture
 from remodel_work.errors import AbilityError
 from remodel_work.geometry import Pose
-from remodel_work.layout import WORLD_FROM_PANEL
 from remodel_work.panel import Component
 from remodel_work.robot.arm import ToolPose
 
@@ -74,7 +73,7 @@ class Shot:
     component: ComponentObservation | None
 
 
-def _goal(message: Message) -> CheckGoal:
+def _goal(message: Message, board: Pose) -> CheckGoal:
     return CheckGoal(
         message.cable_id, parse_end(message.cable_end), message.component_id, message.terminal_id
     )
@@ -109,7 +108,9 @@ def _views(context: RobotContext, goal: CheckGoal) -> Iterator[Steps[tuple[str, 
         yield _from_above(context)
         yield _from_here(context)
         return
-    drawn = WORLD_FROM_PANEL @ context.panel.panel_from_socket(goal.component_id, goal.terminal_id)
+    drawn = context.panel.world_from_panel @ context.panel.panel_from_socket(
+        goal.component_id, goal.terminal_id
+    )
     for out, across in LENS_AT_M:
         lens = drawn.apply(np.array([-out, across, 0.0]))[:2]
         tool = camera_above(context, lens, context.commanded.yaw)

@@ -24,7 +24,7 @@ from remodel_vision.cables.curves.polyline import arc_lengths
 from remodel_vision.drawing import ORANGE, Drawing
 from remodel_vision.wire_ends import STRAIGHT_M, TipObservation, line_between, line_from
 from remodel_work.errors import AbilityError
-from remodel_work.geometry import Array
+from remodel_work.geometry import Array, Pose
 from remodel_work.panel import PanelWire, WireEnd
 
 
@@ -118,7 +118,7 @@ def _centreline(
     return aside[first].line if first is WireEnd.A else aside[first].line[::-1]
 
 
-def _goal(message: Message) -> DetectGoal:
+def _goal(message: Message, board: Pose) -> DetectGoal:
     return DetectGoal(message.cable_id, message.view)
 
 

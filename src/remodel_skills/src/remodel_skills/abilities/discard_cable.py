@@ -45,7 +45,7 @@ class CableDiscarded:
     message: str
 
 
-def _goal(message: Message) -> DiscardGoal:
+def _goal(message: Message, board: Pose) -> DiscardGoal:
     return DiscardGoal(message.robot_name, message.cable_id)
 
 

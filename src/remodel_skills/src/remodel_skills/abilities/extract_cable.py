@@ -59,13 +59,13 @@ class CableExtracted:
     peak_force: float
 
 
-def _goal(message: Message) -> ExtractGoal:
+def _goal(message: Message, board: Pose) -> ExtractGoal:
     return ExtractGoal(
         robot_name=message.robot_name,
         cable_id=message.cable_id,
         component_id=message.component_id,
         terminal_id=message.terminal_id,
-        socket=pose_from("socket_pose", message.socket_pose),
+        socket=pose_from("socket_pose", message.socket_pose, board),
     )
 
 

@@ -24,6 +24,7 @@ from remodel_skills.primitives.pushing import yielding_in
 from remodel_skills.robot_context import RobotContext, Steps
 from remodel_states.core.codes import Code
 from remodel_work.errors import AbilityError
+from remodel_work.geometry import Pose
 
 
 @dataclass(frozen=True)
@@ -39,7 +40,7 @@ class CableFixed:
     slip: float
 
 
-def _goal(message: Message) -> FixGoal:
+def _goal(message: Message, board: Pose) -> FixGoal:
     return FixGoal(
         robot_name=message.robot_name,
         cable_id=message.cable_id,

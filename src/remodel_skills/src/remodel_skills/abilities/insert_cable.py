@@ -18,6 +18,7 @@ from remodel_skills.primitives.pushing import (
     judge_depth,
 )
 from remodel_skills.robot_context import RobotContext, Steps
+from remodel_work.geometry import Pose
 from remodel_work.openings import opening_of
 
 
@@ -36,14 +37,14 @@ class CableInserted:
     peak_force: float
 
 
-def _goal(message: Message) -> InsertGoal:
+def _goal(message: Message, board: Pose) -> InsertGoal:
     return InsertGoal(
         robot_name=message.robot_name,
         cable_id=message.cable_id,
         end=parse_end(message.cable_end),
         component_id=message.component_id,
         terminal_id=message.terminal_id,
-        socket=pose_from("socket_pose", message.socket_pose),
+        socket=pose_from("socket_pose", message.socket_pose, board),
         force_limit=message.force_limit,
     )
 

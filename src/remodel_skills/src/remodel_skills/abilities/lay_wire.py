@@ -62,7 +62,6 @@ from remodel_vision.wire_lines import WireLines
 from remodel_work.camera import Picture
 from remodel_work.errors import AbilityError
 from remodel_work.geometry import Array, Pose, wrap_angle
-from remodel_work.layout import WORLD_FROM_PANEL
 from remodel_work.panel import Duct, WireEnd, unit_x
 from remodel_work.robot.arm import ToolPose
 from remodel_work.slots import slot_before
@@ -135,7 +134,7 @@ class WireLaid:
     peak_force: float
 
 
-def _goal(message: Message) -> LayGoal:
+def _goal(message: Message, board: Pose) -> LayGoal:
     return LayGoal(message.robot_name, message.guide_name, message.cable_id)
 
 
@@ -159,14 +158,15 @@ def _route(holder: RobotContext) -> list[Array]:
     """
     wire, grip = holder.wire, holder.belief.grip
     assert grip is not None, "the holder has the free end"
-    points = [WORLD_FROM_PANEL.apply(np.array(point)) for point in wire.route]
+    board = holder.panel.world_from_panel
+    points = [board.apply(np.array(point)) for point in wire.route]
     if grip.end is WireEnd.A:
         points.reverse()
     for end, index in ((grip.end.other, 1), (grip.end, -2)):
         opening = holder.panel.panel_from_socket(*wire.goes_to(end))
         slot = slot_before(holder.panel, opening)
         aside = 0.0 if slot is None else slot.aside
-        points[index] = points[index] + aside * (WORLD_FROM_PANEL @ opening).rotation[:, 1]
+        points[index] = points[index] + aside * (board @ opening).rotation[:, 1]
     return points
 
 
@@ -178,7 +178,9 @@ def _lead(holder: RobotContext, guide: RobotContext, route: list[Array]) -> Step
     """
     grip = holder.belief.grip
     assert grip is not None, "the holder has the free end"
-    fixed = WORLD_FROM_PANEL @ guide.panel.panel_from_socket(*guide.wire.goes_to(grip.end.other))
+    fixed = guide.panel.world_from_panel @ guide.panel.panel_from_socket(
+        *guide.wire.goes_to(grip.end.other)
+    )
     depths = [np.array([0.0, 0.0, _rim(guide, at) - UNDER_RIM_M - at[2]]) for at in route[1:-1]]
     places = list(_places_along([at + d for at, d in zip(route[1:-1], depths, strict=True)]))
     over = _rim(guide, route[1]) + OVER_RIM_M
@@ -253,7 +255,7 @@ def _last(place: _Place, here: Array, left: float) -> _Place:
 
 def _rim(guide: RobotContext, point: Array) -> float:
     """Return the height of the walls of the wire's duct at a point (3,) [m]."""
-    place = WORLD_FROM_PANEL.inverse().apply(point)
+    place = guide.panel.world_from_panel.inverse().apply(point)
     ducts = [duct for duct in guide.panel.ducts if duct.id in guide.wire.ducts]
     nearest = min(ducts, key=lambda duct: _outside(duct, place))
     return nearest.height

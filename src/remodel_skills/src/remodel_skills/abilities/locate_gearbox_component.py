@@ -28,8 +28,7 @@ from remodel_vision.drawing import ORANGE, Drawing
 from remodel_work.camera import Picture
 from remodel_work.errors import AbilityError
 from remodel_work.geometry import Pose
-from remodel_work.layout import WORLD_FROM_PANEL
-from remodel_work.panel import Component, unit_x
+from remodel_work.panel import Component, Panel, unit_x
 
 # Further than this from its place on the panel, something is wrong with the panel or the component.
 DISPLACED_M = 0.030
@@ -57,7 +56,7 @@ class ComponentLocated:
     residual: float
 
 
-def _goal(message: Message) -> LocateGoal:
+def _goal(message: Message, board: Pose) -> LocateGoal:
     return LocateGoal(message.component_id, message.terminal_id, message.view)
 
 
@@ -147,7 +146,7 @@ def _see(
         _draw(drawing, component, observation, goal)
     context.cameras.show(camera, picture, drawing.image)
     if observation is not None:
-        _check_place(component, observation)
+        _check_place(context.panel, component, observation)
     return observation
 
 
@@ -189,9 +188,9 @@ def _check_level(component: Component, socket: Pose) -> None:
         )
 
 
-def _check_place(component: Component, observation: ComponentObservation) -> None:
+def _check_place(panel: Panel, component: Component, observation: ComponentObservation) -> None:
     """Raise COMPONENT_DISPLACED when a component is far from where the panel has it."""
-    nominal = WORLD_FROM_PANEL @ component.panel_from_component
+    nominal = panel.world_from_panel @ component.panel_from_component
     pose = observation.world_from_component
     away = float(np.linalg.norm(pose.position - nominal.position))
     cosine = (np.trace(nominal.rotation.T @ pose.rotation) - 1) / 2

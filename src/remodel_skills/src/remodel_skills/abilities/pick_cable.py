@@ -10,7 +10,7 @@ from remodel_skills.goals.goal_pose import Message
 from remodel_skills.goals.requirements import parse_end
 from remodel_skills.primitives.grasping import pick_end
 from remodel_skills.robot_context import RobotContext, Steps
-from remodel_work.layout import WORLD_FROM_PANEL
+from remodel_work.geometry import Pose
 from remodel_work.robot.arm import ToolPose
 
 
@@ -29,7 +29,7 @@ class CablePicked:
     grip_width: float
 
 
-def _goal(message: Message) -> PickGoal:
+def _goal(message: Message, board: Pose) -> PickGoal:
     return PickGoal(
         message.robot_name, message.cable_id, parse_end(message.cable_end), message.grasp_distance
     )
@@ -38,7 +38,9 @@ def _goal(message: Message) -> PickGoal:
 @ability("PickCable", _goal)
 def pick_cable(context: RobotContext, goal: PickGoal) -> Steps[CablePicked]:
     """Find the end, grasp it so that the hand can insert it where it belongs, and lift it."""
-    socket = WORLD_FROM_PANEL @ context.panel.panel_from_socket(*context.wire.goes_to(goal.end))
+    socket = context.panel.world_from_panel @ context.panel.panel_from_socket(
+        *context.wire.goes_to(goal.end)
+    )
     yield from pick_end(context, goal.end, goal.grasp_distance, socket, shares=(0.0, 1.0))
     gap = context.device.gripper.gap
     message = f"end {goal.end.value} of {goal.cable_id} held, {gap * 1e3:.1f} mm between the pads"

@@ -19,6 +19,7 @@ from remodel_skills.primitives.pulling_out import pull_out
 from remodel_skills.robot_context import RobotContext, Steps
 from remodel_states.core.codes import Code
 from remodel_work.errors import AbilityError
+from remodel_work.geometry import Pose
 from remodel_work.openings import nearest_terminal
 
 # An end that is only pushed in comes out more easily; at a closed clamp the grip would slip.
@@ -36,9 +37,9 @@ class CablePlaced:
     message: str
 
 
-def _goal(message: Message) -> PlaceGoal:
+def _goal(message: Message, board: Pose) -> PlaceGoal:
     return PlaceGoal(
-        message.robot_name, message.cable_id, pose_from("target_pose", message.target_pose)
+        message.robot_name, message.cable_id, pose_from("target_pose", message.target_pose, board)
     )
 
 

@@ -46,14 +46,14 @@ class ConnectorPlaced:
     peak_force: float
 
 
-def _goal(message: Message) -> ConnectGoal:
+def _goal(message: Message, board: Pose) -> ConnectGoal:
     return ConnectGoal(
         robot_name=message.robot_name,
         connector_id=message.connector_id,
         cable_id=message.cable_id,
         component_id=message.component_id,
         terminal_id=message.terminal_id,
-        socket=pose_from("socket_pose", message.socket_pose),
+        socket=pose_from("socket_pose", message.socket_pose, board),
         force_limit=message.force_limit,
     )
 

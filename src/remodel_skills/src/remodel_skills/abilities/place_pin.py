@@ -84,7 +84,7 @@ class Hand:
     pin: Pose
 
 
-def _goal(message: Message) -> PlacePinGoal:
+def _goal(message: Message, board: Pose) -> PlacePinGoal:
     return PlacePinGoal(
         robot_1=message.robot_1_name,
         robot_2=message.robot_2_name,
@@ -99,7 +99,7 @@ def _goal(message: Message) -> PlacePinGoal:
 @ability("PlacePin", _goal)
 def place_pin(one: RobotContext, two: RobotContext, goal: PlacePinGoal) -> Steps[PinPlaced]:
     """Pick both ends, carry them together, lay them down together, and observe them."""
-    row = pin_row(goal, one.wire)
+    row = pin_row(goal, one.wire, one.panel)
     if goal.show_in_tf:
         one.observers.show_frames({f"placepin/{name}": pose for name, pose in row.items()})
     hands = _share_out((one, two), row)

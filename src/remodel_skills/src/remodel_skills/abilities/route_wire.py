@@ -26,7 +26,7 @@ from remodel_skills.primitives.observation.route_check import (
 from remodel_skills.robot_context import RobotContext, Steps
 from remodel_states.core.codes import Code
 from remodel_work.errors import AbilityError
-from remodel_work.geometry import Array
+from remodel_work.geometry import Array, Pose
 from remodel_work.openings import opening_of
 from remodel_work.panel import PanelClip
 from remodel_work.routes import clips_along, world_from_clip
@@ -48,11 +48,11 @@ class WireRouted:
     reached: int
 
 
-def _goal(message: Message) -> RouteGoal:
+def _goal(message: Message, board: Pose) -> RouteGoal:
     return RouteGoal(
         message.robot_name,
         message.cable_id,
-        tuple(pose_from(f"path[{i}]", p) for i, p in enumerate(message.path)),
+        tuple(pose_from(f"path[{i}]", p, board) for i, p in enumerate(message.path)),
     )
 
 
@@ -110,12 +110,12 @@ def _lay_into_all(context: RobotContext, clips: tuple[PanelClip, ...]) -> Steps[
     for i, clip in enumerate(clips):
         context.report(f"laying the wire into clip {clip.id}", 0.05 + 0.8 * i / len(clips))
         yield from lay_into(context, clip, held_at)
-        held_at = world_from_clip(clip).apply(np.array([0.0, 0.0, clip.height]))
+        held_at = world_from_clip(clip, context.panel).apply(np.array([0.0, 0.0, clip.height]))
         context.belief.in_clips.append(held_at)
     context.report("observing the clips from above", 0.85)
     seen = yield from observe_route(context)
     for _ in range(PRESSES):
-        standing_off = [clip for clip in clips if clip_fault(clip, seen)]
+        standing_off = [clip for clip in clips if clip_fault(clip, seen, context.panel)]
         if not standing_off:
             break
         for clip in standing_off:

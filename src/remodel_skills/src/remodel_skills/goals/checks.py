@@ -10,7 +10,7 @@ from remodel_skills.belief_state import BeliefState
 from remodel_states.core.codes import Code
 from remodel_work.errors import AbilityError
 from remodel_work.geometry import Pose, wrap_angle
-from remodel_work.layout import GRASP_DISTANCE_M, STANDOFF_M, WORLD_FROM_PANEL
+from remodel_work.layout import GRASP_DISTANCE_M, STANDOFF_M
 from remodel_work.openings import nearest_terminal, opening_of
 from remodel_work.panel import Panel, WireEnd, unit_x
 from remodel_work.robot.arm import ToolPose
@@ -100,7 +100,7 @@ def check_socket(
     component_id: str, terminal_id: str, socket: Pose, panel: Panel, belief: BeliefState
 ) -> None:
     """Raise when an opening is not near its terminal on the panel, or out of reach."""
-    nominal = WORLD_FROM_PANEL @ panel.panel_from_socket(component_id, terminal_id)
+    nominal = panel.world_from_panel @ panel.panel_from_socket(component_id, terminal_id)
     away = float(np.linalg.norm(socket.position - nominal.position))
     if away > SOCKET_TOLERANCE_M:
         raise AbilityError(

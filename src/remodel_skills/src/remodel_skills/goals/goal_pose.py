@@ -9,7 +9,6 @@ import numpy as np
 from remodel_states.core.codes import Code
 from remodel_work.errors import AbilityError
 from remodel_work.geometry import Pose
-from remodel_work.layout import WORLD_FROM_PANEL
 
 # A ROS message: the core imports none, and generated messages have no types.
 Message: TypeAlias = Any
@@ -18,10 +17,11 @@ WORLD = "world"
 PANEL = "panel"
 
 
-def pose_from(name: str, message: Message) -> Pose:
+def pose_from(name: str, message: Message, board: Pose) -> Pose:
     """Return the pose of a field of type geometry_msgs/PoseStamped in the world frame.
 
-    It may be given in the world's frame (which an empty name means) or in the panel's.
+    It may be given in the world's frame (which an empty name means) or in that of the panel, which
+    is at `board`.
 
     Raises:
         AbilityError: if it is given in another one.
@@ -34,4 +34,4 @@ def pose_from(name: str, message: Message) -> Pose:
         )
     p, q = message.pose.position, message.pose.orientation
     pose = Pose(np.array([p.x, p.y, p.z]), np.array([q.x, q.y, q.z, q.w]))
-    return WORLD_FROM_PANEL @ pose if frame == PANEL else pose
+    return board @ pose if frame == PANEL else pose

@@ -19,7 +19,7 @@ from remodel_skills.goals.requirements import require, require_number
 from remodel_states.core.codes import Code
 from remodel_work.errors import AbilityError
 from remodel_work.geometry import Array, Pose
-from remodel_work.layout import GRASP_DISTANCE_M, WORLD_FROM_PANEL
+from remodel_work.layout import GRASP_DISTANCE_M
 from remodel_work.panel import Panel, PanelWire
 from remodel_work.robot.arm import ToolPose
 
@@ -71,7 +71,7 @@ class PlacePinGoal:
                     "first",
                 )
         self._check_length(wire)
-        for name, pose in pin_row(self, wire).items():
+        for name, pose in pin_row(self, wire, panel).items():
             self._check_place(name, pose, panel)
             if name.startswith("pin"):
                 x, y, z = (float(v) for v in pose.position - pose.rotation[:, 0] * GRASP_DISTANCE_M)
@@ -86,7 +86,7 @@ class PlacePinGoal:
         )
 
     def _check_place(self, name: str, pose: Pose, panel: Panel) -> None:
-        x, y, _ = (float(v) for v in WORLD_FROM_PANEL.inverse().apply(pose.position))
+        x, y, _ = (float(v) for v in panel.world_from_panel.inverse().apply(pose.position))
         require(
             abs(x) <= panel.size[0] / 2 and abs(y) <= panel.size[1] / 2,
             f"{name} would lie beyond the plate, at x {x:.3f}, y {y:.3f} m; allowed: "
@@ -102,7 +102,7 @@ class PlacePinGoal:
             )
 
 
-def pin_row(goal: PlacePinGoal, wire: PanelWire) -> dict[str, Pose]:
+def pin_row(goal: PlacePinGoal, wire: PanelWire, panel: Panel) -> dict[str, Pose]:
     """Return the poses by name, in the world: pin_1, path_1 to path_n, pin_2.
 
     The pins' x axes point out of the wire, those of the path from the first pin to the second.
@@ -113,7 +113,7 @@ def pin_row(goal: PlacePinGoal, wire: PanelWire) -> dict[str, Pose]:
 
     def at(along: float, turn: float = 0.0) -> Pose:
         place: Array = (start + along) * axis
-        return WORLD_FROM_PANEL @ Pose.level(place[0], place[1], wire.radius, yaw + turn)
+        return panel.world_from_panel @ Pose.level(place[0], place[1], wire.radius, yaw + turn)
 
     between = math.ceil(goal.connector_space / goal.path_space - 1e-9) - 1
     path = {f"path_{k}": at(k * goal.path_space) for k in range(1, between + 1)}

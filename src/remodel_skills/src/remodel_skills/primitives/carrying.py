@@ -25,7 +25,6 @@ from remodel_work.camera import Picture
 from remodel_work.cell.scrap_bin import bin_of
 from remodel_work.errors import AbilityError
 from remodel_work.geometry import Array
-from remodel_work.layout import WORLD_FROM_PANEL
 from remodel_work.panel import WireEnd
 from remodel_work.robot.arm import ToolPose
 
@@ -111,7 +110,7 @@ def _check_gone(context: RobotContext, before: Picture) -> None:
     """
     picture = context.cameras.take_overhead_picture()
     hands = [robot.device.arm.tool.position for robot in context.robots.values()]
-    length = new_length(picture, before, context.panel.size, context.wire.radius, hands)
+    length = new_length(picture, before, context.panel, context.wire.radius, hands)
     if length > LEAST_SEEN_M:
         raise AbilityError(
             Code.GRASP_SLIPPED,
@@ -131,7 +130,7 @@ def lift_out(context: RobotContext) -> Steps[None]:
     yield from rise(context)
     grip = context.belief.grip
     assert grip is not None, "the wire is in the hand"
-    points = [WORLD_FROM_PANEL.apply(np.array(point)) for point in context.wire.route]
+    points = [context.panel.world_from_panel.apply(np.array(point)) for point in context.wire.route]
     if grip.end is WireEnd.B:
         points.reverse()
     lifted, highest = 0.0, _drawn_up_z(context, TRAVEL_Z)

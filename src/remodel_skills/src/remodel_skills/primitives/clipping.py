@@ -131,7 +131,7 @@ def _bring_into(
 
 def _beside(context: RobotContext, clip: PanelClip) -> Pose:
     """Return where the hand grips the wire for a clip, x along the wire, world frame."""
-    return world_from_clip(clip) @ Pose.level(_beside_clip(context, clip), 0.0, 0.0)
+    return world_from_clip(clip, context.panel) @ Pose.level(_beside_clip(context, clip), 0.0, 0.0)
 
 
 def _beside_clip(context: RobotContext, clip: PanelClip) -> float:
@@ -277,7 +277,7 @@ def _press_at(
         bottom: above the plate [m].
         limit: of the force [N].
     """
-    place = world_from_clip(clip) @ Pose.level(along, 0.0, 0.0)
+    place = world_from_clip(clip, context.panel) @ Pose.level(along, 0.0, 0.0)
     above = _tool(context, place, _clear_height(context, clip) + ABOVE_WIRE_M)
     yield from rise(context)
     context.drive_fingers(0.0)

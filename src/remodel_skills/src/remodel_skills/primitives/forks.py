@@ -30,9 +30,9 @@ from remodel_skills.robot_context import RobotContext, Steps
 from remodel_states.core.codes import Code
 from remodel_work.errors import AbilityError
 from remodel_work.geometry import Array, wrap_angle
-from remodel_work.layout import STANDOFF_M, WORLD_FROM_PANEL
+from remodel_work.layout import STANDOFF_M
 from remodel_work.openings import opening_of
-from remodel_work.panel import Duct
+from remodel_work.panel import Duct, Panel
 from remodel_work.robot.arm import ToolPose
 
 # The hand is so far from the fixed end, as a share of the wire between them: it pulls at neither,
@@ -72,7 +72,7 @@ def let_into_forks(context: RobotContext, forks: Iterable[Duct]) -> Steps[None]:
     along = replace(before, yaw=before.yaw + float(turn))
     component = context.panel.component(context.wire.goes_to(grip.end)[0])
     low = component.size[2] + context.fingers.below + OVER_COMPONENT_M
-    high = max(low, _over_posts(forks, fixed, towards, length))
+    high = max(low, _over_posts(context.panel, forks, fixed, towards, length))
     yield from carry(context, _lifted(context, fixed, high, length), CARRY_SPEED, free)
     for height in np.linspace(high, low, math.ceil((high - low) / SINK_M) + 1):
         level = math.sqrt((STRAIGHT * length) ** 2 - (float(height) - fixed[2]) ** 2)
@@ -105,11 +105,13 @@ def _fixed_grip(context: RobotContext) -> Grip:
     return grip
 
 
-def _over_posts(forks: Iterable[Duct], fixed: Array, towards: Array, length: float) -> float:
+def _over_posts(
+    panel: Panel, forks: Iterable[Duct], fixed: Array, towards: Array, length: float
+) -> float:
     """Return the height of the tool at which a straight wire clears all posts [m]."""
     highest = 0.0
     for fork in forks:
-        place = WORLD_FROM_PANEL.apply(np.array([*fork.pose[:2], 0.0]))
+        place = panel.world_from_panel.apply(np.array([*fork.pose[:2], 0.0]))
         along = float((place[:2] - fixed[:2]) @ towards)
         if along > 0:
             rise = max(0.0, fork.height + OVER_POSTS_M - float(fixed[2]))

@@ -24,7 +24,7 @@ from remodel_states.core.codes import Code
 from remodel_work.cell.magazine import GRASP_M, grasp_before_clips
 from remodel_work.errors import AbilityError
 from remodel_work.geometry import Pose, wrap_angle
-from remodel_work.layout import GRASP_DISTANCE_M, WORLD_FROM_PANEL
+from remodel_work.layout import GRASP_DISTANCE_M
 from remodel_work.openings import TerminalKey
 from remodel_work.panel import WireEnd, unit_x
 from remodel_work.robot.arm import ToolPose
@@ -120,7 +120,7 @@ def _check_room(context: RobotContext, seen: GraspObservation) -> None:
     if context.belief.feed is None or context.belief.by_magazine:
         return
     channel = context.panel.channel(context.belief.feed.channel_id)
-    aside = abs(float(seen.point[0] - WORLD_FROM_PANEL.position[0]) - channel.x)
+    aside = abs(float(seen.point[0] - context.panel.world_from_panel.position[0]) - channel.x)
     room = channel.width / 2 - aside
     if 0 < room < FINGER_ROOM_M:
         raise AbilityError(

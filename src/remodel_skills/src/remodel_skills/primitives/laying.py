@@ -19,7 +19,6 @@ from remodel_skills.primitives.motions import (
 )
 from remodel_skills.robot_context import RobotContext, Steps
 from remodel_work.cell.feeding import FORK_BEHIND_GRASP_M
-from remodel_work.layout import WORLD_FROM_PANEL
 from remodel_work.robot.arm import ToolPose
 
 # Within this distance the wire is carried low, between the rows; further it is lifted over them
@@ -86,7 +85,7 @@ def _bring_fork(context: RobotContext, tool: ToolPose, grip: Grip) -> None:
     if belief.ends[grip.end.other] is EndState.LOOSE:
         return
     channel = context.panel.channel(belief.feed.channel_id)
-    middle = WORLD_FROM_PANEL.position[0] + channel.x
+    middle = context.panel.world_from_panel.position[0] + channel.x
     if abs(tool.x - middle) < FORK_TOLERANCE_M:
         behind = np.array([tool.x, tool.y]) - tip_of(tool, grip)
         behind *= FORK_BEHIND_GRASP_M / np.linalg.norm(behind)

@@ -32,7 +32,7 @@ from remodel_skills.robot_context import RobotContext, Steps
 from remodel_states.core.codes import Code
 from remodel_work.errors import AbilityError
 from remodel_work.geometry import Array, Pose, wrap_angle
-from remodel_work.layout import STANDOFF_M, WORLD_FROM_PANEL
+from remodel_work.layout import STANDOFF_M
 from remodel_work.panel import PanelTerminal, unit_x
 from remodel_work.robot.arm import ToolPose
 from remodel_work.slots import slot_before
@@ -155,7 +155,7 @@ def bring_before(context: RobotContext, socket: Pose) -> Steps[None]:
     An end that is there already stays low: lifted, the wire would leave its forks.
     """
     target = tool_before(socket, _grip(context), -STANDOFF_M)
-    slot = slot_before(context.panel, WORLD_FROM_PANEL.inverse() @ socket)
+    slot = slot_before(context.panel, context.panel.world_from_panel.inverse() @ socket)
     above = target.moved(socket.rotation[:, 1], slot.aside if slot else 0.0)
     if not _is_at(context, above):
         holder = holder_of(context)
@@ -179,7 +179,7 @@ def _slant(context: RobotContext, socket: Pose) -> float:
 
     A wire comes straight from the slot before the opening; a connector goes in straight.
     """
-    slot = slot_before(context.panel, WORLD_FROM_PANEL.inverse() @ socket)
+    slot = slot_before(context.panel, context.panel.world_from_panel.inverse() @ socket)
     is_wire = context.wire.connector_at(_grip(context).end) is None
     return slot.slant if slot is not None and is_wire else 0.0
 

@@ -11,7 +11,6 @@ from remodel_work.cell.feeding import resting_place
 from remodel_work.cell.magazine import plan_presentation
 from remodel_work.errors import AbilityError
 from remodel_work.geometry import Pose
-from remodel_work.layout import WORLD_FROM_PANEL
 from remodel_work.panel import PanelWire, WireEnd
 
 
@@ -50,7 +49,7 @@ def _as_presented(context: RobotContext, wire: PanelWire) -> tuple[Feed, dict[Wi
     if magazine is not None:
         direction = plan_presentation(magazine, panel, wire).direction
         openings = {end: panel.panel_from_socket(*wire.goes_to(end)) for end in WireEnd}
-        places = {end: WORLD_FROM_PANEL @ opening for end, opening in openings.items()}
+        places = {end: panel.world_from_panel @ opening for end, opening in openings.items()}
         return Feed(wire.id, NO_CHANNEL, direction), places
     assert feeder is not None, "a cell has a feeder or a magazine"
     lying = {end: resting_place(panel, wire, end, feeder.overlap) for end in WireEnd}

@@ -10,7 +10,7 @@ import numpy.typing as npt
 
 from remodel_work.camera import Picture
 from remodel_work.geometry import Array
-from remodel_work.layout import WORLD_FROM_PANEL
+from remodel_work.panel import Panel
 
 # What is higher is a hand [m]: a wire that sprang out of its ducts stood 235 mm high.
 HAND_M = 0.30
@@ -39,7 +39,7 @@ def new_points(
 def new_length(
     picture: Picture,
     before: Picture,
-    size: tuple[float, float, float],
+    panel: Panel,
     radius: float,
     hands: Sequence[Array],
 ) -> float:
@@ -48,13 +48,13 @@ def new_length(
     Args:
         picture: with depth, from above.
         before: the same, without the wire.
-        size: of the panel's plate [m].
+        panel: whose plate it shows.
         radius: of the wire [m].
         hands: of the robots (3,) [m], world frame; what is near one is not counted.
     """
     points, is_new = new_points(picture, before, radius)
-    at = np.abs(WORLD_FROM_PANEL.inverse().apply(points)[:, :2])
-    is_new &= (at <= np.array(size[:2]) / 2).all(axis=1)
+    at = np.abs(panel.world_from_panel.inverse().apply(points)[:, :2])
+    is_new &= (at <= np.array(panel.size[:2]) / 2).all(axis=1)
     for hand in hands:
         is_new &= np.linalg.norm((points - hand)[:, :2], axis=1) > NEAR_HAND_M
     seen = points[without_noise(picture, is_new)]

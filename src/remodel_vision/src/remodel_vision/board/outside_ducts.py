@@ -10,7 +10,6 @@ import numpy.typing as npt
 from remodel_vision.board.new_points import new_points, without_noise
 from remodel_work.camera import Picture
 from remodel_work.geometry import Array, Pose
-from remodel_work.layout import WORLD_FROM_PANEL
 from remodel_work.panel import Duct, Panel
 from remodel_work.routes import step_in
 
@@ -47,12 +46,12 @@ def route_outside_ducts(
     points, is_own = new_points(picture, before, radius)
     is_inside = np.zeros(len(points), bool)
     for duct in places:
-        is_inside |= _are_near(points, [duct], 0.0) & (points[:, 2] < duct.height)
+        is_inside |= _are_near(points, panel, [duct], 0.0) & (points[:, 2] < duct.height)
     is_outside = is_own & ~is_inside
     for way in ways:
         is_outside &= _distances(points, way) > BESIDE_WAY_M
-    is_beside = _are_near(points, places, OUTSIDE_DUCT_M)
-    is_elsewhere = is_outside & ~is_beside & _are_over(points, WORLD_FROM_PANEL, panel.size)
+    is_beside = _are_near(points, panel, places, OUTSIDE_DUCT_M)
+    is_elsewhere = is_outside & ~is_beside & _are_over(points, panel.world_from_panel, panel.size)
     outside, inside, elsewhere = (
         points[without_noise(picture, seen)]
         for seen in (is_outside & is_beside, is_own & is_inside, is_elsewhere)
@@ -76,12 +75,14 @@ def _lengths(picture: Picture, seen: Array, at: Array, radius: float) -> Array:
     return np.asarray(np.bincount(nearest, minlength=len(at)) * pixel**2 / (2 * radius))
 
 
-def _are_near(points: Array, ducts: Iterable[Duct], beside: float) -> npt.NDArray[np.bool_]:
+def _are_near(
+    points: Array, panel: Panel, ducts: Iterable[Duct], beside: float
+) -> npt.NDArray[np.bool_]:
     """Return which points (n, 3), seen from above, are in a duct, or so far beside one [m]."""
     near = np.zeros(len(points), bool)
     for duct in ducts:
         size = (duct.length + 2 * beside, duct.width + 2 * beside)
-        near |= _are_over(points, WORLD_FROM_PANEL @ duct.panel_from_duct, size)
+        near |= _are_over(points, panel.world_from_panel @ duct.panel_from_duct, size)
     return near
 
 

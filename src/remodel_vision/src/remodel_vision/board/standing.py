@@ -10,7 +10,6 @@ from remodel_states.core.wires.wire_colours import WIRE_RGB
 from remodel_work.camera import Picture
 from remodel_work.component_shape import Box
 from remodel_work.geometry import Array
-from remodel_work.layout import WORLD_FROM_PANEL
 from remodel_work.obstacles import WIRES, Obstacles, Solid
 from remodel_work.panel import Panel
 
@@ -42,7 +41,7 @@ def standing_wires(picture: Picture, panel: Panel, drawn: Obstacles) -> Obstacle
     if picture.depth is None:
         return Obstacles()
     shape = np.ceil((np.array(panel.size[:2]) + 2 * OUTSIDE_M) / CELL_M).astype(int)
-    corner = WORLD_FROM_PANEL.position[:2] - shape * CELL_M / 2
+    corner = panel.world_from_panel.position[:2] - shape * CELL_M / 2
     known = _drawn_heights(panel, drawn, corner, (int(shape[0]), int(shape[1])))
     tops = _seen_heights(picture, corner, known.shape)
     stands = (tops > known + RISE_M) & (tops < MOST_M)
@@ -72,7 +71,7 @@ def _footprints(panel: Panel, drawn: Obstacles) -> Iterator[tuple[Array, Array, 
         centre, half = np.array(solid.box.centre), np.array(solid.box.size) / 2
         yield _bounds(centre, half, solid.box.rpy[2], float(centre[2] + half[2]))
     for duct in panel.ducts:
-        place = WORLD_FROM_PANEL @ duct.panel_from_duct
+        place = panel.world_from_panel @ duct.panel_from_duct
         half = np.array([duct.length, duct.width, 0.0]) / 2
         yield _bounds(place.position, half, place.yaw, duct.height)
 

@@ -1,7 +1,7 @@
 """A cell as a value: its arms and hands, its cameras, its feeder and its own fixtures.
 
 Everything stands in the world's frame, whose z = 0 is the plate's surface; the middle of the plate
-lies at `layout.WORLD_FROM_PANEL`. Components, sockets and wires are the panel's, not the cell's.
+lies at `world_from_panel`. Components, sockets and wires are the panel's, not the cell's.
 """
 
 from __future__ import annotations
@@ -17,7 +17,8 @@ from remodel_work.camera import Lens, View
 from remodel_work.cell.feeding import Feeder
 from remodel_work.cell.magazine import LEAST_SLACK_M, Magazine
 from remodel_work.errors import AbilityError
-from remodel_work.panel import Duct, PanelClip
+from remodel_work.geometry import Pose
+from remodel_work.panel import BOARD, Duct, PanelClip
 from remodel_work.robot.arm import Arm, ToolPose
 from remodel_work.robot.kinematics import Kinematics
 
@@ -101,6 +102,7 @@ class CellDesign:
         clips, ducts: the cell's own, besides the panel's; panel frame.
         magazine: presents wires beside the plate; None: the feeder does.
         labels: whether components carry labels; else they are located by their shape.
+        world_from_panel: where the board lies, level: the middle of its surface.
     """
 
     name: str
@@ -114,6 +116,7 @@ class CellDesign:
     ducts: tuple[Duct, ...]
     magazine: Magazine | None = None
     labels: bool = True
+    world_from_panel: Pose = BOARD
 
     @property
     def arms(self) -> tuple[Kinematics, ...]:

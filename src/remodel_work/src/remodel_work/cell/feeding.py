@@ -14,7 +14,7 @@ import numpy as np
 
 from remodel_work.cell.presentation import Presentation
 from remodel_work.geometry import Array, Pose
-from remodel_work.layout import FEED_LIMIT_Y_M, WORLD_FROM_PANEL, feed_direction
+from remodel_work.layout import FEED_LIMIT_Y_M, feed_direction
 from remodel_work.panel import Channel, Panel, PanelWire, WireEnd
 
 # Around an end that is laid down again, the fork comes up so far behind the grasp.
@@ -84,7 +84,7 @@ def resting_place(panel: Panel, wire: PanelWire, end: WireEnd, overlap: float) -
     out = direction if end is WireEnd.B else -direction
     channel = panel.channel_in_front_of(openings[end])
     tip = Pose.level(channel.x, float(openings[end][1]) + out * overlap, 0.0, out * math.pi / 2)
-    return WORLD_FROM_PANEL @ tip, direction
+    return panel.world_from_panel @ tip, direction
 
 
 def plan_laying(
@@ -96,10 +96,10 @@ def plan_laying(
     noise: np.random.Generator,
 ) -> Laying:
     """Choose where a wire of `joints` + 1 links lies."""
-    opening_a = WORLD_FROM_PANEL.apply(
+    opening_a = panel.world_from_panel.apply(
         panel.panel_from_socket(wire.a_component, wire.a_terminal).position
     )
-    opening_b = WORLD_FROM_PANEL.apply(
+    opening_b = panel.world_from_panel.apply(
         panel.panel_from_socket(wire.b_component, wire.b_terminal).position
     )
     direction = feed_direction(float(opening_a[1]), float(opening_b[1]))
@@ -110,7 +110,7 @@ def plan_laying(
     along, aside = _shape(curvature, wire.length)
     fork_along = float(np.interp(wire.length - feeder.fork_behind_tip, along, along))
     fork_aside = float(np.interp(fork_along, along, aside))
-    centre_x = float(WORLD_FROM_PANEL.apply(np.array([channel.x, 0.0, 0.0]))[0])
+    centre_x = float(panel.world_from_panel.apply(np.array([channel.x, 0.0, 0.0]))[0])
     # `aside` is to the left of the wire's own direction, which is -x when it runs towards +y.
     tip_a = np.array([centre_x + direction * fork_aside, start])
     fork = np.array([centre_x, start + direction * fork_along])

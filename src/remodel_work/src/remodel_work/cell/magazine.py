@@ -23,7 +23,7 @@ from remodel_work.cell.presentation import Presentation
 from remodel_work.component_shape import Box
 from remodel_work.fixtures import SLOPE_LENGTH_M
 from remodel_work.geometry import Pose
-from remodel_work.layout import WORLD_FROM_PANEL, feed_direction
+from remodel_work.layout import feed_direction
 from remodel_work.panel import Panel, PanelClip, PanelWire, WireEnd
 
 RGB = (0.16, 0.45, 0.30)
@@ -72,7 +72,7 @@ class Magazine:
 def plan_presentation(magazine: Magazine, panel: Panel, wire: PanelWire) -> Presentation:
     """Return where a wire is presented: as near to end a's terminal as the magazine can."""
     y_a, y_b = (
-        float((WORLD_FROM_PANEL @ panel.panel_from_socket(*wire.goes_to(end))).position[1])
+        float((panel.world_from_panel @ panel.panel_from_socket(*wire.goes_to(end))).position[1])
         for end in WireEnd
     )
     direction = feed_direction(y_a, y_b)

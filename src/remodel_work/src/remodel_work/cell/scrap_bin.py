@@ -9,7 +9,6 @@ import numpy as np
 from remodel_states.core.codes import Code
 from remodel_work.cell.cell_design import RobotDesign
 from remodel_work.errors import AbilityError
-from remodel_work.layout import WORLD_FROM_PANEL
 from remodel_work.panel import Panel
 from remodel_work.robot.arm import ToolPose
 
@@ -31,7 +30,7 @@ def bin_of(robot: RobotDesign, panel: Panel) -> ToolPose:
     """
     if robot.scrap_bin is not None:
         return robot.scrap_bin
-    middle_x, middle_y, _ = WORLD_FROM_PANEL.position
+    middle_x, middle_y, _ = panel.world_from_panel.position
     side = math.copysign(1.0, robot.home.y - middle_y)
     y = float(middle_y + side * (panel.size[1] / 2 + BEYOND_EDGE_M))
     base_x = robot.arm.base[0]

@@ -15,7 +15,6 @@ from remodel_work.camera import Picture
 from remodel_work.component_shape import label_corners
 from remodel_work.errors import AbilityError
 from remodel_work.geometry import Array, Pose
-from remodel_work.layout import WORLD_FROM_PANEL
 from remodel_work.panel import Component
 
 # So much of a device's top, around its middle, is to be in the pictures of a hand with a wire.
@@ -82,7 +81,7 @@ def expected_place(context: RobotContext, component: Component) -> Pose:
     In a cell without labels it follows from where the panel lies, by the camera from above.
     """
     if context.cell.labels:
-        return WORLD_FROM_PANEL @ component.panel_from_component
+        return context.panel.world_from_panel @ component.panel_from_component
     if not context.belief.panel_at:
         find_panel(context, context.cameras.take_overhead_picture())
     return context.belief.panel_at[-1] @ component.panel_from_component

@@ -15,7 +15,6 @@ from remodel_vision.wire_lines import WireLines
 from remodel_work.camera import Picture
 from remodel_work.errors import AbilityError
 from remodel_work.geometry import Array, Pose
-from remodel_work.layout import WORLD_FROM_PANEL
 from remodel_work.panel import Duct
 from remodel_work.routes import places_in, step_in
 
@@ -50,9 +49,9 @@ def inspect_ducts(context: RobotContext) -> Steps[Inspection | None]:
     """
     wire, before = context.wire, context.belief.board_before
     ducts = [d for d in context.panel.ducts if d.id in wire.ducts and not d.is_fork]
-    route = [WORLD_FROM_PANEL.apply(np.array(point)) for point in wire.route]
+    route = [context.panel.world_from_panel.apply(np.array(point)) for point in wire.route]
     path = tuple(Pose.level(*(float(v) for v in point), 0.0) for point in route)
-    places = {duct: places_in(duct, path) for duct in ducts}
+    places = {duct: places_in(duct, path, context.panel) for duct in ducts}
     planned = sum(len(places[duct]) * step_in(duct) for duct in ducts)
     if not planned or before is None or before.depth is None:
         return None

@@ -9,7 +9,6 @@ from remodel_states.core.codes import Code
 from remodel_vision.drawing import ORANGE, Drawing
 from remodel_vision.opening_occupancy import is_seen_empty
 from remodel_work.errors import AbilityError
-from remodel_work.layout import WORLD_FROM_PANEL
 from remodel_work.panel import WireEnd
 
 
@@ -27,7 +26,7 @@ def check_end(context: RobotContext, end: WireEnd) -> Steps[None]:
         key for key, fixed in belief.occupied.items() if fixed == (wire.id, end)
     ]
     component = context.panel.component(component_id)
-    drawn = WORLD_FROM_PANEL @ component.panel_from_component
+    drawn = context.panel.world_from_panel @ component.panel_from_component
     seen = yield from observe_board(context)
     found = ComponentViews(context, component).add(
         seen.picture, belief.seen.get(component_id, drawn)

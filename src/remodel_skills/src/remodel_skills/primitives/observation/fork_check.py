@@ -20,8 +20,7 @@ from remodel_vision.wire_lines import WireLines
 from remodel_work.errors import AbilityError
 from remodel_work.fixtures import WALL_M
 from remodel_work.geometry import Array
-from remodel_work.layout import WORLD_FROM_PANEL
-from remodel_work.panel import Duct
+from remodel_work.panel import Duct, Panel
 
 # Before and behind its posts a fork is observed from so far beyond them to so far, and to so far
 # beside them [m].
@@ -58,7 +57,7 @@ def check_forks(context: RobotContext) -> Steps[tuple[Duct, ...]]:
         return ()
     context.report("observing the forks from above", 0.95)
     seen = yield from observe_route(context)
-    sections = {fork: sections_of(fork, seen) for fork in forks}
+    sections = {fork: sections_of(fork, seen, context.panel) for fork in forks}
     faults = {fork: _fault(fork, found, wire.radius) for fork, found in sections.items()}
     held = [fork for fork, fault in faults.items() if not fault]
     _show(context, seen, faults)
@@ -70,9 +69,9 @@ def check_forks(context: RobotContext) -> Steps[tuple[Duct, ...]]:
     return forks
 
 
-def sections_of(fork: Duct, seen: WireLines) -> tuple[Section, Section]:
+def sections_of(fork: Duct, seen: WireLines, panel: Panel) -> tuple[Section, Section]:
     """Return where the wire is seen across a fork, before its posts and behind them."""
-    place = WORLD_FROM_PANEL @ fork.panel_from_duct
+    place = panel.world_from_panel @ fork.panel_from_duct
     near, far = (fork.length / 2 + beyond for beyond in BEYOND_POSTS_M)
     half = fork.width / 2 + BESIDE_POSTS_M
     points = place.inverse().apply(points_of_colour(seen, place.position, half + far))
@@ -108,7 +107,7 @@ def _fault(fork: Duct, sections: Sequence[Section], radius: float) -> str:
 def _show(context: RobotContext, seen: WireLines, faults: Mapping[Duct, str]) -> None:
     drawing = Drawing(seen.picture.rgb, seen.picture.view)
     for fork, fault in faults.items():
-        middle = (WORLD_FROM_PANEL @ fork.panel_from_duct).position
+        middle = (context.panel.world_from_panel @ fork.panel_from_duct).position
         drawing.circle(seen.picture.view.project(middle)[0], 6, ORANGE if fault else BLUE)
     texts = "; ".join(fault for fault in faults.values() if fault)
     drawing.title(f"{seen.wire.id}: {texts or 'lies in its forks'}")

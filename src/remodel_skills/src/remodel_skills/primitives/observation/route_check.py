@@ -15,7 +15,7 @@ from remodel_vision.wire_lines import WireLines
 from remodel_work.errors import AbilityError
 from remodel_work.fixtures import SLOPE_LENGTH_M
 from remodel_work.geometry import Pose
-from remodel_work.panel import Duct, PanelClip
+from remodel_work.panel import Duct, Panel, PanelClip
 from remodel_work.routes import places_in, world_from_clip
 
 # Beside a clip the wire is observed so far from its slopes; it is searched for so far aside [m].
@@ -43,9 +43,9 @@ def observe_board(context: RobotContext) -> Steps[WireLines]:
     return WireLines(picture, context.wire)
 
 
-def clip_fault(clip: PanelClip, seen: WireLines) -> str:
+def clip_fault(clip: PanelClip, seen: WireLines, panel: Panel) -> str:
     """Return what is wrong with the wire at a clip; empty: nothing."""
-    passings = [wire_past(place, SEARCH_ASIDE_M, seen) for place in _beside(clip)]
+    passings = [wire_past(place, SEARCH_ASIDE_M, seen) for place in _beside(clip, panel)]
     found = [passing for passing in passings if passing is not None]
     if len(found) < len(passings):
         return f"it is not visible at clip {clip.id!r}"
@@ -59,15 +59,17 @@ def clip_fault(clip: PanelClip, seen: WireLines) -> str:
     )
 
 
-def _beside(clip: PanelClip) -> tuple[Pose, ...]:
+def _beside(clip: PanelClip, panel: Panel) -> tuple[Pose, ...]:
     out = clip.length / 2 + SLOPE_LENGTH_M + BESIDE_CLIP_M
-    return tuple(world_from_clip(clip) @ Pose.level(x, 0.0, clip.height) for x in (-out, out))
+    place = world_from_clip(clip, panel)
+    return tuple(place @ Pose.level(x, 0.0, clip.height) for x in (-out, out))
 
 
 def judge_clips(context: RobotContext, clips: Sequence[PanelClip], seen: WireLines) -> None:
     """Show the clips, and raise OUT_OF_DUCT when the wire does not lie in all of them."""
-    faults = [fault for clip in clips if (fault := clip_fault(clip, seen))]
-    _show(context, seen, [place for clip in clips for place in _beside(clip)], faults)
+    faults = [fault for clip in clips if (fault := clip_fault(clip, seen, context.panel))]
+    places = [place for clip in clips for place in _beside(clip, context.panel)]
+    _show(context, seen, places, faults)
     if faults:
         raise _out(context, faults)
 
@@ -103,7 +105,7 @@ def check_ducts(context: RobotContext, path: tuple[Pose, ...]) -> Steps[None]:
 
 def duct_places(context: RobotContext, path: tuple[Pose, ...]) -> dict[Duct, tuple[Pose, ...]]:
     """Return where a path runs in ducts."""
-    found = {duct: tuple(places_in(duct, path)) for duct in context.panel.ducts}
+    found = {duct: tuple(places_in(duct, path, context.panel)) for duct in context.panel.ducts}
     return {duct: places for duct, places in found.items() if places}
 
 
