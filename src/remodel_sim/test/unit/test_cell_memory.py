@@ -48,7 +48,7 @@ def test_a_placed_wire_is_there_after_the_cell_was_killed(memory):
     try:
         assert ground_truth(again.plant, again.context.belief.fed) == before
         assert again.plant.parked["W1"].nodes == pytest.approx(cell.plant.parked["W1"].nodes)
-        assert again.context.belief.occupant(("X1", "1")) == ("W1", WireEnd.A)
+        assert again.context.belief.occupied[("X1", "1")] == ("W1", WireEnd.A)
         again.feed("W2", "A")
         assert ground_truth(again.plant, ["W1"]) == before, "the next wire lies beside it"
     finally:
@@ -102,7 +102,7 @@ def test_a_wire_whose_last_end_is_reported_fixed_is_there_after_a_kill_at_that_m
     try:
         (truth,) = ground_truth(again.plant, again.context.belief.fed)
         assert truth.wire_id == "W1" and truth.placed
-        assert again.context.belief.occupant(("X2", "1")) == ("W1", WireEnd.B)
+        assert again.context.belief.occupied[("X2", "1")] == ("W1", WireEnd.B)
     finally:
         again.close()
 

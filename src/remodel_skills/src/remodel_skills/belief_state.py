@@ -207,10 +207,6 @@ class BeliefState:
         self.occupied.update(placed.occupied)
         self.fed.extend(placed.parked)
 
-    def occupant(self, terminal: TerminalKey) -> tuple[str, WireEnd] | None:
-        """Return the wire and end that a terminal holds."""
-        return self.occupied.get(terminal)
-
     def seat(self, end: WireEnd, terminal: TerminalKey) -> None:
         """Note that an end of the live wire sits in a terminal."""
         self.ends[end] = EndState.SEATED

@@ -143,7 +143,7 @@ def _end_at(context: RobotContext, goal: ExtractGoal) -> WireEnd:
     belief = context.belief
     if belief.grip is not None:
         return belief.grip.end
-    occupant = belief.occupant((goal.component_id, goal.terminal_id))
+    occupant = belief.occupied.get((goal.component_id, goal.terminal_id))
     if occupant is not None and occupant[0] == goal.cable_id:
         return occupant[1]
     belongs = context.wire.goes_to(WireEnd.B) == (goal.component_id, goal.terminal_id)

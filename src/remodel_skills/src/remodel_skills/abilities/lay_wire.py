@@ -187,11 +187,11 @@ def _lead(holder: RobotContext, guide: RobotContext, route: list[Array]) -> Step
     places.insert(0, replace(places[0], at=np.array([*places[0].at[:2], over])))
     guide.report("searching for the wire at its slot", 0.2)
     left = guide.wire.length - grip.distance - INSIDE_M - float(np.linalg.norm(route[1] - route[0]))
-    slot = ToolPose(*(float(v) for v in route[1]), 0.0)
+    x, y, z = (float(v) for v in route[1])
     # On the side to which the wire goes on: a hand that swings across pitches the wire in its grip.
     onward = (route[2] - route[1]) * [1.0, 1.0, 0.0]
     out = onward / np.linalg.norm(onward) - unit_x(fixed)
-    flat = hold_off(holder, slot, out / np.linalg.norm(out), left, FLAT)
+    flat = hold_off(holder, ToolPose(x, y, z, 0.0), out / np.linalg.norm(out), left, FLAT)
     if flat:
         yield from move_together(flat, HOLD_SPEED)
     yield from clear_sight(guide, route[1][None])
@@ -317,7 +317,8 @@ def _find(
     hide it at the crossing, it runs straight between where it is seen to both sides, or is taken
     on one side; where they hide it altogether, the pads are above where it comes out of its slot.
     """
-    place = Pose.level(*(float(v) for v in crossing), math.atan2(out[1], out[0]))
+    x, y, z = (float(v) for v in crossing)
+    place = Pose.level(x, y, z, math.atan2(out[1], out[0]))
     behind, here, beyond = (
         uppermost_past(place @ Pose.level(along, 0.0, 0.0, 0.0), SEARCH_M, seen, before)
         for along in (-DIRECTION_M, 0.0, DIRECTION_M)
@@ -331,7 +332,6 @@ def _find(
         along = -DIRECTION_M if beyond is None else DIRECTION_M
         here = behind or beyond
     if here is None:
-        x, y, z = (float(v) for v in crossing)
         return ToolPose(x, y, z + HIDDEN_M, place.yaw), False
     at = place.apply(np.array([along, here.aside, 0.0]))
     z = max(lowest(guide), here.height - _eyelet_above(guide))

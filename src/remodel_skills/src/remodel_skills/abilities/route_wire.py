@@ -79,7 +79,7 @@ def route_wire(context: RobotContext, goal: RouteGoal) -> Steps[WireRouted]:
     except AbilityError as error:
         error.found["reached"] = count
         raise
-    holders = [holder.id for holder in (*clips, *forks)]
+    holders = [*(clip.id for clip in clips), *(fork.id for fork in forks)]
     done = f"laid into {', '.join(holders)}" if holders else f"carried along {count} poses"
     return WireRouted(f"{goal.cable_id} {done}", count)
 

@@ -314,7 +314,7 @@ def check_free(
             f"end {end.value} of {goal.cable_id!r} is {belief.ends[end].value} in a terminal; "
             "extract it first",
         )
-    occupant = belief.occupant(key)
+    occupant = belief.occupied.get(key)
     if occupant is not None:
         raise AbilityError(
             Code.TERMINAL_OCCUPIED,

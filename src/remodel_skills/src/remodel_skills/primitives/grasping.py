@@ -256,7 +256,7 @@ def opening_beside_neighbours(context: RobotContext, terminal: TerminalKey) -> f
 def release_fixed(context: RobotContext, end: WireEnd, terminal: TerminalKey) -> Steps[None]:
     """Note that a terminal holds the end in the hand, release it, and lift the hand off."""
     belief = context.belief
-    if belief.feed is not None and belief.occupant(terminal) != (belief.feed.wire_id, end):
+    if belief.feed is not None and belief.occupied.get(terminal) != (belief.feed.wire_id, end):
         belief.seat(end, terminal)
     belief.ends[end] = EndState.FIXED
     context.report("releasing", 0.8)

@@ -19,6 +19,7 @@ from remodel_skills.primitives.motions import (
 )
 from remodel_skills.robot_context import RobotContext, Steps
 from remodel_work.cell.feeding import FORK_BEHIND_GRASP_M
+from remodel_work.geometry import Array
 from remodel_work.robot.arm import ToolPose
 
 # Within this distance the wire is carried low, between the rows; further it is lifted over them
@@ -92,7 +93,7 @@ def _bring_fork(context: RobotContext, tool: ToolPose, grip: Grip) -> None:
         context.device.magazine.move_fork(middle, tool.y + float(behind[1]))
 
 
-def tip_of(tool: ToolPose, grip: Grip) -> np.ndarray:
+def tip_of(tool: ToolPose, grip: Grip) -> Array:
     """Return where the held tip is for a tool pose, (2,) [m]."""
     yaw = tool.yaw + grip.flip
     return np.array([tool.x, tool.y]) + grip.distance * np.array([np.cos(yaw), np.sin(yaw)])

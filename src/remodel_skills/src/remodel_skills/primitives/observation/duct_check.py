@@ -50,7 +50,7 @@ def inspect_ducts(context: RobotContext) -> Steps[Inspection | None]:
     wire, before = context.wire, context.belief.board_before
     ducts = [d for d in context.panel.ducts if d.id in wire.ducts and not d.is_fork]
     route = [context.panel.world_from_panel.apply(np.array(point)) for point in wire.route]
-    path = tuple(Pose.level(*(float(v) for v in point), 0.0) for point in route)
+    path = tuple(Pose.level(*(float(v) for v in point)) for point in route)
     places = {duct: places_in(duct, path, context.panel) for duct in ducts}
     planned = sum(len(places[duct]) * step_in(duct) for duct in ducts)
     if not planned or before is None or before.depth is None:
