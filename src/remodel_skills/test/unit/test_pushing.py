@@ -1,0 +1,103 @@
+"""How a push ends, by what the wrist feels: on a scripted device, in milliseconds."""
+
+import pytest
+from scripted_device import SOCKET, TERMINAL, before_the_opening
+
+from remodel_skills.primitives.pushing import (
+    FACE_M,
+    RUBS_N,
+    judge_alignment,
+    judge_depth,
+    push_in,
+    tool_before,
+)
+from remodel_skills.runner import run
+from remodel_states.core.codes import Code
+from remodel_work.errors import AbilityError
+from remodel_work.layout import STANDOFF_M
+
+BOTTOM = TERMINAL.depth
+LIMIT_N = 8.0
+STIFF = 2e4  # of a wire in the grip against what stops it [N/m]
+RUBBING_N = 0.8  # of a ferrule in its opening
+
+
+def wall(at, depth):
+    return STIFF * max(0.0, depth - at)
+
+
+def seats(depth):
+    return RUBBING_N * (depth > 0) + wall(BOTTOM, depth)
+
+
+def jams(depth):
+    return RUBBING_N * (depth > 0) + wall(0.006, depth)
+
+
+def meets_the_face(depth):
+    return wall(0.0005, depth)
+
+
+def misses(depth):
+    return 0.0
+
+
+def rubs(depth):
+    return 2 * RUBS_N * (depth > FACE_M) + wall(BOTTOM, depth)
+
+
+def pushed(feels, until_in=float("inf")):
+    """Push the end in; return how that went, the arm, and the context."""
+    context, arm = before_the_opening(feels)
+    context.drive(tool_before(SOCKET, context.belief.grip, -STANDOFF_M))
+    push = run(arm.tick, push_in(context, SOCKET, BOTTOM, LIMIT_N, until_in=until_in))
+    return push, arm
+
+
+def test_an_end_that_meets_the_bottom_is_seated():
+    push, _ = pushed(seats)
+    assert push.stopped
+    assert push.depth == pytest.approx(BOTTOM, abs=1e-3)
+    judge_alignment(push, SOCKET, TERMINAL, "X1/1")
+    judge_depth(push, BOTTOM, "X1/1")
+
+
+@pytest.mark.parametrize(
+    ("feels", "code", "depth"),
+    [
+        (jams, Code.INSERTION_JAMMED, 0.006),
+        (meets_the_face, Code.INSERTION_MISALIGNED, 0.0005),
+        (misses, Code.INSERTION_NO_CONTACT, BOTTOM + 0.008),
+    ],
+)
+def test_an_end_that_does_not_reach_the_bottom_is_refused(feels, code, depth):
+    push, _ = pushed(feels)
+    assert push.depth == pytest.approx(depth, abs=1e-3)
+    with pytest.raises(AbilityError) as caught:
+        judge_depth(push, BOTTOM, "X1/1")
+    assert caught.value.code is code
+    assert caught.value.found["peak_force"] == push.peak_force
+
+
+@pytest.mark.parametrize("feels", [seats, jams, meets_the_face, rubs])
+def test_no_push_goes_far_beyond_its_limit(feels):
+    push, arm = pushed(feels)
+    assert max(arm.forces) <= 1.15 * LIMIT_N + 0.5
+    assert push.peak_force <= 1.15 * LIMIT_N + 0.5
+    assert push.peak_force >= 0.8 * LIMIT_N
+
+
+def test_a_tip_that_may_rub_along_the_face_is_pushed_no_further_than_halfway():
+    push, _ = pushed(rubs, until_in=5.0)
+    assert push.rubs
+    assert push.depth == pytest.approx(BOTTOM / 2, abs=1e-3)
+    push, _ = pushed(seats, until_in=5.0)
+    assert not push.rubs, "one that slides in with less is in its opening"
+    push, _ = pushed(rubs)
+    assert not push.rubs, "and so is one whose push may be as hard all the way"
+
+
+def test_a_tip_that_meets_the_face_is_pushed_gently_until_it_is_in():
+    push, arm = pushed(meets_the_face, until_in=3.0)
+    assert push.stopped and push.depth < FACE_M
+    assert max(arm.forces) <= 1.15 * 3.0 + 0.5
