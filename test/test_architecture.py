@@ -63,6 +63,7 @@ ENTRY_POINTS = {
     "remodel_planner.commands.*",  # named by commands/planner.py
 }
 MAX_MODULES = 15
+MAX_METHODS = 15
 OWNED_NAMES = ("End", "Wire", "Terminal", "Arm", "Cable", "Clip", "Fault", "Code", "Answer")
 # What does not keep the rules yet. An entry that is no longer needed fails: these lists shrink.
 FOLDERS_WITH_CYCLE = {
@@ -345,6 +346,17 @@ def test_the_physics_knows_of_skills_only_the_device_port():
         if room(name) in ("physics", "core", "edge"):
             skills = {n for n in imported_names(path) if n.startswith("remodel_skills.")}
             assert not {n for n in skills if not n.startswith(port)}, name
+
+
+def test_no_class_of_the_skills_has_more_methods_than_a_reader_can_survey():
+    large = [
+        node.name
+        for path in modules("remodel_skills").values()
+        for node in ast.walk(ast.parse(path.read_text()))
+        if isinstance(node, ast.ClassDef)
+        and sum(isinstance(each, ast.FunctionDef) for each in node.body) > MAX_METHODS
+    ]
+    assert large == []
 
 
 def definitions():

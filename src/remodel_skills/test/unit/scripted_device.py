@@ -74,14 +74,17 @@ class ScriptedArm:
 
 @dataclass
 class ScriptedGripper:
+    """Fingers that stop so far apart, `stops_at`, when they close [m]."""
+
     gap: float = 0.003
     load: float = 30.0
+    stops_at: float = 0.003
 
     def open_to(self, opening):
         self.gap = 2 * opening
 
     def close_on(self, thickness):
-        self.gap = thickness
+        self.gap = self.stops_at
 
 
 def before_the_opening(feels):

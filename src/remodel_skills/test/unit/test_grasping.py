@@ -1,0 +1,54 @@
+"""What closed fingers say about what is between them: on a scripted device, in milliseconds."""
+
+import pytest
+from scripted_device import HOME, WIRE, before_the_opening
+
+from remodel_skills.belief_state import Grip
+from remodel_skills.primitives.grasping import HELD_LOAD_N, check_grip, close_on_wire
+from remodel_skills.primitives.motions import HAND_OPEN_M, TRAVEL_Z
+from remodel_skills.runner import run
+from remodel_states.core.codes import Code
+from remodel_work.errors import AbilityError
+from remodel_work.panel import WireEnd
+
+GRIP = Grip(WireEnd.A, 0.02, 0.0, 0.0, HOME)
+
+
+def hand_that_closes_on(gap):
+    """Return the context of an empty hand near the plate whose fingers stop so far apart."""
+    context, arm = before_the_opening(lambda depth: 0.0)
+    context.belief.grip = None
+    context.drive(HOME.at(z=0.05))
+    context.device.gripper.stops_at = gap
+    return context, arm
+
+
+def test_a_wire_between_the_fingers_is_held():
+    context, arm = hand_that_closes_on(WIRE.diameter - 1e-4)
+    run(arm.tick, close_on_wire(context, GRIP))
+    assert context.belief.grip is GRIP
+    assert context.belief.picked_at[WireEnd.A] is GRIP
+
+
+@pytest.mark.parametrize(
+    ("gap", "words"), [(0.0, "it is not between them"), (0.008, "the fingers met something 8.0 mm")]
+)
+def test_a_hand_that_holds_no_wire_opens_and_rises(gap, words):
+    context, arm = hand_that_closes_on(gap)
+    with pytest.raises(AbilityError, match=words) as caught:
+        run(arm.tick, close_on_wire(context, GRIP))
+    assert caught.value.code is Code.GRASP_MISSED
+    assert context.belief.grip is None
+    assert context.device.gripper.gap == 2 * HAND_OPEN_M
+    assert arm.tool.z == pytest.approx(TRAVEL_Z, abs=1e-6)
+
+
+def test_fingers_that_feel_nothing_have_lost_the_wire():
+    context, arm = hand_that_closes_on(WIRE.diameter)
+    run(arm.tick, close_on_wire(context, GRIP))
+    check_grip(context)
+    context.device.gripper.load = HELD_LOAD_N / 2
+    with pytest.raises(AbilityError) as caught:
+        check_grip(context)
+    assert caught.value.code is Code.GRASP_SLIPPED
+    assert context.belief.grip is None

@@ -1,0 +1,73 @@
+"""How pulls end, by what the wrist feels: on a scripted device, in milliseconds."""
+
+import pytest
+from scripted_device import SOCKET, TERMINAL, before_the_opening
+
+from remodel_skills.primitives.pull_test import MAX_SLIP_M, pull_test
+from remodel_skills.primitives.pulling_out import pull_out
+from remodel_skills.primitives.pushing import tool_before
+from remodel_skills.runner import run
+from remodel_states.core.codes import Code
+from remodel_work.errors import AbilityError
+from remodel_work.layout import STANDOFF_M
+
+BOTTOM = TERMINAL.depth
+PULL_N, MOST_N = 5.0, 25.0
+
+
+def held(newtons_per_metre):
+    """An end that is held by a spring."""
+    return lambda depth: -newtons_per_metre * max(0.0, BOTTOM - depth)
+
+
+def sliding(newtons):
+    """An end that slides, up to the face of its terminal."""
+    return lambda depth: -newtons * (0.0 < depth < BOTTOM - 1e-5)
+
+
+def at_the_bottom(feels):
+    """Return the context of a robot whose held end is at its bottom, and its arm."""
+    context, arm = before_the_opening(feels)
+    context.drive(tool_before(SOCKET, context.belief.grip, BOTTOM))
+    arm.tick()
+    return context, arm
+
+
+def test_an_end_in_a_closed_clamp_passes_the_pull_test():
+    context, arm = at_the_bottom(held(2e5))
+    start = context.commanded
+    slip = run(arm.tick, pull_test(context, SOCKET, PULL_N, "X1/1"))
+    assert slip < MAX_SLIP_M / 3
+    assert context.commanded == start, "the hand went back"
+    assert max(map(abs, arm.forces)) <= 1.15 * PULL_N + 0.5
+
+
+@pytest.mark.parametrize("feels", [sliding(3.0), held(500.0)], ids=["slides", "gives"])
+def test_an_end_that_moves_under_the_pull_is_pulled_out(feels):
+    context, arm = at_the_bottom(feels)
+    with pytest.raises(AbilityError) as caught:
+        run(arm.tick, pull_test(context, SOCKET, PULL_N, "X1/1"))
+    assert caught.value.code is Code.PULLED_OUT
+    assert caught.value.found["slip"] > MAX_SLIP_M
+
+
+def test_an_end_comes_out_with_the_force_that_holds_it():
+    context, arm = at_the_bottom(sliding(6.0))
+    context.belief.engaged = SOCKET
+    peak = run(arm.tick, pull_out(context, SOCKET, MOST_N))
+    assert peak == pytest.approx(6.0, abs=0.5)
+    assert context.belief.engaged is None
+    tip = SOCKET.inverse().apply(arm.tool.position)[0] + context.belief.grip.distance
+    assert tip == pytest.approx(-STANDOFF_M, abs=1e-3)
+
+
+def test_an_end_that_does_not_come_out_is_left_where_it_was():
+    context, arm = at_the_bottom(held(2e4))
+    context.belief.engaged = SOCKET
+    start = context.commanded
+    with pytest.raises(AbilityError) as caught:
+        run(arm.tick, pull_out(context, SOCKET, MOST_N))
+    assert caught.value.code is Code.EXTRACTION_STUCK
+    assert caught.value.found["peak_force"] <= 1.15 * MOST_N + 0.5
+    assert context.commanded == start
+    assert context.belief.engaged is SOCKET
