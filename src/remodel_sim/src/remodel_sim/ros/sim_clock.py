@@ -10,7 +10,7 @@ from rosgraph_msgs.msg import Clock
 from remodel_sim.edge.cell_memory import CellMemory
 
 # How often the clock is published [s of simulated time].
-PERIOD_S = 0.01
+PERIOD_S = 0.02
 # A pause of the process, as for a render, is not made up for by more than this at once [s].
 MAX_CATCH_UP_S = 0.1
 
