@@ -25,7 +25,7 @@ from row import Row, report
 
 from remodel_sim.physics.world import World
 from remodel_skills.abilities.locate_gearbox_component import VIEWS
-from remodel_skills.primitives.observation.viewpoints import LABEL_ASIDE_M
+from remodel_skills.primitives.observation.views import LABEL_ASIDE_M
 from remodel_vision.device_pose import (
     DeviceView,
     locate_device,

@@ -26,7 +26,7 @@ from row import Row, report
 from remodel_sim.physics.world import World
 from remodel_sim.ros.conversions import read_panel
 from remodel_skills.abilities.locate_gearbox_component import VIEWS
-from remodel_skills.primitives.observation.viewpoints import LABEL_ASIDE_M
+from remodel_skills.primitives.observation.views import LABEL_ASIDE_M
 from remodel_states.edge.wire_material_file import read_wire_materials
 from remodel_vision.label_pose import LabelView, locate_component
 from remodel_vision.labels import find_labels, search_label

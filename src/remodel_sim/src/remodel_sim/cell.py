@@ -12,8 +12,8 @@ from remodel_sim.edge.cell_memory import CellMemory
 from remodel_sim.physics.device import device_of
 from remodel_sim.physics.plant import Plant
 from remodel_skills.belief_state import NO_CHANNEL, BeliefState, EndState, Feed
-from remodel_skills.goals.checks import check_hands_empty, check_not_in_cell
-from remodel_skills.goals.demands import find_demand_problems
+from remodel_skills.goal_checks import check_hands_empty, check_not_in_cell
+from remodel_skills.goals import find_demand_problems
 from remodel_skills.observers import Observers
 from remodel_skills.robot_context import RobotContext, Steps
 from remodel_skills.runner import occupy, run

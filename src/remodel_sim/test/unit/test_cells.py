@@ -19,8 +19,8 @@ from remodel_skills.abilities.pick_cable import pick_cable
 from remodel_skills.abilities.place_cable import place_cable
 from remodel_skills.abilities.place_pin import place_pin
 from remodel_skills.goals import PlacePinGoal
-from remodel_skills.primitives.concurrently import concurrently
 from remodel_skills.primitives.motions import TRAVEL_Z, move_to
+from remodel_skills.primitives.together import concurrently
 from remodel_skills.runner import occupy, run
 from remodel_states.core.codes import Code
 from remodel_states.edge.wire_material_file import read_wire_materials

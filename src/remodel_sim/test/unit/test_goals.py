@@ -6,7 +6,7 @@ from panels import panel
 
 from remodel_skills import goals
 from remodel_skills.belief_state import NO_CHANNEL, BeliefState, EndState, Feed, Grip
-from remodel_skills.goals.requirements import parse_end
+from remodel_skills.goal_checks import parse_end
 from remodel_states.core.codes import Code
 from remodel_work.errors import AbilityError
 from remodel_work.geometry import Pose

@@ -6,7 +6,7 @@ import pytest
 from panels import panel
 
 from remodel_skills.belief_state import BeliefState, EndState, Feed
-from remodel_skills.goals.pin_goal import PlacePinGoal, pin_row
+from remodel_skills.goals import PlacePinGoal, pin_row
 from remodel_states.core.codes import Code
 from remodel_work.errors import AbilityError
 from remodel_work.panel import BOARD, WireEnd

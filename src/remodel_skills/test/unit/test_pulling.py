@@ -3,8 +3,7 @@
 import pytest
 from scripted_device import SOCKET, TERMINAL, before_the_opening
 
-from remodel_skills.primitives.pull_test import MAX_SLIP_M, pull_test
-from remodel_skills.primitives.pulling_out import pull_out
+from remodel_skills.primitives.pulling import MAX_SLIP_M, pull_out, pull_test
 from remodel_skills.primitives.pushing import tool_before
 from remodel_skills.runner import run
 from remodel_states.core.codes import Code

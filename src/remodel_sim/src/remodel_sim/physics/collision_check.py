@@ -69,18 +69,10 @@ class CollisionCheck:
         held: HeldTip | None = None,
         allowed: Set[str] = frozenset(),
     ) -> Touch | None:
-        """Return where a path comes too near to an obstacle first; None if it is free.
+        """Return where a path comes too near to an obstacle first; see the port for the arguments.
 
         What the arm is too near to at the beginning counts only if it comes nearer. Wires count
         only away from both ends of the path: a hand that grasps or inserts works among them.
-
-        Args:
-            path: of the tool, from 0 to 1; raises UNREACHABLE where the arm does not reach.
-            length: of the path [m], turns of the hand included as its corners move.
-            obstacles: to be kept clear of.
-            finger_gap: between the pads [m].
-            held: what the hand holds.
-            allowed: names of obstacles that may be touched.
         """
         self._put_obstacles([each for each in obstacles if each.solids])
         if not self._solids:

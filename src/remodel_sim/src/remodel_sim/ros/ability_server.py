@@ -10,8 +10,8 @@ from genpy import Message
 from remodel_sim.ros.job import Job
 from remodel_sim.ros.owner import Owner
 from remodel_skills.abilities.ability import CellAbility
+from remodel_skills.goal_checks import require, require_number
 from remodel_skills.goals import Goal
-from remodel_skills.goals.requirements import require, require_number
 from remodel_skills.robot_context import RobotContext
 from remodel_states.ability_server import AbilityServer
 from remodel_states.core.ability_tables import Ability

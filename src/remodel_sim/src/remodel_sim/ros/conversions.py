@@ -19,7 +19,7 @@ from sensor_msgs.msg import CameraInfo
 
 from remodel_sim.physics.truth import WireTruth
 from remodel_skills.abilities.detect_cable import CableDetected
-from remodel_skills.goals.goal_pose import WORLD
+from remodel_skills.goal_checks import WORLD
 from remodel_skills.robot_context import AbilityResult
 from remodel_states.core.wires.wire_materials import PROPERTIES, MaterialError, WireMaterials
 from remodel_work.camera import View

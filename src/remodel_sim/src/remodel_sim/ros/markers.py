@@ -12,7 +12,7 @@ from visualization_msgs.msg import Marker, MarkerArray
 
 from remodel_sim.physics.plant import Plant
 from remodel_sim.ros.sim_clock import SimClock
-from remodel_skills.goals.goal_pose import WORLD
+from remodel_skills.goal_checks import WORLD
 from remodel_states.core.wires.wire_colours import Rgb, rgbs_of
 from remodel_work.component_shape import HOUSING
 from remodel_work.panel import Component, PanelWire

@@ -19,7 +19,7 @@ from remodel_sim.physics.robot_description import (
 )
 from remodel_sim.ros.conversions import camera_info
 from remodel_sim.ros.sim_clock import SimClock
-from remodel_skills.goals.goal_pose import PANEL, WORLD
+from remodel_skills.goal_checks import PANEL, WORLD
 from remodel_vision.ros.image_message import image
 from remodel_work.camera import Picture
 from remodel_work.cell.cell_design import CellDesign, RobotDesign

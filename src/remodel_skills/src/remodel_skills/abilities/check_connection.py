@@ -12,17 +12,16 @@ from dataclasses import dataclass
 import numpy as np
 
 from remodel_skills.abilities.ability import ability
+from remodel_skills.goal_checks import Message, parse_end
 from remodel_skills.goals import CheckGoal
-from remodel_skills.goals.goal_pose import Message
-from remodel_skills.goals.requirements import parse_end
 from remodel_skills.primitives.grasping import holds
 from remodel_skills.primitives.motions import park
-from remodel_skills.primitives.observation.component_views import (
+from remodel_skills.primitives.observation.observing import go_and_see
+from remodel_skills.primitives.observation.views import (
     ComponentViews,
+    camera_above,
     expected_place,
 )
-from remodel_skills.primitives.observation.observing import go_and_see
-from remodel_skills.primitives.observation.viewpoints import camera_above
 from remodel_skills.robot_context import RobotContext, Steps
 from remodel_states.core.codes import Code
 from remodel_vision.component_observation import ComponentObservation

@@ -7,8 +7,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from remodel_skills.abilities.ability import ability
+from remodel_skills.goal_checks import Message
 from remodel_skills.goals import DetectGoal
-from remodel_skills.goals.goal_pose import Message
 from remodel_skills.primitives.motions import park
 from remodel_skills.primitives.observation.observing import (
     GraspObservation,

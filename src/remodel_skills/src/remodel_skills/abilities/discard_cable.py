@@ -10,8 +10,8 @@ import numpy as np
 from remodel_skills.abilities.ability import ability
 from remodel_skills.abilities.extract_cable import draw_out, put_away
 from remodel_skills.abilities.locate_gearbox_component import locate_gearbox_component
+from remodel_skills.goal_checks import Message
 from remodel_skills.goals import DiscardGoal, ExtractGoal, LocateGoal
-from remodel_skills.goals.goal_pose import Message
 from remodel_skills.primitives.carrying import drop_into_bin, lift_out
 from remodel_skills.primitives.ducts.leading import let_go
 from remodel_skills.primitives.grasping import (

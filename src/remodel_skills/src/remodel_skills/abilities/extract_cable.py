@@ -9,8 +9,8 @@ import numpy as np
 
 from remodel_skills.abilities.ability import ability
 from remodel_skills.belief_state import EndState, Grip
+from remodel_skills.goal_checks import Message, pose_from
 from remodel_skills.goals import ExtractGoal
-from remodel_skills.goals.goal_pose import Message, pose_from
 from remodel_skills.primitives.ducts.leading import let_go
 from remodel_skills.primitives.grasping import (
     FLOOR_CLEARANCE_M,
@@ -29,7 +29,7 @@ from remodel_skills.primitives.motions import (
     move_to,
     swing_to,
 )
-from remodel_skills.primitives.pulling_out import pull_out
+from remodel_skills.primitives.pulling import pull_out
 from remodel_skills.primitives.pushing import tool_before
 from remodel_skills.primitives.taking_up import take_up
 from remodel_skills.robot_context import RobotContext, Steps

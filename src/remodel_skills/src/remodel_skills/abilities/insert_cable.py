@@ -5,9 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from remodel_skills.abilities.ability import ability
+from remodel_skills.goal_checks import Message, parse_end, pose_from
 from remodel_skills.goals import InsertGoal
-from remodel_skills.goals.goal_pose import Message, pose_from
-from remodel_skills.goals.requirements import parse_end
 from remodel_skills.primitives.ducts.leading import let_go
 from remodel_skills.primitives.grasping import check_grip, pick_end
 from remodel_skills.primitives.motions import disengage

@@ -20,8 +20,8 @@ import numpy as np
 from remodel_skills.abilities.ability import ability
 from remodel_skills.belief_state import EndState
 from remodel_skills.force_control import ForceControl
+from remodel_skills.goal_checks import Message
 from remodel_skills.goals import LayGoal
-from remodel_skills.goals.goal_pose import Message
 from remodel_skills.primitives.ducts.leading import (
     AMONG_WIRES,
     BACK_M,
@@ -53,7 +53,7 @@ from remodel_skills.primitives.motions import (
     wait,
 )
 from remodel_skills.primitives.observation.route_check import observe_board
-from remodel_skills.primitives.observation.sight_lines import clear_sight
+from remodel_skills.primitives.observation.views import clear_sight
 from remodel_skills.primitives.together import move_together
 from remodel_skills.robot_context import RobotContext, Steps
 from remodel_states.core.codes import Code

@@ -8,18 +8,17 @@ from dataclasses import dataclass
 import numpy as np
 
 from remodel_skills.abilities.ability import ability
+from remodel_skills.goal_checks import LEVEL_RAD, Message
 from remodel_skills.goals import LocateGoal
-from remodel_skills.goals.goal_pose import Message
-from remodel_skills.goals.requirements import LEVEL_RAD
 from remodel_skills.primitives.motions import disengage, park
-from remodel_skills.primitives.observation.component_views import (
+from remodel_skills.primitives.observation.observing import go_and_see
+from remodel_skills.primitives.observation.views import (
     ComponentViews,
+    component_views,
     expected_place,
     find_panel,
     to_be_seen,
 )
-from remodel_skills.primitives.observation.observing import go_and_see
-from remodel_skills.primitives.observation.viewpoints import component_views
 from remodel_skills.robot_context import RobotContext, Steps
 from remodel_states.core.codes import Code
 from remodel_vision.component_observation import ComponentObservation

@@ -5,9 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from remodel_skills.abilities.ability import ability
+from remodel_skills.goal_checks import Message, parse_end
 from remodel_skills.goals import PickGoal
-from remodel_skills.goals.goal_pose import Message
-from remodel_skills.goals.requirements import parse_end
 from remodel_skills.primitives.grasping import pick_end
 from remodel_skills.robot_context import RobotContext, Steps
 from remodel_work.geometry import Pose

@@ -6,8 +6,8 @@ from dataclasses import dataclass
 
 from remodel_skills.abilities.ability import ability
 from remodel_skills.belief_state import EndState
+from remodel_skills.goal_checks import Message, pose_from
 from remodel_skills.goals import PlaceGoal
-from remodel_skills.goals.goal_pose import Message, pose_from
 from remodel_skills.primitives.carrying import drop_into_bin
 from remodel_skills.primitives.grasping import RELEASE_OPENING_M, release
 from remodel_skills.primitives.laying import lay_down, let_down
@@ -15,7 +15,7 @@ from remodel_skills.primitives.motions import (
     held_tool,
     rise,
 )
-from remodel_skills.primitives.pulling_out import pull_out
+from remodel_skills.primitives.pulling import pull_out
 from remodel_skills.robot_context import RobotContext, Steps
 from remodel_states.core.codes import Code
 from remodel_work.errors import AbilityError

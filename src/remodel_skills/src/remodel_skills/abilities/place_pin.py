@@ -15,9 +15,8 @@ import numpy as np
 from remodel_skills.abilities.ability import ability
 from remodel_skills.belief_state import Grip
 from remodel_skills.force_control import WIRE_STIFFNESS, ForceControl
-from remodel_skills.goals.goal_pose import Message
-from remodel_skills.goals.pin_goal import PlacePinGoal, pin_row
-from remodel_skills.primitives.concurrently import concurrently
+from remodel_skills.goal_checks import Message
+from remodel_skills.goals import PlacePinGoal, pin_row
 from remodel_skills.primitives.force_motion import ForceMotion
 from remodel_skills.primitives.grasping import (
     FLOOR_CLEARANCE_M,
@@ -41,7 +40,7 @@ from remodel_skills.primitives.observation.observing import (
     observe_from_above,
 )
 from remodel_skills.primitives.pushing import tool_before
-from remodel_skills.primitives.together import move_together
+from remodel_skills.primitives.together import concurrently, move_together
 from remodel_skills.robot_context import RobotContext, Steps
 from remodel_states.core.codes import Code
 from remodel_vision.drawing import ORANGE, Drawing

@@ -8,8 +8,8 @@ import numpy as np
 
 from remodel_skills.abilities.ability import ability
 from remodel_skills.belief_state import Grip
+from remodel_skills.goal_checks import Message, pose_from
 from remodel_skills.goals import RouteGoal
-from remodel_skills.goals.goal_pose import Message, pose_from
 from remodel_skills.primitives.carrying import carry
 from remodel_skills.primitives.clipping import lay_into, press_around
 from remodel_skills.primitives.forks import let_into_forks

@@ -27,7 +27,7 @@ from remodel_skills.primitives.motions import (
     wait,
 )
 from remodel_skills.primitives.observation.observing import go_and_see
-from remodel_skills.primitives.observation.viewpoints import camera_above
+from remodel_skills.primitives.observation.views import camera_above
 from remodel_skills.robot_context import RobotContext, Steps
 from remodel_states.core.codes import Code
 from remodel_vision.drawing import ORANGE, Drawing

@@ -1,4 +1,4 @@
-"""Robots that hold the same wire move together, as steps of an ability."""
+"""Robots that hold the same wire move together; several steps run at once."""
 
 from __future__ import annotations
 
@@ -6,6 +6,7 @@ import math
 from collections.abc import Sequence, Set
 from dataclasses import replace
 from itertools import combinations
+from typing import Any
 
 import numpy as np
 
@@ -103,3 +104,26 @@ def least_gap(moves: Sequence[tuple[RobotContext, Line]]) -> float:
             ]
             least = min(least, gap_between(*volumes))
     return least
+
+
+def concurrently(*all_steps: Steps[Any]) -> Steps[tuple[Any, ...]]:
+    """Do one step of each per tick, until the last is done; return what each returns.
+
+    When one of them raises, the others are stopped where they are.
+    """
+    results: dict[int, Any] = {}
+    pending = dict(enumerate(all_steps))
+    try:
+        while pending:
+            for i, steps in tuple(pending.items()):
+                try:
+                    next(steps)
+                except StopIteration as done:
+                    results[i] = done.value
+                    del pending[i]
+            if pending:
+                yield
+    finally:
+        for steps in pending.values():
+            steps.close()
+    return tuple(results[i] for i in range(len(all_steps)))

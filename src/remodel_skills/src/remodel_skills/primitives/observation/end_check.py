@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from remodel_skills.primitives.observation.component_views import ComponentViews
 from remodel_skills.primitives.observation.route_check import observe_board
+from remodel_skills.primitives.observation.views import ComponentViews
 from remodel_skills.robot_context import RobotContext, Steps
 from remodel_states.core.codes import Code
 from remodel_vision.drawing import ORANGE, Drawing

@@ -17,7 +17,7 @@ from remodel_skills.primitives.motions import (
     swing_to,
     wait,
 )
-from remodel_skills.primitives.observation.viewpoints import views_around
+from remodel_skills.primitives.observation.views import views_around
 from remodel_skills.robot_context import RobotContext, Steps
 from remodel_states.core.codes import Code
 from remodel_vision.cables.curves.polyline import arc_lengths, at_distance

@@ -1,20 +1,29 @@
-"""Viewpoints: tool poses from which the wrist camera sees what an ability searches for."""
+"""Where an observation is made from: tool poses, clear sight, and what they show of a component."""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
-from remodel_skills.primitives.motions import TRAVEL_Z, nearest_hand_yaw
-from remodel_skills.robot_context import RobotContext
+from remodel_skills.primitives.motions import FREE_SPEED, TRAVEL_Z, move_to, nearest_hand_yaw, rise
+from remodel_skills.robot_context import RobotContext, Steps
+from remodel_skills.traffic import MARGIN_M
 from remodel_states.core.codes import Code
-from remodel_work.camera import Lens, View
+from remodel_vision.component_observation import ComponentObservation
+from remodel_vision.device_pose import DeviceView, locate_device, search_device
+from remodel_vision.label_pose import LabelView, locate_component
+from remodel_vision.labels import find_labels, search_label
+from remodel_vision.panel_pose import register_panel
+from remodel_work.camera import Lens, Picture, View
+from remodel_work.component_shape import label_corners
 from remodel_work.errors import AbilityError
 from remodel_work.geometry import Array, Pose, wrap_angle
+from remodel_work.panel import Component
 from remodel_work.robot.arm import ToolPose
+from remodel_work.robot.arm_volume import Volume, gap_between, volume_of
 from remodel_work.robot.fingers import CAMERA_MOUNT, PANDA_FINGERS
 
 # The tool's height for an observation from the hand: the lens is 84 mm above the tool centre of
@@ -191,3 +200,146 @@ def _view_from(tool: ToolPose, lens: Lens, above: float) -> View:
     down = np.array([c, s, 0.0, 0.0])
     position = np.array([tool.x + offset[0], tool.y + offset[1], tool.z + above])
     return View(lens, Pose(position, down))
+
+
+# A line of sight is free if nothing is nearer to it [m].
+SIGHT_RADIUS_M = 0.015
+# An empty hand goes so high, and so far aside of the places that are to be seen.
+ASIDE_Z = 0.30
+OUT_OF_SIGHT_M = (0.20, 0.30, 0.40, 0.50, 0.60)
+DIRECTIONS = 8
+
+
+def clear_sight(context: RobotContext, points: Array) -> Steps[None]:
+    """Move the empty hand out of the overhead camera's lines of sight to points (n, 3) [m].
+
+    Raises:
+        AbilityError: UNREACHABLE when no place was found.
+    """
+    if _sees_past(context, context.commanded, points):
+        return
+    yield from rise(context, ASIDE_Z)
+    for place in _aside(context, points):
+        if _sees_past(context, place, points) and _has_room(context, place):
+            try:
+                yield from move_to(context, place, FREE_SPEED)
+            except AbilityError as error:
+                if error.code is not Code.UNREACHABLE:
+                    raise
+            else:
+                return
+    raise AbilityError(
+        Code.UNREACHABLE,
+        f"{context.name} finds no place from which it does not hide the board from the overhead "
+        f"camera; it stands at {context.commanded}",
+    )
+
+
+def _aside(context: RobotContext, points: Array) -> Iterator[ToolPose]:
+    """Yield tool poses beside points that the robot reaches, the nearest first."""
+    now, middle = context.commanded, points.mean(axis=0)
+    reach = float(np.linalg.norm((points - middle)[:, :2], axis=1).max())
+    for away in OUT_OF_SIGHT_M:
+        for angle in np.arange(DIRECTIONS) * (2 * math.pi / DIRECTIONS):
+            x = float(middle[0] + (reach + away) * math.cos(angle))
+            y = float(middle[1] + (reach + away) * math.sin(angle))
+            place = ToolPose(x, y, max(ASIDE_Z, now.z), now.yaw)
+            if context.arm.reaches(place):
+                yield place
+
+
+def _sees_past(context: RobotContext, place: ToolPose, points: Array) -> bool:
+    eye = context.cameras.overhead_view.world_from_camera.position
+    lines = Volume(np.tile(eye, (len(points), 1)), points, np.full(len(points), SIGHT_RADIUS_M))
+    return gap_between(volume_of(context.arm, context.arm.joints_for(place)), lines) > 0
+
+
+def _has_room(context: RobotContext, place: ToolPose) -> bool:
+    here = volume_of(context.arm, context.arm.joints_for(place))
+    others = [volume_of(c.arm, c.arm.joints_for(c.commanded)) for c in context.peers]
+    return all(gap_between(here, other) > MARGIN_M for other in others)
+
+
+# So much of a device's top, around its middle, is to be in the pictures of a hand with a wire.
+IN_VIEW = 0.8
+
+
+class ComponentViews:
+    """The pictures that show one component well.
+
+    Attributes:
+        component: that is searched for.
+    """
+
+    def __init__(self, context: RobotContext, component: Component) -> None:
+        """Begin without pictures."""
+        self._context = context
+        self.component = component
+        self._labels: list[LabelView] = []
+        self._devices: list[DeviceView] = []
+
+    def __len__(self) -> int:
+        """Return the number of pictures."""
+        return len(self._labels) + len(self._devices)
+
+    def add(self, picture: Picture, near: Pose) -> ComponentObservation | None:
+        """Locate the component by a picture and the earlier ones; None: this one is left out.
+
+        Args:
+            picture: that may show it.
+            near: about where it stands, world frame.
+        """
+        component, panel = self.component, self._context.panel
+        if not self._context.cell.labels:
+            device = search_device(picture, panel, component, near)
+            if device is None:
+                return None
+            devices = [*self._devices, device]
+            observation = locate_device(component, devices)
+            self._devices = devices if observation.clear else self._devices
+            return observation if observation.clear else None
+        corners = find_labels(picture, panel.components).get(component.marker_id)
+        if corners is None and picture.view.sees(near.apply(label_corners(component)), 0.0):
+            corners = search_label(picture, component, near)
+        if corners is None:
+            return None
+        labels = [*self._labels, LabelView(picture, corners)]
+        observation = locate_component(component, labels)
+        self._labels = labels if observation.clear else self._labels
+        return observation if observation.clear else None
+
+
+def to_be_seen(context: RobotContext, component: Component) -> Array:
+    """Return what of a component pictures should show, (4, 3) [m], component frame."""
+    if context.cell.labels:
+        return label_corners(component)
+    depth, width, height = component.size
+    corners = np.array([[-depth, width], [depth, width], [depth, -width], [-depth, -width]])
+    return np.column_stack([IN_VIEW * corners / 2, np.full(4, height)])
+
+
+def expected_place(context: RobotContext, component: Component) -> Pose:
+    """Return where a component should stand, world frame.
+
+    In a cell without labels it follows from where the panel lies, by the camera from above.
+    """
+    if context.cell.labels:
+        return context.panel.world_from_panel @ component.panel_from_component
+    if not context.belief.panel_at:
+        find_panel(context, context.cameras.take_overhead_picture())
+    return context.belief.panel_at[-1] @ component.panel_from_component
+
+
+def find_panel(context: RobotContext, picture: Picture) -> None:
+    """Note where the panel lies, by a picture with depth from above.
+
+    Raises COMPONENT_NOT_FOUND when it does not show the panel.
+    """
+    found = register_panel(picture, context.panel)
+    if found is None:
+        raise AbilityError(
+            Code.COMPONENT_NOT_FOUND,
+            f"the depth camera does not show panel {context.panel.name!r} within 12 mm and 3 deg "
+            "of its place; put it there, and clear the view",
+        )
+    context.belief.panel_at[:] = [found]

@@ -1,26 +1,29 @@
 """The goals of the abilities, valid from birth.
 
-`check` raises when the cell cannot take them as it is now.
-
-Whatever raises here is found before anything moves.
+`check` raises when the cell cannot take them as it is now: whatever raises here is found before
+anything moves.
 """
 
 from __future__ import annotations
 
+import math
+from collections.abc import Collection, Iterator, Mapping
 from dataclasses import dataclass
 from typing import Protocol
 
+import numpy as np
+
 from remodel_skills.belief_state import BeliefState, EndState
-from remodel_skills.goals.checks import (
+from remodel_skills.goal_checks import (
     check_clamp,
     check_hand,
+    check_hands_empty,
     check_held,
     check_live,
     check_opening,
+    check_reach,
     check_socket,
     check_tool_path,
-)
-from remodel_skills.goals.requirements import (
     require,
     require_number,
     require_pose,
@@ -28,8 +31,10 @@ from remodel_skills.goals.requirements import (
 )
 from remodel_states.core.codes import Code
 from remodel_work.errors import AbilityError
-from remodel_work.geometry import Pose
-from remodel_work.panel import Panel, WireEnd
+from remodel_work.geometry import Array, Pose
+from remodel_work.layout import GRASP_DISTANCE_M
+from remodel_work.panel import Panel, PanelWire, WireEnd
+from remodel_work.robot.arm import ToolPose
 from remodel_work.routes import clips_along
 
 # What the grip holds safely by friction [N].
@@ -320,3 +325,220 @@ def check_free(
             Code.TERMINAL_OCCUPIED,
             f"terminal '{'/'.join(key)}' holds end {occupant[1].value} of {occupant[0]!r}",
         )
+
+
+@dataclass(frozen=True)
+class LayGoal:
+    """Lead the live wire into the ducts of its route.
+
+    Attributes:
+        robot_name: of the robot that holds the free end.
+        guide_name: of the robot that leads the wire.
+        cable_id: the wire.
+    """
+
+    robot_name: str
+    guide_name: str
+    cable_id: str
+
+    def __post_init__(self) -> None:
+        """Refuse unknown robots, and one robot twice."""
+        require_robot(self.robot_name)
+        require(bool(self.guide_name.strip()), "guide_name is empty; it must name a second robot")
+        require(
+            self.robot_name != self.guide_name,
+            f"robot_name and guide_name are both {self.robot_name!r}; it takes two robots",
+        )
+
+    def check(self, panel: Panel, belief: BeliefState) -> None:
+        """Raise when a robot cannot do its part; asked for each of the two."""
+        check_live(self.cable_id, panel, belief)
+        wire = panel.wire(self.cable_id)
+        require(
+            bool(wire.ducts),
+            f"the route of {wire.id!r} passes no duct; carry it with RouteWire",
+        )
+        free = _free_end(wire, belief)
+        if belief.robot == self.guide_name:
+            _check_guide(belief)
+        else:
+            check_held(belief, free)
+
+
+def _free_end(wire: PanelWire, belief: BeliefState) -> WireEnd:
+    """Return the loose end of a wire; raises unless the other one is fixed."""
+    loose = [end for end, state in belief.ends.items() if state is EndState.LOOSE]
+    require(
+        len(loose) == 1 and belief.ends[loose[0].other] is EndState.FIXED,
+        f"of {wire.id!r}, end a is {belief.ends[WireEnd.A].value} and end b is "
+        f"{belief.ends[WireEnd.B].value}; one must be fixed and the other one loose",
+    )
+    return loose[0]
+
+
+def _check_guide(belief: BeliefState) -> None:
+    """Raise unless the hand is empty and has an eyelet."""
+    if belief.grip is not None:
+        raise AbilityError(
+            Code.OTHER_CABLE_HELD,
+            f"{belief.robot}, which leads the wire, holds end {belief.grip.end.value}; place it "
+            "first",
+        )
+    fingers = belief.arm.fingers
+    require(
+        fingers.eyelet is not None,
+        f"the fingers of {belief.robot}, {fingers.name!r}, have no eyelet; lead wires with a "
+        "robot whose fingers have one",
+    )
+
+
+@dataclass(frozen=True)
+class DiscardGoal:
+    """Take a wire off the panel; an empty `cable_id` means the one in the hand."""
+
+    robot_name: str
+    cable_id: str
+
+    def __post_init__(self) -> None:
+        """Refuse unknown robots."""
+        require_robot(self.robot_name)
+
+    def check(self, panel: Panel, belief: BeliefState) -> None:
+        """Raise when nothing is held, or a hand holds what it must place first."""
+        if not self.cable_id:
+            check_held(belief)
+        elif panel.wire(self.cable_id).id not in belief.fed:
+            return  # there is nothing to discard
+        if belief.feed is not None and self.cable_id not in ("", belief.feed.wire_id):
+            check_hands_empty(belief)
+        for robot, grip in belief.hands.items():
+            if robot != belief.robot:
+                raise AbilityError(
+                    Code.OTHER_CABLE_HELD,
+                    f"{robot} holds end {grip.end.value}; have it placed first",
+                )
+
+
+# How much shorter than the wire the way between its pins may be [m]: the wire is drawn straight, so
+# each pin lies half of this beyond its place.
+SLACK_M = (0.002, 0.010)
+PATH_SPACE_M = (0.005, 1.0)
+CONNECTOR_SPACE_M = (0.01, 1.0)
+# A pin lies so far from a component at least: an open finger fits between [m].
+ROOM_M = 0.024
+
+
+@dataclass(frozen=True)
+class PlacePinGoal:
+    """Lay the live wire's two pins at two connectors, with two robots.
+
+    The wire's pins are its two ferrules. They go to two neighbouring connectors, `connector_space`
+    apart; poses of the path lie between them, `path_space` apart from the first connector on. The
+    row runs along the panel's x axis, or along y when it is rotated, from the panel's origin, or
+    with its middle there when it is centered.
+    """
+
+    robot_1: str
+    robot_2: str
+    path_space: float
+    connector_space: float
+    centered: bool
+    rotate: bool
+    show_in_tf: bool
+
+    def __post_init__(self) -> None:
+        """Refuse one robot twice, and spaces that are none."""
+        require(
+            self.robot_1 != self.robot_2,
+            f"robot_1_name and robot_2_name are both {self.robot_1!r}; it takes two robots",
+        )
+        require_number("path_space", self.path_space, *PATH_SPACE_M, "m")
+        require_number("connector_space", self.connector_space, *CONNECTOR_SPACE_M, "m")
+        require(
+            self.path_space <= self.connector_space,
+            f"path_space is {self.path_space:g} m; allowed: up to connector_space, "
+            f"{self.connector_space:g} m",
+        )
+
+    def check(self, panel: Panel, belief: BeliefState) -> None:
+        """Raise when a robot cannot lay the live wire there; asked for each of the two."""
+        if belief.feed is None:
+            raise AbilityError(Code.WIRE_NOT_FED, "no wire has been fed; feed one first")
+        wire = panel.wire(belief.feed.wire_id)
+        for end, state in belief.ends.items():
+            if state is not EndState.LOOSE:
+                raise AbilityError(
+                    Code.INVALID_GOAL,
+                    f"end {end.value} of {wire.id!r} is {state.value} in a terminal; extract it "
+                    "first",
+                )
+        self._check_length(wire)
+        for name, pose in pin_row(self, wire, panel).items():
+            self._check_place(name, pose, panel)
+            if name.startswith("pin"):
+                x, y, z = (float(v) for v in pose.position - pose.rotation[:, 0] * GRASP_DISTANCE_M)
+                check_reach(belief.arm, ToolPose(x, y, z, pose.yaw))
+
+    def _check_length(self, wire: PanelWire) -> None:
+        least, most = (round(wire.length - slack, 4) for slack in reversed(SLACK_M))
+        require(
+            least <= self.connector_space <= most,
+            f"connector_space is {self.connector_space:g} m; {wire.id!r} is {wire.length:g} m "
+            f"long, allowed: {least:g} to {most:g} m",
+        )
+
+    def _check_place(self, name: str, pose: Pose, panel: Panel) -> None:
+        x, y, _ = (float(v) for v in panel.world_from_panel.inverse().apply(pose.position))
+        require(
+            abs(x) <= panel.size[0] / 2 and abs(y) <= panel.size[1] / 2,
+            f"{name} would lie beyond the plate, at x {x:.3f}, y {y:.3f} m; allowed: "
+            f"{panel.size[0] / 2:g} and {panel.size[1] / 2:g} m; rotate or center the row",
+        )
+        for component in panel.components:
+            local = component.panel_from_component.inverse().apply(np.array([x, y, 0.0]))
+            beside = np.abs(local[:2]) - np.array(component.size[:2]) / 2
+            require(
+                float(beside.max()) > ROOM_M,
+                f"{name} would lie at x {x:.3f}, y {y:.3f} m of the panel, nearer than "
+                f"{ROOM_M * 1e3:.0f} mm to component {component.id!r}; rotate or center the row",
+            )
+
+
+def pin_row(goal: PlacePinGoal, wire: PanelWire, panel: Panel) -> dict[str, Pose]:
+    """Return the poses by name, in the world: pin_1, path_1 to path_n, pin_2.
+
+    The pins' x axes point out of the wire, those of the path from the first pin to the second.
+    """
+    start = -goal.connector_space / 2 if goal.centered else 0.0
+    axis = np.array([0.0, 1.0, 0.0]) if goal.rotate else np.array([1.0, 0.0, 0.0])
+    yaw = math.pi / 2 if goal.rotate else 0.0
+
+    def at(along: float, turn: float = 0.0) -> Pose:
+        place: Array = (start + along) * axis
+        return panel.world_from_panel @ Pose.level(place[0], place[1], wire.radius, yaw + turn)
+
+    between = math.ceil(goal.connector_space / goal.path_space - 1e-9) - 1
+    path = {f"path_{k}": at(k * goal.path_space) for k in range(1, between + 1)}
+    return {"pin_1": at(0.0, math.pi), **path, "pin_2": at(goal.connector_space)}
+
+
+def find_demand_problems(
+    robots: Collection[str], forces_n: Mapping[str, float], there: Collection[str]
+) -> Iterator[str]:
+    """Yield why goals of an order would be refused, one sentence each.
+
+    Args:
+        robots: that its goals name.
+        forces_n: the greatest force limit [N] of its goals, by the ability.
+        there: names of the cell's robots.
+    """
+    for robot in robots:
+        if robot not in there:
+            yield f"the order's goals name robot {robot!r}; the cell has {', '.join(there)}"
+    for ability, force_n in forces_n.items():
+        most_n = FORCE_LIMITS_N.get(ability, float("inf"))
+        if force_n > most_n:
+            yield (
+                f"the use case has {ability} push with up to {force_n:g} N; this cell's grip "
+                f"holds at most {most_n:g} N"
+            )

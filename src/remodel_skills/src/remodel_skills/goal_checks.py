@@ -1,8 +1,12 @@
-"""Checks of goals against the panel and the belief; each raises before anything moves."""
+"""What goals must be: checks of their fields, and against the panel and the belief.
+
+Each raises before anything moves.
+"""
 
 from __future__ import annotations
 
 import math
+from typing import Any, TypeAlias
 
 import numpy as np
 
@@ -15,6 +19,47 @@ from remodel_work.openings import nearest_terminal, opening_of
 from remodel_work.panel import Panel, WireEnd, unit_x
 from remodel_work.robot.arm import ToolPose
 from remodel_work.robot.kinematics import Kinematics
+
+# A tool pose may tilt so much and still counts as level [rad].
+LEVEL_RAD = math.radians(2.0)
+
+
+def require(condition: bool, message: str) -> None:
+    """Raise INVALID_GOAL with a message unless the condition holds."""
+    if not condition:
+        raise AbilityError(Code.INVALID_GOAL, message)
+
+
+def require_number(name: str, value: float, low: float, high: float, unit: str) -> None:
+    """Raise INVALID_GOAL unless a field is a finite number within limits."""
+    allowed = f"allowed: {low:g} to {high:g} {unit}"
+    require(math.isfinite(value), f"{name} is {value}; {allowed}")
+    require(low <= value <= high, f"{name} is {value:g} {unit}; {allowed}")
+
+
+def require_pose(name: str, pose: Pose) -> None:
+    """Raise INVALID_GOAL unless a pose is finite, and level with a unit quaternion."""
+    require(bool(np.isfinite(pose.position).all()), f"{name}: position is not finite")
+    require(bool(np.isfinite(pose.quaternion).all()), f"{name}: orientation is not finite")
+    norm = float(np.linalg.norm(pose.quaternion))
+    require(abs(norm - 1) < 1e-3, f"{name}: the quaternion's length is {norm:.3f}; it must be 1")
+    tilt = math.asin(float(np.clip(unit_x(pose)[2], -1, 1)))
+    require(
+        abs(tilt) < LEVEL_RAD,
+        f"{name}: its x axis is tilted by {math.degrees(tilt):.1f} deg; it must be level",
+    )
+
+
+def require_robot(name: str) -> None:
+    """Raise INVALID_GOAL when no robot is named; whether the cell has it, the cell knows."""
+    require(bool(name.strip()), "robot_name is empty; it must name the robot that does it")
+
+
+def parse_end(text: str) -> WireEnd:
+    """Return the end named "a" or "b"."""
+    require(text in ("a", "b"), f"cable_end is {text!r}; allowed: 'a', 'b'")
+    return WireEnd(text)
+
 
 # A socket further than this from the panel's own place is no pose of that terminal [m].
 SOCKET_TOLERANCE_M = 0.05
@@ -153,3 +198,30 @@ def check_reach(arm: Kinematics, tool: ToolPose) -> None:
         arm.joints_for(tool)
     except AbilityError:
         arm.joints_for(ToolPose(tool.x, tool.y, tool.z, tool.yaw + math.pi))
+
+
+# A ROS message: the core imports none, and generated messages have no types.
+Message: TypeAlias = Any
+
+WORLD = "world"
+PANEL = "panel"
+
+
+def pose_from(name: str, message: Message, board: Pose) -> Pose:
+    """Return the pose of a field of type geometry_msgs/PoseStamped in the world frame.
+
+    It may be given in the world's frame (which an empty name means) or in that of the panel, which
+    is at `board`.
+
+    Raises:
+        AbilityError: if it is given in another one.
+    """
+    frame = message.header.frame_id.lstrip("/")
+    if frame not in ("", WORLD, PANEL):
+        raise AbilityError(
+            Code.INVALID_GOAL,
+            f"{name} is given in frame {frame!r}; allowed: {WORLD!r}, {PANEL!r}",
+        )
+    p, q = message.pose.position, message.pose.orientation
+    pose = Pose(np.array([p.x, p.y, p.z]), np.array([q.x, q.y, q.z, q.w]))
+    return board @ pose if frame == PANEL else pose
