@@ -41,13 +41,15 @@ def test_an_end_in_a_closed_clamp_passes_the_pull_test():
     assert max(map(abs, arm.forces)) <= 1.15 * PULL_N + 0.5
 
 
-@pytest.mark.parametrize("feels", [sliding(3.0), held(500.0)], ids=["slides", "gives"])
+@pytest.mark.parametrize(
+    "feels", [sliding(3.0), held(500.0), held(1250.0)], ids=["slides", "gives", "creeps"]
+)
 def test_an_end_that_moves_under_the_pull_is_pulled_out(feels):
     context, arm = at_the_bottom(feels)
     with pytest.raises(AbilityError) as caught:
         run(arm.tick, pull_test(context, SOCKET, PULL_N, "X1/1"))
     assert caught.value.code is Code.PULLED_OUT
-    assert caught.value.found["slip"] > MAX_SLIP_M
+    assert caught.value.found["slip"] > 1e-3
 
 
 def test_an_end_comes_out_with_the_force_that_holds_it():

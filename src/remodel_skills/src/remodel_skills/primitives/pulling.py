@@ -104,7 +104,8 @@ def pull_test(
             taken_up = motion.travel
     motion.stop()
     slip = motion.travel - (taken_up if taken_up is not None else 0.0)
-    if not motion.met_limit or slip > MAX_SLIP_M:
+    # An end that creeps under less than the pull has not met it: the motion only stalled.
+    if not motion.met_limit or motion.loop.pressed_at is None or slip > MAX_SLIP_M:
         raise AbilityError(
             Code.PULLED_OUT,
             f"the end moved {slip * 1e3:.1f} mm in {where} at {motion.force:.1f} of {newtons:.1f} "
