@@ -123,13 +123,13 @@ def test_the_simulated_arm_follows_with_its_axis_and_goes_home():
     context, robot = cell.context, cell.plant.robots["robot_1"]
     target = ToolPose(0.60, 0.35, 0.10, 0.0)
     cell.run(move_to(context, target, FREE_SPEED))
-    np.testing.assert_allclose(robot.device.arm.tool.position, target.position, atol=1e-3)
+    np.testing.assert_allclose(robot.tool.position, target.position, atol=1e-3)
     names = dict(zip(robot.joint_names, robot.joint_state[0], strict=True))
     assert names["axis"] == pytest.approx(0.35, abs=0.02)
     base = robot.world_from_base.position
     np.testing.assert_allclose(base, [ARM.base[0], names["axis"], 0.0], atol=1e-6)
     cell.run(park(context))
-    np.testing.assert_allclose(robot.device.arm.tool.position, ROBOT.home.position, atol=1e-3)
+    np.testing.assert_allclose(robot.tool.position, ROBOT.home.position, atol=1e-3)
     cell.close()
 
 
