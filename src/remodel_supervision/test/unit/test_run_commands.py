@@ -1,5 +1,8 @@
 """A protective stop holds the cell, with or without a run; a command is answered in time."""
 
+from types import SimpleNamespace
+
+import pytest
 from supervisor_bench import FakeAbilities, FakeLoop
 
 from remodel_supervision.core.runs.events import Command, Commanded, Ending
@@ -78,6 +81,38 @@ def test_a_protective_stop_holds_the_cell_when_its_run_has_been_stopped(bench):
     assert [[granted for granted, _ in each] for each in replies] == [[True], [True]]
     cell.commands.active = None
     assert "protective stop by ann" in cell.commands.safety
+
+
+class SlowRun:
+    """A run under way that grants commands late, as while a server stalls."""
+
+    def __init__(self):
+        self.state = SimpleNamespace(ended=None, protective="")
+        self.waiting = []
+
+    def command(self, event, reply):
+        self.waiting.append(reply)
+
+    def grant_all(self):
+        for reply in self.waiting:
+            reply(True, "")
+
+
+@pytest.mark.parametrize("by", ["ann", "bob"])
+def test_a_resume_that_is_granted_late_does_not_release_a_stop_that_came_after_it(by):
+    cell = Cell()
+    cell.commands.active = run = SlowRun()
+    cell.command(Command.PROTECTIVE_STOP)
+    cell.command(Command.RESUME)
+    replies = cell.command(Command.PROTECTIVE_STOP, by)
+    run.grant_all()
+    assert replies[0][1].startswith("the cell is held until")
+    assert by in cell.commands.safety
+    assert by in cell.kept
+    run.waiting.clear()
+    cell.command(Command.RESUME)
+    run.grant_all()
+    assert (cell.commands.safety, cell.kept) == ("", [])
 
 
 def test_controllers_release_their_own_stops_before_anybody_resumes(bench):

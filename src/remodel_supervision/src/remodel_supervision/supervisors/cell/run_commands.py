@@ -50,6 +50,7 @@ class RunCommands:
         self._abilities = abilities
         self._controllers: set[str] = set()
         self._persons = set(persons)
+        self._stops = 0  # of persons so far
         self._keep = keep
         self._replies = PendingReplies(loop.wall_s)
         loop.every(_CHECK_S, self._replies.check)
@@ -101,6 +102,7 @@ class RunCommands:
             supervisor.command(stop, lambda granted, text: None)
 
     def _stop(self, event: Commanded, reply: Reply) -> None:
+        self._stops += 1
         self._set_persons(self._persons | {event.by})
         supervisor = self.active
         if supervisor is not None and supervisor.state.ended is None:
@@ -149,10 +151,14 @@ class RunCommands:
         )
 
     def _releasing(self, reply: Reply) -> Reply:
-        """Return a reply that releases the stops of persons if it is granted."""
+        """Return a reply that releases the stops of persons if it is granted.
+
+        A stop that comes before the reply holds the cell: it came after what the reply answers.
+        """
+        stops = self._stops
 
         def release(granted: bool, text: str) -> None:
-            if granted:
+            if granted and self._stops == stops:
                 self._set_persons(())
             reply(granted, text)
 
