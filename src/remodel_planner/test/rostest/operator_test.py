@@ -56,7 +56,7 @@ class OperatorTest(BrowserTest):
         page, behavior = self.page, self.open_page("/runtime")
         expect(page.locator(".notice")).to_have_count(0, timeout=WORK_MS)
         self.choose(page, "Order", "house")
-        page.get_by_label("Number of tasks").fill("2")  # the first one is placed by hand
+        page.get_by_label("Number of tasks").fill("1")
         self.press(page, "Start the order")
         expect(page.locator("tr.task.running")).to_have_count(1, timeout=WORK_MS)
         wire = rospy.wait_for_message("remodel/use_case/state", UseCaseState, WORK_MS / 1e3).task
