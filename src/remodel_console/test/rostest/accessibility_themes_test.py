@@ -15,7 +15,10 @@ from remodel_console.core.access import Account, Role
 from remodel_console.edge.users_file import hash_of, write_accounts
 from remodel_console.testing.browser_test import free_port
 
-LIST = b"Wire,From,To,Section mm2,Shelf\nW1,K1:1,X1:1,1,a\nW2,K1:2,X1:2,1,b\nW3,K1:3,X1:3,400,c\n"
+LIST = (
+    b"Wire,From,To,Section mm2,Length mm,Shelf\n"
+    b"W1,K1:1,X1:1,1,500,a\nW2,K1:2,X1:2,1,500,b\nW3,K1:3,X1:3,400,500,c\n"
+)
 CONTRADICTION = """format: remodel-preferences-1
 require:
   - {name: up, route: W1, before: W2}
