@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Collection, Iterator, Mapping
+from dataclasses import replace
 from types import MappingProxyType
 from typing import TypeVar
 
@@ -60,7 +61,7 @@ class Cell:
         self._newest_owner = memory.owner if memory else NO_OWNER
         self.contexts = self._make_contexts()
         if memory is not None:
-            self._restore(memory.placed(panel))
+            self._restore(memory.placed(self._held(panel)))
 
     def _make_contexts(self) -> dict[str, RobotContext]:
         """Return new stations for the robots of a freshly built plant."""
@@ -130,11 +131,15 @@ class Cell:
             raise PanelError(panel.name, (*demanded, *self.plant.find_problems(panel)))
         if keep and panel == self.plant.loaded:
             return
-        placed = self._memory.placed(panel) if keep and self._memory else PlacedWires()
+        placed = self._memory.placed(self._held(panel)) if keep and self._memory else PlacedWires()
         self.plant.load(panel)
         self.contexts = self._make_contexts()
         self._restore(placed)
         self.keep()
+
+    def _held(self, panel: Panel) -> Panel:
+        """Return a panel where this cell holds it: wires of elsewhere are not put back."""
+        return replace(panel, world_from_panel=self.plant.design.world_from_panel)
 
     def _restore(self, placed: PlacedWires) -> None:
         if placed.parked:
@@ -157,7 +162,7 @@ class Cell:
             for terminal, held in self.context.belief.occupied.items()
             if held[0] in parked
         }
-        self._memory.keep(self.plant.loaded, PlacedWires(parked, occupied))
+        self._memory.keep(self._held(self.plant.loaded), PlacedWires(parked, occupied))
 
     def _is_finished(self) -> bool:
         """Return whether both ends of the live wire are fixed, and no hand holds it."""

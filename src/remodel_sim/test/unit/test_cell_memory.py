@@ -1,5 +1,7 @@
 """A cell that is killed finds again what a real one would: placed wires, and the time."""
 
+from dataclasses import replace
+
 import numpy as np
 import place_wire as do
 import pytest
@@ -9,6 +11,7 @@ from stored import put, put_live
 
 from remodel_sim.cell import Cell
 from remodel_sim.core.errors import MemoryFileError
+from remodel_sim.edge.cell_file import read_cell
 from remodel_sim.edge.cell_memory import CellMemory
 from remodel_sim.physics.truth import ground_truth
 from remodel_sim.ros.job import Job
@@ -19,6 +22,7 @@ from remodel_states.core.goal_owner import NO_OWNER
 from remodel_states.edge.exported_tables import read_abilities
 from remodel_states.serving.running_goal import RunningGoal
 from remodel_work.errors import AbilityError
+from remodel_work.geometry import Pose
 from remodel_work.panel import BOARD, WireEnd
 from remodel_work.placed_wires import ParkedWire, PlacedWires
 
@@ -52,6 +56,18 @@ def test_a_placed_wire_is_there_after_the_cell_was_killed(memory):
         again.feed("W2", "A")
         assert ground_truth(again.plant, ["W1"]) == before, "the next wire lies beside it"
     finally:
+        again.close()
+
+
+def test_a_board_that_the_cell_holds_elsewhere_now_has_no_wires_of_before(memory):
+    cell = Cell(panel(), memory=memory)
+    put(cell, "W1", *WireEnd)
+    cell.keep()
+    cell.close()
+    moved = replace(read_cell(), world_from_panel=Pose.level(0.52, 0.0, 0.0))
+    for design, wires in ((moved, []), (read_cell(), ["W1"])):
+        again = Cell(panel(), design=design, memory=memory)
+        assert list(again.plant.parked) == wires
         again.close()
 
 
