@@ -24,7 +24,6 @@ from label_scenes import Condition, LabelScene
 from row import Row, report
 
 from remodel_sim.physics.world import World
-from remodel_sim.ros.conversions import read_panel
 from remodel_skills.abilities.locate_gearbox_component import VIEWS
 from remodel_skills.primitives.observation.views import LABEL_ASIDE_M
 from remodel_states.edge.wire_material_file import read_wire_materials
@@ -33,6 +32,7 @@ from remodel_vision.labels import find_labels, search_label
 from remodel_work.camera import Picture
 from remodel_work.geometry import Array, Pose
 from remodel_work.panel import BOARD, Component
+from remodel_work.ros.panel_message import read_panel
 
 PANEL = Path(__file__).parents[2] / "src" / "remodel_sim" / "config" / "panel.yaml"
 # Places of the hand's camera over the label and beside it [m], in the order of their trial.

@@ -4,9 +4,9 @@ from geometry_msgs.msg import Point, Pose2D
 from remodel_msgs.msg import Component, Duct, Rail, Terminal, Wire
 from remodel_msgs.msg import Panel as PanelMsg
 
-from remodel_sim.ros.conversions import panel_from
 from remodel_states.core.wires.wire_materials import PROPERTIES, WireMaterials
 from remodel_work import panel as values
+from remodel_work.ros.panel_message import panel_from
 
 MATERIAL = dict.fromkeys(PROPERTIES, 0.5)
 

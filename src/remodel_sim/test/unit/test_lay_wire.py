@@ -12,12 +12,10 @@ import pytest
 from place_wire import do, extract, fix, insert, locate
 from stored import shape_of
 
-from remodel_sim.cell import Cell
-from remodel_sim.edge.cell_file import read_cell
 from remodel_sim.physics import truth
 from remodel_sim.physics.device import SimulatedGripper
+from remodel_sim.physics.plant import SimulatedPlant
 from remodel_sim.physics.wires.parked_wire import draw_parked
-from remodel_sim.ros.conversions import read_panel
 from remodel_skills import goals
 from remodel_skills.abilities import lay_wire as lay_wire_module
 from remodel_skills.abilities.detect_cable import detect_cable
@@ -35,6 +33,7 @@ from remodel_skills.abilities.lay_wire import (
 )
 from remodel_skills.abilities.pick_cable import pick_cable
 from remodel_skills.abilities.place_cable import place_cable
+from remodel_skills.cell import Cell
 from remodel_skills.primitives.ducts import leading, tucking
 from remodel_skills.primitives.ducts.tucking import tuck_in
 from remodel_skills.primitives.observation.duct_check import (
@@ -51,12 +50,14 @@ from remodel_vision.board.graspable import graspable_places
 from remodel_vision.laid_wire import uppermost_past, wire_past
 from remodel_vision.opening_occupancy import is_seen_empty
 from remodel_vision.wire_lines import WireLines
+from remodel_work.edge.cell_file import read_cell
 from remodel_work.errors import AbilityError
 from remodel_work.geometry import Pose
 from remodel_work.openings import opening_of
 from remodel_work.panel import BOARD, WireEnd
 from remodel_work.placed_wires import ParkedWire
 from remodel_work.robot.arm import ToolPose
+from remodel_work.ros.panel_message import read_panel
 
 CONFIG = Path(__file__).parents[2] / "config"
 GUIDE, HOLDER, WIRE = "robot_1", "robot_2", "W3"
@@ -115,7 +116,7 @@ LEVEL_N = 0.3
 
 def cell_of(design=DESIGN):
     panel = read_panel(CONFIG / "household.yaml", read_wire_materials())
-    return Cell(panel, design=design, seed=1)
+    return Cell(SimulatedPlant(panel, design=design, seed=1))
 
 
 def hold_an_end(cell, wire_id=WIRE, end=WireEnd.B):

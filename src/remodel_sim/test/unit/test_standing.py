@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 from panels import panel
 
-from remodel_sim.cell import Cell
-from remodel_sim.edge.cell_file import read_cell
+from remodel_sim.physics.plant import SimulatedPlant
 from remodel_skills.belief_state import NO_CHANNEL, Feed
+from remodel_skills.cell import Cell
 from remodel_skills.primitives.motions import (
     FREE_SPEED,
     LIFTS_Z,
@@ -17,6 +17,7 @@ from remodel_skills.primitives.motions import (
     swing_to,
 )
 from remodel_vision.board.standing import CELL_M, standing_wires
+from remodel_work.edge.cell_file import read_cell
 from remodel_work.obstacles import WIRES, panel_obstacles
 from remodel_work.panel import BOARD, WireEnd
 from remodel_work.placed_wires import ParkedWire
@@ -32,7 +33,7 @@ NODES = 61
 
 @pytest.fixture(scope="module", params=["cabinet", "two_arms_cabinet"])
 def cell(request):
-    made = Cell(PANEL, design=read_cell(request.param))
+    made = Cell(SimulatedPlant(PANEL, design=read_cell(request.param)))
     yield made
     made.close()
 

@@ -8,7 +8,10 @@ from pathlib import Path
 
 import numpy as np
 
-from remodel_sim.physics.robot_description import (
+from remodel_sim.physics.world import CONTACT_DAMPING, CONTACT_STIFFNESS, World
+from remodel_work.cell.cell_design import Gripper
+from remodel_work.edge.bullet import PARKED_GROUP
+from remodel_work.edge.robot_description import (
     AXIS_FORCE_N,
     FINGERS,
     HAND,
@@ -16,9 +19,6 @@ from remodel_sim.physics.robot_description import (
     foot_link,
     robot_description,
 )
-from remodel_sim.physics.static_body import PARKED_GROUP
-from remodel_sim.physics.world import CONTACT_DAMPING, CONTACT_STIFFNESS, World
-from remodel_work.cell.cell_design import Gripper
 from remodel_work.geometry import Array, Pose
 from remodel_work.robot.arm import PANDA_AT_ORIGIN, ToolPose
 from remodel_work.robot.fingers import CAMERA_MOUNT

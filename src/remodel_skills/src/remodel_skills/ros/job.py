@@ -8,15 +8,15 @@ from typing import Any
 
 import rospy
 
-from remodel_sim.core.errors import MemoryFileError
-from remodel_sim.ros.conversions import result_fields
 from remodel_skills.abilities.ability import CellAbility
 from remodel_skills.goals import Goal
 from remodel_skills.robot_context import AbilityResult, RobotContext
+from remodel_skills.ros.results import result_fields
 from remodel_skills.runner import occupy
 from remodel_states.core.ability_error import AbilityError
 from remodel_states.core.codes import Code
 from remodel_states.serving.running_goal import RunningGoal
+from remodel_work.errors import MemoryFileError
 
 
 class Job:
