@@ -46,7 +46,7 @@ def stored(panel_of, wire_id, shape):
 def put(cell, wire_id, *fixed):
     """Put a wire into a fresh cell, parked as it would be with these ends fixed."""
     placed = stored(cell.plant.loaded, wire_id, shape_of(cell, wire_id, *fixed))
-    cell.plant.restore(placed.parked)
+    cell.plant.load(cell.plant.loaded, placed.parked)
     cell.context.belief.restore(placed)
 
 

@@ -57,7 +57,7 @@ def lying(wire_id, aside, height):
 
 def observed(cell, wire_id, parked):
     """Park wires, and check the forks of one of them."""
-    cell.plant.restore(parked)
+    cell.plant.load(cell.plant.loaded, parked)
     for context in cell.contexts.values():
         context.belief.start_wire(Feed(wire_id, NO_CHANNEL, 1), {})
     return cell.run(check_forks(cell.context), cell.context.name)

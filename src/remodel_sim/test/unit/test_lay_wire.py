@@ -741,9 +741,13 @@ def test_of_two_wires_of_one_colour_the_one_that_is_new_is_taken_below_the_other
         along(route_of(cell), height) + np.array([aside, 0.0, 0.0])
         for aside, height in ((-0.014, 0.082), (0.004, 0.070))
     )
-    cell.plant.restore({ALIKE: ParkedWire(stood, frozenset())})
+    cell.plant.load(cell.plant.loaded, {ALIKE: ParkedWire(stood, frozenset())})
     picture = before(cell)
-    cell.plant.restore({ALIKE: ParkedWire(stood, frozenset()), WIRE: ParkedWire(new, frozenset())})
+    cell.plant.load(
+        cell.plant.loaded,
+        {ALIKE: ParkedWire(stood, frozenset()), WIRE: ParkedWire(new, frozenset())},
+    )
+    before(cell)  # the noise of the next picture is another one
     seen = WireLines(before(cell), own)
     highest = uppermost_past(place, SEARCH_M, seen)
     passing = uppermost_past(place, SEARCH_M, seen, picture)
@@ -761,9 +765,13 @@ def test_an_older_wire_that_hides_the_new_one_is_not_taken_for_it():
     place = Pose.level(float(x), float(y), 0.040, math.pi / 2)
     stood = along(route_of(cell), 0.070)
     new = seen_from + (stood - seen_from) * (seen_from[2] - 0.040) / (seen_from[2] - 0.070)
-    cell.plant.restore({UNLIKE: ParkedWire(stood, frozenset())})
+    cell.plant.load(cell.plant.loaded, {UNLIKE: ParkedWire(stood, frozenset())})
     picture = before(cell)
-    cell.plant.restore({UNLIKE: ParkedWire(stood, frozenset()), WIRE: ParkedWire(new, frozenset())})
+    cell.plant.load(
+        cell.plant.loaded,
+        {UNLIKE: ParkedWire(stood, frozenset()), WIRE: ParkedWire(new, frozenset())},
+    )
+    before(cell)  # the noise of the next picture is another one
     seen = WireLines(before(cell), cell.plant.panel.wire(WIRE))
     taken = uppermost_past(place, SEARCH_M, seen)
     assert taken is not None and taken.height == pytest.approx(0.070, abs=0.005)
@@ -775,9 +783,13 @@ def test_a_wire_whose_colour_is_not_seen_is_found_by_what_is_new_far_aside():
     cell = cell_of()
     stood = along(route_of(cell), 0.034) + np.array([-0.008, 0.0, 0.0])
     new = along(route_of(cell), 0.030) + np.array([FAR_ASIDE_M, 0.0, 0.0])
-    cell.plant.restore({UNLIKE: ParkedWire(stood, frozenset())})
+    cell.plant.load(cell.plant.loaded, {UNLIKE: ParkedWire(stood, frozenset())})
     picture = before(cell)
-    cell.plant.restore({UNLIKE: ParkedWire(stood, frozenset()), WIRE: ParkedWire(new, frozenset())})
+    cell.plant.load(
+        cell.plant.loaded,
+        {UNLIKE: ParkedWire(stood, frozenset()), WIRE: ParkedWire(new, frozenset())},
+    )
+    before(cell)  # the noise of the next picture is another one
     other = replace(cell.plant.panel.wire(WIRE), colour="YE")
     x, y, _ = route_of(cell)[1:3].mean(axis=0)
     place = Pose.level(float(x), float(y), 0.030, math.pi / 2)

@@ -48,7 +48,7 @@ def lay_arch(cell):
     x = np.linspace(-SPAN / 2, SPAN / 2, NODES)
     z = 0.003 + (ARCH_TOP - 0.003) * np.cos(math.pi * x / SPAN)
     nodes = np.column_stack([middle + x, np.full(NODES, ARCH_Y), z])
-    cell.plant.restore({"W2": ParkedWire(nodes, frozenset(WireEnd))})
+    cell.plant.load(cell.plant.loaded, {"W2": ParkedWire(nodes, frozenset(WireEnd))})
     return nodes
 
 

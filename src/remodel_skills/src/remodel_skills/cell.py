@@ -62,7 +62,9 @@ class Cell:
         }
         self.contexts = self._make_contexts()
         if memory is not None:
-            self._restore(memory.placed(self._held(plant.loaded)))
+            placed = memory.placed(self._held(plant.loaded))
+            if placed.parked:
+                self._load(plant.loaded, placed)
 
     def _make_contexts(self) -> dict[str, RobotContext]:
         """Return new stations for the robots of a freshly built plant."""
@@ -134,20 +136,17 @@ class Cell:
         if keep and panel == self.plant.loaded:
             return
         placed = self._memory.placed(self._held(panel)) if keep and self._memory else PlacedWires()
-        self.plant.load(panel)
-        self.contexts = self._make_contexts()
-        self._restore(placed)
+        self._load(panel, placed)
         self.keep()
 
     def _held(self, panel: Panel) -> Panel:
         """Return a panel where this cell holds it: wires of elsewhere are not put back."""
         return replace(panel, world_from_panel=self.plant.design.world_from_panel)
 
-    def _restore(self, placed: PlacedWires) -> None:
-        if placed.parked:
-            self.plant.restore(placed.parked)
-            self.contexts = self._make_contexts()
-            self.context.belief.restore(placed)
+    def _load(self, panel: Panel, placed: PlacedWires) -> None:
+        self.plant.load(panel, placed.parked)
+        self.contexts = self._make_contexts()
+        self.context.belief.restore(placed)
 
     def keep(self) -> None:
         """Keep the wires that have their place, the live one too if it is finished.

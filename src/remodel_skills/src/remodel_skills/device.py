@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from types import MappingProxyType
 from typing import Protocol
 
 from remodel_skills.force_control import ForceLoop
@@ -30,7 +31,7 @@ class RobotArm(Protocol):
 
     @property
     def force(self) -> Array:
-        """The measured force of the hand on the wrist, its weight included, (3,)."""
+        """The measured force of the wrist on the hand, its weight included, (3,)."""
 
     @property
     def hand_mass(self) -> float:
@@ -166,11 +167,8 @@ class Plant(Protocol):
     def find_problems(self, panel: Panel) -> tuple[str, ...]:
         """Return why the cell cannot hold a panel, one sentence each; none: it can."""
 
-    def load(self, panel: Panel) -> None:
-        """Hold a panel without wires; raises PanelError, and nothing changes."""
-
-    def restore(self, parked: Mapping[str, ParkedWire]) -> None:
-        """Hold wires where they had their place before the cell was restarted."""
+    def load(self, panel: Panel, placed: Mapping[str, ParkedWire] = MappingProxyType({})) -> None:
+        """Hold a panel, with the wires that lie on it; raises PanelError, and nothing changes."""
 
     def feed(self, wire_id: str, channel_id: str, tools: Mapping[str, ToolPose]) -> Presentation:
         """Present a wire of which no piece is in the cell; the one before has its place.

@@ -45,7 +45,7 @@ class SimulatedArm:
 
     @property
     def force(self) -> Array:
-        """The measured force of the hand on the wrist, low-passed, world frame, (3,) [N]."""
+        """The measured force of the wrist on the hand, low-passed, world frame, (3,) [N]."""
         robot = self._robot
         return robot.world_from_hand.rotation @ robot.wrist_force
 

@@ -9,6 +9,7 @@ import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from functools import partial
+from types import MappingProxyType
 
 import numpy as np
 import numpy.typing as npt
@@ -31,14 +32,13 @@ from remodel_sim.physics.world import CONTACT_DAMPING, CONTACT_STIFFNESS, World
 from remodel_skills.device import Device, PlacedEnds
 from remodel_work.camera import Picture, View
 from remodel_work.cell.cell_design import CellDesign, WristCamera
-from remodel_work.cell.magazine import find_wire_problems
+from remodel_work.cell.held_panel import find_panel_problems, held_panel
 from remodel_work.cell.presentation import Presentation
 from remodel_work.component_shape import Box
 from remodel_work.edge.bullet import add_static
 from remodel_work.edge.cell_file import read_cell
 from remodel_work.errors import PanelError
 from remodel_work.geometry import Array, Pose
-from remodel_work.layout import find_problems
 from remodel_work.openings import TerminalKey
 from remodel_work.panel import Channel, Connector, Panel, PanelWire, WireEnd
 from remodel_work.placed_wires import ParkedWire
@@ -107,18 +107,18 @@ class SimulatedPlant:
         self.tick_s = self.steps_per_tick * self.world.time_step
         self.load(panel)
 
-    def load(self, panel: Panel) -> None:
-        """Build a panel without wires.
+    def load(self, panel: Panel, placed: Mapping[str, ParkedWire] = MappingProxyType({})) -> None:
+        """Build a panel, with the wires that lie on it.
 
         Raises PanelError and changes nothing when it breaks the rules.
         """
-        design, complete = self.design, self._complete(panel)
+        design = self.design
         problems = self.find_problems(panel)
         if problems:
             raise PanelError(panel.name, problems)
-        self.loaded, self.panel = panel, complete
+        self.loaded, self.panel = panel, held_panel(design, panel)
         self.live: LiveWire | None = None
-        self.parked: dict[str, ParkedWire] = {}
+        self.parked = dict(placed)
         self._noise = np.random.default_rng(self.seed)
         self._world_from_panel = board = self.panel.world_from_panel
         self._poses = {c.id: board @ c.panel_from_component for c in panel.components}
@@ -128,32 +128,7 @@ class SimulatedPlant:
 
     def find_problems(self, panel: Panel) -> tuple[str, ...]:
         """Return why a panel cannot be built, one sentence each; none: it can."""
-        magazine, complete = self.design.magazine, self._complete(panel)
-        problems = find_problems(
-            complete,
-            self.design.arms,
-            self.design.takes,
-            has_magazine=magazine is not None,
-            has_labels=self.design.labels,
-        )
-        if magazine is None or problems:
-            return problems
-        return tuple(find_wire_problems(complete))
-
-    def _complete(self, panel: Panel) -> Panel:
-        """Return a panel as the cell holds it, with the cell's own fixtures."""
-        design = self.design
-        return replace(
-            panel,
-            clips=(*panel.clips, *design.clips),
-            ducts=(*panel.ducts, *design.ducts),
-            world_from_panel=design.world_from_panel,
-        )
-
-    def restore(self, parked: Mapping[str, ParkedWire]) -> None:
-        """Put wires back where they were parked, onto the panel as it was loaded."""
-        self.parked = dict(parked)
-        self._build({robot.name: robot.home for robot in self.design.robots})
+        return find_panel_problems(self.design, panel)
 
     def _build(self, tools: Mapping[str, ToolPose]) -> None:
         """Build the world from what the plant knows, without a live wire.

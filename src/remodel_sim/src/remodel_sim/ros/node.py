@@ -16,6 +16,7 @@ from remodel_sim.ros.services import Owner, Services
 from remodel_sim.ros.sim_clock import KeptTime, SimClock
 from remodel_vision.ros.frames import FixedFrames
 from remodel_work.cell.cell_design import CellDesign
+from remodel_work.edge.cell_file import read_cell
 from remodel_work.panel import Panel
 
 RATES_HZ = (120, 2000)
@@ -27,12 +28,13 @@ class SimulatedCell:
     Attributes:
         plant: the physics.
         clock: its time.
+        lacks: why it cannot do an ability, by the ability's name: it can do all.
     """
 
-    def __init__(
-        self, design: CellDesign, panel: Panel, memory: KeptTime | None, closing: ExitStack
-    ) -> None:
+    def __init__(self, panel: Panel, memory: KeptTime | None, closing: ExitStack) -> None:
         """Build a cell by the node's parameters; raises ValueError or CellError."""
+        self.lacks: dict[str, str] = {}
+        design = read_cell(str(rospy.get_param("~cell", "one_panda")))
         rate_hz = float(rospy.get_param("~rate_hz", 240.0))
         if not RATES_HZ[0] <= rate_hz <= RATES_HZ[1]:
             raise ValueError(f"rate_hz is {rate_hz}; allowed: {RATES_HZ[0]} to {RATES_HZ[1]}")

@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 import sys
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from contextlib import ExitStack
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Protocol
 
@@ -28,8 +28,6 @@ from remodel_states.core.ability_choice import chosen_abilities
 from remodel_states.edge.exported_tables import read_abilities
 from remodel_states.edge.wire_material_file import read_wire_materials
 from remodel_vision.ros.frames import FixedFrames
-from remodel_work.cell.cell_design import CellDesign
-from remodel_work.edge.cell_file import read_cell
 from remodel_work.errors import CellError
 from remodel_work.panel import Panel, WireEnd
 from remodel_work.ros.panel_message import read_panel
@@ -54,16 +52,18 @@ class OpenedPlant:
         plant: what skills use.
         clock: its time.
         offer: is called when the cell is built: what the plant publishes and offers by itself.
+        lacks: why it cannot do an ability, by the ability's name.
     """
 
     plant: Plant
     clock: PlantClock
-    offer: Callable[[Owner, FixedFrames], None]
+    offer: Callable[[Owner, FixedFrames], None] = lambda owner, fixed: None
+    lacks: Mapping[str, str] = field(default_factory=dict)
 
 
 # Opens the plant of a cell that holds a panel. What it opens closes with the stack; it raises
 # CellError, OSError or ValueError.
-OpenPlant = Callable[[CellDesign, Panel, "CellMemory | None", ExitStack], OpenedPlant]
+OpenPlant = Callable[[Panel, "CellMemory | None", ExitStack], OpenedPlant]
 
 
 def main(open_plant: OpenPlant) -> int:
@@ -78,22 +78,26 @@ def main(open_plant: OpenPlant) -> int:
             )
             materials = read_wire_materials()
             panel = read_panel(Path(rospy.get_param("~panel")), materials)
-            owner = _build(open_plant, panel, closing)
+            memory = _memory(closing)
+            opened = open_plant(panel, memory, closing)
+            owner = _build(opened, panel, memory, closing)
         except (CellError, OSError, ValueError, yaml.YAMLError, MessageException) as error:
             rospy.logfatal("the cell does not start: %s", error)
             return 1
         for name in served:
+            if name in opened.lacks:
+                rospy.logwarn("%s is not served: %s", name, opened.lacks[name])
+                continue
             CellAbilityServer(rows[name], abilities[name], owner)
         Services(owner, materials)
         rospy.loginfo("the cell is ready")
         return spin(owner.spin)
 
 
-def _build(open_plant: OpenPlant, panel: Panel, closing: ExitStack) -> Owner:
-    design = read_cell(str(rospy.get_param("~cell", "one_panda")))
-    memory = _memory(closing)
-    opened = open_plant(design, panel, memory, closing)
-    clock = opened.clock
+def _build(
+    opened: OpenedPlant, panel: Panel, memory: CellMemory | None, closing: ExitStack
+) -> Owner:
+    clock, design = opened.clock, opened.plant.design
     fixed = FixedFrames(lambda: clock.now)
     observers = Observers(Pictures(design, lambda: clock.now), fixed)
     cell = Cell(opened.plant, observers=observers, memory=memory)

@@ -1,4 +1,4 @@
-"""Panels from ROS messages and from files.
+"""Panels from and to ROS messages, and from files.
 
 Every error of a message's content is found here or in the rules of panels.
 """
@@ -6,12 +6,21 @@ Every error of a message's content is found here or in the rules of panels.
 from __future__ import annotations
 
 from pathlib import Path
+from typing import Any
 
 import rospy
 import yaml
 from genpy.message import fill_message_args
-from geometry_msgs.msg import Point, Pose2D
+from geometry_msgs.msg import Point, Pose2D, Vector3
+from remodel_msgs.msg import Channel as ChannelMsg
+from remodel_msgs.msg import Clip as ClipMsg
+from remodel_msgs.msg import Component as ComponentMsg
+from remodel_msgs.msg import Connector as ConnectorMsg
+from remodel_msgs.msg import Duct as DuctMsg
 from remodel_msgs.msg import Panel as PanelMsg
+from remodel_msgs.msg import Rail as RailMsg
+from remodel_msgs.msg import Terminal as TerminalMsg
+from remodel_msgs.msg import Wire as WireMsg
 
 from remodel_states.core.wires.wire_materials import PROPERTIES, MaterialError, WireMaterials
 from remodel_work.errors import PanelError
@@ -169,3 +178,64 @@ def _component_from(message: object) -> Component:
         size=(size.x, size.y, size.z),
         terminals=terminals,
     )
+
+
+def panel_message(panel: Panel) -> PanelMsg:
+    """Return a panel as a message, from which `panel_from` reads it again."""
+    message = PanelMsg(name=panel.name, serial=panel.serial, size=Vector3(*panel.size))
+    message.components = [
+        ComponentMsg(
+            id=component.id,
+            kind=component.kind,
+            marker_id=component.marker_id,
+            marker_size=component.marker_size,
+            pose=Pose2D(*component.pose),
+            size=Vector3(*component.size),
+            terminals=[_terminal_message(terminal) for terminal in component.terminals],
+        )
+        for component in panel.components
+    ]
+    message.channels = [_filled(ChannelMsg(), channel) for channel in panel.channels]
+    message.wires = [_wire_message(wire) for wire in panel.wires]
+    message.clips = [_filled(ClipMsg(), clip) for clip in panel.clips]
+    message.ducts = [_filled(DuctMsg(), duct) for duct in panel.ducts]
+    message.rails = [_filled(RailMsg(), rail) for rail in panel.rails]
+    return message
+
+
+def _filled(message: Any, part: Any) -> Any:  # noqa: ANN401
+    """Fill a message from the fields of the same names."""
+    for name in message.__slots__:
+        value = getattr(part, name)
+        setattr(message, name, Pose2D(*value) if name == "pose" else value)
+    return message
+
+
+def _terminal_message(terminal: PanelTerminal) -> TerminalMsg:
+    message = TerminalMsg()
+    for name in message.__slots__:
+        value = getattr(terminal, name)
+        if name in ("mouth", "screw"):
+            value = Point(*(value or (0.0, 0.0, 0.0)))
+        setattr(message, name, value)
+    return message
+
+
+def _wire_message(wire: PanelWire) -> WireMsg:
+    message = WireMsg()
+    # The construction is not kept: what follows from it is.
+    for name in set(message.__slots__) - {"construction"}:
+        value = getattr(wire, name)
+        if name == "connectors":
+            value = [
+                ConnectorMsg(**{**vars(connector), "end": connector.end.value})
+                for connector in value
+            ]
+        elif name == "route":
+            value = [Point(*point) for point in value]
+        elif name == "presented_at":
+            value = Pose2D(*(value or (0.0, 0.0, 0.0)))
+        elif name == "ducts":
+            value = list(value)
+        setattr(message, name, value)
+    return message

@@ -1,0 +1,217 @@
+"""What drivers publish is what skills read, and what skills command is what drivers take."""
+
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+import rospy
+from geometry_msgs.msg import Vector3, WrenchStamped
+from sensor_msgs.msg import JointState
+
+from remodel_skills.edge.robot_file import read_robot
+from remodel_skills.ros import driven_robot
+from remodel_skills.ros.driven_robot import DrivenArm, DrivenCamera, DrivenGripper, Inbox
+from remodel_vision.ros.image_message import image
+from remodel_work.errors import AbilityError
+
+TICK_S = 1 / 120
+HELD_N = 12.0
+
+
+class Topics:
+    """Topics without a master: what is published is kept, and messages are delivered at once."""
+
+    def __init__(self):
+        self.sent, self.callbacks = {}, {}
+
+    def publisher(self, topic, kind, **_):
+        kept = self.sent.setdefault(topic, [])
+        return SimpleNamespace(publish=kept.append)
+
+    def subscriber(self, topic, kind, callback, **_):
+        self.callbacks.setdefault(topic, []).append(callback)
+        return SimpleNamespace(unregister=lambda: self.callbacks[topic].remove(callback))
+
+    def deliver(self, topic, message):
+        for callback in list(self.callbacks[topic]):
+            callback(message)
+
+
+@pytest.fixture
+def ros(monkeypatch):
+    topics = Topics()
+    monkeypatch.setattr(rospy, "Publisher", topics.publisher)
+    monkeypatch.setattr(rospy, "Subscriber", topics.subscriber)
+    return topics
+
+
+def built(ros, name):
+    """Return a robot of a shipped file that stands at its home: design, topics and arm."""
+    cell = read_robot(name)
+    design = cell.design.robots[0]
+    topics = cell.robots[design.name]
+    arm = DrivenArm(Inbox(), design, topics, TICK_S)
+    state = JointState(name=list(topics.joints), position=design.arm.joints_for(design.home))
+    state.header.stamp = rospy.Time.from_sec(5.0)
+    ros.deliver(topics.joint_states, state)
+    deliver_fingers(ros, topics, 0.02)
+    return design, topics, arm
+
+
+def deliver_fingers(ros, topics, position, efforts=()):
+    names = list(topics.fingers)
+    fingers = JointState(name=names, position=[position] * 2, effort=list(efforts))
+    ros.deliver(topics.fingers_topic, fingers)
+
+
+def wrench(at_s, *force):
+    message = WrenchStamped()
+    message.header.stamp = rospy.Time.from_sec(at_s)
+    message.wrench.force = Vector3(*force)
+    return message
+
+
+def test_the_force_is_that_of_the_wrist_on_the_hand_in_the_world(ros):
+    design, topics, arm = built(ros, "franka_ros")
+    # Franka reports what acts on the hand, whose z axis points down.
+    ros.deliver(topics.wrench[0], wrench(1.0, 0.0, 0.0, 3.0))
+    assert arm.force == pytest.approx([0.0, 0.0, 3.0], abs=1e-6)
+    # One reading more is filtered: 4 of the 8 ms of its time constant have passed.
+    ros.deliver(topics.wrench[0], wrench(1.004, 0.0, 0.0, 5.0))
+    assert arm.force == pytest.approx([0.0, 0.0, 4.0], abs=1e-6)
+
+
+def test_what_was_not_heard_of_is_named_with_its_topic(ros):
+    _, topics, arm = built(ros, "franka_ros")
+    assert arm.missing == ["/franka_state_controller/F_ext: geometry_msgs/WrenchStamped"]
+    ros.deliver(topics.wrench[0], wrench(1.0, 0.0, 0.0, 0.0))
+    assert arm.missing == []
+
+
+def test_a_commanded_pose_is_in_the_frame_of_the_driver_and_due_after_a_tick(ros):
+    design, topics, arm = built(ros, "franka_ros")
+    arm.go(design.home)
+    (message,) = ros.sent[topics.motion[0]]
+    assert message.header.frame_id == "panda_link0"
+    assert message.header.stamp.to_sec() == pytest.approx(5.0 + TICK_S, abs=1e-6)
+    position = message.pose.position
+    at = design.arm.world_from_base.apply(np.array([position.x, position.y, position.z]))
+    assert at == pytest.approx(design.home.position, abs=1e-6)
+    # The hand points down: half a turn about x, then its yaw.
+    assert (message.pose.orientation.z, message.pose.orientation.w) == pytest.approx((0, 0))
+
+
+def test_joints_are_commanded_by_their_names(ros):
+    design, topics, arm = built(ros, "ros_control_arm")
+    arm.go(design.home)
+    (message,) = ros.sent[topics.motion[0]]
+    assert message.joint_names == list(topics.joints)
+    assert message.points[0].positions == pytest.approx(design.arm.joints_for(design.home))
+    assert message.points[0].time_from_start.to_sec() == pytest.approx(TICK_S, abs=1e-6)
+
+
+def test_a_push_takes_one_step_for_each_wrench_of_the_time_since_the_last(ros):
+    design, topics, arm = built(ros, "ros_control_arm")
+    steps = []
+    joints = design.arm.joints_for(design.home)
+
+    def step(force, time_step):
+        steps.append((force[2], time_step))
+        return joints
+
+    ros.deliver(topics.wrench[0], wrench(1.0, 0.0, 0.0, 0.0))
+    arm.press(SimpleNamespace(step=step))
+    arm.control()
+    assert steps == [], "nothing new was felt"
+    ros.deliver(topics.wrench[0], wrench(1.002, 0.0, 0.0, 6.0))
+    arm.control()
+    arm.control()
+    assert steps == [(pytest.approx(6.0), pytest.approx(0.002))], "not filtered"
+    assert len(ros.sent[topics.motion[0]]) == 1
+    arm.go_joints(joints)
+    ros.deliver(topics.wrench[0], wrench(1.004, 0.0, 0.0, 6.0))
+    arm.control()
+    assert len(steps) == 1, "another command ends a push"
+
+
+def test_fingers_close_fast_to_a_wire_and_slowly_onto_it(ros):
+    design, topics, arm = built(ros, "ros_control_arm")
+    gripper = DrivenGripper(arm, design, topics)
+    gripper.close_on(0.003)
+    (message,) = ros.sent[topics.gripper[0]]
+    near, closed = message.points
+    assert near.positions == [pytest.approx(0.0025)] * 2
+    assert closed.positions == [0.0, 0.0]
+    slow_s = closed.time_from_start.to_sec() - near.time_from_start.to_sec()
+    assert 0.0025 / slow_s < 0.02 < (0.02 - 0.0025) / near.time_from_start.to_sec()
+
+
+def test_fingers_that_measure_no_force_hold_what_they_have_stopped_on(ros):
+    design, topics, arm = built(ros, "ros_control_arm")
+    gripper = DrivenGripper(arm, design, topics)
+    gripper.close_on(0.003)
+    deliver_fingers(ros, topics, 0.0015)
+    assert gripper.load == design.gripper.grip_force
+    deliver_fingers(ros, topics, 0.0)
+    assert gripper.load == 0.0
+    deliver_fingers(ros, topics, 0.0015, efforts=[HELD_N, HELD_N + 1.0])
+    assert gripper.load == HELD_N
+    assert gripper.gap == pytest.approx(0.003)
+
+
+def test_a_message_that_is_not_installed_is_named_with_its_package(ros, monkeypatch):
+    design, topics, arm = built(ros, "franka_ros")
+    monkeypatch.setattr(driven_robot, "get_message_class", lambda kind: None)
+    with pytest.raises(AbilityError, match="control_msgs/.* is not installed; install .* control"):
+        DrivenGripper(arm, design, topics)
+
+
+def test_an_action_goal_closes_the_hand_with_its_grip_force(ros, monkeypatch):
+    design, topics, arm = built(ros, "franka_ros")
+
+    def goal():
+        return SimpleNamespace(goal=SimpleNamespace(command=SimpleNamespace()))
+
+    monkeypatch.setattr(driven_robot, "get_message_class", lambda kind: goal)
+    DrivenGripper(arm, design, topics).close_on(0.003)
+    (message,) = ros.sent[topics.gripper[0]]
+    assert message.goal.command.position == 0.0
+    assert message.goal.command.max_effort == design.gripper.grip_force
+
+
+def camera_of(ros, name, size):
+    """Return a robot's wrist camera, whose driver answers a subscriber with a picture at once."""
+    design, topics, arm = built(ros, name)
+    subscribe = ros.subscriber
+
+    def answered(topic, kind, callback, **options):
+        made = subscribe(topic, kind, callback, **options)
+        ros.deliver(topic, image(np.zeros((*size, 3), np.uint8), "wrist", rospy.Time.from_sec(6.0)))
+        return made
+
+    rospy.Subscriber = answered
+    view = driven_robot.wrist_view(arm, design)
+    return DrivenCamera(Inbox(), topics.camera, lambda: view, "wrist"), view, topics
+
+
+def test_a_picture_is_seen_from_the_measured_hand(ros):
+    camera, view, topics = camera_of(ros, "franka_ros", (480, 640))
+    picture = camera.take()
+    assert picture.view is view
+    assert picture.rgb.shape == (480, 640, 3)
+    assert ros.callbacks[topics.camera.image] == [], "nobody watches when no picture is taken"
+
+
+def test_a_picture_of_another_size_than_the_lens_is_refused(ros):
+    camera, _, _ = camera_of(ros, "franka_ros", (48, 64))
+    with pytest.raises(AbilityError, match="64 x 48 px; the design of the cell has 640 x 480"):
+        camera.take()
+
+
+def test_a_camera_that_is_silent_is_named(ros, monkeypatch):
+    _, topics, _ = built(ros, "franka_ros")
+    monkeypatch.setattr(driven_robot, "PICTURE_S", 0.01)
+    camera = DrivenCamera(Inbox(), topics.camera, lambda: None, "wrist")
+    with pytest.raises(AbilityError, match="no picture on /wrist/color/image_rect_color within"):
+        camera.take()
+
