@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""The skills of one process wire by the drivers of another: topics and services are all they share."""
+"""The skills of one process wire by the drivers of another, over topics and services alone."""
 
 import rospy
 import rostest

@@ -38,7 +38,7 @@ from remodel_work.ros.panel_message import panel_from, read_panel
 
 T = TypeVar("T")
 
-# Cameras that somebody watches take a picture this often [s of simulated time].
+# Cameras that a node watches take a picture this often [s of simulated time].
 CAMERA_PERIOD_S = 0.1
 # Joint states are published at every second step of the physics, wrenches at each.
 STATE_STEPS = 2
@@ -260,7 +260,7 @@ class _Driven:
 
 
 class _Camera:
-    """The topics of one camera, which takes pictures while somebody subscribes to them."""
+    """The topics of one camera, which takes pictures while a node subscribes to them."""
 
     def __init__(self, name: str, take: Callable[[], Picture]) -> None:
         self._name, self._take = name, take
@@ -269,7 +269,7 @@ class _Camera:
         self._info = rospy.Publisher(f"{name}/camera_info", CameraInfo, queue_size=2)
 
     def publish(self, now: rospy.Time) -> None:
-        """Publish a picture if somebody wants it."""
+        """Publish a picture if a node subscribes to it."""
         if not self._image.get_num_connections() and not self._depth.get_num_connections():
             return
         picture, frame = self._take(), optical_frame(self._name)

@@ -32,6 +32,8 @@ from remodel_work.robot.fingers import CAMERA_MOUNT
 
 # What says nothing for so long, of the wall's time, has stopped [s].
 SILENCE_S = 5.0
+# A push without a new force for so long, by the stamps, is one that feels nothing [s].
+NUMB_S = 0.1
 # A picture arrives within this time [s of the wall]; a renderer takes its time.
 PICTURE_S = 20.0
 # A picture is read at once from its connection [bytes].
@@ -62,48 +64,42 @@ class Inbox:
         return keep
 
 
-class DrivenArm:
-    """An arm behind topics.
+class Sensors:
+    """What the drivers of one robot publish.
 
     Attributes:
-        stamp_s: of its newest joint states [s].
+        stamp_s: of the newest joint states [s].
+        wrench: stamp [s] and force (3,) [N] of the newest wrench, as published but for its sign.
+        filtered: the force, low-passed, (3,) [N].
     """
 
-    def __init__(
-        self, inbox: Inbox, design: RobotDesign, topics: RobotTopics, tick_s: float
-    ) -> None:
-        """Subscribe, and advertise the commands, `tick_s` apart [s]."""
-        self._topics, self._arm, self._tick_s = topics, design.arm, tick_s
-        self.stamp_s = 0.0
+    def __init__(self, inbox: Inbox, topics: RobotTopics) -> None:
+        """Subscribe."""
+        self._topics = topics
         self._joints: dict[str, float] = {}
         self._efforts: dict[str, float] = {}
-        self._wrench: tuple[float, Array] | None = None
-        self._controlled_s = 0.0
-        self._filtered: Array | None = None
-        self._loop: ForceLoop | None = None
-        motion, kind = topics.motion
-        self._sends_poses = kind == POSE
-        self._motion = rospy.Publisher(
-            motion, PoseStamped if self._sends_poses else JointTrajectory, queue_size=2
-        )
-        self._subscribers = [
-            rospy.Subscriber(topics.wrench[0], WrenchStamped, inbox.put(self._felt), queue_size=20),
-            *(
-                rospy.Subscriber(topic, JointState, inbox.put(self._moved), queue_size=20)
-                for topic in sorted({topics.joint_states, topics.fingers_topic})
-            ),
-        ]
+        self.stamp_s = 0.0
+        self.wrench: tuple[float, Array] | None = None
+        self.filtered = np.zeros(3)
+        rospy.Subscriber(topics.wrench[0], WrenchStamped, inbox.put(self._felt), queue_size=20)
+        for topic in sorted({topics.joint_states, topics.fingers_topic}):
+            rospy.Subscriber(topic, JointState, inbox.put(self._moved), queue_size=20)
 
     @property
     def missing(self) -> list[str]:
         """What has not been heard of yet: topic and what it should have."""
-        states, names = self._topics.joint_states, self._topics.joints
-        silent = [f"{states}: joint {name}" for name in names if name not in self._joints]
-        for name in self._topics.fingers:
-            if name not in self._joints:
-                silent.append(f"{self._topics.fingers_topic}: joint {name}")
-        if self._wrench is None:
-            silent.append(f"{self._topics.wrench[0]}: geometry_msgs/WrenchStamped")
+        topics = self._topics
+        silent = [
+            f"{topic}: joint {name}"
+            for topic, names in (
+                (topics.joint_states, topics.joints),
+                (topics.fingers_topic, topics.fingers),
+            )
+            for name in names
+            if name not in self._joints
+        ]
+        if self.wrench is None:
+            silent.append(f"{topics.wrench[0]}: geometry_msgs/WrenchStamped")
         return silent
 
     def _moved(self, message: JointState) -> None:
@@ -113,22 +109,56 @@ class DrivenArm:
             self.stamp_s = message.header.stamp.to_sec()
 
     def _felt(self, message: WrenchStamped) -> None:
-        force = message.wrench.force
-        stamp_s = message.header.stamp.to_sec()
+        force, stamp_s = message.wrench.force, message.header.stamp.to_sec()
         value: Array = float(self._topics.wrench[2]) * np.array([force.x, force.y, force.z])
-        if self._filtered is None or self._wrench is None:
-            self._filtered = value
-        elif self._topics.filter_s > 0:
-            share = min(1.0, max(0.0, stamp_s - self._wrench[0]) / self._topics.filter_s)
-            self._filtered = self._filtered + share * (value - self._filtered)
-        else:
-            self._filtered = value
-        self._wrench = stamp_s, value
+        share = 1.0
+        if self.wrench is not None and self._topics.filter_s > 0:
+            share = min(1.0, max(0.0, stamp_s - self.wrench[0]) / self._topics.filter_s)
+        self.filtered = self.filtered + share * (value - self.filtered)
+        self.wrench = stamp_s, value
+
+    @property
+    def joints(self) -> Array:
+        """The measured joints of the arm, (joints,)."""
+        return np.array([self._joints[name] for name in self._topics.joints])
+
+    @property
+    def fingers(self) -> list[float]:
+        """The measured distance of each finger from the middle [m]."""
+        return [self._joints[name] for name in self._topics.fingers]
+
+    @property
+    def finger_loads(self) -> list[float] | None:
+        """The measured closing force of each finger [N]; None: it is not measured."""
+        efforts = [self._efforts.get(name) for name in self._topics.fingers]
+        measured = [effort for effort in efforts if effort is not None]
+        return measured if len(measured) == len(efforts) else None
+
+
+class DrivenArm:
+    """An arm behind topics.
+
+    Attributes:
+        sensors: what its drivers publish.
+    """
+
+    def __init__(
+        self, inbox: Inbox, design: RobotDesign, topics: RobotTopics, tick_s: float
+    ) -> None:
+        """Subscribe, and advertise the commands, `tick_s` apart [s]."""
+        self._topics, self._arm, self._tick_s = topics, design.arm, tick_s
+        self.sensors = Sensors(inbox, topics)
+        self._controlled_s = 0.0
+        self._loop: ForceLoop | None = None
+        topic, kind = topics.motion
+        self._sends_poses = kind == POSE
+        message = PoseStamped if self._sends_poses else JointTrajectory
+        self._motion = rospy.Publisher(topic, message, queue_size=2)
 
     @property
     def tool(self) -> ToolPose:
         """The measured tool pose."""
-        return self._arm.tool_of(np.array([self._joints[name] for name in self._topics.joints]))
+        return self._arm.tool_of(self.sensors.joints)
 
     @property
     def world_from_hand(self) -> Pose:
@@ -147,8 +177,7 @@ class DrivenArm:
     @property
     def force(self) -> Array:
         """The measured force of the wrist on the hand, low-passed, world frame, (3,) [N]."""
-        assert self._filtered is not None, "a robot is used once it has been heard of"
-        return self._in_world(self._filtered)
+        return self._in_world(self.sensors.filtered)
 
     @property
     def hand_mass(self) -> float:
@@ -162,25 +191,32 @@ class DrivenArm:
     def go_joints(self, joints: Array) -> None:
         """Be in a posture after a tick, (joints,)."""
         self._loop = None
-        self._send(joints, self.stamp_s, self._tick_s)
+        self._send(joints, self.sensors.stamp_s, self._tick_s)
 
     def press(self, loop: ForceLoop) -> None:
         """Move under force control, a step for each wrench, until another command."""
-        if self._loop is None and self._wrench is not None:
-            self._controlled_s = self._wrench[0]
+        if self._loop is None:
+            self._controlled_s = self.sensors.wrench[0] if self.sensors.wrench else 0.0
         self._loop = loop
 
     def control(self) -> None:
         """Answer the newest wrench with the next step of a push or pull."""
-        if self._loop is None or self._wrench is None:
+        if self._loop is None or self.sensors.wrench is None:
             return
-        stamp_s, force = self._wrench
+        stamp_s, force = self.sensors.wrench
         passed_s = stamp_s - self._controlled_s
         if passed_s <= 0.0:
             return
         self._controlled_s = stamp_s
         joints = self._loop.step(self._in_world(force), passed_s)
         self._send(joints, stamp_s, passed_s)
+
+    @property
+    def is_numb(self) -> bool:
+        """Whether it pushes or pulls, and no force has arrived for a while."""
+        if self._loop is None or self.sensors.wrench is None:
+            return False
+        return self.sensors.stamp_s - self.sensors.wrench[0] > NUMB_S
 
     def _send(self, joints: Array, now_s: float, within_s: float) -> None:
         """Send the arm to a posture, to be there within a time [s]."""
@@ -208,23 +244,13 @@ class DrivenArm:
         message.pose.orientation = Quaternion(*pose.quaternion.tolist())
         return message
 
-    def finger_positions(self) -> list[float]:
-        """The measured distance of each finger from the middle [m]."""
-        return [self._joints[name] for name in self._topics.fingers]
-
-    def finger_efforts(self) -> list[float] | None:
-        """The measured closing force of each finger [N]; None: it is not measured."""
-        efforts = [self._efforts.get(name) for name in self._topics.fingers]
-        measured = [effort for effort in efforts if effort is not None]
-        return measured if len(measured) == len(efforts) else None
-
 
 class DrivenGripper:
     """Two fingers behind a topic."""
 
     def __init__(self, arm: DrivenArm, design: RobotDesign, topics: RobotTopics) -> None:
         """Advertise the commands; raises AbilityError where the type's package is missing."""
-        self._arm, self._design, self._topics = arm, design, topics
+        self._sensors, self._design, self._topics = arm.sensors, design, topics
         self._sent = design.arm.fingers.opening / 2
         topic, kind = topics.gripper
         message = get_message_class(kind)
@@ -240,7 +266,7 @@ class DrivenGripper:
     @property
     def gap(self) -> float:
         """The measured distance between the pads [m]."""
-        return sum(self._arm.finger_positions())
+        return sum(self._sensors.fingers)
 
     @property
     def load(self) -> float:
@@ -248,10 +274,10 @@ class DrivenGripper:
 
         Fingers that measure none have their grip force when they have stopped on something.
         """
-        efforts = self._arm.finger_efforts()
+        efforts = self._sensors.finger_loads
         if efforts is not None:
             return min(efforts)
-        stopped = min(self._arm.finger_positions()) > self._sent + STOPPED_M
+        stopped = min(self._sensors.fingers) > self._sent + STOPPED_M
         return self._design.gripper.grip_force if stopped else 0.0
 
     def open_to(self, opening: float) -> None:
@@ -273,7 +299,7 @@ class DrivenGripper:
             self._commands.publish(goal)
             return
         message = JointTrajectory(joint_names=list(self._topics.fingers))
-        here, after_s = max(self._arm.finger_positions()), 0.0
+        here, after_s = max(self._sensors.fingers), 0.0
         for there, speed in ways:
             after_s += abs(there - here) / speed
             point = JointTrajectoryPoint(positions=[there] * 2)

@@ -71,7 +71,7 @@ class Job:
         except StopIteration as done:
             self._succeed(done.value)
         except AbilityError as error:
-            self._end(Code(error.code), str(error), error.found)
+            self.fail(error)
         except Exception as error:  # noqa: BLE001 - a goal must end whatever happens
             rospy.logerr("%s: %s", self, traceback.format_exc())
             self._end(Code.INTERNAL, f"{type(error).__name__}: {error}; the log has more", {})
@@ -81,6 +81,10 @@ class Job:
             self._running.report(progress.message, 100.0 * progress.share)
             return False
         return True
+
+    def fail(self, error: AbilityError) -> None:
+        """End the goal with an error."""
+        self._end(Code(error.code), str(error), error.found)
 
     def _succeed(self, found: AbilityResult) -> None:
         try:

@@ -15,9 +15,11 @@ import threading
 from collections.abc import Callable
 from typing import Generic, Protocol, TypeVar
 
+import rospy
+
 from remodel_skills.cell import Cell
 from remodel_skills.ros.job import Job
-from remodel_work.errors import CellError
+from remodel_work.errors import AbilityError, CellError
 
 T = TypeVar("T")
 
@@ -100,10 +102,17 @@ class Owner:
         for job in tuple(self.jobs):
             if job.step():
                 self.jobs.remove(job)
-        if self.jobs:
-            self.cell.plant.tick()
-        else:
-            self.cell.come_to_rest()
+        try:
+            if self.jobs:
+                self.cell.plant.tick()
+            else:
+                self.cell.come_to_rest()
+        except AbilityError as error:
+            # The plant is at fault, whatever the skills were doing.
+            rospy.logerr("%s", error)
+            for job in self.jobs:
+                job.fail(error)
+            self.jobs.clear()
 
 
 class _Answer(Generic[T]):
