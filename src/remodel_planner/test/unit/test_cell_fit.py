@@ -7,7 +7,7 @@ from types import SimpleNamespace
 
 import pytest
 
-from remodel_planner.commands import import_design, plan
+from remodel_planner.commands import import_design, plan, tasks
 from remodel_planner.commands.options.design_orders import design_order
 from remodel_planning.core.decomposition.cell_fit import misfits
 from remodel_planning.edge.fault_file import read_faults
@@ -124,8 +124,7 @@ def test_a_list_with_wires_that_no_robot_places_is_accepted_without_them(
     said = capsys.readouterr().out
     assert (
         f"  cell {CELL}: 1 wire for robots, 3 by hand (1 shorter than 0.48 m, 1 whose "
-        "section_mm2 is not a number from 0.05 to 4, 1 whose length_mm is not a number from 0 to "
-        "3000); the board fits\n"
+        "section_mm2 is above 4, 1 longer than 3 m); the board fits\n"
     ) in said
     assert (
         f"1: by hand, length is 0.35 m, 0.13 m too little; allowed: 0.48 to 3 m (cell {CELL})\n"
@@ -145,6 +144,23 @@ def test_a_wire_that_is_shorter_than_its_route_is_by_hand(tmp_path, database, ca
     assert f"  cell {CELL}: 20 wires for robots, 1 by hand (1 shorter than their routes); " in said
     assert "    far: by hand, it is 0.48 m long and its route " in said
     assert_agreed(database, "list")
+
+
+def test_of_many_wires_by_hand_the_first_are_printed_and_what_lists_all(tmp_path, database, capsys):
+    file = tmp_path / "list.csv"
+    rows = "".join(f"{n},K1:{n},K2:{n},BK,1.5,{900 if n == 1 else 350}\n" for n in range(1, 32))
+    file.write_text(f"Wire,From,To,Colour,Section mm2,Length mm\n{rows}")
+    order = ["--order", "list", "--database", database]
+    assert import_design.main([str(file), *order]) == 0
+    said = capsys.readouterr().out
+    assert said.count(": by hand, length is 0.35 m") == 20
+    assert said.endswith("    and 10 more by hand (--verbose lists them)\n")
+    assert import_design.main([str(file), "--verbose", "--order", "again", *order[2:]]) == 0
+    assert capsys.readouterr().out.count(": by hand, length is 0.35 m") == 30
+    assert plan.main([*order, "--output", str(tmp_path / "plan.json"), "--time-limit", "0.1"]) == 0
+    assert "    and 10 more by hand (planner tasks lists them)\n" in capsys.readouterr().out
+    assert tasks.main(order) == 0
+    assert capsys.readouterr().out.count(": by hand, length is 0.35 m") == 30
 
 
 MIXED = """Wire,From,To,Colour,Section,Length mm
@@ -173,7 +189,7 @@ def test_any_section_and_colour_and_full_terminals_are_judged_alike(tmp_path, da
     assert import_design.main([*arguments, "--use-case", "cabinet"]) == 0
     said = capsys.readouterr().out
     assert (
-        f"  cell {CELL}: 5 wires for robots, 3 by hand (1 thinner than 0.0025 m, 1 at terminals "
+        f"  cell {CELL}: 5 wires for robots, 3 by hand (1 thinner than 2.5 mm, 1 at terminals "
         "that are full, 1 of no known colour); the board fits\n"
     ) in said
     assert "1 colour not known, such as line 5: colour 'puce' is no known colour, BK taken" in said
@@ -193,7 +209,7 @@ def test_a_users_own_cell_decides(tmp_path, database, capsys):
     )
     assert import_design.main([str(file), "--database", database, "--cell", str(cell)]) == 0
     said = capsys.readouterr().out
-    assert "  cell mine: " in said
+    assert "  cell mine: 3 wires for robots, 1 by hand (1 whose section_mm2 is above 4)" in said
     assert "; the board does not fit: the plate's size in x is 0." in said
     assert "2 devices are on the plate, 1 too many; allowed: 1: a cell without labels" in said
     cell.write_text("name: mine\n")

@@ -440,12 +440,13 @@ Drahtbrücke,X1,1,X1,2,SW,16
 103,TB1,5,TB1,6,BLU,18
 BAR1,X1,5,X2,5,Busbar,
 104,K1,A2,TB1,2,,
+BAR2,X1,6,X2,6,Shorting bar,
 """
     imported = read(text)
     assert [wire.name for wire in imported.order.wires] == ["101", "103", "104"]
     reason = "it is a jumper or bar, a part for a person to set"
     assert [(item.source, item.reason) for item in imported.account.left_out] == [
-        (f"line {line}", reason) for line in (3, 4, 5, 7)
+        (f"line {line}", reason) for line in (3, 4, 5, 7, 9)
     ]
     # Without columns for it nothing says that a line is no wire.
     assert len(read("From,To\nTB1:1,TB1:3\n").order.wires) == 1

@@ -59,8 +59,8 @@ _NO_GROUPS = _NONE | _YES
 # What a wire has and a jumper has not, which say what a line is instead.
 _OF_WIRES = (Field.COLOUR, Field.SECTION, Field.LENGTH, Field.CABLE)
 _JUMPER = re.compile(
-    r"\b(?:jumpers?|bridges?|bus ?bars?|comb|links?|(?:draht|steck)?br(?:ü|ue)cken?|querverbinder|"
-    r"ponts?|pontets?|cavaliers?|peignes?|ponticell[oi]|puentes?)\b",
+    r"\b(?:jumpers?|bridges?|(?:bus ?)?bars?|comb|links?|(?:draht|steck)?br(?:ü|ue)cken?|"
+    r"kammschienen?|querverbinder|ponts?|pontets?|cavaliers?|peignes?|ponticell[oi]|puentes?)\b",
     re.IGNORECASE,
 )
 # What a spreadsheet shows of a formula that it cannot compute.
