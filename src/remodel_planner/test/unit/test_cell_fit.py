@@ -10,13 +10,18 @@ import pytest
 from remodel_planner.commands import import_design, plan, tasks
 from remodel_planner.commands.options.design_orders import design_order
 from remodel_planning.core.decomposition.cell_fit import misfits
+from remodel_planning.core.orders.board_order import board_order
 from remodel_planning.edge.fault_file import read_faults
+from remodel_production.core.board.board import board_of
+from remodel_production.edge.catalogue_file import read_catalogue
 from remodel_production.edge.database.production_database import ProductionDatabase
+from remodel_production.edge.package_files import catalogue_file
 from remodel_production.errors import OrderError
 from remodel_sim.edge.cell_file import read_cell
 from remodel_sim.ros.conversions import panel_from
 from remodel_states.edge.cell_files import read_cell_limits
 from remodel_states.edge.wire_material_file import read_wire_materials
+from remodel_supervision.ros.peers.board_message import board_message
 from remodel_supervision.ros.server.work import WorkMaker
 from remodel_work.cell.magazine import find_wire_problems
 from remodel_work.layout import find_problems
@@ -64,6 +69,15 @@ def work_of(database, name, use_case):
         return maker.work(name, "", 0, owner=1)
 
 
+def panel_message(database, name, design):
+    """Return what the cell would get of an order whose board does not fit."""
+    with closing(ProductionDatabase(database)) as opened:
+        order = opened.order(name)
+    catalogue = read_catalogue(catalogue_file())
+    whole = board_order(board_of(order, catalogue), design.use_case, arms=1)
+    return board_message(design.panel, whole, design.work.wires_by_hand)
+
+
 def refused_by(cell, message):
     """Return the sentences with which a cell refuses a panel."""
     design, panel = read_cell(cell), panel_from(message, read_wire_materials())
@@ -76,9 +90,10 @@ def refused_by(cell, message):
 def assert_agreed(database, name, use_case="cabinet", cell=CELL):
     design = triage_of(database, name, use_case)
     robots = {task.name for task in design.work.tasks}
-    if misfits(design.panel, design.takes):
-        with pytest.raises(OrderError, match=f"the board does not fit cell {cell}: the plate's"):
+    if found := misfits(design.panel, design.takes):
+        with pytest.raises(OrderError, match=f"the board does not fit cell {cell}: "):
             work_of(database, name, use_case)
+        assert refused_by(cell, panel_message(database, name, design)) == found
         return
     if not robots:
         with pytest.raises(OrderError, match="no task is for the robot"):
@@ -133,6 +148,22 @@ def test_a_list_with_wires_that_no_robot_places_is_accepted_without_them(
     output = ["--output", str(tmp_path / "plan.json"), "--time-limit", "0.1"]
     assert plan.main(["--order", "list", *output, *arguments]) == 0
     assert "  tasks for the robot: 1, by hand: 3\n" in capsys.readouterr().out
+
+
+CROWDED = """Wire,From,To,Colour,Section mm2,Length mm,From x,From y,To x,To y
+1,F1:2,K1:1,BK,1.5,620,60,300,200,80
+2,F2:2,K2:1,BK,1.5,620,70,300,260,80
+"""
+
+
+def test_components_whose_places_overlap_are_reported_at_import(tmp_path, database, capsys):
+    file = tmp_path / "list.csv"
+    file.write_text(CROWDED)
+    assert import_design.main([str(file), "--database", database]) == 0
+    said = capsys.readouterr().out
+    overlap = "components 'F1' and 'F2' overlap by 8.0 mm: places farther apart"
+    assert f"; the board does not fit: {overlap}\n" in said
+    assert_agreed(database, "list")
 
 
 def test_a_wire_that_is_shorter_than_its_route_is_by_hand(tmp_path, database, capsys):
