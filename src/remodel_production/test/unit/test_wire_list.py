@@ -27,11 +27,13 @@ def test_an_eplan_like_list_in_windows_encoding_with_decimal_commas():
         ("W7.1", "=A1+C1-X1:7", "+M1:U", "BN", 0.75, 12.0),
     ]
     assert [(cable.name, cable.source) for cable in imported.order.cables] == [("W7", "line 5")]
-    assert imported.account.assumptions[:5] == (
+    assert imported.account.assumptions[:6] == (
         "column 'Cross-section' states no unit: mm2 taken",
         "column 'Length' states no unit: m taken",
         "the file is no UTF-8: read as cp1252",
         "line 4: colour 'hellblau' read as BU",
+        "nothing says where 4 devices are mounted: the plate taken, such as for =A1+C1-K1 (columns "
+        "of places, or --placement)",
         "line 4: name 101 occurs before, at line 2; named 101#2",
     )
     assert [str(item) for item in imported.account.left_out] == [
