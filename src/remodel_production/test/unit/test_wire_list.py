@@ -10,6 +10,8 @@ import pytest
 from openpyxl import Workbook
 from wire_lists import CATALOGUE, MAPPINGS, read, rows
 
+from remodel_production.core.imports.shared.spreadsheet import sheets_of
+from remodel_production.core.imports.wire_lists import table
 from remodel_production.core.imports.wire_lists.mapping import mapping_from
 from remodel_production.core.imports.wire_lists.wire_list import mapping_draft
 from remodel_production.errors import DesignError
@@ -345,6 +347,15 @@ def workbook(**sheets):
 
 
 HEADINGS = ["Wire", "From Device", "From Pin", "To Device", "To Pin", "Section mm²", "Length (mm)"]
+
+
+def test_a_workbook_is_unpacked_once_for_all_mappings(monkeypatch):
+    data = workbook(Cover=[["Title"]], Wires=[HEADINGS, ["1", "K1", "1", "K2", "2", "1", "900"]])
+    unpacked = []
+    monkeypatch.setattr(table, "sheets_of", lambda data: unpacked.append(1) or sheets_of(data))
+    assert table.has_headings(data, MAPPINGS)
+    assert len(MAPPINGS) > 1
+    assert len(unpacked) == 1
 
 
 def test_the_sheet_of_a_workbook_with_headings_is_read_and_the_others_are_named():
