@@ -90,12 +90,12 @@ def test_what_was_not_heard_of_is_named_with_its_topic(ros):
     assert arm.sensors.missing == []
 
 
-def test_a_commanded_pose_is_in_the_frame_of_the_driver_and_due_after_a_tick(ros):
+def test_a_commanded_pose_is_in_the_frame_of_the_driver_and_due_after_a_tick_and_its_lead(ros):
     design, topics, arm = built(ros, "franka_ros")
     arm.go(design.home)
     (message,) = ros.sent[topics.motion[0]]
     assert message.header.frame_id == "panda_link0"
-    assert message.header.stamp.to_sec() == pytest.approx(5.0 + TICK_S, abs=1e-6)
+    assert message.header.stamp.to_sec() == pytest.approx(5.0 + 3 * TICK_S, abs=1e-6)
     position = message.pose.position
     at = design.arm.world_from_base.apply(np.array([position.x, position.y, position.z]))
     assert at == pytest.approx(design.home.position, abs=1e-6)
@@ -109,7 +109,7 @@ def test_joints_are_commanded_by_their_names(ros):
     (message,) = ros.sent[topics.motion[0]]
     assert message.joint_names == list(topics.joints)
     assert message.points[0].positions == pytest.approx(design.arm.joints_for(design.home))
-    assert message.points[0].time_from_start.to_sec() == pytest.approx(TICK_S, abs=1e-6)
+    assert message.points[0].time_from_start.to_sec() == pytest.approx(3 * TICK_S, abs=1e-6)
 
 
 def test_a_push_takes_one_step_for_each_wrench_of_the_time_since_the_last(ros):

@@ -17,6 +17,7 @@ from sensor_msgs.msg import CameraInfo, Image, JointState
 from trajectory_msgs.msg import JointTrajectory
 
 from flexbe_core.ros.master import join, spin
+from remodel_sim.core.setpoints import SAME_S, Setpoints
 from remodel_sim.physics.plant import SimulatedPlant
 from remodel_sim.ros.markers import Markers
 from remodel_sim.ros.publishers import RobotState
@@ -40,6 +41,8 @@ T = TypeVar("T")
 
 # Cameras that a node watches take a picture this often [s of simulated time].
 CAMERA_PERIOD_S = 0.1
+# Simulated time waits so long for who answers each wrench: a machine may be busy [s of the wall].
+ANSWER_S = 0.1
 # Joint states are published at every second step of the physics, wrenches at each.
 STATE_STEPS = 2
 PACES = (0.05, 2.0)
@@ -80,6 +83,8 @@ class RobotDriver:
         period_s = self._plant.world.time_step / self._pace
         pause, due = threading.Event(), time.monotonic()
         while not is_over():
+            for robot in self._robots.values():
+                robot.await_answer()
             with self._lock:
                 if time.monotonic() >= self._frozen_until:
                     self._step()
@@ -188,7 +193,11 @@ class _Driven:
     def __init__(self, plant: SimulatedPlant, design: RobotDesign) -> None:
         self._plant, self._design = plant, design
         self.sent: ToolPose = design.home
-        self._command: tuple[Array, float] | None = None
+        self._setpoints, self._adding = Setpoints(), threading.Condition()
+        # Whether the commands come step by step, each an answer to the last wrench; and the newest.
+        self._answers, self._answered_s = False, 0.0
+        self._now_s = 0.0
+        self._joints = design.arm.joints_for(design.home)
         self._fingers: tuple[float, float] | None = None
         name = design.name
         self._states = rospy.Publisher(f"{name}/joint_states", JointState, queue_size=5)
@@ -214,12 +223,27 @@ class _Driven:
         except CellError as error:
             rospy.logwarn_throttle(1.0, f"{self._design.name}: {error}")
             return
-        self._command = joints, message.header.stamp.to_sec()
+        self._add(message.header.stamp.to_sec(), joints)
 
     def _take_joints(self, message: JointTrajectory) -> None:
-        point = message.points[-1]
-        at_s = (message.header.stamp + point.time_from_start).to_sec()
-        self._command = np.array(point.positions), at_s
+        for point in message.points:
+            at_s = (message.header.stamp + point.time_from_start).to_sec()
+            self._add(at_s, np.array(point.positions))
+
+    def _add(self, at_s: float, joints: Array) -> None:
+        with self._adding:
+            self._setpoints.add(at_s, joints)
+            self._answers = at_s - self._now_s < 1.5 * self._plant.world.time_step
+            self._answered_s = at_s
+            self._adding.notify_all()
+
+    def await_answer(self) -> None:
+        """Wait for the answer to the last wrench while commands come step by step."""
+        with self._adding:
+            answered = self._adding.wait_for(
+                lambda: not self._answers or self._answered_s > self._now_s + SAME_S, ANSWER_S
+            )
+            self._answers = self._answers and answered
 
     def _take_fingers(self, message: JointTrajectory) -> None:
         first, last = message.points[0].positions[0], message.points[-1].positions[0]
@@ -227,17 +251,19 @@ class _Driven:
 
     def forget(self) -> None:
         """Drop commands to a robot that has been built again since."""
-        self._command = self._fingers = None
+        with self._adding:
+            self._setpoints.clear()
+            self._fingers, self._answers = None, False
 
     def drive(self, now_s: float, time_step: float) -> None:
-        """Begin what was commanded since the last step."""
+        """Send the robot where it is to be after the next step."""
         robot = self._plant.robots[self._design.name]
-        command, self._command = self._command, None
-        if command is not None:
-            joints, at_s = command
-            steps = max(1, round((at_s - now_s) / time_step))
-            robot.drive(joints, steps, at_once=steps == 1)
-            self.sent = self._design.arm.tool_of(joints)
+        with self._adding:
+            joints = self._setpoints.step(now_s, time_step, self._joints)
+            at_once, self._now_s = self._answers, now_s + time_step
+        if joints is not None:
+            robot.drive(joints, at_once=at_once)
+            self._joints, self.sent = joints, self._design.arm.tool_of(joints)
         fingers, self._fingers = self._fingers, None
         if fingers is not None:
             robot.drive_fingers(*fingers)

@@ -18,6 +18,8 @@ from remodel_work.errors import CellError
 TICK_HZ = 120.0
 # A wrist sensor's bandwidth of 20 Hz, as the simulated one has [s].
 FILTER_S = 0.008
+# Two ticks.
+LEAD_S = 2.0 / TICK_HZ
 POSE = "geometry_msgs/PoseStamped"
 
 
@@ -45,6 +47,8 @@ class RobotTopics:
             the wrist on the hand.
         filter_s: time constant of the low pass of the force [s].
         motion: topic and type of the commands to the arm.
+        lead_s: commands to be somewhere after a tick are due so much later, so that a late one
+            shakes nothing [s]. Steps of a push are due at once.
         frame: of commanded poses, "world" or "base", and what the driver calls it.
         gripper: topic and type of the commands to the fingers.
         hand_mass: what the wrist carries [kg].
@@ -58,6 +62,7 @@ class RobotTopics:
     wrench: tuple[str, str, int]
     filter_s: float
     motion: tuple[str, str]
+    lead_s: float
     frame: tuple[str, str]
     gripper: tuple[str, str]
     hand_mass: float
@@ -164,6 +169,7 @@ def _robot(parsed: dict[str, Any]) -> RobotTopics:
         wrench=(wrench["topic"], wrench["frame"], wrench.get("sign", 1)),
         filter_s=float(wrench.get("filter_s", FILTER_S)),
         motion=(motion["topic"], motion["type"]),
+        lead_s=float(motion.get("lead_s", LEAD_S)),
         frame=(frame, motion.get("frame_id", frame)),
         gripper=(parsed["gripper"]["topic"], parsed["gripper"]["type"]),
         hand_mass=float(parsed["hand_mass"]),

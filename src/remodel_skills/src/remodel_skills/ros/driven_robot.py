@@ -191,7 +191,7 @@ class DrivenArm:
     def go_joints(self, joints: Array) -> None:
         """Be in a posture after a tick, (joints,)."""
         self._loop = None
-        self._send(joints, self.sensors.stamp_s, self._tick_s)
+        self._send(joints, self.sensors.stamp_s, self._tick_s + self._topics.lead_s)
 
     def press(self, loop: ForceLoop) -> None:
         """Move under force control, a step for each wrench, until another command."""
