@@ -62,6 +62,13 @@ ENTRY_POINTS = {
     "remodel_production.edge.database.migrations.*",  # loaded by Alembic
     "remodel_planner.commands.*",  # named by commands/planner.py
 }
+# Module constants of the skills with numbers: none is of a tool, a wire, a terminal or a motion.
+NUMBERS_OF_SKILLS = {
+    "edge.parameter_table.UNITS",  # what a parameter of a unit may be at all
+    "force_control.RIGID",  # no direction
+    "motion.PEAK_ACCELERATION",  # of a minimum-jerk motion
+    "motion.PEAK_OVER_MEAN",  # the same
+}
 MAX_MODULES = 15
 MAX_METHODS = 15
 OWNED_NAMES = ("End", "Wire", "Terminal", "Arm", "Cable", "Clip", "Fault", "Code", "Answer")
@@ -346,6 +353,24 @@ def test_the_physics_knows_of_skills_only_the_device_port():
         if room(name) in ("physics", "core", "edge"):
             skills = {n for n in imported_names(path) if n.startswith("remodel_skills.")}
             assert not {n for n in skills if not n.startswith(port)}, name
+
+
+def test_the_numbers_of_the_skills_are_data():
+    """A module constant of a skill would be a number without unit, meaning, origin and override."""
+    found = {
+        f"{name}.{target.id}"
+        for name, path in modules("remodel_skills").items()
+        for node in ast.parse(path.read_text()).body
+        if isinstance(node, ast.Assign | ast.AnnAssign) and node.value is not None
+        if any(isinstance(n, ast.Constant) and is_number(n.value) for n in ast.walk(node.value))
+        for target in ast.walk(node)
+        if isinstance(target, ast.Name) and isinstance(target.ctx, ast.Store)
+    }
+    assert found == {f"remodel_skills.{name}" for name in NUMBERS_OF_SKILLS}
+
+
+def is_number(value):
+    return isinstance(value, int | float) and not isinstance(value, bool)
 
 
 def test_no_class_of_the_skills_has_more_methods_than_a_reader_can_survey():

@@ -14,9 +14,12 @@ from remodel_skills import goals
 from remodel_skills.abilities.detect_cable import detect_cable
 from remodel_skills.abilities.insert_cable import insert_cable
 from remodel_skills.abilities.pick_cable import pick_cable
-from remodel_skills.primitives.pushing import FEEL_N, bring_before, push_in
+from remodel_skills.edge.parameter_files import read_parameters
+from remodel_skills.primitives.pushing import bring_before, push_in
 from remodel_states.edge.wire_material_file import read_wire_materials
 from remodel_work.panel import WireEnd
+
+FEEL_N = read_parameters().parameters.wire.feel_n
 
 pytestmark = pytest.mark.physics
 

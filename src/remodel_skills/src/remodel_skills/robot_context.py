@@ -10,6 +10,7 @@ from remodel_skills.belief_state import BeliefState
 from remodel_skills.device import Device
 from remodel_skills.force_control import ForceLoop
 from remodel_skills.observers import Cameras, Observers
+from remodel_skills.parameters import Parameters
 from remodel_skills.scene import Scene
 from remodel_skills.space import Space
 from remodel_skills.traffic import Traffic
@@ -62,6 +63,7 @@ class RobotContext:
         scene: what the robot must not touch.
         space: what it claims among the other robots.
         observers: who receives what abilities observe and intend.
+        parameters: the numbers of its skills.
         cameras: its pictures, which the observers receive as well.
         tick_s: time between two commands to the arm [s].
         busy: whether the robot does something.
@@ -84,6 +86,7 @@ class RobotContext:
         robots: Mapping[str, RobotContext],
         traffic: Traffic,
         observers: Observers,
+        parameters: Parameters,
     ) -> None:
         """Take over a robot of a cell in which nothing has happened yet."""
         self.device, self.cell, self.design = device, cell, design
@@ -91,7 +94,7 @@ class RobotContext:
         self.robots, self.panel, self.belief = robots, panel, belief
         self.scene = Scene(device, panel, belief)
         self.space = Space(design.name, design.arm, traffic, robots)
-        self.observers = observers
+        self.observers, self.parameters = observers, parameters
         self.cameras = Cameras(device, design.camera.name, belief, observers)
         self.tick_s = device.tick_s
         self.busy = self.keeps_wire = False

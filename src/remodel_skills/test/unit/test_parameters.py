@@ -1,10 +1,14 @@
 """The numbers of the skills: read from files, checked, and replaced by a user's own."""
 
 import pytest
+from scripted_device import SOCKET, TERMINAL, before_the_opening
 
 from remodel_skills.commands.parameters import main
 from remodel_skills.edge.parameter_files import parameters_with, read_parameters
 from remodel_skills.edge.parameter_table import ParameterError
+from remodel_skills.primitives.pushing import push_in, tool_before
+from remodel_skills.runner import run
+from remodel_work.layout import STANDOFF_M
 
 SHIPPED = read_parameters()
 GOOD = "free_speed_m_s: {value: 0.5, unit: m/s, origin: measured on our robot}"
@@ -105,3 +109,12 @@ def test_the_command_reports_a_wrong_file(tmp_path, monkeypatch, capsys):
     monkeypatch.setenv("REMODEL_SKILLS", own(tmp_path, "tuks: 1"))
     assert main([]) == 1
     assert "motion.tuks is no parameter; there are: tucks" in capsys.readouterr().err
+
+
+def test_a_skill_does_as_the_parameters_in_force_say(tmp_path):
+    text = "overtravel_m: {value: 0.002, unit: m, origin: a test}"
+    context, arm = before_the_opening(lambda depth: 0.0)
+    context.parameters = parameters_with(own(tmp_path, text, "terminal.yaml")).parameters
+    context.drive(tool_before(SOCKET, context.belief.grip, -STANDOFF_M))
+    push = run(arm.tick, push_in(context, SOCKET, TERMINAL.depth, limit=8.0))
+    assert push.depth == pytest.approx(TERMINAL.depth + 0.002, abs=1e-3)
