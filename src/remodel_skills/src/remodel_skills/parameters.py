@@ -101,7 +101,6 @@ class WireParameters:
 class TerminalParameters:
     """What a terminal decides, and a connector's header: parameters/terminal.yaml."""
 
-    inside_m: float
     outside_m: float
     neighbour_within_m: float
     face_m: float

@@ -1,10 +1,10 @@
 """What closed fingers say about what is between them: on a scripted device, in milliseconds."""
 
 import pytest
-from scripted_device import HOME, PARAMETERS, WIRE, before_the_opening
+from scripted_device import HOME, PARAMETERS, TERMINAL, WIRE, before_the_opening
 
 from remodel_skills.belief_state import Grip
-from remodel_skills.primitives.grasping import check_grip, close_on_wire
+from remodel_skills.primitives.grasping import check_grip, close_on_wire, inside_terminal
 from remodel_skills.runner import run
 from remodel_states.core.codes import Code
 from remodel_work.errors import AbilityError
@@ -51,3 +51,8 @@ def test_fingers_that_feel_nothing_have_lost_the_wire():
         check_grip(context)
     assert caught.value.code is Code.GRASP_SLIPPED
     assert context.belief.grip is None
+
+
+def test_a_wire_is_as_deep_in_its_terminal_as_that_is():
+    context, _ = hand_that_closes_on(WIRE.diameter)
+    assert inside_terminal(context, WireEnd.A) == TERMINAL.depth

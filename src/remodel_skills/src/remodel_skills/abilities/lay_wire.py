@@ -32,7 +32,7 @@ from remodel_skills.primitives.ducts.leading import (
     withdraw,
 )
 from remodel_skills.primitives.force_motion import ForceMotion
-from remodel_skills.primitives.grasping import check_grip
+from remodel_skills.primitives.grasping import check_grip, inside_terminal
 from remodel_skills.primitives.holding import (
     bring_together,
     flat_hold,
@@ -126,12 +126,8 @@ def _lead(holder: RobotContext, guide: RobotContext, route: list[Array]) -> Step
     over = _rim(guide, route[1]) + fixture.duct_over_rim_m
     places.insert(0, replace(places[0], at=np.array([*places[0].at[:2], over])))
     guide.report("searching for the wire at its slot", 0.2)
-    left = (
-        guide.wire.length
-        - grip.distance
-        - holder.parameters.terminal.inside_m
-        - float(np.linalg.norm(route[1] - route[0]))
-    )
+    inside = inside_terminal(guide, grip.end.other)
+    left = guide.wire.length - grip.distance - inside - float(np.linalg.norm(route[1] - route[0]))
     x, y, z = (float(v) for v in route[1])
     # On the side to which the wire goes on: a hand that swings across pitches the wire in its grip.
     onward = (route[2] - route[1]) * [1.0, 1.0, 0.0]

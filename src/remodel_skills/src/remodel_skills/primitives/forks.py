@@ -23,7 +23,7 @@ import numpy as np
 
 from remodel_skills.belief_state import EndState, Grip
 from remodel_skills.primitives.carrying import carry
-from remodel_skills.primitives.grasping import check_grip
+from remodel_skills.primitives.grasping import check_grip, inside_terminal
 from remodel_skills.primitives.pushing import tool_before
 from remodel_skills.robot_context import RobotContext, Steps
 from remodel_states.core.codes import Code
@@ -49,7 +49,7 @@ def let_into_forks(context: RobotContext, forks: Iterable[Duct]) -> Steps[None]:
     )
     before = tool_before(own, grip, -STANDOFF_M)
     free, fixed = context.device.arm.force, start.position
-    length = context.wire.length - grip.distance - context.parameters.terminal.inside_m
+    length = context.wire.length - grip.distance - inside_terminal(context, grip.end.other)
     away = before.position[:2] - fixed[:2]
     towards = away / np.linalg.norm(away)
     # The hand points along the wire.

@@ -71,6 +71,15 @@ def grasp_distance(context: RobotContext, end: WireEnd) -> float:
     return connector.length - context.fingers.width / 2
 
 
+def inside_terminal(context: RobotContext, end: WireEnd) -> float:
+    """Return how much of the live wire is inside the terminal that an end belongs in [m]."""
+    connector = context.wire.connector_at(end)
+    if connector is not None:
+        return connector.pin_length
+    component_id, terminal_id = context.wire.goes_to(end)
+    return context.panel.component(component_id).terminal(terminal_id).depth
+
+
 def _wire_grasp_distance(context: RobotContext, end: WireEnd) -> float:
     """Return where an end without a connector is grasped [m]; it may have slid in its clips."""
     belief, seen = context.belief, context.belief.tips.get(end)
