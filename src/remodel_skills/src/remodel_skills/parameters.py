@@ -19,6 +19,7 @@ class ToolParameters:
     arm_reach_m: float
     floor_clearance_m: float
     led_floor_clearance_m: float
+    pads_clear_m: float
     wire_in_grip_m: float
     close_timeout_s: float
     closing_s: float
@@ -101,7 +102,6 @@ class WireParameters:
 class TerminalParameters:
     """What a terminal decides, and a connector's header: parameters/terminal.yaml."""
 
-    outside_m: float
     neighbour_within_m: float
     face_m: float
     gentle_before_m: float
@@ -135,7 +135,6 @@ class TerminalParameters:
 class FixtureParameters:
     """What clips, ducts, forks and the feeder decide: parameters/fixture.yaml."""
 
-    clip_clear_of_slopes_m: float
     clip_slack_m: float
     clip_clear_m: float
     clip_above_wire_m: float
@@ -302,7 +301,6 @@ class LookingParameters:
     tuck_search_m: float
     direction_m: float
     beyond_posts_m: tuple[float, float]
-    beside_posts_m: float
     across_fork_m: float
     least_points: int
     displaced_m: float

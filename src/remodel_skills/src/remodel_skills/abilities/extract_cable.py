@@ -160,11 +160,8 @@ def _grasp_at_opening(
     then = context.belief.picked_at[end]
     # Between a terminal and a duct there is no more room than an insertion takes.
     by_magazine = context.belief.by_magazine
-    distance = (
-        grasp_distance(context, end)
-        if by_magazine
-        else inside + context.parameters.terminal.outside_m
-    )
+    outside = context.fingers.width / 2 + context.parameters.tool.pads_clear_m
+    distance = grasp_distance(context, end) if by_magazine else inside + outside
     place = tool_before(
         socket, Grip(end=end, distance=distance, height=0.0, flip=0.0, tool=then.tool), inside
     )

@@ -103,7 +103,7 @@ def _beside(context: RobotContext, clip: PanelClip) -> Pose:
 
 def _beside_clip(context: RobotContext, clip: PanelClip) -> float:
     """Return how far from a clip's middle the hand clears it along the wire [m]."""
-    clear_m = context.parameters.fixture.clip_clear_of_slopes_m
+    clear_m = context.parameters.tool.pads_clear_m
     return clip.length / 2 + (context.fingers.width / 2 + clear_m)
 
 
@@ -196,7 +196,7 @@ def grip_from_above(context: RobotContext, grasp: Pose) -> Steps[None]:
 def _fingers_still(context: RobotContext) -> Steps[None]:
     tool = context.parameters.tool
     before = math.inf
-    for _ in range(math.ceil(tool.closing_s / context.tick_s)):
+    for _ in range(math.ceil(tool.close_timeout_s / context.tick_s)):
         yield
         if abs(context.device.gripper.gap - before) < tool.fingers_still_m:
             return

@@ -68,7 +68,7 @@ def sections_of(
     """Return where the wire is seen across a fork, before its posts and behind them."""
     place = panel.world_from_panel @ fork.panel_from_duct
     near, far = (fork.length / 2 + beyond for beyond in looking.beyond_posts_m)
-    half = fork.width / 2 + looking.beside_posts_m
+    half = fork.width / 2 + looking.duct_search_m
     points = place.inverse().apply(points_of_colour(seen, place.position, half + far))
     x, y, z = points[np.abs(points[:, 1]) < half].T
     before, behind = ((near < side * x) & (side * x < far) for side in (-1, 1))
