@@ -23,7 +23,6 @@ class ToolParameters:
     wire_in_grip_m: float
     close_timeout_s: float
     closing_s: float
-    tuck_closing_s: float
     opening_s: float
     fingers_still_m: float
     open_speed_m_s: float

@@ -143,7 +143,7 @@ def _tuck(context: RobotContext, standing: Standing) -> Steps[bool]:
         if is_beside and is_free(context, lower, AMONG_WIRES):
             yield from move_to(context, lower, motion.approach_speed_m_s, AMONG_WIRES)
         context.close_fingers(context.wire.diameter)
-        yield from wait(context, tool.tuck_closing_s)
+        yield from wait(context, tool.closing_s)
         if not grips_nothing(context, context.wire.diameter):
             is_taken = True
             yield from _bring_down(context, take, over_middle, down)
