@@ -58,7 +58,6 @@ class WireParameters:
     tightest_bend_m: float
     snag_n: float
     snag_s: float
-    lead_snag_s: float
     taut_n: float
     most_taut_n: float
     tuck_most_n: float

@@ -491,7 +491,7 @@ def _watched(
         pull = float(np.linalg.norm((guide.device.arm.force - free)[:2]))
         peak = max(peak, pull)
         pulled_s = pulled_s + guide.tick_s if pull > limit else 0.0
-        if pulled_s > guide.parameters.wire.lead_snag_s:
+        if pulled_s > guide.parameters.wire.snag_s:
             for context, _ in move:
                 context.follow(context.device.arm.tool)
             raise AbilityError(
