@@ -67,7 +67,7 @@ def test_an_end_is_seated_with_the_force_that_was_allowed(cell_of, pushes, limit
     assert truth.a.seated
     *until_in, record = pushes
     assert [before.limit for before in until_in] == (
-        [limit, WIRES.feel_n] if limit > WIRES.ferrule_bends_n else []
+        [limit, WIRES.feel_n] if limit > WIRES.gentle_above_n else []
     )
     assert limit <= inserted.peak_force <= record.allowed
     # The wire may jerk between the pads once more when the push has ended.
@@ -85,7 +85,7 @@ def test_a_blocked_opening_is_pressed_no_harder_than_allowed(cell_of, pushes, li
     *felt, pushed = pushes
     assert caught.value.found["peak_force"] <= pushed.allowed
     assert all(record.peak <= record.allowed for record in pushes)
-    first = [limit, WIRES.feel_n] if limit > WIRES.ferrule_bends_n else [limit]
+    first = [limit, WIRES.feel_n] if limit > WIRES.gentle_above_n else [limit]
     feel = [limit, WIRES.feel_n]
     assert [record.limit for record in felt] == [*first, *feel * len(PARAMETERS.terminal.feels_m)]
     assert pushed.limit == limit

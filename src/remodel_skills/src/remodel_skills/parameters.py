@@ -6,7 +6,10 @@ share, a ratio or a count. What follows from others is computed here.
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
+
+from remodel_work.panel import PanelWire
 
 
 @dataclass(frozen=True)
@@ -66,7 +69,8 @@ class WireParameters:
     gives_way_by_n: float
     rubs_n: float
     feel_n: float
-    ferrule_bends_n: float
+    gentle_above_n: float
+    ferrule_askew_rad: float
     buckles_within_m: float
     pull_travel_m: float
     taken_up_share: float
@@ -85,6 +89,17 @@ class WireParameters:
     path_space_range_m: tuple[float, float]
     connector_space_range_m: tuple[float, float]
     path_tolerance_m: float
+
+    def most_at_face_n(self, wire: PanelWire) -> float:
+        """Return with how much an end may be pushed while its tip may be beside the opening [N].
+
+        A ferrule that stands askew by an angle a bends at its joint with the wire where the moment
+        of the push about the joint, F L sin(a), reaches the wire's yield moment, EI k: beyond the
+        curvature k its strands' outer fibres yield (remodel_msgs/config/wire_materials.yaml).
+        """
+        lever = wire.ferrule_length * math.sin(self.ferrule_askew_rad)
+        bends_n = wire.bending_stiffness * wire.yield_curvature / lever
+        return min(self.gentle_above_n, bends_n)
 
     def snagged_n(self, bending_stiffness: float) -> float:
         """Return the pull of a wire that hangs on something [N]: more than that of a free one.

@@ -1,7 +1,9 @@
 """The numbers of the skills: read from files, checked, and replaced by a user's own."""
 
+from dataclasses import replace
+
 import pytest
-from scripted_device import SOCKET, TERMINAL, before_the_opening
+from scripted_device import SOCKET, TERMINAL, WIRE, before_the_opening
 
 from remodel_skills.commands.parameters import main
 from remodel_skills.edge.parameter_files import parameters_with, read_parameters
@@ -118,3 +120,19 @@ def test_a_skill_does_as_the_parameters_in_force_say(tmp_path):
     context.drive(tool_before(SOCKET, context.belief.grip, -STANDOFF_M))
     push = run(arm.tick, push_in(context, SOCKET, TERMINAL.depth, limit=8.0))
     assert push.depth == pytest.approx(TERMINAL.depth + 0.002, abs=1e-3)
+
+
+def test_the_thinner_a_wire_the_less_it_is_pushed_against_a_face():
+    wires, thin = SHIPPED.parameters.wire, replace(WIRE, bending_stiffness=0.25e-3)
+    assert wires.most_at_face_n(WIRE) == wires.gentle_above_n == 10.0
+    assert wires.most_at_face_n(thin) == pytest.approx(2.5, abs=0.05)
+    soft = replace(thin, yield_curvature=thin.yield_curvature / 2)
+    assert wires.most_at_face_n(soft) == pytest.approx(wires.most_at_face_n(thin) / 2)
+    long = replace(thin, ferrule_length=2 * thin.ferrule_length)
+    assert wires.most_at_face_n(long) == pytest.approx(wires.most_at_face_n(thin) / 2)
+
+
+def test_a_stiff_wire_pulls_more_before_it_counts_as_snagged():
+    wires = SHIPPED.parameters.wire
+    free = [wires.snagged_n(stiffness) - wires.snag_n for stiffness in (1e-3, 2e-3)]
+    assert free == pytest.approx([2.5, 5.0])

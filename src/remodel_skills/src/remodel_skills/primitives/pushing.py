@@ -270,7 +270,7 @@ def find_in(context: RobotContext, socket: Pose, bottom: float, limit: float) ->
     """
     wire = context.parameters.wire
     start = context.commanded
-    until_in = limit if limit <= wire.ferrule_bends_n else wire.feel_n
+    until_in = limit if limit <= wire.most_at_face_n(context.wire) else wire.feel_n
     push = yield from push_in(context, socket, bottom, limit, until_in=until_in)
     if _is_in(push, bottom):
         return push
