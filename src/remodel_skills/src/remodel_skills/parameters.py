@@ -228,12 +228,8 @@ class MotionParameters:
     drawn_up_heights: int
     tighten_m: float
     draw_m: float
-    still_before_push_s: float
-    still_before_press_s: float
-    still_before_picture_s: float
-    still_after_push_s: float
-    still_after_clamp_s: float
-    relax_s: float
+    still_s: float
+    force_still_s: float
     settled_s: float
     pick_up_attempts: int
     clip_attempts: int

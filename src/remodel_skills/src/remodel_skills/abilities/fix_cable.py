@@ -59,7 +59,7 @@ def fix_cable(context: RobotContext, goal: FixGoal) -> Steps[CableFixed]:
     context.report(f"closing {where}", 0.1)
     end = belief.grip.end if belief.grip is not None else None
     closed = context.device.fixture.close_clamp(*key)
-    yield from wait(context, context.parameters.motion.still_after_clamp_s)
+    yield from wait(context, context.parameters.motion.still_s)
     if end is None or not closed:
         raise AbilityError(
             Code.NOT_SEATED,

@@ -163,7 +163,7 @@ def _draw(hand: Hand) -> Steps[None]:
     """Draw an end out along the row until the wire pulls back."""
     context, out = hand.context, hand.pin.rotation[:, 0]
     wire = context.parameters.wire
-    yield from wait(context, context.parameters.motion.still_before_push_s)
+    yield from wait(context, context.parameters.motion.force_still_s)
     # Both arms pull at the wire, which is as if it were twice as stiff.
     motion = ForceMotion(
         context, out, wire.taut_n, 2 * wire.grip_stiffness_n_m, context.device.arm.force

@@ -40,7 +40,7 @@ def pull_out(context: RobotContext, socket: Pose, most_n: float) -> Steps[float]
         if motion.met_limit:
             stuck_at = motion.force  # before the hand goes back and the wire relaxes
             context.drive(start)
-            yield from wait(context, context.parameters.motion.relax_s)
+            yield from wait(context, context.parameters.motion.force_still_s)
             raise AbilityError(
                 Code.EXTRACTION_STUCK,
                 f"it does not come out at {stuck_at:.0f} N",
@@ -101,5 +101,5 @@ def pull_test(
             slip=slip,
         )
     context.drive(start)
-    yield from wait(context, context.parameters.motion.relax_s)
+    yield from wait(context, context.parameters.motion.force_still_s)
     return slip

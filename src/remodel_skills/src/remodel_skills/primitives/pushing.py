@@ -126,7 +126,7 @@ def bring_before(context: RobotContext, socket: Pose) -> Steps[None]:
     yield from move_to(
         context, _way_in(context, socket, slant, target)(0.0), motion.approach_speed_m_s
     )
-    yield from wait(context, motion.still_before_push_s)
+    yield from wait(context, motion.force_still_s)
 
 
 def _is_at(context: RobotContext, target: ToolPose) -> bool:
@@ -247,7 +247,7 @@ def push_in(
     motion.stop()
     # The end is where the opening keeps it.
     tip = _held_tip(grip, context.device.arm.tool) - motion.yielded
-    yield from wait(context, context.parameters.motion.still_after_push_s)
+    yield from wait(context, context.parameters.motion.still_s)
     depth = float((tip - socket.position) @ into)
     at_bottom = stopped and -terminal.short_of_bottom_m <= depth - bottom <= terminal.slid_m
     pressed_at = None if at_bottom else motion.loop.pressed_at
@@ -322,7 +322,7 @@ def _back_to(context: RobotContext, *tools: ToolPose) -> Steps[None]:
     motion = context.parameters.motion
     for tool in tools:
         yield from move_to(context, tool, motion.approach_speed_m_s / 2)
-    yield from wait(context, motion.still_before_push_s)
+    yield from wait(context, motion.force_still_s)
 
 
 def judge_alignment(push: Push, mouth: Pose, terminal: PanelTerminal, where: str) -> None:

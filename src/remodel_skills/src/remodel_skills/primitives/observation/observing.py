@@ -127,7 +127,7 @@ def observe_held_tip(context: RobotContext, expected: Array) -> Steps[TipObserva
     looking = context.parameters.looking
     grip = context.belief.grip
     assert grip is not None, "the hand holds the end"
-    yield from wait(context, context.parameters.motion.still_before_picture_s)
+    yield from wait(context, context.parameters.motion.still_s)
     picture = context.cameras.take_overhead_picture()
     yield
     try:
@@ -272,7 +272,7 @@ def go_and_see(context: RobotContext, tool: ToolPose) -> Steps[Picture]:
     else:
         yield from move_to(context, context.commanded.at(z=tool.z), motion.approach_speed_m_s)
         yield from move_to(context, tool, motion.carry_speed_m_s)
-    yield from wait(context, motion.still_before_picture_s)
+    yield from wait(context, motion.still_s)
     picture = context.cameras.take_wrist_picture()
     yield
     return picture
