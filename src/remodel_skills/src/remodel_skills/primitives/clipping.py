@@ -206,7 +206,7 @@ def _fingers_still(context: RobotContext) -> Steps[None]:
 def _press_to(context: RobotContext, bottom: ToolPose, limit: float) -> Steps[bool]:
     """Go down to a tool pose, or until it takes so much force [N]; return whether it got there."""
     pace, within_m = context.parameters.motion, context.parameters.fixture.clip_lips_within_m
-    yield from wait(context, pace.still_s)
+    yield from wait(context, pace.force_still_s)
     way = bottom.position - context.commanded.position
     length = float(np.linalg.norm(way))
     motion = ForceMotion(context, way / length, limit, free=context.device.arm.force)
