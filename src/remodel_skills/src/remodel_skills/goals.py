@@ -308,7 +308,8 @@ def _require_push(goal: InsertGoal | ConnectGoal) -> None:
 
 def _check_push(goal: InsertGoal | ConnectGoal, most_n: float, parameters: Parameters) -> None:
     require_level("socket_pose", goal.socket, parameters.terminal.level_rad)
-    require_number("force_limit", goal.force_limit, 1.0, most_n, unit="N")
+    least_n = parameters.tool.least_push_n
+    require_number("force_limit", goal.force_limit, least_n, most_n, unit="N")
 
 
 def check_free(

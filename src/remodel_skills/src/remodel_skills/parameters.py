@@ -35,6 +35,7 @@ class ToolParameters:
     missed_share: float
     blocked_m: float
     held_load_n: float
+    least_push_n: float
     grip_holds_n: float
     grip_holds_connector_n: float
     grasp_distance_range_m: tuple[float, float]
@@ -170,7 +171,7 @@ class FixtureParameters:
     duct_room_m: float
     duct_back_m: float
     duct_asides_m: tuple[float, ...]
-    duct_over_rims_m: float
+    duct_shed_over_m: float
     duct_enough_share: float
     duct_least_share: float
     tuck_loop_m: float

@@ -85,7 +85,7 @@ def _shed(guide: RobotContext) -> Steps[None]:
     motion, fixture = guide.parameters.motion, guide.parameters.fixture
     rims = max(duct.height for duct in guide.panel.ducts if duct.id in guide.wire.ducts)
     here, allowed = guide.commanded, in_ducts(guide)
-    over = here.at(z=max(here.z, rims + fixture.duct_over_rims_m + guide.fingers.below))
+    over = here.at(z=max(here.z, rims + fixture.duct_shed_over_m + guide.fingers.below))
     across = np.array([-math.sin(here.yaw), math.cos(here.yaw), 0.0])
     yield from move_to(guide, over, motion.leave_speed_m_s, allowed)
     to_both_sides = [
