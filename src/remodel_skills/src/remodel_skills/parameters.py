@@ -220,7 +220,6 @@ class MotionParameters:
     both_carry_z_m: float
     approach_z_m: float
     approach_above_m: float
-    opening_approach_above_m: float
     lift_above_m: float
     clear_of_wire_m: float
     above_target_m: float

@@ -176,9 +176,7 @@ def _grasp_at_opening(
     yield from clear_hand(context)
     yield from swing_to(context, tool.at(z=max(motion.travel_z_m, context.commanded.z)))
     context.drive_fingers(opening_beside_neighbours(context, terminal))
-    yield from move_to(
-        context, tool.at(z=tool.z + motion.opening_approach_above_m), motion.free_speed_m_s
-    )
+    yield from move_to(context, tool.at(z=tool.z + motion.approach_above_m), motion.free_speed_m_s)
     yield from move_to(context, tool, motion.approach_speed_m_s)
     picked = context.belief.picked_at[end]
     yield from close_on_wire(
