@@ -104,9 +104,9 @@ def before_the_opening(feels):
     )
     device = Device(arm, ScriptedGripper(), None, None, None, None, None, TICK_S)
     belief = BeliefState("robot_1", PANDA_AT_ORIGIN)
-    robots = {}
+    robots, traffic = {}, Traffic(PARAMETERS.motion.robots_apart_m)
     robots["robot_1"] = context = RobotContext(
-        *(device, cell, robot, PANEL, belief, robots, Traffic(0.03), Observers()),
+        *(device, cell, robot, PANEL, belief, robots, traffic, Observers()),
         parameters=PARAMETERS,
     )
     belief.start_wire(Feed("W1", "A", 1), {})
