@@ -24,10 +24,11 @@ from panels import panel
 
 from flexbe_core.ros.master import join
 from remodel_console.testing.browser_test import free_port
-from remodel_sim.cell import Cell
+from remodel_sim.physics.plant import SimulatedPlant
 from remodel_sim.ros.markers import Markers
 from remodel_sim.ros.publishers import FixedFrames, RobotState
 from remodel_sim.ros.sim_clock import SimClock
+from remodel_skills.cell import Cell
 
 SLICE_S = 2.0  # of simulated time
 WAIT_S = 30.0
@@ -68,7 +69,7 @@ def main() -> None:
 
 def measure(follower: subprocess.Popen[str], count: int) -> tuple[list[float], list[float]]:
     """Return the speeds [simulated s / s of processor] without and with a subscriber."""
-    cell = Cell(panel(), seed=1)
+    cell = Cell(SimulatedPlant(panel(), seed=1))
     cell.feed("W1", "A")
     plant, clock = cell.plant, SimClock()
     markers = Markers(plant, clock)

@@ -31,8 +31,8 @@ sys.path.insert(0, str(Path(__file__).parents[2] / "src" / "remodel_sim" / "test
 from row import Row, head, report
 from trials import TRIALS, Outcome, Trial, run
 
-from remodel_sim.ros.conversions import read_panel
 from remodel_states.edge.wire_material_file import read_wire_materials
+from remodel_work.ros.panel_message import read_panel
 
 CONFIG = Path(__file__).parents[2] / "src" / "remodel_sim" / "config"
 # Share of good outcomes in percent, by trial: its description and target.

@@ -27,11 +27,8 @@ from typing import TypeVar
 import cv2
 import numpy as np
 
-from remodel_sim.cell import Cell
-from remodel_sim.edge.cell_file import read_cell
-from remodel_sim.physics.plant import Plant
+from remodel_sim.physics.plant import SimulatedPlant
 from remodel_sim.physics.truth import ground_truth
-from remodel_sim.ros.conversions import read_panel
 from remodel_skills import goals
 from remodel_skills.abilities.detect_cable import detect_cable
 from remodel_skills.abilities.discard_cable import discard_cable
@@ -44,14 +41,17 @@ from remodel_skills.abilities.locate_gearbox_component import (
 from remodel_skills.abilities.pick_cable import pick_cable
 from remodel_skills.abilities.place_cable import place_cable
 from remodel_skills.abilities.route_wire import route_wire
+from remodel_skills.cell import Cell
 from remodel_skills.observers import Image, Observers, OnObservation
 from remodel_skills.robot_context import RobotContext, Steps
 from remodel_states.core.codes import Code
 from remodel_states.edge.wire_material_file import read_wire_materials
 from remodel_work.camera import Picture
+from remodel_work.edge.cell_file import read_cell
 from remodel_work.errors import AbilityError
 from remodel_work.geometry import Pose
 from remodel_work.panel import BOARD, PanelWire, WireEnd
+from remodel_work.ros.panel_message import read_panel
 
 CONFIG = Path(__file__).parents[2] / "src" / "remodel_sim" / "config"
 FIRST, SECOND = "robot_1", "robot_2"
@@ -201,7 +201,7 @@ class Trial:
         _print_line(f"{wall:6.1f} s  {cell:6.1f} s  {step}: {message}")
 
 
-def _passings(plant: Plant, wire_id: str) -> str:
+def _passings(plant: SimulatedPlant, wire_id: str) -> str:
     """Return where a wire that was fed passes its forks."""
     live = plant.live is not None and plant.live.wire.id == wire_id
     nodes = plant.live.cable.nodes() if live else plant.parked[wire_id].nodes
@@ -260,7 +260,7 @@ def main() -> int:
     panel = read_panel(CONFIG / "harness.yaml", read_wire_materials())
     observers = Observers(_keep_in(options.pictures)) if options.pictures else None
     design = read_cell(options.cell)
-    cell = Cell(panel, design=design, seed=options.seed, observers=observers)
+    cell = Cell(SimulatedPlant(panel, design=design, seed=options.seed), observers=observers)
     trial = Trial(cell)
     wires = options.wires or [wire.id for wire in panel.wires]
     placed = [wire for wire in wires if _is_placed(trial, wire, options.pieces, options.pictures)]

@@ -20,15 +20,16 @@ import numpy as np
 from plots import BLACK, MARGIN, RED, WIDTH, Axes, axes
 from wire_task import ROBOT
 
-from remodel_sim.cell import Cell
+from remodel_sim.physics.plant import SimulatedPlant
 from remodel_sim.physics.truth import ground_truth
-from remodel_sim.ros.conversions import read_panel
 from remodel_skills.abilities.insert_cable import insert_cable
+from remodel_skills.cell import Cell
 from remodel_skills.goals import InsertGoal
 from remodel_states.edge.wire_material_file import read_wire_materials
 from remodel_work.errors import AbilityError
 from remodel_work.geometry import Pose
 from remodel_work.panel import Panel, WireEnd
+from remodel_work.ros.panel_message import read_panel
 
 PANEL = Path(__file__).parents[2] / "src" / "remodel_sim" / "config" / "panel.yaml"
 LINES = Path("out/bench/insertion-map.jsonl")
@@ -67,7 +68,7 @@ def measure(panel: Panel, offset_mm: float, angle_deg: float) -> Point:
     """Insert end a of the panel's first wire with an error."""
     wire = panel.wires[0]
     terminal = wire.goes_to(WireEnd.A)
-    cell = Cell(panel, seed=SEED)
+    cell = Cell(SimulatedPlant(panel, seed=SEED))
     opening = panel.panel_from_socket(*terminal).position
     cell.feed(wire.id, panel.channel_in_front_of(opening).id)
     error = Pose.level(0.0, offset_mm / 1e3, 0.0, np.radians(angle_deg))

@@ -21,10 +21,8 @@ from typing import TypeVar
 import cv2
 
 from remodel_planning.core.orders.laying_order import first_ends
-from remodel_sim.cell import Cell
-from remodel_sim.edge.cell_file import read_cell
+from remodel_sim.physics.plant import SimulatedPlant
 from remodel_sim.physics.truth import ground_truth, share_in_ducts
-from remodel_sim.ros.conversions import read_panel
 from remodel_skills import goals
 from remodel_skills.abilities.detect_cable import detect_cable
 from remodel_skills.abilities.fix_cable import fix_cable
@@ -32,10 +30,13 @@ from remodel_skills.abilities.insert_cable import insert_cable
 from remodel_skills.abilities.lay_wire import lay_wire
 from remodel_skills.abilities.locate_gearbox_component import locate_gearbox_component
 from remodel_skills.abilities.pick_cable import pick_cable
+from remodel_skills.cell import Cell
 from remodel_skills.robot_context import RobotContext, Steps
 from remodel_states.edge.wire_material_file import read_wire_materials
+from remodel_work.edge.cell_file import read_cell
 from remodel_work.errors import AbilityError
 from remodel_work.panel import Panel, WireEnd
+from remodel_work.ros.panel_message import read_panel
 
 CONFIG = Path(__file__).parents[2] / "src" / "remodel_sim" / "config"
 GUIDE, HOLDER = "robot_1", "robot_2"
@@ -132,7 +133,7 @@ def main() -> int:
     if options.pictures is not None:
         options.pictures.mkdir(parents=True, exist_ok=True)
     panel = read_panel(CONFIG / "household.yaml", read_wire_materials())
-    cell = Cell(panel, design=read_cell(options.cell), seed=options.seed)
+    cell = Cell(SimulatedPlant(panel, design=read_cell(options.cell), seed=options.seed))
     laying = Laying(cell)
     first = _first_ends(panel)
     placed = 0

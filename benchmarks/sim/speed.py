@@ -10,11 +10,11 @@ from panels import wire
 from row import Row
 
 from remodel_sim.core.wires.wire_mechanics import Piece, chain
-from remodel_sim.edge.cell_file import read_cell
 from remodel_sim.physics.fixtures.panel_scene import add_plate_surface
 from remodel_sim.physics.robot import Robot
 from remodel_sim.physics.wires.cable import SimulatedWire
 from remodel_sim.physics.world import World
+from remodel_work.edge.cell_file import read_cell
 
 CELLS = 24
 LENGTH_M = 0.384

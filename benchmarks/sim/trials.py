@@ -15,11 +15,12 @@ import numpy as np
 import wire_task as task
 from force_record import recorded
 
-from remodel_sim.cell import Cell
+from remodel_sim.physics.plant import SimulatedPlant
 from remodel_sim.physics.truth import ground_truth, lies_in
 from remodel_skills import goals
 from remodel_skills.abilities.check_connection import check_connection
 from remodel_skills.abilities.discard_cable import discard_cable
+from remodel_skills.cell import Cell
 from remodel_skills.edge.parameter_files import read_parameters
 from remodel_skills.force_control import ForceLoop
 from remodel_skills.primitives.grasping import release
@@ -101,7 +102,7 @@ def run(trial: Trial) -> Outcome:
 
 
 def _run(trial: Trial) -> Outcome:
-    cell = Cell(trial.panel, seed=trial.seed, rate_hz=trial.rate_hz)
+    cell = Cell(SimulatedPlant(trial.panel, seed=trial.seed, rate_hz=trial.rate_hz))
     wires = trial.panel.wires
     try:
         return TRIALS[trial.name](cell, wires[trial.seed % len(wires)])

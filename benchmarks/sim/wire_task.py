@@ -10,7 +10,6 @@ from typing import TypeVar
 import chart_run
 
 from flexbe_synthesizer.core.chart.model import State
-from remodel_sim.cell import Cell
 from remodel_skills import goals
 from remodel_skills.abilities.detect_cable import detect_cable
 from remodel_skills.abilities.extract_cable import extract_cable
@@ -20,6 +19,7 @@ from remodel_skills.abilities.locate_gearbox_component import locate_gearbox_com
 from remodel_skills.abilities.pick_cable import pick_cable
 from remodel_skills.abilities.place_connector import place_connector as mate_connector
 from remodel_skills.abilities.route_wire import route_wire
+from remodel_skills.cell import Cell
 from remodel_skills.robot_context import RobotContext, Steps
 from remodel_work.errors import AbilityError
 from remodel_work.geometry import Pose

@@ -14,15 +14,15 @@ from pathlib import Path
 
 import numpy as np
 
-from remodel_sim.edge.cell_file import read_cell
 from remodel_sim.physics.cameras import take
 from remodel_sim.physics.fixtures.panel_scene import PanelScene
 from remodel_sim.physics.world import World
-from remodel_sim.ros.conversions import read_panel
 from remodel_states.edge.wire_material_file import read_wire_materials
 from remodel_work.camera import Picture, View, looking_down
+from remodel_work.edge.cell_file import read_cell
 from remodel_work.geometry import Array, Pose
 from remodel_work.panel import BOARD, Component, Panel
+from remodel_work.ros.panel_message import read_panel
 
 CONFIG = Path(__file__).parents[2] / "src" / "remodel_sim" / "config"
 # The wrist camera's height when it observes a component [m].

@@ -13,10 +13,8 @@ import cv2
 import numpy as np
 import numpy.typing as npt
 
-from remodel_sim.edge.cell_file import read_cell
 from remodel_sim.physics.cameras import NOISE_LEVELS, take
 from remodel_sim.physics.fixtures.panel_scene import PanelScene
-from remodel_sim.physics.static_body import add_static
 from remodel_sim.physics.wires.parked_wire import draw_parked
 from remodel_sim.physics.world import World
 from remodel_states.core.wires.wire_colours import DISTINCT_COLOURS
@@ -27,6 +25,8 @@ from remodel_work.component_shape import (
     component_boxes,
     label_corners,
 )
+from remodel_work.edge.bullet import add_static
+from remodel_work.edge.cell_file import read_cell
 from remodel_work.geometry import Array, Pose
 from remodel_work.panel import BOARD, Component, Panel
 

@@ -24,7 +24,6 @@ from label_scenes import Condition, LabelScene
 from row import Row, report
 
 from remodel_sim.physics.world import World
-from remodel_sim.ros.conversions import read_panel
 from remodel_skills.edge.parameter_files import read_parameters
 from remodel_states.edge.wire_material_file import read_wire_materials
 from remodel_vision.label_pose import LabelView, locate_component
@@ -32,6 +31,7 @@ from remodel_vision.labels import find_labels, search_label
 from remodel_work.camera import Picture
 from remodel_work.geometry import Array, Pose
 from remodel_work.panel import BOARD, Component
+from remodel_work.ros.panel_message import read_panel
 
 PARAMETERS = read_parameters().parameters
 

@@ -21,13 +21,14 @@ from pathlib import Path
 import cv2
 import numpy as np
 
-from remodel_sim.cell import Cell
-from remodel_sim.ros.conversions import read_panel
+from remodel_sim.physics.plant import SimulatedPlant
+from remodel_skills.cell import Cell
 from remodel_states.core.wires.wire_colours import DISTINCT_COLOURS
 from remodel_states.edge.wire_material_file import read_wire_materials
 from remodel_vision.wire_ends import find_ends, line_between
 from remodel_work.geometry import Array
 from remodel_work.panel import WireEnd
+from remodel_work.ros.panel_message import read_panel
 
 PANEL = Path(__file__).parents[2] / "src" / "remodel_sim" / "config" / "panel.yaml"
 # Of a wire is seen what lies this near to its line [mm].
@@ -65,7 +66,7 @@ def run(task: tuple[str, int]) -> Answer:
     panel = read_panel(PANEL, read_wire_materials())
     of_panel = panel.wires[seed % len(panel.wires)]
     wire = replace(of_panel, colour=colour)
-    cell = Cell(replace(panel, wires=(wire,)), seed=seed)
+    cell = Cell(SimulatedPlant(replace(panel, wires=(wire,)), seed=seed))
     try:
         opening = panel.panel_from_socket(*wire.goes_to(WireEnd.A)).position
         cell.feed(wire.id, panel.channel_in_front_of(opening).id)

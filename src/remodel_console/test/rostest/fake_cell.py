@@ -10,7 +10,7 @@ from std_msgs.msg import ColorRGBA
 from tf2_msgs.msg import TFMessage
 from visualization_msgs.msg import Marker, MarkerArray
 
-from remodel_sim.physics.robot_description import robot_description
+from remodel_work.edge.robot_description import robot_description
 from remodel_work.robot.arm import PANDA_AT_ORIGIN
 
 PERIOD_S = 0.05

@@ -26,12 +26,12 @@ from remodel_production.core.board.panel import panel_of
 from remodel_production.edge.catalogue_file import read_catalogue
 from remodel_production.edge.database.production_database import ProductionDatabase
 from remodel_production.edge.package_files import catalogue_file
-from remodel_sim.edge.cell_memory import CellMemory
-from remodel_sim.ros.conversions import panel_from
+from remodel_skills.edge.cell_memory import CellMemory
 from remodel_states.edge.wire_material_file import read_wire_materials
 from remodel_supervision.ros.peers.board_message import board_message
 from remodel_work.panel import BOARD, WireEnd
 from remodel_work.placed_wires import ParkedWire, PlacedWires
+from remodel_work.ros.panel_message import panel_from
 
 MEMORY = Path(sys.argv[1])
 LIMIT_S = 60.0

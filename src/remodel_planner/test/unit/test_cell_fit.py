@@ -13,13 +13,13 @@ from remodel_planning.core.decomposition.cell_fit import misfits
 from remodel_planning.edge.fault_file import read_faults
 from remodel_production.edge.database.production_database import ProductionDatabase
 from remodel_production.errors import OrderError
-from remodel_sim.edge.cell_file import read_cell
-from remodel_sim.ros.conversions import panel_from
 from remodel_states.edge.cell_files import read_cell_limits
 from remodel_states.edge.wire_material_file import read_wire_materials
 from remodel_supervision.ros.server.work import WorkMaker
 from remodel_work.cell.magazine import find_wire_problems
+from remodel_work.edge.cell_file import read_cell
 from remodel_work.layout import find_problems
+from remodel_work.ros.panel_message import panel_from
 
 PROJECTS = sorted(Path("/usr/share/qelectrotech/examples").glob("*.qet"))
 PACKAGES = Path(__file__).parents[3]

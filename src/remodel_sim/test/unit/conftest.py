@@ -11,8 +11,9 @@ from disturbance import disturbed
 from force_record import recorded
 from panels import panel
 
-from remodel_sim.cell import Cell
+from remodel_sim.physics.plant import SimulatedPlant
 from remodel_sim.physics.world import World
+from remodel_skills.cell import Cell
 
 
 def pytest_addoption(parser):
@@ -62,6 +63,6 @@ def pushes():
 @pytest.fixture
 def cell():
     """A freshly built cell."""
-    made = Cell(panel(), seed=1)
+    made = Cell(SimulatedPlant(panel(), seed=1))
     yield made
     made.close()

@@ -8,13 +8,14 @@ import sys
 import place_wire as do
 from panels import panel
 
-from remodel_sim.cell import Cell
+from remodel_sim.physics.plant import SimulatedPlant
+from remodel_skills.cell import Cell
 from remodel_work.panel import WireEnd
 
 
 def fingerprint():
     """Locate, pick and insert an end; return a hash of every joint and node."""
-    made = Cell(panel(), seed=7)
+    made = Cell(SimulatedPlant(panel(), seed=7))
     made.feed("W1", "A")
     do.insert(made, "W1", WireEnd.A, "X1", terminal="1", socket=do.locate(made, "X1", "1"))
     state = made.plant.live.cable.nodes().tobytes() + made.plant.robots["robot_1"].joints.tobytes()

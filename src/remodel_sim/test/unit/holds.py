@@ -11,10 +11,10 @@ from remodel_sim.physics.fixtures.clamps import close_clamp
 from remodel_sim.physics.fixtures.clips import add_clip
 from remodel_sim.physics.fixtures.panel_scene import add_plate_surface
 from remodel_sim.physics.robot import HAND_30_N, Robot
-from remodel_sim.physics.static_body import add_static
 from remodel_sim.physics.wires.cable import SimulatedWire
 from remodel_sim.physics.world import CONTACT_DAMPING, CONTACT_STIFFNESS, World
 from remodel_work.component_shape import component_boxes
+from remodel_work.edge.bullet import add_static
 from remodel_work.fixtures import PLAY_M, lips_of
 from remodel_work.geometry import Pose
 from remodel_work.panel import PanelClip, WireEnd

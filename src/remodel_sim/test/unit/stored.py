@@ -14,8 +14,9 @@ import place_wire
 from formboards import formboard
 from panels import panel
 
-from remodel_sim.cell import Cell
+from remodel_sim.physics.plant import SimulatedPlant
 from remodel_skills.belief_state import EndState, Grip
+from remodel_skills.cell import Cell
 from remodel_work.geometry import Pose
 from remodel_work.panel import WireEnd
 from remodel_work.placed_wires import ParkedWire, PlacedWires
@@ -45,7 +46,7 @@ def stored(panel_of, wire_id, shape):
 def put(cell, wire_id, *fixed):
     """Put a wire into a fresh cell, parked as it would be with these ends fixed."""
     placed = stored(cell.plant.loaded, wire_id, shape_of(cell, wire_id, *fixed))
-    cell.plant.restore(placed.parked)
+    cell.plant.load(cell.plant.loaded, placed.parked)
     cell.context.belief.restore(placed)
 
 
@@ -68,7 +69,7 @@ def record():
     """Place the wires; return their shapes [mm]."""
     shapes = {}
     for board, wire_id in WIRES:
-        cell = Cell(board, seed=1)
+        cell = Cell(SimulatedPlant(board, seed=1))
         cell.feed(wire_id, "A")
         place_wire.connect(cell, wire_id, WireEnd.A)
         shapes[f"{board.name}/{wire_id}/a"] = cell.plant.live.cable.nodes()

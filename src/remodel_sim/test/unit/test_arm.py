@@ -4,10 +4,10 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from remodel_sim.edge.cell_file import read_cell
 from remodel_sim.physics.robot import Robot
 from remodel_sim.physics.world import World
 from remodel_states.core.codes import Code
+from remodel_work.edge.cell_file import read_cell
 from remodel_work.errors import AbilityError
 from remodel_work.robot.arm import KUKA_IIWA, PANDA_AT_ORIGIN, Arm, ToolPose
 

@@ -3,9 +3,9 @@ import math
 import numpy as np
 import pytest
 
-from remodel_sim.edge.cell_file import read_cell
 from remodel_sim.physics.robot import Robot
 from remodel_sim.physics.world import World
+from remodel_work.edge.cell_file import read_cell
 from remodel_work.geometry import Pose
 from remodel_work.robot.arm import KUKA_IIWA, PANDA_AT_ORIGIN, Arm, ToolPose
 from remodel_work.robot.arm_volume import Volume, gap_between, gaps_between, volume_of

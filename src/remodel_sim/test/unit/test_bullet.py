@@ -5,7 +5,7 @@ import sys
 
 
 def test_loading_and_connecting_print_nothing():
-    program = "from remodel_sim.physics.bullet import connect; connect().disconnect()"
+    program = "from remodel_work.edge.bullet import connect; connect().disconnect()"
     ended = subprocess.run(
         [sys.executable, "-c", program], capture_output=True, text=True, timeout=120
     )

@@ -11,15 +11,16 @@ from fingerprint import fingerprint_elsewhere
 from panels import panel
 from stored import put_live
 
-from remodel_sim.cell import Cell
-from remodel_sim.edge.cell_file import read_cell
+from remodel_sim.physics.plant import SimulatedPlant
 from remodel_sim.physics.truth import ground_truth
-from remodel_sim.ros.conversions import read_panel
+from remodel_skills.cell import Cell
 from remodel_states.core.codes import Code
 from remodel_states.edge.wire_material_file import read_wire_materials
+from remodel_work.edge.cell_file import read_cell
 from remodel_work.errors import AbilityError
 from remodel_work.geometry import Pose
 from remodel_work.panel import Channel, WireEnd
+from remodel_work.ros.panel_message import read_panel
 
 pytestmark = pytest.mark.physics
 
@@ -33,7 +34,9 @@ def test_the_same_seed_and_goals_give_the_same_bits_in_two_processes():
 
 def test_a_board_that_a_cell_holds_elsewhere_is_wired_there():
     board = Pose.level(0.52, 0.01, 0.0, np.radians(4.0))
-    made = Cell(panel(), design=replace(read_cell(), world_from_panel=board), seed=7)
+    made = Cell(
+        SimulatedPlant(panel(), design=replace(read_cell(), world_from_panel=board), seed=7)
+    )
     made.feed("W1", "A")
     socket = do.locate(made, "X1", "1")
     true = board @ made.plant.panel.panel_from_socket("X1", "1")
@@ -99,7 +102,7 @@ def test_a_weak_clamp_lets_the_end_slip_in_the_pull_test():
     first = replace(
         first, terminals=tuple(replace(t, retention_force=3.0) for t in first.terminals)
     )
-    made = Cell(panel(components=(first, *weak.components[1:])), seed=1)
+    made = Cell(SimulatedPlant(panel(components=(first, *weak.components[1:])), seed=1))
     made.feed("W1", "A")
     do.insert(made, "W1", WireEnd.A, "X1", terminal="1", socket=do.locate(made, "X1", "1"))
     with pytest.raises(AbilityError) as caught:
@@ -169,10 +172,15 @@ def left_behind(cell, wire, channel="A"):
 
 def test_a_piece_that_was_not_touched_is_presented_already():
     made = Cell(
-        panel(
-            channels=(*panel().channels, Channel(id="B", x=0.2, width=0.110, y_min=-0.3, y_max=0.3))
-        ),
-        seed=1,
+        SimulatedPlant(
+            panel(
+                channels=(
+                    *panel().channels,
+                    Channel(id="B", x=0.2, width=0.110, y_min=-0.3, y_max=0.3),
+                )
+            ),
+            seed=1,
+        )
     )
     made.feed("W1", "A")
     live = made.plant.live
@@ -199,7 +207,7 @@ def test_no_piece_is_fed_beside_another_one_of_the_same_wire(cell):
 @pytest.mark.slow
 def test_a_wire_is_placed_over_one_that_lies_in_its_channel():
     example = read_panel(CONFIG / "panel.yaml", read_wire_materials())
-    cell = Cell(example, seed=1)
+    cell = Cell(SimulatedPlant(example, seed=1))
     do.place(cell, "W1")
     do.place(cell, "W2")
     assert all(truth.placed for truth in ground_truth(cell.plant, ["W1", "W2"]))

@@ -6,12 +6,13 @@ import pytest
 import yaml
 from panels import panel
 
-from remodel_sim.cell import Cell
-from remodel_sim.edge.cell_file import read_cell
+from remodel_sim.physics.plant import SimulatedPlant
+from remodel_skills.cell import Cell
+from remodel_work.edge.cell_file import read_cell
 from remodel_work.errors import CellFileError
 from remodel_work.panel import BOARD
 
-CELLS = Path(__file__).parents[2] / "config/cells"
+CELLS = Path(__file__).parents[3] / "remodel_work/config/cells"
 MAGAZINE = yaml.safe_load((CELLS / "cabinet.yaml").read_text())["magazine"]
 AXIS = {"along": "y", "lower": -0.4, "upper": 0.4, "speed": 1.0}
 FINGERS = yaml.safe_load((CELLS / "cabinet.yaml").read_text())["robots"][0]["gripper"]["fingers"]
@@ -190,8 +191,8 @@ def test_the_cells_own_fixtures_are_built_with_every_panel(tmp_path):
     duct = {"id": "D", "pose": [0, 0, 90], "length": 0.3, "width": 0.04, "height": 0.02}
     file = tmp_path / "mine.yaml"
     file.write_text(yaml.safe_dump({**parsed(), "fixtures": {"clips": [], "ducts": [duct]}}))
-    cell = Cell(panel(), design=read_cell(str(file)))
-    cell.reset()
+    cell = Cell(SimulatedPlant(panel(), design=read_cell(str(file))))
+    cell.load(cell.plant.loaded)
     assert [built.id for built in cell.plant.panel.ducts] == ["D"]
     assert cell.plant.loaded == panel()
     cell.close()

@@ -9,19 +9,19 @@ from panels import panel
 from remodel_msgs.msg import FixCableGoal
 from stored import put, put_live
 
-from remodel_sim.cell import Cell
-from remodel_sim.core.errors import MemoryFileError
-from remodel_sim.edge.cell_file import read_cell
-from remodel_sim.edge.cell_memory import CellMemory
+from remodel_sim.physics.plant import SimulatedPlant
 from remodel_sim.physics.truth import ground_truth
-from remodel_sim.ros.job import Job
 from remodel_skills.abilities.ability import cell_abilities
+from remodel_skills.cell import Cell
+from remodel_skills.edge.cell_memory import CellMemory
 from remodel_skills.primitives.taking_up import take_up
+from remodel_skills.ros.job import Job
 from remodel_states.core.codes import Code
 from remodel_states.core.goal_owner import NO_OWNER
 from remodel_states.edge.exported_tables import read_abilities
 from remodel_states.serving.running_goal import RunningGoal
-from remodel_work.errors import AbilityError
+from remodel_work.edge.cell_file import read_cell
+from remodel_work.errors import AbilityError, MemoryFileError
 from remodel_work.geometry import Pose
 from remodel_work.panel import BOARD, WireEnd
 from remodel_work.placed_wires import ParkedWire, PlacedWires
@@ -38,7 +38,7 @@ def memory(tmp_path):
 
 @pytest.mark.physics
 def test_a_placed_wire_is_there_after_the_cell_was_killed(memory):
-    cell = Cell(panel(), seed=1, memory=memory)
+    cell = Cell(SimulatedPlant(panel(), seed=1), memory=memory)
     put(cell, "W1", *WireEnd)
     take_up(cell.context, "W1")
     cell.come_to_rest()
@@ -46,7 +46,7 @@ def test_a_placed_wire_is_there_after_the_cell_was_killed(memory):
     assert [truth.placed for truth in before] == [True]
     cell.close()
 
-    again = Cell(OTHER, seed=1, memory=memory)
+    again = Cell(SimulatedPlant(OTHER, seed=1), memory=memory)
     assert again.plant.parked == {}
     again.load(panel(), keep=True)
     try:
@@ -60,13 +60,13 @@ def test_a_placed_wire_is_there_after_the_cell_was_killed(memory):
 
 
 def test_a_board_that_the_cell_holds_elsewhere_now_has_no_wires_of_before(memory):
-    cell = Cell(panel(), memory=memory)
+    cell = Cell(SimulatedPlant(panel()), memory=memory)
     put(cell, "W1", *WireEnd)
     cell.keep()
     cell.close()
     moved = replace(read_cell(), world_from_panel=Pose.level(0.52, 0.0, 0.0))
     for design, wires in ((moved, []), (read_cell(), ["W1"])):
-        again = Cell(panel(), design=design, memory=memory)
+        again = Cell(SimulatedPlant(panel(), design=design), memory=memory)
         assert list(again.plant.parked) == wires
         again.close()
 
@@ -94,7 +94,7 @@ class DyingHandle:
 @pytest.mark.slow
 @pytest.mark.physics
 def test_a_wire_whose_last_end_is_reported_fixed_is_there_after_a_kill_at_that_moment(memory):
-    cell = Cell(panel(), seed=1, memory=memory)
+    cell = Cell(SimulatedPlant(panel(), seed=1), memory=memory)
     put_live(cell, "W1")
     do.carry(cell, "W1", "A")
     do.insert(cell, "W1", WireEnd.B, "X2", terminal="1", socket=do.locate(cell, "X2", "1"))
@@ -114,7 +114,7 @@ def test_a_wire_whose_last_end_is_reported_fixed_is_there_after_a_kill_at_that_m
             cell.plant.tick()
     cell.close()
 
-    again = Cell(panel(), seed=1, memory=memory)
+    again = Cell(SimulatedPlant(panel(), seed=1), memory=memory)
     try:
         (truth,) = ground_truth(again.plant, again.context.belief.fed)
         assert truth.wire_id == "W1" and truth.placed
@@ -124,7 +124,7 @@ def test_a_wire_whose_last_end_is_reported_fixed_is_there_after_a_kill_at_that_m
 
 
 def test_a_panel_that_is_rebuilt_is_empty(memory):
-    cell = Cell(panel(), seed=1, memory=memory)
+    cell = Cell(SimulatedPlant(panel(), seed=1), memory=memory)
     try:
         put(cell, "W1", *WireEnd)
         cell.keep()
@@ -147,11 +147,11 @@ def test_a_wire_belongs_to_the_product_that_it_was_placed_on(memory):
 
 
 def test_the_newest_owner_outlives_the_process(memory):
-    cell = Cell(panel(), seed=1, memory=memory)
+    cell = Cell(SimulatedPlant(panel(), seed=1), memory=memory)
     cell.admit(17)
     cell.admit(18)
     cell.close()
-    again = Cell(panel(), seed=1, memory=memory)
+    again = Cell(SimulatedPlant(panel(), seed=1), memory=memory)
     try:
         with pytest.raises(AbilityError) as caught:
             again.admit(17)
@@ -165,7 +165,7 @@ def test_the_newest_owner_outlives_the_process(memory):
 def test_an_owner_that_no_cell_wrote_is_refused(memory, tmp_path):
     (tmp_path / "cell" / "owner").write_text("me")
     with pytest.raises(MemoryFileError, match="owner is not what a cell has kept"):
-        Cell(panel(), memory=memory)
+        Cell(SimulatedPlant(panel()), memory=memory)
 
 
 def test_the_time_goes_on(memory, tmp_path):

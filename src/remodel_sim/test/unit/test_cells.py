@@ -7,10 +7,8 @@ import place_wire
 import pytest
 from panels import panel
 
-from remodel_sim.cell import Cell
-from remodel_sim.edge.cell_file import read_cell
+from remodel_sim.physics.plant import SimulatedPlant
 from remodel_sim.physics.truth import ground_truth
-from remodel_sim.ros.conversions import read_panel
 from remodel_skills import goals
 from remodel_skills.abilities.fix_cable import fix_cable
 from remodel_skills.abilities.insert_cable import insert_cable
@@ -18,6 +16,7 @@ from remodel_skills.abilities.locate_gearbox_component import locate_gearbox_com
 from remodel_skills.abilities.pick_cable import pick_cable
 from remodel_skills.abilities.place_cable import place_cable
 from remodel_skills.abilities.place_pin import place_pin
+from remodel_skills.cell import Cell
 from remodel_skills.edge.parameter_files import read_parameters
 from remodel_skills.goals import PlacePinGoal
 from remodel_skills.primitives.motions import move_to
@@ -25,10 +24,12 @@ from remodel_skills.primitives.together import concurrently
 from remodel_skills.runner import occupy, run
 from remodel_states.core.codes import Code
 from remodel_states.edge.wire_material_file import read_wire_materials
+from remodel_work.edge.cell_file import read_cell
 from remodel_work.errors import AbilityError
 from remodel_work.geometry import Pose
 from remodel_work.panel import BOARD, WireEnd
 from remodel_work.robot.arm import ToolPose
+from remodel_work.ros.panel_message import read_panel
 
 MOTION = read_parameters().parameters.motion
 
@@ -39,7 +40,7 @@ CONFIG = Path(__file__).parents[2] / "config"
 
 @pytest.mark.slow
 def test_an_iiwa_places_a_whole_wire():
-    made = Cell(panel(), design=read_cell("one_iiwa"), seed=1)
+    made = Cell(SimulatedPlant(panel(), design=read_cell("one_iiwa"), seed=1))
     place_wire.place(made, "W1")
     (truth,) = ground_truth(made.plant, ["W1"])
     assert truth.placed
@@ -49,7 +50,7 @@ def test_an_iiwa_places_a_whole_wire():
 @pytest.fixture
 def cell():
     """Two Pandas, W1 fed."""
-    made = Cell(panel(), design=read_cell("two_pandas"), seed=1)
+    made = Cell(SimulatedPlant(panel(), design=read_cell("two_pandas"), seed=1))
     made.feed("W1", "A")
     yield made
     made.close()
@@ -180,7 +181,7 @@ def test_two_arms_in_each_others_way_do_not_wait_forever(cell):
 @pytest.mark.slow
 def test_small_labels_show_no_tilt_where_there_is_none():
     household = read_panel(CONFIG / "household.yaml", read_wire_materials())
-    made = Cell(household, design=read_cell("two_arms_cabinet"), seed=1)
+    made = Cell(SimulatedPlant(household, design=read_cell("two_arms_cabinet"), seed=1))
     made.feed("W105", "")
     for terminal in (("Q3", "B2.7"), ("D31", "T2"), ("D35", "T2"), ("D32", "T1")):
         for view in range(3):

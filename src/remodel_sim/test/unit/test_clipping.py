@@ -4,10 +4,11 @@ import numpy as np
 import pytest
 from formboards import formboard
 
-from remodel_sim.cell import Cell
-from remodel_sim.physics.static_body import add_static
+from remodel_sim.physics.plant import SimulatedPlant
+from remodel_skills.cell import Cell
 from remodel_skills.primitives.clipping import grip_from_above, press_around
 from remodel_work.component_shape import Box
+from remodel_work.edge.bullet import add_static
 from remodel_work.geometry import Pose
 from remodel_work.routes import world_from_clip
 
@@ -23,7 +24,7 @@ def with_wire(board, x, y, line):
 
     `line`: the heights of its axis [m] by the distance from y [m]; blocks are at the ends of it.
     """
-    cell = Cell(board, seed=1)
+    cell = Cell(SimulatedPlant(board, seed=1))
     cell.feed("W1", "A")
     cable = cell.plant.live.cable
     nodes = cable.nodes()

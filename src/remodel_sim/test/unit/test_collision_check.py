@@ -9,11 +9,11 @@ import numpy as np
 import pytest
 from panels import panel
 
-from remodel_sim.cell import Cell
-from remodel_sim.edge.cell_file import read_cell
-from remodel_sim.physics.collision_check import CollisionCheck, HeldTip
-from remodel_sim.ros.conversions import read_panel
+from remodel_sim.physics.plant import SimulatedPlant
 from remodel_skills.belief_state import Feed, Grip
+from remodel_skills.cell import Cell
+from remodel_skills.collision import HeldTip
+from remodel_skills.edge.collision_check import BulletCollisionCheck
 from remodel_skills.edge.parameter_files import read_parameters
 from remodel_skills.motion import Line
 from remodel_skills.primitives.motions import move_to, straight_line
@@ -21,6 +21,7 @@ from remodel_skills.primitives.pushing import tool_before
 from remodel_states.core.codes import Code
 from remodel_states.edge.wire_material_file import read_wire_materials
 from remodel_work.component_shape import Box
+from remodel_work.edge.cell_file import read_cell
 from remodel_work.errors import AbilityError
 from remodel_work.geometry import Pose
 from remodel_work.layout import STANDOFF_M
@@ -33,6 +34,7 @@ from remodel_work.obstacles import (
 )
 from remodel_work.panel import BOARD, Duct, Rail, WireEnd
 from remodel_work.robot.arm import ToolPose
+from remodel_work.ros.panel_message import read_panel
 
 MOTION = read_parameters().parameters.motion
 
@@ -49,14 +51,14 @@ X2 = component_name("X2")
 
 @pytest.fixture(scope="module")
 def check():
-    made = CollisionCheck(ROBOT.arm, 0.002)
+    made = BulletCollisionCheck(ROBOT.arm, 0.002)
     yield made
     made.close()
 
 
 @pytest.fixture(scope="module")
 def cell():
-    made = Cell(panel(), design=DESIGN)
+    made = Cell(SimulatedPlant(panel(), design=DESIGN))
     yield made
     made.close()
 
@@ -242,7 +244,7 @@ def test_the_held_end_is_taken_from_the_belief(cell):
 
 
 def test_a_cell_without_a_clearance_checks_nothing():
-    made = Cell(panel())
+    made = Cell(SimulatedPlant(panel()))
     inside = Line(at(0.5, 0.12, 0.10), at(0.58, 0.12, 0.03), 0.1, MOTION)
     assert made.context.scene.first_touch(inside.between, inside.distance, frozenset()) is None
     made.close()

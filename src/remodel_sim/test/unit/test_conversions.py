@@ -1,13 +1,18 @@
 """What a panel's message says of rails, slotted ducts, screws and routes is in the panel."""
 
+from pathlib import Path
+
+import pytest
 from geometry_msgs.msg import Point, Pose2D
 from remodel_msgs.msg import Component, Duct, Rail, Terminal, Wire
 from remodel_msgs.msg import Panel as PanelMsg
 
-from remodel_sim.ros.conversions import panel_from
 from remodel_states.core.wires.wire_materials import PROPERTIES, WireMaterials
+from remodel_states.edge.wire_material_file import read_wire_materials
 from remodel_work import panel as values
+from remodel_work.ros.panel_message import panel_from, panel_message, read_panel
 
+CONFIG = Path(__file__).parents[2] / "config"
 MATERIAL = dict.fromkeys(PROPERTIES, 0.5)
 
 
@@ -52,3 +57,9 @@ def test_a_wire_knows_its_route_its_ducts_and_where_it_is_presented():
     assert first.route == ((0.0, 0.1, 0.02), (0.1, 0.1, 0.03))
     assert (first.ducts, first.presented_at) == (("D1", "L"), (-0.3, 0.1, 0.0))
     assert (second.route, second.ducts, second.presented_at) == ((), (), None)
+
+
+@pytest.mark.parametrize("file", sorted(CONFIG.glob("*.yaml")), ids=lambda file: file.stem)
+def test_a_panel_that_is_written_is_read_again(file):
+    panel = read_panel(file, read_wire_materials())
+    assert panel_from(panel_message(panel), WireMaterials({})) == panel

@@ -7,7 +7,6 @@ import numpy as np
 import pytest
 from panels import component, panel
 
-from remodel_sim.edge.cell_file import read_cell
 from remodel_sim.physics.cameras import take
 from remodel_sim.physics.fixtures.panel_scene import PanelScene
 from remodel_sim.physics.world import World
@@ -19,6 +18,7 @@ from remodel_vision.device_pose import (
 )
 from remodel_vision.panel_pose import register_panel
 from remodel_work.camera import View, looking_down
+from remodel_work.edge.cell_file import read_cell
 from remodel_work.geometry import Pose
 from remodel_work.panel import BOARD
 

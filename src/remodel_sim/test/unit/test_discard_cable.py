@@ -8,18 +8,19 @@ import pytest
 from panels import panel
 from stored import put, put_live, shape_of, stored
 
-from remodel_sim.cell import Cell
-from remodel_sim.edge.cell_file import read_cell
-from remodel_sim.edge.cell_memory import CellMemory
+from remodel_sim.physics.plant import SimulatedPlant
 from remodel_sim.physics.truth import ground_truth
 from remodel_skills.abilities.discard_cable import discard_cable
 from remodel_skills.belief_state import EndState
+from remodel_skills.cell import Cell
+from remodel_skills.edge.cell_memory import CellMemory
 from remodel_skills.edge.parameter_files import read_parameters
 from remodel_skills.goals import DiscardGoal
 from remodel_skills.primitives import carrying
 from remodel_skills.primitives.taking_up import take_up
 from remodel_states.core.codes import Code
 from remodel_work.cell.scrap_bin import bin_of
+from remodel_work.edge.cell_file import read_cell
 from remodel_work.errors import AbilityError
 from remodel_work.panel import WireEnd
 from remodel_work.robot.arm import ToolPose
@@ -47,7 +48,7 @@ def assert_gone(cell, wire):
 @pytest.mark.physics
 @pytest.mark.parametrize("seed", [1, pytest.param(2, marks=pytest.mark.slow)])
 def test_a_piece_that_lies_in_its_channel_is_dropped_into_the_bin(seed):
-    cell = Cell(panel(), seed=seed)
+    cell = Cell(SimulatedPlant(panel(), seed=seed))
     cell.feed("W1", "A")
     goal = DiscardGoal(do.ROBOT, "W1")
     steps = discard_cable(cell.context, goal)
@@ -88,10 +89,10 @@ def test_the_wire_in_the_hand_is_discarded_with_its_other_end_connected(cell):
 @pytest.mark.physics
 def test_a_placed_wire_is_released_and_discarded_by_a_cell_that_was_restarted(tmp_path):
     memory = CellMemory(tmp_path)
-    first = Cell(panel(), seed=3)
+    first = Cell(SimulatedPlant(panel(), seed=3))
     memory.keep(panel(), stored(panel(), "W1", shape_of(first, "W1", *WireEnd)))
     first.close()
-    cell = Cell(panel(), seed=3, memory=memory)
+    cell = Cell(SimulatedPlant(panel(), seed=3), memory=memory)
     cell.feed("W2", "A")
     discard(cell, "W1")
     assert_gone(cell, "W1")

@@ -5,8 +5,8 @@ import numpy as np
 import place_wire as do
 import pytest
 
-from remodel_sim.core.cell.faults import check_fault
 from remodel_sim.core.errors import FaultError
+from remodel_sim.core.faults import check_fault
 from remodel_work.errors import AbilityError
 from remodel_work.panel import WireEnd
 
@@ -61,7 +61,7 @@ def test_a_weak_hand_lets_the_wire_slide(cell, kind):
     cell.feed("W1", "A")
     do.do(cell, do.pick_cable, goal)
     assert pull(cell, 15.0) < 0.002
-    cell.reset()
+    cell.load(cell.plant.loaded)
     cell.plant.disturb(kind, "", [0.3])
     cell.feed("W1", "A")
     do.do(cell, do.pick_cable, goal)
@@ -82,7 +82,7 @@ def test_less_light_darkens_the_pictures_until_the_panel_is_rebuilt(cell):
     usual = cell.context.cameras.take_wrist_picture().rgb.mean()
     cell.plant.disturb("light_changed", "", [0.5])
     assert cell.context.cameras.take_wrist_picture().rgb.mean() == pytest.approx(usual / 2, rel=0.1)
-    cell.reset()
+    cell.load(cell.plant.loaded)
     assert cell.context.cameras.take_wrist_picture().rgb.mean() == pytest.approx(usual, rel=0.1)
 
 

@@ -8,13 +8,13 @@ import pytest
 from holds import TOOL, wire_in_hand
 from panels import wire
 
-from remodel_sim.edge.cell_file import read_cell
 from remodel_sim.physics.robot import Robot
-from remodel_sim.physics.robot_description import FINGERS, SHEATHS
-from remodel_sim.physics.static_body import add_static
 from remodel_sim.physics.wires.parked_wire import add_solid
 from remodel_sim.physics.world import CONTACT_STIFFNESS, GRAVITY, MASS_SCALE, World
 from remodel_work.component_shape import Box
+from remodel_work.edge.bullet import add_static
+from remodel_work.edge.cell_file import read_cell
+from remodel_work.edge.robot_description import FINGERS, SHEATHS
 from remodel_work.geometry import Pose
 from remodel_work.panel import WireEnd
 from remodel_work.robot.arm import PANDA_AT_ORIGIN

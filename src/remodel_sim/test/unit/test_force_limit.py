@@ -12,15 +12,16 @@ import pytest
 from panels import panel
 from place_wire import insert
 
-from remodel_sim.cell import Cell
 from remodel_sim.physics import plant
+from remodel_sim.physics.plant import SimulatedPlant
 from remodel_sim.physics.truth import ground_truth
-from remodel_sim.ros.conversions import read_panel
+from remodel_skills.cell import Cell
 from remodel_skills.edge.parameter_files import read_parameters
 from remodel_states.core.codes import Code
 from remodel_states.edge.wire_material_file import read_wire_materials
 from remodel_work.errors import AbilityError
 from remodel_work.panel import WireEnd
+from remodel_work.ros.panel_message import read_panel
 
 PARAMETERS = read_parameters().parameters
 WIRES = PARAMETERS.wire
@@ -38,7 +39,7 @@ def cell_of():
     cells = []
 
     def make(rate_hz):
-        cells.append(Cell(panel(), seed=1, rate_hz=rate_hz))
+        cells.append(Cell(SimulatedPlant(panel(), seed=1, rate_hz=rate_hz)))
         return cells[-1]
 
     yield make
@@ -101,7 +102,7 @@ def test_an_end_that_slides_in_the_grip_at_an_obstacle_is_not_reported_at_the_bo
     name, seed, rate_hz, limit
 ):
     example = read_panel(CONFIG / "panel.yaml", read_wire_materials())
-    cell = Cell(example, seed=seed, rate_hz=rate_hz)
+    cell = Cell(SimulatedPlant(example, seed=seed, rate_hz=rate_hz))
     wire = example.wire(name)
     cell.plant.block_socket(*wire.goes_to(WireEnd.A))
     with pytest.raises(AbilityError) as caught:

@@ -6,18 +6,19 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from remodel_sim.cell import Cell
-from remodel_sim.edge.cell_file import read_cell
+from remodel_sim.physics.plant import SimulatedPlant
 from remodel_sim.physics.truth import share_in_ducts
-from remodel_sim.ros.conversions import read_panel
 from remodel_skills.belief_state import NO_CHANNEL, Feed
+from remodel_skills.cell import Cell
 from remodel_skills.primitives.observation.fork_check import check_forks
 from remodel_states.core.codes import Code
 from remodel_states.edge.wire_material_file import read_wire_materials
+from remodel_work.edge.cell_file import read_cell
 from remodel_work.errors import AbilityError
 from remodel_work.fixtures import WALL_M
 from remodel_work.panel import BOARD, WireEnd
 from remodel_work.placed_wires import ParkedWire
+from remodel_work.ros.panel_message import read_panel
 
 pytestmark = pytest.mark.physics
 
@@ -29,7 +30,7 @@ OTHER = "W1.5"  # black: in the shadow each colour comes near to it
 
 @pytest.fixture(scope="module")
 def cell():
-    made = Cell(HARNESS, design=read_cell("two_arms_formboard"), seed=1)
+    made = Cell(SimulatedPlant(HARNESS, design=read_cell("two_arms_formboard"), seed=1))
     yield made
     made.close()
 
@@ -56,7 +57,7 @@ def lying(wire_id, aside, height):
 
 def observed(cell, wire_id, parked):
     """Park wires, and check the forks of one of them."""
-    cell.plant.restore(parked)
+    cell.plant.load(cell.plant.loaded, parked)
     for context in cell.contexts.values():
         context.belief.start_wire(Feed(wire_id, NO_CHANNEL, 1), {})
     return cell.run(check_forks(cell.context), cell.context.name)

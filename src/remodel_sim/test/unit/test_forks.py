@@ -8,23 +8,24 @@ import numpy as np
 import pytest
 from place_wire import do, fix, insert, locate
 
-from remodel_sim.cell import Cell
-from remodel_sim.edge.cell_file import read_cell
+from remodel_sim.physics.plant import SimulatedPlant
 from remodel_sim.physics.truth import share_in_ducts
-from remodel_sim.ros.conversions import read_panel
 from remodel_skills import goals
 from remodel_skills.abilities.detect_cable import detect_cable
 from remodel_skills.abilities.fix_cable import fix_cable
 from remodel_skills.abilities.insert_cable import insert_cable
 from remodel_skills.abilities.pick_cable import pick_cable
 from remodel_skills.abilities.route_wire import route_wire
+from remodel_skills.cell import Cell
 from remodel_states.core.codes import Code
 from remodel_states.edge.wire_material_file import read_wire_materials
 from remodel_work.cell.magazine import GRASP_M, LEAST_GRASP_M
+from remodel_work.edge.cell_file import read_cell
 from remodel_work.errors import AbilityError
 from remodel_work.geometry import Pose
 from remodel_work.layout import find_problems
 from remodel_work.panel import BOARD, WireEnd
+from remodel_work.ros.panel_message import read_panel
 
 CONFIG = Path(__file__).parents[2] / "config"
 DESIGN = read_cell("two_arms_formboard")
@@ -81,7 +82,7 @@ def route(cell):
 @pytest.mark.slow
 @pytest.mark.physics
 def test_a_wire_is_let_down_into_its_forks_once_its_other_end_is_fixed_and_is_seen_there():
-    cell = Cell(HARNESS, design=DESIGN, seed=1)
+    cell = Cell(SimulatedPlant(HARNESS, design=DESIGN, seed=1))
     wire = cell.plant.panel.wire(WIRE)
     holder = cell.contexts[HOLDER]
     cell.feed(WIRE, "")
@@ -95,7 +96,7 @@ def test_a_wire_is_let_down_into_its_forks_once_its_other_end_is_fixed_and_is_se
     assert raised.value.code is Code.INVALID_GOAL
     cell.close()
 
-    cell = Cell(HARNESS, design=DESIGN, seed=1)
+    cell = Cell(SimulatedPlant(HARNESS, design=DESIGN, seed=1))
     holder = cell.contexts[HOLDER]
     cell.feed(WIRE, "")
     do(cell, detect_cable, goals.DetectGoal(WIRE))
@@ -136,7 +137,7 @@ def push_back(cell, link, far):
 
 @pytest.mark.physics
 def test_an_end_that_has_slid_back_into_its_clips_is_grasped_before_them():
-    cell = Cell(HARNESS, design=DESIGN, seed=1)
+    cell = Cell(SimulatedPlant(HARNESS, design=DESIGN, seed=1))
     cell.feed(WIRE, "")
     cable = cell.plant.live.cable
     push_back(cell, cable.ferrule(WireEnd.B), SLID_M)
@@ -150,7 +151,7 @@ def test_an_end_that_has_slid_back_into_its_clips_is_grasped_before_them():
 
 @pytest.mark.physics
 def test_fingers_that_meet_the_clips_do_not_take_the_wire_out_of_them():
-    cell = Cell(HARNESS, design=DESIGN, seed=1)
+    cell = Cell(SimulatedPlant(HARNESS, design=DESIGN, seed=1))
     cell.feed(WIRE, "")
     push_back(cell, cell.plant.live.cable.ferrule(WireEnd.B), SLID_TOO_FAR_M)
     do(cell, detect_cable, goals.DetectGoal(WIRE))

@@ -6,18 +6,19 @@ from pathlib import Path
 import pytest
 from place_wire import do, locate
 
-from remodel_sim.cell import Cell
-from remodel_sim.edge.cell_file import read_cell
+from remodel_sim.physics.plant import SimulatedPlant
 from remodel_sim.physics.truth import ground_truth
-from remodel_sim.ros.conversions import read_panel
 from remodel_skills import goals
 from remodel_skills.abilities.detect_cable import detect_cable
 from remodel_skills.abilities.insert_cable import insert_cable
 from remodel_skills.abilities.pick_cable import pick_cable
+from remodel_skills.cell import Cell
 from remodel_skills.edge.parameter_files import read_parameters
 from remodel_skills.primitives.pushing import bring_before, push_in
 from remodel_states.edge.wire_material_file import read_wire_materials
+from remodel_work.edge.cell_file import read_cell
 from remodel_work.panel import WireEnd
+from remodel_work.ros.panel_message import read_panel
 
 FEEL_N = read_parameters().parameters.wire.feel_n
 
@@ -32,7 +33,7 @@ class Held:
 
     def __init__(self, wire, end, above):
         panel = read_panel(CONFIG / "household.yaml", read_wire_materials())
-        self.cell = cell = Cell(panel, design=read_cell("two_arms_cabinet"), seed=1)
+        self.cell = cell = Cell(SimulatedPlant(panel, design=read_cell("two_arms_cabinet"), seed=1))
         self.holder, self.wire, self.end = cell.contexts[HOLDER], wire, end
         cell.feed(wire, "")
         do(cell, detect_cable, goals.DetectGoal(wire))

@@ -8,7 +8,6 @@ import numpy as np
 import pytest
 from panels import component, panel
 
-from remodel_sim.edge.cell_file import read_cell
 from remodel_sim.physics.cameras import take
 from remodel_sim.physics.fixtures.panel_scene import PanelScene
 from remodel_sim.physics.world import World
@@ -16,6 +15,7 @@ from remodel_vision.label_pose import LabelView, locate_component
 from remodel_vision.labels import find_labels, search_label
 from remodel_work.camera import Lens, Picture, View, looking_down
 from remodel_work.component_shape import marker_cells
+from remodel_work.edge.cell_file import read_cell
 from remodel_work.geometry import Pose
 
 LENS = Lens(640, 480, math.radians(52.0))

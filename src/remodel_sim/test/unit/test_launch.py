@@ -8,9 +8,11 @@ from pathlib import Path
 import pytest
 from panels import panel
 
-from remodel_sim.cell import Cell
-from remodel_sim.physics import bullet, world
+from remodel_sim.physics import world
+from remodel_sim.physics.plant import SimulatedPlant
 from remodel_sim.ros import node
+from remodel_skills.ros import node as skills_node
+from remodel_work.edge import bullet
 
 LAUNCH = ElementTree.parse(Path(__file__).parents[2] / "launch/cell.launch").getroot()
 
@@ -28,7 +30,7 @@ def test_the_node_comes_again_if_that_is_asked_for():
 def test_each_argument_is_a_parameter_that_the_node_reads(name):
     passed = {param.get("name"): param.get("value") for param in LAUNCH.find("node")}
     assert passed[name] == f"$(arg {name})"
-    assert f'"~{name}"' in Path(node.__file__).read_text()
+    assert f'"~{name}"' in Path(node.__file__).read_text() + Path(skills_node.__file__).read_text()
 
 
 @pytest.mark.parametrize("gui", [True, False])
@@ -40,11 +42,11 @@ def test_gui_asks_pybullet_for_its_window(monkeypatch, gui):
         return bullet.connect()
 
     monkeypatch.setattr(world, "connect", connect)
-    Cell(panel(), gui=gui).close()
+    SimulatedPlant(panel(), gui=gui).close()
     assert asked == [gui]
 
 
 def test_pybullet_prints_nothing_by_itself():
-    made = "from remodel_sim.physics.bullet import connect; connect(); print('ready')"
+    made = "from remodel_work.edge.bullet import connect; connect(); print('ready')"
     done = subprocess.run([sys.executable, "-c", made], capture_output=True, text=True, check=True)
     assert done.stdout == "ready\n"

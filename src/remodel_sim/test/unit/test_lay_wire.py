@@ -12,12 +12,10 @@ import pytest
 from place_wire import do, extract, fix, insert, locate
 from stored import shape_of
 
-from remodel_sim.cell import Cell
-from remodel_sim.edge.cell_file import read_cell
 from remodel_sim.physics import truth
 from remodel_sim.physics.device import SimulatedGripper
+from remodel_sim.physics.plant import SimulatedPlant
 from remodel_sim.physics.wires.parked_wire import draw_parked
-from remodel_sim.ros.conversions import read_panel
 from remodel_skills import goals
 from remodel_skills.abilities import lay_wire as lay_wire_module
 from remodel_skills.abilities.detect_cable import detect_cable
@@ -27,6 +25,7 @@ from remodel_skills.abilities.insert_cable import insert_cable
 from remodel_skills.abilities.lay_wire import _check_closed, _take, draw_straight, lay_wire
 from remodel_skills.abilities.pick_cable import pick_cable
 from remodel_skills.abilities.place_cable import place_cable
+from remodel_skills.cell import Cell
 from remodel_skills.edge.parameter_files import read_parameters
 from remodel_skills.primitives.ducts import leading, tucking
 from remodel_skills.primitives.ducts.tucking import tuck_in
@@ -40,12 +39,14 @@ from remodel_vision.board.graspable import graspable_places
 from remodel_vision.laid_wire import uppermost_past, wire_past
 from remodel_vision.opening_occupancy import is_seen_empty
 from remodel_vision.wire_lines import WireLines
+from remodel_work.edge.cell_file import read_cell
 from remodel_work.errors import AbilityError
 from remodel_work.geometry import Pose
 from remodel_work.openings import opening_of
 from remodel_work.panel import BOARD, WireEnd
 from remodel_work.placed_wires import ParkedWire
 from remodel_work.robot.arm import ToolPose
+from remodel_work.ros.panel_message import read_panel
 
 PARAMETERS = read_parameters().parameters
 MOTION, SEARCH_M = PARAMETERS.motion, PARAMETERS.looking.slot_search_m
@@ -107,7 +108,7 @@ LEVEL_N = 0.3
 
 def cell_of(design=DESIGN):
     panel = read_panel(CONFIG / "household.yaml", read_wire_materials())
-    return Cell(panel, design=design, seed=1)
+    return Cell(SimulatedPlant(panel, design=design, seed=1))
 
 
 def changed(**groups):
@@ -742,9 +743,13 @@ def test_of_two_wires_of_one_colour_the_one_that_is_new_is_taken_below_the_other
         along(route_of(cell), height) + np.array([aside, 0.0, 0.0])
         for aside, height in ((-0.014, 0.082), (0.004, 0.070))
     )
-    cell.plant.restore({ALIKE: ParkedWire(stood, frozenset())})
+    cell.plant.load(cell.plant.loaded, {ALIKE: ParkedWire(stood, frozenset())})
     picture = before(cell)
-    cell.plant.restore({ALIKE: ParkedWire(stood, frozenset()), WIRE: ParkedWire(new, frozenset())})
+    cell.plant.load(
+        cell.plant.loaded,
+        {ALIKE: ParkedWire(stood, frozenset()), WIRE: ParkedWire(new, frozenset())},
+    )
+    before(cell)  # the noise of the next picture is another one
     seen = WireLines(before(cell), own)
     highest = uppermost_past(place, SEARCH_M, seen)
     passing = uppermost_past(place, SEARCH_M, seen, picture)
@@ -762,9 +767,13 @@ def test_an_older_wire_that_hides_the_new_one_is_not_taken_for_it():
     place = Pose.level(float(x), float(y), 0.040, math.pi / 2)
     stood = along(route_of(cell), 0.070)
     new = seen_from + (stood - seen_from) * (seen_from[2] - 0.040) / (seen_from[2] - 0.070)
-    cell.plant.restore({UNLIKE: ParkedWire(stood, frozenset())})
+    cell.plant.load(cell.plant.loaded, {UNLIKE: ParkedWire(stood, frozenset())})
     picture = before(cell)
-    cell.plant.restore({UNLIKE: ParkedWire(stood, frozenset()), WIRE: ParkedWire(new, frozenset())})
+    cell.plant.load(
+        cell.plant.loaded,
+        {UNLIKE: ParkedWire(stood, frozenset()), WIRE: ParkedWire(new, frozenset())},
+    )
+    before(cell)  # the noise of the next picture is another one
     seen = WireLines(before(cell), cell.plant.panel.wire(WIRE))
     taken = uppermost_past(place, SEARCH_M, seen)
     assert taken is not None and taken.height == pytest.approx(0.070, abs=0.005)
@@ -776,9 +785,13 @@ def test_a_wire_whose_colour_is_not_seen_is_found_by_what_is_new_far_aside():
     cell = cell_of()
     stood = along(route_of(cell), 0.034) + np.array([-0.008, 0.0, 0.0])
     new = along(route_of(cell), 0.030) + np.array([FAR_ASIDE_M, 0.0, 0.0])
-    cell.plant.restore({UNLIKE: ParkedWire(stood, frozenset())})
+    cell.plant.load(cell.plant.loaded, {UNLIKE: ParkedWire(stood, frozenset())})
     picture = before(cell)
-    cell.plant.restore({UNLIKE: ParkedWire(stood, frozenset()), WIRE: ParkedWire(new, frozenset())})
+    cell.plant.load(
+        cell.plant.loaded,
+        {UNLIKE: ParkedWire(stood, frozenset()), WIRE: ParkedWire(new, frozenset())},
+    )
+    before(cell)  # the noise of the next picture is another one
     other = replace(cell.plant.panel.wire(WIRE), colour="YE")
     x, y, _ = route_of(cell)[1:3].mean(axis=0)
     place = Pose.level(float(x), float(y), 0.030, math.pi / 2)

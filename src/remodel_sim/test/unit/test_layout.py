@@ -6,14 +6,14 @@ from pathlib import Path
 import pytest
 from panels import component, panel, wire
 
-from remodel_sim.cell import Cell
-from remodel_sim.edge.cell_file import read_cell
-from remodel_sim.physics.plant import Plant
-from remodel_sim.ros.conversions import read_panel
+from remodel_sim.physics.plant import SimulatedPlant
+from remodel_skills.cell import Cell
 from remodel_states.edge.wire_material_file import read_wire_materials
+from remodel_work.edge.cell_file import read_cell
 from remodel_work.errors import PanelError
 from remodel_work.layout import find_problems as problems_of
 from remodel_work.panel import Duct, PanelClip
+from remodel_work.ros.panel_message import read_panel
 
 CLIP = PanelClip(
     id="C1",
@@ -167,7 +167,7 @@ def test_thick_fingers_need_a_wider_pitch():
 
 
 def test_all_problems_are_reported_at_once_and_nothing_is_built():
-    plant = Plant(read_cell(), panel(), seed=0, rate_hz=240)
+    plant = SimulatedPlant(panel())
     bodies = plant.world.bullet.getNumBodies()
     broken = changed(with_wire(colour="XX", length=9.0), size=(2.0, 0.7, 0.003))
     with pytest.raises(PanelError) as caught:
@@ -179,7 +179,7 @@ def test_all_problems_are_reported_at_once_and_nothing_is_built():
 
 
 def test_goals_that_the_robots_cannot_do_are_refused_with_the_panel_and_nothing_is_built():
-    cell = Cell(panel())
+    cell = Cell(SimulatedPlant(panel()))
     broken = changed(panel(), size=(2.0, 0.7, 0.003))
     with pytest.raises(PanelError) as caught:
         cell.load(broken, robots=("robot_1", "robot_2"), forces_n={"InsertCable": 40.0})

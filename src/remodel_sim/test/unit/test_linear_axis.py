@@ -7,12 +7,13 @@ import numpy as np
 import pytest
 from panels import panel
 
-from remodel_sim.cell import Cell
-from remodel_sim.edge.cell_file import read_cell
+from remodel_sim.physics.plant import SimulatedPlant
+from remodel_skills.cell import Cell
 from remodel_skills.edge.parameter_files import read_parameters
 from remodel_skills.motion import Line
 from remodel_skills.primitives.motions import choose_flip, move_to, park
 from remodel_work.cell.scrap_bin import bin_of
+from remodel_work.edge.cell_file import read_cell
 from remodel_work.robot.arm import ToolPose
 from remodel_work.robot.arm_volume import gap_between, volume_of
 
@@ -127,7 +128,7 @@ def test_a_slow_axis_slows_the_motion_that_needs_it():
 
 @pytest.mark.physics
 def test_the_simulated_arm_follows_with_its_axis_and_goes_home():
-    cell = Cell(panel(), design=read_cell("cabinet"))
+    cell = Cell(SimulatedPlant(panel(), design=read_cell("cabinet")))
     context, robot = cell.context, cell.plant.robots["robot_1"]
     target = ToolPose(0.60, 0.35, 0.10, 0.0)
     cell.run(move_to(context, target, MOTION.free_speed_m_s))

@@ -7,15 +7,16 @@ import pytest
 from dense_board import board_wire, dense_panel
 from place_wire import ROBOT, do, fix, insert, lay_down, locate
 
-from remodel_sim.cell import Cell
-from remodel_sim.edge.cell_file import read_cell
 from remodel_sim.physics.magazine import present
+from remodel_sim.physics.plant import SimulatedPlant
 from remodel_sim.physics.world import World
 from remodel_skills import goals
 from remodel_skills.abilities.detect_cable import detect_cable
 from remodel_skills.abilities.discard_cable import discard_cable
 from remodel_skills.abilities.pick_cable import pick_cable
+from remodel_skills.cell import Cell
 from remodel_work.cell.magazine import Magazine, plan_presentation
+from remodel_work.edge.cell_file import read_cell
 from remodel_work.errors import PanelError
 from remodel_work.geometry import Pose
 from remodel_work.panel import WireEnd
@@ -47,7 +48,7 @@ def test_a_wire_that_runs_the_other_way_has_its_first_end_at_the_other_side():
 def test_a_wire_that_the_magazine_cannot_present_is_refused_when_its_panel_is_loaded():
     short = board_wire("W1", ("N1", "b1"), ("N2", "b10"), 0.45)
     with pytest.raises(PanelError, match=r"'W1': length .* is 0.45 m, 0.03 m too little"):
-        Cell(dense_panel([short]), design=read_cell("cabinet"))
+        Cell(SimulatedPlant(dense_panel([short]), design=read_cell("cabinet")))
 
 
 @pytest.mark.physics
@@ -97,7 +98,7 @@ def _lift(world, cable, height):
 @pytest.fixture(scope="module")
 def cabinet():
     """A cell with a magazine, a wire presented there."""
-    cell = Cell(dense_panel([TO_THE_LEFT]), design=read_cell("cabinet"), seed=1)
+    cell = Cell(SimulatedPlant(dense_panel([TO_THE_LEFT]), design=read_cell("cabinet"), seed=1))
     cell.feed("W1", "")
     yield cell
     cell.close()

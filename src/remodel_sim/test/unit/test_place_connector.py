@@ -7,20 +7,21 @@ import numpy as np
 import pytest
 from place_wire import ROBOT, do, extract, locate
 
-from remodel_sim.cell import Cell
-from remodel_sim.edge.cell_file import read_cell
+from remodel_sim.physics.plant import SimulatedPlant
 from remodel_sim.physics.truth import ground_truth
-from remodel_sim.ros.conversions import read_panel
 from remodel_skills import goals
 from remodel_skills.abilities.place_connector import place_connector
 from remodel_skills.belief_state import BeliefState, EndState, Feed
+from remodel_skills.cell import Cell
 from remodel_skills.edge.parameter_files import read_parameters
 from remodel_states.core.codes import Code
 from remodel_states.edge.wire_material_file import read_wire_materials
+from remodel_work.edge.cell_file import read_cell
 from remodel_work.errors import AbilityError, PanelError
 from remodel_work.geometry import Pose
 from remodel_work.layout import find_problems as problems_of
 from remodel_work.panel import BOARD, WireEnd
+from remodel_work.ros.panel_message import read_panel
 
 PARAMETERS = read_parameters().parameters
 
@@ -32,7 +33,7 @@ FACE = BOARD @ PANEL.panel_from_socket("U1", "J1")
 @pytest.fixture
 def cell():
     """A freshly built cell, W1 with its connector P1 fed."""
-    made = Cell(PANEL, seed=1)
+    made = Cell(SimulatedPlant(PANEL, seed=1))
     made.feed("W1", "A")
     yield made
     made.close()

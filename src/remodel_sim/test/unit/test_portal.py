@@ -7,21 +7,22 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from remodel_sim.cell import REST_S, Cell
-from remodel_sim.edge.cell_file import read_cell
-from remodel_sim.ros.conversions import read_panel
+from remodel_sim.physics.plant import REST_S, SimulatedPlant
 from remodel_skills.belief_state import Grip
+from remodel_skills.cell import Cell
 from remodel_skills.edge.parameter_files import read_parameters
 from remodel_skills.motion import PEAK_OVER_MEAN
 from remodel_skills.primitives.motions import choose_flip, move_to, swing_to
 from remodel_states.core.codes import Code
 from remodel_states.edge.wire_material_file import read_wire_materials
+from remodel_work.edge.cell_file import read_cell
 from remodel_work.errors import AbilityError
 from remodel_work.geometry import wrap_angle
 from remodel_work.panel import WireEnd
 from remodel_work.robot.arm import ToolPose
 from remodel_work.robot.fingers import PANDA_FINGERS
 from remodel_work.robot.portal import TURN_RATE, Portal
+from remodel_work.ros.panel_message import read_panel
 
 MOTION = read_parameters().parameters.motion
 
@@ -70,7 +71,7 @@ def test_a_hand_leads_a_wire_around_three_corners():
 
 def cell_with_a_wire():
     household = read_panel(CONFIG / "household.yaml", read_wire_materials())
-    cell = Cell(household, design=read_cell("two_arms_cabinet"))
+    cell = Cell(SimulatedPlant(household, design=read_cell("two_arms_cabinet")))
     cell.feed(household.wires[0].id, "")
     return cell
 

@@ -9,13 +9,14 @@ import pytest
 from formboards import along_clips, duct, formboard
 from stored import put_live
 
-from remodel_sim.cell import Cell
-from remodel_sim.physics.static_body import add_static
+from remodel_sim.physics.plant import SimulatedPlant
 from remodel_sim.physics.truth import lies_in
 from remodel_skills import goals
+from remodel_skills.cell import Cell
 from remodel_skills.primitives.observation.route_check import check_ducts
 from remodel_states.core.codes import Code
 from remodel_work.component_shape import Box
+from remodel_work.edge.bullet import add_static
 from remodel_work.errors import AbilityError
 from remodel_work.geometry import Pose
 from remodel_work.panel import BOARD, WireEnd
@@ -24,7 +25,7 @@ pytestmark = pytest.mark.physics
 
 
 def with_b_in_hand(board):
-    cell = Cell(board, seed=1)
+    cell = Cell(SimulatedPlant(board, seed=1))
     put_live(cell, "W1")
     do.do(cell, do.pick_cable, goals.PickGoal(do.ROBOT, "W1", WireEnd.B, 0.0))
     return cell
@@ -60,7 +61,7 @@ def test_a_wire_too_short_for_its_path_pulls_back():
 
 @pytest.mark.parametrize(("x", "words"), [(0.0, ""), (-0.045, "2. mm beside duct 'D1'")])
 def test_a_wire_beside_its_duct_is_seen_from_above(x, words):
-    cell = Cell(formboard(0, [duct(x, 0.0)]), seed=1)
+    cell = Cell(SimulatedPlant(formboard(0, [duct(x, 0.0)]), seed=1))
     cell.feed("W1", "A")
     try:
         with pytest.raises(AbilityError, match=words) if words else nullcontext() as caught:
@@ -73,7 +74,7 @@ def test_a_wire_beside_its_duct_is_seen_from_above(x, words):
 @pytest.mark.parametrize("hidden", [("D1",), ("D1", "D2")])
 def test_a_wire_that_is_hidden_in_one_duct_is_judged_by_the_others(hidden):
     ducts = [duct(0.0, -0.1), replace(duct(0.0, 0.1), id="D2")]
-    cell = Cell(formboard(0, ducts), seed=1)
+    cell = Cell(SimulatedPlant(formboard(0, ducts), seed=1))
     cell.feed("W1", "A")
     for one in ducts:
         if one.id in hidden:

@@ -6,12 +6,13 @@ import numpy as np
 import pytest
 from panels import panel
 
-from remodel_sim.cell import Cell
-from remodel_sim.edge.cell_file import read_cell
+from remodel_sim.physics.plant import SimulatedPlant
 from remodel_skills.belief_state import NO_CHANNEL, Feed
+from remodel_skills.cell import Cell
 from remodel_skills.edge.parameter_files import read_parameters
 from remodel_skills.primitives.motions import move_to, swing_to
 from remodel_vision.board.standing import CELL_M, standing_wires
+from remodel_work.edge.cell_file import read_cell
 from remodel_work.obstacles import WIRES, panel_obstacles
 from remodel_work.panel import BOARD, WireEnd
 from remodel_work.placed_wires import ParkedWire
@@ -29,7 +30,7 @@ NODES = 61
 
 @pytest.fixture(scope="module", params=["cabinet", "two_arms_cabinet"])
 def cell(request):
-    made = Cell(PANEL, design=read_cell(request.param))
+    made = Cell(SimulatedPlant(PANEL, design=read_cell(request.param)))
     yield made
     made.close()
 
@@ -44,7 +45,7 @@ def lay_arch(cell):
     x = np.linspace(-SPAN / 2, SPAN / 2, NODES)
     z = 0.003 + (ARCH_TOP - 0.003) * np.cos(math.pi * x / SPAN)
     nodes = np.column_stack([middle + x, np.full(NODES, ARCH_Y), z])
-    cell.plant.restore({"W2": ParkedWire(nodes, frozenset(WireEnd))})
+    cell.plant.load(cell.plant.loaded, {"W2": ParkedWire(nodes, frozenset(WireEnd))})
     return nodes
 
 

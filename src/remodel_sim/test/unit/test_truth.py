@@ -6,13 +6,15 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from remodel_sim.cell import Cell
-from remodel_sim.edge.cell_file import read_cell
+from remodel_sim.physics.plant import SimulatedPlant
 from remodel_sim.physics.truth import ground_truth, share_in_ducts
-from remodel_sim.ros.conversions import read_panel, truth_message
+from remodel_sim.ros.services import truth_message
+from remodel_skills.cell import Cell
 from remodel_states.edge.wire_material_file import read_wire_materials
+from remodel_work.edge.cell_file import read_cell
 from remodel_work.panel import BOARD, WireEnd
 from remodel_work.placed_wires import ParkedWire
+from remodel_work.ros.panel_message import read_panel
 
 CONFIG = Path(__file__).parents[2] / "config"
 WIRE, OTHER = "W3", "W7"
@@ -22,7 +24,7 @@ BELOW_M, ABOVE_M = 0.020, 0.065
 @pytest.fixture(scope="module")
 def board():
     panel = read_panel(CONFIG / "household.yaml", read_wire_materials())
-    made = Cell(panel, design=read_cell("two_arms_cabinet"), seed=1)
+    made = Cell(SimulatedPlant(panel, design=read_cell("two_arms_cabinet"), seed=1))
     yield made.plant
     made.close()
 

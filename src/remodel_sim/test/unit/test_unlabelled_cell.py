@@ -8,16 +8,17 @@ import numpy as np
 import place_wire as do
 import pytest
 
-from remodel_sim.cell import Cell
-from remodel_sim.edge.cell_file import read_cell
-from remodel_sim.ros.conversions import read_panel
+from remodel_sim.physics.plant import SimulatedPlant
 from remodel_skills import goals
 from remodel_skills.abilities.check_connection import check_connection
 from remodel_skills.abilities.locate_gearbox_component import locate_gearbox_component
+from remodel_skills.cell import Cell
 from remodel_states.core.codes import Code
 from remodel_states.edge.wire_material_file import read_wire_materials
+from remodel_work.edge.cell_file import read_cell
 from remodel_work.errors import AbilityError
 from remodel_work.panel import WireEnd
+from remodel_work.ros.panel_message import read_panel
 
 pytestmark = pytest.mark.physics
 
@@ -27,7 +28,9 @@ WITHIN_M, WITHIN_RAD = 0.0005, math.radians(0.5)
 
 def unlabelled(name, panel):
     design = dataclasses.replace(read_cell(name), labels=False)
-    return Cell(read_panel(CONFIG / panel, read_wire_materials()), design=design, seed=3)
+    return Cell(
+        SimulatedPlant(read_panel(CONFIG / panel, read_wire_materials()), design=design, seed=3)
+    )
 
 
 def locate(cell, component):

@@ -7,14 +7,15 @@ import place_wire as do
 import pytest
 from panels import panel
 
-from remodel_sim.cell import Cell
-from remodel_sim.physics.static_body import add_static
+from remodel_sim.physics.plant import SimulatedPlant
 from remodel_skills import goals
 from remodel_skills.abilities.detect_cable import detect_cable
 from remodel_skills.abilities.locate_gearbox_component import locate_gearbox_component
+from remodel_skills.cell import Cell
 from remodel_skills.observers import Observers
 from remodel_states.core.codes import Code
 from remodel_work.component_shape import Box, label_corners
+from remodel_work.edge.bullet import add_static
 from remodel_work.errors import AbilityError
 from remodel_work.geometry import Pose
 from remodel_work.panel import WireEnd
@@ -40,7 +41,7 @@ def cell(places):
         if camera == "wrist" and drawing is None:
             places.append(picture.view.world_from_camera.position)
 
-    made = Cell(panel(), seed=1, observers=Observers(on_observation=note))
+    made = Cell(SimulatedPlant(panel(), seed=1), observers=Observers(on_observation=note))
     yield made
     made.close()
 

@@ -9,10 +9,11 @@ import pytest
 from panels import panel, wire
 from place_wire import do
 
-from remodel_sim.cell import Cell
+from remodel_sim.physics.plant import SimulatedPlant
 from remodel_sim.physics.wires.parked_wire import draw_parked
 from remodel_skills.abilities.detect_cable import detect_cable
 from remodel_skills.belief_state import EndState
+from remodel_skills.cell import Cell
 from remodel_skills.goals import DetectGoal
 from remodel_states.core.codes import Code
 from remodel_states.core.wires.wire_colours import DISTINCT_COLOURS
@@ -50,7 +51,11 @@ def test_every_label_is_found_from_above_to_half_a_millimetre(cell):
     ],
 )
 def test_both_ends_of_a_wire_of_any_colour_are_found(colour):
-    made = Cell(panel(wires=(wire("W1", ("X1", "1"), ("X2", "1"), 0.48, colour=colour),)), seed=3)
+    made = Cell(
+        SimulatedPlant(
+            panel(wires=(wire("W1", ("X1", "1"), ("X2", "1"), 0.48, colour=colour),)), seed=3
+        )
+    )
     made.feed("W1", "A")
     picture = made.plant.take_overhead_picture()
     ends, lines = find_ends(picture, made.context.wire, made.context.belief.expected)

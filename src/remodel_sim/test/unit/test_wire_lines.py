@@ -7,8 +7,9 @@ import numpy as np
 import pytest
 from panels import panel
 
-from remodel_sim.cell import Cell
+from remodel_sim.physics.plant import SimulatedPlant
 from remodel_sim.physics.wires.parked_wire import draw_parked
+from remodel_skills.cell import Cell
 from remodel_states.core.wires.wire_colours import WIRE_RGB
 from remodel_vision.laid_wire import wire_around, wire_past
 from remodel_vision.wire_lines import WireLines, follow, joined
@@ -75,7 +76,7 @@ def test_lines_from_both_ends_are_joined_where_the_whole_is_as_long_as_the_wire(
 @pytest.fixture
 def fed():
     """A cell whose wire lies in its channel, and points along it, (n, 3), from end a on."""
-    made = Cell(panel(), seed=1)
+    made = Cell(SimulatedPlant(panel(), seed=1))
     made.feed("W1", "A")
     nodes = made.plant.live.cable.nodes()
     towards = made.plant.live.cable.tip(WireEnd.A)[0]

@@ -6,17 +6,18 @@ import numpy as np
 import pytest
 from place_wire import do, insert
 
-from remodel_sim.cell import Cell
-from remodel_sim.edge.cell_file import read_cell
+from remodel_sim.physics.plant import SimulatedPlant
 from remodel_sim.physics.truth import ground_truth
-from remodel_sim.ros.conversions import read_panel
 from remodel_skills import goals
 from remodel_skills.abilities.detect_cable import detect_cable
+from remodel_skills.cell import Cell
 from remodel_skills.edge.parameter_files import read_parameters
 from remodel_skills.force_control import Yielding
 from remodel_states.edge.wire_material_file import read_wire_materials
+from remodel_work.edge.cell_file import read_cell
 from remodel_work.geometry import Pose
 from remodel_work.panel import WireEnd
+from remodel_work.ros.panel_message import read_panel
 
 MOTION = read_parameters().parameters.motion
 
@@ -39,7 +40,7 @@ def test_it_gives_way_against_the_force_no_faster_than_the_arm_speeds_up():
 @pytest.mark.parametrize("low_m", [0.0025, -0.0025])
 def test_an_end_that_slim_fingers_hold_too_low_or_too_high_is_seated(low_m):
     panel = read_panel(CONFIG / "harness.yaml", read_wire_materials())
-    cell = Cell(panel, design=read_cell("two_arms_formboard"), seed=1)
+    cell = Cell(SimulatedPlant(panel, design=read_cell("two_arms_formboard"), seed=1))
     key = panel.wire(WIRE).goes_to(WireEnd.A)
     cell.feed(WIRE, "")
     do(cell, detect_cable, goals.DetectGoal(WIRE))

@@ -1,9 +1,12 @@
-"""What an arm holds, and what it would touch on a path."""
+"""What an arm holds, what it would touch on a path, and who finds that out."""
 
 from __future__ import annotations
 
+from collections.abc import Callable, Sequence, Set
 from dataclasses import dataclass
+from typing import Protocol
 
+from remodel_work.obstacles import Obstacles
 from remodel_work.robot.arm import ToolPose
 
 
@@ -48,3 +51,31 @@ class Touch:
         how = f"{verb} {abs(self.gap) * 1e3:.1f} mm"
         joined = "with" if self.gap < 0 else "to"
         return f"{self.part} {how} {joined} {self.solid}, the tool at {self.tool}"
+
+
+class CollisionCheck(Protocol):
+    """Whether the arm would touch something on a path."""
+
+    def first_touch(
+        self,
+        path: Callable[[float], ToolPose],
+        length: float,
+        *,
+        obstacles: Sequence[Obstacles],
+        finger_gap: float,
+        held: HeldTip | None = None,
+        allowed: Set[str] = frozenset(),
+    ) -> Touch | None:
+        """Return where a path comes too near to an obstacle first; None if it is free.
+
+        Args:
+            path: of the tool, from 0 to 1; raises UNREACHABLE where the arm does not reach.
+            length: of the path, turns of the hand included as its corners move.
+            obstacles: to be kept clear of.
+            finger_gap: between the pads.
+            held: what the hand holds.
+            allowed: names of obstacles that may be touched.
+        """
+
+    def close(self) -> None:
+        """Release what it holds."""

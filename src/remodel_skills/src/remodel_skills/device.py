@@ -7,16 +7,18 @@ whenever a skill yields.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence, Set
+from collections.abc import Mapping
 from dataclasses import dataclass
+from types import MappingProxyType
 from typing import Protocol
 
-from remodel_skills.collision import HeldTip, Touch
 from remodel_skills.force_control import ForceLoop
 from remodel_work.camera import Picture, View
+from remodel_work.cell.cell_design import CellDesign
+from remodel_work.cell.presentation import Presentation
 from remodel_work.geometry import Array
-from remodel_work.obstacles import Obstacles
-from remodel_work.panel import WireEnd
+from remodel_work.panel import Panel, WireEnd
+from remodel_work.placed_wires import ParkedWire
 from remodel_work.robot.arm import ToolPose
 
 
@@ -29,7 +31,7 @@ class RobotArm(Protocol):
 
     @property
     def force(self) -> Array:
-        """The measured force of the hand on the wrist, its weight included, (3,)."""
+        """The measured force of the wrist on the hand, its weight included, (3,)."""
 
     @property
     def hand_mass(self) -> float:
@@ -124,37 +126,11 @@ class PlacedEnds:
     fixed: frozenset[WireEnd]
 
 
-class CollisionCheck(Protocol):
-    """Whether the arm would touch something on a path."""
-
-    def first_touch(
-        self,
-        path: Callable[[float], ToolPose],
-        length: float,
-        *,
-        obstacles: Sequence[Obstacles],
-        finger_gap: float,
-        held: HeldTip | None = None,
-        allowed: Set[str] = frozenset(),
-    ) -> Touch | None:
-        """Return where a path comes too near to an obstacle first; None if it is free.
-
-        Args:
-            path: of the tool, from 0 to 1; raises UNREACHABLE where the arm does not reach.
-            length: of the path, turns of the hand included as its corners move.
-            obstacles: to be kept clear of.
-            finger_gap: between the pads.
-            held: what the hand holds.
-            allowed: names of obstacles that may be touched.
-        """
-
-
 @dataclass(frozen=True)
 class Device:
     """One robot, and what it shares with the others of its cell.
 
     Attributes:
-        collision_check: of its motions; None: they are not checked.
         tick_s: time between two commands to the arm.
     """
 
@@ -164,5 +140,56 @@ class Device:
     overhead_camera: Camera
     fixture: Fixture
     magazine: Magazine
-    collision_check: CollisionCheck | None
     tick_s: float
+
+
+class Plant(Protocol):
+    """A whole cell: its robots, the board that it holds, and its time."""
+
+    design: CellDesign
+    tick_s: float
+
+    @property
+    def panel(self) -> Panel:
+        """What it holds, with its own fixtures, as drawn: components may stand elsewhere."""
+
+    @property
+    def loaded(self) -> Panel:
+        """The panel that was asked for."""
+
+    @property
+    def parked(self) -> Mapping[str, ParkedWire]:
+        """The wires that have their place, by name."""
+
+    def device_of(self, robot: str) -> Device:
+        """Return a robot of the design, with what it shares with the others."""
+
+    def find_problems(self, panel: Panel) -> tuple[str, ...]:
+        """Return why the cell cannot hold a panel, one sentence each; none: it can."""
+
+    def load(self, panel: Panel, placed: Mapping[str, ParkedWire] = MappingProxyType({})) -> None:
+        """Hold a panel, with the wires that lie on it; raises PanelError, and nothing changes."""
+
+    def feed(self, wire_id: str, channel_id: str, tools: Mapping[str, ToolPose]) -> Presentation:
+        """Present a wire of which no piece is in the cell; the one before has its place.
+
+        Args:
+            wire_id: which.
+            channel_id: where a feeder lays it; a cell with a magazine has no use for it.
+            tools: where each robot stands; its fingers are open afterwards.
+        """
+
+    def shapes(self) -> dict[str, ParkedWire]:
+        """Return the wires that lie in the cell, by name, the one that is handled among them."""
+
+    def park(self) -> None:
+        """Note that the wire that was handled last has its place."""
+
+    def tick(self) -> None:
+        """Let the time between two commands pass."""
+
+    def rest(self) -> None:
+        """Let robots and wires come to rest."""
+
+    def close(self) -> None:
+        """Leave the cell."""

@@ -14,7 +14,7 @@ from remodel_skills.belief_state import BeliefState
 from remodel_skills.parameters import TerminalParameters
 from remodel_states.core.codes import Code
 from remodel_work.errors import AbilityError
-from remodel_work.geometry import Pose, wrap_angle
+from remodel_work.geometry import PANEL, WORLD, Pose, wrap_angle
 from remodel_work.layout import GRASP_DISTANCE_M, STANDOFF_M
 from remodel_work.openings import TerminalKey, nearest_terminal, opening_of
 from remodel_work.panel import Panel, WireEnd, unit_x
@@ -204,9 +204,6 @@ def check_reach(arm: Kinematics, tool: ToolPose) -> None:
 
 # A ROS message: the core imports none, and generated messages have no types.
 Message: TypeAlias = Any
-
-WORLD = "world"
-PANEL = "panel"
 
 
 def pose_from(name: str, message: Message, board: Pose) -> Pose:

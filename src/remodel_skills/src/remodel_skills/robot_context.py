@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from typing import Protocol, TypeVar
 
 from remodel_skills.belief_state import BeliefState
+from remodel_skills.collision import CollisionCheck
 from remodel_skills.device import Device
 from remodel_skills.force_control import ForceLoop
 from remodel_skills.observers import Cameras, Observers
@@ -87,12 +88,16 @@ class RobotContext:
         traffic: Traffic,
         observers: Observers,
         parameters: Parameters,
+        check: CollisionCheck | None = None,
     ) -> None:
-        """Take over a robot of a cell in which nothing has happened yet."""
+        """Take over a robot of a cell in which nothing has happened yet.
+
+        `check` is of its motions; None: they are not checked.
+        """
         self.device, self.cell, self.design = device, cell, design
         self.name, self.arm, self.home = design.name, design.arm, design.home
         self.robots, self.panel, self.belief = robots, panel, belief
-        self.scene = Scene(device, panel, belief)
+        self.scene = Scene(device, panel, belief, check)
         self.space = Space(design.name, design.arm, traffic, robots)
         self.observers, self.parameters = observers, parameters
         self.cameras = Cameras(device, design.camera.name, belief, observers)

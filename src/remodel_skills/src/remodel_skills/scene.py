@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Set
 
 from remodel_skills.belief_state import BeliefState
-from remodel_skills.collision import HeldTip, Touch
+from remodel_skills.collision import CollisionCheck, HeldTip, Touch
 from remodel_skills.device import Device
 from remodel_vision.board.standing import standing_wires
 from remodel_work.camera import Picture
@@ -18,9 +18,11 @@ from remodel_work.robot.arm import ToolPose
 class Scene:
     """The obstacles of one robot's motions, as the cell believes them to be."""
 
-    def __init__(self, device: Device, panel: Panel, belief: BeliefState) -> None:
-        """Begin with what is drawn."""
-        self._device, self._panel, self._belief = device, panel, belief
+    def __init__(
+        self, device: Device, panel: Panel, belief: BeliefState, check: CollisionCheck | None
+    ) -> None:
+        """Begin with what is drawn; `check` of the robot's motions, None: they are not checked."""
+        self._device, self._panel, self._belief, self._check = device, panel, belief, check
         # Located components, and the obstacles that follow from them; a picture, and the wires that
         # it shows among these.
         self._drawn: tuple[dict[str, Pose], Obstacles] | None = None
@@ -45,11 +47,10 @@ class Scene:
             length: of it [m].
             allowed: names of obstacles that may be touched.
         """
-        check = self._device.collision_check
-        if check is None:
+        if self._check is None:
             return None
         drawn = self._panel_obstacles()
-        return check.first_touch(
+        return self._check.first_touch(
             path,
             length,
             obstacles=(drawn, self._seen_wires(drawn)),

@@ -102,7 +102,7 @@ def before_the_opening(feels):
     cell = CellDesign(
         *("scripted", None, (robot,), overhead, overhead, Table(0.5, 0.0, 1.0, 1.0), None, (), ())
     )
-    device = Device(arm, ScriptedGripper(), None, None, None, None, None, TICK_S)
+    device = Device(arm, ScriptedGripper(), None, None, None, None, TICK_S)
     belief = BeliefState("robot_1", PANDA_AT_ORIGIN)
     robots, traffic = {}, Traffic(PARAMETERS.motion.robots_apart_m)
     robots["robot_1"] = context = RobotContext(

@@ -54,3 +54,7 @@ class CellFileError(CellError):
         lines = "\n".join(f"  - {problem}" for problem in problems)
         super().__init__(f"cell {file}: {len(problems)} problems:\n{lines}")
         self.problems = problems
+
+
+class MemoryFileError(CellError):
+    """The memory of a cell cannot be read or written."""

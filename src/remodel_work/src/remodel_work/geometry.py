@@ -10,6 +10,9 @@ import numpy.typing as npt
 
 Array = npt.NDArray[np.float64]
 
+# Frames that goals are given in.
+WORLD, PANEL = "world", "panel"
+
 
 def wrap_angle(angle_rad: float) -> float:
     """Return the same direction in [-pi, pi)."""

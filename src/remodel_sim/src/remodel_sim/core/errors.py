@@ -9,7 +9,3 @@ class FaultError(CellError):
 
 class FilmError(CellError):
     """A run cannot be filmed."""
-
-
-class MemoryFileError(CellError):
-    """The memory of a cell cannot be read or written."""

@@ -1,13 +1,12 @@
-"""The simulated cell as a device: the first adapter of the port `remodel_skills.device`."""
+"""A robot of the simulated cell as a device of the port `remodel_skills.device`."""
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
+from typing import Protocol
 
-from remodel_sim.physics.plant import Plant
 from remodel_sim.physics.robot import TOUCH_GAP, Robot
-from remodel_skills.device import Device
 from remodel_skills.force_control import ForceLoop
 from remodel_work.camera import Picture, View
 from remodel_work.cell.cell_design import RobotDesign
@@ -18,27 +17,20 @@ from remodel_work.robot.arm import ToolPose
 TOUCH_BEFORE_M = 0.002
 
 
-def device_of(plant: Plant, design: RobotDesign) -> Device:
-    """Return a robot of a plant as a device."""
-    name = design.name
-    return Device(
-        arm=SimulatedArm(plant, design),
-        gripper=SimulatedGripper(plant, name),
-        wrist_camera=SimulatedCamera(
-            lambda: plant.wrist_view(name), lambda: plant.take_wrist_picture(name)
-        ),
-        overhead_camera=SimulatedCamera(lambda: plant.design.overhead, plant.take_overhead_picture),
-        fixture=plant,
-        magazine=plant,
-        collision_check=plant.collision_checks.get(name),
-        tick_s=plant.tick_s,
-    )
+class _Plant(Protocol):
+    """Where robots are; it builds them for every wire."""
+
+    steps_per_tick: int
+
+    @property
+    def robots(self) -> Mapping[str, Robot]:
+        """By name."""
 
 
 class SimulatedArm:
     """The arm of a robot in the plant, which rebuilds it for every wire."""
 
-    def __init__(self, plant: Plant, design: RobotDesign) -> None:
+    def __init__(self, plant: _Plant, design: RobotDesign) -> None:
         """Name the robot."""
         self._plant, self._name, self._arm = plant, design.name, design.arm
 
@@ -53,7 +45,7 @@ class SimulatedArm:
 
     @property
     def force(self) -> Array:
-        """The measured force of the hand on the wrist, low-passed, world frame, (3,) [N]."""
+        """The measured force of the wrist on the hand, low-passed, world frame, (3,) [N]."""
         robot = self._robot
         return robot.world_from_hand.rotation @ robot.wrist_force
 
@@ -78,7 +70,7 @@ class SimulatedArm:
 class SimulatedGripper:
     """The fingers of a robot in the plant."""
 
-    def __init__(self, plant: Plant, name: str) -> None:
+    def __init__(self, plant: _Plant, name: str) -> None:
         """Name the robot."""
         self._plant, self._name = plant, name
 

@@ -7,12 +7,12 @@ import math
 import numpy as np
 
 from remodel_sim.core.wires.wire_mechanics import GRAVITY, discretise
-from remodel_sim.physics.static_body import add_static
 from remodel_sim.physics.wires.cable import SimulatedWire
 from remodel_sim.physics.world import MASS_SCALE, World
 from remodel_work.cell.feeding import Feeder, Laying, plan_laying
 from remodel_work.component_shape import Box
 from remodel_work.connector_shape import connector_solids
+from remodel_work.edge.bullet import add_static
 from remodel_work.geometry import Pose
 from remodel_work.panel import Channel, Panel, PanelWire
 

@@ -7,7 +7,6 @@ import numpy as np
 from remodel_sim.core.wires.hanging_loop import HeldEnd
 from remodel_sim.physics.fixtures.clips import add_clip
 from remodel_sim.physics.live_wire import hanging_cable
-from remodel_sim.physics.static_body import add_static
 from remodel_sim.physics.wires.cable import SimulatedWire
 from remodel_sim.physics.world import World
 from remodel_work.cell.magazine import (
@@ -19,6 +18,7 @@ from remodel_work.cell.magazine import (
     stop_box,
 )
 from remodel_work.cell.presentation import Presentation
+from remodel_work.edge.bullet import add_static
 from remodel_work.panel import Panel, PanelWire, WireEnd
 
 # The ends are held until the loop has come to rest in the clips, with this force.

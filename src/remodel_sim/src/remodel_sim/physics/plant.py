@@ -9,15 +9,16 @@ import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from functools import partial
+from types import MappingProxyType
 
 import numpy as np
 import numpy.typing as npt
 
-from remodel_sim.core.cell.faults import Disturbances, Stray, check_fault
 from remodel_sim.core.errors import FaultError
+from remodel_sim.core.faults import Disturbances, Stray, check_fault
 from remodel_sim.core.wires.wire_mechanics import discretise
 from remodel_sim.physics import cameras
-from remodel_sim.physics.collision_check import CollisionCheck
+from remodel_sim.physics.device import SimulatedArm, SimulatedCamera, SimulatedGripper
 from remodel_sim.physics.feeder import lay
 from remodel_sim.physics.fixtures.clamps import close_clamp
 from remodel_sim.physics.fixtures.latches import Header
@@ -25,19 +26,19 @@ from remodel_sim.physics.fixtures.panel_scene import PanelScene
 from remodel_sim.physics.live_wire import LiveWire, bent_cable
 from remodel_sim.physics.magazine import present
 from remodel_sim.physics.robot import Robot
-from remodel_sim.physics.static_body import add_static
 from remodel_sim.physics.wires.cable import SimulatedWire
 from remodel_sim.physics.wires.parked_wire import add_solid, draw_parked
 from remodel_sim.physics.world import CONTACT_DAMPING, CONTACT_STIFFNESS, World
-from remodel_skills.device import PlacedEnds
+from remodel_skills.device import Device, PlacedEnds
 from remodel_work.camera import Picture, View
 from remodel_work.cell.cell_design import CellDesign, WristCamera
-from remodel_work.cell.magazine import find_wire_problems
+from remodel_work.cell.held_panel import find_panel_problems, held_panel
 from remodel_work.cell.presentation import Presentation
 from remodel_work.component_shape import Box
+from remodel_work.edge.bullet import add_static
+from remodel_work.edge.cell_file import read_cell
 from remodel_work.errors import PanelError
 from remodel_work.geometry import Array, Pose
-from remodel_work.layout import find_problems
 from remodel_work.openings import TerminalKey
 from remodel_work.panel import Channel, Connector, Panel, PanelWire, WireEnd
 from remodel_work.placed_wires import ParkedWire
@@ -58,12 +59,22 @@ OVER_BIN_M = 0.06
 DRAWN_IN_M = -0.1
 # The table ends so far beyond the magazine: loops hang in the gap between it and the robot [m].
 TABLE_EDGE_M = 0.030
+# An arm that was stopped, and the wire in its hand, come to rest in this time [s].
+REST_S = 0.15
 PLUG_RGB = (0.5, 0.1, 0.1)
 # A plug begins this deep in the opening.
 PLUG_FROM_M = 0.005
 
 
-class Plant:
+# Called when time has passed, with how much [s].
+OnTime = Callable[[float], None]
+
+
+def _ignore(_: float) -> None:
+    """Take no notice of the time."""
+
+
+class SimulatedPlant:
     """The world of one cell. Everything random follows from the seed and the order of requests.
 
     Attributes:
@@ -72,46 +83,42 @@ class Plant:
         panel: what was built of it, with the cell's own fixtures; components may since have been
             moved.
         robots: by name.
-        collision_checks: of motions, by robot; of none whose design names no clearance.
         tick_s, steps_per_tick: time between two commands to an arm [s], in steps of the physics.
+        on_time: is called when time has passed, with how much [s].
         live: the wire that was fed last, until it is parked.
         parked: the wires that have been parked.
     """
 
     def __init__(
         self,
-        design: CellDesign,
         panel: Panel,
         *,
-        seed: int,
-        rate_hz: float,
+        design: CellDesign | None = None,
+        seed: int = 0,
+        rate_hz: float = 240.0,
         gui: bool = False,
     ) -> None:
-        """Build the cell; raises PanelError."""
-        self.design = design
+        """Build a cell, one Panda unless a design is given; raises PanelError."""
+        self.design = design or read_cell()
         self.seed = seed
+        self.on_time: OnTime = _ignore
         self.world = World(rate_hz, gui=gui)
         self.steps_per_tick = max(1, round(1.0 / (TICK_HZ * self.world.time_step)))
         self.tick_s = self.steps_per_tick * self.world.time_step
-        self.collision_checks = {
-            robot.name: CollisionCheck(robot.arm, robot.clearance)
-            for robot in design.robots
-            if robot.clearance is not None
-        }
         self.load(panel)
 
-    def load(self, panel: Panel) -> None:
-        """Build a panel without wires.
+    def load(self, panel: Panel, placed: Mapping[str, ParkedWire] = MappingProxyType({})) -> None:
+        """Build a panel, with the wires that lie on it.
 
         Raises PanelError and changes nothing when it breaks the rules.
         """
-        design, complete = self.design, self._complete(panel)
+        design = self.design
         problems = self.find_problems(panel)
         if problems:
             raise PanelError(panel.name, problems)
-        self.loaded, self.panel = panel, complete
+        self.loaded, self.panel = panel, held_panel(design, panel)
         self.live: LiveWire | None = None
-        self.parked: dict[str, ParkedWire] = {}
+        self.parked = dict(placed)
         self._noise = np.random.default_rng(self.seed)
         self._world_from_panel = board = self.panel.world_from_panel
         self._poses = {c.id: board @ c.panel_from_component for c in panel.components}
@@ -121,32 +128,7 @@ class Plant:
 
     def find_problems(self, panel: Panel) -> tuple[str, ...]:
         """Return why a panel cannot be built, one sentence each; none: it can."""
-        magazine, complete = self.design.magazine, self._complete(panel)
-        problems = find_problems(
-            complete,
-            self.design.arms,
-            self.design.takes,
-            has_magazine=magazine is not None,
-            has_labels=self.design.labels,
-        )
-        if magazine is None or problems:
-            return problems
-        return tuple(find_wire_problems(complete))
-
-    def _complete(self, panel: Panel) -> Panel:
-        """Return a panel as the cell holds it, with the cell's own fixtures."""
-        design = self.design
-        return replace(
-            panel,
-            clips=(*panel.clips, *design.clips),
-            ducts=(*panel.ducts, *design.ducts),
-            world_from_panel=design.world_from_panel,
-        )
-
-    def restore(self, parked: Mapping[str, ParkedWire]) -> None:
-        """Put wires back where they were parked, onto the panel as it was loaded."""
-        self.parked = dict(parked)
-        self._build({robot.name: robot.home for robot in self.design.robots})
+        return find_panel_problems(self.design, panel)
 
     def _build(self, tools: Mapping[str, ToolPose]) -> None:
         """Build the world from what the plant knows, without a live wire.
@@ -192,11 +174,38 @@ class Plant:
         """Advance by one tick of the skills."""
         for _ in range(self.steps_per_tick):
             self.step()
+        self.on_time(self.tick_s)
+
+    def rest(self) -> None:
+        """Let an arm that was stopped, and the wire in its hand, come to rest."""
+        for _ in range(round(REST_S / self.world.time_step)):
+            self.step()
+            self.on_time(self.world.time_step)
+
+    def device_of(self, robot: str) -> Device:
+        """Return a robot as a device."""
+        design = next(design for design in self.design.robots if design.name == robot)
+        return Device(
+            arm=SimulatedArm(self, design),
+            gripper=SimulatedGripper(self, robot),
+            wrist_camera=SimulatedCamera(
+                lambda: self.wrist_view(robot), lambda: self.take_wrist_picture(robot)
+            ),
+            overhead_camera=SimulatedCamera(
+                lambda: self.design.overhead, self.take_overhead_picture
+            ),
+            fixture=self,
+            magazine=self,
+            tick_s=self.tick_s,
+        )
+
+    def shapes(self) -> dict[str, ParkedWire]:
+        """Return the wires that lie in the cell, the live one among them, by name."""
+        live = {} if self.live is None else {self.live.wire.id: self.live.shape}
+        return {**self.parked, **live}
 
     def close(self) -> None:
         """Leave PyBullet."""
-        for check in self.collision_checks.values():
-            check.close()
         self.world.close()
 
     def feed(self, wire_id: str, channel_id: str, tools: Mapping[str, ToolPose]) -> Presentation:

@@ -8,7 +8,10 @@ from pathlib import Path
 
 import numpy as np
 
-from remodel_sim.physics.robot_description import (
+from remodel_sim.physics.world import CONTACT_DAMPING, CONTACT_STIFFNESS, World
+from remodel_work.cell.cell_design import Gripper
+from remodel_work.edge.bullet import PARKED_GROUP
+from remodel_work.edge.robot_description import (
     AXIS_FORCE_N,
     FINGERS,
     HAND,
@@ -16,9 +19,6 @@ from remodel_sim.physics.robot_description import (
     foot_link,
     robot_description,
 )
-from remodel_sim.physics.static_body import PARKED_GROUP
-from remodel_sim.physics.world import CONTACT_DAMPING, CONTACT_STIFFNESS, World
-from remodel_work.cell.cell_design import Gripper
 from remodel_work.geometry import Array, Pose
 from remodel_work.robot.arm import PANDA_AT_ORIGIN, ToolPose
 from remodel_work.robot.fingers import CAMERA_MOUNT
@@ -134,6 +134,7 @@ class Robot:
         self._bullet.enableJointForceTorqueSensor(self.body, self._wrist, 1)
         # What the servos were sent last, and what is left of the ramp to the last command.
         self._ramp: list[Array] = []
+        self._gain = ARM_GAIN
         self._drive(joints, ARM_GAIN)
         self._drive_fingers()
         world.add_before_step(self._sense)
@@ -153,14 +154,15 @@ class Robot:
                 self._bullet.changeDynamics(self.body, link, lateralFriction=friction)
             self._bullet.setCollisionFilterGroupMask(self.body, link, group, mask)
 
-    def drive(self, joints: Array, steps: int = 1) -> None:
+    def drive(self, joints: Array, steps: int = 1, *, at_once: bool = False) -> None:
         """Send the arm's joints somewhere in so many steps, and end what `drive_by` began.
 
         They are an axis's position [m], if it stands on one, then seven angles [rad]. Between two
         commands the servos follow a ramp: a jump in every second step would shake the hand, and a
-        moving hand's wrist would feel 30 N for each m/s.
+        moving hand's wrist would feel 30 N for each m/s. `at_once`: without the servo's lag, as
+        a controller that steps with the physics.
         """
-        self._controller = None
+        self._controller, self._gain = None, STEP_GAIN if at_once else ARM_GAIN
         self._ramp = [*np.linspace(self._sent, joints, steps + 1)[1:]]
 
     def drive_by(self, controller: Controller) -> None:
@@ -209,7 +211,7 @@ class Robot:
         self._drive_fingers()
 
     def _keep_force(self) -> None:
-        loads = self._finger_loads()
+        loads = self.finger_loads()
         excess = sum(loads) / 2 - self.grip_force
         correction = self._correction + GRIP_GAIN * excess * self._time_step
         self._correction = max(-GRIP_CORRECTION_M, min(GRIP_CORRECTION_M, correction))
@@ -229,9 +231,10 @@ class Robot:
     @property
     def finger_load(self) -> float:
         """Measured closing force of the weaker finger [N]."""
-        return min(self._finger_loads())
+        return min(self.finger_loads())
 
-    def _finger_loads(self) -> list[float]:
+    def finger_loads(self) -> list[float]:
+        """Measured closing force of each finger [N]."""
         return [-s[3] for s in self._bullet.getJointStates(self.body, self._fingers)]
 
     def _sense(self) -> None:
@@ -240,7 +243,7 @@ class Robot:
         share = min(1.0, self._time_step / FORCE_TIME_CONSTANT)
         self._force += share * (reading - self._force)
         if self._ramp:
-            self._drive(self._ramp.pop(0), ARM_GAIN)
+            self._drive(self._ramp.pop(0), self._gain)
         elif self._controller is not None:
             felt = self.world_from_hand.rotation @ reading
             self._drive(self._controller(felt, self._time_step), STEP_GAIN)

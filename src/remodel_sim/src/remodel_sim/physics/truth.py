@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from remodel_sim.physics.plant import Plant
+from remodel_sim.physics.plant import SimulatedPlant
 from remodel_work.geometry import Array, Pose
 from remodel_work.panel import Duct, PanelClip, WireEnd
 from remodel_work.routes import places_in, step_in, world_from_clip
@@ -57,7 +57,7 @@ class WireTruth:
         return all(end.seated and end.fixed for end in (self.a, self.b))
 
 
-def ground_truth(plant: Plant, wire_ids: list[str]) -> list[WireTruth]:
+def ground_truth(plant: SimulatedPlant, wire_ids: list[str]) -> list[WireTruth]:
     """Return the truth about these wires, each of them live or parked."""
     truths = []
     for wire_id in wire_ids:
@@ -76,7 +76,7 @@ def ground_truth(plant: Plant, wire_ids: list[str]) -> list[WireTruth]:
     return truths
 
 
-def lies_in(plant: Plant, wire_id: str, clip: PanelClip) -> bool:
+def lies_in(plant: SimulatedPlant, wire_id: str, clip: PanelClip) -> bool:
     """Return whether a wire that was fed runs through a clip, below its lips."""
     x, y, z = world_from_clip(clip, plant.panel).inverse().apply(_nodes(plant, wire_id)).T
     order = np.argsort(x)
@@ -84,13 +84,13 @@ def lies_in(plant: Plant, wire_id: str, clip: PanelClip) -> bool:
     return bool(x.min() < 0 < x.max()) and max(abs(aside), abs(height - clip.height)) < IN_CLIP_M
 
 
-def share_in_ducts(plant: Plant, wire_id: str) -> float:
+def share_in_ducts(plant: SimulatedPlant, wire_id: str) -> float:
     """Return at which share of its route in ducts a wire that was fed lies below their rims."""
     planned, found = _lengths_in_ducts(plant, wire_id)
     return found / planned if planned else 0.0
 
 
-def _lengths_in_ducts(plant: Plant, wire_id: str) -> tuple[float, float]:
+def _lengths_in_ducts(plant: SimulatedPlant, wire_id: str) -> tuple[float, float]:
     """Return how long a wire's planned route in ducts is, and how much of it is kept [m]."""
     nodes, wire = _nodes(plant, wire_id), plant.panel.wire(wire_id)
     board = plant.panel.world_from_panel
@@ -105,7 +105,7 @@ def _lengths_in_ducts(plant: Plant, wire_id: str) -> tuple[float, float]:
     return planned, found
 
 
-def _nodes(plant: Plant, wire_id: str) -> Array:
+def _nodes(plant: SimulatedPlant, wire_id: str) -> Array:
     """Return the nodes of a wire that was fed, live or parked, from tip to tip; (n, 3) [m]."""
     if plant.live is not None and plant.live.wire.id == wire_id:
         return plant.live.cable.nodes()
@@ -143,7 +143,7 @@ def _is_in(place: Pose, duct: Duct, point: Array) -> bool:
 
 
 def _end_truth(
-    plant: Plant, wire_id: str, end: WireEnd, tip: Array, fixed: frozenset[WireEnd]
+    plant: SimulatedPlant, wire_id: str, end: WireEnd, tip: Array, fixed: frozenset[WireEnd]
 ) -> EndTruth:
     wire = plant.panel.wire(wire_id)
     own, connector = wire.goes_to(end), wire.connector_at(end)

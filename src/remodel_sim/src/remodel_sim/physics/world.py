@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 
 from remodel_sim.core.wires.wire_mechanics import GRAVITY
-from remodel_sim.physics.bullet import connect
+from remodel_work.edge.bullet import connect
 
 # A wire's link of half a gram between two fingers makes the contact solver converge a thousand
 # times too slowly. Wires get this many times their mass, and gravity is as many times weaker:

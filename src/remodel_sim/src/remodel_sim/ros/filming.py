@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import rospy
 
-from remodel_sim.cell import Cell
 from remodel_sim.core.errors import FilmError
 from remodel_sim.edge.film import Film
+from remodel_sim.physics.plant import SimulatedPlant
 from remodel_sim.ros.sim_clock import SimClock
 
 # Between two pictures [s of simulated time]; the film shows ten a second, so it runs at four times
@@ -17,9 +17,9 @@ PERIOD_S = 0.4
 class Filming:
     """Takes the pictures; a cancel waits for one at most, some 0.1 s."""
 
-    def __init__(self, cell: Cell, clock: SimClock, film: Film, camera: str) -> None:
+    def __init__(self, plant: SimulatedPlant, clock: SimClock, film: Film, camera: str) -> None:
         """Film with a camera of the cell."""
-        self._cell = cell
+        self._plant = plant
         self._clock = clock
         self._film = film
         self._camera = camera
@@ -28,12 +28,11 @@ class Filming:
 
     def __call__(self) -> None:
         """Take a picture when it is time."""
-        working = any(context.busy for context in self._cell.contexts.values())
-        if self._stopped or not working or self._clock.now_s - self._taken_s < PERIOD_S:
+        if self._stopped or self._clock.now_s - self._taken_s < PERIOD_S:
             return
         self._taken_s = self._clock.now_s
         try:
-            self._film.add(self._cell.plant.film(self._camera))
+            self._film.add(self._plant.film(self._camera))
         except FilmError as error:
             rospy.logerr("%s; no more pictures are taken", error)
             self._stopped = True

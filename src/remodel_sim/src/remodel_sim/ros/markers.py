@@ -10,11 +10,11 @@ from geometry_msgs.msg import Point, Pose, Quaternion, Vector3
 from std_msgs.msg import ColorRGBA
 from visualization_msgs.msg import Marker, MarkerArray
 
-from remodel_sim.physics.plant import Plant
+from remodel_sim.physics.plant import SimulatedPlant
 from remodel_sim.ros.sim_clock import SimClock
-from remodel_skills.goal_checks import WORLD
 from remodel_states.core.wires.wire_colours import Rgb, rgbs_of
 from remodel_work.component_shape import HOUSING
+from remodel_work.geometry import WORLD
 from remodel_work.panel import Component, PanelWire
 
 # [s] How often the wire under way is published, by the clock of the people who watch: a cell that
@@ -27,7 +27,7 @@ WHOLE_PERIOD_S = 1.0
 class Markers:
     """Publishes components as boxes and wires as lines."""
 
-    def __init__(self, plant: Plant, clock: SimClock) -> None:
+    def __init__(self, plant: SimulatedPlant, clock: SimClock) -> None:
         """Advertise the topic."""
         self._plant = plant
         self._clock = clock

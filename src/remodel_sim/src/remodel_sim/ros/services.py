@@ -1,4 +1,4 @@
-"""The cell's services: the feeder, the panel, pictures, faults and, for scoring only, the truth."""
+"""The simulator's own services: pictures, faults and, for scoring only, the truth."""
 
 from __future__ import annotations
 
@@ -6,71 +6,50 @@ import os
 import signal
 import threading
 from collections.abc import Callable
+from typing import Protocol, TypeVar
 
 import rospy
 from remodel_msgs import srv
-from std_srvs.srv import Trigger, TriggerRequest, TriggerResponse
+from remodel_msgs.msg import WireTruth as WireTruthMsg
 
-from remodel_sim.core.cell.faults import check_fault
-from remodel_sim.physics.truth import ground_truth
-from remodel_sim.ros.conversions import panel_from, truth_message
-from remodel_sim.ros.owner import Owner
-from remodel_states.core.codes import Code
-from remodel_states.core.wires.wire_materials import WireMaterials
+from remodel_sim.core.faults import check_fault
+from remodel_sim.physics.plant import SimulatedPlant
+from remodel_sim.physics.truth import WireTruth, ground_truth
+from remodel_sim.ros.sim_clock import SimClock
 from remodel_vision.ros.image_message import image
-from remodel_work.errors import AbilityError, CellError, PanelError
+from remodel_work.errors import CellError
 
-# The longest request is building a large panel.
+T = TypeVar("T")
+
+# The longest request is a picture while the physics is slow [s].
 TIMEOUT_S = 60.0
 SERVER_FAULTS = ("server_frozen", "server_killed")
 # A node that is to be killed answers first; so long the answer has to get out [s].
 ANSWER_S = 0.2
 
 
-class Services:
-    """Answers the cell's services, each in the owner's thread between two ticks."""
+class Owner(Protocol):
+    """Who owns the plant: what is asked is done in its thread, between two ticks."""
 
-    def __init__(self, owner: Owner, materials: WireMaterials) -> None:
-        """Advertise all of them; `materials` completes the wires of panels to come."""
-        self._owner = owner
-        self._materials = materials
+    def ask(self, question: Callable[[], T], timeout_s: float) -> T:
+        """Evaluate a function; raises CellError when there is no answer in time, or its error."""
+
+    def freeze(self, seconds: float) -> None:
+        """Do nothing for so long."""
+
+
+class Services:
+    """Answers the simulator's services."""
+
+    def __init__(self, plant: SimulatedPlant, clock: SimClock, owner: Owner) -> None:
+        """Advertise all of them."""
+        self._plant, self._clock, self._owner = plant, clock, owner
         for name, kind, answer in (
-            ("feed_wire", srv.FeedWire, self._feed_wire),
-            ("load_panel", srv.LoadPanel, self._load_panel),
             ("ground_truth", srv.GetGroundTruth, self._ground_truth),
             ("inject_fault", srv.InjectFault, self._inject_fault),
             ("take_picture", srv.TakePicture, self._take_picture),
-            ("reset", Trigger, self._reset),
         ):
             rospy.Service(f"cell/{name}", kind, answer)
-
-    def _feed_wire(self, request: srv.FeedWireRequest) -> srv.FeedWireResponse:
-        def feed() -> None:
-            self._owner.cell.admit(request.owner)
-            self._require_idle()
-            self._owner.cell.feed(request.wire_id, request.channel_id)
-
-        text = f"{request.wire_id} lies in {request.channel_id}"
-        return srv.FeedWireResponse(*self._coded(feed, text))
-
-    def _load_panel(self, request: srv.LoadPanelRequest) -> srv.LoadPanelResponse:
-        def load() -> None:
-            self._owner.cell.admit(request.owner)
-            self._require_idle()
-            panel = panel_from(request.panel, self._materials)
-            forces_n = dict(zip(request.abilities, request.force_limits, strict=False))
-            self._owner.cell.load(
-                panel, robots=request.robots, forces_n=forces_n, keep=request.keep
-            )
-
-        return srv.LoadPanelResponse(*self._coded(load, f"panel {request.panel.name!r} built"))
-
-    def _reset(self, _: TriggerRequest) -> TriggerResponse:
-        def reset() -> None:
-            self._require_idle()
-            self._owner.cell.reset()
-
-        return TriggerResponse(*self._done(reset, "panel rebuilt, no wire on it"))
 
     def _inject_fault(self, request: srv.InjectFaultRequest) -> srv.InjectFaultResponse:
         text = f"{request.kind} {request.target!r}"
@@ -78,7 +57,7 @@ class Services:
         def disturb() -> None:
             values = tuple(request.values)
             if request.kind not in SERVER_FAULTS:
-                self._owner.cell.plant.disturb(request.kind, request.target, values)
+                self._plant.disturb(request.kind, request.target, values)
                 return
             check_fault(request.kind, request.target, values)
             if request.kind == "server_frozen":
@@ -89,37 +68,23 @@ class Services:
         return srv.InjectFaultResponse(*self._done(disturb, text))
 
     def _ground_truth(self, _: srv.GetGroundTruthRequest) -> srv.GetGroundTruthResponse:
-        cell = self._owner.cell
-        truths = self._owner.ask(
-            lambda: ground_truth(cell.plant, cell.context.belief.fed), TIMEOUT_S
-        )
+        plant = self._plant
+        truths = self._owner.ask(lambda: ground_truth(plant, list(plant.shapes())), TIMEOUT_S)
         return srv.GetGroundTruthResponse([truth_message(truth) for truth in truths])
 
     def _take_picture(self, request: srv.TakePictureRequest) -> srv.TakePictureResponse:
         response = srv.TakePictureResponse()
-        cameras = self._owner.cell.plant.design.camera_names
+        cameras = self._plant.design.camera_names
         if request.camera not in cameras:
             response.message = f"no camera {request.camera!r}; there are: {', '.join(cameras)}"
             return response
 
         def take() -> None:
-            picture = self._owner.cell.plant.photograph(request.camera)
-            response.image = image(picture.rgb, request.camera, self._owner.clock.now)
+            picture = self._plant.photograph(request.camera)
+            response.image = image(picture.rgb, request.camera, self._clock.now)
 
         response.success, response.message = self._done(take, f"picture of {request.camera}")
         return response
-
-    def _coded(self, action: Callable[[], None], text: str) -> tuple[bool, str, int]:
-        """Return whether an action is done, a text, and the code of why it is not."""
-        try:
-            self._owner.ask(action, TIMEOUT_S)
-        except AbilityError as error:
-            return False, str(error), int(error.code)
-        except PanelError as error:
-            return False, str(error), int(Code.INVALID_GOAL)
-        except CellError as error:
-            return False, str(error), int(Code.INTERNAL)
-        return True, text, int(Code.NONE)
 
     def _done(self, action: Callable[[], None], text: str) -> tuple[bool, str]:
         try:
@@ -128,9 +93,19 @@ class Services:
             return False, str(error)
         return True, text
 
-    def _require_idle(self) -> None:
-        if self._owner.jobs:
-            job = self._owner.jobs[0]
-            raise AbilityError(
-                Code.BUSY, f"{job.robots[0]} is doing {job}; wait for it or cancel it"
-            )
+
+def truth_message(truth: WireTruth) -> WireTruthMsg:
+    """Return the truth about a wire as a message."""
+    a, b = truth.a, truth.b
+    return WireTruthMsg(
+        wire_id=truth.wire_id,
+        placed=truth.placed,
+        a_at=a.at,
+        b_at=b.at,
+        a_depth=a.depth,
+        b_depth=b.depth,
+        a_fixed=a.fixed,
+        b_fixed=b.fixed,
+        duct_length=truth.duct_length,
+        in_ducts=truth.in_ducts,
+    )

@@ -1,1 +1,1 @@
-"""Access to files."""
+"""Disk."""

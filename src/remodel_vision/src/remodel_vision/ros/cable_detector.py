@@ -12,10 +12,7 @@ from sensor_msgs.msg import Image
 from flexbe_core.ros.master import join, spin
 from remodel_vision.cables import Crossing, DetectedCable, Detection, detect_cables
 from remodel_vision.cables.sketch import sketch
-from remodel_vision.pixels import Pixels
-from remodel_vision.ros.image_message import image
-
-CHANNELS = {"rgb8": 3, "bgr8": 3, "mono8": 1}
+from remodel_vision.ros.image_message import image, read_image
 
 
 class CableDetector:
@@ -62,28 +59,6 @@ def answer(request: DetectCablesRequest) -> DetectCablesResponse:
     except ValueError as error:
         return DetectCablesResponse(False, str(error), ImageCables())
     return DetectCablesResponse(True, "", _found(found, request.image))
-
-
-def read_image(message: Image) -> Pixels:
-    """Return the colours (height, width, 3), RGB, of a message.
-
-    Raises:
-        ValueError: for another encoding, or data of another size than height times step.
-    """
-    channels = CHANNELS.get(message.encoding)
-    if channels is None:
-        raise ValueError(f"encoding {message.encoding!r}; it must be one of {', '.join(CHANNELS)}")
-    row = channels * message.width
-    if message.step < row or len(message.data) != message.height * message.step:
-        raise ValueError(
-            f"{len(message.data)} bytes in rows of {message.step}; {message.encoding} of "
-            f"{message.width} x {message.height} px has rows of {row} bytes or more"
-        )
-    rows = np.frombuffer(message.data, np.uint8).reshape(message.height, message.step)
-    pixels = rows[:, :row].reshape(message.height, message.width, channels)
-    if message.encoding == "bgr8":
-        pixels = pixels[..., ::-1]
-    return np.ascontiguousarray(np.broadcast_to(pixels, (*pixels.shape[:2], 3)))
 
 
 def _found(found: Detection, message: Image) -> ImageCables:

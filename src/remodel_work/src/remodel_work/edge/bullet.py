@@ -1,9 +1,17 @@
-"""Bodies that never move by themselves."""
+"""PyBullet: a connection, and bodies that never move by themselves.
+
+It simulates the physics of a cell, and it is the geometry of collision checks. Its own lines, its
+build time and "argv[0]=", are not printed.
+"""
 
 from __future__ import annotations
 
+import ctypes
+import os
+import sys
 import tempfile
 from collections.abc import Iterable, Iterator
+from contextlib import contextmanager
 from pathlib import Path
 
 from remodel_work.component_shape import Box
@@ -17,12 +25,38 @@ MOVING_GROUP, STATIC_GROUP = 1, 2
 PARKED_GROUP = 8
 
 
-def add_static(bullet, boxes: Iterable[Box], pose: Pose) -> int:  # noqa: ANN001
+@contextmanager
+def _silenced(descriptor: int) -> Iterator[None]:
+    """Drop what C code prints on standard output (1) or standard error (2)."""
+    sys.stdout.flush()
+    kept, nowhere = os.dup(descriptor), os.open(os.devnull, os.O_WRONLY)
+    os.dup2(nowhere, descriptor)
+    try:
+        yield
+    finally:
+        ctypes.CDLL(None).fflush(None)
+        os.dup2(kept, descriptor)
+        os.close(kept)
+        os.close(nowhere)
+
+
+with _silenced(2):  # its build time
+    import pybullet
+    from pybullet_utils.bullet_client import BulletClient
+
+
+def connect(*, gui: bool = False) -> BulletClient:
+    """Return PyBullet's functions, bound to a new world; `gui` opens its window."""
+    with _silenced(1):  # "argv[0]="
+        return BulletClient(pybullet.GUI if gui else pybullet.DIRECT)
+
+
+def add_static(bullet: BulletClient, boxes: Iterable[Box], pose: Pose) -> int:
     """Add boxes as one body that never moves by itself; returns the body."""
     return add_described(bullet, boxes_description(boxes), pose)
 
 
-def add_described(bullet, shapes: Iterable[str], pose: Pose) -> int:  # noqa: ANN001
+def add_described(bullet: BulletClient, shapes: Iterable[str], pose: Pose) -> int:
     """Add a body that never moves by itself of URDF shapes; returns the body."""
     head = (
         '<robot name="body"><link name="body"><inertial><mass value="0"/>'

@@ -7,12 +7,12 @@ from functools import partial
 
 from genpy import Message
 
-from remodel_sim.ros.job import Job
-from remodel_sim.ros.owner import Owner
 from remodel_skills.abilities.ability import CellAbility
 from remodel_skills.goal_checks import require, require_number
 from remodel_skills.goals import Goal
 from remodel_skills.robot_context import RobotContext
+from remodel_skills.ros.job import Job
+from remodel_skills.ros.owner import Owner
 from remodel_states.ability_server import AbilityServer
 from remodel_states.core.ability_tables import Ability
 from remodel_states.core.codes import Code

@@ -8,15 +8,15 @@ from typing import Any
 
 import rospy
 
-from remodel_sim.core.errors import MemoryFileError
-from remodel_sim.ros.conversions import result_fields
 from remodel_skills.abilities.ability import CellAbility
 from remodel_skills.goals import Goal
 from remodel_skills.robot_context import AbilityResult, RobotContext
+from remodel_skills.ros.results import result_fields
 from remodel_skills.runner import occupy
 from remodel_states.core.ability_error import AbilityError
 from remodel_states.core.codes import Code
 from remodel_states.serving.running_goal import RunningGoal
+from remodel_work.errors import MemoryFileError
 
 
 class Job:
@@ -71,7 +71,7 @@ class Job:
         except StopIteration as done:
             self._succeed(done.value)
         except AbilityError as error:
-            self._end(Code(error.code), str(error), error.found)
+            self.fail(error)
         except Exception as error:  # noqa: BLE001 - a goal must end whatever happens
             rospy.logerr("%s: %s", self, traceback.format_exc())
             self._end(Code.INTERNAL, f"{type(error).__name__}: {error}; the log has more", {})
@@ -81,6 +81,10 @@ class Job:
             self._running.report(progress.message, 100.0 * progress.share)
             return False
         return True
+
+    def fail(self, error: AbilityError) -> None:
+        """End the goal with an error."""
+        self._end(Code(error.code), str(error), error.found)
 
     def _succeed(self, found: AbilityResult) -> None:
         try:

@@ -14,10 +14,9 @@ from typing import Any
 
 import numpy as np
 
-from remodel_sim.physics.bullet import connect
-from remodel_sim.physics.robot_description import FINGERS, HAND, robot_description
-from remodel_sim.physics.static_body import add_static
 from remodel_skills.collision import HeldTip, Touch
+from remodel_work.edge.bullet import add_static, connect
+from remodel_work.edge.robot_description import FINGERS, HAND, robot_description
 from remodel_work.geometry import Pose, turn_between
 from remodel_work.obstacles import WIRES, Obstacles
 from remodel_work.robot.arm import ToolPose
@@ -38,7 +37,7 @@ NearPoint = tuple[str, Obstacles, tuple[Any, ...]]
 LINK_A, ON_B, DISTANCE = 3, 6, 8
 
 
-class CollisionCheck:
+class BulletCollisionCheck:
     """A shadow of an arm among obstacles. Only the thread that made it may use it."""
 
     def __init__(self, arm: Kinematics, clearance: float) -> None:

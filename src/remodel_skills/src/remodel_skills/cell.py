@@ -1,18 +1,22 @@
-"""A cell without ROS: the plant, and the robot contexts that the abilities use."""
+"""A cell without ROS: its plant, and the robot contexts that the abilities use.
+
+Who may command it: a supervisor that acquires the cell gets a token greater than all before. It
+puts the token in front of the id of each goal ("17:insert a") and into the requests of services.
+The cell refuses a token older than the newest it has seen, so a supervisor that lost the cell while
+it was stopped moves nothing when it continues. A goal without a token is not checked.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterator, Mapping
+from collections.abc import Collection, Mapping
 from dataclasses import replace
 from types import MappingProxyType
 from typing import TypeVar
 
-from remodel_sim.core.cell.ownership import check_owner
-from remodel_sim.edge.cell_file import read_cell
-from remodel_sim.edge.cell_memory import CellMemory
-from remodel_sim.physics.device import device_of
-from remodel_sim.physics.plant import Plant
 from remodel_skills.belief_state import NO_CHANNEL, BeliefState, EndState, Feed
+from remodel_skills.device import Plant
+from remodel_skills.edge.cell_memory import CellMemory
+from remodel_skills.edge.collision_check import BulletCollisionCheck
 from remodel_skills.edge.parameter_files import read_parameters
 from remodel_skills.goal_checks import check_hands_empty, check_not_in_cell
 from remodel_skills.goals import find_demand_problems
@@ -22,47 +26,46 @@ from remodel_skills.runner import occupy, run
 from remodel_skills.traffic import Traffic
 from remodel_states.core.codes import Code
 from remodel_states.core.goal_owner import NO_OWNER
-from remodel_work.cell.cell_design import CellDesign
 from remodel_work.errors import AbilityError, PanelError
 from remodel_work.panel import Panel
 from remodel_work.placed_wires import PlacedWires
 
 T = TypeVar("T")
 
-# An arm that was stopped, and the wire in its hand, come to rest in this time [s].
-REST_S = 0.15
-
 
 class Cell:
     """One cell with one panel; what an operator and a feeder can do with it.
 
     Attributes:
-        plant: the physical side.
+        plant: the physical side, simulated or real.
         contexts: what abilities see of it, for each robot by its name.
     """
 
     def __init__(
         self,
-        panel: Panel,
+        plant: Plant,
         *,
-        design: CellDesign | None = None,
-        seed: int = 0,
-        rate_hz: float = 240.0,
-        gui: bool = False,
         observers: Observers | None = None,
         memory: CellMemory | None = None,
     ) -> None:
-        """Build a cell, one Panda unless a design is given, see Plant; raises PanelError.
+        """Take over a cell that holds a panel.
 
         `memory` keeps the wires that have their place for the next cell; None: they are lost.
         """
-        self.plant = Plant(design or read_cell(), panel, seed=seed, rate_hz=rate_hz, gui=gui)
+        self.plant = plant
         self._observers = observers or Observers()
         self._memory = memory
         self._newest_owner = memory.owner if memory else NO_OWNER
+        self._checks = {
+            robot.name: BulletCollisionCheck(robot.arm, robot.clearance)
+            for robot in plant.design.robots
+            if robot.clearance is not None
+        }
         self.contexts = self._make_contexts()
         if memory is not None:
-            self._restore(memory.placed(self._held(panel)))
+            placed = memory.placed(self._held(plant.loaded))
+            if placed.parked:
+                self._load(plant.loaded, placed)
 
     def _make_contexts(self) -> dict[str, RobotContext]:
         """Return new stations for the robots of a freshly built plant."""
@@ -74,7 +77,7 @@ class Cell:
         for robot in self.plant.design.robots:
             own = belief if robot is first else belief.beside(robot.name, robot.arm)
             robots[robot.name] = RobotContext(
-                device_of(self.plant, robot),
+                self.plant.device_of(robot.name),
                 self.plant.design,
                 robot,
                 self.plant.panel,
@@ -83,6 +86,7 @@ class Cell:
                 traffic=traffic,
                 observers=self._observers,
                 parameters=parameters,
+                check=self._checks.get(robot.name),
             )
         return robots
 
@@ -137,20 +141,17 @@ class Cell:
         if keep and panel == self.plant.loaded:
             return
         placed = self._memory.placed(self._held(panel)) if keep and self._memory else PlacedWires()
-        self.plant.load(panel)
-        self.contexts = self._make_contexts()
-        self._restore(placed)
+        self._load(panel, placed)
         self.keep()
 
     def _held(self, panel: Panel) -> Panel:
         """Return a panel where this cell holds it: wires of elsewhere are not put back."""
         return replace(panel, world_from_panel=self.plant.design.world_from_panel)
 
-    def _restore(self, placed: PlacedWires) -> None:
-        if placed.parked:
-            self.plant.restore(placed.parked)
-            self.contexts = self._make_contexts()
-            self.context.belief.restore(placed)
+    def _load(self, panel: Panel, placed: PlacedWires) -> None:
+        self.plant.load(panel, placed.parked)
+        self.contexts = self._make_contexts()
+        self.context.belief.restore(placed)
 
     def keep(self) -> None:
         """Keep the wires that have their place, the live one too if it is finished.
@@ -159,9 +160,9 @@ class Cell:
         """
         if self._memory is None:
             return
-        parked = dict(self.plant.parked)
-        if self.plant.live is not None and self._is_finished():
-            parked[self.plant.live.wire.id] = self.plant.live.shape
+        parked = self.plant.shapes()
+        if not self._is_finished():
+            parked.pop(self._live or "", None)
         occupied = {
             terminal: held
             for terminal, held in self.context.belief.occupied.items()
@@ -169,15 +170,17 @@ class Cell:
         }
         self._memory.keep(self._held(self.plant.loaded), PlacedWires(parked, occupied))
 
+    @property
+    def _live(self) -> str | None:
+        """The wire that is handled; None: there is none."""
+        feed, magazine = self.context.belief.feed, self.context.device.magazine
+        return feed.wire_id if feed and magazine.is_at_hand(feed.wire_id) else None
+
     def _is_finished(self) -> bool:
         """Return whether both ends of the live wire are fixed, and no hand holds it."""
         belief = self.context.belief
         fixed = bool(belief.ends) and all(state is EndState.FIXED for state in belief.ends.values())
         return fixed and not belief.hands
-
-    def reset(self) -> None:
-        """Rebuild the panel without any wire."""
-        self.load(self.plant.loaded)
 
     def feed(self, wire_id: str, channel_id: str) -> None:
         """Present a new piece of a wire, unless an untouched one waits there.
@@ -197,7 +200,7 @@ class Cell:
         if belief.presents(wire_id, channel_id):
             return
         check_not_in_cell(wire_id, belief)
-        leaves_wire = self.plant.live is not None
+        leaves_wire = self._live is not None
         tools = {name: context.commanded for name, context in self.contexts.items()}
         presentation = self.plant.feed(wire_id, channel_id, tools)
         expected = {end: tip.position for end, tip in presentation.tips.items()}
@@ -216,23 +219,27 @@ class Cell:
             self.come_to_rest()
 
     def come_to_rest(self) -> None:
-        """Let the scene come to rest after an ability, however it ended."""
-        for _ in self.rest_steps():
-            pass
+        """Let the scene come to rest after an ability, however it ended.
 
-    def rest_steps(self) -> Iterator[float]:
-        """Let the scene come to rest, step by step; yield the time that each step took [s].
-
-        At the end the live wire is parked if both its ends are fixed and no hand holds it.
+        The live wire is parked if both its ends are fixed and no hand holds it.
         """
-        time_step = self.plant.world.time_step
-        for _ in range(round(REST_S / time_step)):
-            self.plant.step()
-            yield time_step
+        self.plant.rest()
         if self._is_finished():
             self.plant.park()
             self.keep()
 
     def close(self) -> None:
-        """Leave PyBullet."""
+        """Leave the cell."""
+        for check in self._checks.values():
+            check.close()
         self.plant.close()
+
+
+def check_owner(owner: int, newest: int) -> None:
+    """Raise STALE_OWNER when a token is older than the newest that the cell has seen."""
+    if owner != NO_OWNER and owner < newest:
+        raise AbilityError(
+            Code.STALE_OWNER,
+            f"owner {owner} no longer owns this cell, owner {newest} does; stop the older "
+            "supervisor, or reset the cell's memory if the database was replaced",
+        )

@@ -1,13 +1,10 @@
-"""The one thread that owns the plant.
+"""The one thread that owns the cell.
 
-It runs the abilities, answers requests between their ticks, and keeps time.
-
-PyBullet is not thread-safe, and it holds Python's lock while it steps or renders. So rospy's
-threads only leave requests here. The abilities of two robots take turns: each does one step, then
-the world advances by one tick for both. While an ability runs, simulated time runs as fast as the
-machine allows. Between goals the scene is at rest and frozen: time goes on at the wall's pace and
-nothing is stepped, so that results depend on the seed and the goals alone, not on how long a client
-thinks.
+It runs the abilities, and answers requests between their ticks. rospy's threads only leave requests
+here: belief and plant are used by this thread alone. The abilities of two robots take turns: each
+does one step, then a tick passes for both. In a simulated cell time runs as fast as the machine
+allows while an ability runs; between goals the scene is frozen and time goes on at the wall's pace,
+so that results depend on the seed and the goals alone, not on how long a client thinks.
 """
 
 from __future__ import annotations
@@ -15,13 +12,14 @@ from __future__ import annotations
 import math
 import queue
 import threading
-from collections.abc import Callable, Sequence
-from typing import Generic, TypeVar
+from collections.abc import Callable
+from typing import Generic, Protocol, TypeVar
 
-from remodel_sim.cell import Cell
-from remodel_sim.ros.job import Job
-from remodel_sim.ros.sim_clock import SimClock
-from remodel_work.errors import CellError
+import rospy
+
+from remodel_skills.cell import Cell
+from remodel_skills.ros.job import Job
+from remodel_work.errors import AbilityError, CellError
 
 T = TypeVar("T")
 
@@ -29,17 +27,25 @@ T = TypeVar("T")
 IDLE_S = 0.01
 
 
+class Clock(Protocol):
+    """The time of a cell."""
+
+    @property
+    def now_s(self) -> float:
+        """The time [s]."""
+
+    def idle(self) -> None:
+        """Do what time takes to go on while nothing runs; returns at once."""
+
+
 class Owner:
     """Runs the cell. `spin` must be called by the thread that built the cell."""
 
-    def __init__(
-        self, cell: Cell, clock: SimClock, publishers: Sequence[Callable[[], None]]
-    ) -> None:
-        """Take a cell over; the publishers are called after every tick."""
+    def __init__(self, cell: Cell, clock: Clock) -> None:
+        """Take a cell over."""
         self.cell = cell
         self.clock = clock
         self.jobs: list[Job] = []
-        self._publishers = publishers
         # Not a SimpleQueue: its get() waits forever once a signal has come during a timeout.
         self._requests: queue.Queue[Callable[[], None]] = queue.Queue()
         self._frozen_until_s = -math.inf
@@ -72,20 +78,15 @@ class Owner:
         while not is_over():
             if self.clock.now_s < self._frozen_until_s:
                 pause.wait(IDLE_S)
-                self.clock.follow_wall()
+                self.clock.idle()
                 continue
             self._serve()
             if self.jobs:
                 self._tick()
             else:
-                self.clock.follow_wall()
-            self._publish()
+                self.clock.idle()
         for job in self.jobs:
             job.stop()
-
-    def _publish(self) -> None:
-        for publish in self._publishers:
-            publish()
 
     def _serve(self) -> None:
         try:
@@ -101,13 +102,17 @@ class Owner:
         for job in tuple(self.jobs):
             if job.step():
                 self.jobs.remove(job)
-        if not self.jobs:
-            for passed_s in self.cell.rest_steps():
-                self.clock.advance(passed_s)
-                self._publish()
-            return
-        self.cell.plant.tick()
-        self.clock.advance(self.cell.plant.tick_s)
+        try:
+            if self.jobs:
+                self.cell.plant.tick()
+            else:
+                self.cell.come_to_rest()
+        except AbilityError as error:
+            # The plant is at fault, whatever the skills were doing.
+            rospy.logerr("%s", error)
+            for job in self.jobs:
+                job.fail(error)
+            self.jobs.clear()
 
 
 class _Answer(Generic[T]):

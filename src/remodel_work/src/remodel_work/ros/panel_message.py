@@ -1,30 +1,29 @@
-"""Between the cell's values and ROS messages.
+"""Panels from and to ROS messages, and from files.
 
-Every error of a message's content is found here or in core.
+Every error of a message's content is found here or in the rules of panels.
 """
 
 from __future__ import annotations
 
 from pathlib import Path
+from typing import Any
 
 import rospy
 import yaml
-from genpy import Message
 from genpy.message import fill_message_args
-from geometry_msgs.msg import Point, Pose2D, PoseStamped, Quaternion
-from remodel_msgs.msg import CableObservation
+from geometry_msgs.msg import Point, Pose2D, Vector3
+from remodel_msgs.msg import Channel as ChannelMsg
+from remodel_msgs.msg import Clip as ClipMsg
+from remodel_msgs.msg import Component as ComponentMsg
+from remodel_msgs.msg import Connector as ConnectorMsg
+from remodel_msgs.msg import Duct as DuctMsg
 from remodel_msgs.msg import Panel as PanelMsg
-from remodel_msgs.msg import WireTruth as WireTruthMsg
-from sensor_msgs.msg import CameraInfo
+from remodel_msgs.msg import Rail as RailMsg
+from remodel_msgs.msg import Terminal as TerminalMsg
+from remodel_msgs.msg import Wire as WireMsg
 
-from remodel_sim.physics.truth import WireTruth
-from remodel_skills.abilities.detect_cable import CableDetected
-from remodel_skills.goal_checks import WORLD
-from remodel_skills.robot_context import AbilityResult
 from remodel_states.core.wires.wire_materials import PROPERTIES, MaterialError, WireMaterials
-from remodel_work.camera import View
 from remodel_work.errors import PanelError
-from remodel_work.geometry import Pose
 from remodel_work.panel import (
     Channel,
     Component,
@@ -37,7 +36,6 @@ from remodel_work.panel import (
     Rail,
     WireEnd,
 )
-from remodel_work.robot.arm import ToolPose
 
 
 def read_panel(path: Path, materials: WireMaterials) -> Panel:
@@ -182,71 +180,62 @@ def _component_from(message: object) -> Component:
     )
 
 
-def pose_stamped(pose: Pose) -> PoseStamped:
-    """Return a pose as a message in the world frame."""
-    message = PoseStamped()
-    message.header.frame_id = WORLD
-    message.header.stamp = rospy.Time.now()
-    message.pose.position = Point(*(float(v) for v in pose.position))
-    message.pose.orientation = Quaternion(*(float(v) for v in pose.quaternion))
+def panel_message(panel: Panel) -> PanelMsg:
+    """Return a panel as a message, from which `panel_from` reads it again."""
+    message = PanelMsg(name=panel.name, serial=panel.serial, size=Vector3(*panel.size))
+    message.components = [
+        ComponentMsg(
+            id=component.id,
+            kind=component.kind,
+            marker_id=component.marker_id,
+            marker_size=component.marker_size,
+            pose=Pose2D(*component.pose),
+            size=Vector3(*component.size),
+            terminals=[_terminal_message(terminal) for terminal in component.terminals],
+        )
+        for component in panel.components
+    ]
+    message.channels = [_filled(ChannelMsg(), channel) for channel in panel.channels]
+    message.wires = [_wire_message(wire) for wire in panel.wires]
+    message.clips = [_filled(ClipMsg(), clip) for clip in panel.clips]
+    message.ducts = [_filled(DuctMsg(), duct) for duct in panel.ducts]
+    message.rails = [_filled(RailMsg(), rail) for rail in panel.rails]
     return message
 
 
-def observation(detected: CableDetected, cable_id: str) -> CableObservation:
-    """Return what DetectCable saw as a message."""
-    tips = [pose_stamped(Pose.level(*(float(v) for v in t.tip), t.out_yaw)) for t in detected.tips]
-    return CableObservation(
-        cable_id=cable_id,
-        centreline=[Point(*(float(v) for v in point)) for point in detected.centreline],
-        tips=tips,
-        length=detected.length,
-        confidence=detected.confidence,
-        truncated=detected.truncated,
-    )
+def _filled(message: Any, part: Any) -> Any:  # noqa: ANN401
+    """Fill a message from the fields of the same names."""
+    for name in message.__slots__:
+        value = getattr(part, name)
+        setattr(message, name, Pose2D(*value) if name == "pose" else value)
+    return message
 
 
-def result_fields(found: AbilityResult, goal: Message) -> dict[str, object]:
-    """Return what an ability found out as fields of its result."""
-    if isinstance(found, CableDetected):
-        return {"observation": observation(found, goal.cable_id)}
-    values = {name: value for name, value in vars(found).items() if name != "message"}
-    return {name: _field(value) for name, value in values.items() if value is not None}
+def _terminal_message(terminal: PanelTerminal) -> TerminalMsg:
+    message = TerminalMsg()
+    for name in message.__slots__:
+        value = getattr(terminal, name)
+        if name in ("mouth", "screw"):
+            value = Point(*(value or (0.0, 0.0, 0.0)))
+        setattr(message, name, value)
+    return message
 
 
-def _field(value: object) -> object:
-    if isinstance(value, Pose):
-        return pose_stamped(value)
-    if isinstance(value, ToolPose):
-        return pose_stamped(Pose.level(value.x, value.y, value.z, value.yaw))
-    return value
-
-
-def truth_message(truth: WireTruth) -> WireTruthMsg:
-    """Return the truth about a wire as a message."""
-    a, b = truth.a, truth.b
-    return WireTruthMsg(
-        wire_id=truth.wire_id,
-        placed=truth.placed,
-        a_at=a.at,
-        b_at=b.at,
-        a_depth=a.depth,
-        b_depth=b.depth,
-        a_fixed=a.fixed,
-        b_fixed=b.fixed,
-        duct_length=truth.duct_length,
-        in_ducts=truth.in_ducts,
-    )
-
-
-def camera_info(view: View, frame_id: str, stamp: rospy.Time) -> CameraInfo:
-    """Return a camera's intrinsics as a message."""
-    lens = view.lens
-    f, (cx, cy) = lens.focal_px, lens.centre_px
-    message = CameraInfo()
-    message.header.frame_id, message.header.stamp = frame_id, stamp
-    message.width, message.height = lens.width, lens.height
-    message.distortion_model, message.D = "plumb_bob", [0.0] * 5
-    message.K = [f, 0, cx, 0, f, cy, 0, 0, 1]
-    message.R = [1, 0, 0, 0, 1, 0, 0, 0, 1]
-    message.P = [f, 0, cx, 0, 0, f, cy, 0, 0, 0, 1, 0]
+def _wire_message(wire: PanelWire) -> WireMsg:
+    message = WireMsg()
+    # The construction is not kept: what follows from it is.
+    for name in set(message.__slots__) - {"construction"}:
+        value = getattr(wire, name)
+        if name == "connectors":
+            value = [
+                ConnectorMsg(**{**vars(connector), "end": connector.end.value})
+                for connector in value
+            ]
+        elif name == "route":
+            value = [Point(*point) for point in value]
+        elif name == "presented_at":
+            value = Pose2D(*(value or (0.0, 0.0, 0.0)))
+        elif name == "ducts":
+            value = list(value)
+        setattr(message, name, value)
     return message

@@ -13,7 +13,7 @@ from pathlib import Path
 
 import numpy as np
 
-from remodel_sim.core.errors import MemoryFileError
+from remodel_work.errors import MemoryFileError
 from remodel_work.panel import Panel, WireEnd
 from remodel_work.placed_wires import ParkedWire, PlacedWires
 

@@ -41,7 +41,7 @@ def read_cell(cell: str = "one_panda") -> CellDesign:
         CellFileError: with everything that is wrong, each with its place, what was found and what
             is allowed.
     """
-    folder = Path(rospkg.RosPack().get_path("remodel_sim")) / "config/cells"
+    folder = Path(rospkg.RosPack().get_path("remodel_work")) / "config/cells"
     file = Path(cell) if cell.endswith((".yaml", ".yml")) else folder / f"{cell}.yaml"
     if not file.is_file():
         there_are = ", ".join(sorted(path.stem for path in folder.glob("*.yaml")))

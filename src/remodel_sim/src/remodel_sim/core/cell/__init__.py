@@ -1,1 +1,0 @@
-"""The cell around the panel: its design, its faults and who may command it."""

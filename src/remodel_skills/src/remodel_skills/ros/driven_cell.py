@@ -1,0 +1,254 @@
+"""A cell whose robots are behind their drivers' topics: the port's adapter for real robots."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Collection, Mapping
+from contextlib import ExitStack
+from types import MappingProxyType
+
+import numpy as np
+import rospy
+
+from remodel_skills.device import Device
+from remodel_skills.edge.cell_memory import CellMemory
+from remodel_skills.edge.robot_file import CellTopics, read_robot
+from remodel_skills.ros.driven_fixture import DrivenFixture, DrivenMagazine
+from remodel_skills.ros.driven_robot import (
+    NUMB_S,
+    SILENCE_S,
+    DrivenArm,
+    DrivenCamera,
+    DrivenGripper,
+    Inbox,
+    wrist_view,
+)
+from remodel_skills.ros.node import OpenedPlant
+from remodel_states.core.codes import Code
+from remodel_work.cell.cell_design import CellDesign, RobotDesign
+from remodel_work.cell.held_panel import find_panel_problems, held_panel
+from remodel_work.cell.presentation import Presentation
+from remodel_work.errors import AbilityError, CellError, PanelError
+from remodel_work.panel import Panel
+from remodel_work.placed_wires import ParkedWire
+from remodel_work.robot.arm import ToolPose
+
+# What each ability needs of a cell besides arm, hand and wrist.
+NEEDS = {
+    "overhead": (
+        *("CheckConnection", "DetectCable", "DiscardCable", "FixCable", "LayWire"),
+        *("LocateGearboxComponent", "RouteWire"),
+    ),
+    "fixture": ("ExtractCable", "FixCable"),
+    "magazine": ("DiscardCable", "LayWire", "PickCable", "PlacePin"),
+}
+# Drivers that are being started are heard of within this time [s of the wall].
+START_S = 20.0
+# An arm that stands nearer to its home than this may go there by its first motion [m].
+AT_HOME_M = 0.02
+# Robots and wires come to rest after an ability in this time [s].
+REST_S = 0.15
+
+
+class DrivenClock:
+    """The time of a cell behind topics: that of the newest joint states."""
+
+    def __init__(self, arms: Collection[DrivenArm]) -> None:
+        """Take the time from arms."""
+        self._arms = arms
+
+    @property
+    def now_s(self) -> float:
+        """The time [s]."""
+        return max(arm.sensors.stamp_s for arm in self._arms)
+
+    @property
+    def now(self) -> rospy.Time:
+        """The time as messages have it."""
+        return rospy.Time.from_sec(self.now_s)
+
+    def idle(self) -> None:
+        """Real time needs no help."""
+
+
+class DrivenCell:
+    """The plant of a cell behind topics and services.
+
+    Attributes:
+        clock: its time.
+        design: of the cell.
+        tick_s: time between two commands to an arm [s].
+        panel, loaded: as the port has them.
+    """
+
+    def __init__(self, topics: CellTopics, panel: Panel) -> None:
+        """Subscribe to all drivers, and wait until each has been heard of.
+
+        Raises:
+            CellError: when one has not, in words that say which, or an arm is not at its home.
+            PanelError: when the panel breaks the rules of the cell.
+        """
+        self._topics, self.design, self.tick_s = topics, topics.design, topics.tick_s
+        self._inbox = Inbox()
+        self._arms = {
+            robot.name: DrivenArm(self._inbox, robot, topics.robots[robot.name], topics.tick_s)
+            for robot in self.design.robots
+        }
+        self._grippers = {
+            robot.name: DrivenGripper(self._arms[robot.name], robot, topics.robots[robot.name])
+            for robot in self.design.robots
+        }
+        _require_fit(self.design, panel)
+        with self._inbox.arrived:
+            if not self._inbox.arrived.wait_for(lambda: not self._silent(), START_S):
+                lines = "\n".join(f"  - {each}" for each in self._silent())
+                raise CellError(
+                    f"{topics.file}: nothing came within {START_S:g} s on\n{lines}\nstart the "
+                    "drivers, or correct the names in the file"
+                )
+        for robot in self.design.robots:
+            require_home(robot, self._arms[robot.name].tool)
+        self.clock = DrivenClock(self._arms.values())
+        self._fixture = DrivenFixture(topics)
+        self._magazine = DrivenMagazine(topics, self._open_hands)
+        self._hold(panel, {})
+
+    def _silent(self) -> list[str]:
+        """Return what has not been heard of yet."""
+        arms = self._arms.items()
+        return [f"{name}: {topic}" for name, arm in arms for topic in arm.sensors.missing]
+
+    def device_of(self, robot: str) -> Device:
+        """Return a robot of the design."""
+        design = next(design for design in self.design.robots if design.name == robot)
+        arm = self._arms[robot]
+        return Device(
+            arm=arm,
+            gripper=self._grippers[robot],
+            wrist_camera=DrivenCamera(
+                self._inbox,
+                self._topics.robots[robot].camera,
+                lambda: wrist_view(arm, design),
+                "wrist",
+            ),
+            overhead_camera=DrivenCamera(
+                self._inbox, self._topics.overhead, lambda: self.design.overhead, "overhead"
+            ),
+            fixture=self._fixture,
+            magazine=self._magazine,
+            tick_s=self.tick_s,
+        )
+
+    def tick(self) -> None:
+        """Wait for the next tick of every arm, and answer wrenches meanwhile.
+
+        Raises AbilityError MOTION_FAULT when an arm says nothing more, or pushes and feels nothing.
+        """
+        # Half a millisecond early is the tick as well: stamps are rounded.
+        due_s = {name: arm.sensors.stamp_s + self.tick_s - 5e-4 for name, arm in self._arms.items()}
+        silent_at = time.monotonic() + SILENCE_S
+        while True:
+            for name, arm in self._arms.items():
+                arm.control()
+                if arm.is_numb:
+                    raise AbilityError(
+                        Code.MOTION_FAULT,
+                        f"{name} pushes, and {self._topics.robots[name].wrench[0]} has published "
+                        f"no force for {NUMB_S:g} s; it stands where it was sent last: see whether "
+                        "the sensor's driver runs",
+                    )
+            late = [name for name, due in due_s.items() if self._arms[name].sensors.stamp_s < due]
+            if not late:
+                return
+            with self._inbox.arrived:
+                self._inbox.arrived.wait(0.1)
+            if time.monotonic() > silent_at:
+                raise AbilityError(
+                    Code.MOTION_FAULT,
+                    f"{late[0]} has published no joint states for {SILENCE_S:g} s; it stands where "
+                    "it was sent last: see whether its driver runs",
+                )
+
+    def rest(self) -> None:
+        """Let robots and wires come to rest."""
+        for _ in range(round(REST_S / self.tick_s)):
+            self.tick()
+
+    def find_problems(self, panel: Panel) -> tuple[str, ...]:
+        """Return why the cell cannot hold a panel, one sentence each; none: it can."""
+        return find_panel_problems(self.design, panel)
+
+    def load(self, panel: Panel, placed: Mapping[str, ParkedWire] = MappingProxyType({})) -> None:
+        """Hold a panel, with the wires that lie on it; raises PanelError, and nothing changes.
+
+        A fixture that is asked keeps the wires of this very panel if there are any.
+        """
+        _require_fit(self.design, panel)
+        self._fixture.load(panel, keep=bool(placed))
+        self._hold(panel, placed)
+
+    def _hold(self, panel: Panel, placed: Mapping[str, ParkedWire]) -> None:
+        self.loaded, self.panel = panel, held_panel(self.design, panel)
+        self._magazine.parked, self._magazine.last = dict(placed), None
+
+    def _open_hands(self) -> None:
+        for robot in self.design.robots:
+            self._grippers[robot.name].open_to(robot.arm.fingers.opening / 2)
+
+    def feed(self, wire_id: str, channel_id: str, tools: Mapping[str, ToolPose]) -> Presentation:
+        """Present a wire of which no piece is in the cell; raises AbilityError INTERNAL."""
+        return self._magazine.present(wire_id, channel_id)
+
+    @property
+    def parked(self) -> dict[str, ParkedWire]:
+        """The wires that have their place; their shapes are not known."""
+        return self._magazine.parked
+
+    def shapes(self) -> dict[str, ParkedWire]:
+        """Return the wires that lie in the cell, by name; of no shape that is known."""
+        return self._magazine.shapes()
+
+    def park(self) -> None:
+        """Note that the wire that was handled last has its place."""
+        self._magazine.park()
+
+    def close(self) -> None:
+        """Leave the arms where they are."""
+
+
+def _require_fit(design: CellDesign, panel: Panel) -> None:
+    problems = find_panel_problems(design, panel)
+    if problems:
+        raise PanelError(panel.name, problems)
+
+
+def require_home(robot: RobotDesign, tool: ToolPose) -> None:
+    """Raise CellError if a robot is not at its home: its first motion would be a jump."""
+    away = float(np.linalg.norm(tool.position - robot.home.position))
+    if away > AT_HOME_M:
+        raise CellError(
+            f"{robot.name} stands at {tool}, {away * 1e3:.0f} mm from its home, {robot.home}; "
+            "bring it there by its own controls, then start again"
+        )
+
+
+def lacks_of(topics: CellTopics) -> dict[str, str]:
+    """Return why a cell cannot do an ability, by the ability's name."""
+    named = {
+        "overhead": topics.overhead,
+        "fixture": topics.operate_clamp,
+        "magazine": topics.present_wire,
+    }
+    return {
+        ability: f"{topics.file} names no {part}"
+        for part, abilities in NEEDS.items()
+        for ability in abilities
+        if named[part] is None
+    }
+
+
+def open_driven_cell(panel: Panel, _memory: CellMemory | None, _closing: ExitStack) -> OpenedPlant:
+    """Return the cell whose drivers the file `~robot` names; raises CellError."""
+    topics = read_robot(str(rospy.get_param("~robot")))
+    cell = DrivenCell(topics, panel)
+    return OpenedPlant(cell, cell.clock, lacks=lacks_of(topics))

@@ -1,0 +1,126 @@
+"""The node of a cell: ability servers and services over a plant, simulated or real."""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Callable, Mapping
+from contextlib import ExitStack
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Protocol
+
+import rospy
+import yaml
+from genpy import MessageException
+
+from flexbe_core.ros.master import join, spin
+from remodel_skills.abilities.ability import cell_abilities
+from remodel_skills.belief_state import NO_CHANNEL
+from remodel_skills.cell import Cell
+from remodel_skills.device import Plant
+from remodel_skills.edge.cell_memory import CellMemory
+from remodel_skills.observers import Observers
+from remodel_skills.ros.ability_server import CellAbilityServer
+from remodel_skills.ros.owner import Clock, Owner
+from remodel_skills.ros.pictures import Pictures
+from remodel_skills.ros.services import Services
+from remodel_states.core.ability_choice import chosen_abilities
+from remodel_states.edge.exported_tables import read_abilities
+from remodel_states.edge.wire_material_file import read_wire_materials
+from remodel_vision.ros.frames import FixedFrames
+from remodel_work.errors import CellError
+from remodel_work.panel import Panel, WireEnd
+from remodel_work.ros.panel_message import read_panel
+
+# The owner's thread computes without pause; rospy's threads get their turn this often [s].
+SWITCH_INTERVAL_S = 0.001
+
+
+class PlantClock(Clock, Protocol):
+    """The time of a cell, for its owner and for messages."""
+
+    @property
+    def now(self) -> rospy.Time:
+        """The time as messages have it."""
+
+
+@dataclass(frozen=True)
+class OpenedPlant:
+    """A plant that a node serves.
+
+    Attributes:
+        plant: what skills use.
+        clock: its time.
+        offer: is called when the cell is built: what the plant publishes and offers by itself.
+        lacks: why it cannot do an ability, by the ability's name.
+    """
+
+    plant: Plant
+    clock: PlantClock
+    offer: Callable[[Owner, FixedFrames], None] = lambda owner, fixed: None
+    lacks: Mapping[str, str] = field(default_factory=dict)
+
+
+# Opens the plant of a cell that holds a panel. What it opens closes with the stack; it raises
+# CellError, OSError or ValueError.
+OpenPlant = Callable[[Panel, "CellMemory | None", ExitStack], OpenedPlant]
+
+
+def main(open_plant: OpenPlant) -> int:
+    """Serve a cell until ROS shuts down; returns the exit code."""
+    join("cell")
+    sys.setswitchinterval(SWITCH_INTERVAL_S)
+    with ExitStack() as closing:
+        try:
+            rows, abilities = read_abilities(), cell_abilities()
+            served = chosen_abilities(
+                list(abilities), rospy.get_param("~abilities", ""), rospy.get_param("~except", "")
+            )
+            materials = read_wire_materials()
+            panel = read_panel(Path(rospy.get_param("~panel")), materials)
+            memory = _memory(closing)
+            opened = open_plant(panel, memory, closing)
+            owner = _build(opened, panel, memory, closing)
+        except (CellError, OSError, ValueError, yaml.YAMLError, MessageException) as error:
+            rospy.logfatal("the cell does not start: %s", error)
+            return 1
+        for name in served:
+            if name in opened.lacks:
+                rospy.logwarn("%s is not served: %s", name, opened.lacks[name])
+                continue
+            CellAbilityServer(rows[name], abilities[name], owner)
+        Services(owner, materials)
+        rospy.loginfo("the cell is ready")
+        return spin(owner.spin)
+
+
+def _build(
+    opened: OpenedPlant, panel: Panel, memory: CellMemory | None, closing: ExitStack
+) -> Owner:
+    clock, design = opened.clock, opened.plant.design
+    fixed = FixedFrames(lambda: clock.now)
+    observers = Observers(Pictures(design, lambda: clock.now), fixed)
+    cell = Cell(opened.plant, observers=observers, memory=memory)
+    closing.callback(cell.close)
+    wire_id = str(rospy.get_param("~feed", ""))
+    if wire_id and wire_id not in cell.plant.parked:
+        channel_id = NO_CHANNEL
+        if design.magazine is None:
+            mouth = panel.panel_from_socket(*panel.wire(wire_id).goes_to(WireEnd.A)).position
+            channel_id = panel.channel_in_front_of(mouth).id
+        cell.feed(wire_id, channel_id)
+    owner = Owner(cell, clock)
+    opened.offer(owner, fixed)
+    return owner
+
+
+def _memory(closing: ExitStack) -> CellMemory | None:
+    """Return what the cell keeps of its world; None if it keeps nothing."""
+    folder = str(rospy.get_param("~memory", ""))
+    if folder and not Path(folder).is_absolute():
+        raise ValueError(f"memory is {folder!r}; name an absolute path, such as $PWD/{folder}")
+    if not folder:
+        return None
+    memory = CellMemory(Path(folder))
+    closing.callback(memory.close)
+    return memory

@@ -1,0 +1,350 @@
+"""What drivers publish is what skills read, and what skills command is what drivers take."""
+
+from dataclasses import replace
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+import rospy
+from geometry_msgs.msg import Vector3, WrenchStamped
+from scripted_device import PANEL
+from sensor_msgs.msg import JointState
+
+from remodel_skills.edge.robot_file import read_robot
+from remodel_skills.ros import driven_cell, driven_robot
+from remodel_skills.ros.driven_fixture import DrivenFixture
+from remodel_skills.ros.driven_robot import DrivenArm, DrivenCamera, DrivenGripper, Inbox
+from remodel_states.core.codes import Code
+from remodel_vision.ros.image_message import image
+from remodel_work.errors import AbilityError, CellError
+
+TICK_S = 1 / 120
+HELD_N = 12.0
+
+
+class Topics:
+    """Topics without a master: what is published is kept, and messages are delivered at once."""
+
+    def __init__(self):
+        self.sent, self.callbacks = {}, {}
+
+    def publisher(self, topic, kind, **_):
+        kept = self.sent.setdefault(topic, [])
+        return SimpleNamespace(publish=kept.append)
+
+    def subscriber(self, topic, kind, callback, **_):
+        self.callbacks.setdefault(topic, []).append(callback)
+        return SimpleNamespace(unregister=lambda: self.callbacks[topic].remove(callback))
+
+    def deliver(self, topic, message):
+        for callback in list(self.callbacks[topic]):
+            callback(message)
+
+
+@pytest.fixture
+def ros(monkeypatch):
+    topics = Topics()
+    monkeypatch.setattr(rospy, "Publisher", topics.publisher)
+    monkeypatch.setattr(rospy, "Subscriber", topics.subscriber)
+    return topics
+
+
+def built(ros, name):
+    """Return a robot of a shipped file that stands at its home: design, topics and arm."""
+    cell = read_robot(name)
+    design = cell.design.robots[0]
+    topics = cell.robots[design.name]
+    arm = DrivenArm(Inbox(), design, topics, TICK_S)
+    ros.deliver(topics.joint_states, joints_at(topics, design, 5.0))
+    deliver_fingers(ros, topics, 0.02)
+    return design, topics, arm
+
+
+def deliver_fingers(ros, topics, position, efforts=()):
+    names = list(topics.fingers)
+    fingers = JointState(name=names, position=[position] * 2, effort=list(efforts))
+    ros.deliver(topics.fingers_topic, fingers)
+
+
+def wrench(at_s, *force):
+    message = WrenchStamped()
+    message.header.stamp = rospy.Time.from_sec(at_s)
+    message.wrench.force = Vector3(*force)
+    return message
+
+
+def test_the_force_is_that_of_the_wrist_on_the_hand_in_the_world(ros):
+    _, topics, arm = built(ros, "franka_ros")
+    # Franka reports what acts on the hand, whose z axis points down.
+    ros.deliver(topics.wrench[0], wrench(1.0, 0.0, 0.0, 3.0))
+    assert arm.force == pytest.approx([0.0, 0.0, 3.0], abs=1e-6)
+    # One reading more is filtered: 4 of the 8 ms of its time constant have passed.
+    ros.deliver(topics.wrench[0], wrench(1.004, 0.0, 0.0, 5.0))
+    assert arm.force == pytest.approx([0.0, 0.0, 4.0], abs=1e-6)
+
+
+def test_what_was_not_heard_of_is_named_with_its_topic(ros):
+    _, topics, arm = built(ros, "franka_ros")
+    assert arm.sensors.missing == ["/franka_state_controller/F_ext: geometry_msgs/WrenchStamped"]
+    ros.deliver(topics.wrench[0], wrench(1.0, 0.0, 0.0, 0.0))
+    assert arm.sensors.missing == []
+
+
+def test_a_commanded_pose_is_in_the_frame_of_the_driver_and_due_after_a_tick(ros):
+    design, topics, arm = built(ros, "franka_ros")
+    arm.go(design.home)
+    (message,) = ros.sent[topics.motion[0]]
+    assert message.header.frame_id == "panda_link0"
+    assert message.header.stamp.to_sec() == pytest.approx(5.0 + TICK_S, abs=1e-6)
+    position = message.pose.position
+    at = design.arm.world_from_base.apply(np.array([position.x, position.y, position.z]))
+    assert at == pytest.approx(design.home.position, abs=1e-6)
+    # The hand points down: half a turn about x, then its yaw.
+    assert (message.pose.orientation.z, message.pose.orientation.w) == pytest.approx((0, 0))
+
+
+def test_joints_are_commanded_by_their_names(ros):
+    design, topics, arm = built(ros, "ros_control_arm")
+    arm.go(design.home)
+    (message,) = ros.sent[topics.motion[0]]
+    assert message.joint_names == list(topics.joints)
+    assert message.points[0].positions == pytest.approx(design.arm.joints_for(design.home))
+    assert message.points[0].time_from_start.to_sec() == pytest.approx(TICK_S, abs=1e-6)
+
+
+def test_a_push_takes_one_step_for_each_wrench_of_the_time_since_the_last(ros):
+    design, topics, arm = built(ros, "ros_control_arm")
+    steps = []
+    joints = design.arm.joints_for(design.home)
+
+    def step(force, time_step):
+        steps.append((force[2], time_step))
+        return joints
+
+    ros.deliver(topics.wrench[0], wrench(1.0, 0.0, 0.0, 0.0))
+    arm.press(SimpleNamespace(step=step))
+    arm.control()
+    assert steps == [], "nothing new was felt"
+    ros.deliver(topics.wrench[0], wrench(1.002, 0.0, 0.0, 6.0))
+    arm.control()
+    arm.control()
+    assert steps == [(pytest.approx(6.0), pytest.approx(0.002))], "not filtered"
+    assert len(ros.sent[topics.motion[0]]) == 1
+    arm.go_joints(joints)
+    ros.deliver(topics.wrench[0], wrench(1.004, 0.0, 0.0, 6.0))
+    arm.control()
+    assert len(steps) == 1, "another command ends a push"
+
+
+def test_fingers_close_fast_to_a_wire_and_slowly_onto_it(ros):
+    design, topics, arm = built(ros, "ros_control_arm")
+    gripper = DrivenGripper(arm, design, topics)
+    gripper.close_on(0.003)
+    (message,) = ros.sent[topics.gripper[0]]
+    near, closed = message.points
+    assert near.positions == [pytest.approx(0.0025)] * 2
+    assert closed.positions == [0.0, 0.0]
+    slow_s = closed.time_from_start.to_sec() - near.time_from_start.to_sec()
+    assert 0.0025 / slow_s < 0.02 < (0.02 - 0.0025) / near.time_from_start.to_sec()
+
+
+def test_fingers_that_measure_no_force_hold_what_they_have_stopped_on(ros):
+    design, topics, arm = built(ros, "ros_control_arm")
+    gripper = DrivenGripper(arm, design, topics)
+    gripper.close_on(0.003)
+    deliver_fingers(ros, topics, 0.0015)
+    assert gripper.load == design.gripper.grip_force
+    deliver_fingers(ros, topics, 0.0)
+    assert gripper.load == 0.0
+    deliver_fingers(ros, topics, 0.0015, efforts=[HELD_N, HELD_N + 1.0])
+    assert gripper.load == HELD_N
+    assert gripper.gap == pytest.approx(0.003)
+
+
+def test_a_message_that_is_not_installed_is_named_with_its_package(ros, monkeypatch):
+    design, topics, arm = built(ros, "franka_ros")
+    monkeypatch.setattr(driven_robot, "get_message_class", lambda kind: None)
+    with pytest.raises(AbilityError, match="control_msgs/.* is not installed; install .* control"):
+        DrivenGripper(arm, design, topics)
+
+
+def test_an_action_goal_closes_the_hand_with_its_grip_force(ros, monkeypatch):
+    design, topics, arm = built(ros, "franka_ros")
+
+    def goal():
+        return SimpleNamespace(goal=SimpleNamespace(command=SimpleNamespace()))
+
+    monkeypatch.setattr(driven_robot, "get_message_class", lambda kind: goal)
+    DrivenGripper(arm, design, topics).close_on(0.003)
+    (message,) = ros.sent[topics.gripper[0]]
+    assert message.goal.command.position == 0.0
+    assert message.goal.command.max_effort == design.gripper.grip_force
+
+
+class Arrivals:
+    """What has arrived whenever somebody waits: a script, message by message."""
+
+    def __init__(self, *script):
+        self._script = list(script)
+
+    def __enter__(self):
+        return self
+
+    def __exit__(self, *_):
+        return None
+
+    def notify_all(self):
+        return None
+
+    def wait(self, _limit_s):
+        self._script.pop(0)()
+
+    def wait_for(self, condition, _limit_s):
+        return bool(condition())
+
+
+def joints_at(topics, design, stamp_s):
+    state = JointState(name=list(topics.joints), position=design.arm.joints_for(design.home))
+    state.header.stamp = rospy.Time.from_sec(stamp_s)
+    return state
+
+
+@pytest.fixture
+def cell(ros, monkeypatch):
+    """Return a cell, its arm at home, whose drivers publish what a test delivers."""
+    topics = read_robot("ros_control_arm")
+    design, robot = topics.design.robots[0], topics.robots["robot_1"]
+    subscribe = ros.subscriber
+
+    def heard(topic, kind, callback, **options):
+        made = subscribe(topic, kind, callback, **options)
+        if topic == robot.joint_states:
+            ros.deliver(topic, joints_at(robot, design, 5.0))
+            deliver_fingers(ros, robot, 0.02)
+        if topic == robot.wrench[0]:
+            ros.deliver(topic, wrench(5.0, 0.0, 0.0, 0.0))
+        return made
+
+    monkeypatch.setattr(rospy, "Subscriber", heard)
+    monkeypatch.setattr(driven_cell, "find_panel_problems", lambda design, panel: ())
+    return driven_cell.DrivenCell(topics, PANEL)
+
+
+def scripted(cell, ros, *messages):
+    """Let messages (topic, message) arrive, one whenever the cell waits."""
+    cell._inbox.arrived = Arrivals(*(lambda m=m: ros.deliver(*m) for m in messages))
+    arm = cell._arms["robot_1"]
+    design, topics = cell.design.robots[0], cell._topics.robots["robot_1"]
+    return arm, design, topics
+
+
+def test_a_tick_is_over_when_the_joints_of_its_end_have_arrived(cell, ros):
+    topics, design = cell._topics.robots["robot_1"], cell.design.robots[0]
+    scripted(
+        *(cell, ros),
+        (topics.joint_states, joints_at(topics, design, 5.004)),
+        (topics.joint_states, joints_at(topics, design, 5.0 + TICK_S)),
+        (topics.joint_states, joints_at(topics, design, 9.0)),
+    )
+    cell.tick()
+    assert cell.clock.now_s == pytest.approx(5.0 + TICK_S, abs=1e-6)
+
+
+def test_each_wrench_of_a_tick_is_answered_before_it_is_over(cell, ros):
+    topics, design = cell._topics.robots["robot_1"], cell.design.robots[0]
+    times = []
+    joints = design.arm.joints_for(design.home)
+    arm, *_ = scripted(
+        *(cell, ros),
+        (topics.wrench[0], wrench(5.004, 0.0, 0.0, 1.0)),
+        (topics.wrench[0], wrench(5.008, 0.0, 0.0, 1.0)),
+        (topics.joint_states, joints_at(topics, design, 5.0 + TICK_S)),
+    )
+
+    def step(_force, time_step):
+        times.append(time_step)
+        return joints
+
+    arm.press(SimpleNamespace(step=step))
+    cell.tick()
+    assert times == [pytest.approx(0.004), pytest.approx(0.004)]
+
+
+def test_a_push_that_feels_nothing_any_more_stops_and_a_person_is_asked(cell, ros):
+    topics, design = cell._topics.robots["robot_1"], cell.design.robots[0]
+    arm, *_ = scripted(cell, ros, (topics.joint_states, joints_at(topics, design, 5.2)))
+    arm.press(SimpleNamespace(step=lambda force, time_step: pytest.fail("nothing was felt")))
+    with pytest.raises(AbilityError, match="/wrist_ft_sensor has published no force") as error:
+        cell.tick()
+    assert error.value.code is Code.MOTION_FAULT
+
+
+def test_an_arm_that_says_nothing_more_is_named(cell, ros, monkeypatch):
+    monkeypatch.setattr(driven_cell, "SILENCE_S", -1.0)
+    scripted(cell, ros, ("/other", None))
+    ros.callbacks["/other"] = []
+    with pytest.raises(AbilityError, match="robot_1 has published no joint states") as error:
+        cell.tick()
+    assert error.value.code is Code.MOTION_FAULT
+
+
+def test_drivers_that_are_silent_at_the_start_are_named(ros, monkeypatch):
+    monkeypatch.setattr(driven_cell, "find_panel_problems", lambda design, panel: ())
+    monkeypatch.setattr(driven_cell, "START_S", 0.01)
+    with pytest.raises(CellError) as error:
+        driven_cell.DrivenCell(read_robot("ros_control_arm"), PANEL)
+    assert "robot_1: /joint_states: joint lbr_iiwa_joint_1\n" in str(error.value)
+    assert "robot_1: /wrist_ft_sensor: geometry_msgs/WrenchStamped\n" in str(error.value)
+
+
+def test_an_arm_that_is_not_at_its_home_is_not_moved():
+    robot = read_robot("ros_control_arm").design.robots[0]
+    driven_cell.require_home(robot, robot.home.at(z=robot.home.z + 0.01))
+    with pytest.raises(CellError, match="robot_1 stands at .*, 50 mm from its home, x 20, y -460"):
+        driven_cell.require_home(robot, robot.home.at(z=robot.home.z + 0.05))
+
+
+def test_abilities_that_need_what_the_file_does_not_name_are_not_served():
+    topics = replace(read_robot("ros_control_arm"), operate_clamp=None)
+    lacks = driven_cell.lacks_of(topics)
+    assert set(lacks) == {"ExtractCable", "FixCable"}
+    assert lacks["FixCable"].endswith("ros_control_arm.yaml names no fixture")
+    with pytest.raises(AbilityError, match="names no fixture.operate_clamp; this ability needs it"):
+        DrivenFixture(topics).close_clamp("X1", "1")
+
+
+def camera_of(ros, name, size):
+    """Return a robot's wrist camera, whose driver answers a subscriber with a picture at once."""
+    design, topics, arm = built(ros, name)
+    subscribe = ros.subscriber
+
+    def answered(topic, kind, callback, **options):
+        made = subscribe(topic, kind, callback, **options)
+        ros.deliver(topic, image(np.zeros((*size, 3), np.uint8), "wrist", rospy.Time.from_sec(6.0)))
+        return made
+
+    rospy.Subscriber = answered
+    view = driven_robot.wrist_view(arm, design)
+    return DrivenCamera(Inbox(), topics.camera, lambda: view, "wrist"), view, topics
+
+
+def test_a_picture_is_seen_from_the_measured_hand(ros):
+    camera, view, topics = camera_of(ros, "franka_ros", (480, 640))
+    picture = camera.take()
+    assert picture.view is view
+    assert picture.rgb.shape == (480, 640, 3)
+    assert ros.callbacks[topics.camera.image] == [], "nobody watches when no picture is taken"
+
+
+def test_a_picture_of_another_size_than_the_lens_is_refused(ros):
+    camera, _, _ = camera_of(ros, "franka_ros", (48, 64))
+    with pytest.raises(AbilityError, match="64 x 48 px; the design of the cell has 640 x 480"):
+        camera.take()
+
+
+def test_a_camera_that_is_silent_is_named(ros, monkeypatch):
+    _, topics, _ = built(ros, "franka_ros")
+    monkeypatch.setattr(driven_robot, "PICTURE_S", 0.01)
+    camera = DrivenCamera(Inbox(), topics.camera, lambda: None, "wrist")
+    with pytest.raises(AbilityError, match="no picture on /wrist/color/image_rect_color within"):
+        camera.take()
