@@ -93,7 +93,7 @@ MAY_IMPORT = {
         "remodel_vision",
         "remodel_skills",
     },
-    "remodel_robot": {"flexbe_core", "remodel_states"},
+    "remodel_robot": set(),
     "remodel_production": {"remodel_states"},
     "remodel_planning": {"remodel_production", "flexbe_synthesizer", "remodel_states"},
     "remodel_cable_tree": {"remodel_production", "remodel_planning"},

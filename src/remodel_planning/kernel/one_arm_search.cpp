@@ -6,6 +6,10 @@
 #include "cables.hpp"
 
 namespace remodel {
+namespace {
+// More than any wire costs that may come first.
+constexpr Cost kNotYet = Cost{1} << 60;
+}  // namespace
 
 OneArmSearch::OneArmSearch(const Problem& problem, std::uint64_t seed)
     : p_(problem), arcs_(problem, 0), random_(seed), n_(problem.t.wires), low_(1 + problem.t.openings) {}
@@ -15,13 +19,13 @@ bool OneArmSearch::construct() {
   for (int wire = 0; wire < n_; ++wire)
     if (p_.t.stage[wire] == kStored) tools.insert(p_.t.tool[wire]);
   if (tools.empty()) tools.insert(-1);
-  int least = std::numeric_limits<int>::max();
+  Cost least = std::numeric_limits<Cost>::max();
   std::vector<int> chosen;
   for (int tool : tools)
     for (int surcharge : {0, p_.t.heavy_weight, 10 * p_.t.heavy_weight})
       for (int by_rank = 0; by_rank <= !p_.rankings.empty(); ++by_rank) {
         std::vector<int> order = greedy(tool, surcharge, by_rank);
-        const int cost = cost_of(order.data());
+        const Cost cost = cost_of(order.data());
         if (cost < least) {
           least = cost;
           chosen.swap(order);
@@ -32,7 +36,8 @@ bool OneArmSearch::construct() {
 
 // Always the cheapest wire that may come next; the first one, if possible, with a given tool.
 std::vector<int> OneArmSearch::greedy(int first_tool, int light_surcharge, bool by_rank) const {
-  std::vector<int> order, ready, waiting(n_), delays(n_);
+  std::vector<int> order, ready, waiting(n_);
+  std::vector<Cost> delays(n_);
   if (by_rank)
     for (const Ranking& ranking : p_.rankings) ranking.add_delays(delays);
   order.reserve(n_);
@@ -45,15 +50,15 @@ std::vector<int> OneArmSearch::greedy(int first_tool, int light_surcharge, bool 
   bool light = p_.t.light_started;
   while (!ready.empty()) {
     std::size_t at = 0;
-    int least = std::numeric_limits<int>::max();
+    Cost least = std::numeric_limits<Cost>::max();
     for (std::size_t i = 0; i < ready.size(); ++i) {
       const int wire = ready[i];
       const int cable = last < n_ ? p_.t.cable[last] : p_.t.arm_cable[0];
-      int cost = arcs_.cost(last, wire) + delays[wire] - p_.cable_penalty(cable, wire) +
+      Cost cost = arcs_.cost(last, wire) + delays[wire] - p_.cable_penalty(cable, wire) +
                  cables.penalty(0, cable, wire);
       if (!light && !p_.t.heavy[wire]) cost += light_surcharge;
       if (static_cast<int>(order.size()) == p_.t.openings && p_.t.tool[wire] != first_tool)
-        cost += 1 << 24;
+        cost += kNotYet;
       if (static_cast<int>(order.size()) < p_.t.openings)
         cost = -(wire == p_.t.opening[order.size()]);
       if (cost < least) {
@@ -107,10 +112,11 @@ void OneArmSearch::reset(const std::vector<int>& sequence) {
   cost_ = cost_of(sequence_.data() + 1);
 }
 
-int OneArmSearch::cost_of(const int* order) const {
+Cost OneArmSearch::cost_of(const int* order) const {
   std::vector<char> picked(n_);
   bool light = p_.t.light_started;
-  int cost = 0, last = n_;
+  Cost cost = 0;
+  int last = n_;
   for (int i = 0; i < n_; ++i) {
     const int wire = order[i];
     cost += arcs_.cost(last, wire);
@@ -143,7 +149,7 @@ void OneArmSearch::anneal(std::int64_t moves, double from, double to) {
     if (i % step == 0) temperature = from * std::pow(to / from, static_cast<double>(i) / moves);
     Exchange move;
     if (!propose(move) || !allowed(move)) continue;
-    const int loss = change(move);
+    const Cost loss = change(move);
     // Below exp(-20) an acceptance is not to be expected within any run.
     if (loss > 0 && (loss > 20 * temperature || loss > random_.allowance(temperature))) continue;
     make(move);
@@ -196,11 +202,11 @@ bool OneArmSearch::allowed(const Exchange& move) const {
   return true;
 }
 
-int OneArmSearch::change(const Exchange& move) const {
+Cost OneArmSearch::change(const Exchange& move) const {
   const int* s = sequence_.data();
   const int a = s[move.left - 1], b = s[move.left], c = s[move.middle], d = s[move.middle + 1],
             e = s[move.right], f = s[move.right + 1];
-  int loss = arcs_.cost(a, d) + arcs_.cost(e, b) + arcs_.cost(c, f) - arcs_.cost(a, b) -
+  Cost loss = arcs_.cost(a, d) + arcs_.cost(e, b) + arcs_.cost(c, f) - arcs_.cost(a, b) -
              arcs_.cost(c, d) - arcs_.cost(e, f);
   if (p_.t.softs) loss += change_of_soft_constraints(move);
   if (p_.t.rankings) loss += change_of_rankings(move);
@@ -209,13 +215,13 @@ int OneArmSearch::change(const Exchange& move) const {
   return loss;
 }
 
-int OneArmSearch::change_of_soft_constraints(const Exchange& move) const {
+Cost OneArmSearch::change_of_soft_constraints(const Exchange& move) const {
   const bool left_shorter = move.middle - move.left < move.right - move.middle;
   const int from = left_shorter ? move.left : move.middle + 1;
   const int to = left_shorter ? move.middle : move.right;
   const int low = left_shorter ? move.middle + 1 : move.left;
   const int high = left_shorter ? move.right : move.middle;
-  int loss = 0;
+  Cost loss = 0;
   for (int i = from; i <= to; ++i) {
     const int wire = sequence_[i];
     for (const SoftConstraint& soft : p_.soft_after[wire])
@@ -226,13 +232,13 @@ int OneArmSearch::change_of_soft_constraints(const Exchange& move) const {
   return left_shorter ? loss : -loss;
 }
 
-int OneArmSearch::change_of_rankings(const Exchange& move) const {
+Cost OneArmSearch::change_of_rankings(const Exchange& move) const {
   const bool left_shorter = move.middle - move.left < move.right - move.middle;
   const int from = left_shorter ? move.left : move.middle + 1;
   const int to = left_shorter ? move.middle : move.right;
   const int low = left_shorter ? move.middle + 1 : move.left;
   const int high = left_shorter ? move.right : move.middle;
-  int loss = 0;
+  Cost loss = 0;
   for (std::size_t k = 0; k < ranked_.size(); ++k) {
     const int* ranks = ranked_[k].data();
     int pairs = 0;

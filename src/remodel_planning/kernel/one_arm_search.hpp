@@ -29,20 +29,20 @@ class OneArmSearch final : public Search {
   void anneal(std::int64_t moves, double from, double to) override;
   void return_to_best() override;
   void best(int* order, int* modes) const override;
-  int best_cost() const override { return best_cost_; }
+  Cost best_cost() const override { return best_cost_; }
 
  private:
   struct Exchange {
     int left, middle, right;   // blocks left..middle and middle+1..right change places
   };
 
-  int cost_of(const int* order) const;   // without what every order costs
+  Cost cost_of(const int* order) const;   // without what every order costs
   std::vector<int> greedy(int first_tool, int light_surcharge, bool by_rank) const;
   bool propose(Exchange& move);
   bool allowed(const Exchange& move) const;
-  int change(const Exchange& move) const;
-  int change_of_soft_constraints(const Exchange& move) const;
-  int change_of_rankings(const Exchange& move) const;
+  Cost change(const Exchange& move) const;
+  Cost change_of_soft_constraints(const Exchange& move) const;
+  Cost change_of_rankings(const Exchange& move) const;
   int first_light_after(const Exchange& move) const;
   void make(const Exchange& move);
   void reset(const std::vector<int>& sequence);
@@ -55,7 +55,8 @@ class OneArmSearch final : public Search {
   // sequence_[0] and sequence_[n + 1] stand for the start and the end of the plan.
   std::vector<int> sequence_, position_, best_;
   std::vector<std::vector<int>> ranked_;   // for each ranking, the ranks along the sequence
-  int cost_ = 0, best_cost_ = 0, first_light_ = 0;
+  Cost cost_ = 0, best_cost_ = 0;
+  int first_light_ = 0;
 };
 
 }  // namespace remodel

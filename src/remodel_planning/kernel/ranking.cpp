@@ -9,7 +9,7 @@ Ranking::Ranking(const std::int32_t* rank, int wires, int weight)
   for (int r : rank_) ranks_ = std::max(ranks_, r + 1);
 }
 
-void Ranking::add_delays(std::vector<int>& delays) const {
+void Ranking::add_delays(std::vector<Cost>& delays) const {
   std::vector<int> below(ranks_ + 1);
   for (int r : rank_)
     if (r >= 0) ++below[r + 1];
@@ -18,7 +18,7 @@ void Ranking::add_delays(std::vector<int>& delays) const {
     if (rank_[wire] >= 0) delays[wire] += weight_ * below[rank_[wire]];
 }
 
-void Ranking::take_off_delays(int picked, std::vector<int>& delays) const {
+void Ranking::take_off_delays(int picked, std::vector<Cost>& delays) const {
   const int rank = rank_[picked];
   if (rank < 0) return;
   for (std::size_t wire = 0; wire < rank_.size(); ++wire)

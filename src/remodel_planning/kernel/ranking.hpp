@@ -10,21 +10,25 @@
 
 namespace remodel {
 
+// What a plan costs [tick]: pairs of thousands of wires cost more than 32 bits hold.
+using Cost = std::int64_t;
+
 class Ranking {
  public:
   Ranking(const std::int32_t* rank, int wires, int weight);
 
-  int weight() const { return weight_; }
+  Cost weight() const { return weight_; }
   int ranks() const { return ranks_; }
   int of(int wire) const { return rank_[wire]; }   // -1: the order of this wire is of no matter
 
   // Add to each wire's number what picking it first would cost.
-  void add_delays(std::vector<int>& delays) const;
+  void add_delays(std::vector<Cost>& delays) const;
   // Take off what the wires that follow no longer cost once a wire is picked.
-  void take_off_delays(int picked, std::vector<int>& delays) const;
+  void take_off_delays(int picked, std::vector<Cost>& delays) const;
 
  private:
-  int weight_, ranks_;
+  Cost weight_;
+  int ranks_;
   std::vector<int> rank_;
 };
 

@@ -3,6 +3,8 @@
 
 #include <cstdint>
 
+#include "ranking.hpp"
+
 namespace remodel {
 
 class Search {
@@ -18,7 +20,7 @@ class Search {
   // Write the best order, and the mode of each wire by its number.
   virtual void best(int* order, int* modes) const = 0;
   // Cost of the best plan, up to a constant of the problem.
-  virtual int best_cost() const = 0;
+  virtual Cost best_cost() const = 0;
 };
 
 }  // namespace remodel

@@ -7,9 +7,9 @@ namespace {
 constexpr int kNever = std::numeric_limits<int>::max();
 }
 
-int broken_across_blocks(const Problem& p, const WireList& list) {
+Cost broken_across_blocks(const Problem& p, const WireList& list) {
   if (list.order.empty() || list.block[list.order.back()] == 0) return 0;
-  int cost = 0;
+  Cost cost = 0;
   for (int i = 0; i < p.t.softs; ++i) {
     const int* row = p.t.soft + 3 * i;
     if (list.block[row[0]] > list.block[row[1]]) cost += row[2];

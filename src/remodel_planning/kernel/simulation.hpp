@@ -47,7 +47,7 @@ struct Entry {
 
 struct BlockCost {
   int duration = 0;   // [tick] until the handover has ended, or the last arm has
-  int penalty = 0;
+  Cost penalty = 0;
 };
 
 // The list of wires with what the simulation asks about it.
@@ -61,7 +61,7 @@ struct WireList {
 };
 
 // What a list costs for soft constraints and ranks between wires of different blocks.
-int broken_across_blocks(const Problem& problem, const WireList& list);
+Cost broken_across_blocks(const Problem& problem, const WireList& list);
 
 class Simulator {
  public:

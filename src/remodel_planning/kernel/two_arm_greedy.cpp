@@ -13,7 +13,7 @@ struct ArmClock {
 };
 
 struct Choice {
-  int cost = std::numeric_limits<int>::max();
+  Cost cost = std::numeric_limits<Cost>::max();
   std::size_t ready = 0;
   int mode = 0;
   int given = 0, done = 0, routed = 0;   // times [tick]
@@ -25,7 +25,7 @@ class Builder {
       : p_(problem), light_surcharge_(light_surcharge), by_rank_(by_rank),
         light_(problem.t.light_started), waiting_(problem.t.wires), routed_(problem.t.wires),
         delays_(problem.t.wires), cables_(problem),
-        torn_(p_.t.cable_weight > 0 ? p_.t.cable_weight : std::numeric_limits<int>::max()) {
+        torn_(p_.t.cable_weight > 0 ? p_.t.cable_weight : std::numeric_limits<Cost>::max()) {
     if (by_rank_)
       for (const Ranking& ranking : p_.rankings) ranking.add_delays(delays_);
     for (int arm = 0; arm < 2; ++arm)
@@ -117,9 +117,9 @@ class Builder {
     return p_.t.stage[wire] == kStored ? way_to(arm, p_.slot(wire), p_.t.tool[wire]) : 0;
   }
 
-  int penalty(int arm, int wire) const {
+  Cost penalty(int arm, int wire) const {
     const ArmClock& a = arms_[arm];
-    int cost = delays_[wire] + cables_.penalty(arm, a.cable, wire);
+    Cost cost = delays_[wire] + cables_.penalty(arm, a.cable, wire);
     if (a.colour >= 0)
       cost += p_.t.colour_weight * (a.colour != p_.t.colour[wire]) +
               p_.t.zone_weight * std::max(0, a.zone - p_.t.zone[wire]);
@@ -160,9 +160,10 @@ class Builder {
   const bool by_rank_;
   bool light_;
   ArmClock arms_[2];
-  std::vector<int> ready_, waiting_, routed_, delays_;
+  std::vector<int> ready_, waiting_, routed_;
+  std::vector<Cost> delays_;
   BegunCables cables_;
-  const int torn_;   // a choice that costs as much tears a cable apart, or is none
+  const Cost torn_;   // a choice that costs as much tears a cable apart, or is none
   ListPlan plan_;
 };
 

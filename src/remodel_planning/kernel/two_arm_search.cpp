@@ -15,7 +15,7 @@ TwoArmSearch::TwoArmSearch(const Problem& problem, std::uint64_t seed)
 
 bool TwoArmSearch::construct() {
   std::vector<int> order, modes;
-  int least = std::numeric_limits<int>::max();
+  Cost least = std::numeric_limits<Cost>::max();
   for (int surcharge : {0, 2 * p_.t.heavy_weight, 20 * p_.t.heavy_weight})
     for (int by_rank = 0; by_rank <= !p_.rankings.empty(); ++by_rank) {
       const ListPlan plan = greedy_list(p_, surcharge, by_rank);
@@ -27,7 +27,7 @@ bool TwoArmSearch::construct() {
         modes = by_wire;
       }
     }
-  return least < std::numeric_limits<int>::max() && adopt(order.data(), modes.data());
+  return least < std::numeric_limits<Cost>::max() && adopt(order.data(), modes.data());
 }
 
 bool TwoArmSearch::adopt(const int* order, const int* modes) {
@@ -262,7 +262,7 @@ bool TwoArmSearch::try_move(const Move& move, double allowance) {
   const int high = list_.second_block(list_.order[move.right]);
   if (part.hands_over && high - low > kMostBlocks) return false;
 
-  const int old_cost = cost_, old_soft_cost = soft_cost_;
+  const Cost old_cost = cost_, old_soft_cost = soft_cost_;
   make(move);
   renumber(move.left, move.right);
   replaced_.clear();
@@ -306,7 +306,7 @@ bool TwoArmSearch::mark_touched(const Part& part, int low, int high) {
 // A wire that is handed over, and was not, makes a block more: all is counted again.
 bool TwoArmSearch::try_with_other_blocks(const Move& move, const Part& part, double allowance) {
   const std::vector<int> old_order = list_.order;
-  const int old_cost = cost_;
+  const Cost old_cost = cost_;
   make(move);
   if (evaluate_all() && cost_ - old_cost <= allowance) return true;
   list_.order = old_order;

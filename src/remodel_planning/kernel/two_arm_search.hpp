@@ -27,7 +27,7 @@ class TwoArmSearch final : public Search {
   void anneal(std::int64_t moves, double from, double to) override;
   void return_to_best() override;
   void best(int* order, int* modes) const override;
-  int best_cost() const override { return best_cost_; }
+  Cost best_cost() const override { return best_cost_; }
 
  private:
   struct Block {
@@ -76,7 +76,7 @@ class TwoArmSearch final : public Search {
   std::vector<std::pair<int, Block>> replaced_;
   std::vector<char> marked_;
   int marked_to_ = -1;
-  int soft_cost_ = 0, cost_ = 0, best_cost_ = 0;
+  Cost soft_cost_ = 0, cost_ = 0, best_cost_ = 0;
   std::vector<int> best_order_, best_modes_;
 };
 

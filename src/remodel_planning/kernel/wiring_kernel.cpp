@@ -26,7 +26,7 @@ void remodel_follow_ranks(const Problem* problem, const std::int32_t* ranks,
 // number of actions, or -1 where the arms would wait for each other.
 std::int32_t remodel_decode(const Problem* problem, const std::int32_t* order,
                             const std::int32_t* modes, remodel::Action* actions,
-                            std::int32_t capacity, std::int32_t* cost) {
+                            std::int32_t capacity, std::int64_t* cost) {
   const int n = problem->t.wires;
   remodel::WireList list;
   list.order.assign(order, order + n);
@@ -46,7 +46,8 @@ std::int32_t remodel_decode(const Problem* problem, const std::int32_t* order,
     int to = from;
     while (to < n && list.block[order[to]] == b) ++to;
     remodel::BlockCost part;
-    if (!simulator.run(list, b, from, to, entry, part, &record, cost[0])) return -1;
+    if (!simulator.run(list, b, from, to, entry, part, &record, static_cast<int>(cost[0])))
+      return -1;
     cost[0] += part.duration;
     cost[1] += part.penalty;
     from = to;
@@ -72,14 +73,14 @@ std::int32_t remodel_search_adopt(Search* search, const std::int32_t* order,
 }
 
 // Returns the cost of the best plan so far, up to a constant of the problem.
-std::int32_t remodel_search_anneal(Search* search, std::int64_t moves, double from, double to) {
+std::int64_t remodel_search_anneal(Search* search, std::int64_t moves, double from, double to) {
   search->anneal(moves, from, to);
   return search->best_cost();
 }
 
 void remodel_search_return_to_best(Search* search) { search->return_to_best(); }
 
-std::int32_t remodel_search_best(const Search* search, std::int32_t* order, std::int32_t* modes) {
+std::int64_t remodel_search_best(const Search* search, std::int32_t* order, std::int32_t* modes) {
   search->best(order, modes);
   return search->best_cost();
 }

@@ -7,14 +7,19 @@ from types import SimpleNamespace
 
 import pytest
 
-from remodel_planner.commands import import_design, plan
+from remodel_planner.commands import import_design, plan, tasks
 from remodel_planner.commands.options.design_orders import design_order
 from remodel_planning.core.decomposition.cell_fit import misfits
+from remodel_planning.core.orders.board_order import board_order
 from remodel_planning.edge.fault_file import read_faults
+from remodel_production.core.board.board import board_of
+from remodel_production.edge.catalogue_file import read_catalogue
 from remodel_production.edge.database.production_database import ProductionDatabase
+from remodel_production.edge.package_files import catalogue_file
 from remodel_production.errors import OrderError
 from remodel_states.edge.cell_files import read_cell_limits
 from remodel_states.edge.wire_material_file import read_wire_materials
+from remodel_supervision.ros.peers.board_message import board_message
 from remodel_supervision.ros.server.work import WorkMaker
 from remodel_work.cell.magazine import find_wire_problems
 from remodel_work.edge.cell_file import read_cell
@@ -64,6 +69,15 @@ def work_of(database, name, use_case):
         return maker.work(name, "", 0, owner=1)
 
 
+def panel_message(database, name, design):
+    """Return what the cell would get of an order whose board does not fit."""
+    with closing(ProductionDatabase(database)) as opened:
+        order = opened.order(name)
+    catalogue = read_catalogue(catalogue_file())
+    whole = board_order(board_of(order, catalogue), design.use_case, arms=1)
+    return board_message(design.panel, whole, design.work.wires_by_hand)
+
+
 def refused_by(cell, message):
     """Return the sentences with which a cell refuses a panel."""
     design, panel = read_cell(cell), panel_from(message, read_wire_materials())
@@ -76,9 +90,10 @@ def refused_by(cell, message):
 def assert_agreed(database, name, use_case="cabinet", cell=CELL):
     design = triage_of(database, name, use_case)
     robots = {task.name for task in design.work.tasks}
-    if misfits(design.panel, design.takes):
-        with pytest.raises(OrderError, match=f"the board does not fit cell {cell}: the plate's"):
+    if found := misfits(design.panel, design.takes):
+        with pytest.raises(OrderError, match=f"the board does not fit cell {cell}: "):
             work_of(database, name, use_case)
+        assert refused_by(cell, panel_message(database, name, design)) == found
         return
     if not robots:
         with pytest.raises(OrderError, match="no task is for the robot"):
@@ -124,8 +139,7 @@ def test_a_list_with_wires_that_no_robot_places_is_accepted_without_them(
     said = capsys.readouterr().out
     assert (
         f"  cell {CELL}: 1 wire for robots, 3 by hand (1 shorter than 0.48 m, 1 whose "
-        "section_mm2 is not a number from 0.05 to 4, 1 whose length_mm is not a number from 0 to "
-        "3000); the board fits\n"
+        "section_mm2 is above 4, 1 longer than 3 m); the board fits\n"
     ) in said
     assert (
         f"1: by hand, length is 0.35 m, 0.13 m too little; allowed: 0.48 to 3 m (cell {CELL})\n"
@@ -134,6 +148,22 @@ def test_a_list_with_wires_that_no_robot_places_is_accepted_without_them(
     output = ["--output", str(tmp_path / "plan.json"), "--time-limit", "0.1"]
     assert plan.main(["--order", "list", *output, *arguments]) == 0
     assert "  tasks for the robot: 1, by hand: 3\n" in capsys.readouterr().out
+
+
+CROWDED = """Wire,From,To,Colour,Section mm2,Length mm,From x,From y,To x,To y
+1,F1:2,K1:1,BK,1.5,620,60,300,200,80
+2,F2:2,K2:1,BK,1.5,620,70,300,260,80
+"""
+
+
+def test_components_whose_places_overlap_are_reported_at_import(tmp_path, database, capsys):
+    file = tmp_path / "list.csv"
+    file.write_text(CROWDED)
+    assert import_design.main([str(file), "--database", database]) == 0
+    said = capsys.readouterr().out
+    overlap = "components 'F1' and 'F2' overlap by 8.0 mm: places farther apart"
+    assert f"; the board does not fit: {overlap}\n" in said
+    assert_agreed(database, "list")
 
 
 def test_a_wire_that_is_shorter_than_its_route_is_by_hand(tmp_path, database, capsys):
@@ -145,6 +175,23 @@ def test_a_wire_that_is_shorter_than_its_route_is_by_hand(tmp_path, database, ca
     assert f"  cell {CELL}: 20 wires for robots, 1 by hand (1 shorter than their routes); " in said
     assert "    far: by hand, it is 0.48 m long and its route " in said
     assert_agreed(database, "list")
+
+
+def test_of_many_wires_by_hand_the_first_are_printed_and_what_lists_all(tmp_path, database, capsys):
+    file = tmp_path / "list.csv"
+    rows = "".join(f"{n},K1:{n},K2:{n},BK,1.5,{900 if n == 1 else 350}\n" for n in range(1, 32))
+    file.write_text(f"Wire,From,To,Colour,Section mm2,Length mm\n{rows}")
+    order = ["--order", "list", "--database", database]
+    assert import_design.main([str(file), *order]) == 0
+    said = capsys.readouterr().out
+    assert said.count(": by hand, length is 0.35 m") == 20
+    assert said.endswith("    and 10 more by hand (--verbose lists them)\n")
+    assert import_design.main([str(file), "--verbose", "--order", "again", *order[2:]]) == 0
+    assert capsys.readouterr().out.count(": by hand, length is 0.35 m") == 30
+    assert plan.main([*order, "--output", str(tmp_path / "plan.json"), "--time-limit", "0.1"]) == 0
+    assert "    and 10 more by hand (planner tasks lists them)\n" in capsys.readouterr().out
+    assert tasks.main(order) == 0
+    assert capsys.readouterr().out.count(": by hand, length is 0.35 m") == 30
 
 
 MIXED = """Wire,From,To,Colour,Section,Length mm
@@ -173,7 +220,7 @@ def test_any_section_and_colour_and_full_terminals_are_judged_alike(tmp_path, da
     assert import_design.main([*arguments, "--use-case", "cabinet"]) == 0
     said = capsys.readouterr().out
     assert (
-        f"  cell {CELL}: 5 wires for robots, 3 by hand (1 thinner than 0.0025 m, 1 at terminals "
+        f"  cell {CELL}: 5 wires for robots, 3 by hand (1 thinner than 2.5 mm, 1 at terminals "
         "that are full, 1 of no known colour); the board fits\n"
     ) in said
     assert "1 colour not known, such as line 5: colour 'puce' is no known colour, BK taken" in said
@@ -193,7 +240,7 @@ def test_a_users_own_cell_decides(tmp_path, database, capsys):
     )
     assert import_design.main([str(file), "--database", database, "--cell", str(cell)]) == 0
     said = capsys.readouterr().out
-    assert "  cell mine: " in said
+    assert "  cell mine: 3 wires for robots, 1 by hand (1 whose section_mm2 is above 4)" in said
     assert "; the board does not fit: the plate's size in x is 0." in said
     assert "2 devices are on the plate, 1 too many; allowed: 1: a cell without labels" in said
     cell.write_text("name: mine\n")

@@ -130,6 +130,22 @@ def test_first_and_improved_plans_are_valid_and_never_worse(kernel, wires, seed,
     assert better.cost <= first.cost
 
 
+@pytest.mark.parametrize("arms", [1, 2])
+def test_costs_that_32_bits_do_not_hold_are_exact(kernel, arms):
+    """As of an order of thousands of wires, all pairs of which have a preferred order."""
+    data = random_panel(300, 1, arms)
+    names = [wire["id"] for wire in data["wires"]]
+    data["soft_order"] = [{"groups": [[name] for name in names], "weight": 100_000}]
+    tables = tables_of(problem_from(data))
+    order, modes = random_list(tables, random.Random(1))
+    worst = AnytimePlanner(kernel, tables).patched(order, modes)
+    assert worst.cost > 2**31
+    assert_good(worst)
+    planned = AnytimePlanner(kernel, tables).improved(Limits(math.inf, moves=1000), worst).planned
+    assert_good(planned)
+    assert planned.cost < worst.cost
+
+
 @given(st.integers(2, 60), seeds)
 def test_costs_counted_move_by_move_are_those_of_the_whole_plan(kernel, wires, seed):
     problem = kernel.load(tables_of(panel(wires, seed, 2)))

@@ -185,15 +185,6 @@ def test_a_ranking_costs_what_a_soft_constraint_for_each_of_its_pairs_costs(prob
     assert check(ranked, planned(ranked).plan).cost < check(ranked, planned(problem).plan).cost
 
 
-def test_soft_constraints_that_outweigh_what_costs_can_count_are_refused(problem):
-    text = "prefer: [{name: left, pick: all, in_order_of: zone, from: least, weight: 100000}]"
-    many = problem_from(random_panel(400, 1, 1))
-    with pytest.raises(
-        InstanceError, match=r"soft constraints: violating all.*left has \d+ pairs of 100000"
-    ):
-        require_sound(preferred(many, text).problem)
-
-
 def test_wires_are_chosen_by_characteristics_and_bounds(problem):
     thin = {"section_mm2": 0.5, "shielded": True}
     stated = replace(

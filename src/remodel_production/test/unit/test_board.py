@@ -1,6 +1,7 @@
 """Boards: cabinets with rows and ducts, formboards, and the drawings of both."""
 
 import math
+import tracemalloc
 from collections import Counter
 from dataclasses import replace
 from itertools import pairwise
@@ -147,6 +148,22 @@ def test_wires_that_lead_away_have_no_route_and_what_is_outside_no_place():
 def test_an_order_whose_wires_all_lead_away_has_no_layout():
     away = order(("Q1:B1", "M1:T1"), field=("M1",))
     assert laid_out(away, CATALOGUE) is away
+
+
+def test_routes_through_a_long_duct_take_little_memory():
+    count = 3000
+    nodes = tuple(Node(f"N{i}", (float(i), 0.0, 0.0)) for i in range(count + 1))
+    segments = tuple(Segment(f"S{i}", f"N{i}", f"N{i + 1}", 1.0) for i in range(count))
+    graph = DuctGraph(nodes, segments)
+    tracemalloc.start()
+    try:
+        for i in range(0, count - 1, 300):
+            route, length = graph.shortest_route((i + 0.5, 0.0), (count - 0.5, 0.0))
+            assert (len(route), length) == (count - i, count - i - 1)
+        _, peak = tracemalloc.get_traced_memory()
+    finally:
+        tracemalloc.stop()
+    assert peak < 10e6  # bytes; it took hundreds of millions
 
 
 def test_points_off_the_ducts_and_ducts_apart_are_reported():

@@ -1,6 +1,7 @@
 """Files are recognised by their content, and quantities are read as people write them."""
 
 import re
+import time
 from pathlib import Path
 
 import pytest
@@ -198,6 +199,14 @@ def test_repeated_names_of_wires_become_distinct_without_taking_others_names():
     assembly = assemble([Device("A"), Device("B")], connections)
     assert [wire.name for wire in assembly.wires] == ["x", "x#3", "y", "x#2", "W5"]
     assert assembly.assumptions[0] == "at A:1: name x occurs before, at at A:0; named x#3"
+
+
+def test_naming_thousands_of_wires_of_one_name_takes_seconds():
+    connections = [connection(f"A:{n}", f"B:{n}", "24") for n in range(50_000)]
+    before = time.process_time()
+    assembly = assemble([Device("A"), Device("B")], connections)
+    assert time.process_time() - before < 15.0  # [s] of CPU; it took minutes
+    assert assembly.wires[-1].name == "24#50000"
 
 
 def test_more_connections_than_any_design_has_are_refused():

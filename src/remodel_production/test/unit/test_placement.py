@@ -87,6 +87,14 @@ def test_a_placement_decides_where_devices_are_and_which_wires_leave_the_plate()
     assert [wire.name for wire in found.order.in_cabinet().wires] == ["3"]
 
 
+def test_devices_of_a_list_that_are_placed_by_default_are_counted():
+    text = b"Wire,From,To,From place\n1,K1:1,S1:1,plate\n2,K1:2,X1:1,\n"
+    (line,) = (each for each in imported(text).account.assumptions if "nothing says" in each)
+    assert line.startswith("nothing says where 2 devices are mounted: the plate taken, such as for")
+    decided = imported(text, with_placement(CATALOGUE, "devices: {S1: door, X1: plate}"))
+    assert not any("nothing says" in each for each in decided.account.assumptions)
+
+
 def test_a_placement_of_a_device_that_is_not_there_is_reported():
     line = "the placement names S9, and no device is called so"
     found = placed("devices: {S9: door}")

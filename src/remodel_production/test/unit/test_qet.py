@@ -202,6 +202,13 @@ def test_a_newer_format_is_read_and_reported():
     assert imported.account.assumptions[0] == "line 1: format 0.100.0; read as 0.90"
 
 
+def test_an_underscore_is_no_label():
+    elements = [element(BREAKER, "q1", "_"), element(BREAKER, "q2", "Q2")]
+    order, account = read((elements, [wire("q1", "b1", "q2", "t1")]))
+    assert [c.name for c in order.components] == ["breaker", "Q2"]
+    assert "is named breaker" in account.assumptions[0]
+
+
 def test_a_label_on_elements_that_are_not_linked_is_reported_with_their_folios():
     coil = element(BREAKER, "d1", "D28")
     one = ([TWO[0], coil], [wire("q1", "b1", "d1", "t1")])

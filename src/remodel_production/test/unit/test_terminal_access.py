@@ -98,6 +98,7 @@ def test_a_joint_takes_all_its_wires():
 
 def test_the_catalogues_terminals_take_two_wires_and_distribution_bars_many():
     catalogue = read_catalogue(Path(__file__).parents[2] / "config" / "catalogue.yaml")
-    names = ("K1", "PE", "N-Schiene", "Interrupteur différentiel 2P 40A", "PE BUS")
+    names = ("K1", "PE", "N-Schiene", "Interrupteur différentiel 2P 40A", "PE BUS", "PE bar")
+    names = (*names, "barette_de_terre.elmt", "6 bar")  # the last one is a pressure switch
     takes = [catalogue.terminal_rule(Component(name, "", ())).wires for name in names]
-    assert takes == [2, 30, 30, 12, 30]
+    assert takes == [2, 30, 30, 12, 30, 30, 30, 2]

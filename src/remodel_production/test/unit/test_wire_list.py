@@ -10,6 +10,8 @@ import pytest
 from openpyxl import Workbook
 from wire_lists import CATALOGUE, MAPPINGS, read, rows
 
+from remodel_production.core.imports.shared.spreadsheet import sheets_of
+from remodel_production.core.imports.wire_lists import table
 from remodel_production.core.imports.wire_lists.mapping import mapping_from
 from remodel_production.core.imports.wire_lists.wire_list import mapping_draft
 from remodel_production.errors import DesignError
@@ -27,11 +29,13 @@ def test_an_eplan_like_list_in_windows_encoding_with_decimal_commas():
         ("W7.1", "=A1+C1-X1:7", "+M1:U", "BN", 0.75, 12.0),
     ]
     assert [(cable.name, cable.source) for cable in imported.order.cables] == [("W7", "line 5")]
-    assert imported.account.assumptions[:5] == (
+    assert imported.account.assumptions[:6] == (
         "column 'Cross-section' states no unit: mm2 taken",
         "column 'Length' states no unit: m taken",
         "the file is no UTF-8: read as cp1252",
         "line 4: colour 'hellblau' read as BU",
+        "nothing says where 4 devices are mounted: the plate taken, such as for =A1+C1-K1 (columns "
+        "of places, or --placement)",
         "line 4: name 101 occurs before, at line 2; named 101#2",
     )
     assert [str(item) for item in imported.account.left_out] == [
@@ -345,6 +349,15 @@ def workbook(**sheets):
 HEADINGS = ["Wire", "From Device", "From Pin", "To Device", "To Pin", "Section mm²", "Length (mm)"]
 
 
+def test_a_workbook_is_unpacked_once_for_all_mappings(monkeypatch):
+    data = workbook(Cover=[["Title"]], Wires=[HEADINGS, ["1", "K1", "1", "K2", "2", "1", "900"]])
+    unpacked = []
+    monkeypatch.setattr(table, "sheets_of", lambda data: unpacked.append(1) or sheets_of(data))
+    assert table.has_headings(data, MAPPINGS)
+    assert len(MAPPINGS) > 1
+    assert len(unpacked) == 1
+
+
 def test_the_sheet_of_a_workbook_with_headings_is_read_and_the_others_are_named():
     lines = [["List of 2026"], [], HEADINGS, ["W1", "K1", 13.0, "K2", "A\n2", 0.75, 200]]
     imported = read(workbook(Cover=[["by hand"]], Wires=lines, Empty=[]))
@@ -440,12 +453,13 @@ Drahtbrücke,X1,1,X1,2,SW,16
 103,TB1,5,TB1,6,BLU,18
 BAR1,X1,5,X2,5,Busbar,
 104,K1,A2,TB1,2,,
+BAR2,X1,6,X2,6,Shorting bar,
 """
     imported = read(text)
     assert [wire.name for wire in imported.order.wires] == ["101", "103", "104"]
     reason = "it is a jumper or bar, a part for a person to set"
     assert [(item.source, item.reason) for item in imported.account.left_out] == [
-        (f"line {line}", reason) for line in (3, 4, 5, 7)
+        (f"line {line}", reason) for line in (3, 4, 5, 7, 9)
     ]
     # Without columns for it nothing says that a line is no wire.
     assert len(read("From,To\nTB1:1,TB1:3\n").order.wires) == 1

@@ -86,7 +86,7 @@ def with_wire(**changes):
         ),
         (
             panel(components=(*panel().components, component("X5", 5, 0.08, 0.13, side=-1))),
-            "'X2' and 'X5' overlap",
+            "'X2' and 'X5' overlap by",
         ),
         (
             panel(components=(*panel().components, component("X5", 5, 0.03, 0.25, side=-1))),

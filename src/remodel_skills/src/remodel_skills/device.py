@@ -185,6 +185,9 @@ class Plant(Protocol):
     def park(self) -> None:
         """Note that the wire that was handled last has its place."""
 
+    def photograph(self, camera: str) -> Picture:
+        """Take a picture for people, by a camera of the design: also while a skill runs."""
+
     def tick(self) -> None:
         """Let the time between two commands pass."""
 

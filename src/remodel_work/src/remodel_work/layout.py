@@ -9,6 +9,7 @@ from dataclasses import fields, is_dataclass
 from itertools import pairwise
 
 from remodel_states.core.cell.cell_limits import CellLimits
+from remodel_states.core.cell.footprints import footprint, overlaps
 from remodel_states.core.cell.within import within
 from remodel_states.core.wires.wire_colours import WIRE_RGB, is_colour
 from remodel_work.board_rules import board_problems
@@ -336,24 +337,15 @@ def _reach(
 
 def _overlaps(panel: Panel) -> Iterator[str]:
     half_x, half_y = panel.size[0] / 2, panel.size[1] / 2
-    boxes = {}
+    taken = {}
     for component in panel.components:
         x, y, yaw = component.pose
-        c, s = abs(math.cos(yaw)), abs(math.sin(yaw))
-        depth, width, _ = component.size
-        dx, dy = (c * depth + s * width) / 2, (s * depth + c * width) / 2
-        boxes[component.id] = (x - dx, x + dx, y - dy, y + dy)
-        if abs(x) + dx > half_x + 1e-6 or abs(y) + dy > half_y + 1e-6:
+        taken[component.id] = footprint((x, y), component.size[:2], yaw)
+        (low_x, low_y), (high_x, high_y) = taken[component.id]
+        beyond = max(high_x, -low_x) - half_x, max(high_y, -low_y) - half_y
+        if max(beyond) > 1e-6:
             yield f"component {component.id!r} reaches beyond the plate"
-    ids = list(boxes)
-    for i, first in enumerate(ids):
-        for second in ids[i + 1 :]:
-            a, b = boxes[first], boxes[second]
-            if (
-                min(a[1], b[1]) - max(a[0], b[0]) > 1e-6
-                and min(a[3], b[3]) - max(a[2], b[2]) > 1e-6
-            ):
-                yield f"components {first!r} and {second!r} overlap"
+    yield from overlaps(taken)
 
 
 def _wire(wire: PanelWire, panel: Panel, takes: CellLimits) -> Iterator[str]:

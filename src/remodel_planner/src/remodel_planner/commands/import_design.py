@@ -256,7 +256,7 @@ def _report_triage(design: DesignOrder | PlannerError, *, verbose: bool) -> None
         return
     if design.takes is not None:
         print(f"  {summary(design.work, design.panel, design.takes)}")
-    print_triage(design.work)
+    print_triage(design.work, "" if verbose else "--verbose")
     if verbose:
         for line in design.work.outside:
             print(f"    {line}")

@@ -22,6 +22,7 @@ from remodel_planner.commands.options.problem_files import (
     add_problem_options,
     read_problem,
 )
+from remodel_planner.commands.options.stages import stages
 from remodel_planner.commands.options.stop_signals import stop_on_signals
 from remodel_planning.core.plan.cable_tasks import cable_tasks
 from remodel_planning.core.problem.conflict import keeping, requirements_in
@@ -103,21 +104,25 @@ def _relax(error: ConflictError, options: argparse.Namespace) -> None:
 
 
 def _plan(options: argparse.Namespace) -> None:
-    files = read_problem(options)
-    problem = files.problem
-    tables = tables_of(problem)
-    kernel = Kernel()
-    with stop_on_signals() as stopped:
-        started = time.perf_counter()
-        planner = AnytimePlanner(kernel, tables, options.seed)
-        first = planner.first()
-        first_ms = 1e3 * (time.perf_counter() - started)
-        _write(first, options.output)
-        limit_s = options.time_limit if options.moves is None else math.inf
-        limits = Limits(limit_s, options.target, stopped, options.moves)
-        result = planner.improved(limits)
-    best = min(first, result.planned, key=lambda planned: planned.cost)
-    _write(best, options.output)
+    with stages(3) as begin:
+        begin("reading the order")
+        files = read_problem(options)
+        problem = files.problem
+        tables = tables_of(problem)
+        kernel = Kernel()
+        begin("making a first plan")
+        with stop_on_signals() as stopped:
+            started = time.perf_counter()
+            planner = AnytimePlanner(kernel, tables, options.seed)
+            first = planner.first()
+            first_ms = 1e3 * (time.perf_counter() - started)
+            _write(first, options.output)
+            limit_s = options.time_limit if options.moves is None else math.inf
+            limits = Limits(limit_s, options.target, stopped, options.moves)
+            begin("searching for a better plan")
+            result = planner.improved(limits)
+        best = min(first, result.planned, key=lambda planned: planned.cost)
+        _write(best, options.output)
     triage = files.prepared.order if files.prepared is not None else None
     if options.json:
         document = {**plan_document(best), "search": _ending(result, limits)}
@@ -132,7 +137,7 @@ def _plan(options: argparse.Namespace) -> None:
         if len(cable.parts) > 1:
             print(cable)
     if triage is not None:
-        print_triage(triage)
+        print_triage(triage, "planner tasks")
 
 
 def _ending(result: Result, limits: Limits) -> str:

@@ -94,9 +94,9 @@ class Kernel:
             ("remodel_search_delete", None, [c_void_p]),
             ("remodel_search_construct", c_int32, [c_void_p]),
             ("remodel_search_adopt", c_int32, [c_void_p] * 3),
-            ("remodel_search_anneal", c_int32, [c_void_p, c_int64, c_double, c_double]),
+            ("remodel_search_anneal", c_int64, [c_void_p, c_int64, c_double, c_double]),
             ("remodel_search_return_to_best", None, [c_void_p]),
-            ("remodel_search_best", c_int32, [c_void_p] * 3),
+            ("remodel_search_best", c_int64, [c_void_p] * 3),
         )
 
     def load(self, tables: Tables) -> KernelProblem:
@@ -150,7 +150,7 @@ class KernelProblem:
             InstanceError: if the arms would wait for each other.
         """
         actions = np.empty((_MOST_ACTIONS * self.size, _ACTION_FIELDS), np.int32)
-        cost = np.empty(2, np.int32)
+        cost = np.empty(2, np.int64)
         count = self._library.remodel_decode(
             self._handle,
             order.ctypes.data,

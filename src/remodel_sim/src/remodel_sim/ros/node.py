@@ -59,7 +59,7 @@ class SimulatedCell:
             RobotState(self.plant, self.clock, fixed),
             Markers(self.plant, self.clock),
         ]
-        Services(self.plant, self.clock, owner)
+        Services(self.plant, owner)
 
     def _passed(self, seconds: float) -> None:
         self.clock.advance(seconds)

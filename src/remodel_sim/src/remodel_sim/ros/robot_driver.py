@@ -66,7 +66,7 @@ class RobotDriver:
             RobotState(plant, self._clock, fixed),
             Markers(plant, self._clock),
         ]
-        Services(plant, self._clock, self)
+        Services(plant, self)
         for name, kind, answer in (
             ("fixture/operate_clamp", srv.OperateClamp, self._operate_clamp),
             ("fixture/load_panel", srv.LoadPanel, self._load_panel),

@@ -1,4 +1,4 @@
-"""The simulator's own services: pictures, faults and, for scoring only, the truth."""
+"""The simulator's own services: faults and, for scoring only, the truth."""
 
 from __future__ import annotations
 
@@ -15,13 +15,11 @@ from remodel_msgs.msg import WireTruth as WireTruthMsg
 from remodel_sim.core.faults import check_fault
 from remodel_sim.physics.plant import SimulatedPlant
 from remodel_sim.physics.truth import WireTruth, ground_truth
-from remodel_sim.ros.sim_clock import SimClock
-from remodel_vision.ros.image_message import image
 from remodel_work.errors import CellError
 
 T = TypeVar("T")
 
-# The longest request is a picture while the physics is slow [s].
+# The longest request waits for a picture that a skill takes [s].
 TIMEOUT_S = 60.0
 SERVER_FAULTS = ("server_frozen", "server_killed")
 # A node that is to be killed answers first; so long the answer has to get out [s].
@@ -41,13 +39,12 @@ class Owner(Protocol):
 class Services:
     """Answers the simulator's services."""
 
-    def __init__(self, plant: SimulatedPlant, clock: SimClock, owner: Owner) -> None:
+    def __init__(self, plant: SimulatedPlant, owner: Owner) -> None:
         """Advertise all of them."""
-        self._plant, self._clock, self._owner = plant, clock, owner
+        self._plant, self._owner = plant, owner
         for name, kind, answer in (
             ("ground_truth", srv.GetGroundTruth, self._ground_truth),
             ("inject_fault", srv.InjectFault, self._inject_fault),
-            ("take_picture", srv.TakePicture, self._take_picture),
         ):
             rospy.Service(f"cell/{name}", kind, answer)
 
@@ -71,20 +68,6 @@ class Services:
         plant = self._plant
         truths = self._owner.ask(lambda: ground_truth(plant, list(plant.shapes())), TIMEOUT_S)
         return srv.GetGroundTruthResponse([truth_message(truth) for truth in truths])
-
-    def _take_picture(self, request: srv.TakePictureRequest) -> srv.TakePictureResponse:
-        response = srv.TakePictureResponse()
-        cameras = self._plant.design.camera_names
-        if request.camera not in cameras:
-            response.message = f"no camera {request.camera!r}; there are: {', '.join(cameras)}"
-            return response
-
-        def take() -> None:
-            picture = self._plant.photograph(request.camera)
-            response.image = image(picture.rgb, request.camera, self._clock.now)
-
-        response.success, response.message = self._done(take, f"picture of {request.camera}")
-        return response
 
     def _done(self, action: Callable[[], None], text: str) -> tuple[bool, str]:
         try:

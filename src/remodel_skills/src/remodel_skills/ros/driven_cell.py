@@ -25,6 +25,7 @@ from remodel_skills.ros.driven_robot import (
 )
 from remodel_skills.ros.node import OpenedPlant
 from remodel_states.core.codes import Code
+from remodel_work.camera import Picture
 from remodel_work.cell.cell_design import CellDesign, RobotDesign
 from remodel_work.cell.held_panel import find_panel_problems, held_panel
 from remodel_work.cell.presentation import Presentation
@@ -138,6 +139,13 @@ class DrivenCell:
             magazine=self._magazine,
             tick_s=self.tick_s,
         )
+
+    def photograph(self, camera: str) -> Picture:
+        """Take a picture for people: by the overhead camera for the scene, which has none."""
+        for robot in self.design.robots:
+            if camera == robot.camera.name:
+                return self.device_of(robot.name).wrist_camera.take()
+        return self.device_of(self.design.robots[0].name).overhead_camera.take()
 
     def tick(self) -> None:
         """Wait for the next tick of every arm, and answer wrenches meanwhile.

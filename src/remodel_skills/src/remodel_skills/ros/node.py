@@ -7,7 +7,6 @@ from collections.abc import Callable, Mapping
 from contextlib import ExitStack
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Protocol
 
 import rospy
 import yaml
@@ -36,14 +35,6 @@ from remodel_work.ros.panel_message import read_panel
 SWITCH_INTERVAL_S = 0.001
 
 
-class PlantClock(Clock, Protocol):
-    """The time of a cell, for its owner and for messages."""
-
-    @property
-    def now(self) -> rospy.Time:
-        """The time as messages have it."""
-
-
 @dataclass(frozen=True)
 class OpenedPlant:
     """A plant that a node serves.
@@ -56,7 +47,7 @@ class OpenedPlant:
     """
 
     plant: Plant
-    clock: PlantClock
+    clock: Clock
     offer: Callable[[Owner, FixedFrames], None] = lambda owner, fixed: None
     lacks: Mapping[str, str] = field(default_factory=dict)
 

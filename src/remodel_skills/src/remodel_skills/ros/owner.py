@@ -34,6 +34,10 @@ class Clock(Protocol):
     def now_s(self) -> float:
         """The time [s]."""
 
+    @property
+    def now(self) -> rospy.Time:
+        """The time as messages have it."""
+
     def idle(self) -> None:
         """Do what time takes to go on while nothing runs; returns at once."""
 

@@ -1,4 +1,4 @@
-"""The cell's services: what feeds a wire, and what loads a panel."""
+"""The cell's services: what feeds a wire, what loads a panel, and pictures for people."""
 
 from __future__ import annotations
 
@@ -11,6 +11,7 @@ from std_srvs.srv import Trigger, TriggerRequest, TriggerResponse
 from remodel_skills.ros.owner import Owner
 from remodel_states.core.codes import Code
 from remodel_states.core.wires.wire_materials import WireMaterials
+from remodel_vision.ros.image_message import image
 from remodel_work.errors import AbilityError, CellError, PanelError
 from remodel_work.ros.panel_message import panel_from
 
@@ -29,6 +30,7 @@ class Services:
             ("feed_wire", srv.FeedWire, self._feed_wire),
             ("load_panel", srv.LoadPanel, self._load_panel),
             ("reset", Trigger, self._reset),
+            ("take_picture", srv.TakePicture, self._take_picture),
         ):
             rospy.Service(f"cell/{name}", kind, answer)
 
@@ -60,6 +62,21 @@ class Services:
 
         done, text, _ = self._coded(reset, "panel rebuilt, no wire on it")
         return TriggerResponse(done, text)
+
+    def _take_picture(self, request: srv.TakePictureRequest) -> srv.TakePictureResponse:
+        response, plant = srv.TakePictureResponse(), self._owner.cell.plant
+        cameras = plant.design.camera_names
+        if request.camera not in cameras:
+            response.message = f"no camera {request.camera!r}; there are: {', '.join(cameras)}"
+            return response
+
+        def take() -> None:
+            picture = plant.photograph(request.camera)
+            response.image = image(picture.rgb, request.camera, self._owner.clock.now)
+
+        done, text, _ = self._coded(take, f"picture of {request.camera}")
+        response.success, response.message = done, text
+        return response
 
     def _coded(self, action: Callable[[], None], text: str) -> tuple[bool, str, int]:
         """Return whether an action is done, a text, and the code of why it is not."""

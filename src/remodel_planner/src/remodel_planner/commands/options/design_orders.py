@@ -13,6 +13,9 @@ if TYPE_CHECKING:
     from remodel_production.core.production import Order
     from remodel_states.core.cell.cell_limits import CellLimits
 
+# Tasks by hand that fill a terminal's window, but leave the lines above them on it.
+_MOST_LISTED = 20
+
 
 @dataclass(frozen=True)
 class DesignOrder:
@@ -79,10 +82,14 @@ def design_order(stored: Order, options: argparse.Namespace) -> DesignOrder:
     return DesignOrder(fitted(whole, panel, use_case, takes), use_case, panel, takes)
 
 
-def print_triage(order: WorkOrder) -> None:
+def print_triage(order: WorkOrder, listed_by: str = "") -> None:
     """Print how many tasks are for the robot, by which other methods, and which are by hand.
 
     Nothing is printed if all tasks are single wires for the robot, by the preferred methods.
+
+    Args:
+        order: with all its tasks.
+        listed_by: what prints all that are by hand, if only the first ones are to be printed.
     """
     cables, outside = order.cables, order.outside
     if not order.by_hand and not order.other_methods and not cables and not outside:
@@ -98,5 +105,8 @@ def print_triage(order: WorkOrder) -> None:
         if len(outside) == 1:
             what = f"1 wire leaves the plate and is no task of the robots: {outside[0]}"
         print(f"    {what}")
-    for line in (*order.other_methods, *order.by_hand):
+    shown = order.by_hand[:_MOST_LISTED] if listed_by else order.by_hand
+    for line in (*order.other_methods, *shown):
         print(f"    {line}")
+    if len(shown) < len(order.by_hand):
+        print(f"    and {len(order.by_hand) - len(shown)} more by hand ({listed_by} lists them)")

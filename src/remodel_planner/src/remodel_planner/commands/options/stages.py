@@ -17,13 +17,15 @@ def stages(count: int) -> Iterator[Callable[[str], None]]:
     Args:
         count: of all stages.
     """
-    from tqdm import tqdm
+    if not sys.stderr.isatty():
+        yield lambda _: None
+        return
+    from tqdm import tqdm  # it takes longer to load than most problems to plan
 
     with tqdm(
         total=count,
         file=sys.stderr,
         leave=False,
-        disable=None,
         delay=_QUIET_S,
         bar_format="{percentage:3.0f} % |{bar:16}| {elapsed}  {desc}",
     ) as bar:

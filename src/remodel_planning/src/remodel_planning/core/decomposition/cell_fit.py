@@ -13,8 +13,12 @@ from remodel_production.core.board.panel import Panel, PanelWire
 from remodel_production.core.counted import counted
 from remodel_production.errors import OrderError
 from remodel_states.core.cell.cell_limits import CellLimits
+from remodel_states.core.cell.footprints import footprint, overlaps
 from remodel_states.core.cell.wire_rules import Passage, objections
 from remodel_states.core.wires.wire_colours import WIRE_RGB, is_colour
+
+# Components that overlap; if there are more, all places are wrong.
+_MOST_SHOWN = 3
 
 
 def fitted(
@@ -43,8 +47,15 @@ def fitted(
 
 
 def misfits(panel: Panel, takes: CellLimits) -> tuple[str, ...]:
-    """Return a sentence for each limit of a cell that a board exceeds."""
-    return tuple(takes.about_board(panel.size[:2], len(panel.devices)))
+    """Return a sentence for each limit of a cell that a board exceeds, and why none can have it."""
+    taken = {d.name: footprint(d.place, d.size[:2], d.yaw) for d in panel.devices}
+    overlapping = list(overlaps(taken))
+    more = len(overlapping) - _MOST_SHOWN
+    return (
+        *takes.about_board(panel.size[:2], len(panel.devices)),
+        *overlapping[:_MOST_SHOWN],
+        *([f"{more} more overlap"] if more > 0 else []),
+    )
 
 
 def require_fit(panel: Panel, takes: CellLimits | None) -> None:

@@ -116,9 +116,9 @@ def _refused_characteristic(stated: Mapping[str, Value], use_case: UseCase) -> R
     for name, value in stated.items():
         characteristic = use_case.task_characteristics.get(name)
         wrong = characteristic.objection(value) if characteristic else ""
-        if wrong:
+        if characteristic and wrong:
             return Refusal(
-                f"whose {name} is not {wrong}",
+                f"whose {name} is {characteristic.excess(value) or f'not {wrong}'}",
                 f"{name} is {value}, and must be {wrong} (characteristics.task.{name} in "
                 f"{use_case.file_name})",
             )

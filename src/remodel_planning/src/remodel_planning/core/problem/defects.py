@@ -21,8 +21,6 @@ _MOST_ARMS = 2
 _MOST_SHOWN = 20
 # Of a problem without a plan: one reason suffices.
 _MOST_SHOWN_OF_NO_PLAN = 3
-# Costs are added up in 32 bits.
-_MOST_WEIGHT = 10**9
 
 
 def require_sound(problem: Problem) -> None:
@@ -171,23 +169,6 @@ def _reasons(problem: Problem, cycle: list[str]) -> str:
     return f" ({'; '.join(steps)})" if any(map(names.get, itertools.pairwise(cycle))) else ""
 
 
-def find_overweight(problem: Problem) -> Iterator[str]:
-    """Find soft constraints whose weights together are more than the search can count."""
-    total = sum(soft.weight for soft in problem.soft_constraints)
-    total += sum(ranking.weight * ranking.pairs for ranking in problem.rankings)
-    if total > _MOST_WEIGHT:
-        heaviest = max(problem.rankings, key=lambda r: r.weight * r.pairs, default=None)
-        what = (
-            f"; {heaviest.reason} has {heaviest.pairs} pairs of {heaviest.weight} each"
-            if heaviest
-            else ""
-        )
-        yield (
-            f"soft constraints: violating all would cost {total}, over {_MOST_WEIGHT}{what}: lower "
-            "their weights"
-        )
-
-
 def find_unreachable(problem: Problem) -> Iterator[str]:
     """Find wires that no arm, and no pair of arms, can do."""
     for name, modes in possible_modes(problem).items():
@@ -228,7 +209,6 @@ _PASSES: tuple[Callable[[Problem], Iterator[str]], ...] = (
     find_shared_terminals,
     find_impossible_states,
     find_cycles,
-    find_overweight,
     find_unreachable,
 )
 # What a well-formed problem without a plan has.

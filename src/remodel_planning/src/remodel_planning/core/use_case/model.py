@@ -62,6 +62,14 @@ class Characteristic:
             return f"a number from {self.least:g} to {self.most:g}"
         return ""
 
+    def excess(self, value: Value) -> str:
+        """Return which bound a number exceeds, such as "above 4", which many may; else nothing."""
+        if self.allowed or not is_number(self.default) or not is_number(value):
+            return ""
+        if float(value) > self.most:
+            return f"above {self.most:g}"
+        return f"below {self.least:g}" if float(value) < self.least else ""
+
 
 def declared(
     said: Mapping[str, Value], characteristics: Mapping[str, Characteristic]

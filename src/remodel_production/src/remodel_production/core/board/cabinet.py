@@ -75,6 +75,7 @@ class _Cabinet:
         used = {component.name for component in inside.components}
         # With all their terminals, also those of wires that leave the cabinet.
         self._members = [c for c in order.components if c.name in used]
+        self._widths = {c.name: device_width(c, self._pitches, self._rules) for c in self._members}
         self._wires = inside.wires
         posed = all(component.pose is not None for component in self._members)
         self._rows = self._given_rows() if posed else self._computed_rows()
@@ -120,7 +121,7 @@ class _Cabinet:
         )
 
     def _width(self, component: Component) -> float:
-        return device_width(component, self._pitches, self._rules)
+        return self._widths[component.name]
 
     def _depth(self, component: Component) -> float:
         part = self._catalogue.device_class(component.role, component.part_number, component.kind)

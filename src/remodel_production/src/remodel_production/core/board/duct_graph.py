@@ -2,19 +2,35 @@
 
 A point on a duct lies on a segment between two nodes. Routes between nodes are found by Dijkstra's
 algorithm (Numerische Mathematik 1, 1959), once for each node that is asked for; of equally short
-routes the one over nodes that were given first is taken.
+routes the one over nodes that were given first is taken, and then the first by the segments' names.
 """
 
 from __future__ import annotations
 
 import heapq
 import math
+from array import array
 from collections import defaultdict
+from dataclasses import dataclass
 
 from remodel_production.core.production import Node, Segment
 
 _Point = tuple[float, float]
 _EXACT_M = 1e-6
+_NONE = -1
+
+
+@dataclass(frozen=True)
+class _Tree:
+    """The shortest routes from one node: with thousands of wires there are a million of them.
+
+    Attributes:
+        lengths: [m] to each node, by its rank; infinite for one that no route leads to.
+        last: the last segment on the route to each node, by its number.
+    """
+
+    lengths: array[float]
+    last: array[int]
 
 
 class DuctGraph:
@@ -25,15 +41,17 @@ class DuctGraph:
         self._at = {node.name: node.position[:2] for node in nodes if node.position is not None}
         self._rank = {node.name: rank for rank, node in enumerate(nodes)}
         self._segments = segments
-        self._beside: dict[str, list[tuple[str, Segment]]] = defaultdict(list)
+        self._ends = [(self._rank[each.start], self._rank[each.end]) for each in segments]
+        self._beside: list[list[tuple[int, int]]] = [[] for _ in nodes]
         self._level: dict[float, list[Segment]] = defaultdict(list)
-        for segment in segments:
-            self._beside[segment.start].append((segment.end, segment))
-            self._beside[segment.end].append((segment.start, segment))
+        for number, segment in enumerate(segments):
+            first, second = self._ends[number]
+            self._beside[first].append((second, number))
+            self._beside[second].append((first, number))
             start, end = self._at[segment.start], self._at[segment.end]
             if start[1] == end[1]:
                 self._level[start[1]].append(segment)
-        self._routes: dict[str, dict[str, tuple[float, tuple[str, ...]]]] = {}
+        self._trees: dict[int, _Tree] = {}
 
     def shortest_route(self, a: _Point, b: _Point) -> tuple[tuple[str, ...], float]:
         """Return the segments from one point to another, and the length [m] between them.
@@ -47,10 +65,12 @@ class DuctGraph:
             return (first.name,), math.dist(a, b)
         best: tuple[float, int, int, tuple[str, ...]] | None = None
         for start in (first.start, first.end):
+            tree = self._from(self._rank[start])
             for end in (last.start, last.end):
-                if end not in self._from(start):
+                length = tree.lengths[self._rank[end]]
+                if math.isinf(length):
                     continue
-                length, route = self._from(start)[end]
+                route = self._route(tree, self._rank[end])
                 # A route over the far node of its own segment would pass it twice.
                 if first.name in route or last.name in route:
                     continue
@@ -69,20 +89,43 @@ class DuctGraph:
                 return segment
         raise ValueError(f"no duct at {point}")
 
-    def _from(self, start: str) -> dict[str, tuple[float, tuple[str, ...]]]:
-        """Return the length and the segments of the shortest route to each node."""
-        if start not in self._routes:
-            found: dict[str, tuple[float, tuple[str, ...]]] = {}
-            queue: list[tuple[float, int, str, tuple[str, ...]]] = [(0.0, 0, start, ())]
+    def _from(self, start: int) -> _Tree:
+        """Return the shortest routes from a node to all others."""
+        if start not in self._trees:
+            count = len(self._beside)
+            tree = _Tree(array("d", [math.inf]) * count, array("i", [_NONE]) * count)
+            tree.lengths[start] = 0.0
+            queue = [(0.0, start)]
+            is_final = bytearray(count)
             while queue:
-                length, _, node, route = heapq.heappop(queue)
-                if node in found:
+                length, node = heapq.heappop(queue)
+                if is_final[node]:
                     continue
-                found[node] = (length, route)
+                is_final[node] = True
                 for other, segment in self._beside[node]:
-                    if other not in found:
-                        total = round(length + segment.length_m, 9)
-                        step = (total, self._rank[other], other, (*route, segment.name))
-                        heapq.heappush(queue, step)
-            self._routes[start] = found
-        return self._routes[start]
+                    if is_final[other]:
+                        continue
+                    total = round(length + self._segments[segment].length_m, 9)
+                    if total < tree.lengths[other]:
+                        heapq.heappush(queue, (total, other))
+                    elif total > tree.lengths[other] or not self._is_before(
+                        tree, node, segment, other
+                    ):
+                        continue
+                    tree.lengths[other], tree.last[other] = total, segment
+            self._trees[start] = tree
+        return self._trees[start]
+
+    def _is_before(self, tree: _Tree, node: int, segment: int, other: int) -> bool:
+        """Return whether a route over a node and a segment counts before another one as short."""
+        route = (*self._route(tree, node), self._segments[segment].name)
+        return route < self._route(tree, other)
+
+    def _route(self, tree: _Tree, node: int) -> tuple[str, ...]:
+        """Return the segments of the shortest route to a node."""
+        names = []
+        while (segment := tree.last[node]) != _NONE:
+            names.append(self._segments[segment].name)
+            first, second = self._ends[segment]
+            node = first if second == node else second
+        return tuple(reversed(names))

@@ -156,8 +156,9 @@ def _texts_of(definition: etree._Element) -> Iterator[tuple[Spot, str]]:
 def information(element: etree._Element, key: str) -> str:
     """Return what a person has written about an element; empty if nothing."""
     for node in element.iterfind("elementInformations/elementInformation"):
-        if node.get("name") == key and node.text:
-            return " ".join(node.text.split())
+        text = " ".join((node.text or "").split())
+        if node.get("name") == key and text not in ("", UNNAMED):
+            return text
     return ""
 
 

@@ -92,4 +92,5 @@ class CellLimits:
 
     def about_diameter(self, diameter: float) -> Iterator[str]:
         """Yield a sentence if a wire of a diameter [m] is too thin or too thick."""
-        yield from within("diameter", diameter, self.wire_diameter)
+        least, most = self.wire_diameter
+        yield from within("diameter", 1e3 * diameter, (1e3 * least, 1e3 * most), "mm")

@@ -70,9 +70,10 @@ def objections(
     kinds = ("shorter than {0:g} m", "longer than {1:g} m")
     for sentence in takes.about_length(length):
         yield Objection(_kind(kinds, length, takes.wire_length), sentence)
-    kinds = ("thinner than {0:g} m", "thicker than {1:g} m")
+    kinds = ("thinner than {0:g} mm", "thicker than {1:g} mm")
+    limits_mm = (1e3 * takes.wire_diameter[0], 1e3 * takes.wire_diameter[1])
     for sentence in takes.about_diameter(diameter):
-        yield Objection(_kind(kinds, diameter, takes.wire_diameter), sentence)
+        yield Objection(_kind(kinds, 1e3 * diameter, limits_mm), sentence)
     along = sum(math.dist(p[:2], q[:2]) for p, q in pairwise(route))
     if length < along:
         yield Objection(
@@ -94,7 +95,7 @@ def objections(
 
 
 def _kind(kinds: tuple[str, str], found: float, limits: tuple[float, float]) -> str:
-    return kinds[found > limits[0]].format(*limits)
+    return kinds[found > limits[1]].format(*limits)
 
 
 def _about_forks(

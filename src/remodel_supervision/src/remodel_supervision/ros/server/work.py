@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Collection, Mapping
 from dataclasses import dataclass, field, replace
 
-from remodel_msgs.msg import Panel
+from remodel_msgs.msg import Panel, Wire
 
 from remodel_planning.core.decomposition.cell_fit import fitted, require_fit
 from remodel_planning.core.orders.board_order import board_order, kind_of
@@ -165,17 +165,17 @@ def _asked(
                 f"order {order.name}: {min(lost)}, which a run began with, is no task for the "
                 "robot now"
             )
-    return order.with_tasks([_on_panel(task, panel, use_case) for task in tasks])
+    wires = {wire.id: wire for wire in panel.wires}
+    return order.with_tasks([_on_panel(task, wires[task.name], use_case) for task in tasks])
 
 
-def _on_panel(task: Task, panel: Panel, use_case: UseCase) -> Task:
+def _on_panel(task: Task, wire: Wire, use_case: UseCase) -> Task:
     """Return a task whose path is that of its wire on the panel, in the panel's frame.
 
     Of a task whose first end the planner chooses, the path stays in the frame of its board.
     """
     if task.first is None:
         return task
-    (wire,) = (wire for wire in panel.wires if wire.id == task.name)
     points = [(round(1e3 * p.x, 3), round(1e3 * p.y, 3)) for p in wire.route]
     path = poses(points if task.first is End.A else points[::-1], use_case.cell.carry_height_m)
     return replace(task, values=(*task.values, ("path", path)))

@@ -32,8 +32,8 @@ class WorkSource(Protocol):
         Args:
             name: of the order.
             use_case: name of the use case; empty: the default.
-            tasks: how many, from the first, those by hand among them; 0 for all. Or the names of
-                those that a run began with.
+            tasks: how many, from the first of those that are not by hand; 0 for all. Or the names
+                of those that a run began with.
             owner: token of the ownership of the cell.
         """
 

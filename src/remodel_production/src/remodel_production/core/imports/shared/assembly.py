@@ -126,24 +126,19 @@ def assemble(devices: Iterable[Device], connections: Sequence[Connection]) -> As
     return Assembly(tuple(components), wires, tuple(assumptions))
 
 
-def unique_name(base: str, taken: Container[str]) -> str:
-    """Return the name, with a number if it is taken."""
-    name, number = base, 1
+def unique_name(base: str, taken: Container[str], last: int = 1) -> str:
+    """Return the name, with a number if it is taken.
+
+    Args:
+        base: the name.
+        taken: names.
+        last: number that is known to be taken, and all before it.
+    """
+    name, number = base, last
     while name in taken:
         number += 1
         name = f"{base}#{number}"
     return name
-
-
-@dataclass(frozen=True)
-class _Either:
-    """What is in one of two collections, without joining them for each question."""
-
-    one: Container[str]
-    other: Container[str]
-
-    def __contains__(self, name: object) -> bool:
-        return name in self.one or name in self.other
 
 
 class _Clamps:
@@ -217,12 +212,14 @@ def _usual_side(point: str) -> Side:
 def _wire_names(connections: Sequence[Connection]) -> tuple[list[str], list[str]]:
     """Return the names of the wires, and a line for each name that occurs again."""
     first = {c.name: c for c in reversed(connections) if c.name}
-    taken: set[str] = set()
+    taken = set(first)
+    counts: Counter[str] = Counter()
     names, renamed = [], []
     for number, connection in enumerate(connections, start=1):
         base = connection.name or f"W{number}"
         is_first = first.get(base) is connection
-        name = base if is_first else unique_name(base, _Either(taken, first.keys()))
+        name = base if is_first else unique_name(base, taken, max(1, counts[base]))
+        counts[base] += 1
         if name != base and connection.name:
             where = first[base].source
             renamed.append(

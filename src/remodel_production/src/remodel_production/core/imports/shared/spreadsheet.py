@@ -10,7 +10,7 @@ from __future__ import annotations
 import csv
 import io
 import zipfile
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from datetime import date, time
 from itertools import islice, zip_longest
 from typing import TYPE_CHECKING, TypeAlias
@@ -137,7 +137,9 @@ def _text(
     values: dict[tuple[int, int], object] = {}
     for number, (row, row_of_formulas) in enumerate(zip_longest(rows, formulas, fillvalue=())):
         texts = []
-        for column, value in enumerate(row):
+        # Rows of a sheet that does not state its size are as wide as the widest that is read.
+        width = len(row) if spans else max(_width(row), min(len(row), _width(row_of_formulas)))
+        for column, value in enumerate(row[:width]):
             formula = row_of_formulas[column] if column < len(row_of_formulas) else None
             if value is None and formula is not None:
                 value = f"{FORMULA}{formula}"
@@ -148,6 +150,11 @@ def _text(
             texts.pop()
         writer.writerow(texts)
     return lines.getvalue()
+
+
+def _width(row: Sequence[object]) -> int:
+    """Return how many cells a row has, up to the last one with a value."""
+    return next((n for n in range(len(row), 0, -1) if row[n - 1] is not None), 0)
 
 
 def _cell(value: object) -> str:

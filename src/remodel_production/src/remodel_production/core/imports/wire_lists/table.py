@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import csv
 import io
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import AbstractContextManager, nullcontext
 from dataclasses import dataclass, replace
 
@@ -160,7 +160,7 @@ def headings_table(data: bytes) -> tuple[Table, Source]:
     mapping = WireListMapping("", {}, has_synonyms=True)
     tables = [
         (table, source)
-        for source in _sources(data, "")
+        for source in _sources(data, "", "", _sheets(data))
         for separator in source.separators or _SEPARATORS
         for table in _tables(source.text, mapping, separator)
         if len(table.headings) > 1
@@ -205,8 +205,9 @@ def without_ends(data: bytes) -> str:
 def _headed(data: bytes, mappings: Sequence[WireListMapping]) -> tuple[Table, Source]:
     """Return the list, without its rows, by the mapping that fits best."""
     best: tuple[tuple[int, ...], Table, Source] | None = None
+    sheets = _sheets(data)
     for mapping in mappings:
-        for source in _sources(data, mapping.encoding, mapping.sheet):
+        for source in _sources(data, mapping.encoding, mapping.sheet, sheets):
             own = (mapping.separator,) if mapping.separator else _SEPARATORS
             for separator in source.separators or own:
                 tables = _tables(source.text, mapping, separator)
@@ -236,7 +237,7 @@ def _first_line(data: bytes) -> str:
     try:
         table, source = headings_table(data)
     except DesignError:
-        source, first = next(_sources(data, "")), 1
+        source, first = next(_sources(data, "", "", _sheets(data))), 1
     else:
         first = table.first_line - 1
     lines = (line for line in source.text.splitlines()[first - 1 :] if line.strip())
@@ -262,13 +263,19 @@ def _wanted(mappings: Sequence[WireListMapping]) -> str:
     return f"the mapping's headings: {own}"
 
 
-def _sources(data: bytes, encoding: str, wanted: str = "") -> Iterator[Source]:
+def _sheets(data: bytes) -> Mapping[str, str] | None:
+    """Return the sheets of a workbook, which take seconds to read; None for a text."""
+    return sheets_of(data) if is_spreadsheet(data) else None
+
+
+def _sources(
+    data: bytes, encoding: str, wanted: str, sheets: Mapping[str, str] | None
+) -> Iterator[Source]:
     """Yield the text of a file, or of each sheet of a workbook, or of the one that is wanted."""
-    if not is_spreadsheet(data):
+    if sheets is None:
         text, assumed = decode(data, encoding)
         yield Source(text, f"the file is no UTF-8: read as {assumed}" if assumed else "")
         return
-    sheets = sheets_of(data)
     if wanted and wanted not in sheets:
         raise DesignError(f"no sheet {wanted!r}; the workbook has {', '.join(map(repr, sheets))}")
     for title, text in sheets.items():

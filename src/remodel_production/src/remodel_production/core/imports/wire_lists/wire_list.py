@@ -8,6 +8,7 @@ from collections.abc import Iterator, Sequence
 from dataclasses import replace
 
 from remodel_production.core.catalogue import Catalogue
+from remodel_production.core.counted import counted
 from remodel_production.core.imports.shared.account import Account, Imported, LeftOut
 from remodel_production.core.imports.shared.assembly import (
     Connection,
@@ -59,8 +60,8 @@ _NO_GROUPS = _NONE | _YES
 # What a wire has and a jumper has not, which say what a line is instead.
 _OF_WIRES = (Field.COLOUR, Field.SECTION, Field.LENGTH, Field.CABLE)
 _JUMPER = re.compile(
-    r"\b(?:jumpers?|bridges?|bus ?bars?|comb|links?|(?:draht|steck)?br(?:ü|ue)cken?|querverbinder|"
-    r"ponts?|pontets?|cavaliers?|peignes?|ponticell[oi]|puentes?)\b",
+    r"\b(?:jumpers?|bridges?|(?:bus ?)?bars?|comb|links?|(?:draht|steck)?br(?:ü|ue)cken?|"
+    r"kammschienen?|querverbinder|ponts?|pontets?|cavaliers?|peignes?|ponticell[oi]|puentes?)\b",
     re.IGNORECASE,
 )
 # What a spreadsheet shows of a formula that it cannot compute.
@@ -142,6 +143,7 @@ class _Reader:
     ) -> None:
         self.table, assumed = checked(table)
         self.assumptions = Assumptions(catalogue)
+        self._catalogue = catalogue
         self._count = len(table.rows) + len(left_out)
         self._unit = unit
         self._left_out = [*left_out]
@@ -174,6 +176,7 @@ class _Reader:
                 + (f"; the first: {self._left_out[0]}" if self._left_out else "")
             )
         assembly = assemble(self._devices.values(), connections)
+        self._note_places()
         account = Account(
             self._unit,
             self._count,
@@ -191,6 +194,22 @@ class _Reader:
             cables=tuple(self._cables.values()),
         )
         return Imported(order, account)
+
+    def _note_places(self) -> None:
+        """Note the devices that are on the plate since nothing says where they are."""
+        placed = [
+            name
+            for name, device in self._devices.items()
+            if device.role is Role.DEVICE
+            and name not in self._mounted
+            and self._catalogue.mount(name) is None
+        ]
+        if placed:
+            self.assumptions.add(
+                f"nothing says where {counted(len(placed), 'device')} "
+                f"{'is' if len(placed) == 1 else 'are'} mounted: the plate taken, such as for "
+                f"{placed[0]} (columns of places, or --placement)"
+            )
 
     def _connection(self, row: Row) -> Connection | None:
         """Return the wire of a line, or None if it is left out."""

@@ -1,1 +1,0 @@
-"""Ability servers for robots whose controllers take poses and publish wrenches."""
