@@ -62,6 +62,12 @@ ENTRY_POINTS = {
     "remodel_production.edge.database.migrations.*",  # loaded by Alembic
     "remodel_planner.commands.*",  # named by commands/planner.py
 }
+# Module constants of the skills with numbers: none is of a tool, a wire, a terminal or a motion.
+NUMBERS_OF_SKILLS = {
+    "force_control.RIGID",  # no direction
+    "motion.PEAK_ACCELERATION",  # of a minimum-jerk motion
+    "motion.PEAK_OVER_MEAN",  # the same
+}
 MAX_MODULES = 25
 MAX_METHODS = 15
 OWNED_NAMES = ("End", "Wire", "Terminal", "Arm", "Cable", "Clip", "Fault", "Code", "Answer")
@@ -342,6 +348,28 @@ def test_the_simulator_knows_of_skills_only_the_device_port():
     for name, path in modules("remodel_sim").items():
         skills = {n for n in imported_names(path) if n.startswith("remodel_skills.")}
         assert not {n for n in skills if not n.startswith(port)}, name
+
+
+def test_the_numbers_of_the_skills_are_data():
+    """A module constant of a skill would be a number without unit, meaning, origin and override.
+
+    Drivers and files, in `ros` and `edge`, have constants of their own.
+    """
+    found = {
+        f"{name}.{target.id}"
+        for name, path in modules("remodel_skills").items()
+        if room(name) not in ("ros", "edge")
+        for node in ast.parse(path.read_text()).body
+        if isinstance(node, ast.Assign | ast.AnnAssign) and node.value is not None
+        if any(isinstance(n, ast.Constant) and is_number(n.value) for n in ast.walk(node.value))
+        for target in ast.walk(node)
+        if isinstance(target, ast.Name) and isinstance(target.ctx, ast.Store)
+    }
+    assert found == {f"remodel_skills.{name}" for name in NUMBERS_OF_SKILLS}
+
+
+def is_number(value):
+    return isinstance(value, int | float) and not isinstance(value, bool)
 
 
 def test_no_class_of_the_skills_has_more_methods_than_a_reader_can_survey():

@@ -143,7 +143,7 @@ class Trial:
 
     def _do(self, robot: str, ability: Callable[[RobotContext, G], Steps[T]], goal: G) -> T:
         context = self.cell.contexts[robot]
-        goal.check(context.panel, context.belief)
+        goal.check(context.panel, context.belief, context.parameters)
         try:
             found = self.cell.run(ability(context, goal), robot)
             self._print(type(goal).__name__.removesuffix("Goal"), found)

@@ -89,7 +89,7 @@ class Laying:
 
     def _do(self, robot: str, ability: Callable[[RobotContext, G], Steps[T]], goal: G) -> T:
         context = self.cell.contexts[robot]
-        goal.check(context.panel, context.belief)
+        goal.check(context.panel, context.belief, context.parameters)
         found = self.cell.run(ability(context, goal), robot)
         self._tell(type(goal).__name__.removesuffix("Goal"), found)
         return found

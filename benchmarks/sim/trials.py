@@ -21,15 +21,18 @@ from remodel_skills import goals
 from remodel_skills.abilities.check_connection import check_connection
 from remodel_skills.abilities.discard_cable import discard_cable
 from remodel_skills.cell import Cell
+from remodel_skills.edge.parameter_files import read_parameters
 from remodel_skills.force_control import ForceLoop
 from remodel_skills.primitives.grasping import release
-from remodel_skills.primitives.motions import HAND_OPEN_M, rise
+from remodel_skills.primitives.motions import rise
 from remodel_states.core.codes import Code
 from remodel_states.core.wires.wire_colours import DISTINCT_COLOURS
 from remodel_work.errors import AbilityError
 from remodel_work.geometry import Pose
 from remodel_work.panel import Panel, PanelWire, WireEnd
 from remodel_work.routes import world_from_clip
+
+PARAMETERS = read_parameters().parameters
 
 # An end that was picked is off the plate by so much [m].
 LIFTED_M = 0.010
@@ -342,7 +345,7 @@ def _leave_before(cell: Cell, wire: PanelWire, random: np.random.Generator) -> N
         task.carry(cell, wire)
         task.insert(cell, wire, WireEnd.B, terminal, beside)
     if cell.context.belief.grip is not None:
-        cell.run(release(cell.context, HAND_OPEN_M))
+        cell.run(release(cell.context, PARAMETERS.tool.open_m))
         cell.run(rise(cell.context))
 
 

@@ -62,7 +62,7 @@ class History:
 def do(cell: Cell, ability: Callable[[RobotContext, G], Steps[T]], goal: G) -> T:
     """Check a goal and run it; raises AbilityError, RejectedError before anything has moved."""
     try:
-        goal.check(cell.context.panel, cell.context.belief)
+        goal.check(cell.context.panel, cell.context.belief, cell.context.parameters)
     except AbilityError as error:
         raise RejectedError(error.code, str(error), **error.found) from error
     return cell.run(ability(cell.context, goal))

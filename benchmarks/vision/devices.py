@@ -24,8 +24,7 @@ from device_scenes import BOARDS, DeviceScene, Mistake
 from row import Row, report
 
 from remodel_sim.physics.world import World
-from remodel_skills.abilities.locate_gearbox_component import VIEWS
-from remodel_skills.primitives.observation.views import LABEL_ASIDE_M
+from remodel_skills.edge.parameter_files import read_parameters
 from remodel_vision.device_pose import (
     DeviceView,
     locate_device,
@@ -37,8 +36,10 @@ from remodel_work.camera import Picture
 from remodel_work.geometry import Pose
 from remodel_work.panel import Component
 
+PARAMETERS = read_parameters().parameters
+
 # Places of the hand's camera over the device and beside it [m], in the order of their trial.
-ASIDE_M = ((0.0, 0.0), *LABEL_ASIDE_M)
+ASIDE_M = ((0.0, 0.0), *PARAMETERS.looking.label_aside_m)
 # A device is located when it is no further off than this; further off is wrong: [mm], [deg].
 WITHIN_MM, WITHIN_DEG = 0.5, 0.5
 # One scene of so many has each of the mistakes.
@@ -114,7 +115,7 @@ def locate(scene: DeviceScene, device: Component, above: Picture, panel_at: Pose
         if view is None or not (seen := locate_device(device, [*views, view])).clear:
             continue
         views.append(view)
-        if len(views) >= VIEWS and seen.reliable:
+        if len(views) >= PARAMETERS.looking.enough_views and seen.reliable:
             found = seen.world_from_component
             return found if stands_there(above, device, found) else None
     return None

@@ -24,8 +24,7 @@ from label_scenes import Condition, LabelScene
 from row import Row, report
 
 from remodel_sim.physics.world import World
-from remodel_skills.abilities.locate_gearbox_component import VIEWS
-from remodel_skills.primitives.observation.views import LABEL_ASIDE_M
+from remodel_skills.edge.parameter_files import read_parameters
 from remodel_states.edge.wire_material_file import read_wire_materials
 from remodel_vision.label_pose import LabelView, locate_component
 from remodel_vision.labels import find_labels, search_label
@@ -34,9 +33,11 @@ from remodel_work.geometry import Array, Pose
 from remodel_work.panel import BOARD, Component
 from remodel_work.ros.panel_message import read_panel
 
+PARAMETERS = read_parameters().parameters
+
 PANEL = Path(__file__).parents[2] / "src" / "remodel_sim" / "config" / "panel.yaml"
 # Places of the hand's camera over the label and beside it [m], in the order of their trial.
-ASIDE_M = ((0.0, 0.0), *LABEL_ASIDE_M)
+ASIDE_M = ((0.0, 0.0), *PARAMETERS.looking.label_aside_m)
 # An error above these is a wrong answer, not an inexact one: [mm], [deg].
 WRONG_MM, WRONG_DEG = 3.0, 3.0
 TAPE, GLARE = "tape over 15 %", "glare"
@@ -85,7 +86,7 @@ def locate(scene: LabelScene, component: Component) -> Answer:
         observation = locate_component(component, views)
         if not observation.clear:
             views.pop()
-        elif len(views) >= VIEWS and observation.reliable:
+        elif len(views) >= PARAMETERS.looking.enough_views and observation.reliable:
             found = observation.world_from_component
             return Answer(coarse is not nominal, count, *_errors(scene, component, found))
     return Answer(coarse is not nominal, len(ASIDE_M))

@@ -21,7 +21,7 @@ BESIDE = Pose.level(0.50, 0.14, 0.028, math.pi / 2)
 
 def do(cell, ability, goal):
     """Check a goal and run it."""
-    goal.check(cell.context.panel, cell.context.belief)
+    goal.check(cell.context.panel, cell.context.belief, cell.context.parameters)
     return cell.run(ability(cell.context, goal))
 
 

@@ -17,8 +17,9 @@ from remodel_skills.abilities.pick_cable import pick_cable
 from remodel_skills.abilities.place_cable import place_cable
 from remodel_skills.abilities.place_pin import place_pin
 from remodel_skills.cell import Cell
+from remodel_skills.edge.parameter_files import read_parameters
 from remodel_skills.goals import PlacePinGoal
-from remodel_skills.primitives.motions import TRAVEL_Z, move_to
+from remodel_skills.primitives.motions import move_to
 from remodel_skills.primitives.together import concurrently
 from remodel_skills.runner import occupy, run
 from remodel_states.core.codes import Code
@@ -29,6 +30,8 @@ from remodel_work.geometry import Pose
 from remodel_work.panel import BOARD, WireEnd
 from remodel_work.robot.arm import ToolPose
 from remodel_work.ros.panel_message import read_panel
+
+MOTION = read_parameters().parameters.motion
 
 pytestmark = pytest.mark.physics
 
@@ -55,7 +58,7 @@ def cell():
 
 def do(cell, robot, ability, goal):
     context = cell.contexts[robot]
-    goal.check(context.panel, context.belief)
+    goal.check(context.panel, context.belief, context.parameters)
     return cell.run(ability(context, goal), robot)
 
 
@@ -137,7 +140,7 @@ def test_two_arms_place_the_pins_of_a_wire_also_again(cell, times):
     )
     for _ in range(times):
         for context in (one, two):
-            goal.check(context.panel, context.belief)
+            goal.check(context.panel, context.belief, context.parameters)
         cell.run(place_pin(one, two, goal), "robot_1", "robot_2")
         for end, y in ((WireEnd.A, -0.237), (WireEnd.B, 0.237)):
             tip = cell.plant.live.cable.tip(end)[0]
@@ -149,7 +152,7 @@ def test_two_arms_place_the_pins_of_a_wire_also_again(cell, times):
 def test_an_idle_empty_hand_makes_way_and_one_that_holds_a_wire_does_not(cell):
     one, two = cell.contexts.values()
     cell.run(move_to(one, ToolPose(0.50, 0.20, 0.20, 0.0), 0.6), "robot_1")
-    there = ToolPose(0.50, 0.20, TRAVEL_Z, two.home.yaw)
+    there = ToolPose(0.50, 0.20, MOTION.travel_z_m, two.home.yaw)
     cell.run(move_to(two, there, 0.6), "robot_2")
     assert one.commanded == one.home
     cell.run(move_to(two, two.home, 0.6), "robot_2")

@@ -14,8 +14,9 @@ from remodel_skills.belief_state import Feed, Grip
 from remodel_skills.cell import Cell
 from remodel_skills.collision import HeldTip
 from remodel_skills.edge.collision_check import BulletCollisionCheck
+from remodel_skills.edge.parameter_files import read_parameters
 from remodel_skills.motion import Line
-from remodel_skills.primitives.motions import FREE_SPEED, LIFTS_Z, move_to, straight_line
+from remodel_skills.primitives.motions import move_to, straight_line
 from remodel_skills.primitives.pushing import tool_before
 from remodel_states.core.codes import Code
 from remodel_states.edge.wire_material_file import read_wire_materials
@@ -34,6 +35,8 @@ from remodel_work.obstacles import (
 from remodel_work.panel import BOARD, Duct, Rail, WireEnd
 from remodel_work.robot.arm import ToolPose
 from remodel_work.ros.panel_message import read_panel
+
+MOTION = read_parameters().parameters.motion
 
 DESIGN = read_cell("cabinet")
 (ROBOT,) = DESIGN.robots
@@ -61,7 +64,7 @@ def cell():
 
 
 def touch(check, start, end, obstacles=BLOCK, **changes):
-    line = Line(start, end, 0.1)
+    line = Line(start, end, 0.1, MOTION)
     return check.first_touch(
         line.between, line.distance, obstacles=[obstacles], finger_gap=OPEN_M, **changes
     )
@@ -161,7 +164,7 @@ def test_every_terminal_of_the_household_panel_is_approached_without_touching_an
         grip = Grip(WireEnd.A, distance=GRASP_M, height=0.0, flip=flip, tool=ROBOT.home)
         before = tool_before(socket, grip, -STANDOFF_M)
         held = HeldTip(wire.id, wire.radius, GRASP_M, height=0.0, flip=flip)
-        line = Line(before.at(z=0.15), before, 0.1)
+        line = Line(before.at(z=0.15), before, 0.1, MOTION)
         found = check.first_touch(
             line.between,
             line.distance,
@@ -182,7 +185,7 @@ def travel(cell, target, **changes):
     heights, context = [], cell.context
 
     def steps():
-        for _ in move_to(context, target, FREE_SPEED, **changes):
+        for _ in move_to(context, target, MOTION.free_speed_m_s, **changes):
             heights.append(context.commanded.z)
             yield
 
@@ -195,7 +198,7 @@ def test_a_blocked_line_leads_over_the_obstacle(cell):
     travel(cell, beside_x2(-1).at(z=0.12))
     travel(cell, beside_x2(-1))
     heights = travel(cell, beside_x2(1))
-    assert max(heights) == pytest.approx(LIFTS_Z[0], abs=1e-6)
+    assert max(heights) == pytest.approx(MOTION.lifts_z_m[0], abs=1e-6)
     np.testing.assert_allclose(
         cell.context.device.arm.tool.position, beside_x2(1).position, atol=1e-3
     )
@@ -217,14 +220,14 @@ def test_a_blocked_straight_line_is_refused_though_a_way_over_it_is_free(cell):
     travel(cell, beside_x2(-1).at(z=0.12))
     travel(cell, beside_x2(-1))
     with pytest.raises(AbilityError, match=r"no straight path to .* is free") as caught:
-        straight_line(cell.context, beside_x2(1), FREE_SPEED)
+        straight_line(cell.context, beside_x2(1), MOTION.free_speed_m_s)
     assert caught.value.code is Code.UNREACHABLE
     assert "nor one over it" not in str(caught.value), "none was searched for"
 
 
 def test_a_planned_contact_is_allowed_by_name(cell):
     context = cell.context
-    line = Line(beside_x2(-1), at(0.58, 0.12, 0.03), 0.1)
+    line = Line(beside_x2(-1), at(0.58, 0.12, 0.03), 0.1, MOTION)
     assert context.scene.first_touch(line.between, line.distance, frozenset()).solid == X2
     assert context.scene.first_touch(line.between, line.distance, frozenset([X2])) is None
 
@@ -232,7 +235,7 @@ def test_a_planned_contact_is_allowed_by_name(cell):
 def test_the_held_end_is_taken_from_the_belief(cell):
     context, belief = cell.context, cell.context.belief
     belief.feed = Feed("W1", "A", 1)
-    line = Line(at(0.48, 0.12, 0.03), at(0.53, 0.12, 0.03), 0.1)
+    line = Line(at(0.48, 0.12, 0.03), at(0.53, 0.12, 0.03), 0.1, MOTION)
     assert context.scene.first_touch(line.between, line.distance, frozenset()) is None
     belief.grip = Grip(WireEnd.A, distance=0.045, height=0.0, flip=0.0, tool=line.start)
     found = context.scene.first_touch(line.between, line.distance, frozenset())
@@ -242,6 +245,6 @@ def test_the_held_end_is_taken_from_the_belief(cell):
 
 def test_a_cell_without_a_clearance_checks_nothing():
     made = Cell(SimulatedPlant(panel()))
-    inside = Line(at(0.5, 0.12, 0.10), at(0.58, 0.12, 0.03), 0.1)
+    inside = Line(at(0.5, 0.12, 0.10), at(0.58, 0.12, 0.03), 0.1, MOTION)
     assert made.context.scene.first_touch(inside.between, inside.distance, frozenset()) is None
     made.close()

@@ -14,6 +14,7 @@ from remodel_skills.abilities.discard_cable import discard_cable
 from remodel_skills.belief_state import EndState
 from remodel_skills.cell import Cell
 from remodel_skills.edge.cell_memory import CellMemory
+from remodel_skills.edge.parameter_files import read_parameters
 from remodel_skills.goals import DiscardGoal
 from remodel_skills.primitives import carrying
 from remodel_skills.primitives.taking_up import take_up
@@ -23,6 +24,8 @@ from remodel_work.edge.cell_file import read_cell
 from remodel_work.errors import AbilityError
 from remodel_work.panel import WireEnd
 from remodel_work.robot.arm import ToolPose
+
+PARAMETERS = read_parameters().parameters
 
 # A hand that has carried a wire so far loses it [m].
 CARRIED_M = 0.10
@@ -134,7 +137,7 @@ def test_a_wire_that_falls_before_the_bin_is_seen_to_lie_there(cell, monkeypatch
                     np.linalg.norm((context.device.arm.tool.position - begun.position)[:2])
                     > CARRIED_M
                 ):
-                    context.drive_fingers(carrying.HAND_OPEN_M)
+                    context.drive_fingers(PARAMETERS.tool.open_m)
                 for _ in range(cell.plant.steps_per_tick):
                     cell.plant.step()
     assert caught.value.code is Code.GRASP_SLIPPED

@@ -16,12 +16,15 @@ from remodel_sim.physics import plant
 from remodel_sim.physics.plant import SimulatedPlant
 from remodel_sim.physics.truth import ground_truth
 from remodel_skills.cell import Cell
-from remodel_skills.primitives.pushing import BENDS_N, FEEL_N, FEELS_M
+from remodel_skills.edge.parameter_files import read_parameters
 from remodel_states.core.codes import Code
 from remodel_states.edge.wire_material_file import read_wire_materials
 from remodel_work.errors import AbilityError
 from remodel_work.panel import WireEnd
 from remodel_work.ros.panel_message import read_panel
+
+PARAMETERS = read_parameters().parameters
+WIRES = PARAMETERS.wire
 
 pytestmark = pytest.mark.physics
 
@@ -64,7 +67,9 @@ def test_an_end_is_seated_with_the_force_that_was_allowed(cell_of, pushes, limit
     (truth,) = ground_truth(cell.plant, [cell.plant.panel.wires[0].id])
     assert truth.a.seated
     *until_in, record = pushes
-    assert [before.limit for before in until_in] == ([limit, FEEL_N] if limit > BENDS_N else [])
+    assert [before.limit for before in until_in] == (
+        [limit, WIRES.feel_n] if limit > WIRES.gentle_above_n else []
+    )
     assert limit <= inserted.peak_force <= record.allowed
     # The wire may jerk between the pads once more when the push has ended.
     assert record.peak == pytest.approx(inserted.peak_force, rel=0.12)
@@ -81,9 +86,9 @@ def test_a_blocked_opening_is_pressed_no_harder_than_allowed(cell_of, pushes, li
     *felt, pushed = pushes
     assert caught.value.found["peak_force"] <= pushed.allowed
     assert all(record.peak <= record.allowed for record in pushes)
-    first = [limit, FEEL_N] if limit > BENDS_N else [limit]
-    feel = [limit, FEEL_N]
-    assert [record.limit for record in felt] == [*first, *feel * len(FEELS_M)]
+    first = [limit, WIRES.feel_n] if limit > WIRES.gentle_above_n else [limit]
+    feel = [limit, WIRES.feel_n]
+    assert [record.limit for record in felt] == [*first, *feel * len(PARAMETERS.terminal.feels_m)]
     assert pushed.limit == limit
 
 

@@ -6,12 +6,15 @@ from panels import panel
 
 from remodel_skills import goals
 from remodel_skills.belief_state import NO_CHANNEL, BeliefState, EndState, Feed, Grip
+from remodel_skills.edge.parameter_files import read_parameters
 from remodel_skills.goal_checks import parse_end
 from remodel_states.core.codes import Code
 from remodel_work.errors import AbilityError
 from remodel_work.geometry import Pose
 from remodel_work.panel import BOARD, WireEnd
 from remodel_work.robot.arm import ToolPose
+
+PARAMETERS = read_parameters().parameters
 
 SOCKET = BOARD @ panel().panel_from_socket("X1", "1")
 NAN = float("nan")
@@ -48,41 +51,20 @@ def pose_with(position=(0.5, 0.0, 0.03), quaternion=(0.0, 0.0, 0.0, 1.0)):
     return Pose(np.array(position), np.array(quaternion))
 
 
+TILTED = pose_with(quaternion=(0, math.sin(0.4), 0, math.cos(0.4)))
+
+
 @pytest.mark.parametrize(
     ("make", "code", "words"),
     [
-        (lambda: insertion(force_limit=NAN), Code.INVALID_GOAL, "force_limit is nan"),
-        (lambda: insertion(force_limit=-1.0), Code.INVALID_GOAL, "allowed: 1 to 25 N"),
-        (lambda: insertion(force_limit=math.inf), Code.INVALID_GOAL, "force_limit is inf"),
         (lambda: insertion(socket=pose_with((NAN, 0, 0))), Code.INVALID_GOAL, "not finite"),
         (
             lambda: insertion(socket=pose_with(quaternion=(0, 0, 0, 0))),
             Code.INVALID_GOAL,
             "length is 0",
         ),
-        (
-            lambda: insertion(socket=pose_with(quaternion=(0, math.sin(0.4), 0, math.cos(0.4)))),
-            Code.INVALID_GOAL,
-            "tilted",
-        ),
         (lambda: insertion(robot_name=" "), Code.INVALID_GOAL, "robot_name is empty"),
         (lambda: goals.RouteGoal("robot_1", "W1", ()), Code.INVALID_GOAL, "path is empty"),
-        (
-            lambda: goals.PickGoal("robot_1", "W1", WireEnd.A, 0.5),
-            Code.INVALID_GOAL,
-            "grasp_distance",
-        ),
-        (
-            lambda: goals.FixGoal(
-                robot_name="robot_1",
-                cable_id="W1",
-                component_id="X1",
-                terminal_id="1",
-                pull_test_force=-0.1,
-            ),
-            Code.INVALID_GOAL,
-            "pull_test_force",
-        ),
         (lambda: parse_end("c"), Code.INVALID_GOAL, "'a', 'b'"),
     ],
 )
@@ -95,6 +77,30 @@ def test_a_goal_that_makes_no_sense_is_never_born(make, code, words):
 @pytest.mark.parametrize(
     ("goal", "belief", "code", "words"),
     [
+        (insertion(force_limit=NAN), fed_belief(), Code.INVALID_GOAL, "force_limit is nan"),
+        (insertion(force_limit=-1.0), fed_belief(), Code.INVALID_GOAL, "allowed: 1 to 25 N"),
+        (insertion(force_limit=math.inf), fed_belief(), Code.INVALID_GOAL, "force_limit is inf"),
+        (insertion(socket=TILTED), fed_belief(), Code.INVALID_GOAL, "tilted"),
+        (goals.PlaceGoal("robot_1", "W1", TILTED), fed_belief(), Code.INVALID_GOAL, "target_pose"),
+        (goals.RouteGoal("robot_1", "W1", (TILTED,)), fed_belief(), Code.INVALID_GOAL, "path.0."),
+        (
+            goals.ExtractGoal("robot_1", "W1", "X1", "1", TILTED),
+            fed_belief(),
+            Code.INVALID_GOAL,
+            "socket_pose",
+        ),
+        (
+            goals.PickGoal("robot_1", "W1", WireEnd.A, 0.5),
+            fed_belief(),
+            Code.INVALID_GOAL,
+            "grasp_distance is 0.5 m; allowed: 0.02 to 0.08 m",
+        ),
+        (
+            goals.FixGoal("robot_1", "W1", "X1", "1", pull_test_force=-0.1),
+            fed_belief(),
+            Code.INVALID_GOAL,
+            "pull_test_force",
+        ),
         (insertion(cable_id="W9"), fed_belief(), Code.UNKNOWN_NAME, "there are: W1, W2"),
         (insertion(cable_id="W2"), fed_belief(), Code.WIRE_NOT_FED, "'W1'"),
         (insertion(), BeliefState(), Code.WIRE_NOT_FED, "has not been fed"),
@@ -131,7 +137,7 @@ def test_a_goal_that_makes_no_sense_is_never_born(make, code, words):
 )
 def test_a_goal_that_the_cell_cannot_take_is_refused(goal, belief, code, words):
     with pytest.raises(AbilityError, match=words) as caught:
-        goal.check(panel(), belief)
+        goal.check(panel(), belief, PARAMETERS)
     assert caught.value.code is code
 
 
@@ -141,25 +147,25 @@ def test_an_end_in_another_robots_hand_is_left_there():
     assert other.grip is None
     for goal in (goals.PickGoal("robot_2", "W1", WireEnd.A, 0.0), insertion(robot_name="robot_2")):
         with pytest.raises(AbilityError, match="robot_1 holds end a") as caught:
-            goal.check(panel(), other)
+            goal.check(panel(), other, PARAMETERS)
         assert caught.value.code is Code.OTHER_CABLE_HELD
-    goals.PickGoal("robot_2", "W1", WireEnd.B, 0.0).check(panel(), other)
+    goals.PickGoal("robot_2", "W1", WireEnd.B, 0.0).check(panel(), other, PARAMETERS)
 
 
 def test_an_end_from_the_magazine_is_laid_down_wherever_the_goal_says():
     belief = holding(WireEnd.A)
     goal = goals.PlaceGoal("robot_1", "W1", pose_with((1.5, 0, 0.1)))
     with pytest.raises(AbilityError, match="no arm posture"):
-        goal.check(panel(), belief)
+        goal.check(panel(), belief, PARAMETERS)
     belief.feed = Feed("W1", NO_CHANNEL, 1)
-    goal.check(panel(), belief)
+    goal.check(panel(), belief, PARAMETERS)
 
 
 def test_an_occupied_terminal_names_its_occupant():
     belief = fed_belief()
     belief.occupied["X1", "1"] = ("W7", WireEnd.B)
     with pytest.raises(AbilityError, match="end b of 'W7'") as caught:
-        insertion().check(panel(), belief)
+        insertion().check(panel(), belief, PARAMETERS)
     assert caught.value.code is Code.TERMINAL_OCCUPIED
 
 
@@ -183,7 +189,7 @@ def beside(y, yaw=math.pi):
 )
 def test_an_opening_is_of_its_own_terminal(socket, code, words):
     with pytest.raises(AbilityError, match=words) as caught:
-        insertion(socket=socket).check(panel(), fed_belief())
+        insertion(socket=socket).check(panel(), fed_belief(), PARAMETERS)
     assert caught.value.code is code
 
 
@@ -192,19 +198,19 @@ def test_an_opening_is_compared_with_the_last_observation():
     moved = np.array([0.0, 0.018, 0.0])
     drawn = BOARD @ panel().component("X1").panel_from_component
     belief.seen["X1"] = Pose(drawn.position + moved, drawn.quaternion)
-    insertion(socket=beside(0.018)).check(panel(), belief)
+    insertion(socket=beside(0.018)).check(panel(), belief, PARAMETERS)
     with pytest.raises(AbilityError, match="18 mm and 0 deg from where 'X1/1' was last seen"):
-        insertion().check(panel(), belief)
+        insertion().check(panel(), belief, PARAMETERS)
 
 
 def test_an_end_in_a_terminal_is_extracted_first():
     belief = fed_belief()
     belief.ends[WireEnd.A] = EndState.FIXED
     with pytest.raises(AbilityError, match="extract it first"):
-        insertion().check(panel(), belief)
+        insertion().check(panel(), belief, PARAMETERS)
 
 
 def test_good_goals_pass():
-    insertion().check(panel(), fed_belief())
-    insertion().check(panel(), holding(WireEnd.A))
-    goals.LocateGoal("X2", "2").check(panel(), BeliefState())
+    insertion().check(panel(), fed_belief(), PARAMETERS)
+    insertion().check(panel(), holding(WireEnd.A), PARAMETERS)
+    goals.LocateGoal("X2", "2").check(panel(), BeliefState(), PARAMETERS)

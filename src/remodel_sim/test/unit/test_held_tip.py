@@ -13,11 +13,14 @@ from remodel_skills.abilities.detect_cable import detect_cable
 from remodel_skills.abilities.insert_cable import insert_cable
 from remodel_skills.abilities.pick_cable import pick_cable
 from remodel_skills.cell import Cell
-from remodel_skills.primitives.pushing import FEEL_N, bring_before, push_in
+from remodel_skills.edge.parameter_files import read_parameters
+from remodel_skills.primitives.pushing import bring_before, push_in
 from remodel_states.edge.wire_material_file import read_wire_materials
 from remodel_work.edge.cell_file import read_cell
 from remodel_work.panel import WireEnd
 from remodel_work.ros.panel_message import read_panel
+
+FEEL_N = read_parameters().parameters.wire.feel_n
 
 pytestmark = pytest.mark.physics
 

@@ -4,12 +4,15 @@ import pytest
 from panels import panel
 
 from remodel_skills.belief_state import BeliefState, EndState, Feed, Grip
+from remodel_skills.edge.parameter_files import read_parameters
 from remodel_skills.goals import LayGoal
 from remodel_states.core.codes import Code
 from remodel_work.errors import AbilityError
 from remodel_work.panel import WireEnd
 from remodel_work.robot.arm import PANDA_AT_ORIGIN, ToolPose
 from remodel_work.robot.fingers import PANDA_FINGERS, Eyelet
+
+PARAMETERS = read_parameters().parameters
 
 GOAL = LayGoal("robot_2", "robot_1", "W1")
 LEADING = dataclasses.replace(
@@ -44,13 +47,13 @@ def guide_beside(holder, arm=LEADING):
 
 def refusal(belief, goal=GOAL, ducts=("D1",)):
     with pytest.raises(AbilityError) as raised:
-        goal.check(ducted(*ducts), belief)
+        goal.check(ducted(*ducts), belief, PARAMETERS)
     return raised.value.code, str(raised.value)
 
 
 def test_a_held_wire_whose_other_end_is_fixed_can_be_laid(holder):
-    GOAL.check(ducted("D1"), holder)
-    GOAL.check(ducted("D1"), guide_beside(holder))
+    GOAL.check(ducted("D1"), holder, PARAMETERS)
+    GOAL.check(ducted("D1"), guide_beside(holder), PARAMETERS)
 
 
 def test_either_end_may_be_the_fixed_one(holder):
@@ -58,7 +61,7 @@ def test_either_end_may_be_the_fixed_one(holder):
     code, text = refusal(holder)
     assert (code, "not end a" in text) == (Code.OTHER_CABLE_HELD, True)
     holder.grip = grip(WireEnd.A)
-    GOAL.check(ducted("D1"), holder)
+    GOAL.check(ducted("D1"), holder, PARAMETERS)
 
 
 @pytest.mark.parametrize(

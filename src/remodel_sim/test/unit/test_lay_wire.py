@@ -22,25 +22,14 @@ from remodel_skills.abilities.detect_cable import detect_cable
 from remodel_skills.abilities.discard_cable import discard_cable
 from remodel_skills.abilities.fix_cable import fix_cable
 from remodel_skills.abilities.insert_cable import insert_cable
-from remodel_skills.abilities.lay_wire import (
-    SEARCH_M,
-    STEP_DOWN_M,
-    TIGHTEN_M,
-    _check_closed,
-    _take,
-    draw_straight,
-    lay_wire,
-)
+from remodel_skills.abilities.lay_wire import _check_closed, _take, draw_straight, lay_wire
 from remodel_skills.abilities.pick_cable import pick_cable
 from remodel_skills.abilities.place_cable import place_cable
 from remodel_skills.cell import Cell
+from remodel_skills.edge.parameter_files import read_parameters
 from remodel_skills.primitives.ducts import leading, tucking
 from remodel_skills.primitives.ducts.tucking import tuck_in
-from remodel_skills.primitives.observation.duct_check import (
-    LEAST_IN_DUCTS,
-    check_ducts,
-    inspect_ducts,
-)
+from remodel_skills.primitives.observation.duct_check import check_ducts, inspect_ducts
 from remodel_skills.primitives.taking_up import take_up
 from remodel_skills.robot_context import RobotContext
 from remodel_states.core.codes import Code
@@ -58,6 +47,9 @@ from remodel_work.panel import BOARD, WireEnd
 from remodel_work.placed_wires import ParkedWire
 from remodel_work.robot.arm import ToolPose
 from remodel_work.ros.panel_message import read_panel
+
+PARAMETERS = read_parameters().parameters
+MOTION, SEARCH_M = PARAMETERS.motion, PARAMETERS.looking.slot_search_m
 
 CONFIG = Path(__file__).parents[2] / "config"
 GUIDE, HOLDER, WIRE = "robot_1", "robot_2", "W3"
@@ -119,6 +111,14 @@ def cell_of(design=DESIGN):
     return Cell(SimulatedPlant(panel, design=design, seed=1))
 
 
+def changed(**groups):
+    """Return the parameters with some numbers changed, by group."""
+    return replace(
+        PARAMETERS,
+        **{group: replace(getattr(PARAMETERS, group), **new) for group, new in groups.items()},
+    )
+
+
 def hold_an_end(cell, wire_id=WIRE, end=WireEnd.B):
     """Feed a wire and hold an end; return where the other goes, by name and as it was located."""
     cell.feed(wire_id, "")
@@ -173,7 +173,7 @@ def check(cell):
 
     def checked():
         found = yield from inspect_ducts(cell.context)
-        check_ducts(found)
+        check_ducts(found, PARAMETERS.fixture.duct_least_share)
         return found.share
 
     return cell.run(checked(), GUIDE)
@@ -208,7 +208,7 @@ def note_leaving(monkeypatch):
 
 def sheds(targets):
     """Return whether a hand at last rises, sheds the wire to both sides, and leaves."""
-    to_sides = [side * by for by in leading.ASIDES_M for side in (1, -1)]
+    to_sides = [side * by for by in PARAMETERS.fixture.duct_asides_m for side in (1, -1)]
     expected = [0.0, *to_sides, 0.0, 0.0]
     targets = targets[-len(expected) :]
     rises = targets[0]
@@ -237,8 +237,8 @@ def test_a_wire_is_led_into_its_ducts_over_one_that_lies_there(monkeypatch):
     onward = (slot - corner)[:2] / np.linalg.norm(slot - corner)
     at = guide.commanded
     kept = at.position[:2] - corner[:2]
-    assert np.linalg.norm(kept - leading.CORNER_M * onward) < 1e-3
-    assert guide.device.gripper.gap < leading.HAND_OPEN_M / 2, (
+    assert np.linalg.norm(kept - PARAMETERS.fixture.duct_corner_m * onward) < 1e-3
+    assert guide.device.gripper.gap < PARAMETERS.tool.open_m / 2, (
         "its eyelet is closed around the wire there"
     )
     grip = holder.belief.grip
@@ -253,7 +253,7 @@ def test_a_wire_is_led_into_its_ducts_over_one_that_lies_there(monkeypatch):
     push = goals.InsertGoal(HOLDER, WIRE, WireEnd.A, *second, at_second, 14.0)
     cell.run(insert_cable(holder, push), HOLDER)
     assert truth.share_in_ducts(cell.plant, WIRE) >= LEAST_BELOW
-    assert guide.commanded == at.at(z=leading.TRAVEL_Z)
+    assert guide.commanded == at.at(z=MOTION.travel_z_m)
     assert sheds(targets)
     cell.close()
 
@@ -265,7 +265,7 @@ def test_a_wire_that_is_kept_in_its_duct_is_let_go_before_it_is_discarded():
     lay_from_b(cell)
     steps = discard_cable(cell.contexts[HOLDER], goals.DiscardGoal(HOLDER, WIRE))
     cell.run(steps, HOLDER)
-    assert cell.contexts[GUIDE].device.gripper.gap > leading.HAND_OPEN_M
+    assert cell.contexts[GUIDE].device.gripper.gap > PARAMETERS.tool.open_m
     assert cell.plant.live is None
     cell.close()
 
@@ -279,9 +279,12 @@ def test_a_wire_that_lies_in_the_notch_of_an_open_finger_is_shed():
     here = guide.commanded
     across = np.array([-math.sin(here.yaw), math.cos(here.yaw), 0.0])
     beside = here.moved(across, INTO_NOTCH_M).at(z=here.z + LIFTED_M)
-    cell.run(leading.move_to(guide, beside, leading.LEAVE_SPEED, leading.in_ducts(guide)), GUIDE)
+    cell.run(
+        leading.move_to(guide, beside, MOTION.leave_speed_m_s, leading.in_ducts(guide)),
+        GUIDE,
+    )
     cell.run(leading.let_go(guide), GUIDE)
-    assert guide.commanded == beside.at(z=leading.TRAVEL_Z)
+    assert guide.commanded == beside.at(z=MOTION.travel_z_m)
     away = np.linalg.norm(cell.plant.live.cable.nodes() - guide.device.arm.tool.position, axis=1)
     assert away.min() > SHED_M
     cell.close()
@@ -340,14 +343,14 @@ def test_a_wire_that_arches_over_its_last_corner_is_tucked_in(monkeypatch):
     cell = cell_of()
     holder, targets = arched(cell), note_leaving(monkeypatch)
     was = truth.share_in_ducts(cell.plant, SHORT)
-    assert was < LEAST_IN_DUCTS
+    assert was < PARAMETERS.fixture.duct_least_share
     found = cell.run(tuck_in(holder), HOLDER)
     share = truth.share_in_ducts(cell.plant, SHORT)
     assert share >= was + TUCKED, "the physics"
     assert found.share == pytest.approx(share, abs=0.15), "the picture from above"
     assert sheds(targets)
-    assert holder.device.gripper.gap > tucking.HAND_OPEN_M
-    assert holder.commanded.z >= tucking.TRAVEL_Z
+    assert holder.device.gripper.gap > PARAMETERS.tool.open_m
+    assert holder.commanded.z >= MOTION.travel_z_m
     cell.close()
 
 
@@ -357,7 +360,7 @@ def test_a_wire_that_would_be_refused_is_tucked_into_duct_after_duct_and_fixed_i
     cell = cell_of()
     holder = arched(cell)
     found = cell.run(inspect_ducts(holder), HOLDER)
-    at = next(tucking._standing(found))
+    at = next(tucking._standing(holder, found))
     stood = [replace(at, duct=duct) for duct in found.places]
     assert len(stood) > 1
     tuck, tucked = tucking._tuck, []
@@ -366,16 +369,16 @@ def test_a_wire_that_would_be_refused_is_tucked_into_duct_after_duct_and_fixed_i
         tucked.append(standing.duct.id)
         return tuck(context, standing)
 
-    monkeypatch.setattr(tucking, "_standing", lambda _: iter(stood))
+    monkeypatch.setattr(tucking, "_standing", lambda *_: iter(stood))
     monkeypatch.setattr(tucking, "_tuck", noted)
-    monkeypatch.setattr(tucking, "LEAST_IN_DUCTS", 1.1)
+    holder.parameters = changed(fixture={"duct_least_share": 1.1})
     monkeypatch.setattr(tucking, "grips_nothing", lambda *_: False)
     world = cell.plant.world
     began = world.steps
     cell.run(tuck_in(holder), HOLDER)
     allowed = inspect.signature(FixCableState).parameters["timeout_s"].default
     assert (world.steps - began) * world.time_step < allowed - FIX_S
-    assert len(tucked) == tucking.TUCKS_OF_REFUSED
+    assert len(tucked) == MOTION.tucks_of_refused
     assert all(one != other for one, other in itertools.pairwise(tucked))
     cell.close()
 
@@ -392,8 +395,8 @@ def test_fingers_go_below_the_rim_only_where_both_are_beside_the_duct(monkeypatc
         RobotContext, "close_fingers", lambda context, _: closed_at.append(context.commanded.z)
     )
     low, over_rim = (
-        duct.height + tucking.GRASPABLE_M,
-        duct.height + tucking.OVER_RIM_M + holder.fingers.below,
+        duct.height + PARAMETERS.fixture.tuck_graspable_m,
+        duct.height + PARAMETERS.fixture.tuck_over_rim_m + holder.fingers.below,
     )
     for aside in (0.043, 0.030, -0.016):
         standing = tucking.Standing(duct, place, tucking.Passing(aside, low), 0.0)
@@ -420,8 +423,7 @@ def test_only_the_openings_of_a_wire_are_not_seen_empty():
 def test_a_wire_that_resists_is_brought_down_no_farther(monkeypatch):
     cell = cell_of()
     holder = arched(cell)
-    monkeypatch.setattr(tucking, "MOST_N", 1.0)
-    monkeypatch.setattr(tucking, "TUCKS_OF_REFUSED", 1)
+    holder.parameters = changed(wire={"tuck_most_n": 1.0}, motion={"tucks_of_refused": 1})
     open_fingers, opened_at = leading.open_fingers, []
 
     def noted(context, opening):
@@ -431,9 +433,9 @@ def test_a_wire_that_resists_is_brought_down_no_farther(monkeypatch):
     monkeypatch.setattr(leading, "open_fingers", noted)
     cell.run(tuck_in(holder), HOLDER)
     (height,) = opened_at
-    assert height > tucking.DOWN_M + WELL_ABOVE_M
-    assert holder.device.gripper.gap > tucking.HAND_OPEN_M
-    assert holder.commanded.z >= tucking.TRAVEL_Z
+    assert height > PARAMETERS.fixture.tuck_down_m + WELL_ABOVE_M
+    assert holder.device.gripper.gap > PARAMETERS.tool.open_m
+    assert holder.commanded.z >= MOTION.travel_z_m
     cell.close()
 
 
@@ -444,18 +446,18 @@ def test_fingers_that_close_beside_a_wire_press_nothing_down(monkeypatch):
     holder = arched(cell)
     standing = tucking._standing
 
-    def beside(found):
-        for at in standing(found):
+    def beside(context, found):
+        for at in standing(context, found):
             aside = at.passing.aside + FAR_ASIDE_M
             yield replace(at, passing=replace(at.passing, aside=aside))
 
     monkeypatch.setattr(tucking, "_standing", beside)
-    monkeypatch.setattr(tucking, "TUCKS_OF_REFUSED", 1)
+    holder.parameters = changed(motion={"tucks_of_refused": 1})
     was = truth.share_in_ducts(cell.plant, SHORT)
     cell.run(tuck_in(holder), HOLDER)
     assert truth.share_in_ducts(cell.plant, SHORT) == pytest.approx(was, abs=0.1)
-    assert holder.device.gripper.gap > tucking.HAND_OPEN_M
-    assert holder.commanded.z >= tucking.TRAVEL_Z
+    assert holder.device.gripper.gap > PARAMETERS.tool.open_m
+    assert holder.commanded.z >= MOTION.travel_z_m
     cell.close()
 
 
@@ -677,7 +679,7 @@ def test_a_wire_that_does_not_become_straight_is_not_in_the_eyelet():
     with pytest.raises(AbilityError, match="is not in the eyelet") as caught:
         cell.run(draw_straight(holder, below, 1.0), HOLDER)
     assert caught.value.code is Code.GRASP_MISSED
-    assert holder.commanded.z - height == pytest.approx(TIGHTEN_M, abs=0.01)
+    assert holder.commanded.z - height == pytest.approx(MOTION.tighten_m, abs=0.01)
     cell.close()
 
 
@@ -845,7 +847,7 @@ def test_a_steep_wire_is_taken_where_it_is_seen_and_lets_the_pads_close_later(mo
     tool = ToolPose(*map(float, route_of(cell)[1]), 0.0)
     monkeypatch.setattr(SimulatedGripper, "gap", 0.003)
     cell.run(_take(guide, tool, is_seen=True), GUIDE)
-    assert guide.commanded.z == pytest.approx(tool.z - STEP_DOWN_M)
+    assert guide.commanded.z == pytest.approx(tool.z - PARAMETERS.tool.eyelet_step_down_m)
     with pytest.raises(AbilityError, match=r"3\.0 mm apart; draw it out") as caught:
         _check_closed(guide)
     assert caught.value.code is Code.GRASP_MISSED

@@ -9,12 +9,15 @@ from panels import panel
 
 from remodel_sim.physics.plant import SimulatedPlant
 from remodel_skills.cell import Cell
-from remodel_skills.motion import ACCELERATION, Line
-from remodel_skills.primitives.motions import FREE_SPEED, choose_flip, move_to, park
+from remodel_skills.edge.parameter_files import read_parameters
+from remodel_skills.motion import Line
+from remodel_skills.primitives.motions import choose_flip, move_to, park
 from remodel_work.cell.scrap_bin import bin_of
 from remodel_work.edge.cell_file import read_cell
 from remodel_work.robot.arm import ToolPose
 from remodel_work.robot.arm_volume import gap_between, volume_of
+
+MOTION = read_parameters().parameters.motion
 
 CELL, PAIR = read_cell("cabinet"), read_cell("two_arms_cabinet")
 (ROBOT,) = CELL.robots
@@ -87,7 +90,7 @@ def test_without_a_near_place_the_arm_reaches_straight_ahead():
     ],
 )
 def test_a_straight_line_is_a_smooth_motion_within_the_limits_of_all_joints(start, end):
-    line = Line(start, end, FREE_SPEED).paced(ARM)
+    line = Line(start, end, MOTION.free_speed_m_s, MOTION).paced(ARM)
     joints = postures(line)
     lower, higher = ARM.limits
     assert np.all((joints >= lower) & (joints <= higher))
@@ -102,17 +105,22 @@ def test_a_straight_line_is_a_smooth_motion_within_the_limits_of_all_joints(star
 
 @pytest.mark.parametrize("distance", [0.01, 0.06, 0.5])
 def test_no_motion_speeds_up_faster_than_arms_allow(distance):
-    line = Line(ToolPose(0.5, 0.0, 0.1, 0.0), ToolPose(0.5, 0.0, 0.1 + distance, 0.0), FREE_SPEED)
+    line = Line(
+        ToolPose(0.5, 0.0, 0.1, 0.0),
+        ToolPose(0.5, 0.0, 0.1 + distance, 0.0),
+        MOTION.free_speed_m_s,
+        MOTION,
+    )
     times = np.linspace(0.0, line.duration, 1001)
     heights = np.array([line.at(time).z for time in times])
     steepest = np.abs(np.diff(heights, 2)).max() / (times[1] - times[0]) ** 2
-    assert steepest <= ACCELERATION * 1.01
-    assert steepest > 0.2 * ACCELERATION, "no slower than it needs to be"
+    assert steepest <= MOTION.acceleration_m_s2 * 1.01
+    assert steepest > 0.2 * MOTION.acceleration_m_s2, "no slower than it needs to be"
 
 
 def test_a_slow_axis_slows_the_motion_that_needs_it():
     start, end = ToolPose(0.5, -0.3, 0.1, 0.0), ToolPose(0.5, 0.3, 0.1, 0.0)
-    line = Line(start, end, 2.0)
+    line = Line(start, end, 2.0, MOTION)
     rates = np.abs(np.diff(postures(line.paced(ARM))[:, 0])) / TICK_S
     assert line.paced(ARM).duration > line.duration
     assert rates.max() == pytest.approx(ARM.axis.speed, rel=0.05)
@@ -123,7 +131,7 @@ def test_the_simulated_arm_follows_with_its_axis_and_goes_home():
     cell = Cell(SimulatedPlant(panel(), design=read_cell("cabinet")))
     context, robot = cell.context, cell.plant.robots["robot_1"]
     target = ToolPose(0.60, 0.35, 0.10, 0.0)
-    cell.run(move_to(context, target, FREE_SPEED))
+    cell.run(move_to(context, target, MOTION.free_speed_m_s))
     np.testing.assert_allclose(robot.tool.position, target.position, atol=1e-3)
     names = dict(zip(robot.joint_names, robot.joint_state[0], strict=True))
     assert names["axis"] == pytest.approx(0.35, abs=0.02)
@@ -141,6 +149,11 @@ def test_the_cabinet_turns_a_wire_from_anywhere_in_the_magazine_into_any_termina
             flip = choose_flip(ARM, (x, y), tip_yaw, (to_x, to_y), socket_yaw)
             start = ARM.canonical_yaw(x, y, tip_yaw - flip)
             end = ARM.canonical_yaw(to_x, to_y, socket_yaw - flip)
-            line = Line(ToolPose(x, y, 0.12, start), ToolPose(to_x, to_y, 0.12, end), FREE_SPEED)
+            line = Line(
+                ToolPose(x, y, 0.12, start),
+                ToolPose(to_x, to_y, 0.12, end),
+                MOTION.free_speed_m_s,
+                MOTION,
+            )
             arrived = ARM.tool_of(line.postures(ARM)[-1])
             np.testing.assert_allclose(arrived.position, line.end.position, atol=1e-9)

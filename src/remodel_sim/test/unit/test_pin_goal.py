@@ -6,11 +6,14 @@ import pytest
 from panels import panel
 
 from remodel_skills.belief_state import BeliefState, EndState, Feed
+from remodel_skills.edge.parameter_files import read_parameters
 from remodel_skills.goals import PlacePinGoal, pin_row
 from remodel_states.core.codes import Code
 from remodel_work.errors import AbilityError
 from remodel_work.panel import BOARD, WireEnd
 from remodel_work.robot.arm import PANDA_AT_ORIGIN, Arm
+
+PARAMETERS = read_parameters().parameters
 
 FACING = Arm(PANDA_AT_ORIGIN.model, (1.0, 0.0, 0.0, math.pi))
 WIRE = panel().wires[0]  # 0.48 m
@@ -43,8 +46,8 @@ def places(some_goal):
 
 
 def test_a_good_goal_passes_for_both_arms():
-    GOOD.check(panel(), fed())
-    GOOD.check(panel(), fed(FACING))
+    GOOD.check(panel(), fed(), PARAMETERS)
+    GOOD.check(panel(), fed(FACING), PARAMETERS)
 
 
 def test_the_path_lies_between_the_pins_at_equal_distances():
@@ -78,26 +81,20 @@ def test_no_pose_of_the_path_falls_on_a_pin():
     assert list(pin_row(goal(path_space=0.472), WIRE, panel())) == ["pin_1", "pin_2"]
 
 
-@pytest.mark.parametrize(
-    ("changes", "words"),
-    [
-        ({"path_space": math.nan}, "path_space is nan"),
-        ({"path_space": -0.1}, "allowed: 0.005 to 1 m"),
-        ({"path_space": 0.5}, "allowed: up to connector_space"),
-        ({"connector_space": math.inf}, "connector_space is inf"),
-        ({"connector_space": 0.0}, "allowed: 0.01 to 1 m"),
-        ({"robot_2": "robot_1"}, "it takes two robots"),
-    ],
-)
-def test_a_goal_that_makes_no_sense_is_never_born(changes, words):
-    with pytest.raises(AbilityError, match=words) as caught:
-        goal(**changes)
+def test_a_goal_for_one_robot_twice_is_never_born():
+    with pytest.raises(AbilityError, match="it takes two robots") as caught:
+        goal(robot_2="robot_1")
     assert caught.value.code is Code.INVALID_GOAL
 
 
 @pytest.mark.parametrize(
     ("changes", "code", "words"),
     [
+        ({"path_space": math.nan}, Code.INVALID_GOAL, "path_space is nan"),
+        ({"path_space": -0.1}, Code.INVALID_GOAL, "allowed: 0.005 to 1 m"),
+        ({"path_space": 0.5}, Code.INVALID_GOAL, "allowed: up to connector_space"),
+        ({"connector_space": math.inf}, Code.INVALID_GOAL, "connector_space is inf"),
+        ({"connector_space": 0.0}, Code.INVALID_GOAL, "allowed: 0.01 to 1 m"),
         ({"connector_space": 0.40}, Code.INVALID_GOAL, r"0.48 m long, allowed: 0.47 to 0.478 m"),
         ({"rotate": False}, Code.INVALID_GOAL, "pin_1 would lie beyond the plate"),
         ({"centered": False}, Code.INVALID_GOAL, "path_4 would lie beyond the plate"),
@@ -105,7 +102,7 @@ def test_a_goal_that_makes_no_sense_is_never_born(changes, words):
 )
 def test_a_row_that_the_wire_or_the_panel_does_not_allow_is_refused(changes, code, words):
     with pytest.raises(AbilityError, match=words) as caught:
-        goal(**changes).check(panel(), fed())
+        goal(**changes).check(panel(), fed(), PARAMETERS)
     assert caught.value.code is code
 
 
@@ -114,22 +111,22 @@ def test_pins_and_path_keep_clear_of_components():
     near = dataclasses.replace(wide.components[0], pose=(-0.08, 0.0, 0.0))
     crowded = dataclasses.replace(wide, components=(near, *wide.components[1:]))
     with pytest.raises(AbilityError, match=r"path_1 would lie .* to component 'X1'"):
-        goal(rotate=False, path_space=0.15).check(crowded, fed())
+        goal(rotate=False, path_space=0.15).check(crowded, fed(), PARAMETERS)
 
 
 def test_there_must_be_a_live_wire_with_loose_ends():
     with pytest.raises(AbilityError) as caught:
-        GOOD.check(panel(), BeliefState())
+        GOOD.check(panel(), BeliefState(), PARAMETERS)
     assert caught.value.code is Code.WIRE_NOT_FED
     belief = fed()
     belief.ends[WireEnd.A] = EndState.FIXED
     with pytest.raises(AbilityError, match="extract it first"):
-        GOOD.check(panel(), belief)
+        GOOD.check(panel(), belief, PARAMETERS)
 
 
 def test_an_arm_that_does_not_reach_a_pin_is_reported():
     far = Arm(PANDA_AT_ORIGIN.model, (-0.8, 0.0, 0.0, 0.0))
     with pytest.raises(AbilityError) as caught:
-        GOOD.check(panel(), fed(far))
+        GOOD.check(panel(), fed(far), PARAMETERS)
     assert caught.value.code is Code.UNREACHABLE
     assert np.isfinite(GOOD.path_space)

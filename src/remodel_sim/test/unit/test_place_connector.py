@@ -13,6 +13,7 @@ from remodel_skills import goals
 from remodel_skills.abilities.place_connector import place_connector
 from remodel_skills.belief_state import BeliefState, EndState, Feed
 from remodel_skills.cell import Cell
+from remodel_skills.edge.parameter_files import read_parameters
 from remodel_states.core.codes import Code
 from remodel_states.edge.wire_material_file import read_wire_materials
 from remodel_work.edge.cell_file import read_cell
@@ -21,6 +22,8 @@ from remodel_work.geometry import Pose
 from remodel_work.layout import find_problems as problems_of
 from remodel_work.panel import BOARD, WireEnd
 from remodel_work.ros.panel_message import read_panel
+
+PARAMETERS = read_parameters().parameters
 
 CONFIG = Path(__file__).parents[2] / "config"
 PANEL = read_panel(CONFIG / "connectors.yaml", read_wire_materials())
@@ -133,7 +136,7 @@ def test_goals_that_cannot_be_done_are_refused_with_the_reason(goal, code, words
     belief = BeliefState()
     belief.start_wire(Feed("W1", "A", 1), {})
     with pytest.raises(AbilityError, match=words) as caught:
-        goal().check(PANEL, belief)
+        goal().check(PANEL, belief, PARAMETERS)
     assert caught.value.code is code
 
 

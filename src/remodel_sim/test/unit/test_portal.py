@@ -10,8 +10,9 @@ import pytest
 from remodel_sim.physics.plant import REST_S, SimulatedPlant
 from remodel_skills.belief_state import Grip
 from remodel_skills.cell import Cell
-from remodel_skills.motion import PEAK_OVER_MEAN, WIRE_TURN_RATE
-from remodel_skills.primitives.motions import FREE_SPEED, choose_flip, move_to, swing_to
+from remodel_skills.edge.parameter_files import read_parameters
+from remodel_skills.motion import PEAK_OVER_MEAN
+from remodel_skills.primitives.motions import choose_flip, move_to, swing_to
 from remodel_states.core.codes import Code
 from remodel_states.edge.wire_material_file import read_wire_materials
 from remodel_work.edge.cell_file import read_cell
@@ -22,6 +23,8 @@ from remodel_work.robot.arm import ToolPose
 from remodel_work.robot.fingers import PANDA_FINGERS
 from remodel_work.robot.portal import TURN_RATE, Portal
 from remodel_work.ros.panel_message import read_panel
+
+MOTION = read_parameters().parameters.motion
 
 CONFIG = Path(__file__).parents[2] / "config"
 PORTAL = Portal((0.5, 0.0, 0.0, math.pi / 2), (-0.4, -0.6, 0.0), (0.4, 0.6, 0.9), PANDA_FINGERS)
@@ -81,8 +84,8 @@ def test_a_hand_goes_around_one_that_holds_a_wire():
         (one, ToolPose(0.39, 0.383, 0.1, 0.0)),
         (other, ToolPose(0.2, 0.059, 0.069, math.pi / 2)),
     ):
-        cell.run(move_to(context, replace(place, z=0.35), FREE_SPEED), context.name)
-        cell.run(move_to(context, place, FREE_SPEED), context.name)
+        cell.run(move_to(context, replace(place, z=0.35), MOTION.free_speed_m_s), context.name)
+        cell.run(move_to(context, place, MOTION.free_speed_m_s), context.name)
     other.belief.grip = Grip(WireEnd.B, 0.01, 0.0, 0.0, other.commanded)
     target = ToolPose(0.318, -0.357, 0.088, -math.pi / 2)
     cell.run(swing_to(one, target), one.name)
@@ -99,8 +102,8 @@ def test_an_empty_hand_turns_faster_than_one_with_a_wire(holds_a_wire):
     before, here = world.steps, context.commanded
     if holds_a_wire:
         context.belief.grip = Grip(WireEnd.A, 0.01, 0.0, 0.0, here)
-    cell.run(move_to(context, replace(here, yaw=here.yaw + math.pi / 2), FREE_SPEED))
+    cell.run(move_to(context, replace(here, yaw=here.yaw + math.pi / 2), MOTION.free_speed_m_s))
     seconds = (world.steps - before) * world.time_step - REST_S
-    rate = WIRE_TURN_RATE if holds_a_wire else TURN_RATE
+    rate = MOTION.wire_turn_rate_rad_s if holds_a_wire else TURN_RATE
     assert seconds == pytest.approx(PEAK_OVER_MEAN * math.pi / 2 / rate, abs=0.05)
     cell.close()

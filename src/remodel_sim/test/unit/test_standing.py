@@ -9,19 +9,16 @@ from panels import panel
 from remodel_sim.physics.plant import SimulatedPlant
 from remodel_skills.belief_state import NO_CHANNEL, Feed
 from remodel_skills.cell import Cell
-from remodel_skills.primitives.motions import (
-    FREE_SPEED,
-    LIFTS_Z,
-    TRAVEL_Z,
-    move_to,
-    swing_to,
-)
+from remodel_skills.edge.parameter_files import read_parameters
+from remodel_skills.primitives.motions import move_to, swing_to
 from remodel_vision.board.standing import CELL_M, standing_wires
 from remodel_work.edge.cell_file import read_cell
 from remodel_work.obstacles import WIRES, panel_obstacles
 from remodel_work.panel import BOARD, WireEnd
 from remodel_work.placed_wires import ParkedWire
 from remodel_work.robot.arm import ToolPose
+
+MOTION = read_parameters().parameters.motion
 
 PANEL = panel(channels=())
 # A finished wire that arches across the plate, higher than a hand travels [m].
@@ -74,14 +71,22 @@ def test_a_hand_travels_over_a_wire_that_stands_out(cell):
     heights = []
 
     def steps():
-        yield from move_to(context, ToolPose(x, -0.20, LIFTS_Z[-1], 0.0), FREE_SPEED)
-        yield from move_to(context, ToolPose(x, -0.20, TRAVEL_Z, 0.0), FREE_SPEED)
-        for _ in swing_to(context, ToolPose(x, 0.10, TRAVEL_Z, 0.0)):
+        yield from move_to(
+            context,
+            ToolPose(x, -0.20, MOTION.lifts_z_m[-1], 0.0),
+            MOTION.free_speed_m_s,
+        )
+        yield from move_to(
+            context,
+            ToolPose(x, -0.20, MOTION.travel_z_m, 0.0),
+            MOTION.free_speed_m_s,
+        )
+        for _ in swing_to(context, ToolPose(x, 0.10, MOTION.travel_z_m, 0.0)):
             heights.append(context.commanded.z)
             robot = cell.plant.robots["robot_1"].body
             assert not cell.plant.world.bullet.getContactPoints(robot)
             yield
 
     cell.run(steps())
-    assert max(heights) == pytest.approx(LIFTS_Z[1])
-    assert heights[-1] == pytest.approx(TRAVEL_Z)
+    assert max(heights) == pytest.approx(MOTION.lifts_z_m[1])
+    assert heights[-1] == pytest.approx(MOTION.travel_z_m)

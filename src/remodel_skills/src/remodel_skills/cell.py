@@ -17,6 +17,7 @@ from remodel_skills.belief_state import NO_CHANNEL, BeliefState, EndState, Feed
 from remodel_skills.device import Plant
 from remodel_skills.edge.cell_memory import CellMemory
 from remodel_skills.edge.collision_check import BulletCollisionCheck
+from remodel_skills.edge.parameter_files import read_parameters
 from remodel_skills.goal_checks import check_hands_empty, check_not_in_cell
 from remodel_skills.goals import find_demand_problems
 from remodel_skills.observers import Observers
@@ -69,7 +70,9 @@ class Cell:
     def _make_contexts(self) -> dict[str, RobotContext]:
         """Return new stations for the robots of a freshly built plant."""
         first = self.plant.design.robots[0]
-        belief, traffic = BeliefState(first.name, first.arm), Traffic()
+        parameters = read_parameters().parameters
+        belief = BeliefState(first.name, first.arm)
+        traffic = Traffic(parameters.motion.robots_apart_m)
         robots: dict[str, RobotContext] = {}
         for robot in self.plant.design.robots:
             own = belief if robot is first else belief.beside(robot.name, robot.arm)
@@ -82,6 +85,7 @@ class Cell:
                 robots,
                 traffic=traffic,
                 observers=self._observers,
+                parameters=parameters,
                 check=self._checks.get(robot.name),
             )
         return robots
@@ -130,7 +134,8 @@ class Cell:
             PanelError: if the panel breaks the rules, or the robots cannot do such goals; nothing
                 changes.
         """
-        demanded = tuple(find_demand_problems(robots, forces_n, self.contexts))
+        tool = self.context.parameters.tool
+        demanded = tuple(find_demand_problems(robots, forces_n, self.contexts, tool))
         if demanded:
             raise PanelError(panel.name, (*demanded, *self.plant.find_problems(panel)))
         if keep and panel == self.plant.loaded:

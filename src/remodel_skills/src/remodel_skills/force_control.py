@@ -7,23 +7,13 @@ force towards its limit within some T, and does not exceed it, as long as T is l
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 
 import numpy as np
 
+from remodel_skills.parameters import MotionParameters
 from remodel_work.geometry import Array
-
-# A wire in the grip, at the bottom of its terminal or in its clamp, gives by 1 mm at 60 N [N/m].
-WIRE_STIFFNESS = 6e4
-# T: three steps of 240 Hz, the slowest rate of the physics. With two, what is damped at a stop, a
-# ferrule flat on a bottom with some 700 N s/m, exceeds the limit by 40 % in the first step.
-TIME_CONSTANT_S = 0.012
-# The control aims above the limit by this share, so that the limit is reached.
-AIMS_ABOVE = 0.05
-# Faster, and the force that speeds the hand up would count as a push [m/s^2].
-ACCELERATION = 0.3
-# What presses with such a share of its limit has met something.
-PRESSED_SHARE = 0.8
 
 
 @dataclass(frozen=True)
@@ -33,10 +23,12 @@ class ForceControl:
     Attributes:
         limit: the force that it comes to and keeps [N].
         stiffness: of the stiffest thing that may stop it, with what holds it [N/m].
+        motion: its time constant, and how fast it speeds up.
     """
 
     limit: float
-    stiffness: float = WIRE_STIFFNESS
+    stiffness: float
+    motion: MotionParameters
 
     def speed(self, wanted: float, force: float, before: float, time_step: float) -> float:
         """Return the speed of the next step [m/s], negative for backwards.
@@ -47,9 +39,10 @@ class ForceControl:
             before: speed of the step before [m/s].
             time_step: [s].
         """
-        missing = (1 + AIMS_ABOVE) * self.limit - force
-        allowed = missing / (self.stiffness * TIME_CONSTANT_S)
-        return min(wanted, allowed, before + ACCELERATION * time_step)
+        motion = self.motion
+        missing = (1 + motion.force_aims_above_share) * self.limit - force
+        allowed = missing / (self.stiffness * motion.force_time_constant_s)
+        return min(wanted, allowed, before + motion.force_acceleration_m_s2 * time_step)
 
 
 @dataclass(frozen=True, eq=False)
@@ -67,23 +60,26 @@ class Yielding:
 
     directions: Array
     most: Array
-    stiffness: float = WIRE_STIFFNESS
+    stiffness: float
 
-    def speeds(self, forces: Array, before: Array, time_step: float) -> Array:
+    def speeds(
+        self, forces: Array, before: Array, time_step: float, motion: MotionParameters
+    ) -> Array:
         """Return the speeds of the next step, (k,) [m/s].
 
         Args:
             forces: of the tool on what it touches, (k,) [N].
             before: speeds of the step before, (k,) [m/s].
             time_step: [s].
+            motion: the time constant, and how fast the tool speeds up.
         """
-        wanted = -forces / (self.stiffness * TIME_CONSTANT_S)
-        change = ACCELERATION * time_step
+        wanted = -forces / (self.stiffness * motion.force_time_constant_s)
+        change = motion.force_acceleration_m_s2 * time_step
         return np.clip(wanted, before - change, before + change)
 
 
 # A motion that gives way nowhere.
-RIGID = Yielding(np.zeros((0, 3)), np.zeros(0))
+RIGID = Yielding(np.zeros((0, 3)), np.zeros(0), math.inf)
 
 
 class ForceLoop:
@@ -101,7 +97,7 @@ class ForceLoop:
         travel: from the start, along the motion [m].
         aside: how far it gave way along each direction of `yielding`, (k,) [m].
         peak: the largest force so far, of each step, not filtered [N].
-        pressed_at: travel at which the force first came to PRESSED_SHARE of its limit [m]; None:
+        pressed_at: travel at which the force first came near its limit [m]; None:
             it has not yet.
     """
 
@@ -147,7 +143,8 @@ class ForceLoop:
         felt = float(all_felt @ self.along)
         force = felt - self.hand_mass * self._acceleration
         self.peak = max(self.peak, force)
-        if self.pressed_at is None and force >= PRESSED_SHARE * self.control.limit:
+        pressed = self.control.motion.force_pressed_share
+        if self.pressed_at is None and force >= pressed * self.control.limit:
             self.pressed_at = self.travel
         speed = self.control.speed(self._wanted, force, self._speed, time_step)
         travel = self.travel + speed * time_step
@@ -162,7 +159,7 @@ class ForceLoop:
         """Give way across the motion for a step; return how far since the tick began, (k,) [m]."""
         yielding, before = self.yielding, self._aside_speed
         forces = yielding.directions @ felt - self.hand_mass * self._aside_acceleration
-        speeds = yielding.speeds(forces, before, time_step)
+        speeds = yielding.speeds(forces, before, time_step, self.control.motion)
         aside = np.clip(self.aside + speeds * time_step, -yielding.most, yielding.most)
         self._aside_speed = (aside - self.aside) / time_step
         self._aside_acceleration = (self._aside_speed - before) / time_step

@@ -11,17 +11,15 @@ from typing import Any, TypeAlias
 import numpy as np
 
 from remodel_skills.belief_state import BeliefState
+from remodel_skills.parameters import TerminalParameters
 from remodel_states.core.codes import Code
 from remodel_work.errors import AbilityError
 from remodel_work.geometry import PANEL, WORLD, Pose, wrap_angle
 from remodel_work.layout import GRASP_DISTANCE_M, STANDOFF_M
-from remodel_work.openings import nearest_terminal, opening_of
+from remodel_work.openings import TerminalKey, nearest_terminal, opening_of
 from remodel_work.panel import Panel, WireEnd, unit_x
 from remodel_work.robot.arm import ToolPose
 from remodel_work.robot.kinematics import Kinematics
-
-# A tool pose may tilt so much and still counts as level [rad].
-LEVEL_RAD = math.radians(2.0)
 
 
 def require(condition: bool, message: str) -> None:
@@ -38,14 +36,18 @@ def require_number(name: str, value: float, low: float, high: float, unit: str) 
 
 
 def require_pose(name: str, pose: Pose) -> None:
-    """Raise INVALID_GOAL unless a pose is finite, and level with a unit quaternion."""
+    """Raise INVALID_GOAL unless a pose is finite, with a unit quaternion."""
     require(bool(np.isfinite(pose.position).all()), f"{name}: position is not finite")
     require(bool(np.isfinite(pose.quaternion).all()), f"{name}: orientation is not finite")
     norm = float(np.linalg.norm(pose.quaternion))
     require(abs(norm - 1) < 1e-3, f"{name}: the quaternion's length is {norm:.3f}; it must be 1")
+
+
+def require_level(name: str, pose: Pose, most_rad: float) -> None:
+    """Raise INVALID_GOAL when a pose is tilted by so much."""
     tilt = math.asin(float(np.clip(unit_x(pose)[2], -1, 1)))
     require(
-        abs(tilt) < LEVEL_RAD,
+        abs(tilt) < most_rad,
         f"{name}: its x axis is tilted by {math.degrees(tilt):.1f} deg; it must be level",
     )
 
@@ -59,15 +61,6 @@ def parse_end(text: str) -> WireEnd:
     """Return the end named "a" or "b"."""
     require(text in ("a", "b"), f"cable_end is {text!r}; allowed: 'a', 'b'")
     return WireEnd(text)
-
-
-# A socket further than this from the panel's own place is no pose of that terminal [m].
-SOCKET_TOLERANCE_M = 0.05
-# An opening that lies or points so far from where its component was last observed is another one:
-# an observation errs by less than 1 mm and 1 deg, and a push detects by itself that it is 6 mm
-# beside.
-OPENING_TOLERANCE_M = 0.010
-OPENING_TOLERANCE_RAD = math.radians(10.0)
 
 
 def check_live(cable_id: str, panel: Panel, belief: BeliefState) -> None:
@@ -142,17 +135,21 @@ def check_clamp(component_id: str, terminal_id: str, panel: Panel) -> None:
 
 
 def check_socket(
-    component_id: str, terminal_id: str, socket: Pose, panel: Panel, belief: BeliefState
+    key: TerminalKey,
+    socket: Pose,
+    panel: Panel,
+    belief: BeliefState,
+    tolerances: TerminalParameters,
 ) -> None:
     """Raise when an opening is not near its terminal on the panel, or out of reach."""
-    nominal = panel.world_from_panel @ panel.panel_from_socket(component_id, terminal_id)
+    nominal = panel.world_from_panel @ panel.panel_from_socket(*key)
     away = float(np.linalg.norm(socket.position - nominal.position))
-    if away > SOCKET_TOLERANCE_M:
+    if away > tolerances.socket_tolerance_m:
         raise AbilityError(
             Code.INVALID_GOAL,
-            f"socket_pose is {away * 1e3:.0f} mm from terminal '{component_id}/{terminal_id}' on "
+            f"socket_pose is {away * 1e3:.0f} mm from terminal '{'/'.join(key)}' on "
             "the panel, "
-            f"allowed: {SOCKET_TOLERANCE_M * 1e3:.0f} mm; locate the terminal first",
+            f"allowed: {tolerances.socket_tolerance_m * 1e3:.0f} mm; locate the terminal first",
         )
     tool = socket.position - unit_x(socket) * (GRASP_DISTANCE_M + STANDOFF_M)
     x, y, z = (float(v) for v in tool)
@@ -160,27 +157,32 @@ def check_socket(
 
 
 def check_opening(
-    component_id: str, terminal_id: str, socket: Pose, panel: Panel, belief: BeliefState
+    key: TerminalKey,
+    socket: Pose,
+    panel: Panel,
+    belief: BeliefState,
+    tolerances: TerminalParameters,
 ) -> None:
     """Raise when an opening is another terminal's, or is not where it was last observed."""
-    where = f"'{component_id}/{terminal_id}'"
-    known = opening_of((component_id, terminal_id), panel, belief.seen)
-    source = "was last seen" if component_id in belief.seen else "is on the panel"
+    where = f"'{'/'.join(key)}'"
+    known = opening_of(key, panel, belief.seen)
+    source = "was last seen" if key[0] in belief.seen else "is on the panel"
     away = float(np.linalg.norm(socket.position - known.position))
     nearest = nearest_terminal(socket.position, panel, belief.seen)
-    if nearest != (component_id, terminal_id):
+    if nearest != key:
         raise AbilityError(
             Code.INVALID_GOAL,
             f"socket_pose is at the opening of '{'/'.join(nearest)}', {away * 1e3:.0f} mm from "
             f"where {where} {source}; locate {where} and insert there",
         )
     turned = abs(wrap_angle(socket.yaw - known.yaw))
-    if away > OPENING_TOLERANCE_M or turned > OPENING_TOLERANCE_RAD:
+    most_m, most_rad = tolerances.opening_tolerance_m, tolerances.opening_tolerance_rad
+    if away > most_m or turned > most_rad:
         raise AbilityError(
             Code.COMPONENT_DISPLACED,
             f"socket_pose is {away * 1e3:.0f} mm and {math.degrees(turned):.0f} deg from where "
-            f"{where} {source}, allowed: {OPENING_TOLERANCE_M * 1e3:.0f} mm and "
-            f"{math.degrees(OPENING_TOLERANCE_RAD):.0f} deg; locate it and insert where it is seen",
+            f"{where} {source}, allowed: {most_m * 1e3:.0f} mm and "
+            f"{math.degrees(most_rad):.0f} deg; locate it and insert where it is seen",
         )
 
 

@@ -25,10 +25,12 @@ from remodel_skills.goal_checks import (
     check_socket,
     check_tool_path,
     require,
+    require_level,
     require_number,
     require_pose,
     require_robot,
 )
+from remodel_skills.parameters import Parameters, TerminalParameters, ToolParameters
 from remodel_states.core.codes import Code
 from remodel_work.errors import AbilityError
 from remodel_work.geometry import Array, Pose
@@ -37,20 +39,11 @@ from remodel_work.panel import Panel, PanelWire, WireEnd
 from remodel_work.robot.arm import ToolPose
 from remodel_work.routes import clips_along
 
-# What the grip holds safely by friction [N].
-MAX_FORCE_N = 25.0
-# A connector's ribbed body gives a better hold.
-MAX_MATING_FORCE_N = 40.0
-GRASP_RANGE_M = (0.020, 0.080)
-
-# The greatest force limit that goals of an ability may have [N].
-FORCE_LIMITS_N = {"InsertCable": MAX_FORCE_N, "PlaceConnector": MAX_MATING_FORCE_N}
-
 
 class Goal(Protocol):
     """What every goal can be asked."""
 
-    def check(self, panel: Panel, belief: BeliefState) -> None:
+    def check(self, panel: Panel, belief: BeliefState, parameters: Parameters) -> None:
         """Raise AbilityError when the cell cannot take the goal as it is now."""
 
 
@@ -65,7 +58,7 @@ class LocateGoal:
     terminal_id: str
     view: int = 0
 
-    def check(self, panel: Panel, belief: BeliefState) -> None:
+    def check(self, panel: Panel, belief: BeliefState, parameters: Parameters) -> None:
         """Raise when a name is unknown."""
         component = panel.component(self.component_id)
         if self.terminal_id:
@@ -81,7 +74,7 @@ class CheckGoal:
     component_id: str
     terminal_id: str
 
-    def check(self, panel: Panel, belief: BeliefState) -> None:
+    def check(self, panel: Panel, belief: BeliefState, parameters: Parameters) -> None:
         """Raise when a name is unknown."""
         panel.wire(self.cable_id)
         check_clamp(self.component_id, self.terminal_id, panel)
@@ -94,7 +87,7 @@ class DetectGoal:
     cable_id: str
     view: int = 0
 
-    def check(self, panel: Panel, belief: BeliefState) -> None:
+    def check(self, panel: Panel, belief: BeliefState, parameters: Parameters) -> None:
         """Raise when the wire is unknown or not fed."""
         check_live(self.cable_id, panel, belief)
 
@@ -109,13 +102,14 @@ class PickGoal:
     grasp_distance: float
 
     def __post_init__(self) -> None:
-        """Refuse unknown robots and impossible distances."""
+        """Refuse unknown robots."""
         require_robot(self.robot_name)
-        if self.grasp_distance != 0.0:
-            require_number("grasp_distance", self.grasp_distance, *GRASP_RANGE_M, "m")
 
-    def check(self, panel: Panel, belief: BeliefState) -> None:
+    def check(self, panel: Panel, belief: BeliefState, parameters: Parameters) -> None:
         """Raise when the end cannot be picked."""
+        if self.grasp_distance != 0.0:
+            allowed = parameters.tool.grasp_distance_range_m
+            require_number("grasp_distance", self.grasp_distance, *allowed, "m")
         check_live(self.cable_id, panel, belief)
         check_hand(belief, self.end)
         if belief.grip is not None:
@@ -145,12 +139,13 @@ class PlaceGoal:
     target: Pose
 
     def __post_init__(self) -> None:
-        """Refuse unknown robots and poses that are not level."""
+        """Refuse unknown robots and poses that are none."""
         require_robot(self.robot_name)
         require_pose("target_pose", self.target)
 
-    def check(self, panel: Panel, belief: BeliefState) -> None:
-        """Raise when nothing is held or the place is out of reach."""
+    def check(self, panel: Panel, belief: BeliefState, parameters: Parameters) -> None:
+        """Raise when nothing is held, or the place is not level or out of reach."""
+        require_level("target_pose", self.target, parameters.terminal.level_rad)
         if self.cable_id:
             check_live(self.cable_id, panel, belief)
         check_held(belief)
@@ -170,14 +165,16 @@ class RouteGoal:
     path: tuple[Pose, ...]
 
     def __post_init__(self) -> None:
-        """Refuse unknown robots, an empty path and poses that are not level."""
+        """Refuse unknown robots, an empty path and poses that are none."""
         require_robot(self.robot_name)
         require(bool(self.path), "path is empty; it must have one pose or more")
         for i, pose in enumerate(self.path):
             require_pose(f"path[{i}]", pose)
 
-    def check(self, panel: Panel, belief: BeliefState) -> None:
-        """Raise when nothing is held or a pose is out of reach."""
+    def check(self, panel: Panel, belief: BeliefState, parameters: Parameters) -> None:
+        """Raise when nothing is held, or a pose is not level or out of reach."""
+        for i, pose in enumerate(self.path):
+            require_level(f"path[{i}]", pose, parameters.terminal.level_rad)
         check_live(self.cable_id, panel, belief)
         check_held(belief)
         check_tool_path(self.path, belief)
@@ -208,11 +205,12 @@ class InsertGoal:
     force_limit: float
 
     def __post_init__(self) -> None:
-        """Refuse unknown robots, tilted poses, and forces that the grip does not hold."""
-        _require_push(self, MAX_FORCE_N)
+        """Refuse unknown robots and poses that are none."""
+        _require_push(self)
 
-    def check(self, panel: Panel, belief: BeliefState) -> None:
-        """Raise when the end cannot go there."""
+    def check(self, panel: Panel, belief: BeliefState, parameters: Parameters) -> None:
+        """Raise when the end cannot go there, or the grip does not hold the force."""
+        _check_push(self, parameters.tool.grip_holds_n, parameters)
         check_live(self.cable_id, panel, belief)
         check_clamp(self.component_id, self.terminal_id, panel)
         connector = panel.wire(self.cable_id).connector_at(self.end)
@@ -222,7 +220,7 @@ class InsertGoal:
                 f"end {self.end.value} of {self.cable_id!r} is connector {connector.id!r}; place "
                 "it with PlaceConnector",
             )
-        check_free(self, self.end, panel, belief)
+        check_free(self, self.end, panel, belief, parameters.terminal)
 
 
 @dataclass(frozen=True)
@@ -238,11 +236,12 @@ class ConnectGoal:
     force_limit: float
 
     def __post_init__(self) -> None:
-        """Refuse unknown robots, tilted poses, and forces that the grip does not hold."""
-        _require_push(self, MAX_MATING_FORCE_N)
+        """Refuse unknown robots and poses that are none."""
+        _require_push(self)
 
-    def check(self, panel: Panel, belief: BeliefState) -> None:
-        """Raise when the connector does not fit, or cannot go there."""
+    def check(self, panel: Panel, belief: BeliefState, parameters: Parameters) -> None:
+        """Raise when the connector does not fit or cannot go there, or for too much force."""
+        _check_push(self, parameters.tool.grip_holds_connector_n, parameters)
         check_live(self.cable_id, panel, belief)
         connector = panel.wire(self.cable_id).connector(self.connector_id)
         header = panel.component(self.component_id).terminal(self.terminal_id)
@@ -253,7 +252,7 @@ class ConnectGoal:
                 f"{connector.pitch * 1e3:.2f} mm apart; '{self.component_id}/{self.terminal_id}' "
                 f"takes {header.ways}, {header.pitch * 1e3:.2f} mm apart",
             )
-        check_free(self, connector.end, panel, belief)
+        check_free(self, connector.end, panel, belief, parameters.terminal)
 
 
 @dataclass(frozen=True)
@@ -267,12 +266,13 @@ class FixGoal:
     pull_test_force: float
 
     def __post_init__(self) -> None:
-        """Refuse unknown robots and forces that the grip does not hold."""
+        """Refuse unknown robots."""
         require_robot(self.robot_name)
-        require_number("pull_test_force", self.pull_test_force, 0.0, MAX_FORCE_N, unit="N")
 
-    def check(self, panel: Panel, belief: BeliefState) -> None:
-        """Raise when nothing is held."""
+    def check(self, panel: Panel, belief: BeliefState, parameters: Parameters) -> None:
+        """Raise when nothing is held, or the grip does not hold the force."""
+        most_n = parameters.tool.grip_holds_n
+        require_number("pull_test_force", self.pull_test_force, 0.0, most_n, unit="N")
         check_live(self.cable_id, panel, belief)
         check_clamp(self.component_id, self.terminal_id, panel)
         check_held(belief)
@@ -289,29 +289,40 @@ class ExtractGoal:
     socket: Pose
 
     def __post_init__(self) -> None:
-        """Refuse unknown robots and poses that are not level."""
+        """Refuse unknown robots and poses that are none."""
         require_robot(self.robot_name)
         require_pose("socket_pose", self.socket)
 
-    def check(self, panel: Panel, belief: BeliefState) -> None:
+    def check(self, panel: Panel, belief: BeliefState, parameters: Parameters) -> None:
         """Raise when the wire or the socket is not there."""
+        terminal = parameters.terminal
+        require_level("socket_pose", self.socket, terminal.level_rad)
         check_live(self.cable_id, panel, belief)
-        check_socket(self.component_id, self.terminal_id, self.socket, panel, belief=belief)
+        check_socket((self.component_id, self.terminal_id), self.socket, panel, belief, terminal)
 
 
-def _require_push(goal: InsertGoal | ConnectGoal, most_n: float) -> None:
+def _require_push(goal: InsertGoal | ConnectGoal) -> None:
     require_robot(goal.robot_name)
     require_pose("socket_pose", goal.socket)
-    require_number("force_limit", goal.force_limit, 1.0, most_n, unit="N")
+
+
+def _check_push(goal: InsertGoal | ConnectGoal, most_n: float, parameters: Parameters) -> None:
+    require_level("socket_pose", goal.socket, parameters.terminal.level_rad)
+    least_n = parameters.tool.least_push_n
+    require_number("force_limit", goal.force_limit, least_n, most_n, unit="N")
 
 
 def check_free(
-    goal: InsertGoal | ConnectGoal, end: WireEnd, panel: Panel, belief: BeliefState
+    goal: InsertGoal | ConnectGoal,
+    end: WireEnd,
+    panel: Panel,
+    belief: BeliefState,
+    tolerances: TerminalParameters,
 ) -> None:
     """Raise unless a loose end, in the hand or to be picked, may now go into an opening."""
     key = (goal.component_id, goal.terminal_id)
-    check_socket(*key, goal.socket, panel, belief)
-    check_opening(*key, goal.socket, panel, belief)
+    check_socket(key, goal.socket, panel, belief, tolerances)
+    check_opening(key, goal.socket, panel, belief, tolerances)
     check_hand(belief, end)
     if belief.ends[end] is not EndState.LOOSE:
         raise AbilityError(
@@ -350,7 +361,7 @@ class LayGoal:
             f"robot_name and guide_name are both {self.robot_name!r}; it takes two robots",
         )
 
-    def check(self, panel: Panel, belief: BeliefState) -> None:
+    def check(self, panel: Panel, belief: BeliefState, parameters: Parameters) -> None:
         """Raise when a robot cannot do its part; asked for each of the two."""
         check_live(self.cable_id, panel, belief)
         wire = panel.wire(self.cable_id)
@@ -403,7 +414,7 @@ class DiscardGoal:
         """Refuse unknown robots."""
         require_robot(self.robot_name)
 
-    def check(self, panel: Panel, belief: BeliefState) -> None:
+    def check(self, panel: Panel, belief: BeliefState, parameters: Parameters) -> None:
         """Raise when nothing is held, or a hand holds what it must place first."""
         if not self.cable_id:
             check_held(belief)
@@ -417,15 +428,6 @@ class DiscardGoal:
                     Code.OTHER_CABLE_HELD,
                     f"{robot} holds end {grip.end.value}; have it placed first",
                 )
-
-
-# How much shorter than the wire the way between its pins may be [m]: the wire is drawn straight, so
-# each pin lies half of this beyond its place.
-SLACK_M = (0.002, 0.010)
-PATH_SPACE_M = (0.005, 1.0)
-CONNECTOR_SPACE_M = (0.01, 1.0)
-# A pin lies so far from a component at least: an open finger fits between [m].
-ROOM_M = 0.024
 
 
 @dataclass(frozen=True)
@@ -447,21 +449,22 @@ class PlacePinGoal:
     show_in_tf: bool
 
     def __post_init__(self) -> None:
-        """Refuse one robot twice, and spaces that are none."""
+        """Refuse one robot twice."""
         require(
             self.robot_1 != self.robot_2,
             f"robot_1_name and robot_2_name are both {self.robot_1!r}; it takes two robots",
         )
-        require_number("path_space", self.path_space, *PATH_SPACE_M, "m")
-        require_number("connector_space", self.connector_space, *CONNECTOR_SPACE_M, "m")
+
+    def check(self, panel: Panel, belief: BeliefState, parameters: Parameters) -> None:
+        """Raise when a robot cannot lay the live wire there; asked for each of the two."""
+        wires = parameters.wire
+        require_number("path_space", self.path_space, *wires.path_space_range_m, "m")
+        require_number("connector_space", self.connector_space, *wires.connector_space_range_m, "m")
         require(
             self.path_space <= self.connector_space,
             f"path_space is {self.path_space:g} m; allowed: up to connector_space, "
             f"{self.connector_space:g} m",
         )
-
-    def check(self, panel: Panel, belief: BeliefState) -> None:
-        """Raise when a robot cannot lay the live wire there; asked for each of the two."""
         if belief.feed is None:
             raise AbilityError(Code.WIRE_NOT_FED, "no wire has been fed; feed one first")
         wire = panel.wire(belief.feed.wire_id)
@@ -472,22 +475,22 @@ class PlacePinGoal:
                     f"end {end.value} of {wire.id!r} is {state.value} in a terminal; extract it "
                     "first",
                 )
-        self._check_length(wire)
+        self._check_length(wire, wires.pin_slack_range_m)
         for name, pose in pin_row(self, wire, panel).items():
-            self._check_place(name, pose, panel)
+            self._check_place(name, pose, panel, parameters.tool.finger_room_m)
             if name.startswith("pin"):
                 x, y, z = (float(v) for v in pose.position - pose.rotation[:, 0] * GRASP_DISTANCE_M)
                 check_reach(belief.arm, ToolPose(x, y, z, pose.yaw))
 
-    def _check_length(self, wire: PanelWire) -> None:
-        least, most = (round(wire.length - slack, 4) for slack in reversed(SLACK_M))
+    def _check_length(self, wire: PanelWire, slacks: tuple[float, float]) -> None:
+        least, most = (round(wire.length - slack, 4) for slack in reversed(slacks))
         require(
             least <= self.connector_space <= most,
             f"connector_space is {self.connector_space:g} m; {wire.id!r} is {wire.length:g} m "
             f"long, allowed: {least:g} to {most:g} m",
         )
 
-    def _check_place(self, name: str, pose: Pose, panel: Panel) -> None:
+    def _check_place(self, name: str, pose: Pose, panel: Panel, room_m: float) -> None:
         x, y, _ = (float(v) for v in panel.world_from_panel.inverse().apply(pose.position))
         require(
             abs(x) <= panel.size[0] / 2 and abs(y) <= panel.size[1] / 2,
@@ -498,9 +501,9 @@ class PlacePinGoal:
             local = component.panel_from_component.inverse().apply(np.array([x, y, 0.0]))
             beside = np.abs(local[:2]) - np.array(component.size[:2]) / 2
             require(
-                float(beside.max()) > ROOM_M,
+                float(beside.max()) > room_m,
                 f"{name} would lie at x {x:.3f}, y {y:.3f} m of the panel, nearer than "
-                f"{ROOM_M * 1e3:.0f} mm to component {component.id!r}; rotate or center the row",
+                f"{room_m * 1e3:.0f} mm to component {component.id!r}; rotate or center the row",
             )
 
 
@@ -523,7 +526,10 @@ def pin_row(goal: PlacePinGoal, wire: PanelWire, panel: Panel) -> dict[str, Pose
 
 
 def find_demand_problems(
-    robots: Collection[str], forces_n: Mapping[str, float], there: Collection[str]
+    robots: Collection[str],
+    forces_n: Mapping[str, float],
+    there: Collection[str],
+    tool: ToolParameters,
 ) -> Iterator[str]:
     """Yield why goals of an order would be refused, one sentence each.
 
@@ -531,12 +537,17 @@ def find_demand_problems(
         robots: that its goals name.
         forces_n: the greatest force limit [N] of its goals, by the ability.
         there: names of the cell's robots.
+        tool: what their grips hold.
     """
     for robot in robots:
         if robot not in there:
             yield f"the order's goals name robot {robot!r}; the cell has {', '.join(there)}"
+    limits_n = {
+        "InsertCable": tool.grip_holds_n,
+        "PlaceConnector": tool.grip_holds_connector_n,
+    }
     for ability, force_n in forces_n.items():
-        most_n = FORCE_LIMITS_N.get(ability, float("inf"))
+        most_n = limits_n.get(ability, float("inf"))
         if force_n > most_n:
             yield (
                 f"the use case has {ability} push with up to {force_n:g} N; this cell's grip "

@@ -7,23 +7,15 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from remodel_skills.parameters import MotionParameters
 from remodel_work.geometry import Array
 from remodel_work.robot.arm import ToolPose
 from remodel_work.robot.kinematics import Kinematics
 
 # A minimum-jerk motion peaks at 15/8 of its mean speed.
 PEAK_OVER_MEAN = 15.0 / 8.0
-# The tool speeds up and slows down with no more than this [m/s^2]; the Panda allows 13. At its peak
-# a minimum-jerk motion has 10 / sqrt(3) of its distance over the square of its time.
-ACCELERATION = 10.0
+# Its acceleration peaks at 10 / sqrt(3) of its distance over the square of its time.
 PEAK_ACCELERATION = 10.0 / math.sqrt(3.0)
-# A hand with a wire turns no faster [rad/s]: the wire would pitch in the grip.
-WIRE_TURN_RATE = 1.6
-# Joint rates are sampled at so many moments of a motion.
-RATE_SAMPLES = 41
-# Postures are checked this far apart before a motion starts [m], [rad].
-CHECK_STEP_M = 0.02
-CHECK_STEP_RAD = 0.2
 
 
 @dataclass(frozen=True)
@@ -33,14 +25,16 @@ class Line:
     Attributes:
         start, end: tool poses; yaw changes with the same progress as position.
         speed: peak speed of the tool centre [m/s].
-        turn_rate: peak rate of the hand's turn [rad/s].
+        motion: how fast tools speed up, and hands with a wire turn.
+        turn_rate: peak rate of the hand's turn [rad/s]; None: of a hand with a wire.
         least_s: the motion takes at least so long [s].
     """
 
     start: ToolPose
     end: ToolPose
     speed: float
-    turn_rate: float = WIRE_TURN_RATE
+    motion: MotionParameters
+    turn_rate: float | None = None
     least_s: float = 0.0
 
     @property
@@ -52,9 +46,10 @@ class Line:
     @property
     def duration(self) -> float:
         """Time the motion takes [s]."""
-        turn = abs(self.end.yaw - self.start.yaw)
-        fastest = PEAK_OVER_MEAN * max(self.distance / self.speed, turn / self.turn_rate)
-        steepest = math.sqrt(PEAK_ACCELERATION * self.distance / ACCELERATION)
+        motion, turn = self.motion, abs(self.end.yaw - self.start.yaw)
+        rate = motion.wire_turn_rate_rad_s if self.turn_rate is None else self.turn_rate
+        fastest = PEAK_OVER_MEAN * max(self.distance / self.speed, turn / rate)
+        steepest = math.sqrt(PEAK_ACCELERATION * self.distance / motion.acceleration_m_s2)
         return max(fastest, steepest, self.least_s)
 
     def at(self, elapsed: float) -> ToolPose:
@@ -78,8 +73,9 @@ class Line:
 
         Raises UNREACHABLE if one does not exist.
         """
-        turn = abs(self.end.yaw - self.start.yaw)
-        parts = max(1, math.ceil(max(self.distance / CHECK_STEP_M, turn / CHECK_STEP_RAD)))
+        motion, turn = self.motion, abs(self.end.yaw - self.start.yaw)
+        steps = max(self.distance / motion.check_step_m, turn / motion.check_step_rad)
+        parts = max(1, math.ceil(steps))
         return np.array([arm.joints_for(self.between(i / parts)) for i in range(parts + 1)])
 
     def paced(self, arm: Kinematics) -> Line:
@@ -89,9 +85,10 @@ class Line:
         """
         if arm.axis is None:
             return self
-        shares = [_progress(t) for t in np.linspace(0.0, 1.0, RATE_SAMPLES)]
+        samples = self.motion.rate_samples
+        shares = [_progress(t) for t in np.linspace(0.0, 1.0, samples)]
         joints = np.array([arm.joints_for(self.between(share)) for share in shares])
-        rates = np.abs(np.diff(joints, axis=0)).max(axis=0) * (RATE_SAMPLES - 1)
+        rates = np.abs(np.diff(joints, axis=0)).max(axis=0) * (samples - 1)
         return replace(self, least_s=float((rates / arm.speeds).max()))
 
 

@@ -9,11 +9,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 
-# A wire rubs with some 1 N in its opening; one that meets no more is free [N].
-FREE_WAY_N = 2.0
-# The force that falls, and by how much [N].
-GIVES_WAY_FROM_N = 4.0
-GIVES_WAY_BY_N = 0.5
+from remodel_skills.parameters import WireParameters
 
 
 @dataclass(frozen=True)
@@ -22,12 +18,14 @@ class PushMonitor:
 
     Attributes:
         buckles: whether what is pushed may give way.
+        wire: the forces that show it.
         peak: the largest.
         peak_before: the largest before it came near the bottom.
         now: the last.
     """
 
     buckles: bool
+    wire: WireParameters
     peak: float = 0.0
     peak_before: float = 0.0
     now: float = 0.0
@@ -41,5 +39,9 @@ class PushMonitor:
     @property
     def gave_way(self) -> bool:
         """Whether the wire buckles at the bottom."""
-        free = self.buckles and self.peak_before < FREE_WAY_N
-        return free and self.peak >= GIVES_WAY_FROM_N and self.now < self.peak - GIVES_WAY_BY_N
+        free = self.buckles and self.peak_before < self.wire.free_way_n
+        return (
+            free
+            and self.peak >= self.wire.gives_way_from_n
+            and self.now < self.peak - self.wire.gives_way_by_n
+        )

@@ -11,6 +11,7 @@ from remodel_skills.collision import CollisionCheck
 from remodel_skills.device import Device
 from remodel_skills.force_control import ForceLoop
 from remodel_skills.observers import Cameras, Observers
+from remodel_skills.parameters import Parameters
 from remodel_skills.scene import Scene
 from remodel_skills.space import Space
 from remodel_skills.traffic import Traffic
@@ -63,6 +64,7 @@ class RobotContext:
         scene: what the robot must not touch.
         space: what it claims among the other robots.
         observers: who receives what abilities observe and intend.
+        parameters: the numbers of its skills.
         cameras: its pictures, which the observers receive as well.
         tick_s: time between two commands to the arm [s].
         busy: whether the robot does something.
@@ -85,6 +87,7 @@ class RobotContext:
         robots: Mapping[str, RobotContext],
         traffic: Traffic,
         observers: Observers,
+        parameters: Parameters,
         check: CollisionCheck | None = None,
     ) -> None:
         """Take over a robot of a cell in which nothing has happened yet.
@@ -96,7 +99,7 @@ class RobotContext:
         self.robots, self.panel, self.belief = robots, panel, belief
         self.scene = Scene(device, panel, belief, check)
         self.space = Space(design.name, design.arm, traffic, robots)
-        self.observers = observers
+        self.observers, self.parameters = observers, parameters
         self.cameras = Cameras(device, design.camera.name, belief, observers)
         self.tick_s = device.tick_s
         self.busy = self.keeps_wire = False

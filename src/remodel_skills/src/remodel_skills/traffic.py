@@ -1,7 +1,7 @@
 """Which space of the cell each robot has for itself.
 
 A robot claims the space of its whole path before it moves, and that of its posture when it is
-stopped. No robot gets space nearer than MARGIN_M to another's, so robots that keep to their claims
+stopped. No robot gets space too near to another's, so robots that keep to their claims
 do not collide.
 """
 
@@ -12,19 +12,18 @@ from dataclasses import dataclass, field
 
 from remodel_work.robot.arm_volume import Volume, gap_between
 
-# Between the spaces of two robots [m]: paths are sampled and arms lag by centimetres.
-MARGIN_M = 0.03
-
 
 @dataclass
 class Traffic:
     """The claims of a cell's robots.
 
     Attributes:
+        margin_m: between the spaces of two robots [m].
         claims: the space that each robot has, by its name.
         waits_for: whom a robot waits for.
     """
 
+    margin_m: float
     claims: dict[str, Volume] = field(default_factory=dict)
     waits_for: dict[str, str] = field(default_factory=dict)
 
@@ -42,7 +41,7 @@ class Traffic:
     def in_the_way(self, robot: str, volume: Volume) -> str | None:
         """Return the robot whose space is too near to another's; None if there is none."""
         for other, room in self._others(robot):
-            if gap_between(volume, room) < MARGIN_M:
+            if gap_between(volume, room) < self.margin_m:
                 return other
         return None
 

@@ -7,6 +7,7 @@ import numpy as np
 
 from remodel_skills.belief_state import BeliefState, EndState, Feed, Grip
 from remodel_skills.device import Device
+from remodel_skills.edge.parameter_files import read_parameters
 from remodel_skills.observers import Observers
 from remodel_skills.robot_context import RobotContext
 from remodel_skills.traffic import Traffic
@@ -16,6 +17,7 @@ from remodel_work.geometry import Pose
 from remodel_work.panel import Channel, Component, Panel, PanelTerminal, PanelWire, WireEnd
 from remodel_work.robot.arm import PANDA_AT_ORIGIN, ToolPose
 
+PARAMETERS = read_parameters().parameters
 TICK_S, STEPS = 1 / 120, 2
 SENSOR_S = 0.008  # time constant of the wrist sensor's low pass [s]
 HOME = ToolPose(0.30, 0.35, 0.30, 0.0)
@@ -102,9 +104,10 @@ def before_the_opening(feels):
     )
     device = Device(arm, ScriptedGripper(), None, None, None, None, TICK_S)
     belief = BeliefState("robot_1", PANDA_AT_ORIGIN)
-    robots = {}
+    robots, traffic = {}, Traffic(PARAMETERS.motion.robots_apart_m)
     robots["robot_1"] = context = RobotContext(
-        device, cell, robot, PANEL, belief, robots, Traffic(), Observers()
+        *(device, cell, robot, PANEL, belief, robots, traffic, Observers()),
+        parameters=PARAMETERS,
     )
     belief.start_wire(Feed("W1", "A", 1), {})
     belief.ends[WireEnd.A] = EndState.LOOSE

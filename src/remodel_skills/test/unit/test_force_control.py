@@ -1,15 +1,20 @@
 """Force control of pushes and pulls: its law, on springs."""
 
 import pytest
+from scripted_device import PARAMETERS
 
 from remodel_skills.force_control import ForceControl
 
 SPEED = 0.02
 
 
+def control_of(limit):
+    return ForceControl(limit, PARAMETERS.wire.grip_stiffness_n_m, PARAMETERS.motion)
+
+
 def peak_at_a_spring(stiffness, limit, rate_hz, free_m=0.01, seconds=4.0):
     """Return the largest force on a spring that is met at full speed, and the last one [N]."""
-    control, travel, speed, peak, force = ForceControl(limit), 0.0, 0.0, 0.0, 0.0
+    control, travel, speed, peak, force = control_of(limit), 0.0, 0.0, 0.0, 0.0
     for _ in range(round(seconds * rate_hz)):
         speed = control.speed(SPEED, force, speed, 1 / rate_hz)
         travel += speed / rate_hz
@@ -27,8 +32,8 @@ def test_a_push_comes_to_its_limit_and_not_beyond_whatever_stops_it(stiffness, l
 
 
 def test_a_push_that_is_over_its_limit_goes_back():
-    assert ForceControl(8.0).speed(SPEED, 9.0, SPEED, 1 / 240) < 0
+    assert control_of(8.0).speed(SPEED, 9.0, SPEED, 1 / 240) < 0
 
 
 def test_a_push_does_not_jerk_the_hand_forwards():
-    assert ForceControl(25.0).speed(SPEED, 0.0, 0.0, 1 / 240) <= 0.3 / 240 + 1e-12
+    assert control_of(25.0).speed(SPEED, 0.0, 0.0, 1 / 240) <= 0.3 / 240 + 1e-12

@@ -1,11 +1,10 @@
 """What closed fingers say about what is between them: on a scripted device, in milliseconds."""
 
 import pytest
-from scripted_device import HOME, WIRE, before_the_opening
+from scripted_device import HOME, PARAMETERS, TERMINAL, WIRE, before_the_opening
 
 from remodel_skills.belief_state import Grip
-from remodel_skills.primitives.grasping import HELD_LOAD_N, check_grip, close_on_wire
-from remodel_skills.primitives.motions import HAND_OPEN_M, TRAVEL_Z
+from remodel_skills.primitives.grasping import check_grip, close_on_wire, inside_terminal
 from remodel_skills.runner import run
 from remodel_states.core.codes import Code
 from remodel_work.errors import AbilityError
@@ -39,16 +38,21 @@ def test_a_hand_that_holds_no_wire_opens_and_rises(gap, words):
         run(arm.tick, close_on_wire(context, GRIP))
     assert caught.value.code is Code.GRASP_MISSED
     assert context.belief.grip is None
-    assert context.device.gripper.gap == 2 * HAND_OPEN_M
-    assert arm.tool.z == pytest.approx(TRAVEL_Z, abs=1e-6)
+    assert context.device.gripper.gap == 2 * PARAMETERS.tool.open_m
+    assert arm.tool.z == pytest.approx(PARAMETERS.motion.travel_z_m, abs=1e-6)
 
 
 def test_fingers_that_feel_nothing_have_lost_the_wire():
     context, arm = hand_that_closes_on(WIRE.diameter)
     run(arm.tick, close_on_wire(context, GRIP))
     check_grip(context)
-    context.device.gripper.load = HELD_LOAD_N / 2
+    context.device.gripper.load = PARAMETERS.tool.held_load_n / 2
     with pytest.raises(AbilityError) as caught:
         check_grip(context)
     assert caught.value.code is Code.GRASP_SLIPPED
     assert context.belief.grip is None
+
+
+def test_a_wire_is_as_deep_in_its_terminal_as_that_is():
+    context, _ = hand_that_closes_on(WIRE.diameter)
+    assert inside_terminal(context, WireEnd.A) == TERMINAL.depth

@@ -1,9 +1,9 @@
 """How pulls end, by what the wrist feels: on a scripted device, in milliseconds."""
 
 import pytest
-from scripted_device import SOCKET, TERMINAL, before_the_opening
+from scripted_device import PARAMETERS, SOCKET, TERMINAL, before_the_opening
 
-from remodel_skills.primitives.pulling import MAX_SLIP_M, pull_out, pull_test
+from remodel_skills.primitives.pulling import pull_out, pull_test
 from remodel_skills.primitives.pushing import tool_before
 from remodel_skills.runner import run
 from remodel_states.core.codes import Code
@@ -36,7 +36,7 @@ def test_an_end_in_a_closed_clamp_passes_the_pull_test():
     context, arm = at_the_bottom(held(2e5))
     start = context.commanded
     slip = run(arm.tick, pull_test(context, SOCKET, PULL_N, "X1/1"))
-    assert slip < MAX_SLIP_M / 3
+    assert slip < PARAMETERS.terminal.max_slip_m / 3
     assert context.commanded == start, "the hand went back"
     assert max(map(abs, arm.forces)) <= 1.15 * PULL_N + 0.5
 

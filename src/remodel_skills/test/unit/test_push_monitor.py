@@ -1,6 +1,7 @@
 """When a wire gives way at the bottom; forces as the cell has felt them [N]."""
 
 import pytest
+from scripted_device import PARAMETERS
 
 from remodel_skills.push_monitor import PushMonitor
 
@@ -10,7 +11,7 @@ HANGING = (9.1, 19.7, 7.7, 5.0)
 
 def gives_way_after(before, near, buckles=True):
     """Return how many forces near the bottom show that it gives way; None if it does not."""
-    monitor = PushMonitor(buckles)
+    monitor = PushMonitor(buckles, PARAMETERS.wire)
     for force in before:
         monitor = monitor.then(force, near_bottom=False)
     assert not monitor.gave_way

@@ -1,11 +1,9 @@
 """How a push ends, by what the wrist feels: on a scripted device, in milliseconds."""
 
 import pytest
-from scripted_device import SOCKET, TERMINAL, before_the_opening
+from scripted_device import PARAMETERS, SOCKET, TERMINAL, before_the_opening
 
 from remodel_skills.primitives.pushing import (
-    FACE_M,
-    RUBS_N,
     judge_alignment,
     judge_depth,
     push_in,
@@ -16,7 +14,7 @@ from remodel_states.core.codes import Code
 from remodel_work.errors import AbilityError
 from remodel_work.layout import STANDOFF_M
 
-BOTTOM = TERMINAL.depth
+BOTTOM, FACE_M = TERMINAL.depth, PARAMETERS.terminal.face_m
 LIMIT_N = 8.0
 STIFF = 2e4  # of a wire in the grip against what stops it [N/m]
 RUBBING_N = 0.8  # of a ferrule in its opening
@@ -43,7 +41,7 @@ def misses(depth):
 
 
 def rubs(depth):
-    return 2 * RUBS_N * (depth > FACE_M) + wall(BOTTOM, depth)
+    return 2 * PARAMETERS.wire.rubs_n * (depth > FACE_M) + wall(BOTTOM, depth)
 
 
 def pushed(feels, until_in=float("inf")):
@@ -59,7 +57,7 @@ def test_an_end_that_meets_the_bottom_is_seated():
     assert push.stopped
     assert push.depth == pytest.approx(BOTTOM, abs=1e-3)
     judge_alignment(push, SOCKET, TERMINAL, "X1/1")
-    judge_depth(push, BOTTOM, "X1/1")
+    judge_depth(push, BOTTOM, "X1/1", PARAMETERS.terminal)
 
 
 @pytest.mark.parametrize(
@@ -74,7 +72,7 @@ def test_an_end_that_does_not_reach_the_bottom_is_refused(feels, code, depth):
     push, _ = pushed(feels)
     assert push.depth == pytest.approx(depth, abs=1e-3)
     with pytest.raises(AbilityError) as caught:
-        judge_depth(push, BOTTOM, "X1/1")
+        judge_depth(push, BOTTOM, "X1/1", PARAMETERS.terminal)
     assert caught.value.code is code
     assert caught.value.found["peak_force"] == push.peak_force
 

@@ -17,11 +17,7 @@ from remodel_skills.goals import CheckGoal
 from remodel_skills.primitives.grasping import holds
 from remodel_skills.primitives.motions import park
 from remodel_skills.primitives.observation.observing import go_and_see
-from remodel_skills.primitives.observation.views import (
-    ComponentViews,
-    camera_above,
-    expected_place,
-)
+from remodel_skills.primitives.observation.views import ComponentViews, camera_above, expected_place
 from remodel_skills.robot_context import RobotContext, Steps
 from remodel_states.core.codes import Code
 from remodel_vision.component_observation import ComponentObservation
@@ -38,10 +34,6 @@ from remodel_work.errors import AbilityError
 from remodel_work.geometry import Pose
 from remodel_work.panel import Component
 from remodel_work.robot.arm import ToolPose
-
-# Places of the lens beside an opening [m]: out of its face, where the housing's edge does not hide
-# the opening, and across; the two that lie far apart come first.
-LENS_AT_M = ((0.02, 0.05), (0.02, -0.05), (0.02, 0.0), (0.05, 0.03), (0.05, -0.03))
 
 
 @dataclass(frozen=True)
@@ -86,7 +78,7 @@ def check_connection(context: RobotContext, goal: CheckGoal) -> Steps[Connection
     shots: list[Shot] = []
     occupancy = Occupancy.UNCLEAR
     for i, take in enumerate(_views(context, goal)):
-        context.report(f"observing {where}", i / (1 + len(LENS_AT_M)))
+        context.report(f"observing {where}", i / (1 + len(context.parameters.looking.lens_at_m)))
         camera, picture = yield from take
         shots.append(Shot(camera, picture, _component_in(context, goal, picture)))
         yield
@@ -110,7 +102,7 @@ def _views(context: RobotContext, goal: CheckGoal) -> Iterator[Steps[tuple[str, 
     drawn = context.panel.world_from_panel @ context.panel.panel_from_socket(
         goal.component_id, goal.terminal_id
     )
-    for out, across in LENS_AT_M:
+    for out, across in context.parameters.looking.lens_at_m:
         lens = drawn.apply(np.array([-out, across, 0.0]))[:2]
         tool = camera_above(context, lens, context.commanded.yaw)
         if context.arm.reaches(tool):

@@ -14,12 +14,7 @@ from remodel_skills.goal_checks import Message
 from remodel_skills.goals import DiscardGoal, ExtractGoal, LocateGoal
 from remodel_skills.primitives.carrying import drop_into_bin, lift_out
 from remodel_skills.primitives.ducts.leading import let_go
-from remodel_skills.primitives.grasping import (
-    RELEASE_OPENING_M,
-    holds,
-    pick_end,
-    release,
-)
+from remodel_skills.primitives.grasping import holds, pick_end, release
 from remodel_skills.primitives.motions import rise
 from remodel_skills.primitives.observation.observing import loose_ends
 from remodel_skills.primitives.picking_up import pick_up
@@ -107,7 +102,7 @@ def _draw_out(context: RobotContext, terminal: TerminalKey) -> Steps[None]:
         if error.code is not Code.EXTRACTION_STUCK or grip is None:
             raise
         belief.seat(grip.end, terminal)
-        yield from release(context, RELEASE_OPENING_M)
+        yield from release(context, context.parameters.tool.release_opening_m)
         yield from rise(context)
         text = f"{error}; it was released there, the hand is empty"
         raise AbilityError(error.code, text, **error.found) from error

@@ -13,22 +13,13 @@ from remodel_skills.goal_checks import Message, pose_from
 from remodel_skills.goals import ExtractGoal
 from remodel_skills.primitives.ducts.leading import let_go
 from remodel_skills.primitives.grasping import (
-    FLOOR_CLEARANCE_M,
     close_on_wire,
     grasp_distance,
     holds,
     opening_beside_neighbours,
 )
 from remodel_skills.primitives.laying import lay_down, let_down, tip_of
-from remodel_skills.primitives.motions import (
-    APPROACH_SPEED,
-    FREE_SPEED,
-    TRAVEL_Z,
-    choose_flip,
-    clear_hand,
-    move_to,
-    swing_to,
-)
+from remodel_skills.primitives.motions import choose_flip, clear_hand, move_to, swing_to
 from remodel_skills.primitives.pulling import pull_out
 from remodel_skills.primitives.pushing import tool_before
 from remodel_skills.primitives.taking_up import take_up
@@ -38,12 +29,6 @@ from remodel_work.errors import AbilityError
 from remodel_work.geometry import Pose
 from remodel_work.panel import WireEnd
 from remodel_work.robot.arm import ToolPose
-
-# An end that does not come at this force is stuck: the grip holds not much more.
-MAX_PULL_N = 25.0
-# The wire leaves the terminal straight only for so far; there it is grasped, the pads clear of the
-# face.
-OUTSIDE_M = 0.016
 
 
 @dataclass(frozen=True)
@@ -131,7 +116,10 @@ def where_it_lay(context: RobotContext, grip: Grip, back: Grip) -> ToolPose:
     """Return the tool pose that lays the tip down where it lay when it was picked."""
     yaw = back.tool.yaw + back.flip
     x, y = tip_of(back.tool, back) - grip.distance * np.array([math.cos(yaw), math.sin(yaw)])
-    z = max(context.wire.radius - grip.height, context.fingers.below + FLOOR_CLEARANCE_M)
+    z = max(
+        context.wire.radius - grip.height,
+        context.fingers.below + context.parameters.tool.floor_clearance_m,
+    )
     return ToolPose(float(x), float(y), z, yaw - grip.flip)
 
 
@@ -167,11 +155,13 @@ def _grasp_at_opening(
     context: RobotContext, end: WireEnd, goal: ExtractGoal, inside: float
 ) -> Steps[None]:
     """Grasp the wire just outside an opening; `inside` [m] of it are in the terminal."""
+    motion = context.parameters.motion
     socket, terminal = goal.socket, (goal.component_id, goal.terminal_id)
     then = context.belief.picked_at[end]
     # Between a terminal and a duct there is no more room than an insertion takes.
     by_magazine = context.belief.by_magazine
-    distance = grasp_distance(context, end) if by_magazine else inside + OUTSIDE_M
+    outside = context.fingers.width / 2 + context.parameters.tool.pads_clear_m
+    distance = grasp_distance(context, end) if by_magazine else inside + outside
     place = tool_before(
         socket, Grip(end=end, distance=distance, height=0.0, flip=0.0, tool=then.tool), inside
     )
@@ -184,10 +174,10 @@ def _grasp_at_opening(
     )
     tool = ToolPose(place.x, place.y, place.z, socket.yaw - flip)
     yield from clear_hand(context)
-    yield from swing_to(context, tool.at(z=max(TRAVEL_Z, context.commanded.z)))
+    yield from swing_to(context, tool.at(z=max(motion.travel_z_m, context.commanded.z)))
     context.drive_fingers(opening_beside_neighbours(context, terminal))
-    yield from move_to(context, tool.at(z=tool.z + 0.03), FREE_SPEED)
-    yield from move_to(context, tool, APPROACH_SPEED)
+    yield from move_to(context, tool.at(z=tool.z + motion.approach_above_m), motion.free_speed_m_s)
+    yield from move_to(context, tool, motion.approach_speed_m_s)
     picked = context.belief.picked_at[end]
     yield from close_on_wire(
         context, Grip(end=end, distance=distance, height=0.0, flip=flip, tool=tool)
@@ -199,7 +189,7 @@ def _grasp_at_opening(
 def _pull_out(context: RobotContext, socket: Pose, where: str) -> Steps[float]:
     """Pull the held end out of the opening; return the peak force [N]."""
     try:
-        return (yield from pull_out(context, socket, MAX_PULL_N))
+        return (yield from pull_out(context, socket, context.parameters.tool.grip_holds_n))
     except AbilityError as error:
         if error.code is Code.EXTRACTION_STUCK:
             text = f"the end in {where}: {error}; ask the operator"

@@ -59,7 +59,7 @@ def fix_cable(context: RobotContext, goal: FixGoal) -> Steps[CableFixed]:
     context.report(f"closing {where}", 0.1)
     end = belief.grip.end if belief.grip is not None else None
     closed = context.device.fixture.close_clamp(*key)
-    yield from wait(context, 0.1)
+    yield from wait(context, context.parameters.motion.still_s)
     if end is None or not closed:
         raise AbilityError(
             Code.NOT_SEATED,
@@ -72,7 +72,7 @@ def fix_cable(context: RobotContext, goal: FixGoal) -> Steps[CableFixed]:
         nominal = context.panel.panel_from_socket(*key)
         socket = nominal if belief.engaged is None else belief.engaged
         slip = yield from pull_test(
-            context, socket, goal.pull_test_force, where, yielding=yielding_in(socket)
+            context, socket, goal.pull_test_force, where, yielding=yielding_in(context, socket)
         )
     check_grip(context)
     yield from release_fixed(context, end, key)
@@ -87,6 +87,6 @@ def fix_cable(context: RobotContext, goal: FixGoal) -> Steps[CableFixed]:
         found = yield from tuck_in(context)
         yield from check_end(context, end.other)
         if found is not None:
-            check_ducts(found)
+            check_ducts(found, context.parameters.fixture.duct_least_share)
             message += f"; it lies in its ducts at {found.share:.0%} of its route"
     return CableFixed(message, slip)

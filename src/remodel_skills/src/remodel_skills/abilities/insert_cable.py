@@ -10,12 +10,7 @@ from remodel_skills.goals import InsertGoal
 from remodel_skills.primitives.ducts.leading import let_go
 from remodel_skills.primitives.grasping import check_grip, pick_end
 from remodel_skills.primitives.motions import disengage
-from remodel_skills.primitives.pushing import (
-    bring_before,
-    find_in,
-    judge_alignment,
-    judge_depth,
-)
+from remodel_skills.primitives.pushing import bring_before, find_in, judge_alignment, judge_depth
 from remodel_skills.robot_context import RobotContext, Steps
 from remodel_work.geometry import Pose
 from remodel_work.openings import opening_of
@@ -68,7 +63,7 @@ def insert_cable(context: RobotContext, goal: InsertGoal) -> Steps[CableInserted
     key = (goal.component_id, goal.terminal_id)
     where = f"'{goal.component_id}/{goal.terminal_id}'"
     judge_alignment(push, opening_of(key, context.panel, context.belief.seen), terminal, where)
-    judge_depth(push, terminal.depth, where)
+    judge_depth(push, terminal.depth, where, context.parameters.terminal)
     context.belief.seat(goal.end, key)
     yield from let_go(context)
     message = (

@@ -19,14 +19,11 @@ import numpy as np
 
 from remodel_skills.abilities.ability import ability
 from remodel_skills.belief_state import EndState
-from remodel_skills.force_control import ForceControl
 from remodel_skills.goal_checks import Message
 from remodel_skills.goals import LayGoal
+from remodel_skills.parameters import FixtureParameters
 from remodel_skills.primitives.ducts.leading import (
     AMONG_WIRES,
-    BACK_M,
-    CORNER_M,
-    LEAVE_SPEED,
     behind_hand,
     eyelet_yaw,
     keep_in_duct,
@@ -35,23 +32,15 @@ from remodel_skills.primitives.ducts.leading import (
     withdraw,
 )
 from remodel_skills.primitives.force_motion import ForceMotion
-from remodel_skills.primitives.grasping import check_grip
+from remodel_skills.primitives.grasping import check_grip, inside_terminal
 from remodel_skills.primitives.holding import (
-    FLAT,
-    HOLD_SPEED,
-    SLACK,
-    STEEP,
     bring_together,
+    flat_hold,
     hold_off,
+    slack_hold,
+    steep_hold,
 )
-from remodel_skills.primitives.motions import (
-    APPROACH_SPEED,
-    FREE_SPEED,
-    HAND_OPEN_M,
-    TRAVEL_Z,
-    move_to,
-    wait,
-)
+from remodel_skills.primitives.motions import move_to, wait
 from remodel_skills.primitives.observation.route_check import observe_board
 from remodel_skills.primitives.observation.views import clear_sight
 from remodel_skills.primitives.together import move_together
@@ -65,60 +54,6 @@ from remodel_work.geometry import Array, Pose, wrap_angle
 from remodel_work.panel import Duct, WireEnd, unit_x
 from remodel_work.robot.arm import ToolPose
 from remodel_work.slots import slot_before
-
-# The pads stay so far apart that the edges of the eyelet do not pinch the wire. Pads that are so
-# near to each other, or by such a share of the wire's diameter, have nothing between them. If the
-# wire is there instead of in the eyelet, the hand goes down by so much, so often [m]: as far as a
-# loop of another wire may lie over it, or as far as a wire that is seen may be from there.
-APART_M = 0.0010
-CLOSED_M = 0.0016
-CLOSED_SHARE = 0.7
-STEP_DOWN_M = 0.004
-TAKES = 7
-SEEN_TAKES = 3
-# So much of the turn it has done in the middle of the corner and where it ends; all, so far behind.
-TURNED_SHARES = (0.3, 0.65)
-STRAIGHT_AGAIN_M = 0.070
-# A wire that is straight leaves its first duct through the slots of both walls: the hand lifts it
-# so far over their rim, turns it, and lays it down between them [m].
-OVER_RIM_M = 0.008
-# It is led so far below the rim, above the wires that lie there: ahead of the hand it rises over
-# the wall behind a corner, and it sinks behind the hand [m].
-UNDER_RIM_M = 0.012
-# The leading hand goes along a duct so fast [m/s].
-LEAD_SPEED = 0.25
-# The wire may pull at the leading hand, level, with so much of what its terminal holds; with more
-# for so long, and it hangs on something [s].
-MAX_PULL_SHARE = 0.3
-SNAG_S = 0.05
-# Where the wire crosses its first duct it is searched for so far to each side of the slot [m].
-SEARCH_M = 0.030
-CLOSE_S = 0.6
-# The holder draws the wire straight until it feels so much, no further than so far [N, m, m/s]. It
-# may pull with more before it has stopped, but no more than the other limit [N].
-TIGHT_N = 2.0
-MAX_TIGHT_N = 8.0
-TIGHTEN_M = 0.20
-TIGHTEN_SPEED = 0.10
-# A wire that sags yields far more than one in the grip: 200 N/m between 1 and 2 N, measured at 0.2
-# to 0.9 m. So much is assumed [N/m].
-SAGGING_STIFFNESS = 8e3
-# So far before the last slot the wire rises to the holding hand [m].
-RISES_M = 0.12
-# It is released with the free part so far to the inner side of its last corner [rad].
-INWARD_RAD = math.radians(35.0)
-# So much of the wire is inside its terminal, about [m].
-INSIDE_M = 0.014
-# Two hands need so much of the wire between them: where less is left at the last slot, the leading
-# hand releases the wire before it, where it rises to the holding hand anyway [m].
-LEAST_HELD_M = 0.20
-# Where others hide the wire at its slot the pads are so far above the middle of its route there
-# [m]: it comes out 7 to 14 mm above that, and the pads reach 7 mm higher than the tool.
-HIDDEN_M = 0.011
-# A hidden wire that is not felt there may leave its slot aslant: it is felt for so far on, too [m].
-ONWARD_M = 0.010
-# The direction of the wire at its slot is taken over so much to each side [m].
-DIRECTION_M = 0.012
 
 
 @dataclass(frozen=True)
@@ -176,24 +111,31 @@ def _lead(holder: RobotContext, guide: RobotContext, route: list[Array]) -> Step
     Returns:
         The peak of the level pull at the guide [N].
     """
+    fixture = guide.parameters.fixture
     grip = holder.belief.grip
     assert grip is not None, "the holder has the free end"
     fixed = guide.panel.world_from_panel @ guide.panel.panel_from_socket(
         *guide.wire.goes_to(grip.end.other)
     )
-    depths = [np.array([0.0, 0.0, _rim(guide, at) - UNDER_RIM_M - at[2]]) for at in route[1:-1]]
-    places = list(_places_along([at + d for at, d in zip(route[1:-1], depths, strict=True)]))
-    over = _rim(guide, route[1]) + OVER_RIM_M
+    depths = [
+        np.array([0.0, 0.0, _rim(guide, at) - fixture.duct_under_rim_m - at[2]])
+        for at in route[1:-1]
+    ]
+    led = [at + d for at, d in zip(route[1:-1], depths, strict=True)]
+    places = list(_places_along(led, fixture))
+    over = _rim(guide, route[1]) + fixture.duct_over_rim_m
     places.insert(0, replace(places[0], at=np.array([*places[0].at[:2], over])))
     guide.report("searching for the wire at its slot", 0.2)
-    left = guide.wire.length - grip.distance - INSIDE_M - float(np.linalg.norm(route[1] - route[0]))
+    inside = inside_terminal(guide, grip.end.other)
+    left = guide.wire.length - grip.distance - inside - float(np.linalg.norm(route[1] - route[0]))
     x, y, z = (float(v) for v in route[1])
     # On the side to which the wire goes on: a hand that swings across pitches the wire in its grip.
     onward = (route[2] - route[1]) * [1.0, 1.0, 0.0]
     out = onward / np.linalg.norm(onward) - unit_x(fixed)
-    flat = hold_off(holder, ToolPose(x, y, z, 0.0), out / np.linalg.norm(out), left, FLAT)
+    hold = flat_hold(guide.parameters.wire)
+    flat = hold_off(holder, ToolPose(x, y, z, 0.0), out / np.linalg.norm(out), left, hold)
     if flat:
-        yield from move_together(flat, HOLD_SPEED)
+        yield from move_together(flat, holder.parameters.motion.hold_speed_m_s)
     yield from clear_sight(guide, route[1][None])
     seen = yield from observe_board(guide)
     before = guide.belief.board_before
@@ -209,7 +151,9 @@ def _lead(holder: RobotContext, guide: RobotContext, route: list[Array]) -> Step
     except AbilityError as error:
         if is_seen or error.code is not Code.GRASP_MISSED:
             raise
-        yield from _take(guide, tool.moved(onward / np.linalg.norm(onward), ONWARD_M), is_seen)
+        yield from _take(
+            guide, tool.moved(onward / np.linalg.norm(onward), fixture.duct_onward_m), is_seen
+        )
     free = guide.device.arm.force
     over_slot = guide.commanded.at(z=over - _eyelet_above(guide))
     lifted = replace(over_slot, yaw=over_slot.yaw + turn)
@@ -217,7 +161,7 @@ def _lead(holder: RobotContext, guide: RobotContext, route: list[Array]) -> Step
     here = route[1]
     for i, place in enumerate(places):
         guide.report(f"leading the wire, {i + 1} of {len(places)}", 0.35 + 0.6 * i / len(places))
-        target = place if place is not places[-1] else _last(place, here, left)
+        target = place if place is not places[-1] else _last(guide, place, here, left)
         ahead = float(np.linalg.norm(target.at - here))
         left -= ahead
         turn = float(wrap_angle(target.yaw - yaw))
@@ -230,7 +174,7 @@ def _lead(holder: RobotContext, guide: RobotContext, route: list[Array]) -> Step
     # A wire that is pulled upwards would leave its ducts.
     risen = yield from _loosen(holder, guide, target, left, _last_turn(places))
     corner, slot = route[-3], route[-2]
-    if keeps_room(corner, slot):
+    if keeps_room(guide, corner, slot):
         guide.report("keeping the wire in its duct", 0.95)
         yield from keep_in_duct(guide, corner, slot)
     else:
@@ -239,17 +183,18 @@ def _lead(holder: RobotContext, guide: RobotContext, route: list[Array]) -> Step
     return peak
 
 
-def _last(place: _Place, here: Array, left: float) -> _Place:
+def _last(guide: RobotContext, place: _Place, here: Array, left: float) -> _Place:
     """Return where the leading hand releases the wire: at the last slot, or before it.
 
     Args:
+        guide: the leading hand's.
         place: at the last slot.
         here: where the eyelet is, (3,) [m].
         left: how long the wire is from there to the holder [m].
     """
-    way = here - place.at
+    fixture, way = guide.parameters.fixture, here - place.at
     length = float(np.linalg.norm(way))
-    back = min(max(0.0, LEAST_HELD_M - (left - length)), RISES_M, length)
+    back = min(max(0.0, fixture.duct_least_held_m - (left - length)), fixture.duct_rises_m, length)
     return replace(place, at=place.at + way / length * back)
 
 
@@ -282,7 +227,7 @@ class _Place:
     yaw: float
 
 
-def _places_along(points: list[Array]) -> Iterator[_Place]:
+def _places_along(points: list[Array], fixture: FixtureParameters) -> Iterator[_Place]:
     """Yield where the leading hand goes along a polyline, (3,) each [m].
 
     The eyelet turns later than the way does: it looks along the wire that lies behind it, which
@@ -292,7 +237,10 @@ def _places_along(points: list[Array]) -> Iterator[_Place]:
     headings = [math.atan2(leg[1], leg[0]) for _, leg in legs]
     lengths = [float(np.linalg.norm(leg)) for _, leg in legs]
     units = [leg / length for (_, leg), length in zip(legs, lengths, strict=True)]
-    cuts = [unit * min(length / 2, CORNER_M) for unit, length in zip(units, lengths, strict=True)]
+    cuts = [
+        unit * min(length / 2, fixture.duct_corner_m)
+        for unit, length in zip(units, lengths, strict=True)
+    ]
     yield _Place(legs[0][0] + cuts[0], headings[0], headings[0])
     for i in range(1, len(legs)):
         corner, last = legs[i][0], headings[i - 1]
@@ -300,10 +248,10 @@ def _places_along(points: list[Array]) -> Iterator[_Place]:
         yield _Place(corner - cuts[i - 1], last, last)
         yield _Place(corner - cuts[i - 1], last + turn / 4, last)
         middle = corner + (cuts[i] - cuts[i - 1]) / 4
-        yield _Place(middle, last + turn / 2, last + TURNED_SHARES[0] * turn)
-        yield _Place(middle, last + 3 * turn / 4, last + TURNED_SHARES[0] * turn)
-        yield _Place(corner + cuts[i], headings[i], last + TURNED_SHARES[1] * turn)
-        after = corner + units[i] * min(lengths[i] / 2, STRAIGHT_AGAIN_M)
+        yield _Place(middle, last + turn / 2, last + fixture.duct_turned_shares[0] * turn)
+        yield _Place(middle, last + 3 * turn / 4, last + fixture.duct_turned_shares[0] * turn)
+        yield _Place(corner + cuts[i], headings[i], last + fixture.duct_turned_shares[1] * turn)
+        after = corner + units[i] * min(lengths[i] / 2, fixture.duct_straight_again_m)
         yield _Place(after, headings[i], headings[i])
     yield _Place(points[-1], headings[-1], headings[-1])
 
@@ -317,22 +265,25 @@ def _find(
     hide it at the crossing, it runs straight between where it is seen to both sides, or is taken
     on one side; where they hide it altogether, the pads are above where it comes out of its slot.
     """
+    looking = guide.parameters.looking
     x, y, z = (float(v) for v in crossing)
     place = Pose.level(x, y, z, math.atan2(out[1], out[0]))
     behind, here, beyond = (
-        uppermost_past(place @ Pose.level(along, 0.0, 0.0, 0.0), SEARCH_M, seen, before)
-        for along in (-DIRECTION_M, 0.0, DIRECTION_M)
+        uppermost_past(
+            place @ Pose.level(along, 0.0, 0.0, 0.0), looking.slot_search_m, seen, before
+        )
+        for along in (-looking.direction_m, 0.0, looking.direction_m)
     )
     along, turn = 0.0, 0.0
     if behind is not None and beyond is not None:
-        turn = math.atan2(beyond.aside - behind.aside, 2 * DIRECTION_M)
+        turn = math.atan2(beyond.aside - behind.aside, 2 * looking.direction_m)
         middle = Passing((behind.aside + beyond.aside) / 2, (behind.height + beyond.height) / 2)
         here = here or middle
     if here is None:
-        along = -DIRECTION_M if beyond is None else DIRECTION_M
+        along = -looking.direction_m if beyond is None else looking.direction_m
         here = behind or beyond
     if here is None:
-        return ToolPose(x, y, z + HIDDEN_M, place.yaw), False
+        return ToolPose(x, y, z + guide.parameters.fixture.duct_hidden_m, place.yaw), False
     at = place.apply(np.array([along, here.aside, 0.0]))
     z = max(lowest(guide), here.height - _eyelet_above(guide))
     return ToolPose(float(at[0]), float(at[1]), z, place.yaw + turn), True
@@ -354,11 +305,18 @@ def _take(guide: RobotContext, tool: ToolPose, is_seen: bool) -> Steps[None]:
     Raises:
         AbilityError: GRASP_MISSED when a wire that is not seen keeps the pads apart at all heights.
     """
+    motion = guide.parameters.motion
     is_there = is_seen
-    drops = STEP_DOWN_M * np.arange(SEEN_TAKES if is_seen else TAKES)
-    guide.drive_fingers(HAND_OPEN_M)
-    yield from move_to(guide, tool.at(z=max(TRAVEL_Z, guide.commanded.z)), FREE_SPEED)
-    yield from move_to(guide, tool.at(z=TRAVEL_Z), FREE_SPEED)
+    drops = guide.parameters.tool.eyelet_step_down_m * np.arange(
+        guide.parameters.tool.eyelet_attempts_seen
+        if is_seen
+        else guide.parameters.tool.eyelet_attempts
+    )
+    guide.drive_fingers(guide.parameters.tool.open_m)
+    yield from move_to(
+        guide, tool.at(z=max(motion.travel_z_m, guide.commanded.z)), motion.free_speed_m_s
+    )
+    yield from move_to(guide, tool.at(z=motion.travel_z_m), motion.free_speed_m_s)
     for drop in drops:
         yield from _close_at(guide, tool, float(drop))
         is_between = _is_between(guide)
@@ -379,16 +337,23 @@ def _take(guide: RobotContext, tool: ToolPose, is_seen: bool) -> Steps[None]:
 
 def _close_at(guide: RobotContext, tool: ToolPose, drop: float) -> Steps[None]:
     """Open the hand, and close it so far below a tool pose [m]."""
-    guide.drive_fingers(HAND_OPEN_M)
-    yield from wait(guide, CLOSE_S)
-    yield from move_to(guide, tool.at(z=max(lowest(guide), tool.z - drop)), APPROACH_SPEED)
-    guide.drive_fingers(APART_M / 2)
-    yield from wait(guide, CLOSE_S)
+    guide.drive_fingers(guide.parameters.tool.open_m)
+    yield from wait(guide, guide.parameters.tool.closing_s)
+    yield from move_to(
+        guide,
+        tool.at(z=max(lowest(guide), tool.z - drop)),
+        guide.parameters.motion.approach_speed_m_s,
+    )
+    guide.drive_fingers(guide.parameters.tool.eyelet_apart_m / 2)
+    yield from wait(guide, guide.parameters.tool.closing_s)
 
 
 def _is_between(guide: RobotContext) -> bool:
     """Return whether something keeps the pads apart."""
-    return guide.device.gripper.gap >= max(CLOSED_M, CLOSED_SHARE * guide.wire.diameter)
+    tool = guide.parameters.tool
+    return guide.device.gripper.gap >= max(
+        tool.eyelet_closed_m, tool.eyelet_closed_share * guide.wire.diameter
+    )
 
 
 def _check_closed(guide: RobotContext) -> None:
@@ -402,18 +367,14 @@ def _check_closed(guide: RobotContext) -> None:
 
 
 def _bring(
-    holder: RobotContext,
-    guide: RobotContext,
-    place: _Place,
-    turn: float,
-    left: float,
-    free: Array,
+    holder: RobotContext, guide: RobotContext, place: _Place, turn: float, left: float, free: Array
 ) -> Steps[float]:
     """Lead the wire to a place and heading; the holder keeps `left` [m] of it off the board.
 
     Where it hangs in a slot of a wall, both hands lift it out over the rim, and go on: the leading
     hand alone would come too near to the holder.
     """
+    fixture = holder.parameters.fixture
     x, y, z = (float(v) for v in place.at)
     z = max(lowest(guide), z - _eyelet_above(guide))
     tool = ToolPose(x, y, z, guide.commanded.yaw + turn)
@@ -424,10 +385,10 @@ def _bring(
         if error.code is not Code.SNAGGED:
             raise
         peak = error.found["peak_force"]
-    lift = OVER_RIM_M + UNDER_RIM_M
+    lift = fixture.duct_over_rim_m + fixture.duct_under_rim_m
     both = [(robot, robot.commanded) for robot in (guide, holder)]
     lifted = [(robot, here.at(z=here.z + lift)) for robot, here in both]
-    yield from move_together(lifted, LEAVE_SPEED, allowed=AMONG_WIRES)
+    yield from move_together(lifted, holder.parameters.motion.leave_speed_m_s, allowed=AMONG_WIRES)
     for target in (tool.at(z=z + lift), tool):
         peak = max(peak, (yield from lead(target)))
     return peak
@@ -443,8 +404,8 @@ def _lead_to(
 ) -> Steps[float]:
     """Lead the wire to where the tool goes, for a place; return the peak of the level pull [N]."""
     out = np.array([math.cos(place.heading), math.sin(place.heading), 0.0])
-    peak = 0.0
-    for move in bring_together(guide, tool, holder, out, left, STEEP, place.yaw):
+    peak, hold = 0.0, steep_hold(guide.parameters.wire)
+    for move in bring_together(guide, tool, holder, out, left, hold, place.yaw):
         peak = max(peak, (yield from _watched(guide, move, free)))
     return peak
 
@@ -463,14 +424,16 @@ def _loosen(
     After its last `turn` [rad] the wire springs outwards, into the notch of an open finger: the
     holder bends it the other way. `left` is how long the free part is [m].
     """
+    fixture, motion = holder.parameters.fixture, holder.parameters.motion
     here = guide.commanded
     out = np.array([math.cos(place.heading), math.sin(place.heading), 0.0])
-    risen = here.moved(-out, BACK_M).at(z=max(here.z, TRAVEL_Z))
-    inward = place.heading + math.copysign(INWARD_RAD, turn) if turn else place.heading
+    risen = here.moved(-out, fixture.duct_back_m).at(z=max(here.z, motion.travel_z_m))
+    inward = place.heading + math.copysign(fixture.duct_inward_rad, turn) if turn else place.heading
     inwards = np.array([math.cos(inward), math.sin(inward), 0.0])
-    moves = bring_together(guide, here, holder, inwards, left, SLACK, place.yaw, then=risen)
+    hold = slack_hold(guide.parameters.wire)
+    moves = bring_together(guide, here, holder, inwards, left, hold, place.yaw, then=risen)
     for move in moves:
-        yield from move_together(move, LEAD_SPEED, HOLD_SPEED)
+        yield from move_together(move, motion.lead_speed_m_s, motion.hold_speed_m_s)
     return risen
 
 
@@ -482,25 +445,27 @@ def draw_straight(holder: RobotContext, eyelet: Array, left: float) -> Steps[flo
     Raises:
         AbilityError: GRASP_MISSED when it does not become straight: the eyelet does not lead it.
     """
-    away, step = holder.commanded.position - eyelet, TIGHTEN_SPEED * holder.tick_s
+    wire, arm = holder.parameters.wire, holder.parameters.motion
+    away, step = holder.commanded.position - eyelet, arm.tighten_speed_m_s * holder.tick_s
     unit = away / np.linalg.norm(away)
-    control = ForceControl(MAX_TIGHT_N, SAGGING_STIFFNESS)
-    motion = ForceMotion(holder, unit, control, holder.empty_force)
-    while motion.force < TIGHT_N and not motion.met_limit and motion.travel < TIGHTEN_M:
+    motion = ForceMotion(
+        holder, unit, wire.most_taut_n, wire.sagging_stiffness_n_m, holder.empty_force
+    )
+    while not motion.met_limit and motion.force < wire.taut_n and motion.travel < arm.tighten_m:
         # What was commanded is where this tick began.
         if not holder.arm.reaches(holder.commanded.moved(unit, 2 * step)):
             break
-        yield from motion.advance(TIGHTEN_SPEED)
+        yield from motion.advance(arm.tighten_speed_m_s)
     motion.stop()
     apart = float(np.linalg.norm(holder.commanded.position - eyelet))
-    if motion.force >= TIGHT_N or motion.met_limit:
+    if motion.force >= wire.taut_n or motion.met_limit:
         return apart
-    if motion.travel >= TIGHTEN_M:
+    if motion.travel >= arm.tighten_m:
         raise AbilityError(
             Code.GRASP_MISSED,
             f"{holder.wire.id!r} is not in the eyelet of the leading hand: drawn by "
             f"{motion.travel * 1e3:.0f} mm, it pulls with {motion.force:.1f} N, expected "
-            f"{TIGHT_N:.1f} N; draw it out and place it again",
+            f"{wire.taut_n:.1f} N; draw it out and place it again",
         )
     return max(left, apart)
 
@@ -510,20 +475,23 @@ def _max_pull(guide: RobotContext) -> float:
     ends = guide.belief.ends.items()
     keys = [guide.wire.goes_to(end) for end, state in ends if state is EndState.FIXED]
     terminals = [guide.panel.component(part).terminal(name) for part, name in keys]
-    return MAX_PULL_SHARE * min(terminal.retention_force for terminal in terminals)
+    return guide.parameters.terminal.lead_pull_share * min(
+        terminal.retention_force for terminal in terminals
+    )
 
 
 def _watched(
     guide: RobotContext, move: list[tuple[RobotContext, ToolPose]], free: Array
 ) -> Steps[float]:
     """Move the hands together; return the peak of the level pull at the guide [N]."""
+    motion = guide.parameters.motion
     peak, pulled_s, limit = 0.0, 0.0, _max_pull(guide)
-    for _ in move_together(move, LEAD_SPEED, HOLD_SPEED, AMONG_WIRES):
+    for _ in move_together(move, motion.lead_speed_m_s, motion.hold_speed_m_s, AMONG_WIRES):
         yield
         pull = float(np.linalg.norm((guide.device.arm.force - free)[:2]))
         peak = max(peak, pull)
         pulled_s = pulled_s + guide.tick_s if pull > limit else 0.0
-        if pulled_s > SNAG_S:
+        if pulled_s > guide.parameters.wire.snag_s:
             for context, _ in move:
                 context.follow(context.device.arm.tool)
             raise AbilityError(

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from remodel_skills.abilities.ability import ability
-from remodel_skills.goal_checks import LEVEL_RAD, Message
+from remodel_skills.goal_checks import Message
 from remodel_skills.goals import LocateGoal
 from remodel_skills.primitives.motions import disengage, park
 from remodel_skills.primitives.observation.observing import go_and_see
@@ -27,14 +27,7 @@ from remodel_vision.drawing import ORANGE, Drawing
 from remodel_work.camera import Picture
 from remodel_work.errors import AbilityError
 from remodel_work.geometry import Pose
-from remodel_work.panel import Component, Panel, unit_x
-
-# Further than this from its place on the panel, something is wrong with the panel or the component.
-DISPLACED_M = 0.030
-DISPLACED_RAD = math.radians(15.0)
-# One view does not show reliably whether a component stands upright; two that leave its pose
-# uncertain are followed by more.
-VIEWS = 2
+from remodel_work.panel import Component, unit_x
 
 
 @dataclass(frozen=True, eq=False)
@@ -98,7 +91,7 @@ def locate_gearbox_component(context: RobotContext, goal: LocateGoal) -> Steps[C
     socket = None
     if goal.terminal_id:
         socket = pose @ component.terminal(goal.terminal_id).component_from_socket
-        _check_level(component, socket)
+        _check_level(component, socket, context.parameters.terminal.level_rad)
     x, y, _ = pose.position
     message = (
         f"{component.id} located at x {x * 1e3:.1f}, y {y * 1e3:.1f} mm, "
@@ -120,7 +113,11 @@ def _observe_from_hand(
         picture = yield from go_and_see(context, tool)
         seen = _see(context, "wrist", picture, views, goal, coarse)
         observation = seen or observation
-        if len(views) >= VIEWS and observation is not None and observation.reliable:
+        if (
+            len(views) >= context.parameters.looking.enough_views
+            and observation is not None
+            and observation.reliable
+        ):
             return observation
     # The empty hand reaches other places; one that holds a wire may reach but one.
     is_only = context.belief.grip is not None and len(views) == 1
@@ -145,7 +142,7 @@ def _see(
         _draw(drawing, component, observation, goal)
     context.cameras.show(camera, picture, drawing.image)
     if observation is not None:
-        _check_place(context.panel, component, observation)
+        _check_place(context, component, observation)
     return observation
 
 
@@ -176,28 +173,32 @@ def _draw(
         drawing.note(f"{component.id}/{terminal.id}", view.project(start)[0], ORANGE)
 
 
-def _check_level(component: Component, socket: Pose) -> None:
-    """Raise COMPONENT_DISPLACED when an opening is tilted: hands push level only."""
+def _check_level(component: Component, socket: Pose, most_rad: float) -> None:
+    """Raise COMPONENT_DISPLACED when an opening is tilted by so much: hands push level only."""
     tilt = math.asin(float(np.clip(unit_x(socket)[2], -1, 1)))
-    if abs(tilt) >= LEVEL_RAD:
+    if abs(tilt) >= most_rad:
         raise AbilityError(
             Code.COMPONENT_DISPLACED,
             f"{component.id!r} leans: its openings are tilted by {math.degrees(tilt):.1f} deg, "
-            f"allowed: {math.degrees(LEVEL_RAD):.0f} deg; put it upright, or observe it again",
+            f"allowed: {math.degrees(most_rad):.0f} deg; put it upright, or observe it again",
         )
 
 
-def _check_place(panel: Panel, component: Component, observation: ComponentObservation) -> None:
+def _check_place(
+    context: RobotContext, component: Component, observation: ComponentObservation
+) -> None:
     """Raise COMPONENT_DISPLACED when a component is far from where the panel has it."""
-    nominal = panel.world_from_panel @ component.panel_from_component
+    looking = context.parameters.looking
+    nominal = context.panel.world_from_panel @ component.panel_from_component
     pose = observation.world_from_component
     away = float(np.linalg.norm(pose.position - nominal.position))
     cosine = (np.trace(nominal.rotation.T @ pose.rotation) - 1) / 2
     turned = math.acos(float(np.clip(cosine, -1, 1)))
-    if away > DISPLACED_M or turned > DISPLACED_RAD:
+    if away > looking.displaced_m or turned > looking.displaced_rad:
         raise AbilityError(
             Code.COMPONENT_DISPLACED,
             f"{component.id!r} is {away * 1e3:.0f} mm and {math.degrees(turned):.0f} deg from "
             "its place on the panel, "
-            f"allowed: {DISPLACED_M * 1e3:.0f} mm and {math.degrees(DISPLACED_RAD):.0f} deg",
+            f"allowed: {looking.displaced_m * 1e3:.0f} mm and "
+            f"{math.degrees(looking.displaced_rad):.0f} deg",
         )

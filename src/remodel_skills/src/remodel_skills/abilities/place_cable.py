@@ -9,21 +9,15 @@ from remodel_skills.belief_state import EndState
 from remodel_skills.goal_checks import Message, pose_from
 from remodel_skills.goals import PlaceGoal
 from remodel_skills.primitives.carrying import drop_into_bin
-from remodel_skills.primitives.grasping import RELEASE_OPENING_M, release
+from remodel_skills.primitives.grasping import release
 from remodel_skills.primitives.laying import lay_down, let_down
-from remodel_skills.primitives.motions import (
-    held_tool,
-    rise,
-)
+from remodel_skills.primitives.motions import held_tool, rise
 from remodel_skills.primitives.pulling import pull_out
 from remodel_skills.robot_context import RobotContext, Steps
 from remodel_states.core.codes import Code
 from remodel_work.errors import AbilityError
 from remodel_work.geometry import Pose
 from remodel_work.openings import nearest_terminal
-
-# An end that is only pushed in comes out more easily; at a closed clamp the grip would slip.
-MAX_PULL_N = 10.0
 
 
 @dataclass(frozen=True)
@@ -81,7 +75,7 @@ def _draw_out(context: RobotContext) -> Steps[None]:
         return
     context.report("pulling the end out of its opening", 0.0)
     try:
-        yield from pull_out(context, socket, MAX_PULL_N)
+        yield from pull_out(context, socket, context.parameters.terminal.pushed_in_holds_n)
         belief.loosen(grip.end)
     except AbilityError as error:
         if error.code is not Code.EXTRACTION_STUCK:
@@ -89,7 +83,7 @@ def _draw_out(context: RobotContext) -> Steps[None]:
         where = nearest_terminal(socket.position, context.panel, belief.seen)
         belief.seat(grip.end, where)
         belief.ends[grip.end] = EndState.FIXED
-        yield from release(context, RELEASE_OPENING_M)
+        yield from release(context, context.parameters.tool.release_opening_m)
         yield from rise(context)
         raise AbilityError(
             error.code,

@@ -11,11 +11,11 @@ from remodel_skills.primitives.grasping import check_grip, pick_end, release_fix
 from remodel_skills.primitives.motions import disengage
 from remodel_skills.primitives.pulling import pull_test
 from remodel_skills.primitives.pushing import (
-    CONNECTOR,
     Push,
     bring_before,
     judge_alignment,
     judge_depth,
+    of_connector,
     push_in,
 )
 from remodel_skills.robot_context import RobotContext, Steps
@@ -23,12 +23,6 @@ from remodel_states.core.codes import Code
 from remodel_work.errors import AbilityError
 from remodel_work.geometry import Pose
 from remodel_work.openings import opening_of
-
-# Resistance so far before the pins are in whole is not the body's on the header's face: a connector
-# bends less than a wire.
-SHORT_OF_FACE_M = 0.0015
-# A latch holds more; pins without one hold some newtons by friction.
-PULL_TEST_N = 10.0
 
 
 @dataclass(frozen=True)
@@ -74,12 +68,15 @@ def place_connector(context: RobotContext, goal: ConnectGoal) -> Steps[Connector
     context.report("pushing", 0.75)
     belief.engaged = goal.socket
     bottom, limit = connector.pin_length, goal.force_limit
-    push = yield from push_in(context, goal.socket, bottom, limit, manner=CONNECTOR)
+    push = yield from push_in(
+        context, goal.socket, bottom, limit, manner=of_connector(context.parameters)
+    )
     check_grip(context)
     header = context.panel.component(goal.component_id).terminal(goal.terminal_id)
     judge_alignment(push, opening_of(key, context.panel, belief.seen), header, where)
-    judge_depth(push, bottom, where, SHORT_OF_FACE_M)
-    context.report(f"pulling with {PULL_TEST_N:.0f} N", 0.9)
+    terminal = context.parameters.terminal
+    judge_depth(push, bottom, where, terminal, terminal.short_of_face_m)
+    context.report(f"pulling with {context.parameters.terminal.latch_pull_n:.0f} N", 0.9)
     yield from _check_latched(context, goal.socket, push, where)
     check_grip(context)
     yield from release_fixed(context, connector.end, key)
@@ -92,15 +89,18 @@ def place_connector(context: RobotContext, goal: ConnectGoal) -> Steps[Connector
 
 def _check_latched(context: RobotContext, socket: Pose, push: Push, where: str) -> Steps[None]:
     """Pull; raises INSUFFICIENT_FORCE when the connector comes out again."""
+    terminal = context.parameters.terminal
     try:
-        yield from pull_test(context, socket, PULL_TEST_N, where, CONNECTOR.stiffness)
+        yield from pull_test(
+            context, socket, terminal.latch_pull_n, where, terminal.connector_stiffness_n_m
+        )
     except AbilityError as error:
         if error.code is not Code.PULLED_OUT:
             raise
         raise AbilityError(
             Code.INSUFFICIENT_FORCE,
             f"the connector was pressed home in {where} with {push.peak_force:.1f} N and did not "
-            f"latch: it came out at less than {PULL_TEST_N:.0f} N; place it again with a higher "
-            "force limit",
+            f"latch: it came out at less than {terminal.latch_pull_n:.0f} N; place it again "
+            "with a higher force limit",
             **push.readings,
         ) from error

@@ -14,26 +14,11 @@ import numpy as np
 
 from remodel_skills.abilities.ability import ability
 from remodel_skills.belief_state import Grip
-from remodel_skills.force_control import WIRE_STIFFNESS, ForceControl
 from remodel_skills.goal_checks import Message
 from remodel_skills.goals import PlacePinGoal, pin_row
 from remodel_skills.primitives.force_motion import ForceMotion
-from remodel_skills.primitives.grasping import (
-    FLOOR_CLEARANCE_M,
-    check_grip,
-    pick_end,
-    release,
-)
-from remodel_skills.primitives.motions import (
-    APPROACH_SPEED,
-    CARRY_SPEED,
-    CARRY_Z,
-    HAND_OPEN_M,
-    disengage,
-    park,
-    rise,
-    wait,
-)
+from remodel_skills.primitives.grasping import check_grip, pick_end, release
+from remodel_skills.primitives.motions import disengage, park, rise, wait
 from remodel_skills.primitives.observation.observing import (
     OverheadObservation,
     mark_end,
@@ -49,18 +34,6 @@ from remodel_work.errors import AbilityError
 from remodel_work.geometry import Array, Pose
 from remodel_work.panel import WireEnd
 from remodel_work.robot.arm import ToolPose
-
-# A pin may lie so far from its place, and the wire so far from a pose of the path [m]: nothing
-# holds the wire, so that it takes up to 10 mm of its coil's bow again when it is released.
-PIN_TOLERANCE_M = 0.015
-PATH_TOLERANCE_M = 0.025
-# The feeder's fork waits here while the wire is laid, beyond the plate [m].
-FORK_AWAY_M = (0.50, 0.62)
-# A wire is taut at this pull [N]; each arm draws so fast [m/s], and so far at most [m].
-TAUT_N = 2.0
-DRAW_SPEED = 0.010
-DRAW_M = 0.012
-STILL_S = 0.15
 
 
 @dataclass(frozen=True)
@@ -98,6 +71,7 @@ def _goal(message: Message, board: Pose) -> PlacePinGoal:
 @ability("PlacePin", _goal)
 def place_pin(one: RobotContext, two: RobotContext, goal: PlacePinGoal) -> Steps[PinPlaced]:
     """Pick both ends, carry them together, lay them down together, and observe them."""
+    motion = one.parameters.motion
     row = pin_row(goal, one.wire, one.panel)
     if goal.show_in_tf:
         one.observers.show_frames({f"placepin/{name}": pose for name, pose in row.items()})
@@ -109,13 +83,17 @@ def place_pin(one: RobotContext, two: RobotContext, goal: PlacePinGoal) -> Steps
         yield from observe_from_above(one)
     one.report("picking both ends", 0.1)
     yield from concurrently(*(_pick(hand) for hand in hands))
-    one.device.magazine.move_fork(*FORK_AWAY_M)
+    one.device.magazine.move_fork(*one.parameters.fixture.feeder_fork_away_m)
     one.report("carrying both ends to their connectors", 0.5)
-    yield from move_together([(hand.context, _above(hand)) for hand in hands], CARRY_SPEED)
+    yield from move_together(
+        [(hand.context, _above(hand)) for hand in hands], motion.carry_speed_m_s
+    )
     for hand in hands:
         check_grip(hand.context)
     one.report("laying both pins down", 0.65)
-    yield from move_together([(hand.context, _lying(hand)) for hand in hands], APPROACH_SPEED)
+    yield from move_together(
+        [(hand.context, _lying(hand)) for hand in hands], motion.approach_speed_m_s
+    )
     one.report("drawing the wire taut", 0.7)
     yield from concurrently(*(_draw(hand) for hand in hands))
     yield from concurrently(*(_release(hand) for hand in hands))
@@ -171,24 +149,27 @@ def _grip(hand: Hand) -> Grip:
 
 
 def _above(hand: Hand) -> ToolPose:
-    return tool_before(hand.pin, _grip(hand), 0.0).at(z=CARRY_Z)
+    return tool_before(hand.pin, _grip(hand), 0.0).at(z=hand.context.parameters.motion.carry_z_m)
 
 
 def _lying(hand: Hand) -> ToolPose:
     tool = tool_before(hand.pin, _grip(hand), 0.0)
-    return tool.at(z=max(tool.z, hand.context.fingers.below + FLOOR_CLEARANCE_M))
+    return tool.at(
+        z=max(tool.z, hand.context.fingers.below + hand.context.parameters.tool.floor_clearance_m)
+    )
 
 
 def _draw(hand: Hand) -> Steps[None]:
     """Draw an end out along the row until the wire pulls back."""
     context, out = hand.context, hand.pin.rotation[:, 0]
-    yield from wait(context, STILL_S)
+    wire = context.parameters.wire
+    yield from wait(context, context.parameters.motion.force_still_s)
     # Both arms pull at the wire, which is as if it were twice as stiff.
     motion = ForceMotion(
-        context, out, ForceControl(TAUT_N, 2 * WIRE_STIFFNESS), context.device.arm.force
+        context, out, wire.taut_n, 2 * wire.grip_stiffness_n_m, context.device.arm.force
     )
-    while not motion.met_limit and motion.travel < DRAW_M:
-        yield from motion.advance(DRAW_SPEED)
+    while not motion.met_limit and motion.travel < context.parameters.motion.draw_m:
+        yield from motion.advance(context.parameters.motion.draw_speed_m_s)
     motion.stop()
     check_grip(context)
 
@@ -197,7 +178,7 @@ def _release(hand: Hand) -> Steps[None]:
     belief = hand.context.belief
     belief.expected[hand.end] = hand.pin.position.copy()
     belief.tips.pop(hand.end, None)
-    yield from release(hand.context, HAND_OPEN_M)
+    yield from release(hand.context, hand.context.parameters.tool.open_m)
     yield from rise(hand.context)
 
 
@@ -205,6 +186,7 @@ def _judge(
     context: RobotContext, above: OverheadObservation, hands: list[Hand], row: dict[str, Pose]
 ) -> float:
     """Return how far the worse pin is from its place [m]; raise when it or the wire is too far."""
+    terminal = context.parameters.terminal
     drawing = Drawing(above.picture.rgb, above.picture.view)
     away: dict[WireEnd, float] = {}
     for hand in hands:
@@ -217,12 +199,13 @@ def _judge(
     drawing.title(f"PlacePin: {len(away)} of 2 pins seen")
     context.cameras.show("overhead", above.picture, drawing.image)
     for hand in hands:
-        if away.get(hand.end, math.inf) > PIN_TOLERANCE_M:
+        if away.get(hand.end, math.inf) > terminal.pin_tolerance_m:
             found = f"{away[hand.end] * 1e3:.0f} mm away" if hand.end in away else "not seen"
             raise AbilityError(
                 Code.NOT_SEATED,
                 f"pin {hand.end.value} of {context.wire.id!r} is {found}, allowed: "
-                f"{PIN_TOLERANCE_M * 1e3:.0f} mm from its place; place it again",
+                f"{terminal.pin_tolerance_m * 1e3:.0f} mm from its "
+                "place; place it again",
             )
     _judge_path(context, above, [pose for name, pose in row.items() if name.startswith("path")])
     return max(away.values())
@@ -237,9 +220,9 @@ def _judge_path(context: RobotContext, above: OverheadObservation, path: list[Po
     line: Array = np.concatenate(lines)[:, :2]
     for i, pose in enumerate(path, 1):
         away = float(np.linalg.norm(line - pose.position[:2], axis=1).min())
-        if away > PATH_TOLERANCE_M:
+        if away > context.parameters.wire.path_tolerance_m:
             raise AbilityError(
                 Code.OUT_OF_DUCT,
                 f"{wire.id!r} passes {away * 1e3:.0f} mm beside pose {i} of the path, allowed: "
-                f"{PATH_TOLERANCE_M * 1e3:.0f} mm; place it again",
+                f"{context.parameters.wire.path_tolerance_m * 1e3:.0f} mm; place it again",
             )

@@ -15,7 +15,7 @@ from remodel_skills.primitives.clipping import lay_into, press_around
 from remodel_skills.primitives.forks import let_into_forks
 from remodel_skills.primitives.grasping import check_grip
 from remodel_skills.primitives.laying import lay_down
-from remodel_skills.primitives.motions import CARRY_SPEED, disengage, held_tool
+from remodel_skills.primitives.motions import disengage, held_tool
 from remodel_skills.primitives.observation.route_check import (
     check_ducts,
     clip_fault,
@@ -30,9 +30,6 @@ from remodel_work.geometry import Array, Pose
 from remodel_work.openings import opening_of
 from remodel_work.panel import PanelClip
 from remodel_work.routes import clips_along, world_from_clip
-
-# A wire that is seen to stand off its clips is pressed in again so often.
-PRESSES = 2
 
 
 @dataclass(frozen=True)
@@ -86,14 +83,17 @@ def route_wire(context: RobotContext, goal: RouteGoal) -> Steps[WireRouted]:
 
 def _carry_along(context: RobotContext, goal: RouteGoal) -> Steps[None]:
     """Lift to the first pose's height, then go from pose to pose in straight lines."""
+    motion = context.parameters.motion
     count, free = len(goal.path), context.device.arm.force
     for i, pose in enumerate(goal.path):
         context.report(f"carrying the wire to pose {i + 1} of {count}", 0.95 * i / count)
         tool = held_tool(context, pose)
         try:
             if i == 0 and tool.z > context.commanded.z:
-                yield from carry(context, context.commanded.at(z=tool.z), CARRY_SPEED, free)
-            yield from carry(context, tool, CARRY_SPEED, free)
+                yield from carry(
+                    context, context.commanded.at(z=tool.z), motion.carry_speed_m_s, free
+                )
+            yield from carry(context, tool, motion.carry_speed_m_s, free)
             check_grip(context)
         except AbilityError as error:
             error.found["reached"] = i
@@ -114,8 +114,12 @@ def _lay_into_all(context: RobotContext, clips: tuple[PanelClip, ...]) -> Steps[
         context.belief.in_clips.append(held_at)
     context.report("observing the clips from above", 0.85)
     seen = yield from observe_route(context)
-    for _ in range(PRESSES):
-        standing_off = [clip for clip in clips if clip_fault(clip, seen, context.panel)]
+    for _ in range(context.parameters.motion.clip_presses):
+        standing_off = [
+            clip
+            for clip in clips
+            if clip_fault(clip, seen, context.panel, context.parameters.looking)
+        ]
         if not standing_off:
             break
         for clip in standing_off:

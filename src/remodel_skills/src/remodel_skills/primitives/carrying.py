@@ -8,15 +8,7 @@ from itertools import pairwise
 import numpy as np
 
 from remodel_skills.primitives.grasping import check_grip
-from remodel_skills.primitives.motions import (
-    CARRY_SPEED,
-    HAND_OPEN_M,
-    TRAVEL_Z,
-    move_to,
-    nearest_hand_yaw,
-    rise,
-    wait,
-)
+from remodel_skills.primitives.motions import move_to, nearest_hand_yaw, rise, wait
 from remodel_skills.primitives.taking_up import end_wire
 from remodel_skills.robot_context import RobotContext, Steps
 from remodel_states.core.codes import Code
@@ -27,23 +19,6 @@ from remodel_work.errors import AbilityError
 from remodel_work.geometry import Array
 from remodel_work.panel import WireEnd
 from remodel_work.robot.arm import ToolPose
-
-# A wire that hangs on something pulls at the hand with so much more than a free one, for so long
-# [N], [s]: one that becomes taut slips out of the grip 60 ms later. A free one pulls with no more
-# than its bending stiffness over the square of the tightest bend into a channel [m].
-SNAG_N = 5.0
-SNAG_S = 0.025
-TIGHTEST_BEND_M = 0.020
-# A wire that is drawn out of clips or out of a duct pulls more than a free one; one that pulls more
-# than the grip holds safely hangs on something [N].
-MAX_PULL_N = 25.0
-# A wire is drawn up out of its ducts to the highest of so many heights that the hand reaches.
-HEIGHTS = 20
-# So much of a wire is seen on the board if it fell there instead of into the bin [m]: of one that
-# lies flat on the plate the depth camera sees only parts, of one that is gone nothing.
-LEAST_SEEN_M = 0.03
-# The fingers are open after this [s].
-OPENING_S = 0.2
 
 
 def carry(
@@ -58,14 +33,15 @@ def carry(
         free: what the wrist feels without the wire's pull, world frame (3,) [N].
         most: by which it may pull, level [N]; None for what a free wire of its stiffness does.
     """
+    wire = context.parameters.wire
     if most is None:
-        most = SNAG_N + context.wire.bending_stiffness / TIGHTEST_BEND_M**2
+        most = wire.snagged_n(context.wire.bending_stiffness)
     pulled_s = 0.0
     for _ in move_to(context, tool, speed):
         yield
         pull = float(np.linalg.norm((context.device.arm.force - free)[:2]))
         pulled_s = pulled_s + context.tick_s if pull > most else 0.0
-        if pulled_s > SNAG_S:
+        if pulled_s > wire.snag_s:
             context.follow(context.device.arm.tool)
             raise AbilityError(
                 Code.SNAGGED,
@@ -81,6 +57,7 @@ def drop_into_bin(context: RobotContext, shares: tuple[float, float]) -> Steps[N
     Raises:
         AbilityError: SNAGGED, GRASP_SLIPPED, also when it lies on the board.
     """
+    tool = context.parameters.tool
     first, last = shares
     before = context.belief.board_before or context.cameras.take_overhead_picture()
     context.report("carrying the wire to the scrap bin", first)
@@ -91,11 +68,17 @@ def drop_into_bin(context: RobotContext, shares: tuple[float, float]) -> Steps[N
     yaw = nearest_hand_yaw(context.arm, above_bin.x, above_bin.y, now.yaw, near=now.yaw)
     over = ToolPose(above_bin.x, above_bin.y, now.z, yaw)
     # Where it was drawn out, the wire may still pull.
-    yield from carry(context, over, CARRY_SPEED, context.empty_force, most=MAX_PULL_N)
+    yield from carry(
+        context,
+        over,
+        context.parameters.motion.carry_speed_m_s,
+        context.empty_force,
+        most=tool.grip_holds_n,
+    )
     check_grip(context)
     context.report("dropping the wire", first + 0.8 * (last - first))
-    context.drive_fingers(HAND_OPEN_M)
-    yield from wait(context, OPENING_S)
+    context.drive_fingers(tool.open_m)
+    yield from wait(context, tool.opening_s)
     context.device.magazine.drop(context.device.arm.tool.position)
     context.belief.grip = None
     _check_gone(context, before)
@@ -111,7 +94,7 @@ def _check_gone(context: RobotContext, before: Picture) -> None:
     picture = context.cameras.take_overhead_picture()
     hands = [robot.device.arm.tool.position for robot in context.robots.values()]
     length = new_length(picture, before, context.panel, context.wire.radius, hands)
-    if length > LEAST_SEEN_M:
+    if length > context.parameters.looking.least_seen_m:
         raise AbilityError(
             Code.GRASP_SLIPPED,
             f"{context.wire.id!r} is still seen on the board after it was dropped, along "
@@ -127,18 +110,27 @@ def lift_out(context: RobotContext) -> Steps[None]:
     Raises:
         AbilityError: SNAGGED, GRASP_SLIPPED.
     """
+    motion = context.parameters.motion
     yield from rise(context)
     grip = context.belief.grip
     assert grip is not None, "the wire is in the hand"
     points = [context.panel.world_from_panel.apply(np.array(point)) for point in context.wire.route]
     if grip.end is WireEnd.B:
         points.reverse()
-    lifted, highest = 0.0, _drawn_up_z(context, TRAVEL_Z)
+    lifted, highest = 0.0, _drawn_up_z(context, motion.travel_z_m)
     for before, (x, y, z) in pairwise(points[:-1]):
         lifted += math.dist(before, (x, y, z))
-        above = ToolPose(x, y, min(highest, max(TRAVEL_Z, z + lifted)), context.commanded.yaw)
+        above = ToolPose(
+            x, y, min(highest, max(motion.travel_z_m, z + lifted)), context.commanded.yaw
+        )
         if context.arm.reaches(above):
-            yield from carry(context, above, CARRY_SPEED, context.empty_force, most=MAX_PULL_N)
+            yield from carry(
+                context,
+                above,
+                motion.carry_speed_m_s,
+                context.empty_force,
+                most=context.parameters.tool.grip_holds_n,
+            )
             check_grip(context)
 
 
@@ -149,6 +141,8 @@ def _drawn_up_z(context: RobotContext, least: float) -> float:
     """
     if not context.wire.ducts:
         return least
-    heights = np.linspace(max(least, context.wire.length), least, HEIGHTS)
+    heights = np.linspace(
+        max(least, context.wire.length), least, context.parameters.motion.drawn_up_heights
+    )
     reached = (z for z in heights if context.arm.reaches(context.commanded.at(z=float(z))))
     return float(next(reached, least))

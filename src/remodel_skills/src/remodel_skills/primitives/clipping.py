@@ -11,14 +11,10 @@ import math
 
 import numpy as np
 
-from remodel_skills.force_control import ForceControl
 from remodel_skills.primitives.carrying import carry
 from remodel_skills.primitives.force_motion import ForceMotion
-from remodel_skills.primitives.grasping import FLOOR_CLEARANCE_M, OPEN_SPEED, grips_nothing
+from remodel_skills.primitives.grasping import grips_nothing
 from remodel_skills.primitives.motions import (
-    APPROACH_SPEED,
-    FREE_SPEED,
-    HAND_OPEN_M,
     clear_hand,
     move_to,
     nearest_hand_yaw,
@@ -40,42 +36,11 @@ from remodel_work.panel import PanelClip
 from remodel_work.robot.arm import ToolPose
 from remodel_work.routes import world_from_clip
 
-# The pads clear the clip's slopes by so much along the wire.
-CLEAR_OF_SLOPES_M = 0.007
-# The swing leaves so much slack, and as much more in each further attempt.
-SLACK_M = 0.0015
-# The wire lies so high in the grip, above the tool centre, more or less.
-IN_GRIP_M = -0.001
-# Held this far above a clip, a wire clears it.
-CLEAR_M = 0.005
-# The fingers clear a wire that stands off its clips by so much.
-ABOVE_WIRE_M = 0.010
-# The grip bends the wire a little where it lies; that may pull with so much.
-MAX_PULL_N = 25.0
-SWING_SPEED = 0.15  # [m/s] with the wire in the grip
-PRESS_SPEED = 0.030
-# Near the lips slower: they let the wire go suddenly, and the pads meet them.
-LIPS_WITHIN_M = 0.008
-LIPS_SPEED = 0.006
-# From beside, the wire is pressed with so many times the clip's force.
-ENOUGH = 2.0
-# The fingers come so near to the lips; the wire's middle is then below the lips' [m].
-ABOVE_LIPS_M = 0.00015
-# A wire that takes more than so many times the clip's force does not go in.
-EXCESS = 2.5
-# A wire between two clips may hang in the air. The fingers close at these heights above the plate,
-# the highest first: so the wire lies low between the pads, and they press it down below the lips.
-RISES_M = (0.020, 0.016, 0.012, 0.008, 0.004, 0.0)
-OPEN_S = 0.2
-STILL_S = 0.10
-ATTEMPTS = 3
 WORTH_ANOTHER = frozenset({Code.GRASP_MISSED, Code.SNAGGED})
-CLOSE_S = 0.6
-REST_M = 1e-5
 
 
 def lay_into(context: RobotContext, clip: PanelClip, held_at: Array) -> Steps[None]:
-    """Bring the wire into a clip; what goes wrong is tried again, ATTEMPTS times in all.
+    """Bring the wire into a clip; what goes wrong is tried again.
 
     A wire that does not come along when it is lifted is held: by this clip, into which it may have
     snapped with the one before, or by what the observation from above will show.
@@ -88,14 +53,15 @@ def lay_into(context: RobotContext, clip: PanelClip, held_at: Array) -> Steps[No
     Raises:
         AbilityError: CABLE_NOT_FOUND, GRASP_MISSED, NOT_SEATED.
     """
-    for attempt in range(1, ATTEMPTS + 1):
+    most, slack_m = context.parameters.motion.clip_attempts, context.parameters.fixture.clip_slack_m
+    for attempt in range(1, most + 1):
         try:
-            yield from _bring_into(context, clip, held_at, attempt * SLACK_M)
+            yield from _bring_into(context, clip, held_at, attempt * slack_m)
         except AbilityError as error:
             if error.code not in WORTH_ANOTHER:
                 raise
             yield from clear_hand(context)
-            if attempt < ATTEMPTS:
+            if attempt < most:
                 continue
             if error.code is not Code.SNAGGED:
                 raise
@@ -111,21 +77,22 @@ def lay_into(context: RobotContext, clip: PanelClip, held_at: Array) -> Steps[No
 def _bring_into(
     context: RobotContext, clip: PanelClip, held_at: Array, slack: float
 ) -> Steps[None]:
+    tool = context.parameters.tool
     beside = _beside(context, clip)
     grasp = yield from _find(context, clip, held_at, slack)
     free = context.device.arm.force
     yield from grip_from_above(context, grasp)
     for place in (grasp, beside):
-        over = _lifted(place, held_at, _clear_height(context, clip))
+        over = _lifted(context, place, held_at, _clear_height(context, clip))
         yield from carry(
             context,
             _tool(context, over, float(over.position[2])),
-            SWING_SPEED,
+            context.parameters.motion.swing_speed_m_s,
             free,
-            most=MAX_PULL_N,
+            most=tool.grip_holds_n,
         )
-    lowest = _tool(context, beside, context.fingers.below + FLOOR_CLEARANCE_M)
-    yield from _press_to(context, lowest, ENOUGH * clip.retention_force)
+    lowest = _tool(context, beside, context.fingers.below + tool.floor_clearance_m)
+    yield from _press_to(context, lowest, _beside_force(context, clip))
     yield from _release(context)
 
 
@@ -136,25 +103,33 @@ def _beside(context: RobotContext, clip: PanelClip) -> Pose:
 
 def _beside_clip(context: RobotContext, clip: PanelClip) -> float:
     """Return how far from a clip's middle the hand clears it along the wire [m]."""
-    return clip.length / 2 + (context.fingers.width / 2 + CLEAR_OF_SLOPES_M)
+    clear_m = context.parameters.tool.pads_clear_m
+    return clip.length / 2 + (context.fingers.width / 2 + clear_m)
+
+
+def _beside_force(context: RobotContext, clip: PanelClip) -> float:
+    """Return the force with which a wire is pressed into a clip from beside it [N]."""
+    return context.parameters.fixture.clip_beside_ratio * clip.retention_force
 
 
 def _clear_height(context: RobotContext, clip: PanelClip) -> float:
     """Return the tool's height at which the pads and what they hold clear a clip [m]."""
-    return lip_top(clip) + SLOPE_ABOVE_LIPS_M + context.fingers.below + CLEAR_M
+    clear_m = context.parameters.fixture.clip_clear_m
+    return lip_top(clip) + SLOPE_ABOVE_LIPS_M + context.fingers.below + clear_m
 
 
-def _lifted(place: Pose, held_at: Array, height: float) -> Pose:
+def _lifted(context: RobotContext, place: Pose, held_at: Array, height: float) -> Pose:
     """Return where a place of the wire comes to when it is lifted and keeps its distance.
 
     Args:
+        context: the cell.
         place: of the wire, world frame.
         held_at: from which it keeps its distance, (3,) [m], world frame.
         height: of the tool [m].
     """
     out = (place.position - held_at)[:2]
     far = float(np.linalg.norm(out))
-    rise = height + IN_GRIP_M - held_at[2]
+    rise = height + context.parameters.tool.wire_in_grip_m - held_at[2]
     x, y = held_at[:2] + out * math.sqrt(max(far**2 - rise**2, 0.0)) / far
     return Pose(np.array([x, y, height]), place.quaternion)
 
@@ -196,60 +171,70 @@ def _find(context: RobotContext, clip: PanelClip, held_at: Array, slack: float) 
 
 def grip_from_above(context: RobotContext, grasp: Pose) -> Steps[None]:
     """Close the fingers on the wire where it lies, low between the pads; raises GRASP_MISSED."""
-    tool = _tool(context, grasp, context.fingers.below + FLOOR_CLEARANCE_M)
+    rises_m, motion = context.parameters.fixture.clip_rises_m, context.parameters.motion
+    hand = context.parameters.tool
+    tool = _tool(context, grasp, context.fingers.below + hand.floor_clearance_m)
     yield from clear_hand(context)
-    yield from move_to(context, tool.at(z=context.commanded.z), FREE_SPEED)
-    context.drive_fingers(HAND_OPEN_M)
-    for above in RISES_M:
-        yield from move_to(context, tool.at(z=tool.z + above), APPROACH_SPEED)
+    yield from move_to(context, tool.at(z=context.commanded.z), motion.free_speed_m_s)
+    context.drive_fingers(hand.open_m)
+    for above in rises_m:
+        yield from move_to(context, tool.at(z=tool.z + above), motion.approach_speed_m_s)
         context.drive_fingers(0.0)
         yield from _fingers_still(context)
-        if not grips_nothing(context.device.gripper.gap, context.wire.diameter):
+        if not grips_nothing(context, context.wire.diameter):
             return
-        context.drive_fingers(HAND_OPEN_M)
-        yield from wait(context, OPEN_S)
+        context.drive_fingers(hand.open_m)
+        yield from wait(context, hand.opening_s)
     yield from clear_hand(context)
     raise AbilityError(
         Code.GRASP_MISSED,
         f"the fingers found no {context.wire.id!r} between the plate and "
-        f"{(RISES_M[0] + context.fingers.pad_height) * 1e3:.0f} mm above it; route it again",
+        f"{(rises_m[0] + context.fingers.pad_height) * 1e3:.0f} mm above it; route it again",
     )
 
 
 def _fingers_still(context: RobotContext) -> Steps[None]:
+    tool = context.parameters.tool
     before = math.inf
-    for _ in range(math.ceil(CLOSE_S / context.tick_s)):
+    for _ in range(math.ceil(tool.close_timeout_s / context.tick_s)):
         yield
-        if abs(context.device.gripper.gap - before) < REST_M:
+        if abs(context.device.gripper.gap - before) < tool.fingers_still_m:
             return
         before = context.device.gripper.gap
 
 
 def _press_to(context: RobotContext, bottom: ToolPose, limit: float) -> Steps[bool]:
     """Go down to a tool pose, or until it takes so much force [N]; return whether it got there."""
-    yield from wait(context, STILL_S)
+    pace, within_m = context.parameters.motion, context.parameters.fixture.clip_lips_within_m
+    yield from wait(context, pace.force_still_s)
     way = bottom.position - context.commanded.position
     length = float(np.linalg.norm(way))
-    motion = ForceMotion(context, way / length, ForceControl(limit), context.device.arm.force)
-    while not motion.met_limit and motion.travel < length - REST_M:
+    motion = ForceMotion(context, way / length, limit, free=context.device.arm.force)
+    while not motion.met_limit and motion.travel < length - pace.arrived_m:
         left = length - motion.travel
-        speed = PRESS_SPEED if left > LIPS_WITHIN_M else LIPS_SPEED
+        speed = pace.press_speed_m_s if left > within_m else pace.lips_speed_m_s
         yield from motion.advance(min(speed, left / context.tick_s))
     motion.stop()
-    return motion.travel >= length - REST_M
+    return motion.travel >= length - pace.arrived_m
 
 
 def _release(context: RobotContext) -> Steps[None]:
+    tool = context.parameters.tool
     start = context.device.gripper.gap / 2
-    for tick in range(1, math.ceil(HAND_OPEN_M / OPEN_SPEED / context.tick_s) + 1):
-        context.drive_fingers(start + min(HAND_OPEN_M, tick * OPEN_SPEED * context.tick_s))
+    for tick in range(1, math.ceil(tool.open_m / tool.open_speed_m_s / context.tick_s) + 1):
+        context.drive_fingers(start + min(tool.open_m, tick * tool.open_speed_m_s * context.tick_s))
         yield
 
 
 def press_from_above(context: RobotContext, clip: PanelClip) -> Steps[bool]:
     """Press the wire between the lips with closed fingers; return whether they come down there."""
-    bottom = lip_top(clip) + ABOVE_LIPS_M
-    return (yield from _press_at(context, clip, 0.0, bottom, EXCESS * clip.retention_force))
+    fixture = context.parameters.fixture
+    bottom = lip_top(clip) + fixture.clip_above_lips_m
+    return (
+        yield from _press_at(
+            context, clip, 0.0, bottom, fixture.clip_excess_ratio * clip.retention_force
+        )
+    )
 
 
 def press_around(context: RobotContext, clip: PanelClip) -> Steps[None]:
@@ -259,9 +244,9 @@ def press_around(context: RobotContext, clip: PanelClip) -> Steps[None]:
     beside them it is drawn in. What comes down at one side may rise at the other one.
     """
     yield from press_from_above(context, clip)
-    out = _beside_clip(context, clip)
+    out, lowest_m = _beside_clip(context, clip), context.parameters.tool.floor_clearance_m
     for along in (-out, out):
-        yield from _press_at(context, clip, along, FLOOR_CLEARANCE_M, ENOUGH * clip.retention_force)
+        yield from _press_at(context, clip, along, lowest_m, _beside_force(context, clip))
     yield from press_from_above(context, clip)
 
 
@@ -277,13 +262,16 @@ def _press_at(
         bottom: above the plate [m].
         limit: of the force [N].
     """
+    motion = context.parameters.motion
     place = world_from_clip(clip, context.panel) @ Pose.level(along, 0.0, 0.0)
-    above = _tool(context, place, _clear_height(context, clip) + ABOVE_WIRE_M)
+    above = _tool(
+        context, place, _clear_height(context, clip) + context.parameters.fixture.clip_above_wire_m
+    )
     yield from rise(context)
     context.drive_fingers(0.0)
     yield from swing_to(context, above.at(z=context.commanded.z))
-    yield from move_to(context, above, APPROACH_SPEED)
+    yield from move_to(context, above, motion.approach_speed_m_s)
     yield from _fingers_still(context)
     arrived = yield from _press_to(context, above.at(z=bottom + context.fingers.below), limit)
-    yield from move_to(context, above, APPROACH_SPEED)
+    yield from move_to(context, above, motion.approach_speed_m_s)
     return arrived

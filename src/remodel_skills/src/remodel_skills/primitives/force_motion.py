@@ -12,13 +12,6 @@ from remodel_skills.robot_context import RobotContext, Steps
 from remodel_work.geometry import Array
 from remodel_work.robot.arm import ToolPose
 
-# A motion that gets no further than this within this time has met its limit as well: what it rests
-# on may swing about the limit by less than the sensor's low pass lets through.
-STALLED_M = 1e-4
-STALLED_S = 0.3
-# Step of the numeric derivatives of the joints [m].
-STEP_M = 1e-3
-
 
 class ForceMotion:
     """A push or pull along a line, or a way near it.
@@ -38,7 +31,8 @@ class ForceMotion:
         self,
         context: RobotContext,
         along: Array,
-        control: ForceControl,
+        limit: float,
+        stiffness: float | None = None,
         free: Array | None = None,
         way: Callable[[float], ToolPose] | None = None,
     ) -> None:
@@ -47,13 +41,17 @@ class ForceMotion:
         Args:
             context: the robot.
             along: unit vector (3,), world frame.
-            control: its limit.
+            limit: of its force [N].
+            stiffness: of the stiffest thing that may stop it [N/m]; None: of a wire in the grip.
             free: what the wrist feels of a hand that touches nothing, world frame (3,) [N]; None:
                 as kept by the context.
             way: the tool pose for each travel, which begins where the tool was sent; None: straight
                 on along the line.
         """
         start, arm = context.commanded, context.device.arm
+        if stiffness is None:
+            stiffness = context.parameters.wire.grip_stiffness_n_m
+        control = ForceControl(limit, stiffness, context.parameters.motion)
         self._context = context
         self.loop = ForceLoop(
             along, control, context.free_force if free is None else free, arm.hand_mass
@@ -83,7 +81,10 @@ class ForceMotion:
     @property
     def met_limit(self) -> bool:
         """Whether the force has reached its limit, or lets the tool no further."""
-        return self.force >= self.loop.control.limit or self._stalled_s > STALLED_S
+        return (
+            self.force >= self.loop.control.limit
+            or self._stalled_s > self._context.parameters.motion.stalled_s
+        )
 
     def tare(self) -> None:
         """Take the force against the motion now for that of a hand that touches nothing."""
@@ -108,7 +109,13 @@ class ForceMotion:
         turn = context.arm.joints_for(there) - joints
         aside_turns = np.array(
             [
-                (context.arm.joints_for(here.moved(direction, STEP_M)) - joints) / STEP_M
+                (
+                    context.arm.joints_for(
+                        here.moved(direction, self._context.parameters.motion.derivative_step_m)
+                    )
+                    - joints
+                )
+                / self._context.parameters.motion.derivative_step_m
                 for direction in loop.yielding.directions
             ]
         ).reshape(-1, len(joints))
@@ -116,7 +123,7 @@ class ForceMotion:
         context.press(loop, here)
         yield
         self._stalled_s += context.tick_s
-        if self.travel > self._farthest + STALLED_M:
+        if self.travel > self._farthest + self._context.parameters.motion.stalled_m:
             self._farthest, self._stalled_s = self.travel, 0.0
 
     def stop(self) -> None:

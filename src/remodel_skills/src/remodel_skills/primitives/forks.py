@@ -23,8 +23,7 @@ import numpy as np
 
 from remodel_skills.belief_state import EndState, Grip
 from remodel_skills.primitives.carrying import carry
-from remodel_skills.primitives.grasping import check_grip
-from remodel_skills.primitives.motions import APPROACH_SPEED, CARRY_SPEED
+from remodel_skills.primitives.grasping import check_grip, inside_terminal
 from remodel_skills.primitives.pushing import tool_before
 from remodel_skills.robot_context import RobotContext, Steps
 from remodel_states.core.codes import Code
@@ -32,23 +31,8 @@ from remodel_work.errors import AbilityError
 from remodel_work.geometry import Array, wrap_angle
 from remodel_work.layout import STANDOFF_M
 from remodel_work.openings import opening_of
-from remodel_work.panel import Duct, Panel
+from remodel_work.panel import Duct
 from remodel_work.robot.arm import ToolPose
-
-# The hand is so far from the fixed end, as a share of the wire between them: it pulls at neither,
-# and the wire bows aside by 25 mm at most, less than half a fork.
-STRAIGHT = 0.993
-# Before that it is lifted until it is so far away, at most.
-LIFTED = 0.90
-# Where the wire crosses the posts it is so far above them; the hand is no higher than that [m].
-OVER_POSTS_M = 0.020
-HIGHEST_M = 0.30
-# The wire sinks in steps no longer than this [m].
-SINK_M = 0.030
-# The fingertips go down to so far above the component of their terminal [m].
-OVER_COMPONENT_M = 0.006
-# So much of the wire is inside its terminal, about [m].
-INSIDE_M = 0.014
 
 
 def let_into_forks(context: RobotContext, forks: Iterable[Duct]) -> Steps[None]:
@@ -57,6 +41,7 @@ def let_into_forks(context: RobotContext, forks: Iterable[Duct]) -> Steps[None]:
     Raises:
         AbilityError: INVALID_GOAL when the other end is not fixed, SNAGGED when the wire pulls.
     """
+    fixture, motion = context.parameters.fixture, context.parameters.motion
     grip = _fixed_grip(context)
     start, own = (
         opening_of(context.wire.goes_to(end), context.panel, context.belief.seen)
@@ -64,23 +49,27 @@ def let_into_forks(context: RobotContext, forks: Iterable[Duct]) -> Steps[None]:
     )
     before = tool_before(own, grip, -STANDOFF_M)
     free, fixed = context.device.arm.force, start.position
-    length = context.wire.length - grip.distance - INSIDE_M
+    length = context.wire.length - grip.distance - inside_terminal(context, grip.end.other)
     away = before.position[:2] - fixed[:2]
     towards = away / np.linalg.norm(away)
     # The hand points along the wire.
     turn = wrap_angle(math.atan2(towards[1], towards[0]) - own.yaw)
     along = replace(before, yaw=before.yaw + float(turn))
     component = context.panel.component(context.wire.goes_to(grip.end)[0])
-    low = component.size[2] + context.fingers.below + OVER_COMPONENT_M
-    high = max(low, _over_posts(context.panel, forks, fixed, towards, length))
-    yield from carry(context, _lifted(context, fixed, high, length), CARRY_SPEED, free)
-    for height in np.linspace(high, low, math.ceil((high - low) / SINK_M) + 1):
-        level = math.sqrt((STRAIGHT * length) ** 2 - (float(height) - fixed[2]) ** 2)
+    low = component.size[2] + context.fingers.below + fixture.fork_over_component_m
+    high = max(low, _over_posts(context, forks, fixed, towards, length))
+    yield from carry(context, _lifted(context, fixed, high, length), motion.carry_speed_m_s, free)
+    for height in np.linspace(high, low, math.ceil((high - low) / fixture.fork_sink_m) + 1):
+        level = math.sqrt(
+            (context.parameters.wire.straight_share * length) ** 2 - (float(height) - fixed[2]) ** 2
+        )
         x, y = (float(v) for v in fixed[:2] + level * towards)
-        yield from carry(context, replace(along, x=x, y=y, z=float(height)), CARRY_SPEED, free)
+        yield from carry(
+            context, replace(along, x=x, y=y, z=float(height)), motion.carry_speed_m_s, free
+        )
         check_grip(context)
-    yield from carry(context, before.at(z=low), APPROACH_SPEED, free)
-    yield from carry(context, before, APPROACH_SPEED, free)
+    yield from carry(context, before.at(z=low), motion.approach_speed_m_s, free)
+    yield from carry(context, before, motion.approach_speed_m_s, free)
     check_grip(context)
 
 
@@ -88,7 +77,7 @@ def _lifted(context: RobotContext, fixed: Array, high: float, length: float) -> 
     """Return the tool pose straight above, as high as the wire lets it go."""
     here = context.commanded
     level = float(np.linalg.norm(here.position[:2] - fixed[:2]))
-    rise = math.sqrt(max(0.0, (LIFTED * length) ** 2 - level**2))
+    rise = math.sqrt(max(0.0, (context.parameters.wire.lifted_share * length) ** 2 - level**2))
     return here.at(z=max(here.z, min(high, float(fixed[2]) + rise)))
 
 
@@ -106,14 +95,14 @@ def _fixed_grip(context: RobotContext) -> Grip:
 
 
 def _over_posts(
-    panel: Panel, forks: Iterable[Duct], fixed: Array, towards: Array, length: float
+    context: RobotContext, forks: Iterable[Duct], fixed: Array, towards: Array, length: float
 ) -> float:
     """Return the height of the tool at which a straight wire clears all posts [m]."""
-    highest = 0.0
+    highest, fixture = 0.0, context.parameters.fixture
     for fork in forks:
-        place = panel.world_from_panel.apply(np.array([*fork.pose[:2], 0.0]))
+        place = context.panel.world_from_panel.apply(np.array([*fork.pose[:2], 0.0]))
         along = float((place[:2] - fixed[:2]) @ towards)
         if along > 0:
-            rise = max(0.0, fork.height + OVER_POSTS_M - float(fixed[2]))
+            rise = max(0.0, fork.height + fixture.fork_over_posts_m - float(fixed[2]))
             highest = max(highest, float(fixed[2]) + rise * length / along)
-    return min(highest, HIGHEST_M)
+    return min(highest, fixture.fork_highest_m)

@@ -9,6 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from remodel_skills.motion import Line
+from remodel_skills.parameters import WireParameters
 from remodel_skills.primitives.motions import canonical, is_free
 from remodel_skills.primitives.together import least_gap
 from remodel_skills.robot_context import RobotContext
@@ -16,19 +17,6 @@ from remodel_states.core.codes import Code
 from remodel_work.errors import AbilityError
 from remodel_work.geometry import Array, wrap_angle
 from remodel_work.robot.arm import ToolPose
-
-# Where the wire goes from the first place: so far aside of its direction there.
-ASIDE_RAD = np.radians([0.0, 25.0, -25.0, 50.0, -50.0, 75.0, -75.0, 100.0, -100.0])
-# On the way the wire leaves the first hand with at most so much aside.
-MOST_ASIDE_RAD = math.radians(110.0)
-# The hand holds between these heights [m].
-HEIGHTS_M = (0.12, 0.85)
-# Between the two robots there [m].
-APART_M = 0.035
-# The holding hand goes through the air so fast [m/s].
-HOLD_SPEED = 0.45
-# A way of a metre costs as much as so much aside [rad].
-WAY_COST = 1.0
 
 
 @dataclass(frozen=True)
@@ -47,17 +35,22 @@ class Hold:
     up_rad: tuple[float, ...]
 
 
-# It hangs a little, and pulls at neither.
-SLACK = Hold((0.88, 0.80, 0.70, 0.60), 0.92, tuple(np.radians([30.0, 20.0, 40.0, 55.0])))
-# It is nearly straight, and rises over the wall behind the next corner.
-STEEP = Hold(
-    (0.97, 0.94, 0.90, 0.85, 0.75),
-    1.0,
-    tuple(np.radians([55.0, 48.0, 62.0, 40.0, 70.0, 30.0, 20.0])),
-)
+def slack_hold(wire: WireParameters) -> Hold:
+    """Return how a wire is held that hangs a little, and pulls at neither hand."""
+    return Hold(wire.slack_shares, wire.slack_most_share, wire.slack_up_rad)
 
-# It leaves a terminal and its slot so flatly that an eyelet closes around it there.
-FLAT = Hold((0.95, 0.90, 0.85, 0.80), 1.0, tuple(np.radians([20.0, 25.0, 30.0, 15.0, 35.0, 40.0])))
+
+def steep_hold(wire: WireParameters) -> Hold:
+    """Return how a wire is held that is nearly straight, and rises over the next corner's wall."""
+    return Hold(wire.steep_shares, wire.steep_most_share, wire.steep_up_rad)
+
+
+def flat_hold(wire: WireParameters) -> Hold:
+    """Return how a wire is held that leaves a terminal and its slot flatly.
+
+    So flatly that an eyelet closes around it there.
+    """
+    return Hold(wire.flat_shares, wire.flat_most_share, wire.flat_up_rad)
 
 
 def holder_of(context: RobotContext) -> RobotContext | None:
@@ -83,7 +76,7 @@ def bring_together(
     holder: RobotContext,
     out: Array,
     length: float,
-    hold: Hold = SLACK,
+    hold: Hold | None = None,
     front: float | None = None,
     then: ToolPose | None = None,
     keeps: bool = False,
@@ -96,7 +89,7 @@ def bring_together(
         holder: holds the free end.
         out: in which the wire then leaves the working hand, unit vector (3,), level.
         length: of the wire from there to the holder's grip [m].
-        hold: how tightly and steeply.
+        hold: how tightly and steeply; None: it hangs a little.
         front: yaw of the working hand's side at which the wire leaves it [rad]; None: of `out`.
         then: where the working hand goes afterwards, while the other one stays.
         keeps: whether it has the wire then.
@@ -109,6 +102,7 @@ def bring_together(
     """
     front = math.atan2(out[1], out[0]) if front is None else front
     tool = canonical(working, tool)
+    hold = hold or slack_hold(working.parameters.wire)
     for share in hold.shares:
         places = sorted(
             _places(holder, tool, out, share * length, hold.up_rad), key=lambda found: found[0]
@@ -185,23 +179,27 @@ def _leaves_in_front(moves: list[list[tuple[RobotContext, ToolPose]]], turned: f
         moves: of the working hand, then of the holder's.
         turned: the working hand's yaw against that of its side at which the wire leaves it [rad].
     """
+    motion = moves[0][0][0].parameters.motion
     at = [context.commanded for context, _ in moves[0]]
     for move in moves:
-        lines = [Line(start, target, 1.0) for start, (_, target) in zip(at, move, strict=True)]
+        lines = [
+            Line(start, target, 1.0, motion) for start, (_, target) in zip(at, move, strict=True)
+        ]
         for share in np.linspace(0.0, 1.0, 9):
             hand, other = (line.between(share) for line in lines)
             yaw = math.atan2(other.y - hand.y, other.x - hand.x)
-            if abs(wrap_angle(yaw - hand.yaw + turned)) > MOST_ASIDE_RAD and share > 0:
+            if abs(wrap_angle(yaw - hand.yaw + turned)) > motion.most_aside_rad and share > 0:
                 return False
         at = [target for _, target in move]
     return True
 
 
 def _are_apart(moves: list[list[tuple[RobotContext, ToolPose]]]) -> bool:
+    motion = moves[0][0][0].parameters.motion
     at = {context: context.commanded for context, _ in moves[0]}
     for move in moves:
-        lines = [(context, Line(at[context], target, 1.0)) for context, target in move]
-        if least_gap(lines) < APART_M:
+        lines = [(context, Line(at[context], target, 1.0, motion)) for context, target in move]
+        if least_gap(lines) < motion.holding_apart_m:
             return False
         at.update(move)
     return True
@@ -222,11 +220,12 @@ def _places(
     holder: RobotContext, tool: ToolPose, out: Array, straight: float, ups: Sequence[float]
 ) -> Iterator[tuple[float, ToolPose]]:
     """Yield places so far from a tool [m], each with its cost."""
+    motion = holder.parameters.motion
     heading, grip = math.atan2(out[1], out[0]), holder.belief.grip
     assert grip is not None, "it holds the end"
-    for aside in ASIDE_RAD:
+    for aside in motion.hold_aside_rad:
         for up in ups:
-            z = float(np.clip(tool.z + straight * math.sin(up), *HEIGHTS_M))
+            z = float(np.clip(tool.z + straight * math.sin(up), *motion.hold_z_m))
             level, yaw = math.sqrt(straight**2 - min(straight, z - tool.z) ** 2), heading + aside
             x, y = tool.x + level * math.cos(yaw), tool.y + level * math.sin(yaw)
             # The tip points away: the other way round the wire would turn back beside the hand.
@@ -236,4 +235,7 @@ def _places(
                 continue
             place = ToolPose(x, y, z, hand)
             way = float(np.linalg.norm(place.position - holder.commanded.position))
-            yield abs(aside) + 0.3 * abs(up - ups[0]) + WAY_COST * way, place
+            yield (
+                abs(aside) + motion.hold_up_cost * abs(up - ups[0]) + motion.hold_way_cost * way,
+                place,
+            )

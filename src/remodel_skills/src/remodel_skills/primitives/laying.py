@@ -6,32 +6,11 @@ import numpy as np
 
 from remodel_skills.belief_state import EndState, Grip
 from remodel_skills.primitives.grasping import check_grip, release
-from remodel_skills.primitives.motions import (
-    APPROACH_SPEED,
-    CARRY_SPEED,
-    CARRY_Z,
-    FREE_SPEED,
-    HAND_OPEN_M,
-    TRAVEL_Z,
-    move_to,
-    rise,
-    wait,
-)
+from remodel_skills.primitives.motions import move_to, rise, wait
 from remodel_skills.robot_context import RobotContext, Steps
 from remodel_work.cell.feeding import FORK_BEHIND_GRASP_M
 from remodel_work.geometry import Array
 from remodel_work.robot.arm import ToolPose
-
-# Within this distance the wire is carried low, between the rows; further it is lifted over them
-# [m].
-LOW_CARRY_M = 0.04
-# The fork takes a wire that is so near to the middle of its channel [m].
-FORK_TOLERANCE_M = 0.010
-# An end comes down to its place slowly from so far above it [m].
-ABOVE_TARGET_M = 0.005
-# An end that has no place is lifted so far before it is released [m], and is at rest so soon [s].
-LET_DOWN_M = 0.040
-SETTLED_S = 0.5
 
 
 def lay_down(
@@ -46,7 +25,7 @@ def lay_down(
     yield from carry_over(context, target)
     check_grip(context)
     context.report("laying the end down", first + 0.6 * (last - first))
-    yield from move_to(context, target, APPROACH_SPEED)
+    yield from move_to(context, target, context.parameters.motion.approach_speed_m_s)
     grip = context.belief.grip
     if grip is not None:
         tip = tip_of(target, grip)
@@ -54,7 +33,7 @@ def lay_down(
         context.belief.tips.pop(grip.end, None)
         if fork:
             _bring_fork(context, target, grip)
-    yield from release(context, HAND_OPEN_M)
+    yield from release(context, context.parameters.tool.open_m)
     yield from rise(context)
 
 
@@ -63,16 +42,17 @@ def let_down(context: RobotContext) -> Steps[None]:
 
     For an end from the magazine, which has no place on the board but its terminal.
     """
-    yield from rise(context, context.commanded.z + LET_DOWN_M)
+    motion = context.parameters.motion
+    yield from rise(context, context.commanded.z + motion.let_down_above_m)
     check_grip(context)
     grip = context.belief.grip
     if grip is not None:
         tip = tip_of(context.commanded, grip)
         context.belief.expected[grip.end] = np.array([*tip, context.wire.radius])
         context.belief.tips.pop(grip.end, None)
-    yield from release(context, HAND_OPEN_M)
+    yield from release(context, context.parameters.tool.open_m)
     yield from rise(context)
-    yield from wait(context, SETTLED_S)
+    yield from wait(context, motion.settled_s)
 
 
 def _bring_fork(context: RobotContext, tool: ToolPose, grip: Grip) -> None:
@@ -87,7 +67,7 @@ def _bring_fork(context: RobotContext, tool: ToolPose, grip: Grip) -> None:
         return
     channel = context.panel.channel(belief.feed.channel_id)
     middle = context.panel.world_from_panel.position[0] + channel.x
-    if abs(tool.x - middle) < FORK_TOLERANCE_M:
+    if abs(tool.x - middle) < context.parameters.fixture.feeder_fork_tolerance_m:
         behind = np.array([tool.x, tool.y]) - tip_of(tool, grip)
         behind *= FORK_BEHIND_GRASP_M / np.linalg.norm(behind)
         context.device.magazine.move_fork(middle, tool.y + float(behind[1]))
@@ -105,17 +85,30 @@ def carry_over(context: RobotContext, target: ToolPose) -> Steps[None]:
     Low within a channel, else over the rows. One from the magazine, or with other wires there,
     turns high up and comes straight down, between its neighbours.
     """
+    motion = context.parameters.motion
     now, among_others = context.commanded, context.belief.by_magazine or len(context.belief.fed) > 1
     if among_others:
         yield from rise(context)
-        yield from move_to(context, target.at(z=context.commanded.z), CARRY_SPEED)
-        yield from move_to(context, target.at(z=target.z + ABOVE_TARGET_M), APPROACH_SPEED)
-    elif abs(now.x - target.x) > LOW_CARRY_M:
-        yield from move_to(context, now.at(z=TRAVEL_Z), FREE_SPEED / 2)
-        yield from move_to(context, ToolPose(target.x, target.y, TRAVEL_Z, now.yaw), CARRY_SPEED)
-        yield from move_to(context, context.commanded.at(z=CARRY_Z), APPROACH_SPEED)
-    elif now.z > CARRY_Z:
-        yield from move_to(context, ToolPose(target.x, target.y, now.z, now.yaw), CARRY_SPEED)
-        yield from move_to(context, context.commanded.at(z=CARRY_Z), APPROACH_SPEED)
+        yield from move_to(context, target.at(z=context.commanded.z), motion.carry_speed_m_s)
+        yield from move_to(
+            context, target.at(z=target.z + motion.above_target_m), motion.approach_speed_m_s
+        )
+    elif abs(now.x - target.x) > motion.low_carry_m:
+        yield from move_to(context, now.at(z=motion.travel_z_m), motion.free_speed_m_s / 2)
+        yield from move_to(
+            context,
+            ToolPose(target.x, target.y, motion.travel_z_m, now.yaw),
+            motion.carry_speed_m_s,
+        )
+        yield from move_to(
+            context, context.commanded.at(z=motion.carry_z_m), motion.approach_speed_m_s
+        )
+    elif now.z > motion.carry_z_m:
+        yield from move_to(
+            context, ToolPose(target.x, target.y, now.z, now.yaw), motion.carry_speed_m_s
+        )
+        yield from move_to(
+            context, context.commanded.at(z=motion.carry_z_m), motion.approach_speed_m_s
+        )
     if not among_others:
-        yield from move_to(context, target.at(z=CARRY_Z), CARRY_SPEED)
+        yield from move_to(context, target.at(z=motion.carry_z_m), motion.carry_speed_m_s)

@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Set
+from collections.abc import Iterator, Sequence, Set
 from dataclasses import replace
 from itertools import pairwise
 
 import numpy as np
 
 from remodel_skills.collision import Touch
-from remodel_skills.motion import PEAK_OVER_MEAN, WIRE_TURN_RATE, Line
+from remodel_skills.motion import PEAK_OVER_MEAN, Line
 from remodel_skills.robot_context import RobotContext, Steps
 from remodel_states.core.codes import Code
 from remodel_work.errors import AbilityError
@@ -19,30 +19,7 @@ from remodel_work.layout import STANDOFF_M
 from remodel_work.robot.arm import ToolPose
 from remodel_work.robot.kinematics import Kinematics
 
-FREE_SPEED = 0.90  # [m/s], hand empty and high
-CARRY_SPEED = 0.30  # with a wire in the hand
-APPROACH_SPEED = 0.25  # near things
-# High enough for the fingers to clear components, 45 mm high, with a wire in the grip.
-TRAVEL_Z = 0.10
-# Low enough that a carried wire stays between the rows.
-CARRY_Z = 0.028
-HAND_OPEN_M = 0.012
-# A path through joint space is checked this far apart [rad].
-CHECK_STEP_RAD = 0.1
-# A motion that is blocked lifts the tool to one of these heights, travels, and descends.
-LIFTS_Z = (TRAVEL_Z, 0.14, 0.18)
-# A corner of the hand is so far from the tool's axis; so far swings the outstretched arm [m/rad].
-HAND_CORNER_M = 0.12
-SWING_M = 0.9
 NOTHING: Set[str] = frozenset()
-# A hand goes around another robot so far beyond where it begins and where it ends [m].
-AROUND_M = (0.15, 0.30, 0.45)
-# Another robot is waited for so long, and checked so often [s].
-WAIT_LIMIT_S = 60.0
-WAIT_S = 0.1
-TRACKING_TOLERANCE_M = 0.003
-# The servo lags by up to 8 mm at full speed; more means that something is in the way.
-MAX_LAG_M = 0.015
 
 
 def move_to(
@@ -64,9 +41,9 @@ def move_to(
         for tick in range(1, math.ceil(line.duration / context.tick_s) + 1):
             context.follow(line.at(tick * context.tick_s))
             yield
-            check_lag(context)
+            check_lag(context, line.at((tick - context.lead_ticks) * context.tick_s))
         context.follow(line.end)
-        yield
+        yield from wait_to_follow(context)
         context.space.stand(context.commanded)
         check_tracking(context)
 
@@ -92,7 +69,7 @@ def is_free(
 
     It begins where the tool is, unless at `start`.
     """
-    line = _line_to(context, target, APPROACH_SPEED, start)
+    line = _line_to(context, target, context.parameters.motion.approach_speed_m_s, start)
     return _touch_on(context, line, allowed) is None
 
 
@@ -101,25 +78,25 @@ def _line_to(
 ) -> Line:
     start = canonical(context, context.commanded if start is None else start)
     end = canonical(context, target)
-    return Line(start, end, speed).paced(context.arm)
+    return Line(start, end, speed, context.parameters.motion).paced(context.arm)
 
 
 def _clear_lines(
     context: RobotContext, target: ToolPose, speed: float, allowed: Set[str]
 ) -> list[Line]:
     """Return the lines of a motion that touches nothing; raises UNREACHABLE."""
-    arm, start = context.arm, context.commanded
-    turn_rate = float(arm.speeds[-1]) if context.belief.grip is None else WIRE_TURN_RATE
+    arm, start, motion = context.arm, context.commanded, context.parameters.motion
+    turn_rate = float(arm.speeds[-1]) if context.belief.grip is None else None
 
     def line(first: ToolPose, second: ToolPose) -> Line:
         ends = canonical(context, first), canonical(context, second)
-        return Line(*ends, speed, turn_rate).paced(arm)
+        return Line(*ends, speed, motion, turn_rate).paced(arm)
 
     direct = line(start, target)
     touch = _touch_on(context, direct, allowed)
     if touch is None:
         return [direct]
-    for height in LIFTS_Z:
+    for height in motion.lifts_z_m:
         if height <= max(start.z, target.z):
             continue
         over = start.at(z=height), target.at(z=height)
@@ -134,7 +111,9 @@ def _clear_lines(
 
 
 def _touch_on(context: RobotContext, line: Line, allowed: Set[str]) -> Touch | None:
-    length = line.distance + HAND_CORNER_M * abs(line.end.yaw - line.start.yaw)
+    length = line.distance + context.parameters.tool.hand_corner_m * abs(
+        line.end.yaw - line.start.yaw
+    )
     return context.scene.first_touch(line.between, length, allowed)
 
 
@@ -146,11 +125,17 @@ def _blocked(touch: Touch, target: ToolPose, nor_over: str = "") -> AbilityError
     )
 
 
-def check_lag(context: RobotContext) -> None:
-    """Stop the arm and raise MOTION_FAULT when something holds it up."""
-    sent, tool = context.commanded, context.device.arm.tool
+def wait_to_follow(context: RobotContext) -> Steps[None]:
+    """Wait until the arm may be where it was sent: a tick, and by how much commands lead."""
+    for _ in range(1 + context.lead_ticks):
+        yield
+
+
+def check_lag(context: RobotContext, sent: ToolPose) -> None:
+    """Stop the arm and raise MOTION_FAULT when something keeps it from where it was to be now."""
+    tool = context.device.arm.tool
     lag = float(np.linalg.norm(tool.position - sent.position))
-    if lag > MAX_LAG_M:
+    if lag > context.parameters.motion.most_lag_m:
         context.follow(tool)
         raise AbilityError(
             Code.MOTION_FAULT,
@@ -161,7 +146,7 @@ def check_lag(context: RobotContext) -> None:
 def check_tracking(context: RobotContext) -> None:
     """Raise MOTION_FAULT when the arm is not where it was sent."""
     away = float(np.linalg.norm(context.device.arm.tool.position - context.commanded.position))
-    if away > TRACKING_TOLERANCE_M:
+    if away > context.parameters.motion.tracking_tolerance_m:
         raise AbilityError(
             Code.MOTION_FAULT,
             f"the tool stands {away * 1e3:.1f} mm from {context.commanded}; check for a collision",
@@ -180,30 +165,36 @@ def past_robots(context: RobotContext, target: ToolPose) -> tuple[ToolPose, ...]
     There are none where robots stand in all ways.
     """
     here, arm = context.commanded, context.arm
-    for legs in _ways(here, target):
+    for legs in _ways(here, target, context.parameters.motion.around_m):
         if not all(arm.reaches(leg) for leg in legs):
             continue
         stops = [arm.joints_for(leg) for leg in (here, *legs)]
-        if all(context.space.has_way(_through(*pair)) for pair in pairwise(stops)):
+        if all(context.space.has_way(_through(context, *pair)) for pair in pairwise(stops)):
             return legs
     return ()
 
 
-def _ways(here: ToolPose, target: ToolPose) -> Iterator[tuple[ToolPose, ...]]:
-    """Yield legs to a tool pose: straight, over one corner, or around what stands between."""
+def _ways(
+    here: ToolPose, target: ToolPose, around_m: Sequence[float]
+) -> Iterator[tuple[ToolPose, ...]]:
+    """Yield legs to a tool pose: straight, over one corner, or around what stands between.
+
+    Around it is so far beyond where the hand begins and where it ends [m].
+    """
     yield (target,)
     for corner in (replace(target, x=here.x, z=here.z), replace(target, y=here.y, z=here.z)):
         yield corner, target
-    for away in AROUND_M:
+    for away in around_m:
         for x in (max(here.x, target.x) + away, min(here.x, target.x) - away):
             yield replace(target, x=x, y=here.y, z=here.z), replace(target, x=x, z=here.z), target
         for y in (max(here.y, target.y) + away, min(here.y, target.y) - away):
             yield replace(target, x=here.x, y=y, z=here.z), replace(target, y=y, z=here.z), target
 
 
-def _through(start: Array, end: Array) -> Array:
-    """Return postures between two, (n, joints), CHECK_STEP_RAD apart or less."""
-    return np.linspace(start, end, math.ceil(np.abs(end - start).max() / CHECK_STEP_RAD) + 2)
+def _through(context: RobotContext, start: Array, end: Array) -> Array:
+    """Return postures between two, (n, joints), as far apart as they are checked."""
+    step_rad = context.parameters.motion.joint_check_step_rad
+    return np.linspace(start, end, math.ceil(np.abs(end - start).max() / step_rad) + 2)
 
 
 def _swing(context: RobotContext, target: ToolPose) -> Steps[None]:
@@ -212,27 +203,29 @@ def _swing(context: RobotContext, target: ToolPose) -> Steps[None]:
     An arm on an axis goes straight: a posture that its axis's rule does not give has no tool pose
     to resume from when it is stopped.
     """
+    motion = context.parameters.motion
     if context.arm.axis is not None:
-        yield from move_to(context, target, FREE_SPEED)
+        yield from move_to(context, target, motion.free_speed_m_s)
         return
     start = context.arm.joints_for(context.commanded)
     end = context.arm.joints_for(canonical(context, target))
     farthest = float(np.abs(end - start).max())
     touch = context.scene.first_touch(
         lambda share: context.arm.tool_of(start + share * (end - start)),
-        SWING_M * farthest,
+        context.parameters.tool.arm_reach_m * farthest,
         NOTHING,
     )
     if touch is not None:
-        yield from move_to(context, target, FREE_SPEED)
+        yield from move_to(context, target, motion.free_speed_m_s)
         return
-    yield from clear_path(context, _through(start, end))
+    yield from clear_path(context, _through(context, start, end))
     seconds = PEAK_OVER_MEAN * float((np.abs(end - start) / context.arm.speeds).max())
     ticks = math.ceil(seconds / context.tick_s)
     for tick in range(1, ticks + 1):
         t = tick / ticks
         context.drive_joints(start + t**3 * (10 - 15 * t + 6 * t * t) * (end - start))
         yield
+    yield from wait(context, context.lead_ticks * context.tick_s)
     context.commanded = context.arm.tool_of(end)
     context.space.stand(context.commanded)
 
@@ -250,18 +243,21 @@ def held_tool(context: RobotContext, pose: Pose) -> ToolPose:
     return ToolPose(x, y, z, pose.yaw - (0.0 if math.isclose(flip, 0.0) else flip))
 
 
-def rise(context: RobotContext, z: float = TRAVEL_Z) -> Steps[None]:
-    """Lift the tool straight up to a height, unless it is higher."""
+def rise(context: RobotContext, z: float | None = None) -> Steps[None]:
+    """Lift the tool straight up to a height, that of travel by default, unless it is higher."""
+    motion = context.parameters.motion
+    z = motion.travel_z_m if z is None else z
     if context.commanded.z < z:
-        yield from move_to(context, context.commanded.at(z=z), FREE_SPEED)
+        yield from move_to(context, context.commanded.at(z=z), motion.free_speed_m_s)
 
 
 def clear_hand(context: RobotContext) -> Steps[None]:
     """Open the empty hand and lift it: an ability that was stopped may have left it anywhere."""
+    tool = context.parameters.tool
     context.keeps_wire = False
-    if context.fingers_open_to < HAND_OPEN_M:
-        context.drive_fingers(HAND_OPEN_M)
-        yield from wait(context, 0.2)
+    if context.fingers_open_to < tool.open_m:
+        context.drive_fingers(tool.open_m)
+        yield from wait(context, tool.opening_s)
     yield from rise(context)
 
 
@@ -274,7 +270,8 @@ def clear_path(context: RobotContext, postures: Array) -> Steps[None]:
         AbilityError: ROBOT_IN_THE_WAY when it holds something, or waits for this one, or does not
             make way in time.
     """
-    for _ in range(math.ceil(WAIT_LIMIT_S / WAIT_S)):
+    motion = context.parameters.motion
+    for _ in range(math.ceil(motion.wait_limit_s / motion.wait_s)):
         name = context.space.claim(postures)
         if name is None:
             context.space.wait_for(None)
@@ -283,13 +280,13 @@ def clear_path(context: RobotContext, postures: Array) -> Steps[None]:
         _check_makes_way(context, other)
         context.space.wait_for(name)
         if other.busy:
-            yield from wait(context, WAIT_S)
+            yield from wait(context, motion.wait_s)
         else:
             yield from send_home(other)
     raise AbilityError(
         Code.ROBOT_IN_THE_WAY,
-        f"{name} has been in the way of {context.name} for {WAIT_LIMIT_S:.0f} s: it does "
-        f"{other.progress.message!r}; wait for it or cancel it",
+        f"{name} has been in the way of {context.name} for {motion.wait_limit_s:.0f} s: "
+        f"it does {other.progress.message!r}; wait for it or cancel it",
     )
 
 
@@ -342,7 +339,9 @@ def disengage(context: RobotContext) -> Steps[None]:
     grip, at = context.belief.grip, context.commanded
     ahead = float((at.position - socket.position) @ into) + grip.distance
     back = max(0.0, ahead + STANDOFF_M)
-    yield from move_to(context, at.moved(into, -back), APPROACH_SPEED / 2)
+    yield from move_to(
+        context, at.moved(into, -back), context.parameters.motion.approach_speed_m_s / 2
+    )
     context.belief.engaged = None
 
 

@@ -10,9 +10,6 @@ from remodel_skills.belief_state import Grip
 from remodel_skills.primitives.ducts.leading import AMONG_WIRES, lowest
 from remodel_skills.primitives.grasping import check_grip, close_fingers_on
 from remodel_skills.primitives.motions import (
-    APPROACH_SPEED,
-    FREE_SPEED,
-    TRAVEL_Z,
     clear_hand,
     is_free,
     move_to,
@@ -30,9 +27,6 @@ from remodel_work.geometry import Pose
 from remodel_work.panel import WireEnd
 from remodel_work.robot.arm import ToolPose
 
-# It is tried so often.
-TAKES = 4
-
 
 def pick_up(context: RobotContext) -> Steps[bool]:
     """Pick the live wire up between its ends, where it lies highest and the hand has room.
@@ -49,7 +43,7 @@ def pick_up(context: RobotContext) -> Steps[bool]:
         return False
     context.report(f"searching for {context.wire.id} anywhere", 0.5)
     tried: list[Pose] = []
-    for _ in range(TAKES):
+    for _ in range(context.parameters.motion.pick_up_attempts):
         yield from park(context)
         yield from clear_hand(context)
         picture = context.cameras.take_overhead_picture()
@@ -97,7 +91,7 @@ def _tool_at(context: RobotContext, place: Pose) -> ToolPose:
 
 def _has_room(context: RobotContext, tool: ToolPose) -> bool:
     """Return whether the open hand reaches a tool pose from above, past all but wires."""
-    above = _above(tool)
+    above = _above(context, tool)
     return (
         context.arm.reaches(tool)
         and context.arm.reaches(above)
@@ -106,8 +100,8 @@ def _has_room(context: RobotContext, tool: ToolPose) -> bool:
     )
 
 
-def _above(tool: ToolPose) -> ToolPose:
-    return tool.at(z=max(TRAVEL_Z, tool.z))
+def _above(context: RobotContext, tool: ToolPose) -> ToolPose:
+    return tool.at(z=max(context.parameters.motion.travel_z_m, tool.z))
 
 
 def _grasp(context: RobotContext, tool: ToolPose) -> Steps[None]:
@@ -116,11 +110,14 @@ def _grasp(context: RobotContext, tool: ToolPose) -> Steps[None]:
     Raises:
         AbilityError: GRASP_MISSED, GRASP_SLIPPED; the hand is empty.
     """
+    motion = context.parameters.motion
     context.report(f"grasping {context.wire.id} where it lies", 0.6)
-    above = _above(tool)
-    yield from move_to(context, above.at(z=max(above.z, context.commanded.z)), FREE_SPEED)
-    yield from move_to(context, above, FREE_SPEED)
-    yield from move_to(context, tool, APPROACH_SPEED, AMONG_WIRES)
+    above = _above(context, tool)
+    yield from move_to(
+        context, above.at(z=max(above.z, context.commanded.z)), motion.free_speed_m_s
+    )
+    yield from move_to(context, above, motion.free_speed_m_s)
+    yield from move_to(context, tool, motion.approach_speed_m_s, AMONG_WIRES)
     yield from close_fingers_on(context, context.wire.diameter)
     context.belief.grip = Grip(end=WireEnd.A, distance=0.0, height=0.0, flip=0.0, tool=tool)
     context.belief.tips.clear()

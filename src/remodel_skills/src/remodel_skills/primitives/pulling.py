@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from remodel_skills.force_control import RIGID, ForceControl, Yielding
+from remodel_skills.force_control import RIGID, Yielding
 from remodel_skills.primitives.force_motion import ForceMotion
 from remodel_skills.primitives.motions import wait
 from remodel_skills.robot_context import RobotContext, Steps
@@ -11,12 +11,6 @@ from remodel_work.errors import AbilityError
 from remodel_work.geometry import Pose
 from remodel_work.layout import STANDOFF_M
 from remodel_work.panel import unit_x
-
-PULL_SPEED = 0.04  # [m/s]
-# A tip so far before the opening is out of its terminal [m].
-OUT_M = 0.003
-# A hand that gives up waits for the wire's tension to relax before anything else is done [s].
-RELAX_S = 0.15
 
 
 def pull_out(context: RobotContext, socket: Pose, most_n: float) -> Steps[float]:
@@ -38,15 +32,15 @@ def pull_out(context: RobotContext, socket: Pose, most_n: float) -> Steps[float]
     assert grip is not None, "the end is held"
     ahead = float((start.position - socket.position) @ -out) + grip.distance
     inside = max(0.0, ahead)
-    motion = ForceMotion(context, out, ForceControl(most_n))
+    motion = ForceMotion(context, out, most_n)
     while motion.travel < inside + STANDOFF_M:
-        yield from motion.advance(PULL_SPEED)
-        if motion.met_limit and motion.travel > inside + OUT_M:
+        yield from motion.advance(context.parameters.motion.pull_speed_m_s)
+        if motion.met_limit and motion.travel > inside + context.parameters.terminal.out_m:
             break  # What holds it now is not the terminal, such as the slot that it passes.
         if motion.met_limit:
             stuck_at = motion.force  # before the hand goes back and the wire relaxes
             context.drive(start)
-            yield from wait(context, RELAX_S)
+            yield from wait(context, context.parameters.motion.force_still_s)
             raise AbilityError(
                 Code.EXTRACTION_STUCK,
                 f"it does not come out at {stuck_at:.0f} N",
@@ -57,25 +51,12 @@ def pull_out(context: RobotContext, socket: Pose, most_n: float) -> Steps[float]
     return motion.loop.peak
 
 
-TEST_SPEED = 0.015  # [m/s]
-# The pads damp what is clamped with 2300 N s/m, measured: within the control's time constant that
-# is as hard as 2e5 N/m. With less than this the control overcorrects, and the force swings at
-# each step, from 3.5 to 6.4 N about 5 N with 1.2e5 [N/m].
-CLAMPED_STIFFNESS = 4e5
-# A straight, firmly held end takes up the pull within this travel: slack, pads and contacts give so
-# much.
-PULL_TRAVEL_M = 0.006
-# The slip is counted from here on [share of the pull].
-TAKEN_UP = 0.4
-MAX_SLIP_M = 0.0015
-
-
 def pull_test(
     context: RobotContext,
     socket: Pose,
     newtons: float,
     where: str,
-    stiffness: float = CLAMPED_STIFFNESS,
+    stiffness: float | None = None,
     yielding: Yielding = RIGID,
 ) -> Steps[float]:
     """Pull the held end outwards until the force is reached; return the slip [m].
@@ -85,27 +66,34 @@ def pull_test(
         socket: the opening's frame, x into the terminal.
         newtons: the force [N].
         where: the terminal's name.
-        stiffness: with which a held end takes up the pull [N/m].
+        stiffness: with which a held end takes up the pull [N/m]; None: as a clamped wire.
         yielding: how the hand gives way across the pull: an end that it holds askew leans on its
             opening, and would jerk between the pads.
 
     Raises:
         AbilityError: PULLED_OUT.
     """
+    wire = context.parameters.wire
     out = -unit_x(socket)
     start = context.commanded
+    if stiffness is None:
+        stiffness = wire.clamped_stiffness_n_m
     # The push left the end under load; the pull counts from the free hand.
-    motion = ForceMotion(context, out, ForceControl(newtons, stiffness))
+    motion = ForceMotion(context, out, newtons, stiffness)
     motion.yield_to(yielding)
     taken_up = None
-    while not motion.met_limit and motion.travel < PULL_TRAVEL_M:
-        yield from motion.advance(TEST_SPEED)
-        if taken_up is None and motion.force >= TAKEN_UP * newtons:
+    while not motion.met_limit and motion.travel < wire.pull_travel_m:
+        yield from motion.advance(context.parameters.motion.test_speed_m_s)
+        if taken_up is None and motion.force >= wire.taken_up_share * newtons:
             taken_up = motion.travel
     motion.stop()
     slip = motion.travel - (taken_up if taken_up is not None else 0.0)
     # An end that creeps under less than the pull has not met it: the motion only stalled.
-    if not motion.met_limit or motion.loop.pressed_at is None or slip > MAX_SLIP_M:
+    if (
+        not motion.met_limit
+        or motion.loop.pressed_at is None
+        or slip > context.parameters.terminal.max_slip_m
+    ):
         raise AbilityError(
             Code.PULLED_OUT,
             f"the end moved {slip * 1e3:.1f} mm in {where} at {motion.force:.1f} of {newtons:.1f} "
@@ -113,5 +101,5 @@ def pull_test(
             slip=slip,
         )
     context.drive(start)
-    yield from wait(context, 0.15)
+    yield from wait(context, context.parameters.motion.force_still_s)
     return slip

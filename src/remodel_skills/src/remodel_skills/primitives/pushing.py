@@ -9,22 +9,12 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from remodel_skills.belief_state import Grip
-from remodel_skills.force_control import WIRE_STIFFNESS, ForceControl, Yielding
+from remodel_skills.force_control import Yielding
+from remodel_skills.parameters import Parameters, TerminalParameters
 from remodel_skills.primitives.force_motion import ForceMotion
-from remodel_skills.primitives.holding import (
-    HOLD_SPEED,
-    bring_together,
-    free_length,
-    holder_of,
-)
+from remodel_skills.primitives.holding import bring_together, free_length, holder_of
 from remodel_skills.primitives.laying import carry_over
-from remodel_skills.primitives.motions import (
-    APPROACH_SPEED,
-    CARRY_SPEED,
-    TRAVEL_Z,
-    move_to,
-    wait,
-)
+from remodel_skills.primitives.motions import move_to, wait
 from remodel_skills.primitives.observation.observing import observe_held_tip
 from remodel_skills.primitives.together import move_together
 from remodel_skills.push_monitor import PushMonitor
@@ -36,49 +26,6 @@ from remodel_work.layout import STANDOFF_M
 from remodel_work.panel import PanelTerminal, unit_x
 from remodel_work.robot.arm import ToolPose
 from remodel_work.slots import slot_before
-
-# The tip goes to the opening faster than into it [m/s]: what stops it there must not hurt it.
-APPROACH_OPENING_SPEED = 0.04
-# The push goes on so far beyond where the bottom should be.
-OVERTRAVEL_M = 0.008
-SLOW_BEFORE_M = 0.001
-HOME_BEFORE_M = 0.0015
-# Resistance so far before or beyond the bottom counts as the bottom. A turn of the hand draws the
-# wire back in the grip by up to 3 mm, so that it meets the bottom late, by the arm's measure. More
-# than 0.5 mm early it meets an obstacle only, or passes below its opening.
-SHORT_OF_BOTTOM_M = 0.002
-BEYOND_BOTTOM_M = 0.006
-# A wire buckles at the bottom so near to where that should be: a force that falls before is that of
-# an end that is caught on its way in.
-BUCKLES_M = 0.001
-# Resistance before this depth is the face's or the funnel's.
-FACE_M = 0.003
-# Between the face and half the depth few ends in their openings meet more than this, in the mean;
-# the tip of one that meets more may rub along the face, while its ferrule bends [N].
-RUBS_N = 1.6
-# A hand that is so far beyond the bottom slid along the wire, or bent it [m].
-SLID_M = 0.001
-STILL_S = 0.15
-# A wire that comes through a slot beside the opening's axis is turned into the axis up to this
-# depth [m]: kept straight from the slot on, it does not lean on the funnel.
-TURNED_IN_M = 0.010
-# A tip that is stopped at the face or in the funnel is turned up or down in the grip, if the wire
-# was pulled or bent behind the hand: the opening is felt for with the hand so far higher [m], or so
-# far from where the tip is seen in it, with so much force [N]; with 5 N it slides down the face.
-FEELS_M = (0.0025, -0.0025, 0.005, -0.005, -0.0075)
-FEEL_N = 3.0
-# Pushed with 13 N against the face, a ferrule bends at its joint with the wire. A push that may be
-# harder than this goes on with FEEL_N from so far before the face, until the tip is in [N, m].
-BENDS_N = 10.0
-GENTLE_BEFORE_M = 0.003
-# An end that is in an opening guides the hand: a wire that lies askew in the grip would bend in
-# front of it. The hand gives way by so much along the row of openings, and up or down [m].
-YIELDS_ASIDE_M, YIELDS_UP_M = 0.0010, 0.0040
-# An end so near to its place before an opening was brought there already [m, rad].
-ALREADY_THERE_M = 0.004
-ALREADY_THERE_RAD = 0.05
-# Two hands carry a wire so high that its loop clears what stands on the plate [m].
-BOTH_CARRY_Z = 0.32
 
 
 @dataclass(frozen=True)
@@ -97,17 +44,28 @@ class Manner:
     stiffness: float
     buckles: bool
 
-    def speed_at(self, ahead: float, bottom: float) -> float:
+    def speed_at(self, ahead: float, bottom: float, parameters: Parameters) -> float:
         """Return the speed of a tip so far beyond the opening [m/s]."""
-        if ahead > bottom - HOME_BEFORE_M:
+        if ahead > bottom - parameters.terminal.home_before_m:
             return self.home
-        return self.inside if ahead > -SLOW_BEFORE_M else APPROACH_OPENING_SPEED
+        is_before = ahead <= -parameters.terminal.slow_before_m
+        return parameters.motion.opening_speed_m_s if is_before else self.inside
 
 
-# A wire gives; a connector and its header do not, some 200 N a millimetre. A wire slows down before
-# the bottom, or the jolt there would look like a wire that gives way.
-WIRE = Manner(inside=0.02, home=0.006, stiffness=WIRE_STIFFNESS, buckles=True)
-CONNECTOR = Manner(inside=0.01, home=0.002, stiffness=2e5, buckles=False)
+def of_wire(parameters: Parameters) -> Manner:
+    """Return how a wire is pushed, which gives."""
+    motion, stiffness = parameters.motion, parameters.wire.grip_stiffness_n_m
+    return Manner(motion.wire_inside_speed_m_s, motion.wire_home_speed_m_s, stiffness, buckles=True)
+
+
+def of_connector(parameters: Parameters) -> Manner:
+    """Return how a connector is pushed, which does not give, nor does its header."""
+    return Manner(
+        inside=parameters.motion.connector_inside_speed_m_s,
+        home=parameters.motion.connector_home_speed_m_s,
+        stiffness=parameters.terminal.connector_stiffness_n_m,
+        buckles=False,
+    )
 
 
 @dataclass(frozen=True)
@@ -154,6 +112,7 @@ def bring_before(context: RobotContext, socket: Pose) -> Steps[None]:
     behind it goes down into a slot: over the wall it would have to bend upwards beside the grip.
     An end that is there already stays low: lifted, the wire would leave its forks.
     """
+    motion = context.parameters.motion
     target = tool_before(socket, _grip(context), -STANDOFF_M)
     slot = slot_before(context.panel, context.panel.world_from_panel.inverse() @ socket)
     above = target.moved(socket.rotation[:, 1], slot.aside if slot else 0.0)
@@ -162,16 +121,22 @@ def bring_before(context: RobotContext, socket: Pose) -> Steps[None]:
         if holder is not None:
             yield from _carry_both(context, holder, above, -unit_x(socket))
         yield from carry_over(context, above)
-    yield from move_to(context, context.commanded.at(z=target.z), APPROACH_SPEED)
+    yield from move_to(context, context.commanded.at(z=target.z), motion.approach_speed_m_s)
     slant = _slant(context, socket)
-    yield from move_to(context, _way_in(socket, slant, _grip(context), target)(0.0), APPROACH_SPEED)
-    yield from wait(context, STILL_S)
+    yield from move_to(
+        context, _way_in(context, socket, slant, target)(0.0), motion.approach_speed_m_s
+    )
+    yield from wait(context, motion.force_still_s)
 
 
 def _is_at(context: RobotContext, target: ToolPose) -> bool:
+    terminal = context.parameters.terminal
     here = context.commanded
     away = float(np.linalg.norm(here.position - target.position))
-    return away < ALREADY_THERE_M and abs(wrap_angle(here.yaw - target.yaw)) < ALREADY_THERE_RAD
+    return (
+        away < terminal.already_there_m
+        and abs(wrap_angle(here.yaw - target.yaw)) < terminal.already_there_rad
+    )
 
 
 def _slant(context: RobotContext, socket: Pose) -> float:
@@ -185,20 +150,21 @@ def _slant(context: RobotContext, socket: Pose) -> float:
 
 
 def _way_in(
-    socket: Pose, slant: float, grip: Grip, straight: ToolPose
+    context: RobotContext, socket: Pose, slant: float, straight: ToolPose
 ) -> Callable[[float], ToolPose]:
     """Return the tool poses that push an end in, for each travel [m] from STANDOFF_M before it.
 
     Args:
+        context: the cell; its hand holds the end.
         socket: the opening's frame, x into the terminal.
         slant: yaw from its axis at which the end comes to it [rad].
-        grip: on the end.
         straight: the tool pose that holds the end along the axis.
     """
+    grip, turned_in_m = _grip(context), context.parameters.terminal.turned_in_m
 
     def tool(travel: float) -> ToolPose:
         ahead = travel - STANDOFF_M
-        turn = slant * (1.0 - min(1.0, max(0.0, ahead / TURNED_IN_M)))
+        turn = slant * (1.0 - min(1.0, max(0.0, ahead / turned_in_m)))
         along = socket.rotation @ np.array([math.cos(turn), math.sin(turn), 0.0])
         tip = socket.position + (unit_x(socket) if ahead > 0 else along) * ahead
         x, y, _ = (float(v) for v in tip - along * grip.distance)
@@ -211,14 +177,18 @@ def _carry_both(
     context: RobotContext, holder: RobotContext, target: ToolPose, out: Array
 ) -> Steps[None]:
     """Carry a wire that two hands hold: this one to above its target, the other out of its way."""
+    motion = context.parameters.motion
     both = (context, holder)
-    high = [(robot, robot.commanded.at(z=max(BOTH_CARRY_Z, robot.commanded.z))) for robot in both]
-    yield from move_together(high, HOLD_SPEED)
+    high = [
+        (robot, robot.commanded.at(z=max(motion.both_carry_z_m, robot.commanded.z)))
+        for robot in both
+    ]
+    yield from move_together(high, motion.hold_speed_m_s)
     length = free_length(context, holder)
-    for height, then in ((BOTH_CARRY_Z, None), (TRAVEL_Z, target)):
+    for height, then in ((motion.both_carry_z_m, None), (motion.travel_z_m, target)):
         above = target.at(z=height)
         for move in bring_together(context, above, holder, out, length, then=then, keeps=True):
-            yield from move_together(move, CARRY_SPEED, HOLD_SPEED)
+            yield from move_together(move, motion.carry_speed_m_s, motion.hold_speed_m_s)
 
 
 def _grip(context: RobotContext) -> Grip:
@@ -232,7 +202,7 @@ def push_in(
     socket: Pose,
     bottom: float,
     limit: float,
-    manner: Manner = WIRE,
+    manner: Manner | None = None,
     until_in: float = math.inf,
 ) -> Steps[Push]:
     """Push the held end from in front of an opening until a force stops it, or gives way.
@@ -242,52 +212,55 @@ def push_in(
         socket: the opening's frame, x into the terminal.
         bottom: how deep the tip should come [m].
         limit: force at which the push stops [N].
-        manner: how it is pushed.
+        manner: how it is pushed; None: as a wire.
         until_in: the same, from the face until the tip is half as deep: it may be beside the
             opening. If this is less than the limit, a tip that rubs is pushed no further [N].
     """
     into, grip = unit_x(socket), _grip(context)
     context.free_force = context.device.arm.force
-    monitor = PushMonitor(manner.buckles)
+    terminal, wire = context.parameters.terminal, context.parameters.wire
+    manner = manner or of_wire(context.parameters)
+    monitor = PushMonitor(manner.buckles, wire)
     slant, here = _slant(context, socket), context.commanded
-    way = _way_in(socket, slant, grip, replace(here, yaw=here.yaw - slant)) if slant else None
-    motion = ForceMotion(context, into, ForceControl(limit, manner.stiffness), way=way)
+    way = _way_in(context, socket, slant, replace(here, yaw=here.yaw - slant)) if slant else None
+    motion = ForceMotion(context, into, limit, manner.stiffness, way=way)
     ahead, stopped, is_tared, in_opening = -STANDOFF_M, False, False, False
     rubs, work = False, 0.0
-    while ahead < bottom + OVERTRAVEL_M and not stopped and not rubs:
+    while ahead < bottom + terminal.overtravel_m and not stopped and not rubs:
         before = ahead
-        yield from motion.advance(manner.speed_at(ahead, bottom))
+        yield from motion.advance(manner.speed_at(ahead, bottom, context.parameters))
         ahead = motion.travel - STANDOFF_M
-        if until_in < limit and FACE_M <= before < bottom / 2:
+        if until_in < limit and terminal.face_m <= before < bottom / 2:
             work += motion.force * (ahead - before)
-            rubs = ahead >= bottom / 2 and work > RUBS_N * (bottom / 2 - FACE_M)
-        if not is_tared and ahead >= -GENTLE_BEFORE_M:
+            rubs = ahead >= bottom / 2 and work > wire.rubs_n * (bottom / 2 - terminal.face_m)
+        if not is_tared and ahead >= -terminal.gentle_before_m:
             is_tared = True
             motion.tare()  # the wire pulls at a hand that draws back, and brakes one that goes on
-        if manner.buckles and not in_opening and ahead >= FACE_M:
+        if manner.buckles and not in_opening and ahead >= terminal.face_m:
             in_opening = True
-            motion.yield_to(yielding_in(socket))
-        at_face = -GENTLE_BEFORE_M <= ahead < bottom / 2
+            motion.yield_to(yielding_in(context, socket))
+        at_face = -terminal.gentle_before_m <= ahead < bottom / 2
         motion.limit_to(min(limit, until_in) if at_face else limit)
-        monitor = monitor.then(motion.force, near_bottom=ahead >= bottom - BUCKLES_M)
+        monitor = monitor.then(motion.force, near_bottom=ahead >= bottom - wire.buckles_within_m)
         stopped = motion.met_limit or monitor.gave_way
         context.report("pushing", 0.75 + 0.2 * np.clip(ahead / bottom, 0, 1))
     motion.stop()
-    tip = (
-        _held_tip(grip, context.device.arm.tool) - motion.yielded
-    )  # the end is where the opening keeps it
-    yield from wait(context, 0.1)
+    # The end is where the opening keeps it.
+    tip = _held_tip(grip, context.device.arm.tool) - motion.yielded
+    yield from wait(context, context.parameters.motion.still_s)
     depth = float((tip - socket.position) @ into)
-    at_bottom = stopped and -SHORT_OF_BOTTOM_M <= depth - bottom <= SLID_M
+    at_bottom = stopped and -terminal.short_of_bottom_m <= depth - bottom <= terminal.slid_m
     pressed_at = None if at_bottom else motion.loop.pressed_at
     jammed_at = None if pressed_at is None else pressed_at - STANDOFF_M
     return Push(tip, depth, motion.loop.peak, stopped, rubs=rubs, jammed_at=jammed_at)
 
 
-def yielding_in(socket: Pose) -> Yielding:
+def yielding_in(context: RobotContext, socket: Pose) -> Yielding:
     """Return how a hand gives way to the opening that its wire is in."""
     aside, up = socket.rotation[:, 1], np.array([0.0, 0.0, 1.0])
-    return Yielding(np.array([aside, up]), np.array([YIELDS_ASIDE_M, YIELDS_UP_M]))
+    terminal, wire = context.parameters.terminal, context.parameters.wire
+    most = np.array([terminal.yields_aside_m, terminal.yields_up_m])
+    return Yielding(np.array([aside, up]), most, wire.grip_stiffness_n_m)
 
 
 def find_in(context: RobotContext, socket: Pose, bottom: float, limit: float) -> Steps[Push]:
@@ -295,8 +268,9 @@ def find_in(context: RobotContext, socket: Pose, bottom: float, limit: float) ->
 
     If it goes in freely nowhere, it is pushed where it first rubbed, or else where it began.
     """
+    wire = context.parameters.wire
     start = context.commanded
-    until_in = limit if limit <= BENDS_N else FEEL_N
+    until_in = limit if limit <= wire.most_at_face_n(context.wire) else wire.feel_n
     push = yield from push_in(context, socket, bottom, limit, until_in=until_in)
     if _is_in(push, bottom):
         return push
@@ -306,7 +280,7 @@ def find_in(context: RobotContext, socket: Pose, bottom: float, limit: float) ->
     for above in (yield from _feels(context)):
         there = start.at(z=start.z + above)
         yield from _back_to(context, start, there)
-        push = yield from push_in(context, socket, bottom, limit, until_in=FEEL_N)
+        push = yield from push_in(context, socket, bottom, limit, until_in=wire.feel_n)
         peak_force = max(peak_force, push.peak_force)
         if _is_in(push, bottom):
             return replace(push, peak_force=peak_force, felt=True)
@@ -327,12 +301,13 @@ def _feels(context: RobotContext) -> Steps[tuple[float, ...]]:
 
     A tip that is seen from above is first brought to the opening's height.
     """
+    terminal = context.parameters.terminal
     expected = _held_tip(_grip(context), context.device.arm.tool)
     seen = yield from observe_held_tip(context, expected)
     if seen is None:
-        return FEELS_M
+        return terminal.feels_m
     lower = float(expected[2] - seen.tip[2])
-    return tuple(lower + above for above in (0.0, *FEELS_M[:-1]))
+    return tuple(lower + above for above in (0.0, *terminal.feels_m[:-1]))
 
 
 def _held_tip(grip: Grip, tool: ToolPose) -> Array:
@@ -344,9 +319,10 @@ def _held_tip(grip: Grip, tool: ToolPose) -> Array:
 
 def _back_to(context: RobotContext, *tools: ToolPose) -> Steps[None]:
     """Draw the end back to where its push began, and on to where the next one begins."""
+    motion = context.parameters.motion
     for tool in tools:
-        yield from move_to(context, tool, APPROACH_SPEED / 2)
-    yield from wait(context, STILL_S)
+        yield from move_to(context, tool, motion.approach_speed_m_s / 2)
+    yield from wait(context, motion.force_still_s)
 
 
 def judge_alignment(push: Push, mouth: Pose, terminal: PanelTerminal, where: str) -> None:
@@ -367,12 +343,18 @@ def judge_alignment(push: Push, mouth: Pose, terminal: PanelTerminal, where: str
         )
 
 
-def judge_depth(push: Push, bottom: float, where: str, early: float = SHORT_OF_BOTTOM_M) -> None:
-    """Raise unless a push was stopped at the bottom, or up to `early` [m] before it."""
-    if push.jammed_at is not None and FACE_M <= push.jammed_at < bottom - early:
+def judge_depth(
+    push: Push, bottom: float, where: str, terminal: TerminalParameters, early: float | None = None
+) -> None:
+    """Raise unless a push was stopped at the bottom, or up to `early` [m] before it.
+
+    None: as early as a wire may be stopped.
+    """
+    early = terminal.short_of_bottom_m if early is None else early
+    if push.jammed_at is not None and terminal.face_m <= push.jammed_at < bottom - early:
         raise _jammed(push, push.jammed_at, bottom, where)
     depth = push.depth * 1e3
-    if not push.stopped or push.depth > bottom + BEYOND_BOTTOM_M:
+    if not push.stopped or push.depth > bottom + terminal.beyond_bottom_m:
         raise AbilityError(
             Code.INSERTION_NO_CONTACT,
             f"pushed to {depth:.1f} mm without meeting the bottom of {where} at "
@@ -381,7 +363,7 @@ def judge_depth(push: Push, bottom: float, where: str, early: float = SHORT_OF_B
         )
     if push.depth >= bottom - early:
         return
-    if push.depth < FACE_M:
+    if push.depth < terminal.face_m:
         raise AbilityError(
             Code.INSERTION_MISALIGNED,
             f"{push.peak_force:.1f} N at {depth:.1f} mm: the tip sits on the face of {where}; "

@@ -11,21 +11,12 @@ from typing import Any
 import numpy as np
 
 from remodel_skills.motion import Line
-from remodel_skills.primitives.motions import (
-    NOTHING,
-    check_lag,
-    check_tracking,
-    straight_line,
-)
+from remodel_skills.primitives.motions import NOTHING, check_lag, check_tracking, straight_line
 from remodel_skills.robot_context import RobotContext, Steps
-from remodel_skills.traffic import MARGIN_M
 from remodel_states.core.codes import Code
 from remodel_work.errors import AbilityError
 from remodel_work.robot.arm import ToolPose
 from remodel_work.robot.arm_volume import gap_between, volume_of
-
-# The distance between the robots is checked at moments that are so far apart along a path [m].
-CHECK_STEP_M = 0.02
 
 
 def move_together(
@@ -77,13 +68,13 @@ def move_together(
 
 def _check_apart(moves: Sequence[tuple[RobotContext, Line]]) -> None:
     """Raise UNREACHABLE when two robots would come too near to each other on the way."""
-    gap = least_gap(moves)
-    if gap < MARGIN_M:
+    gap, margin_m = least_gap(moves), moves[0][0].parameters.motion.robots_apart_m
+    if gap < margin_m:
         names = " and ".join(context.name for context, _ in moves)
         raise AbilityError(
             Code.UNREACHABLE,
             f"{names} would come within {gap * 1e3:.0f} mm of each other on the way to "
-            f"{moves[0][1].end}; allowed: {MARGIN_M * 1e3:.0f} mm or more",
+            f"{moves[0][1].end}; allowed: {margin_m * 1e3:.0f} mm or more",
         )
 
 
@@ -93,8 +84,9 @@ def least_gap(moves: Sequence[tuple[RobotContext, Line]]) -> float:
     Raises:
         AbilityError: UNREACHABLE when a robot does not reach a place on its line.
     """
+    step_m = moves[0][0].parameters.motion.check_step_m
     farthest = max(line.distance for _, line in moves)
-    shares = np.linspace(0.0, 1.0, max(3, math.ceil(farthest / CHECK_STEP_M) + 1))
+    shares = np.linspace(0.0, 1.0, max(3, math.ceil(farthest / step_m) + 1))
     least = math.inf
     for (one, first), (other, second) in combinations(moves, 2):
         for share in shares:

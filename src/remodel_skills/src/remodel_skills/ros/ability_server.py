@@ -90,5 +90,5 @@ class CellAbilityServer(AbilityServer):
         require_number("timeout", message.timeout, 0.1, MAX_TIMEOUT_S, unit="s")
         goal = self._steps.parse(message, self._owner.cell.plant.panel.world_from_panel)
         for context in contexts:
-            goal.check(context.panel, context.belief)
+            goal.check(context.panel, context.belief, context.parameters)
         return goal

@@ -13,14 +13,7 @@ from itertools import pairwise
 import numpy as np
 
 from remodel_skills.primitives.grasping import open_fingers
-from remodel_skills.primitives.motions import (
-    APPROACH_SPEED,
-    HAND_OPEN_M,
-    TRAVEL_Z,
-    is_free,
-    move_to,
-    straight_line,
-)
+from remodel_skills.primitives.motions import is_free, move_to, straight_line
 from remodel_skills.robot_context import RobotContext, Steps
 from remodel_skills.runner import occupy
 from remodel_work.geometry import Array, wrap_angle
@@ -29,29 +22,11 @@ from remodel_work.robot.arm import ToolPose
 
 # A leading hand goes among other wires, which yield.
 AMONG_WIRES = frozenset({WIRES})
-# The leading hand begins to turn so far before a corner, and ends so far behind it [m].
-CORNER_M = 0.030
-# Behind the corner it keeps the wire so much lower than it led it [m]: released there, the wire
-# stays; kept 10 mm higher, it sprang out as the hand opened (W10, W15).
-LOWER_M = 0.018
-# It does where it is so far from the last slot that the other hand can insert the end [m].
-ROOM_M = 0.20
-# It leaves the wire so far back along it [m], then upwards, so fast [m/s]. A wire that lies in the
-# notch of an open finger slips out of it; if the hand rises faster, it is flung up between the
-# fingers, and drawn out of the other hand.
-BACK_M = 0.012
-LEAVE_SPEED = 0.10
-# It may stay there all the same, and the hand would lift it, and draw it out of its terminal on the
-# way home. So the hand goes so far aside, both ways, as soon as it is so far above the rims [m]: a
-# taut wire slips off by the shorter way, and a slack one, which the finger takes along, by the
-# longer way.
-ASIDES_M = (0.008, 0.018)
-OVER_RIMS_M = 0.005
 
 
-def keeps_room(corner: Array, slot: Array) -> bool:
+def keeps_room(guide: RobotContext, corner: Array, slot: Array) -> bool:
     """Return whether a hand behind a corner (3,) is out of the way of one at a slot (3,) [m]."""
-    return float(np.linalg.norm(slot - corner)) >= ROOM_M
+    return float(np.linalg.norm(slot - corner)) >= guide.parameters.fixture.duct_room_m
 
 
 def keep_in_duct(guide: RobotContext, corner: Array, slot: Array) -> Steps[None]:
@@ -62,12 +37,13 @@ def keep_in_duct(guide: RobotContext, corner: Array, slot: Array) -> Steps[None]
         corner: (3,) [m], world frame.
         slot: the last one, (3,) [m], world frame.
     """
-    behind = corner + CORNER_M / np.linalg.norm(slot - corner) * (slot - corner)
+    fixture = guide.parameters.fixture
+    behind = corner + fixture.duct_corner_m / np.linalg.norm(slot - corner) * (slot - corner)
     here = guide.commanded
-    z = max(lowest(guide), here.z - LOWER_M)
+    z = max(lowest(guide), here.z - fixture.duct_lower_m)
     target = ToolPose(float(behind[0]), float(behind[1]), z, here.yaw)
     guide.keeps_wire = True
-    yield from move_to(guide, target, APPROACH_SPEED, in_ducts(guide))
+    yield from move_to(guide, target, guide.parameters.motion.approach_speed_m_s, in_ducts(guide))
 
 
 def let_go(context: RobotContext) -> Steps[None]:
@@ -91,29 +67,35 @@ def withdraw(guide: RobotContext, risen: ToolPose) -> Steps[None]:
         guide: the wire is in its eyelet, or between its fingers.
         risen: where it has room to rise to, from below there.
     """
+    motion = guide.parameters.motion
     guide.keeps_wire = False
-    yield from open_fingers(guide, HAND_OPEN_M)
+    yield from open_fingers(guide, guide.parameters.tool.open_m)
     behind, ducts = risen.at(z=guide.commanded.z), in_ducts(guide)
     if behind != guide.commanded and is_free(guide, behind, ducts):
-        yield from move_to(guide, behind, APPROACH_SPEED, ducts)
-    if guide.commanded.z < TRAVEL_Z:
+        yield from move_to(guide, behind, motion.approach_speed_m_s, ducts)
+    if guide.commanded.z < motion.travel_z_m:
         yield from _shed(guide)
-        yield from move_to(guide, guide.commanded.at(z=TRAVEL_Z), LEAVE_SPEED, ducts)
+        yield from move_to(
+            guide, guide.commanded.at(z=motion.travel_z_m), motion.leave_speed_m_s, ducts
+        )
 
 
 def _shed(guide: RobotContext) -> Steps[None]:
     """Rise over the rims, and take the open fingers' notches from under a wire that lies in one."""
+    motion, fixture = guide.parameters.motion, guide.parameters.fixture
     rims = max(duct.height for duct in guide.panel.ducts if duct.id in guide.wire.ducts)
     here, allowed = guide.commanded, in_ducts(guide)
-    over = here.at(z=max(here.z, rims + OVER_RIMS_M + guide.fingers.below))
+    over = here.at(z=max(here.z, rims + fixture.duct_shed_over_m + guide.fingers.below))
     across = np.array([-math.sin(here.yaw), math.cos(here.yaw), 0.0])
-    yield from move_to(guide, over, LEAVE_SPEED, allowed)
-    to_both_sides = [over.moved(across, side * by) for by in ASIDES_M for side in (1, -1)]
+    yield from move_to(guide, over, motion.leave_speed_m_s, allowed)
+    to_both_sides = [
+        over.moved(across, side * by) for by in fixture.duct_asides_m for side in (1, -1)
+    ]
     for target in (*to_both_sides, over):
         if guide.arm.reaches(target) and is_free(guide, target, allowed):
-            way = straight_line(guide, target, LEAVE_SPEED, allowed)
+            way = straight_line(guide, target, motion.leave_speed_m_s, allowed)
             if guide.space.has_way(way.postures(guide.arm)):
-                yield from move_to(guide, target, LEAVE_SPEED, allowed)
+                yield from move_to(guide, target, motion.leave_speed_m_s, allowed)
 
 
 def behind_hand(guide: RobotContext, holder: RobotContext) -> ToolPose:
@@ -122,7 +104,7 @@ def behind_hand(guide: RobotContext, holder: RobotContext) -> ToolPose:
     back = np.array([math.cos(here.yaw), math.sin(here.yaw), 0.0])
     if back @ (here.position - holder.commanded.position) < 0:
         back = -back
-    return here.moved(back, BACK_M)
+    return here.moved(back, guide.parameters.fixture.duct_back_m)
 
 
 def eyelet_yaw(guide: RobotContext, yaws: Sequence[float]) -> float:
@@ -140,7 +122,7 @@ def eyelet_yaw(guide: RobotContext, yaws: Sequence[float]) -> float:
 
 def lowest(guide: RobotContext) -> float:
     """Return the lowest height of the tool at which the fingers clear the plate [m]."""
-    return guide.fingers.below + 0.002
+    return guide.fingers.below + guide.parameters.tool.led_floor_clearance_m
 
 
 def in_ducts(guide: RobotContext) -> Set[str]:

@@ -18,9 +18,6 @@ from remodel_work.geometry import Array, Pose
 from remodel_work.panel import Duct
 from remodel_work.routes import places_in, step_in
 
-# A wire must lie in its ducts at so much of its route in them.
-LEAST_IN_DUCTS = 0.8
-
 
 @dataclass(frozen=True, eq=False)
 class Inspection:
@@ -65,12 +62,12 @@ def inspect_ducts(context: RobotContext) -> Steps[Inspection | None]:
     return Inspection(max(0.0, 1.0 - outside / planned), seen, before, route, places)
 
 
-def check_ducts(found: Inspection) -> None:
-    """Raise OUT_OF_DUCT when too little of a wire lies in its ducts."""
-    if found.share < LEAST_IN_DUCTS:
+def check_ducts(found: Inspection, least_share: float) -> None:
+    """Raise OUT_OF_DUCT unless a wire lies in its ducts at such a share of its route."""
+    if found.share < least_share:
         raise AbilityError(
             Code.OUT_OF_DUCT,
             f"{found.seen.wire.id!r} lies in its ducts at {found.share:.1%} of its route; allowed: "
-            f"{LEAST_IN_DUCTS:.0%} or more; draw it out and place it again",
+            f"{least_share:.0%} or more; draw it out and place it again",
             in_ducts=found.share,
         )

@@ -11,6 +11,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from remodel_skills.parameters import LookingParameters
 from remodel_skills.primitives.observation.route_check import observe_route
 from remodel_skills.robot_context import RobotContext, Steps
 from remodel_states.core.codes import Code
@@ -21,14 +22,6 @@ from remodel_work.errors import AbilityError
 from remodel_work.fixtures import WALL_M
 from remodel_work.geometry import Array
 from remodel_work.panel import Duct, Panel
-
-# Before and behind its posts a fork is observed from so far beyond them to so far, and to so far
-# beside them [m].
-BEYOND_POSTS_M = (0.0015, 0.0055)
-BESIDE_POSTS_M = 0.060
-# Heights are averaged over so much across a fork, where so many points or more are seen [m].
-ACROSS_M = 0.001
-LEAST_POINTS = 3
 
 
 @dataclass(frozen=True, eq=False)
@@ -56,8 +49,8 @@ def check_forks(context: RobotContext) -> Steps[tuple[Duct, ...]]:
     if not forks:
         return ()
     context.report("observing the forks from above", 0.95)
-    seen = yield from observe_route(context)
-    sections = {fork: sections_of(fork, seen, context.panel) for fork in forks}
+    seen, looking = (yield from observe_route(context)), context.parameters.looking
+    sections = {fork: sections_of(fork, seen, context.panel, looking) for fork in forks}
     faults = {fork: _fault(fork, found, wire.radius) for fork, found in sections.items()}
     held = [fork for fork, fault in faults.items() if not fault]
     _show(context, seen, faults)
@@ -69,25 +62,28 @@ def check_forks(context: RobotContext) -> Steps[tuple[Duct, ...]]:
     return forks
 
 
-def sections_of(fork: Duct, seen: WireLines, panel: Panel) -> tuple[Section, Section]:
+def sections_of(
+    fork: Duct, seen: WireLines, panel: Panel, looking: LookingParameters
+) -> tuple[Section, Section]:
     """Return where the wire is seen across a fork, before its posts and behind them."""
     place = panel.world_from_panel @ fork.panel_from_duct
-    near, far = (fork.length / 2 + beyond for beyond in BEYOND_POSTS_M)
-    half = fork.width / 2 + BESIDE_POSTS_M
+    near, far = (fork.length / 2 + beyond for beyond in looking.beyond_posts_m)
+    half = fork.width / 2 + looking.duct_search_m
     points = place.inverse().apply(points_of_colour(seen, place.position, half + far))
     x, y, z = points[np.abs(points[:, 1]) < half].T
     before, behind = ((near < side * x) & (side * x < far) for side in (-1, 1))
     radius = seen.wire.radius
-    return _section(y[before], z[before], radius), _section(y[behind], z[behind], radius)
+    first, last = (_section(y[side], z[side], radius, looking) for side in (before, behind))
+    return first, last
 
 
-def _section(y: Array, z: Array, radius: float) -> Section:
+def _section(y: Array, z: Array, radius: float, looking: LookingParameters) -> Section:
     """Return what of points (n,) each [m] across a fork stands on the plate."""
-    cells, cell_of = np.unique(np.floor(y / ACROSS_M), return_inverse=True)
+    cells, cell_of = np.unique(np.floor(y / looking.across_fork_m), return_inverse=True)
     counts = np.bincount(cell_of, minlength=len(cells))
     heights = np.bincount(cell_of, z, minlength=len(cells)) / counts
-    stands = (counts >= LEAST_POINTS) & (heights > radius)
-    return Section((cells[stands] + 0.5) * ACROSS_M, heights[stands])
+    stands = (counts >= looking.least_points) & (heights > radius)
+    return Section((cells[stands] + 0.5) * looking.across_fork_m, heights[stands])
 
 
 def _fault(fork: Duct, sections: Sequence[Section], radius: float) -> str:

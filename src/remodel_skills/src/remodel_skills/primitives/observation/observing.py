@@ -8,15 +8,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from remodel_skills.belief_state import EndState
-from remodel_skills.primitives.motions import (
-    APPROACH_SPEED,
-    CARRY_SPEED,
-    clear_hand,
-    move_to,
-    park,
-    swing_to,
-    wait,
-)
+from remodel_skills.primitives.motions import clear_hand, move_to, park, swing_to, wait
 from remodel_skills.primitives.observation.views import views_around
 from remodel_skills.robot_context import RobotContext, Steps
 from remodel_states.core.codes import Code
@@ -30,18 +22,6 @@ from remodel_work.geometry import Array
 from remodel_work.layout import GRASP_DISTANCE_M
 from remodel_work.panel import WireEnd
 from remodel_work.robot.arm import ToolPose
-
-# The arm rings down before a picture is taken [s].
-STILL_S = 0.10
-# A wire is drawn so far behind its tip [m].
-DRAWN_M = 0.075
-# What is seen so near to where the other loose end was seen is that end [m].
-SAME_TIP_M = 0.005
-# What is seen so near to where a hand holds the tip of an end, level and in height, is that tip
-# [m]: a turn in the grip moves it up or down.
-HELD_TIP_M, HELD_TIP_HEIGHT_M = 0.006, 0.010
-# The line between the pads is measured at so many places.
-PLACES_BETWEEN_PADS = 9
 
 
 @dataclass(frozen=True, eq=False)
@@ -144,9 +124,10 @@ def observe_held_tip(context: RobotContext, expected: Array) -> Steps[TipObserva
         context: its hand holds the end.
         expected: where the tip is, (3,) [m], world frame, if it has not turned in the grip.
     """
+    looking = context.parameters.looking
     grip = context.belief.grip
     assert grip is not None, "the hand holds the end"
-    yield from wait(context, STILL_S)
+    yield from wait(context, context.parameters.motion.still_s)
     picture = context.cameras.take_overhead_picture()
     yield
     try:
@@ -157,7 +138,7 @@ def observe_held_tip(context: RobotContext, expected: Array) -> Steps[TipObserva
     if seen is None:
         return None
     x, y, z = np.abs(seen.tip.tip - expected)
-    if math.hypot(x, y) > HELD_TIP_M or z > HELD_TIP_HEIGHT_M:
+    if math.hypot(x, y) > looking.held_tip_m or z > looking.held_tip_height_m:
         return None
     drawing = Drawing(picture.rgb, picture.view)
     mark_end(drawing, seen, f"{context.wire.id} end {grip.end.value}")
@@ -236,8 +217,8 @@ def _search(
     line = picture.view.on_plane(pixels, z)
     below = math.tan(pitch) * arc_lengths(line[:, :2])
     line = picture.view.on_plane(pixels, z - below)
-    point, out = _between_pads(line[:, :2], distance, context.fingers.width)
-    drawing.path(pixels[: _count_within(line, DRAWN_M)])
+    point, out = _between_pads(context, line[:, :2], distance)
+    drawing.path(pixels[: _count_within(line, context.parameters.looking.drawn_m)])
     mark_end(drawing, observation, f"{wire.id} end {end.value}")
     grasp = np.array([*point, z - math.tan(pitch) * distance])
     drawing.circle(picture.view.project(grasp)[0], 9, ORANGE)
@@ -254,12 +235,16 @@ def _is_other_end(context: RobotContext, end: WireEnd, observation: EndObservati
     known = context.belief.tips.get(end.other)
     if known is None or end.other not in loose_ends(context):
         return False
-    return float(np.linalg.norm((observation.tip.tip - known.tip)[:2])) < SAME_TIP_M
+    return (
+        float(np.linalg.norm((observation.tip.tip - known.tip)[:2]))
+        < context.parameters.looking.same_tip_m
+    )
 
 
-def _between_pads(line: Array, distance: float, width: float) -> tuple[Array, Array]:
-    """Return the middle (2,) and the direction (2,) out of a wire between pads of a width [m]."""
-    offsets = np.linspace(-0.5, 0.5, PLACES_BETWEEN_PADS)
+def _between_pads(context: RobotContext, line: Array, distance: float) -> tuple[Array, Array]:
+    """Return the middle (2,) and the direction (2,) out of a wire between the pads [m]."""
+    width = context.fingers.width
+    offsets = np.linspace(-0.5, 0.5, context.parameters.looking.places_between_pads)
     places = np.array([at_distance(line, distance + offset * width)[0] for offset in offsets])
     # Least squares: the direction of the straight line through places in even steps.
     return places.mean(axis=0), -offsets @ places
@@ -280,13 +265,14 @@ def mark_end(drawing: Drawing, observation: EndObservation, text: str) -> None:
 
 def go_and_see(context: RobotContext, tool: ToolPose) -> Steps[Picture]:
     """Bring the hand to a tool pose high up, and take a picture with the wrist camera."""
+    motion = context.parameters.motion
     if context.belief.grip is None:
         yield from clear_hand(context)
         yield from swing_to(context, tool)
     else:
-        yield from move_to(context, context.commanded.at(z=tool.z), APPROACH_SPEED)
-        yield from move_to(context, tool, CARRY_SPEED)
-    yield from wait(context, STILL_S)
+        yield from move_to(context, context.commanded.at(z=tool.z), motion.approach_speed_m_s)
+        yield from move_to(context, tool, motion.carry_speed_m_s)
+    yield from wait(context, motion.still_s)
     picture = context.cameras.take_wrist_picture()
     yield
     return picture

@@ -6,6 +6,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from remodel_skills.parameters import LookingParameters
 from remodel_skills.primitives.motions import park
 from remodel_skills.robot_context import RobotContext, Steps
 from remodel_states.core.codes import Code
@@ -17,16 +18,6 @@ from remodel_work.fixtures import SLOPE_LENGTH_M
 from remodel_work.geometry import Pose
 from remodel_work.panel import Duct, Panel, PanelClip
 from remodel_work.routes import places_in, world_from_clip
-
-# Beside a clip the wire is observed so far from its slopes; it is searched for so far aside [m].
-BESIDE_CLIP_M = 0.003
-SEARCH_ASIDE_M = 0.025
-# The same beside a duct.
-BESIDE_DUCT_M = 0.060
-# A wire in a clip passes so near to its axis, and so little above it in the mean of both ends; on
-# closed lips it is 3 mm higher [m].
-ASIDE_M = 0.0015
-ABOVE_M = 0.0012
 
 
 def observe_route(context: RobotContext) -> Steps[WireLines]:
@@ -43,15 +34,17 @@ def observe_board(context: RobotContext) -> Steps[WireLines]:
     return WireLines(picture, context.wire)
 
 
-def clip_fault(clip: PanelClip, seen: WireLines, panel: Panel) -> str:
+def clip_fault(clip: PanelClip, seen: WireLines, panel: Panel, looking: LookingParameters) -> str:
     """Return what is wrong with the wire at a clip; empty: nothing."""
-    passings = [wire_past(place, SEARCH_ASIDE_M, seen) for place in _beside(clip, panel)]
+    passings = [
+        wire_past(place, looking.clip_search_m, seen) for place in _beside(clip, panel, looking)
+    ]
     found = [passing for passing in passings if passing is not None]
     if len(found) < len(passings):
         return f"it is not visible at clip {clip.id!r}"
     aside = max(abs(passing.aside) for passing in found)
     above = float(np.mean([passing.height for passing in found])) - clip.height
-    if aside <= ASIDE_M and abs(above) <= ABOVE_M:
+    if aside <= looking.clip_aside_m and abs(above) <= looking.clip_above_m:
         return ""
     return (
         f"at clip {clip.id!r} it lies {aside * 1e3:.1f} mm aside and {above * 1e3:+.1f} mm above "
@@ -59,16 +52,17 @@ def clip_fault(clip: PanelClip, seen: WireLines, panel: Panel) -> str:
     )
 
 
-def _beside(clip: PanelClip, panel: Panel) -> tuple[Pose, ...]:
-    out = clip.length / 2 + SLOPE_LENGTH_M + BESIDE_CLIP_M
+def _beside(clip: PanelClip, panel: Panel, looking: LookingParameters) -> tuple[Pose, ...]:
+    out = clip.length / 2 + SLOPE_LENGTH_M + looking.beside_clip_m
     place = world_from_clip(clip, panel)
     return tuple(place @ Pose.level(x, 0.0, clip.height) for x in (-out, out))
 
 
 def judge_clips(context: RobotContext, clips: Sequence[PanelClip], seen: WireLines) -> None:
     """Show the clips, and raise OUT_OF_DUCT when the wire does not lie in all of them."""
-    faults = [fault for clip in clips if (fault := clip_fault(clip, seen, context.panel))]
-    places = [place for clip in clips for place in _beside(clip, context.panel)]
+    panel, looking = context.panel, context.parameters.looking
+    faults = [fault for clip in clips if (fault := clip_fault(clip, seen, panel, looking))]
+    places = [place for clip in clips for place in _beside(clip, panel, looking)]
     _show(context, seen, places, faults)
     if faults:
         raise _out(context, faults)
@@ -89,13 +83,14 @@ def check_ducts(context: RobotContext, path: tuple[Pose, ...]) -> Steps[None]:
         return
     context.report("observing the ducts from above", 0.95)
     seen = yield from observe_route(context)
-    passings = {duct: _passings(duct, at, seen) for duct, at in places.items()}
+    beside_m = context.parameters.looking.duct_search_m
+    passings = {duct: _passings(duct, at, seen, beside_m) for duct, at in places.items()}
     if not any(passings.values()):
         ducts = ", ".join(duct.id for duct in places)
         raise AbilityError(
             Code.CABLE_OCCLUDED,
             f"{seen.wire.id!r} is seen in none of the ducts {ducts}, nor within "
-            f"{BESIDE_DUCT_M * 1e3:.0f} mm of one; observe it from another side",
+            f"{beside_m * 1e3:.0f} mm of one; observe it from another side",
         )
     faults = [f for duct, found in passings.items() if (f := _duct_fault(duct, found))]
     _show(context, seen, [place for at in places.values() for place in at], faults)
@@ -109,9 +104,11 @@ def duct_places(context: RobotContext, path: tuple[Pose, ...]) -> dict[Duct, tup
     return {duct: places for duct, places in found.items() if places}
 
 
-def _passings(duct: Duct, places: Sequence[Pose], seen: WireLines) -> list[Passing]:
-    """Return how the wire passes a duct, at the places where it is seen."""
-    reach = duct.width / 2 + BESIDE_DUCT_M
+def _passings(
+    duct: Duct, places: Sequence[Pose], seen: WireLines, beside_m: float
+) -> list[Passing]:
+    """Return how the wire passes a duct, or so far beside it, at the places where it is seen."""
+    reach = duct.width / 2 + beside_m
     found = [wire_past(place, reach, seen) for place in places]
     return [passing for passing in found if passing is not None]
 

@@ -8,9 +8,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from remodel_skills.primitives.motions import FREE_SPEED, TRAVEL_Z, move_to, nearest_hand_yaw, rise
+from remodel_skills.parameters import LookingParameters
+from remodel_skills.primitives.motions import move_to, nearest_hand_yaw, rise
 from remodel_skills.robot_context import RobotContext, Steps
-from remodel_skills.traffic import MARGIN_M
 from remodel_states.core.codes import Code
 from remodel_vision.component_observation import ComponentObservation
 from remodel_vision.device_pose import DeviceView, locate_device, search_device
@@ -26,25 +26,6 @@ from remodel_work.robot.arm import ToolPose
 from remodel_work.robot.arm_volume import Volume, gap_between, volume_of
 from remodel_work.robot.fingers import CAMERA_MOUNT, PANDA_FINGERS
 
-# The tool's height for an observation from the hand: the lens is 84 mm above the tool centre of
-# the Panda's fingers.
-CAMERA_Z = 0.12
-# Places of the wrist camera beside a hidden end, x and y [m]: the lens is some 0.2 m high, where a
-# wire 50 mm high moves by a third of that in the picture. Wires leave their terminals along x, so
-# it is tried along y first.
-ASIDE_M = ((0.0, 0.07), (0.0, -0.07), (0.07, 0.0), (-0.07, 0.0))
-# The same beside a label, which lies nearer to the lens and stays in the picture so far.
-LABEL_ASIDE_M = ((0.0, 0.045), (0.0, -0.045), (0.045, 0.0), (-0.045, 0.0))
-DIAGONALS = ((1.0, 1.0), (-1.0, -1.0), (1.0, -1.0), (-1.0, 1.0))
-# Turns of a hand that holds a wire, for an observation of a component that it need not go to [rad].
-EITHER_WAY = np.radians([0.0, 45.0, -45.0, 90.0, -90.0])
-# A label that is hidden from one place of the lens is searched for from others, so far apart [m].
-VIEWS_APART_M = 0.05
-MAX_VIEWS = 4
-# Another view with a wire in the hand begins so many of these places further on.
-VIEWS_PER_OBSERVATION = 2
-BORDER_PX = 30.0
-
 
 @dataclass(frozen=True)
 class Ring:
@@ -59,41 +40,52 @@ class Ring:
     z: float
 
 
-def _rings(aside: tuple[tuple[float, float], ...], far: float) -> tuple[Ring, ...]:
+def end_views(looking: LookingParameters) -> tuple[Ring, ...]:
+    """Return the views of an end, by their number."""
+    return _rings(looking, looking.end_aside_m, looking.end_far_m)
+
+
+def label_views(looking: LookingParameters) -> tuple[Ring, ...]:
+    """Return the views of a label, by their number."""
+    return _rings(looking, looking.label_aside_m, looking.label_far_m)
+
+
+def _rings(
+    looking: LookingParameters, aside: tuple[tuple[float, float], ...], far: float
+) -> tuple[Ring, ...]:
     """Return the views of a point: around it, diagonally from higher up, and further off.
 
     Each view sees past other obstacles; the higher ones stay in the picture further aside.
     """
-    diagonal, reach = far * 0.6, far / max(max(place) for place in aside)
+    diagonal, reach = far * looking.diagonal_share, far / max(max(place) for place in aside)
+    diagonals = ((1.0, 1.0), (-1.0, -1.0), (1.0, -1.0), (-1.0, 1.0))
     return (
-        Ring(((0.0, 0.0), *aside), CAMERA_Z),
-        Ring(tuple((diagonal * x, diagonal * y) for x, y in DIAGONALS), 0.17),
-        Ring(tuple((reach * x, reach * y) for x, y in aside), 0.20),
+        Ring(((0.0, 0.0), *aside), looking.camera_z_m),
+        Ring(tuple((diagonal * x, diagonal * y) for x, y in diagonals), looking.diagonal_z_m),
+        Ring(tuple((reach * x, reach * y) for x, y in aside), looking.far_z_m),
     )
-
-
-# By the number of the view.
-END_VIEWS = _rings(ASIDE_M, 0.10)
-LABEL_VIEWS = _rings(LABEL_ASIDE_M, 0.075)
 
 
 def views_around(
     context: RobotContext,
     point: Array,
     yaw: float,
-    views: Sequence[Ring] = END_VIEWS,
+    views: Sequence[Ring] | None = None,
     view: int = 0,
 ) -> list[ToolPose]:
     """Return tool poses that bring the wrist camera over a point (2,) [m], or beside it.
 
-    `view` is taken modulo the number of views.
+    `view` is taken modulo the number of views; None: those of an end.
     """
+    views = views or end_views(context.parameters.looking)
     ring = views[view % len(views)]
     tools = [camera_above(context, point + aside, yaw, ring.z) for aside in ring.beside]
     return [tool for tool in tools if context.arm.reaches(tool)] or tools[:1]
 
 
-def camera_above(context: RobotContext, point: Array, yaw: float, z: float = CAMERA_Z) -> ToolPose:
+def camera_above(
+    context: RobotContext, point: Array, yaw: float, z: float | None = None
+) -> ToolPose:
     """Return the tool pose that brings the wrist camera over a point (2,) [m].
 
     Args:
@@ -101,8 +93,10 @@ def camera_above(context: RobotContext, point: Array, yaw: float, z: float = CAM
         point: to be seen in the middle of the picture, world frame.
         yaw: preferred direction of the hand's x axis [rad]; turned by pi, or square to it, if
             need be.
-        z: the tool's height with the Panda's fingers [m]; with longer ones the lens stays there.
+        z: the tool's height with the Panda's fingers [m]; with longer ones the lens stays there;
+            None: for an observation from the hand.
     """
+    z = context.parameters.looking.camera_z_m if z is None else z
     z -= context.fingers.tool_m - PANDA_FINGERS.tool_m
     arm, near_yaw = context.arm, context.commanded.yaw
     reached = []
@@ -149,41 +143,47 @@ def component_views(
     Raises:
         AbilityError: UNREACHABLE when no posture sees it.
     """
-    grip, now = context.belief.grip, context.commanded
+    grip, now, looking = context.belief.grip, context.commanded, context.parameters.looking
     if grip is None:
-        return views_around(context, target.mean(axis=0)[:2], 0.0, LABEL_VIEWS, view=view)
-    turns = EITHER_WAY
+        return views_around(context, target.mean(axis=0)[:2], 0.0, label_views(looking), view=view)
+    turns = np.array(looking.held_turns_rad)
     if socket_yaw is not None:
-        turns = np.linspace(0.0, wrap_angle(socket_yaw - grip.flip - now.yaw), 5)
+        turns = np.linspace(
+            0.0, wrap_angle(socket_yaw - grip.flip - now.yaw), looking.held_turn_steps
+        )
     views: list[ToolPose] = []
     for tool in _held_views(context, target, turns):
-        if all(_lenses_apart(tool, other) >= VIEWS_APART_M for other in views):
+        if all(_lenses_apart(tool, other) >= looking.views_apart_m for other in views):
             views.append(tool)
     if not views:
         raise AbilityError(
             Code.UNREACHABLE,
-            f"from {now} no motion of up to 160 mm brings the component into the wrist camera's "
-            "view; "
-            "route the wire nearer to the component first",
+            f"from {now} no motion of up to "
+            f"{max(looking.held_reach_m) * 1e3:.0f} mm brings the component into the wrist "
+            "camera's view; route the wire nearer to the component first",
         )
-    first = view * VIEWS_PER_OBSERVATION % len(views)
-    return [*views[first:], *views[:first]][:MAX_VIEWS]
+    first = view * looking.views_per_observation % len(views)
+    return [*views[first:], *views[:first]][: looking.most_views]
 
 
 def _held_views(context: RobotContext, target: Array, turns: Array) -> list[ToolPose]:
     """Return the tool poses near the hand's that bring a component into view, the nearest first."""
     now, lens = context.commanded, context.cameras.wrist_view.lens
     above = context.fingers.tool_m - CAMERA_MOUNT[2]
+    looking = context.parameters.looking
+    (far_x, far_y), step = looking.held_reach_m, looking.held_step_m
     looks: list[tuple[float, ToolPose]] = []
     for turn in turns:
-        for dx in np.arange(-0.06, 0.061, 0.02):
-            for dy in np.arange(-0.16, 0.161, 0.02):
+        for dx in np.arange(-far_x, far_x + step / 20, step):
+            for dy in np.arange(-far_y, far_y + step / 20, step):
                 yaw = context.arm.canonical_yaw(now.x + dx, now.y + dy, now.yaw + turn)
-                tool = ToolPose(now.x + dx, now.y + dy, TRAVEL_Z, now.yaw + turn)
+                tool = ToolPose(
+                    now.x + dx, now.y + dy, context.parameters.motion.travel_z_m, now.yaw + turn
+                )
                 if yaw is None or abs(yaw - tool.yaw) > 1e-6 or not context.arm.reaches(tool):
                     continue
-                if _view_from(tool, lens, above).sees(target, BORDER_PX):
-                    looks.append((math.hypot(dx, dy) + 0.08 * abs(turn), tool))
+                if _view_from(tool, lens, above).sees(target, looking.border_px):
+                    looks.append((math.hypot(dx, dy) + looking.held_turn_cost_m * abs(turn), tool))
     return [tool for _, tool in sorted(looks, key=lambda look: look[0])]
 
 
@@ -202,14 +202,6 @@ def _view_from(tool: ToolPose, lens: Lens, above: float) -> View:
     return View(lens, Pose(position, down))
 
 
-# A line of sight is free if nothing is nearer to it [m].
-SIGHT_RADIUS_M = 0.015
-# An empty hand goes so high, and so far aside of the places that are to be seen.
-ASIDE_Z = 0.30
-OUT_OF_SIGHT_M = (0.20, 0.30, 0.40, 0.50, 0.60)
-DIRECTIONS = 8
-
-
 def clear_sight(context: RobotContext, points: Array) -> Steps[None]:
     """Move the empty hand out of the overhead camera's lines of sight to points (n, 3) [m].
 
@@ -218,11 +210,11 @@ def clear_sight(context: RobotContext, points: Array) -> Steps[None]:
     """
     if _sees_past(context, context.commanded, points):
         return
-    yield from rise(context, ASIDE_Z)
+    yield from rise(context, context.parameters.looking.aside_z_m)
     for place in _aside(context, points):
         if _sees_past(context, place, points) and _has_room(context, place):
             try:
-                yield from move_to(context, place, FREE_SPEED)
+                yield from move_to(context, place, context.parameters.motion.free_speed_m_s)
             except AbilityError as error:
                 if error.code is not Code.UNREACHABLE:
                     raise
@@ -237,31 +229,34 @@ def clear_sight(context: RobotContext, points: Array) -> Steps[None]:
 
 def _aside(context: RobotContext, points: Array) -> Iterator[ToolPose]:
     """Yield tool poses beside points that the robot reaches, the nearest first."""
+    looking = context.parameters.looking
     now, middle = context.commanded, points.mean(axis=0)
     reach = float(np.linalg.norm((points - middle)[:, :2], axis=1).max())
-    for away in OUT_OF_SIGHT_M:
-        for angle in np.arange(DIRECTIONS) * (2 * math.pi / DIRECTIONS):
+    for away in looking.out_of_sight_m:
+        for angle in np.arange(looking.aside_directions) * (2 * math.pi / looking.aside_directions):
             x = float(middle[0] + (reach + away) * math.cos(angle))
             y = float(middle[1] + (reach + away) * math.sin(angle))
-            place = ToolPose(x, y, max(ASIDE_Z, now.z), now.yaw)
+            place = ToolPose(x, y, max(looking.aside_z_m, now.z), now.yaw)
             if context.arm.reaches(place):
                 yield place
 
 
 def _sees_past(context: RobotContext, place: ToolPose, points: Array) -> bool:
     eye = context.cameras.overhead_view.world_from_camera.position
-    lines = Volume(np.tile(eye, (len(points), 1)), points, np.full(len(points), SIGHT_RADIUS_M))
+    lines = Volume(
+        np.tile(eye, (len(points), 1)),
+        points,
+        np.full(len(points), context.parameters.looking.sight_radius_m),
+    )
     return gap_between(volume_of(context.arm, context.arm.joints_for(place)), lines) > 0
 
 
 def _has_room(context: RobotContext, place: ToolPose) -> bool:
     here = volume_of(context.arm, context.arm.joints_for(place))
     others = [volume_of(c.arm, c.arm.joints_for(c.commanded)) for c in context.peers]
-    return all(gap_between(here, other) > MARGIN_M for other in others)
-
-
-# So much of a device's top, around its middle, is to be in the pictures of a hand with a wire.
-IN_VIEW = 0.8
+    return all(
+        gap_between(here, other) > context.parameters.motion.robots_apart_m for other in others
+    )
 
 
 class ComponentViews:
@@ -315,7 +310,9 @@ def to_be_seen(context: RobotContext, component: Component) -> Array:
         return label_corners(component)
     depth, width, height = component.size
     corners = np.array([[-depth, width], [depth, width], [depth, -width], [-depth, -width]])
-    return np.column_stack([IN_VIEW * corners / 2, np.full(4, height)])
+    return np.column_stack(
+        [context.parameters.looking.device_in_view_share * corners / 2, np.full(4, height)]
+    )
 
 
 def expected_place(context: RobotContext, component: Component) -> Pose:
