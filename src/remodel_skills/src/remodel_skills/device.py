@@ -132,6 +132,7 @@ class Device:
 
     Attributes:
         tick_s: time between two commands to the arm.
+        lead_s: how much later than a tick the arm follows commands; pushes follow at once.
     """
 
     arm: RobotArm
@@ -141,6 +142,7 @@ class Device:
     fixture: Fixture
     magazine: Magazine
     tick_s: float
+    lead_s: float = 0.0
 
 
 class Plant(Protocol):

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Generator, Mapping
 from dataclasses import dataclass
 from typing import Protocol, TypeVar
@@ -67,6 +68,7 @@ class RobotContext:
         parameters: the numbers of its skills.
         cameras: its pictures, which the observers receive as well.
         tick_s: time between two commands to the arm [s].
+        lead_ticks: so many ticks later than one tick a motion follows its commands.
         busy: whether the robot does something.
         progress: of the ability that runs.
         keeps_wire: whether its closed eyelet keeps the live wire in its duct.
@@ -102,6 +104,7 @@ class RobotContext:
         self.observers, self.parameters = observers, parameters
         self.cameras = Cameras(device, design.camera.name, belief, observers)
         self.tick_s = device.tick_s
+        self.lead_ticks = math.ceil(device.lead_s / device.tick_s - 1e-6)
         self.busy = self.keeps_wire = False
         self.progress = Progress()
         self.commanded = self.home

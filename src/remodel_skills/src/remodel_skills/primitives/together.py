@@ -11,7 +11,13 @@ from typing import Any
 import numpy as np
 
 from remodel_skills.motion import Line
-from remodel_skills.primitives.motions import NOTHING, check_lag, check_tracking, straight_line
+from remodel_skills.primitives.motions import (
+    NOTHING,
+    check_lag,
+    check_tracking,
+    straight_line,
+    wait_to_follow,
+)
 from remodel_skills.robot_context import RobotContext, Steps
 from remodel_states.core.codes import Code
 from remodel_work.errors import AbilityError
@@ -56,11 +62,11 @@ def move_together(
         for context, line in moves:
             context.follow(line.at(tick * tick_s))
         yield
-        for context in contexts:
-            check_lag(context)
+        for context, line in moves:
+            check_lag(context, line.at((tick - context.lead_ticks) * tick_s))
     for context, line in moves:
         context.follow(line.end)
-    yield
+    yield from wait_to_follow(contexts[0])
     for context in contexts:
         context.space.stand(context.commanded)
         check_tracking(context)

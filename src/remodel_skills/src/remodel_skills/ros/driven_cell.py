@@ -138,6 +138,7 @@ class DrivenCell:
             fixture=self._fixture,
             magazine=self._magazine,
             tick_s=self.tick_s,
+            lead_s=self._topics.robots[robot].lead_s,
         )
 
     def photograph(self, camera: str) -> Picture:
