@@ -18,6 +18,7 @@ from remodel_skills.belief_state import NO_CHANNEL
 from remodel_skills.cell import Cell
 from remodel_skills.device import Plant
 from remodel_skills.edge.cell_memory import CellMemory
+from remodel_skills.edge.parameter_files import read_parameters
 from remodel_skills.observers import Observers
 from remodel_skills.ros.ability_server import CellAbilityServer
 from remodel_skills.ros.owner import Clock, Owner
@@ -81,6 +82,9 @@ def main(open_plant: OpenPlant) -> int:
                 continue
             CellAbilityServer(rows[name], abilities[name], owner)
         Services(owner, materials)
+        own = [f"{each.name} ({each.file})" for each in read_parameters().table if each.is_own]
+        if own:
+            rospy.loginfo("numbers of the skills that are replaced: %s", ", ".join(own))
         rospy.loginfo("the cell is ready")
         return spin(owner.spin)
 
