@@ -16,6 +16,7 @@ from flexbe_msgs.msg import (
     SynthesisRequest,
 )
 
+from flexbe_core.ros.connections import senders
 from flexbe_synthesizer.core.chart.chart_writer import write_chart
 from flexbe_synthesizer.core.chart.model import Behavior, Chart, Input, Outcome, Transition
 from flexbe_synthesizer.request import ErrorCode
@@ -34,7 +35,7 @@ class SynthesisServerTest(unittest.TestCase):
 
     def setUp(self):
         self.client = self.new_client()
-        self.wait_for(self.subscriber.get_num_connections)
+        self.wait_for(lambda: senders(self.subscriber))
 
     def new_client(self):
         client = actionlib.ActionClient("flexbe/synthesize", BehaviorSynthesisAction)

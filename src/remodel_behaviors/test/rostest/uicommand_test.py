@@ -17,6 +17,7 @@ import rostest
 from flexbe_msgs.msg import BEStatus
 from std_msgs.msg import String
 
+from flexbe_core.ros.connections import senders
 from flexbe_core.testing import wait_until
 
 LIMIT_S = 90.0
@@ -62,7 +63,7 @@ class UiCommandTest(unittest.TestCase):
             cls.start("remodel_states", "fake_abilities"),
         ]
         answers = rospy.Subscriber("flexbe/uianswer", String, lambda _: None)
-        assert wait_until(answers.get_num_connections), "no console"
+        assert wait_until(lambda: senders(answers)), "no console"
 
     @classmethod
     def tearDownClass(cls):

@@ -10,6 +10,7 @@ import rospy
 from flexbe_msgs.msg import UICommand
 from std_msgs.msg import String
 
+from flexbe_core.ros.connections import senders
 from remodel_console.core.answer import CommandResult, read_answer
 from remodel_console.errors import CommandError
 from remodel_console.ros import topics
@@ -37,7 +38,7 @@ def ask(command: str, key: str, timeout_s: float) -> CommandResult:
     commands = rospy.Publisher(topics.COMMAND, UICommand, queue_size=1)
     deadline_s = time.monotonic() + timeout_s  # a person waits: no simulated time
     unserved_s = min(deadline_s, time.monotonic() + _UNSERVED_S)
-    while not (commands.get_num_connections() and answers.get_num_connections()):
+    while not (commands.get_num_connections() and senders(answers)):
         now_s = time.monotonic()
         is_gone = now_s > unserved_s and not _is_served()
         if rospy.is_shutdown() or now_s > deadline_s or is_gone:

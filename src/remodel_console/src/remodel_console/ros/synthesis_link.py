@@ -16,6 +16,7 @@ from flexbe_msgs.msg import (
     SynthesisRequest,
 )
 
+from flexbe_core.ros.connections import senders
 from flexbe_synthesizer.core.export.instantiate import Instantiation
 from remodel_console.core.editor.synthesis_request import ServerRequest
 from remodel_console.errors import CommandError
@@ -42,7 +43,7 @@ def ask_synthesis_server(request: ServerRequest) -> tuple[Instantiation, ...]:
 
 def _wait_for(client: actionlib.ActionClient, topic: str) -> None:
     end_s = time.monotonic() + _FOUND_S
-    while not (client.pub_goal.get_num_connections() and client.result_sub.get_num_connections()):
+    while not (client.pub_goal.get_num_connections() and senders(client.result_sub)):
         if rospy.is_shutdown() or time.monotonic() > end_s:
             raise CommandError(
                 f"no synthesis server serves {rospy.resolve_name(topic)}; start it: roslaunch "

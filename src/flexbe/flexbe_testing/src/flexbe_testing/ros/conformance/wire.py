@@ -95,10 +95,9 @@ class EngineWire:
         missing: list[str] = []
 
         def is_complete() -> bool:
+            sent = self._sent_here()
             missing[:] = [
-                topic
-                for topic in topics.PUBLISHED
-                if not self._reaches_engine(self._subscribers[topic])
+                topic for topic in topics.PUBLISHED if rospy.resolve_name(topic) not in sent
             ]
             return not missing
 
@@ -136,15 +135,25 @@ class EngineWire:
         starting = dict(subscribe).get(rospy.resolve_name(topics.START), [])
         return next((node for node in beating if node in starting), "")
 
-    def _reaches_engine(self, end: rospy.Publisher | rospy.Subscriber) -> bool:
-        return any(entry[1] in self._engine_ends for entry in end.impl.get_stats_info())
+    def _sent_here(self) -> set[str]:
+        """Return the topics that the engine sends to this node.
+
+        By the engine's end: a subscriber lists a connection while it is still being made, and what
+        is published until then is lost.
+        """
+        _, _, connections = self._engine_slave.getBusInfo(rospy.get_name())
+        return {
+            entry[4]
+            for entry in connections
+            if entry[1].rstrip("/") in (rospy.get_name(), self._uri) and entry[2] == "o"
+        }
 
     def _is_heard(self, publisher: rospy.Publisher) -> bool:
         """Return whether the engine is connected, by both ends.
 
         An engine that subscribes again for each behavior leaves a dead connection here for a while.
         """
-        if not self._reaches_engine(publisher):
+        if not any(entry[1] in self._engine_ends for entry in publisher.impl.get_stats_info()):
             return False
         _, _, connections = self._engine_slave.getBusInfo(rospy.get_name())
         return any(
