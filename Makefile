@@ -12,6 +12,8 @@ demo film: WIRES ?= 6
 cabinet: WIRES ?= 52
 harness: WIRES ?= 12
 SEED ?= 1
+# The simulated drivers that a robot's file names, in place of the cell with the skills in its process.
+DRIVERS = $(if $(ROBOT),robot:=$(ROBOT) drivers:=true)
 CABINET := /usr/share/qelectrotech/examples/tableau_domestique.qet
 HARNESS := src/remodel_planning/examples/harness.yml
 PREFIX ?= install
@@ -45,11 +47,11 @@ docker: ## Make a container image of Debian 12 with the built workspace, by dock
 	  $$tool build --tag remodel --file Containerfile .
 	@echo "Next: docker run -it --rm --network host remodel make demo"
 
-demo: build ## Wire the first wires of a real cabinet in the simulated cell (WIRES=6 SEED=1); report in out/demo/report.html
-	@$(SOURCED) tools/wire_board.sh demo $(CABINET) $(WIRES) '' seed:=$(SEED)
+demo: build ## Wire the first wires of a real cabinet in the simulated cell (WIRES=6 SEED=1; ROBOT=simulated_cabinet: over its drivers' topics); report in out/demo/report.html
+	@$(SOURCED) tools/wire_board.sh demo $(CABINET) $(WIRES) '' seed:=$(SEED) $(DRIVERS)
 
 cabinet: build ## Wire all wires of that cabinet (WIRES=12 SEED=1); report in out/cabinet/report.html
-	@$(SOURCED) tools/wire_board.sh cabinet $(CABINET) $(WIRES) '' seed:=$(SEED)
+	@$(SOURCED) tools/wire_board.sh cabinet $(CABINET) $(WIRES) '' seed:=$(SEED) $(DRIVERS)
 
 harness: build ## Build a harness on a formboard by two robots (WIRES=12 SEED=1); report in out/harness/report.html
 	@$(SOURCED) tools/wire_board.sh harness $(HARNESS) $(WIRES) harness_formboard cell:=two_arms_formboard seed:=$(SEED)

@@ -94,6 +94,7 @@ class ForceLoop:
         free: what the wrist feels of a hand that touches nothing, (3,) [N], world frame.
         hand_mass: what the wrist carries [kg].
         yielding: how it gives way across the motion.
+        elapsed_s: since the start, by the steps that the controller has made [s].
         travel: from the start, along the motion [m].
         aside: how far it gave way along each direction of `yielding`, (k,) [m].
         peak: the largest force so far, of each step, not filtered [N].
@@ -105,7 +106,7 @@ class ForceLoop:
         """Prepare a motion that gives way nowhere."""
         self.along, self.control, self.free, self.hand_mass = along, control, free, hand_mass
         self.yielding, self.aside = RIGID, np.zeros(0)
-        self.travel = self.peak = 0.0
+        self.elapsed_s = self.travel = self.peak = 0.0
         self.pressed_at: float | None = None
         self._speed = self._acceleration = 0.0
         self._aside_speed = self._aside_acceleration = np.zeros(0)
@@ -139,6 +140,7 @@ class ForceLoop:
             wrist_force: in the last step, not filtered, (3,) [N], world frame.
             time_step: [s].
         """
+        self.elapsed_s += time_step
         all_felt = wrist_force - self.free
         felt = float(all_felt @ self.along)
         force = felt - self.hand_mass * self._acceleration

@@ -57,7 +57,7 @@ class ForceMotion:
             along, control, context.free_force if free is None else free, arm.hand_mass
         )
         self._way = way or (lambda travel: start.moved(along, travel))
-        self._farthest, self._stalled_s = 0.0, 0.0
+        self._farthest, self._farthest_at_s = 0.0, 0.0
 
     @property
     def travel(self) -> float:
@@ -81,9 +81,11 @@ class ForceMotion:
     @property
     def met_limit(self) -> bool:
         """Whether the force has reached its limit, or lets the tool no further."""
+        # By the controller's own steps: one that is late with them has not met anything.
+        stalled_s = self.loop.elapsed_s - self._farthest_at_s
         return (
             self.force >= self.loop.control.limit
-            or self._stalled_s > self._context.parameters.motion.stalled_s
+            or stalled_s > self._context.parameters.motion.stalled_s
         )
 
     def tare(self) -> None:
@@ -122,9 +124,8 @@ class ForceMotion:
         loop.begin_tick(joints, turn, aside_turns, reach=reach, speed=speed)
         context.press(loop, here)
         yield
-        self._stalled_s += context.tick_s
         if self.travel > self._farthest + self._context.parameters.motion.stalled_m:
-            self._farthest, self._stalled_s = self.travel, 0.0
+            self._farthest, self._farthest_at_s = self.travel, loop.elapsed_s
 
     def stop(self) -> None:
         """Keep the tool where it is."""
