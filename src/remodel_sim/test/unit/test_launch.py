@@ -6,11 +6,14 @@ import xml.etree.ElementTree as ElementTree
 from pathlib import Path
 
 import pytest
+import roslaunch.config
+import roslaunch.xmlloader
 from panels import panel
 
 from remodel_sim.physics import world
 from remodel_sim.physics.plant import SimulatedPlant
-from remodel_sim.ros import node
+from remodel_sim.ros import node, robot_driver
+from remodel_skills.ros import driven_cell
 from remodel_skills.ros import node as skills_node
 from remodel_work.edge import bullet
 
@@ -31,6 +34,41 @@ def test_each_argument_is_a_parameter_that_the_node_reads(name):
     passed = {param.get("name"): param.get("value") for param in LAUNCH.find("node")}
     assert passed[name] == f"$(arg {name})"
     assert f'"~{name}"' in Path(node.__file__).read_text() + Path(skills_node.__file__).read_text()
+
+
+SKILLS = Path(__file__).parents[3] / "remodel_skills"
+# The launch files of the drivers and of the skills over them, and what reads their arguments.
+OTHERS = [
+    (Path(__file__).parents[2] / "launch/robot_driver.launch", [robot_driver]),
+    (SKILLS / "launch/abilities.launch", [skills_node, driven_cell]),
+]
+
+
+@pytest.mark.parametrize(("file", "readers"), OTHERS, ids=lambda value: getattr(value, "stem", ""))
+def test_each_argument_of_drivers_and_skills_is_a_parameter_that_is_read(file, readers):
+    launch = ElementTree.parse(file).getroot()
+    passed = {param.get("name"): param.get("value") for param in launch.find("node")}
+    arguments = {arg.get("name") for arg in launch.iter("arg")}
+    assert passed == {name: f"$(arg {name})" for name in arguments}
+    code = "".join(Path(reader.__file__).read_text() for reader in readers)
+    assert [name for name in arguments if f'"~{name}"' not in code] == []
+
+
+@pytest.mark.parametrize(
+    ("given", "nodes"),
+    [
+        ([], {"cell"}),
+        (["robot:=franka_ros"], {"abilities"}),
+        (["robot:=simulated_cabinet", "drivers:=true"], {"abilities", "robot_driver"}),
+    ],
+)
+def test_an_order_runs_on_the_simulated_cell_or_on_a_robots_drivers(given, nodes):
+    file = SKILLS.parent / "remodel_planner/launch/order.launch"
+    loaded = roslaunch.config.ROSLaunchConfig()
+    arguments = [str(file), "output:=/out", "database:=sqlite:////out/p.sqlite", *given]
+    roslaunch.xmlloader.XmlLoader().load(str(file), loaded, argv=arguments[1:], verbose=False)
+    types = {node.type for node in loaded.nodes}
+    assert types & {"cell", "abilities", "robot_driver"} == nodes
 
 
 @pytest.mark.parametrize("gui", [True, False])

@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from remodel_sim.physics.plant import REST_S, SimulatedPlant
+from remodel_sim.physics.plant import SimulatedPlant
 from remodel_skills.belief_state import Grip
 from remodel_skills.cell import Cell
 from remodel_skills.edge.parameter_files import read_parameters
@@ -103,7 +103,7 @@ def test_an_empty_hand_turns_faster_than_one_with_a_wire(holds_a_wire):
     if holds_a_wire:
         context.belief.grip = Grip(WireEnd.A, 0.01, 0.0, 0.0, here)
     cell.run(move_to(context, replace(here, yaw=here.yaw + math.pi / 2), MOTION.free_speed_m_s))
-    seconds = (world.steps - before) * world.time_step - REST_S
+    seconds = (world.steps - before) * world.time_step - MOTION.force_still_s
     rate = MOTION.wire_turn_rate_rad_s if holds_a_wire else TURN_RATE
     assert seconds == pytest.approx(PEAK_OVER_MEAN * math.pi / 2 / rate, abs=0.05)
     cell.close()

@@ -223,7 +223,7 @@ class Cell:
 
         The live wire is parked if both its ends are fixed and no hand holds it.
         """
-        self.plant.rest()
+        self.plant.rest(self.context.parameters.motion.force_still_s)
         if self._is_finished():
             self.plant.park()
             self.keep()

@@ -61,8 +61,11 @@ class Gripper(Protocol):
     def open_to(self, opening: float) -> None:
         """Send each finger so far from the middle."""
 
-    def close_on(self, thickness: float) -> None:
-        """Close until the fingers stop on what they grip, about so thick, slowly before it."""
+    def close_on(self, thickness: float, slow_before: float) -> None:
+        """Close until the fingers stop on what they grip, about so thick, slowly before it.
+
+        `slow_before`: from so much more than its thickness between the pads.
+        """
 
 
 class Camera(Protocol):
@@ -193,8 +196,8 @@ class Plant(Protocol):
     def tick(self) -> None:
         """Let the time between two commands pass."""
 
-    def rest(self) -> None:
-        """Let robots and wires come to rest."""
+    def rest(self, seconds: float) -> None:
+        """Let robots and wires come to rest for a time."""
 
     def close(self) -> None:
         """Leave the cell."""

@@ -172,7 +172,7 @@ class RobotContext:
 
     def close_fingers(self, thickness: float) -> None:
         """Close the fingers until they stop on what they grip, about so thick [m]."""
-        self.device.gripper.close_on(thickness)
+        self.device.gripper.close_on(thickness, self.parameters.tool.slow_before_m)
         self.fingers_open_to = 0.0
 
     def arm_restarted(self) -> None:

@@ -85,7 +85,7 @@ class ScriptedGripper:
     def open_to(self, opening):
         self.gap = 2 * opening
 
-    def close_on(self, thickness):
+    def close_on(self, thickness, slow_before):
         self.gap = self.stops_at
 
 

@@ -1,22 +1,24 @@
 """What drivers publish is what skills read, and what skills command is what drivers take."""
 
-from dataclasses import replace
+import threading
 from types import SimpleNamespace
 
 import numpy as np
 import pytest
 import rospy
-from geometry_msgs.msg import Vector3, WrenchStamped
+from geometry_msgs.msg import Point, Pose, Quaternion, Vector3, WrenchStamped
+from remodel_msgs import srv
 from scripted_device import PANEL
 from sensor_msgs.msg import JointState
 
 from remodel_skills.edge.robot_file import read_robot
-from remodel_skills.ros import driven_cell, driven_robot
-from remodel_skills.ros.driven_fixture import DrivenFixture
+from remodel_skills.ros import driven_cell, driven_fixture, driven_robot
+from remodel_skills.ros.driven_fixture import DrivenFixture, DrivenMagazine
 from remodel_skills.ros.driven_robot import DrivenArm, DrivenCamera, DrivenGripper, Inbox
 from remodel_states.core.codes import Code
 from remodel_vision.ros.image_message import image
-from remodel_work.errors import AbilityError, CellError
+from remodel_work.errors import AbilityError, CellError, PanelError
+from remodel_work.panel import WireEnd
 
 TICK_S = 1 / 120
 HELD_N = 12.0
@@ -139,7 +141,7 @@ def test_a_push_takes_one_step_for_each_wrench_of_the_time_since_the_last(ros):
 def test_fingers_close_fast_to_a_wire_and_slowly_onto_it(ros):
     design, topics, arm = built(ros, "ros_control_arm")
     gripper = DrivenGripper(arm, design, topics)
-    gripper.close_on(0.003)
+    gripper.close_on(0.003, 0.002)
     (message,) = ros.sent[topics.gripper[0]]
     near, closed = message.points
     assert near.positions == [pytest.approx(0.0025)] * 2
@@ -151,7 +153,7 @@ def test_fingers_close_fast_to_a_wire_and_slowly_onto_it(ros):
 def test_fingers_that_measure_no_force_hold_what_they_have_stopped_on(ros):
     design, topics, arm = built(ros, "ros_control_arm")
     gripper = DrivenGripper(arm, design, topics)
-    gripper.close_on(0.003)
+    gripper.close_on(0.003, 0.002)
     deliver_fingers(ros, topics, 0.0015)
     assert gripper.load == design.gripper.grip_force
     deliver_fingers(ros, topics, 0.0)
@@ -175,14 +177,14 @@ def test_an_action_goal_closes_the_hand_with_its_grip_force(ros, monkeypatch):
         return SimpleNamespace(goal=SimpleNamespace(command=SimpleNamespace()))
 
     monkeypatch.setattr(driven_robot, "get_message_class", lambda kind: goal)
-    DrivenGripper(arm, design, topics).close_on(0.003)
+    DrivenGripper(arm, design, topics).close_on(0.003, 0.002)
     (message,) = ros.sent[topics.gripper[0]]
     assert message.goal.command.position == 0.0
     assert message.goal.command.max_effort == design.gripper.grip_force
 
 
 class Arrivals:
-    """What has arrived whenever somebody waits: a script, message by message."""
+    """An inbox whose messages come by a script: one whenever the cell waits."""
 
     def __init__(self, *script):
         self._script = list(script)
@@ -227,6 +229,8 @@ def cell(ros, monkeypatch):
 
     monkeypatch.setattr(rospy, "Subscriber", heard)
     monkeypatch.setattr(driven_cell, "find_panel_problems", lambda design, panel: ())
+    monkeypatch.setattr(driven_cell, "missing_interfaces", lambda *_: [])
+    monkeypatch.setattr(driven_cell, "ros_graph", lambda: ())
     return driven_cell.DrivenCell(topics, PANEL)
 
 
@@ -290,7 +294,10 @@ def test_an_arm_that_says_nothing_more_is_named(cell, ros, monkeypatch):
 
 def test_drivers_that_are_silent_at_the_start_are_named(ros, monkeypatch):
     monkeypatch.setattr(driven_cell, "find_panel_problems", lambda design, panel: ())
+    monkeypatch.setattr(driven_cell, "missing_interfaces", lambda *_: [])
+    monkeypatch.setattr(driven_cell, "ros_graph", lambda: ())
     monkeypatch.setattr(driven_cell, "START_S", 0.01)
+    monkeypatch.setattr(rospy, "is_shutdown", lambda: False)
     with pytest.raises(CellError) as error:
         driven_cell.DrivenCell(read_robot("ros_control_arm"), PANEL)
     assert "robot_1: /joint_states: joint lbr_iiwa_joint_1\n" in str(error.value)
@@ -304,13 +311,104 @@ def test_an_arm_that_is_not_at_its_home_is_not_moved():
         driven_cell.require_home(robot, robot.home.at(z=robot.home.z + 0.05))
 
 
-def test_abilities_that_need_what_the_file_does_not_name_are_not_served():
-    topics = replace(read_robot("ros_control_arm"), operate_clamp=None)
-    lacks = driven_cell.lacks_of(topics)
-    assert set(lacks) == {"ExtractCable", "FixCable"}
-    assert lacks["FixCable"].endswith("ros_control_arm.yaml names no fixture")
-    with pytest.raises(AbilityError, match=r"names no fixture.operate_clamp; this ability"):
-        DrivenFixture(topics).close_clamp("X1", "1")
+@pytest.fixture
+def services(monkeypatch):
+    """Return the requests that services got, and what they answer, by their names."""
+    asked, answers = [], {}
+
+    def proxy(name, _kind):
+        def call(request):
+            asked.append((name, request))
+            answer = answers[name]
+            if isinstance(answer, Exception):
+                raise answer
+            return answer
+
+        return call
+
+    monkeypatch.setattr(rospy, "wait_for_service", lambda name, timeout: None)
+    monkeypatch.setattr(rospy, "ServiceProxy", proxy)
+    return SimpleNamespace(asked=asked, answers=answers)
+
+
+TOPICS = read_robot("simulated_panda")
+TIP = Pose(Point(0.1, 0.2, 0.3), Quaternion(0.0, 0.0, 0.0, 1.0))
+
+
+def test_a_clamp_reports_whether_it_met_the_end(services):
+    services.answers[TOPICS.operate_clamp] = srv.OperateClampResponse(success=True, met=True)
+    assert DrivenFixture(TOPICS).close_clamp("X1", "1") is True
+    ((_, request),) = services.asked
+    assert (request.component_id, request.terminal_id, request.close) == ("X1", "1", True)
+
+
+@pytest.mark.parametrize(
+    ("answer", "says"),
+    [
+        (srv.OperateClampResponse(message="the driver is worn"), "clamp: the driver is worn"),
+        (rospy.ServiceException("broken pipe"), r"does not answer \(broken pipe\)"),
+    ],
+)
+def test_a_clamp_that_was_not_closed_fails_the_ability_with_the_reason(services, answer, says):
+    services.answers[TOPICS.operate_clamp] = answer
+    with pytest.raises(AbilityError, match=says):
+        DrivenFixture(TOPICS).close_clamp("X1", "1")
+
+
+def test_a_service_that_never_answers_is_given_up(monkeypatch):
+    ends = threading.Event()
+    monkeypatch.setattr(rospy, "wait_for_service", lambda name, timeout: ends.wait(10.0))
+    monkeypatch.setattr(driven_fixture, "SERVICE_S", 0.01)
+    with pytest.raises(AbilityError, match=r"nothing within 0.01 s; what it moves"):
+        DrivenFixture(TOPICS).open_clamp("X1", "1")
+    ends.set()
+
+
+def test_a_panel_that_a_fixture_refuses_is_not_held(services):
+    services.answers[TOPICS.load_panel] = srv.LoadPanelResponse(message="no board is in place")
+    with pytest.raises(PanelError, match="no board is in place"):
+        DrivenFixture(TOPICS).load(PANEL, keep=False)
+
+
+def test_a_wire_is_at_hand_until_it_has_its_place_or_is_gone(services):
+    present = srv.PresentWireResponse(success=True, tips=[TIP, TIP], direction=-1)
+    present.fixed = [True, False]
+    services.answers[TOPICS.present_wire] = present
+    services.answers[TOPICS.operate_magazine] = srv.OperateMagazineResponse(success=True)
+    opened = []
+    magazine = DrivenMagazine(TOPICS, lambda: opened.append(True))
+    shown = magazine.present("W1", "A")
+    assert shown.direction == -1
+    assert shown.tips[WireEnd.A].position == pytest.approx([0.1, 0.2, 0.3])
+    assert magazine.is_at_hand("W1") and opened == [True]
+    magazine.present("W2", "A")
+    assert not magazine.is_at_hand("W1") and list(magazine.shapes()) == ["W1", "W2"]
+    taken = magazine.take_up("W1", {})
+    assert taken.fixed == {WireEnd.A}
+    assert list(magazine.parked) == ["W2"]
+    magazine.drop(np.zeros(3))
+    assert list(magazine.shapes()) == ["W2"]
+
+
+def test_each_interface_that_no_node_offers_is_listed():
+    robot = TOPICS.robots["robot_1"]
+    published = {robot.camera.image, TOPICS.overhead.image, TOPICS.overhead.depth}
+    subscribed = {robot.motion[0], robot.gripper[0]}
+    offered = {
+        *(TOPICS.operate_clamp, TOPICS.load_panel),
+        *(TOPICS.present_wire, TOPICS.operate_magazine),
+    }
+    assert driven_cell.missing_interfaces(TOPICS, published, subscribed, offered) == []
+    assert driven_cell.missing_interfaces(
+        TOPICS,
+        published - {TOPICS.overhead.depth},
+        subscribed - {robot.motion[0]},
+        offered - {TOPICS.operate_clamp},
+    ) == [
+        "/overhead/depth/image_raw: no node publishes pictures",
+        "/robot_1/equilibrium_pose: no node takes commands (geometry_msgs/PoseStamped)",
+        "/fixture/operate_clamp: no such service",
+    ]
 
 
 def camera_of(ros, name, size):
@@ -325,7 +423,7 @@ def camera_of(ros, name, size):
 
     rospy.Subscriber = answered
     view = driven_robot.wrist_view(arm, design)
-    return DrivenCamera(Inbox(), topics.camera, lambda: view, "wrist"), view, topics
+    return DrivenCamera(Inbox(), topics.camera, lambda: view), view, topics
 
 
 def test_a_picture_is_seen_from_the_measured_hand(ros):
@@ -345,6 +443,6 @@ def test_a_picture_of_another_size_than_the_lens_is_refused(ros):
 def test_a_camera_that_is_silent_is_named(ros, monkeypatch):
     _, topics, _ = built(ros, "franka_ros")
     monkeypatch.setattr(driven_robot, "PICTURE_S", 0.01)
-    camera = DrivenCamera(Inbox(), topics.camera, lambda: None, "wrist")
+    camera = DrivenCamera(Inbox(), topics.camera, lambda: None)
     with pytest.raises(AbilityError, match="no picture on /wrist/color/image_rect_color within"):
         camera.take()

@@ -31,6 +31,8 @@ def changed(tmp_path, change):
     ("change", "says"),
     [
         (lambda p: p.pop("robots"), "missing: robots"),
+        (lambda p: p.pop("fixture"), "missing: fixture"),
+        (lambda p: p["overhead"].pop("depth"), "overhead: found image; missing: depth"),
         (lambda p: p.update(robot="x"), "found robot; allowed: cell, tick_hz, robots"),
         (
             lambda p: p["robots"]["robot_1"]["motion"].update(type="std_msgs/Float64"),
@@ -59,6 +61,17 @@ def test_what_is_wrong_in_a_file_is_named_with_what_is_allowed(tmp_path, change,
         read_robot(changed(tmp_path, change))
     assert says in str(error.value)
     assert "mine.yaml" in str(error.value)
+
+
+def test_a_camera_that_measures_depth_in_the_cell_has_its_topic_in_the_file(tmp_path):
+    parsed = yaml.safe_load((FOLDER / "simulated_cabinet.yaml").read_text())
+    del parsed["robots"]["robot_1"]["camera"]["depth"]
+    file = tmp_path / "mine.yaml"
+    file.write_text(yaml.safe_dump(parsed))
+    with pytest.raises(
+        RobotFileError, match=r"robots\.robot_1\.camera: found no depth; the camera"
+    ):
+        read_robot(str(file))
 
 
 def test_a_name_that_is_no_robot_is_answered_with_those_that_are():

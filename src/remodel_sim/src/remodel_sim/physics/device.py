@@ -13,9 +13,6 @@ from remodel_work.cell.cell_design import RobotDesign
 from remodel_work.geometry import Array
 from remodel_work.robot.arm import ToolPose
 
-# The fingers are slow from so much before what they grip [m].
-TOUCH_BEFORE_M = 0.002
-
 
 class _Plant(Protocol):
     """Where robots are; it builds them for every wire."""
@@ -92,9 +89,9 @@ class SimulatedGripper:
         """Send each finger to a distance from the middle [m]."""
         self._robot.drive_fingers(opening)
 
-    def close_on(self, thickness: float) -> None:
-        """Close until the fingers stop on what they grip, about so thick [m]."""
-        self._robot.drive_fingers(0.0, max(TOUCH_GAP, thickness + TOUCH_BEFORE_M))
+    def close_on(self, thickness: float, slow_before: float) -> None:
+        """Close until the fingers stop on what they grip, about so thick, slowly before it [m]."""
+        self._robot.drive_fingers(0.0, max(TOUCH_GAP, thickness + slow_before))
 
 
 @dataclass(frozen=True)

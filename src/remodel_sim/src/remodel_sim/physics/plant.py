@@ -59,8 +59,6 @@ OVER_BIN_M = 0.06
 DRAWN_IN_M = -0.1
 # The table ends so far beyond the magazine: loops hang in the gap between it and the robot [m].
 TABLE_EDGE_M = 0.030
-# An arm that was stopped, and the wire in its hand, come to rest in this time [s].
-REST_S = 0.15
 PLUG_RGB = (0.5, 0.1, 0.1)
 # A plug begins this deep in the opening.
 PLUG_FROM_M = 0.005
@@ -176,9 +174,9 @@ class SimulatedPlant:
             self.step()
         self.on_time(self.tick_s)
 
-    def rest(self) -> None:
-        """Let an arm that was stopped, and the wire in its hand, come to rest."""
-        for _ in range(round(REST_S / self.world.time_step)):
+    def rest(self, seconds: float) -> None:
+        """Let an arm that was stopped, and the wire in its hand, come to rest for a time [s]."""
+        for _ in range(round(seconds / self.world.time_step)):
             self.step()
             self.on_time(self.world.time_step)
 

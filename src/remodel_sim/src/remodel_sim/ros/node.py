@@ -28,12 +28,10 @@ class SimulatedCell:
     Attributes:
         plant: the physics.
         clock: its time.
-        lacks: why it cannot do an ability, by the ability's name: it can do all.
     """
 
     def __init__(self, panel: Panel, memory: KeptTime | None, closing: ExitStack) -> None:
         """Build a cell by the node's parameters; raises ValueError or CellError."""
-        self.lacks: dict[str, str] = {}
         design = read_cell(str(rospy.get_param("~cell", "one_panda")))
         rate_hz = float(rospy.get_param("~rate_hz", 240.0))
         if not RATES_HZ[0] <= rate_hz <= RATES_HZ[1]:

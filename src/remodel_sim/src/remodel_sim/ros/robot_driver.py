@@ -199,6 +199,9 @@ class _Driven:
         self._now_s = 0.0
         self._joints = design.arm.joints_for(design.home)
         self._fingers: tuple[float, float] | None = None
+        # As they are built: fingers last.
+        names = plant.robots[design.name].joint_names[: len(self._joints)]
+        self._joint_names = [design.prefix + name for name in names]
         name = design.name
         self._states = rospy.Publisher(f"{name}/joint_states", JointState, queue_size=5)
         self._wrench = rospy.Publisher(f"{name}/wrench", WrenchStamped, queue_size=5)
@@ -226,9 +229,21 @@ class _Driven:
         self._add(message.header.stamp.to_sec(), joints)
 
     def _take_joints(self, message: JointTrajectory) -> None:
+        wanted = self._joint_names
+        if sorted(message.joint_names) != sorted(wanted) or any(
+            len(point.positions) != len(wanted) for point in message.points
+        ):
+            found = ", ".join(message.joint_names)
+            rospy.logwarn_throttle(
+                1.0,
+                f"{self._design.name}: a trajectory of the joints {found} is not followed; "
+                f"allowed: {', '.join(wanted)}, each with a position in every point",
+            )
+            return
+        order = [message.joint_names.index(name) for name in wanted]
         for point in message.points:
             at_s = (message.header.stamp + point.time_from_start).to_sec()
-            self._add(at_s, np.array(point.positions))
+            self._add(at_s, np.array(point.positions)[order])
 
     def _add(self, at_s: float, joints: Array) -> None:
         with self._adding:
@@ -246,6 +261,11 @@ class _Driven:
             self._answers = self._answers and answered
 
     def _take_fingers(self, message: JointTrajectory) -> None:
+        if not message.points or not all(point.positions for point in message.points):
+            rospy.logwarn_throttle(
+                1.0, f"{self._design.name}: a gripper command without positions is not followed"
+            )
+            return
         first, last = message.points[0].positions[0], message.points[-1].positions[0]
         self._fingers = last, 2.0 * first
 

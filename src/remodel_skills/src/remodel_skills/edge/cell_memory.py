@@ -124,7 +124,8 @@ class CellMemory:
             return PlacedWires(
                 {
                     name: ParkedWire(
-                        np.array(wire["nodes"]), frozenset(map(WireEnd, wire["fixed"]))
+                        np.array(wire["nodes"]).reshape(-1, 3),
+                        frozenset(map(WireEnd, wire["fixed"])),
                     )
                     for name, wire in content["parked"].items()
                 },

@@ -18,6 +18,8 @@ from remodel_work.errors import CellError
 TICK_HZ = 120.0
 # A wrist sensor's bandwidth of 20 Hz, as the simulated one has [s].
 FILTER_S = 0.008
+# As of the simulated hand [m/s].
+FINGER_SPEED, FINGER_TOUCH_SPEED = 0.10, 0.012
 # Two ticks.
 LEAD_S = 2.0 / TICK_HZ
 POSE = "geometry_msgs/PoseStamped"
@@ -52,7 +54,8 @@ class RobotTopics:
         frame: of commanded poses, "world" or "base", and what the driver calls it.
         gripper: topic and type of the commands to the fingers.
         hand_mass: what the wrist carries [kg].
-        camera: on the hand; None: there is none.
+        finger_speeds: of a finger where nothing is near, and of one about to touch [m/s].
+        camera: on the hand.
     """
 
     joint_states: str
@@ -66,12 +69,13 @@ class RobotTopics:
     frame: tuple[str, str]
     gripper: tuple[str, str]
     hand_mass: float
-    camera: CameraTopics | None
+    finger_speeds: tuple[float, float]
+    camera: CameraTopics
 
 
 @dataclass(frozen=True)
 class CellTopics:
-    """The drivers of a cell; what is None, it does not have.
+    """The drivers of a cell.
 
     Attributes:
         file: that says so.
@@ -79,18 +83,19 @@ class CellTopics:
         tick_s: time between two commands to an arm [s].
         robots: by their names in the design.
         overhead: the camera above the board.
-        operate_clamp, load_panel, present_wire, operate_magazine: names of services.
+        operate_clamp, present_wire, operate_magazine: names of services.
+        load_panel: the same; None: what holds the board need not know which.
     """
 
     file: str
     design: CellDesign
     tick_s: float
     robots: dict[str, RobotTopics]
-    overhead: CameraTopics | None
-    operate_clamp: str | None
+    overhead: CameraTopics
+    operate_clamp: str
     load_panel: str | None
-    present_wire: str | None
-    operate_magazine: str | None
+    present_wire: str
+    operate_magazine: str
 
 
 def read_robot(robot: str) -> CellTopics:
@@ -134,7 +139,12 @@ def _contradictions(parsed: dict[str, Any], design: CellDesign) -> list[str]:
             f"robots: found {', '.join(sorted(named))}; cell {design.name} has "
             f"{', '.join(sorted(designed))}"
         ]
-    return [
+    without_depth = [
+        f"robots.{robot.name}.camera: found no depth; the camera of cell {design.name} measures it"
+        for robot in design.robots
+        if robot.camera.depth and "depth" not in parsed["robots"][robot.name]["camera"]
+    ]
+    return without_depth + [
         f"robots.{robot.name}.joint_states.joints: found {found} names; the arm of cell "
         f"{design.name} has {len(robot.arm.limits[0])} joints"
         for robot in design.robots
@@ -144,17 +154,17 @@ def _contradictions(parsed: dict[str, Any], design: CellDesign) -> list[str]:
 
 
 def _topics(file: str, parsed: dict[str, Any], design: CellDesign) -> CellTopics:
-    fixture, magazine = parsed.get("fixture", {}), parsed.get("magazine", {})
+    fixture, magazine = parsed["fixture"], parsed["magazine"]
     return CellTopics(
         file=file,
         design=design,
         tick_s=1.0 / float(parsed.get("tick_hz", TICK_HZ)),
         robots={name: _robot(robot) for name, robot in parsed["robots"].items()},
-        overhead=_camera(parsed.get("overhead")),
-        operate_clamp=fixture.get("operate_clamp"),
+        overhead=_camera(parsed["overhead"]),
+        operate_clamp=fixture["operate_clamp"],
         load_panel=fixture.get("load_panel"),
-        present_wire=magazine.get("present_wire"),
-        operate_magazine=magazine.get("operate"),
+        present_wire=magazine["present_wire"],
+        operate_magazine=magazine["operate"],
     )
 
 
@@ -173,9 +183,13 @@ def _robot(parsed: dict[str, Any]) -> RobotTopics:
         frame=(frame, motion.get("frame_id", frame)),
         gripper=(parsed["gripper"]["topic"], parsed["gripper"]["type"]),
         hand_mass=float(parsed["hand_mass"]),
-        camera=_camera(parsed.get("camera")),
+        finger_speeds=(
+            float(parsed["gripper"].get("speed", FINGER_SPEED)),
+            float(parsed["gripper"].get("touch_speed", FINGER_TOUCH_SPEED)),
+        ),
+        camera=_camera(parsed["camera"]),
     )
 
 
-def _camera(parsed: dict[str, str] | None) -> CameraTopics | None:
-    return None if parsed is None else CameraTopics(parsed["image"], parsed.get("depth"))
+def _camera(parsed: dict[str, str]) -> CameraTopics:
+    return CameraTopics(parsed["image"], parsed.get("depth"))

@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Collection, Mapping
+from collections.abc import Collection, Mapping, Set
 from contextlib import ExitStack
 from types import MappingProxyType
 
 import numpy as np
+import rosgraph
 import rospy
 
 from remodel_skills.device import Device
@@ -34,21 +35,12 @@ from remodel_work.panel import Panel
 from remodel_work.placed_wires import ParkedWire
 from remodel_work.robot.arm import ToolPose
 
-# What each ability needs of a cell besides arm, hand and wrist.
-NEEDS = {
-    "overhead": (
-        *("CheckConnection", "DetectCable", "DiscardCable", "FixCable", "LayWire"),
-        *("LocateGearboxComponent", "RouteWire"),
-    ),
-    "fixture": ("ExtractCable", "FixCable"),
-    "magazine": ("DiscardCable", "LayWire", "PickCable", "PlacePin"),
-}
 # Drivers that are being started are heard of within this time [s of the wall].
 START_S = 20.0
+# Between two looks for drivers [s].
+POLL_S = 0.2
 # An arm that stands nearer to its home than this may go there by its first motion [m].
 AT_HOME_M = 0.02
-# Robots and wires come to rest after an ability in this time [s].
-REST_S = 0.15
 
 
 class DrivenClock:
@@ -83,10 +75,10 @@ class DrivenCell:
     """
 
     def __init__(self, topics: CellTopics, panel: Panel) -> None:
-        """Subscribe to all drivers, and wait until each has been heard of.
+        """Subscribe to all drivers, and wait until each is there.
 
         Raises:
-            CellError: when one has not, in words that say which, or an arm is not at its home.
+            CellError: when one is not, in words that say which, or an arm is not at its home.
             PanelError: when the panel breaks the rules of the cell.
         """
         self._topics, self.design, self.tick_s = topics, topics.design, topics.tick_s
@@ -100,24 +92,13 @@ class DrivenCell:
             for robot in self.design.robots
         }
         _require_fit(self.design, panel)
-        with self._inbox.arrived:
-            if not self._inbox.arrived.wait_for(lambda: not self._silent(), START_S):
-                lines = "\n".join(f"  - {each}" for each in self._silent())
-                raise CellError(
-                    f"{topics.file}: nothing came within {START_S:g} s on\n{lines}\nstart the "
-                    "drivers, or correct the names in the file"
-                )
+        await_drivers(topics, self._arms, self._inbox)
         for robot in self.design.robots:
             require_home(robot, self._arms[robot.name].tool)
         self.clock = DrivenClock(self._arms.values())
         self._fixture = DrivenFixture(topics)
         self._magazine = DrivenMagazine(topics, self._open_hands)
         self._hold(panel, {})
-
-    def _silent(self) -> list[str]:
-        """Return what has not been heard of yet."""
-        arms = self._arms.items()
-        return [f"{name}: {topic}" for name, arm in arms for topic in arm.sensors.missing]
 
     def device_of(self, robot: str) -> Device:
         """Return a robot of the design."""
@@ -130,10 +111,9 @@ class DrivenCell:
                 self._inbox,
                 self._topics.robots[robot].camera,
                 lambda: wrist_view(arm, design),
-                "wrist",
             ),
             overhead_camera=DrivenCamera(
-                self._inbox, self._topics.overhead, lambda: self.design.overhead, "overhead"
+                self._inbox, self._topics.overhead, lambda: self.design.overhead
             ),
             fixture=self._fixture,
             magazine=self._magazine,
@@ -178,9 +158,9 @@ class DrivenCell:
                     "it was sent last: see whether its driver runs",
                 )
 
-    def rest(self) -> None:
-        """Let robots and wires come to rest."""
-        for _ in range(round(REST_S / self.tick_s)):
+    def rest(self, seconds: float) -> None:
+        """Let robots and wires come to rest for a time [s]."""
+        for _ in range(round(seconds / self.tick_s)):
             self.tick()
 
     def find_problems(self, panel: Panel) -> tuple[str, ...]:
@@ -225,6 +205,52 @@ class DrivenCell:
         """Leave the arms where they are."""
 
 
+def await_drivers(topics: CellTopics, arms: Mapping[str, DrivenArm], inbox: Inbox) -> None:
+    """Wait until all drivers are there; raises CellError that lists those that are not."""
+    end = time.monotonic() + START_S
+    while True:
+        missing = [
+            f"{name}: {topic}" for name, arm in arms.items() for topic in arm.sensors.missing
+        ]
+        missing += missing_interfaces(topics, *ros_graph())
+        if not missing:
+            return
+        if time.monotonic() > end or rospy.is_shutdown():
+            lines = "\n".join(f"  - {each}" for each in missing)
+            raise CellError(
+                f"{topics.file}: missing after {START_S:g} s\n{lines}\nstart the drivers, or "
+                "correct the names in the file"
+            )
+        with inbox.arrived:
+            inbox.arrived.wait(POLL_S)
+
+
+def ros_graph() -> tuple[set[str], set[str], set[str]]:
+    """Return the topics that are published, those that are subscribed to, and the services."""
+    published, subscribed, services = rosgraph.Master(rospy.get_name()).getSystemState()
+    return {t for t, _ in published}, {t for t, _ in subscribed}, {name for name, _ in services}
+
+
+def missing_interfaces(
+    topics: CellTopics, published: Set[str], subscribed: Set[str], services: Set[str]
+) -> list[str]:
+    """Return what a cell needs and no node offers: each camera, command and service."""
+    robots = topics.robots.values()
+    cameras = [topics.overhead, *(robot.camera for robot in robots)]
+    images = [topic for camera in cameras for topic in (camera.image, camera.depth) if topic]
+    commands = [command for robot in robots for command in (robot.motion, robot.gripper)]
+    asked = (topics.operate_clamp, topics.present_wire, topics.operate_magazine, topics.load_panel)
+    return [
+        *(f"{topic}: no node publishes pictures" for topic in images if topic not in published),
+        *(
+            f"{topic}: no node takes commands ({kind})"
+            for topic, kind in commands
+            if topic not in subscribed
+        ),
+        *(f"{name}: no such service" for name in asked if name and name not in services),
+    ]
+
+
 def _require_fit(design: CellDesign, panel: Panel) -> None:
     problems = find_panel_problems(design, panel)
     if problems:
@@ -241,23 +267,8 @@ def require_home(robot: RobotDesign, tool: ToolPose) -> None:
         )
 
 
-def lacks_of(topics: CellTopics) -> dict[str, str]:
-    """Return why a cell cannot do an ability, by the ability's name."""
-    named = {
-        "overhead": topics.overhead,
-        "fixture": topics.operate_clamp,
-        "magazine": topics.present_wire,
-    }
-    return {
-        ability: f"{topics.file} names no {part}"
-        for part, abilities in NEEDS.items()
-        for ability in abilities
-        if named[part] is None
-    }
-
-
 def open_driven_cell(panel: Panel, _memory: CellMemory | None, _closing: ExitStack) -> OpenedPlant:
     """Return the cell whose drivers the file `~robot` names; raises CellError."""
     topics = read_robot(str(rospy.get_param("~robot")))
     cell = DrivenCell(topics, panel)
-    return OpenedPlant(cell, cell.clock, lacks=lacks_of(topics))
+    return OpenedPlant(cell, cell.clock)

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import queue
+import threading
 from collections.abc import Callable, Mapping
 from typing import Any
 
@@ -55,8 +57,7 @@ class DrivenFixture:
 
     def _operate(self, component_id: str, terminal_id: str, *, close: bool) -> Any:  # noqa: ANN401
         request = srv.OperateClampRequest(component_id, terminal_id, close)
-        named = self._topics.operate_clamp, "fixture.operate_clamp"
-        return _done(self._topics, named, srv.OperateClamp, request)
+        return _done(self._topics.operate_clamp, srv.OperateClamp, request)
 
 
 class DrivenMagazine:
@@ -88,8 +89,7 @@ class DrivenMagazine:
 
     def _present(self, wire_id: str, channel_id: str, *, placed: bool) -> Any:  # noqa: ANN401
         request = srv.PresentWireRequest(wire_id=wire_id, channel_id=channel_id, placed=placed)
-        named = self._topics.present_wire, "magazine.present_wire"
-        answer = _done(self._topics, named, srv.PresentWire, request)
+        answer = _done(self._topics.present_wire, srv.PresentWire, request)
         self.park()
         self.parked.pop(wire_id, None)
         self.last = wire_id
@@ -129,32 +129,42 @@ class DrivenMagazine:
     def _operate(self, command: int, end: str = "", at: Array | None = None) -> None:
         point = Point() if at is None else Point(*at.tolist())
         request = srv.OperateMagazineRequest(command=command, end=end, at=point)
-        named = self._topics.operate_magazine, "magazine.operate"
-        _done(self._topics, named, srv.OperateMagazine, request)
+        _done(self._topics.operate_magazine, srv.OperateMagazine, request)
 
 
-def _done(topics: CellTopics, named: tuple[str | None, str], kind: Any, request: Any) -> Any:  # noqa: ANN401
-    """Return the answer of a service that did what it was asked for; raises INTERNAL.
-
-    `named` is the service's name, and the entry of the robot's file that has it.
-    """
-    name, entry = named
-    if name is None:
-        raise AbilityError(Code.INTERNAL, f"{topics.file} names no {entry}; this ability needs it")
+def _done(name: str, kind: Any, request: Any) -> Any:  # noqa: ANN401 - any service
+    """Return the answer of a service that did what it was asked for; raises INTERNAL."""
     answer = _ask(name, kind, request)
     if not answer.success:
         raise AbilityError(Code.INTERNAL, f"{name}: {answer.message}")
     return answer
 
 
-def _ask(name: str, kind: Any, request: Any) -> Any:  # noqa: ANN401
+def _ask(name: str, kind: Any, request: Any) -> Any:  # noqa: ANN401 - any service
+    """Return the answer of a service; raises INTERNAL when there is none in SERVICE_S.
+
+    rospy's calls have no time limit. One that is given up goes on in its thread: what it moves may
+    still move, which the message says.
+    """
+    answers: queue.Queue[Any] = queue.Queue()
+
+    def call() -> None:
+        try:
+            rospy.wait_for_service(name, SERVICE_S)
+            answers.put(rospy.ServiceProxy(name, kind)(request))
+        except Exception as error:  # noqa: BLE001 - reported in the thread that asked
+            answers.put(error)
+
+    threading.Thread(target=call, name=f"ask {name}", daemon=True).start()
     try:
-        rospy.wait_for_service(name, SERVICE_S)
-        return rospy.ServiceProxy(name, kind)(request)
-    except (rospy.ROSException, rospy.ServiceException) as error:
+        answer = answers.get(timeout=SERVICE_S)
+    except queue.Empty:
+        answer = f"nothing within {SERVICE_S:g} s; what it moves may still move"
+    if isinstance(answer, str | Exception):
         raise AbilityError(
-            Code.INTERNAL, f"service {name} does not answer ({error}); see whether it runs"
-        ) from error
+            Code.INTERNAL, f"service {name} does not answer ({answer}); see whether it runs"
+        )
+    return answer
 
 
 def _pose(message: PoseMsg) -> Pose:

@@ -38,10 +38,6 @@ NUMB_S = 0.1
 PICTURE_S = 20.0
 # A picture is read at once from its connection [bytes].
 BUFFER = 2**24
-# Fingers close fast to this much before what they grip, then slowly [m], [m/s].
-TOUCH_BEFORE_M = 0.002
-FINGER_SPEED = 0.10
-FINGER_TOUCH_SPEED = 0.012
 # Fingers that were sent further than they are by this have stopped on something [m].
 STOPPED_M = 0.0005
 
@@ -282,12 +278,12 @@ class DrivenGripper:
 
     def open_to(self, opening: float) -> None:
         """Send each finger to a distance from the middle [m]."""
-        self._send([(opening, FINGER_SPEED)])
+        self._send([(opening, self._topics.finger_speeds[0])])
 
-    def close_on(self, thickness: float) -> None:
-        """Close until the fingers stop on what they grip, about so thick [m]."""
-        near = (thickness + TOUCH_BEFORE_M) / 2
-        self._send([(near, FINGER_SPEED), (0.0, FINGER_TOUCH_SPEED)])
+    def close_on(self, thickness: float, slow_before: float) -> None:
+        """Close until the fingers stop on what they grip, about so thick, slowly before it [m]."""
+        fast, slow = self._topics.finger_speeds
+        self._send([((thickness + slow_before) / 2, fast), (0.0, slow)])
 
     def _send(self, ways: list[tuple[float, float]]) -> None:
         """Send each finger to distances from the middle [m], each at a speed [m/s]."""
@@ -312,11 +308,9 @@ class DrivenGripper:
 class DrivenCamera:
     """A camera behind topics, which are subscribed to while a picture is taken."""
 
-    def __init__(
-        self, inbox: Inbox, topics: CameraTopics | None, see_from: Callable[[], View], name: str
-    ) -> None:
-        """Name the camera; `see_from` returns where it is now."""
-        self._inbox, self._topics, self._see_from, self._name = inbox, topics, see_from, name
+    def __init__(self, inbox: Inbox, topics: CameraTopics, see_from: Callable[[], View]) -> None:
+        """Name the topics; `see_from` returns where the camera is now."""
+        self._inbox, self._topics, self._see_from = inbox, topics, see_from
 
     @property
     def view(self) -> View:
@@ -325,11 +319,6 @@ class DrivenCamera:
 
     def take(self) -> Picture:
         """Take the next picture; raises AbilityError INTERNAL when none comes."""
-        if self._topics is None:
-            raise AbilityError(
-                Code.INTERNAL,
-                f"there is no {self._name} camera; name its topics in the robot's file",
-            )
         view, measures_depth = self._see_from(), self._topics.depth is not None
         colour: dict[rospy.Time, Image] = {}
         depth: dict[rospy.Time, Image] = {}

@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 import sys
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from contextlib import ExitStack
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from pathlib import Path
 
 import rospy
@@ -44,13 +44,11 @@ class OpenedPlant:
         plant: what skills use.
         clock: its time.
         offer: is called when the cell is built: what the plant publishes and offers by itself.
-        lacks: why it cannot do an ability, by the ability's name.
     """
 
     plant: Plant
     clock: Clock
     offer: Callable[[Owner, FixedFrames], None] = lambda owner, fixed: None
-    lacks: Mapping[str, str] = field(default_factory=dict)
 
 
 # Opens the plant of a cell that holds a panel. What it opens closes with the stack; it raises
@@ -77,9 +75,6 @@ def main(open_plant: OpenPlant) -> int:
             rospy.logfatal("the cell does not start: %s", error)
             return 1
         for name in served:
-            if name in opened.lacks:
-                rospy.logwarn("%s is not served: %s", name, opened.lacks[name])
-                continue
             CellAbilityServer(rows[name], abilities[name], owner)
         Services(owner, materials)
         own = [f"{each.name} ({each.file})" for each in read_parameters().table if each.is_own]
