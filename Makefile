@@ -2,7 +2,7 @@
 SHELL := /bin/bash
 .SHELLFLAGS := -euo pipefail -c
 .DEFAULT_GOAL := help
-.PHONY: help build demo cabinet harness film test test-all install docker generate behaviors unit physics rostest lint xml bench-engine bench-planner bench-synthesis bench-console bench-drawing bench-sim bench-vision bench-learning bench-pause bench-replan bench-scale docs evaluate-abilities schedules chaos campaign clean
+.PHONY: help build demo cabinet harness film test test-all install docker generate behaviors unit physics variants rostest lint xml bench-engine bench-planner bench-synthesis bench-console bench-drawing bench-sim bench-vision bench-learning bench-pause bench-replan bench-scale docs evaluate-abilities schedules chaos campaign clean
 
 # The workspace's own Python first, whatever else the shell has on its path; no other workspace.
 export PATH := $(CURDIR)/.venv/bin:/usr/local/sbin:/usr/local/bin:/usr/sbin:/usr/bin:/sbin:/bin
@@ -76,8 +76,11 @@ unit: $(BUILD) ## Tests that need no ROS master (PACKAGE=remodel_sim, TIER=all)
 	@$(SOURCED) pytest --numprocesses auto --dist loadfile --no-loadscope-reorder --junit-xml=$(RESULTS)/unit.xml \
 	  --hypothesis-profile=$(TIER) $(if $(filter quick,$(TIER)),-m "not slow") $(if $(PACKAGE),$(call package_folder,test/unit))
 
-physics: build ## Run the physical tests of the cell (BENCH="-k lay_wire", BENCH=--disturbed: as other processors, and begun 1e-9 beside)
+physics: build ## Run the physical tests of the cell (BENCH="-k lay_wire", BENCH="--disturbed -k lay_wire": as in make variants)
 	@$(SOURCED) benchmarks/sim/physics.py $(BENCH)
+
+variants: $(BUILD) ## Run the physical tests as other processors calculate, and begun 1e-9 beside; part of test-all
+	@$(SOURCED) benchmarks/sim/physics.py --disturbed --jobs 2 --results $(RESULTS)/variants.xml
 
 rostest: $(BUILD) ## Tests of running nodes, each file on a roscore of its own (PACKAGE=remodel_console, TIER=all)
 	@$(SOURCED) ctest --test-dir build --parallel 4 --output-on-failure --no-tests=error \

@@ -13,13 +13,15 @@ import pytest
 ROOT = Path(__file__).parents[1]
 
 MAKEFILE = """\
-.PHONY: lint unit rostest
+.PHONY: lint unit rostest variants
 lint:
 \t@{lint}
 unit:
 \t@PYTEST_DISABLE_PLUGIN_AUTOLOAD=1 pytest -q --junit-xml=build/test_results/unit.xml unit
 rostest:
 \t@ctest --test-dir build {exclude}
+variants:
+\t@[ ! -f variants.kept ] || cp variants.kept build/test_results/variants.xml
 """
 UNIT = """\
 from pathlib import Path
@@ -50,6 +52,7 @@ class Workspace:
         self.lint("true")
         self.unit(passes=True)
         self.rostest(whole=WHOLE.format(0, ""), case=CASE.format(""))
+        self.variants(CASE.format(""))
 
     def lint(self, command, exclude=""):
         (self.folder / "Makefile").write_text(MAKEFILE.format(lint=command, exclude=exclude))
@@ -70,6 +73,10 @@ class Workspace:
             f'add_test(arm "/bin/sh" "-c" "{" && ".join(script[:-2])}; {"; ".join(script[-2:])}")\n'
             f"set_tests_properties(arm PROPERTIES {properties})\n"
         )
+
+    def variants(self, case):
+        """Let a physical test end so as other processors calculate."""
+        (self.folder / "variants.kept").write_text(case)
 
     def run(self, *options):
         return subprocess.run(
@@ -171,6 +178,21 @@ def test_a_slow_rostest_must_run_in_the_whole_run_only(workspace):
     assert "no result rostest-test_rostest_arm.xml" in workspace.run("--all").stdout
 
 
+def test_a_physical_test_that_another_processor_fails_is_red_in_the_whole_run_only(workspace):
+    workspace.variants(CASE.format('<failure message="without AVX-512"/>'))
+    assert workspace.run().stdout.endswith("2 passed, 0 failed\n")
+    done = workspace.run("--all")
+    assert "failed: variants: Arm.moves\n" in done.stdout
+    assert done.returncode == 1
+
+
+def test_variants_that_did_not_run_are_red(workspace):
+    (workspace.folder / "variants.kept").unlink()
+    done = workspace.run("--all")
+    assert "failed: variants: no test passed\n" in done.stdout
+    assert done.returncode == 1
+
+
 def test_a_whole_run_is_recorded_and_its_age_is_reported(workspace):
     assert "make test-all: no record of a run\n" in workspace.run().stdout
     workspace.git("init", "-q")
@@ -179,7 +201,7 @@ def test_a_whole_run_is_recorded_and_its_age_is_reported(workspace):
     assert workspace.run("--all").returncode == 0
     (line,) = (workspace.folder / "docs/figures/test-all.jsonl").read_text().splitlines()
     row = json.loads(line)
-    assert (row["passed"], row["failed"]) == (2, "none")
+    assert (row["passed"], row["failed"]) == (3, "none")
     assert row["processor"]
     workspace.test.with_name("note").touch()
     (workspace.folder / "src/arm/src").mkdir(parents=True)
@@ -188,7 +210,7 @@ def test_a_whole_run_is_recorded_and_its_age_is_reported(workspace):
     workspace.git("commit", "-q", "-m", "two")
     printed = workspace.run().stdout
     assert f"make test-all: last run 1 commit ago ({row['commit']}, {row['date']}," in printed
-    assert "2 passed, failed: none; changed since: arm, cell\n" in printed
+    assert "3 passed, failed: none; changed since: arm, cell\n" in printed
 
 
 def test_rostests_use_no_subtests():

@@ -8,7 +8,8 @@ part ended well, every test case passed, and every ROS test that the source tree
 result. What failed is run once more, alone, as a diagnosis: it prints whether the test fails alone,
 too, and the result stays red.
 
-With `--all` the tests marked slow run, too, and a record of the run is appended to
+With `--all` the tests marked slow run, too, and the physical tests as other processors calculate; a
+record of the run is appended to
 docs/figures/test-all.jsonl. Without it, the last record is reported: its age in commits, and the
 packages that have changed since.
 """
@@ -29,7 +30,8 @@ from pathlib import Path
 RESULTS = Path("build/test_results")
 ALONE = Path("build/test_results_alone.xml")
 RECORDS = Path("docs/figures/test-all.jsonl")
-PARTS = ("lint", "unit", "rostest")
+PARTS = {"quick": ("lint", "unit", "rostest"), "all": ("lint", "unit", "rostest", "variants")}
+VARIANTS = RESULTS / "variants.xml"
 AT_MOST_ALONE = 8
 """Failed tests that are run again, alone; more have a common cause."""
 
@@ -141,10 +143,14 @@ def judge(status: dict[str, int], tier: str) -> Count:
     ]
     ros.failed += without_result(in_tier, known, RESULTS)
     parts = {"lint": Count(), "unit": unit, "rostest": ros}
+    if tier == "all":
+        parts["variants"] = count_cases(VARIANTS) if VARIANTS.is_file() else Count()
+        if not parts["variants"].passed:
+            parts["variants"].failed.append("variants: no test passed")
     for part, code in status.items():
         if code and not parts[part].failed:
             parts[part].failed.append(f"{part}: ended with status {code}")
-    return parts["lint"] + unit + ros
+    return sum(parts.values(), Count())
 
 
 def run_alone(status: dict[str, int]) -> None:
@@ -227,7 +233,7 @@ def main() -> int:
     ALONE.unlink(missing_ok=True)
     begun = time.monotonic()
     status = {}
-    for part in PARTS:
+    for part in PARTS[tier]:
         started = time.monotonic()
         status[part] = make(part, tier)
         print(f"{part}: {time.monotonic() - started:.0f} s", flush=True)

@@ -2,11 +2,12 @@
 # ruff: noqa: T201 - a benchmark prints
 """Run the physical tests of remodel_sim, also as other processors and other beginnings have them.
 
-physics.py [--disturbed] [--jobs N] [ARGUMENT ...]; the workspace must be sourced. The arguments go
-to pytest, for example `-k lay_wire` or `-m "physics and not slow"`. With --disturbed the tests run
-several times: as processors of other kinds calculate, and with arms and wires that begin 1e-9 m and
-1e-9 rad beside their places, under five seeds. Each test that did not hold in all runs is printed
-with the runs in which it failed, then the count, and the processor. Exits with 1 if there is any.
+physics.py [--disturbed [--results FILE]] [--jobs N] [ARGUMENT ...]; the workspace must be sourced.
+The arguments go to pytest, for example `-k lay_wire` or `-m "physics and not slow"`. With
+--disturbed the tests run several times: as processors of other kinds calculate, and with arms and
+wires that begin 1e-9 m and 1e-9 rad beside their places, under five seeds. Each test that did not
+hold in all runs is printed with the runs in which it failed, then the count, and the processor;
+FILE gets the same in JUnit's format. Exits with 1 if there is any.
 
 What a processor can do decides which sine of libm, which loops of numpy and which kernels of
 OpenBLAS are used, and with them the last bits of every result.
@@ -20,7 +21,7 @@ import subprocess
 import sys
 import tempfile
 from collections import defaultdict
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from pathlib import Path
@@ -114,7 +115,7 @@ def processor() -> str:
     return f"{names[0] if names else 'unknown'} ({widest})"
 
 
-def run_all(arguments: Sequence[str], jobs: int) -> int:
+def run_all(arguments: Sequence[str], jobs: int, file: Path | None) -> int:
     """Run the tests in all ways; print those that did not hold in all, return how many."""
     kinds = processors()
     runs = planned(list(kinds))
@@ -128,18 +129,33 @@ def run_all(arguments: Sequence[str], jobs: int) -> int:
     for test, where in sorted(failed.items()):
         print(f"{test}: failed {len(where)} of {len(runs)}: {'; '.join(where)}")
     tests = set().union(*results)
+    if file:
+        write_results(file, tests, failed)
     print(f"{len(tests) - len(failed)} of {len(tests)} tests held in all {len(runs)} runs")
     return len(failed)
+
+
+def write_results(file: Path, tests: Iterable[str], failed: Mapping[str, Sequence[str]]) -> None:
+    """Write a test case for each test, failed with the runs in which it did not hold."""
+    suite = ElementTree.Element("testsuite", tests=str(len(set(tests))), failures=str(len(failed)))
+    for test in sorted(tests):
+        where, _, name = test.partition("::")
+        case = ElementTree.SubElement(suite, "testcase", classname=where, name=name)
+        if test in failed:
+            ElementTree.SubElement(case, "failure", message="; ".join(failed[test]))
+    file.parent.mkdir(parents=True, exist_ok=True)
+    ElementTree.ElementTree(suite).write(file)
 
 
 def main() -> int:
     """Run the tests."""
     parser = argparse.ArgumentParser(description=__doc__, allow_abbrev=False)
     parser.add_argument("--disturbed", action="store_true")
+    parser.add_argument("--results", type=Path)
     parser.add_argument("--jobs", type=int, default=1, help="runs at once")
     options, arguments = parser.parse_known_args()
     if options.disturbed:
-        failed = run_all(arguments, options.jobs)
+        failed = run_all(arguments, options.jobs, options.results)
     else:
         failed = subprocess.run(pytest(arguments), cwd=ROOT).returncode
     print(f"processor: {processor()}")
