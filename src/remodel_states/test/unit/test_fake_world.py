@@ -1,8 +1,7 @@
 """The world of a fake cell: what abilities ask of it, do to it, and find of it on disk."""
 
+import multiprocessing
 import sqlite3
-import subprocess
-import sys
 from dataclasses import replace
 from types import SimpleNamespace
 
@@ -349,11 +348,20 @@ def test_a_second_change_waits_for_the_first(tmp_path, fed):
 
 
 def test_processes_may_open_a_new_world_at_once(tmp_path):
-    script = f"from remodel_states.testing.world_file import *; WorldFile({str(tmp_path / 'w')!r})"
-    for _ in range(5):
-        processes = [subprocess.Popen([sys.executable, "-c", script]) for _ in range(4)]
-        assert [process.wait(60) for process in processes] == [0] * 4
-        (tmp_path / "w").unlink()
+    forking = multiprocessing.get_context("fork")
+    for name in "abcde":
+        together = forking.Barrier(4)
+
+        def opened(path=tmp_path / name, together=together):
+            together.wait(60)
+            WorldFile(path)
+
+        processes = [forking.Process(target=opened) for _ in range(4)]
+        for process in processes:
+            process.start()
+        for process in processes:
+            process.join(60)
+        assert [process.exitcode for process in processes] == [0] * 4
 
 
 def test_a_panel_stays_that_is_there_or_that_another_cell_has_loaded(a_fixed):
