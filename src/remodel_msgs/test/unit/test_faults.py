@@ -80,9 +80,7 @@ def test_what_only_a_person_can_judge_is_left_to_one(name):
     assert responses(name) == ["ask_operator"]
 
 
-@pytest.mark.parametrize(
-    "name", ["motion_blocked", "extraction_stuck", "server_hung", "cell_contested"]
-)
+@pytest.mark.parametrize("name", ["motion_blocked", "server_hung", "cell_contested"])
 def test_where_the_next_task_would_be_as_dangerous_an_unattended_run_stops(name):
     assert BY_NAME[name]["unattended"] == "stop"
 

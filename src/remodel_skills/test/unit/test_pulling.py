@@ -3,12 +3,14 @@
 import pytest
 from scripted_device import PARAMETERS, SOCKET, TERMINAL, before_the_opening
 
+from remodel_skills.belief_state import EndState
 from remodel_skills.primitives.pulling import pull_out, pull_test
 from remodel_skills.primitives.pushing import tool_before
 from remodel_skills.runner import run
 from remodel_states.core.codes import Code
 from remodel_work.errors import AbilityError
 from remodel_work.layout import STANDOFF_M
+from remodel_work.panel import WireEnd
 
 BOTTOM = TERMINAL.depth
 PULL_N, MOST_N = 5.0, 25.0
@@ -62,16 +64,22 @@ def test_an_end_comes_out_with_the_force_that_holds_it():
     assert tip == pytest.approx(-STANDOFF_M, abs=1e-3)
 
 
-def test_an_end_that_does_not_come_out_is_left_where_it_was():
+def test_an_end_that_does_not_come_out_is_released_where_it_was():
     context, arm = at_the_bottom(held(2e4))
     context.belief.engaged = SOCKET
     start = context.commanded
-    with pytest.raises(AbilityError) as caught:
+    with pytest.raises(AbilityError, match="'X1/1' does not come out at 25 N") as caught:
         run(arm.tick, pull_out(context, SOCKET, MOST_N))
     assert caught.value.code is Code.EXTRACTION_STUCK
     assert caught.value.found["peak_force"] <= 1.15 * MOST_N + 0.5
-    assert context.commanded == start
-    assert context.belief.engaged is SOCKET
+    end, terminal = WireEnd.A, ("X1", "1")
+    assert context.belief.ends[end] is EndState.SEATED
+    assert context.belief.occupied[terminal] == ("W1", end)
+    assert context.belief.grip is None
+    assert context.belief.engaged is None
+    rise = context.commanded.position - start.position
+    assert rise == pytest.approx([0.0, 0.0, rise[2]])
+    assert context.commanded.z >= PARAMETERS.motion.travel_z_m
 
 
 def test_an_end_passes_the_pull_test_although_the_controller_is_late_with_its_steps():

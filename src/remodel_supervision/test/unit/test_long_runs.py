@@ -78,7 +78,9 @@ def test_a_run_is_resumed_from_its_snapshot_and_what_came_after(kept):
     kept.change(f"DELETE FROM run_events WHERE position < {first}")
     assert resumable(kept.log.state(kept.run)) == resumable(kept.state)
     kept.change("UPDATE runs SET events = events + 1")
-    with pytest.raises(RecordLostError, match=rf"of run 1 from number {first} on; restore a backup"):
+    with pytest.raises(
+        RecordLostError, match=rf"of run 1 from number {first} on; restore a backup"
+    ):
         kept.log.state(kept.run)
 
 

@@ -39,12 +39,13 @@ NESTED = nested_charts()
 SHIPPED = [
     parse_chart(file.read_text(), str(file)) for file in sorted(behavior_charts().glob("*.xml"))
 ]
-PERSON_FIRST = sorted(
+ASKED_AT_ONCE = sorted(
     code
     for name in FAULTS.names
     for code in FAULTS[name].codes
     if FAULTS[name].responses[0].do is Do.ASK_OPERATOR
 )
+PERSON_FIRST = [code for code in ASKED_AT_ONCE if FAULTS.of(code).stops_unattended]
 ERROR_NAMES = read_error_names()
 JAMMED, MISALIGNED = Code.INSERTION_JAMMED, Code.INSERTION_MISALIGNED
 NO_CONTACT, SLIPPED = Code.INSERTION_NO_CONTACT, Code.SLIPPED_IN_GRIP
@@ -210,7 +211,7 @@ def test_an_arm_that_was_stopped_by_something_does_not_go_there_again(planner, a
 
 
 @pytest.mark.parametrize(
-    ("possible", "lasting"), [(ATTENDED, Do.ASK_OPERATOR), (UNATTENDED, Do.STOP)]
+    ("possible", "lasting"), [(ATTENDED, Do.ASK_OPERATOR), (UNATTENDED, Do.SET_ASIDE)]
 )
 def test_while_an_end_is_stuck_no_new_wire_is_fed(possible, lasting):
     stuck = Failure("W1", FAULTS.of(306), 306, "ExtractCable", "/Extract a", "stuck", 1.0)
@@ -308,7 +309,7 @@ def test_nothing_of_a_behavior_begins_before_a_person_has_answered(planner, code
             assert [walk.begun_after for walk in walks] == [[]] * len(walks), chart.name
 
 
-@pytest.mark.parametrize("code", PERSON_FIRST)
+@pytest.mark.parametrize("code", ASKED_AT_ONCE)
 @pytest.mark.parametrize("chart", SHIPPED, ids=lambda chart: chart.name)
 def test_a_shipped_chart_ends_at_once_when_a_person_is_needed(chart, code):
     for ability in abilities_of(chart):

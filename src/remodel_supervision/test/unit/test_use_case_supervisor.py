@@ -124,6 +124,18 @@ def test_a_second_jam_ends_the_task_and_no_new_wire_is_fed(bench):
     assert state.ended.ending is Ending.INCOMPLETE
 
 
+def test_an_end_that_is_stuck_stops_no_unattended_order(bench):
+    """Its hand is empty: the wire is left, and the tasks that do not depend on it go on."""
+    state = bench.run(STUCK)
+    first, second = bench.events(Planned)[0].tasks
+    assert [(event.task, event.do) for event in bench.events(Decided)] == [(first, Do.SET_ASIDE)]
+    assert bench.cell.fed == [first, second], "no new piece for the terminal that is not free"
+    assert bench.ran[-1] == second
+    assert f"{first} Discard" not in bench.ran, "it is not pulled at again"
+    assert state.tasks[second].stage is Stage.DONE
+    assert state.ended.ending is Ending.INCOMPLETE
+
+
 def test_a_task_whose_order_is_planned_again_comes_later(bench):
     state = bench.run(MISSING)
     before, after = (event.tasks for event in bench.events(Planned))
@@ -164,7 +176,7 @@ def test_a_server_that_stays_away_is_left_to_the_policy(bench):
     assert bench.run(LOST).ended.ending is Ending.COMPLETE
 
 
-@pytest.mark.parametrize("code", [LOST, STALE_OWNER, SEVERAL_SERVERS, STUCK, MOTION_FAULT])
+@pytest.mark.parametrize("code", [LOST, STALE_OWNER, SEVERAL_SERVERS, MOTION_FAULT])
 def test_nothing_of_a_behavior_begins_after_it_has_lost_a_server_or_run_into_something(bench, code):
     permits = []
 
@@ -417,7 +429,7 @@ def killed_before_it_kept_a_record(bench):
     return bench.take_over()
 
 
-@pytest.mark.parametrize("code", [STUCK, MOTION_FAULT, SEVERAL_SERVERS])
+@pytest.mark.parametrize("code", [MOTION_FAULT, SEVERAL_SERVERS])
 @pytest.mark.parametrize("while_it_moves", [False, True])
 def test_a_stop_whose_record_a_killed_supervisor_did_not_keep_is_asked_about(
     attended_bench, code, while_it_moves

@@ -14,8 +14,7 @@ from remodel_skills.goal_checks import Message
 from remodel_skills.goals import DiscardGoal, ExtractGoal, LocateGoal
 from remodel_skills.primitives.carrying import drop_into_bin, lift_out
 from remodel_skills.primitives.ducts.leading import let_go
-from remodel_skills.primitives.grasping import holds, pick_end, release
-from remodel_skills.primitives.motions import rise
+from remodel_skills.primitives.grasping import holds, pick_end
 from remodel_skills.primitives.observation.observing import loose_ends
 from remodel_skills.primitives.picking_up import pick_up
 from remodel_skills.primitives.taking_up import take_up
@@ -82,7 +81,7 @@ def _release_ends(context: RobotContext) -> Steps[None]:
 
 
 def _draw_out(context: RobotContext, terminal: TerminalKey) -> Steps[None]:
-    """Draw an end out of a terminal; raises EXTRACTION_STUCK, the hand empty and the end there."""
+    """Draw an end out of a terminal."""
     belief = context.belief
     component_id, terminal_id = terminal
     if belief.engaged is None and component_id not in belief.seen:
@@ -95,17 +94,7 @@ def _draw_out(context: RobotContext, terminal: TerminalKey) -> Steps[None]:
         terminal_id=terminal_id,
         socket=socket,
     )
-    try:
-        yield from draw_out(context, goal)
-    except AbilityError as error:
-        grip = belief.grip
-        if error.code is not Code.EXTRACTION_STUCK or grip is None:
-            raise
-        belief.seat(grip.end, terminal)
-        yield from release(context, context.parameters.tool.release_opening_m)
-        yield from rise(context)
-        text = f"{error}; it was released there, the hand is empty"
-        raise AbilityError(error.code, text, **error.found) from error
+    yield from draw_out(context, goal)
 
 
 def _pick(context: RobotContext, above_bin: ToolPose) -> Steps[None]:

@@ -92,7 +92,7 @@ def draw_out(context: RobotContext, goal: ExtractGoal) -> Steps[tuple[WireEnd, f
         belief.engaged = None
     elif belief.engaged is not None:
         context.report(f"pulling end {end.value} out of {where}", 0.4)
-        peak = yield from _pull_out(context, belief.engaged, where)
+        peak = yield from pull_out(context, belief.engaged, context.parameters.tool.grip_holds_n)
     belief.loosen(end)
     return end, peak
 
@@ -184,14 +184,3 @@ def _grasp_at_opening(
     )
     context.belief.picked_at[end] = picked
     context.belief.engaged = socket
-
-
-def _pull_out(context: RobotContext, socket: Pose, where: str) -> Steps[float]:
-    """Pull the held end out of the opening; return the peak force [N]."""
-    try:
-        return (yield from pull_out(context, socket, context.parameters.tool.grip_holds_n))
-    except AbilityError as error:
-        if error.code is Code.EXTRACTION_STUCK:
-            text = f"the end in {where}: {error}; ask the operator"
-            raise AbilityError(error.code, text, **error.found) from error
-        raise

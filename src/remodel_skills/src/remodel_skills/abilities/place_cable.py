@@ -9,15 +9,13 @@ from remodel_skills.belief_state import EndState
 from remodel_skills.goal_checks import Message, pose_from
 from remodel_skills.goals import PlaceGoal
 from remodel_skills.primitives.carrying import drop_into_bin
-from remodel_skills.primitives.grasping import release
 from remodel_skills.primitives.laying import lay_down, let_down
-from remodel_skills.primitives.motions import held_tool, rise
+from remodel_skills.primitives.motions import held_tool
 from remodel_skills.primitives.pulling import pull_out
 from remodel_skills.robot_context import RobotContext, Steps
 from remodel_states.core.codes import Code
 from remodel_work.errors import AbilityError
 from remodel_work.geometry import Pose
-from remodel_work.openings import nearest_terminal
 
 
 @dataclass(frozen=True)
@@ -68,7 +66,7 @@ def _is_held_elsewhere(context: RobotContext) -> bool:
 
 
 def _draw_out(context: RobotContext) -> Steps[None]:
-    """Pull the held end out of its opening; raises EXTRACTION_STUCK, the hand empty."""
+    """Pull the held end out of its opening, unless it is fixed there."""
     belief = context.belief
     grip, socket = belief.grip, belief.engaged
     if grip is None or socket is None:
@@ -80,13 +78,6 @@ def _draw_out(context: RobotContext) -> Steps[None]:
     except AbilityError as error:
         if error.code is not Code.EXTRACTION_STUCK:
             raise
-        where = nearest_terminal(socket.position, context.panel, belief.seen)
-        belief.seat(grip.end, where)
         belief.ends[grip.end] = EndState.FIXED
-        yield from release(context, context.parameters.tool.release_opening_m)
-        yield from rise(context)
-        raise AbilityError(
-            error.code,
-            f"end {grip.end.value} is fixed in '{'/'.join(where)}': {error}; it was released "
-            "there, the hand is empty; extract it first",
-        ) from error
+        text = f"{error}; it is fixed: extract it first"
+        raise AbilityError(error.code, text, **error.found) from error

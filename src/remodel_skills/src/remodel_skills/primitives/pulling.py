@@ -4,12 +4,14 @@ from __future__ import annotations
 
 from remodel_skills.force_control import RIGID, Yielding
 from remodel_skills.primitives.force_motion import ForceMotion
-from remodel_skills.primitives.motions import wait
+from remodel_skills.primitives.grasping import release
+from remodel_skills.primitives.motions import rise, wait
 from remodel_skills.robot_context import RobotContext, Steps
 from remodel_states.core.codes import Code
 from remodel_work.errors import AbilityError
 from remodel_work.geometry import Pose
 from remodel_work.layout import STANDOFF_M
+from remodel_work.openings import TerminalKey, nearest_terminal
 from remodel_work.panel import unit_x
 
 
@@ -19,13 +21,14 @@ def pull_out(context: RobotContext, socket: Pose, most_n: float) -> Steps[float]
     Args:
         context: the cell; its hand holds the end.
         socket: the opening's frame, x into the terminal.
-        most_n: a force at which the end counts as stuck; the hand goes back to where it was [N].
+        most_n: a force at which the end counts as stuck [N]: the hand goes back to where it was,
+            releases the end there, and rises.
 
     Returns:
         The peak force [N].
 
     Raises:
-        AbilityError: EXTRACTION_STUCK.
+        AbilityError: EXTRACTION_STUCK, the hand empty.
     """
     out = -unit_x(socket)
     grip, start = context.belief.grip, context.commanded
@@ -41,14 +44,27 @@ def pull_out(context: RobotContext, socket: Pose, most_n: float) -> Steps[float]
             stuck_at = motion.force  # before the hand goes back and the wire relaxes
             context.drive(start)
             yield from wait(context, context.parameters.motion.force_still_s)
+            where = yield from _leave_in_terminal(context, socket)
             raise AbilityError(
                 Code.EXTRACTION_STUCK,
-                f"it does not come out at {stuck_at:.0f} N",
+                f"end {grip.end.value} in '{'/'.join(where)}' does not come out at {stuck_at:.0f} "
+                "N; it was released there, the hand is empty",
                 peak_force=motion.loop.peak,
             )
     motion.stop()
     context.belief.engaged = None
     return motion.loop.peak
+
+
+def _leave_in_terminal(context: RobotContext, socket: Pose) -> Steps[TerminalKey]:
+    """Release the held end where it sits, and rise; return its terminal."""
+    belief = context.belief
+    assert belief.grip is not None, "the end is held"
+    where = nearest_terminal(socket.position, context.panel, belief.seen)
+    belief.seat(belief.grip.end, where)
+    yield from release(context, context.parameters.tool.release_opening_m)
+    yield from rise(context)
+    return where
 
 
 def pull_test(

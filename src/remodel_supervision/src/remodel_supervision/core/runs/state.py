@@ -35,9 +35,7 @@ SERVER_GONE = frozenset({Code.SERVER_LOST, Code.SERVER_HUNG})
 
 # The table of faults has a person asked at once: nothing moves again, not even to lay down what is
 # held, before that person has answered.
-PERSON_FIRST = frozenset(
-    {Code.STALE_OWNER, Code.SEVERAL_SERVERS, Code.EXTRACTION_STUCK, Code.MOTION_FAULT}
-)
+PERSON_FIRST = frozenset({Code.STALE_OWNER, Code.SEVERAL_SERVERS, Code.MOTION_FAULT})
 
 # Of a task that failed though no ability reported an error.
 UNREPORTED = Code.INTERNAL
