@@ -50,9 +50,12 @@ def _fault(fault: Mapping[str, Any], tables: FaultTables) -> str:
         shown += f", {fault['after']['times']} times in a row"
     level = fault["first_level"].replace("_", " ")
     note = "; an unattended run stops" if fault.get("unattended") == "stop" else ""
+    repeats = ""
+    if fault.get("repeats") == "geometry":
+        repeats = " What led to the same failure, figure for figure, is not done once more."
     head = (
         f"\n### {fault['fault']}\n\n{fault['symptoms']}\n\n"
-        f"Reported as {shown}. Severity: {fault['severity']}. First level: {level}.\n\n"
+        f"Reported as {shown}. Severity: {fault['severity']}. First level: {level}.{repeats}\n\n"
         "| response | because |\n|---|---|\n"
     )
     *others, last = fault["responses"]

@@ -63,6 +63,7 @@ FAULTS = read_faults()
 POSSIBLE = frozenset(Do) - {Do.OTHER_METHOD, Do.RETRY_WITH}
 JAM, LOST, NOTHING_HELD = Code.INSERTION_JAMMED, Code.SERVER_LOST, Code.NOTHING_HELD
 NOT_SEATED, CONTRADICTORY = Code.NOT_SEATED, Code.CONTRADICTORY_RESULT
+OUT_OF_DUCT = Code.OUT_OF_DUCT
 MOTION_FAULT = 307
 
 
@@ -153,6 +154,34 @@ def test_what_was_interrupted_is_cleared_inspected_and_only_what_is_left_done(ru
     run.begin("W1", Part.REST)
     assert run.end("W1") == Execute("W2", Part.WHOLE)
     assert not run.state.tasks["W1"].first_pass
+
+
+@pytest.mark.parametrize(
+    ("code", "texts", "does"),
+    [
+        (OUT_OF_DUCT, ("65.8% of its route", "65.8% of its route"), [Do.NEW_PART, Do.SET_ASIDE]),
+        (OUT_OF_DUCT, ("65.8% of its route", "71.2% of its route"), [Do.NEW_PART, Do.NEW_PART]),
+        (JAM, ("14.0 N at 3.1 mm", "14.0 N at 3.1 mm"), [Do.NEW_PART, Do.NEW_PART]),
+    ],
+    ids=["same figure", "another figure", "chance"],
+)
+def test_what_led_to_the_same_figure_again_is_not_repeated(run, code, texts, does):
+    responses = (Response(Do.NEW_PART, 2), Response(Do.SET_ASIDE))
+    run.policy = Policy({FAULTS.of(code).name: responses})
+    run.possible = POSSIBLE - {Do.ASK_OPERATOR}
+    done = []
+    for text in texts:
+        run.begin("W1")
+        run.add(OperationEnded("W1", replace(operation(code), text=text)))
+        run.end("W1", "failed")
+        done.append(run.decide("W1"))
+        if done[-1].do is Do.NEW_PART:
+            run.add(Settled("W1", (), 5))
+            run.discard("W1")
+    assert [each.do for each in done] == does
+    if does[-1] is Do.SET_ASIDE:
+        reason = "new part x 1 did not help; new part spared, which led to the same figure again"
+        assert done[-1].because == reason
 
 
 def test_an_empty_hand_at_the_end_is_not_the_cause_of_a_failure(run):
@@ -416,10 +445,9 @@ def test_a_wire_beside_its_duct_is_not_done_when_the_arms_could_not_discard_it_a
 def test_the_operator_is_asked_about_a_wire_beside_its_duct_with_both_ends_connected(run):
     run.begin("W1")
     run.end("W1", "failed", Code.OUT_OF_DUCT)
-    for _ in range(2):
-        assert run.decide("W1").do is Do.LOOK_AGAIN
-        assert run.add(Settled("W1", ("a", "b"), 0)) == Decide("W1")
-    assert run.decide("W1").do is Do.ASK_OPERATOR
+    assert run.decide("W1").do is Do.LOOK_AGAIN
+    assert run.add(Settled("W1", ("a", "b"), 0)) == Decide("W1")
+    assert run.decide("W1").do is Do.ASK_OPERATOR, "looking once more would change nothing"
     run.ask("W1")
     assert run.add(Answered(1, Answer.FIXED, "ann")) == Settle("W1")
     assert run.add(Settled("W1", ("a", "b"), 0)) == Execute("W2", Part.WHOLE), "laid by hand"

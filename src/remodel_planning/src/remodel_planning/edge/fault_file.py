@@ -53,5 +53,6 @@ def _fault(row: Mapping[str, Any], codes: Mapping[str, int]) -> Fault:
         row.get("after", {}).get("times", 1),
         row["symptoms"],
         responses=tuple(response_from(response) for response in row["responses"]),
+        is_geometry=row.get("repeats") == "geometry",
         stops_unattended=row.get("unattended") == Do.STOP.value,
     )

@@ -64,6 +64,8 @@ class Fault:
         after: how often in a row one of its codes must have come in one task.
         symptoms: what can be seen, felt or heard, a sentence.
         responses: tried in this order; the last is lasting.
+        is_geometry: whether the same text again, with what was measured, is no chance: what was
+            done in between is not done once more.
         stops_unattended: whether nothing may move after it until a person has inspected the cell.
     """
 
@@ -73,6 +75,7 @@ class Fault:
     symptoms: str
     responses: tuple[Response, ...]
     stops_unattended: bool = False
+    is_geometry: bool = False
 
 
 class FaultTable:

@@ -39,11 +39,13 @@ def decide(
     policy: Policy,
     possible: Collection[Do] = tuple(Do),
     unpromising: Collection[Do] = (),
+    fruitless: Collection[Do] = (),
 ) -> Decision:
     """Return what to do about a failure.
 
     The responses to its fault are taken in order, each as often as stated; those that are not
-    possible now, or hardly ever help, are skipped. A task or run beyond its limits is ended,
+    possible now, hardly ever help, or changed nothing of this failure before, are skipped: what
+    repeats to the last figure is no chance. A task or run beyond its limits is ended,
     and so is a task for which an operator would be asked and none is there: nothing is tried again
     in place of an answer.
 
@@ -54,6 +56,7 @@ def decide(
         policy: the use case's.
         possible: what can be done now; without an operator, asking is not.
         unpromising: what has hardly ever helped against this fault.
+        fruitless: after what this task failed with the same figure as before.
     """
     reason = _run_is_over(spent, policy.limits)
     if reason:
@@ -65,8 +68,12 @@ def decide(
         last = responses[-1].do
         ending = last if last.is_lasting else policy.unattended_for(failure.fault)
         return _lasting(failure, ending, reason, policy, possible=possible)
-    spared = [each.do for each in responses if each.do in unpromising and each.do in possible]
-    without = f"; {_listed(spared)} spared, which hardly ever helps" if spared else ""
+    offered = [each.do for each in responses if each.do in possible]
+    seldom = [do for do in offered if do in unpromising]
+    vain = [do for do in offered if do in fruitless and do not in seldom]
+    spared = {*seldom, *vain}
+    without = f"; {_listed(seldom)} spared, which hardly ever helps" if seldom else ""
+    without += f"; {_listed(vain)} spared, which led to the same figure again" if vain else ""
     for response in responses:
         done = same.count(response.do)
         if response.do.is_lasting:

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Mapping
+from collections.abc import Collection, Mapping, Sequence
+from itertools import pairwise
 from types import MappingProxyType
 
 from remodel_planning.core.task_charts.state_path import step_of
@@ -91,7 +92,15 @@ def decide_recovery(
     failure = failure_of(task, faults, at_s, bounds)
     spent = Spent(task.attempts - task.interruptions, task.cell_s, state.failures, state.cell_s)
     earlier = [(decision.fault, decision.do) for decision in task.decisions]
-    decision = decide(failure, earlier, spent, policy, possible=possible, unpromising=unpromising)
+    decision = decide(
+        failure,
+        earlier,
+        spent,
+        policy,
+        possible=possible,
+        unpromising=unpromising,
+        fruitless=fruitless(failure, task.decisions),
+    )
     do, because, by = decision.do, decision.because, POLICY
     if failure.code in PERSON_FIRST and do is not Do.STOP:
         do = Do.ASK_OPERATOR if Do.ASK_OPERATOR in possible else Do.STOP
@@ -113,4 +122,24 @@ def decide_recovery(
         because=because,
         by=by,
         at_s=at_s,
+    )
+
+
+def fruitless(failure: Failure, decisions: Sequence[Decided]) -> frozenset[Do]:
+    """Return what was done about a task's failures and led to the same one, figure for figure.
+
+    Only if the geometry of the place decides such failures. Another value of a parameter is not
+    among it: it changes with each response.
+
+    Args:
+        failure: the latest.
+        decisions: about the earlier ones, the latest last.
+    """
+    if not failure.fault.is_geometry:
+        return frozenset()
+    told = [(each.fault, each.text) for each in decisions] + [(failure.fault.name, failure.text)]
+    return frozenset(
+        decision.do
+        for decision, (before, after) in zip(decisions, pairwise(told), strict=True)
+        if before == after == told[-1] and decision.do is not Do.RETRY_WITH
     )
