@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import contextlib
 import logging
+import re
 import threading
 from collections.abc import Callable
 from typing import Protocol
@@ -171,6 +172,11 @@ class Console:
     def session(self) -> Session:
         """Return the session of `/flexbe/uicommand`, whose behavior Runtime control offers."""
         return self.sessions.commands
+
+    @property
+    def shown_database(self) -> str:
+        """Return the URL of the production database without its password; empty without one."""
+        return re.sub(r"(?<=//)([^:@/]*):[^@/]*@", r"\1@", self._database)
 
     def list_names(self) -> tuple[str, ...]:
         """List the names of all charts and behaviors again, and return them; reads their files."""

@@ -12,7 +12,7 @@ from remodel_console.core.run.decision import Decisions
 from remodel_console.core.run.log_line import LogLine
 from remodel_console.core.run.run_view import Event, step
 from remodel_console.core.use_case.use_case import UseCase
-from remodel_console.core.world import InputRequest, World
+from remodel_console.core.world import CellKind, InputRequest, Part, World
 
 _KEPT_LINES = 500  # of the log; a page that opens shows them
 
@@ -71,7 +71,14 @@ class Live:
         self._wake()
 
     def set_presence(
-        self, *, mirror: bool, abilities: bool, cell: bool, simulated: bool, supervisor: bool
+        self,
+        *,
+        mirror: bool,
+        servers: int,
+        cell_kind: CellKind | None,
+        can_reset: bool = False,
+        supervisor: bool,
+        silent: frozenset[Part] = frozenset(),
     ) -> None:
         """Set which nodes are running; the state of a supervisor that has ended is dropped."""
         with self._lock:
@@ -79,10 +86,11 @@ class Live:
             self._world = replace(
                 before,
                 has_mirror=mirror,
-                has_abilities=abilities,
-                has_cell=cell,
-                is_simulated=simulated,
+                servers=servers,
+                cell_kind=cell_kind,
+                can_reset=can_reset,
                 has_supervisor=supervisor,
+                silent=silent,
                 use_case=before.use_case if supervisor or not before.has_supervisor else None,
             )
         if self._world != before:

@@ -3,6 +3,8 @@
 
 import contextlib
 import json
+import os
+import signal
 import sys
 from pathlib import Path
 
@@ -32,7 +34,7 @@ class OverviewTest(BehaviorTestCase):
         expect(page.locator(".ending")).to_be_hidden()  # no run has ended yet
         supervisor, cameras = FakeSupervisor(), FakeCameras()
         expect(away).to_have_count(0)
-        expect(page.locator(".presence.there", has_text="Cell")).to_be_visible()
+        self.see_what_the_cell_is()
 
         supervisor.close("cell 1 is owned by another station: bench 2")
         expect(page.locator(".ending")).to_contain_text(
@@ -97,6 +99,24 @@ class OverviewTest(BehaviorTestCase):
         given = [(c["who"], c["command"], c["state"]) for c in commands]
         self.assertIn(("Ada", "answer question 1 about W4: I have fixed it", "done"), given)
         self.assertIn(("operator", "run order 'nowhere'", "failed"), given)
+
+    def see_what_the_cell_is(self):
+        """Ability servers are told by their answers: what is stopped does not answer."""
+        page = self.page
+        self.start("abilities", "remodel_states", "fake_abilities")
+        expect(page.locator(".presence.there", has_text="Cell: fake")).to_be_visible()
+        os.killpg(self.processes["abilities"].pid, signal.SIGSTOP)
+        silent = page.locator(".notice", has_text="The cell does not answer")
+        expect(silent).to_be_visible()
+        expect(page.locator(".presence.gone", has_text="Cell")).to_be_visible()
+        self.press(page, "What to do")
+        expect(page.get_by_role("dialog")).to_contain_text("Its process is stopped or hangs")
+        self.take_picture(page, "overview-status")
+        page.keyboard.press("Escape")
+        os.killpg(self.processes["abilities"].pid, signal.SIGCONT)
+        expect(silent).to_have_count(0)
+        self.kill("abilities")
+        expect(page.locator(".presence.there", has_text="Cell")).to_have_count(0)
 
     def type_order(self, name):
         """Type an order's name and go on to the next field.

@@ -11,6 +11,7 @@ from remodel_console.core.editor.drawing import drawn_path, drawn_paths, opened
 from remodel_console.core.editor.graph import chart_graph
 from remodel_console.core.run.run_view import EngineStatus, RunView, step
 from remodel_console.core.world import World, notices
+from remodel_console.web.page import Page
 
 ERRAND = parse_chart((Path(__file__).parents[1] / "charts" / "errand.xml").read_bytes())
 OUTER = """<statemachine name="Outer" initial="Go"><datamodel><outcome name="finished"/></datamodel>
@@ -67,14 +68,15 @@ def test_behaviors_inside_are_drawn_open():
 
 
 def test_what_is_not_running_is_named_with_the_command_that_starts_it():
-    assert [n.what for n in notices(World())] == ["ROS is not running"]
+    assert [n.what for n in notices(World(), Page.PARTS)] == ["ROS is not running"]
     world = World(has_master=True)
-    assert [n.what for n in notices(world)] == [
+    assert [n.what for n in notices(world, Page.PARTS)] == [
         "The engine is not running",
         "The cell is not running",
     ]
-    world = World(step(RunView(), EngineStatus(20, 0)), has_master=True, has_cell=True)
-    assert [n.remedy for n in notices(world)] == ["roslaunch flexbe_mirror behavior_mirror.launch"]
+    world = World(step(RunView(), EngineStatus(20, 0)), has_master=True, servers=1)
+    (mirror,) = notices(world, Page.PARTS)
+    assert mirror.remedy == "roslaunch flexbe_mirror behavior_mirror.launch"
 
 
 def test_a_large_chart_is_folded_but_for_the_path_of_interest():

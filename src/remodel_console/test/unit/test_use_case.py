@@ -13,6 +13,8 @@ from remodel_console.core.plot import (
     line_plot,
     series_plot,
 )
+from remodel_console.core.run.run_view import Phase as RunPhase
+from remodel_console.core.run.run_view import RunView
 from remodel_console.core.use_case.production import figures
 from remodel_console.core.use_case.use_case import (
     SHOWN_TASKS,
@@ -32,7 +34,7 @@ from remodel_console.core.use_case.use_case import (
     shown_tasks,
     with_cables,
 )
-from remodel_console.core.world import World, notices, supervisor_notice
+from remodel_console.core.world import CellKind, Part, World, notices
 from remodel_console.edge.jpeg import as_jpeg
 from remodel_console.errors import PictureError
 from remodel_console.live import Live
@@ -213,22 +215,36 @@ def test_a_plot_is_sent_to_the_page_as_json(plot):
     assert json.loads(json.dumps(plot)) == plot
 
 
-def test_fake_abilities_are_no_cell():
-    world = World(has_master=True, has_abilities=True)
-    (*_, cell) = notices(world)
-    assert cell.what == "The cell is not running"
-    assert "answer without a cell" in cell.meaning
-    assert [n.what for n in supervisor_notice(world)] == ["The supervisor is not running"]
-    assert not list(supervisor_notice(World()))
+ENGINE, SUPERVISOR, CELL = Part.ENGINE, Part.SUPERVISOR, Part.CELL
+RUNS = {ENGINE: {"run": RunView(phase=RunPhase.IDLE)}, SUPERVISOR: {"has_supervisor": True}}
+
+
+@pytest.mark.parametrize("kind", list(CellKind))
+@pytest.mark.parametrize("silent", [(), (CELL,), (SUPERVISOR,), (ENGINE,), (ENGINE, CELL)])
+@pytest.mark.parametrize("gone", [None, *RUNS, CELL])
+def test_notices_tell_what_runs_whatever_the_cell_is(kind, silent, gone):
+    running = {ENGINE, SUPERVISOR, CELL} - {gone}
+    fields = {key: value for part in running - {CELL} for key, value in RUNS[part].items()}
+    if CELL in running:
+        fields |= {"servers": 0 if CELL in silent else 12, "cell_kind": kind}
+    world = World(has_master=True, has_mirror=True, silent=frozenset(silent), **fields)
+    told = {n.what: n.meaning for n in notices(world, (ENGINE, SUPERVISOR, CELL))}
+    for part in (ENGINE, SUPERVISOR, CELL):
+        assert (f"The {part.value} does not answer" in told) == (part in silent)
+        is_gone = part is gone and part not in silent
+        assert (f"The {part.value} is not running" in told) == is_gone
+        assert world.has(part) == (part in running and part not in silent)
+    assert not any("nothing moves" in meaning for meaning in told.values())
+    assert world.can_be_put_back == (world.cell_kind is not CellKind.REAL)
 
 
 def test_what_a_supervisor_published_is_gone_with_it():
     live = Live()
     live.set_master(True)
     live.take_use_case(RUN)
-    live.set_presence(mirror=False, abilities=False, cell=False, simulated=True, supervisor=True)
+    live.set_presence(mirror=False, servers=0, cell_kind=None, supervisor=True)
     assert live.world.use_case == RUN
-    live.set_presence(mirror=False, abilities=False, cell=False, simulated=True, supervisor=False)
+    live.set_presence(mirror=False, servers=0, cell_kind=None, supervisor=False)
     assert live.world.use_case is None
 
 

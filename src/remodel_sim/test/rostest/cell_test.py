@@ -25,6 +25,9 @@ class CellTest(OneWireCase):
         "DiscardCable",
     )
 
+    def test_it_says_what_it_is(self):
+        self.assertEqual(rospy.get_param("/cell/cell_kind"), "simulated")
+
     def test_rviz_gets_the_scene_and_the_force(self):
         markers = rospy.wait_for_message("cell/markers", MarkerArray, WALL_LIMIT_S)
         names = {marker.ns for marker in markers.markers}

@@ -2,18 +2,29 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, field
+from enum import Enum
 
 from remodel_console.core.run.decision import Decisions
 from remodel_console.core.run.run_view import Phase, RunView
 from remodel_console.core.use_case.use_case import UseCase
 
 
+class Part(Enum):
+    """What can run, and what starts it."""
+
+    ENGINE = "engine"
+    MIRROR = "mirror"
+    SUPERVISOR = "supervisor"
+    CELL = "cell"
+
+
 @dataclass(frozen=True)
 class Notice:
-    """A node that is not running: what that means, and the command that starts it."""
+    """What does not run or answer, None for ROS: what that means, and what starts it."""
 
+    part: Part | None
     what: str
     meaning: str
     remedy: str
@@ -27,6 +38,32 @@ class InputRequest:
     text: str
 
 
+class CellKind(Enum):
+    """What ability servers move, as their nodes say; without a word, they are taken for real."""
+
+    REAL = "real"
+    SIMULATED = "simulated"
+    FAKE = "fake"
+
+
+# What pages about orders need.
+ALL_PARTS = tuple(Part)
+
+_STARTED_BY = {
+    Part.ENGINE: "roslaunch flexbe_onboard behavior_onboard.launch",
+    Part.MIRROR: "roslaunch flexbe_mirror behavior_mirror.launch",
+    Part.SUPERVISOR: "roslaunch remodel_planner supervision.launch attended:=true "
+    "output:=$HOME/remodel database:=sqlite:///$HOME/remodel/production.db",
+    Part.CELL: "roslaunch remodel_sim cell.launch",
+}
+_WITHOUT = {
+    Part.ENGINE: "no behavior can run",
+    Part.MIRROR: "the active state of a supervised run is not known",
+    Part.SUPERVISOR: "no order can run, and the state of a running order is not known",
+    Part.CELL: "no ability server answers, so states that move the robot will fail",
+}
+
+
 @dataclass(frozen=True)
 class World:
     """Which nodes are running, and the run.
@@ -34,10 +71,11 @@ class World:
     Attributes:
         has_master: the ROS master answers.
         has_mirror: a mirror follows what runs.
-        has_abilities: ability servers are there, of a cell or fake ones.
-        has_cell: the cameras of a cell are there.
-        is_simulated: nothing real moves: the cell can be reset, or no ability server is there.
+        servers: how many ability servers answer.
+        cell_kind: what they move; None without any.
+        can_reset: the cell can rebuild its panel.
         has_supervisor: a use case supervisor is there.
+        silent: what is registered at the master and does not answer.
         use_case: what it published last; None before that, and when it is not running.
         inputs: values that states wait for, the oldest first.
         breakpoints: paths of states, as the engine names them, before whose end it asks.
@@ -47,10 +85,11 @@ class World:
     run: RunView = field(default_factory=RunView)
     has_master: bool = False
     has_mirror: bool = False
-    has_abilities: bool = False
-    has_cell: bool = False
-    is_simulated: bool = False
+    servers: int = 0
+    cell_kind: CellKind | None = None
+    can_reset: bool = False
     has_supervisor: bool = False
+    silent: frozenset[Part] = frozenset()
     use_case: UseCase | None = None
     inputs: tuple[InputRequest, ...] = ()
     decisions: Decisions = field(default_factory=Decisions)
@@ -61,43 +100,38 @@ class World:
         """Return whether a behavior engine is running."""
         return self.run.phase is not Phase.AWAY
 
+    @property
+    def can_be_put_back(self) -> bool:
+        """Return whether nothing real moves, so that a run may start in the middle."""
+        return self.cell_kind is not CellKind.REAL
 
-def notices(world: World) -> Iterator[Notice]:
-    """Yield what is not running; of nodes that need each other, the first."""
+    def has(self, part: Part) -> bool:
+        """Return whether it runs and answers."""
+        there = {
+            Part.ENGINE: self.has_engine,
+            Part.MIRROR: self.has_mirror,
+            Part.SUPERVISOR: self.has_supervisor,
+            Part.CELL: self.servers > 0,
+        }
+        return self.has_master and there[part] and part not in self.silent
+
+
+def notices(world: World, parts: Iterable[Part]) -> Iterator[Notice]:
+    """Yield which of these parts do not run or answer; without ROS, only that."""
     if not world.has_master:
         yield Notice(
+            None,
             "ROS is not running",
             "the master does not answer, so the console cannot show or command the cell",
             "roscore",
         )
         return
-    if not world.has_engine:
-        yield Notice(
-            "The engine is not running",
-            "no behavior can run",
-            "roslaunch flexbe_onboard behavior_onboard.launch",
-        )
-    elif not world.has_mirror:
-        yield Notice(
-            "The mirror is not running",
-            "the active state of a supervised run is not known",
-            "roslaunch flexbe_mirror behavior_mirror.launch",
-        )
-    if not world.has_cell:
-        yield Notice(
-            "The cell is not running",
-            "ability servers answer without a cell, so nothing moves"
-            if world.has_abilities
-            else "no ability server answers, so states that move the robot will fail",
-            "roslaunch remodel_sim cell.launch",
-        )
-
-
-def supervisor_notice(world: World) -> Iterator[Notice]:
-    """Yield that the use case supervisor is not running, if ROS is."""
-    if world.has_master and not world.has_supervisor:
-        yield Notice(
-            "The supervisor is not running",
-            "no order can run, and the state of a running order is not known",
-            "roslaunch remodel_planner supervision.launch output:=DIR database:=URL attended:=true",
-        )
+    for part in parts:
+        if part is Part.MIRROR and not world.has(Part.ENGINE):
+            continue  # which the mirror follows
+        if part in world.silent:
+            meaning = "its process is stopped or hangs: let it go on, or end it and start it again"
+            yield Notice(part, f"The {part.value} does not answer", meaning, _STARTED_BY[part])
+        elif not world.has(part):
+            what = f"The {part.value} is not running"
+            yield Notice(part, what, _WITHOUT[part], _STARTED_BY[part])

@@ -6,12 +6,12 @@ import signal
 import sys
 import threading
 
-import rosgraph
 import rospy
 
 from flexbe_core.ros.master import join_interruptibly
 from remodel_console.console import Console
 from remodel_console.core.run.run_view import Phase
+from remodel_console.core.world import CellKind, Part
 from remodel_console.desk import Journal
 from remodel_console.ros import topics
 from remodel_console.ros.cell.camera_link import CameraLink
@@ -23,14 +23,16 @@ from remodel_console.ros.command_server import CommandServer
 from remodel_console.ros.engine_link import EngineLink
 from remodel_console.ros.input_server import InputServer
 from remodel_console.ros.master import MasterWatch
+from remodel_console.ros.nodes import Nodes
 from remodel_console.ros.record_link import RecordLink
 from remodel_console.ros.runtime import Runtime
 from remodel_console.ros.synthesis_link import ask_synthesis_server
 from remodel_console.ros.use_case_link import UseCaseLink
 
 _POLL_S = 0.5
-_ABILITIES = "remodel_abilities/"  # in whose namespace ability servers are
-_CAMERA = f"{topics.CELL}/overhead/image_raw"  # which a cell publishes, and fake abilities do not
+_ABILITIES = "remodel_abilities"  # in whose namespace ability servers are
+_STATUS = "/status"  # which an action server publishes, and its clients do not
+_KIND = "cell_kind"  # private parameter of a node that serves abilities, see CellKind
 
 
 def join_ros(console: Console, journal: Journal, end: threading.Event) -> None:
@@ -78,36 +80,37 @@ def join_ros(console: Console, journal: Journal, end: threading.Event) -> None:
 def _check(
     console: Console, link: EngineLink, supervisor: UseCaseLink, end: threading.Event
 ) -> None:
-    """Check whether the mirror, the supervisor and the cell are running."""
-    abilities, camera = rospy.resolve_name(_ABILITIES), rospy.resolve_name(_CAMERA)
-    reset = rospy.resolve_name(RESET)
+    """Check which nodes run, and whether they answer."""
+    nodes = Nodes()
+    published = {
+        Part.ENGINE: rospy.resolve_name(topics.HEARTBEAT),
+        Part.SUPERVISOR: rospy.resolve_name(topics.USE_CASE),
+    }
+    abilities, reset = rospy.resolve_name(_ABILITIES) + "/", rospy.resolve_name(RESET)
     while not end.wait(_POLL_S):
-        published = _published()
-        has_abilities = any(topic.startswith(abilities) for topic in published)
+        nodes.look()
+        statuses = list(
+            nodes.topics(lambda topic: topic.startswith(abilities) and topic.endswith(_STATUS))
+        )
+        servers = [nodes.publishing(topic) for topic in statuses]
+        silent = {part for part, topic in published.items() if nodes.is_silent(topic)}
+        if any(nodes.is_silent(topic) for topic in statuses):
+            silent.add(Part.CELL)
         console.live.set_presence(
             mirror=link.is_followed,
-            abilities=has_abilities,
-            cell=camera in published,
-            simulated=_is_served(reset) if has_abilities or camera in published else True,
+            servers=sum(bool(served) for served in servers),
+            cell_kind=_kind(nodes, {node for served in servers for node in served}),
+            can_reset=nodes.has_service(reset),
             supervisor=supervisor.is_there,
+            silent=frozenset(silent),
         )
 
 
-def _is_served(service: str) -> bool:
-    try:
-        rosgraph.Master(rospy.get_name()).lookupService(service)
-    except (OSError, rosgraph.MasterError):
-        return False
-    return True
-
-
-def _published() -> frozenset[str]:
-    """Return the topics with a publisher; none if the master is not running."""
-    try:
-        found = rosgraph.Master(rospy.get_name()).getPublishedTopics("")
-    except (OSError, rosgraph.MasterError):
-        return frozenset()
-    return frozenset(topic for topic, _ in found)
+def _kind(nodes: Nodes, served_by: set[str]) -> CellKind | None:
+    """Return what the nodes of ability servers move: real if any of them may."""
+    said = {nodes.parameter(node, _KIND) for node in served_by}
+    kinds = {next((kind for kind in CellKind if kind.value == one), CellKind.REAL) for one in said}
+    return next((kind for kind in CellKind if kind in kinds), None)
 
 
 def _end_process(end: threading.Event, why: str) -> None:

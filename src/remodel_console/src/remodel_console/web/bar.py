@@ -1,4 +1,4 @@
-"""The bar of a page: navigation, what waits, which nodes are running, the operator and settings."""
+"""The bar of a page: navigation, what waits, the operator and settings."""
 
 from __future__ import annotations
 
@@ -10,7 +10,6 @@ from nicegui import ui
 
 from remodel_console.core.access import User, tidy_name
 from remodel_console.core.inbox import Card
-from remodel_console.core.world import World
 from remodel_console.web.attention import Attention
 from remodel_console.web.guard import LEAVE
 
@@ -90,7 +89,6 @@ class Bar:
             ui.space()
             settings = {"notify": self._notify, "sound": self._sound}
             self._attention = Attention(f"{title} · REMODEL", on_hidden, **settings)
-            self._chips = [_chip(name) for name in ("ROS", "Engine", "Cell")]
             if not is_operator:
                 ui.label("read-only").classes("watching")
             if not user.name:
@@ -109,12 +107,6 @@ class Bar:
     def is_dark(self) -> bool:
         """Return whether the dark theme is shown."""
         return bool(self._dark.value)
-
-    def show(self, world: World) -> None:
-        """Show which nodes are running."""
-        there = (world.has_master, world.has_engine, world.has_cell)
-        for chip, is_there in zip(self._chips, there, strict=True):
-            chip.classes(replace=f"presence {'there' if is_there else 'gone'}")
 
     def show_waiting(self, cards: tuple[Card, ...]) -> None:
         """Draw attention to what waits for a person."""
@@ -172,10 +164,6 @@ class Bar:
 
             notify.on_value_change(take)
             sound.on_value_change(take)
-
-
-def _chip(name: str) -> ui.label:
-    return ui.label(name).classes("presence")
 
 
 def _icon(icon: str, title: str, deed: Callable[[], None]) -> None:

@@ -1,4 +1,4 @@
-"""What all pages have: the bar, the inbox, notices, keys, and commands."""
+"""What all pages have: the bar, the inbox, the status, keys, and commands."""
 
 from __future__ import annotations
 
@@ -16,13 +16,14 @@ from remodel_console.core.access import Actor, Role
 from remodel_console.core.answer import DONE, REFUSED, CommandResult
 from remodel_console.core.commands import Command, Verb
 from remodel_console.core.inbox import Card, Kind, Option, cards
-from remodel_console.core.world import Notice, World, notices
+from remodel_console.core.world import Part, World
 from remodel_console.session import Session
 from remodel_console.web.bar import Bar
 from remodel_console.web.broadcast import Broadcast
 from remodel_console.web.guard import user_of
 from remodel_console.web.inbox import Inbox
 from remodel_console.web.own_thread import on_own_thread
+from remodel_console.web.status_line import StatusLine
 
 _ACCENT = "#0f5ea8"  # as in console.css
 _CONFIRM = ("Alt+C", "confirm the engine's request")
@@ -33,10 +34,12 @@ class Page:
 
     Attributes:
         KEYS: what keys do on it.
+        PARTS: what it needs to be running.
         NEEDS: the role that its commands need; to answer what waits, an operator is enough.
     """
 
     KEYS: ClassVar[tuple[tuple[str, str], ...]] = ()
+    PARTS: ClassVar[tuple[Part, ...]] = (Part.ENGINE, Part.MIRROR, Part.CELL)
     NEEDS: ClassVar[Role] = Role.OPERATOR
 
     def __init__(
@@ -49,7 +52,6 @@ class Page:
         self._address = request.client.host if request.client else "?"
         self._is_hidden = False
         self._cards: tuple[Card, ...] = ()
-        self._shown_notices: tuple[object, ...] = ("not shown yet",)
         ui.page_title(f"{title} · REMODEL")
         ui.run_javascript("watchConnection()")
         ui.colors(primary=_ACCENT)
@@ -65,7 +67,7 @@ class Page:
         )
         self._inbox = Inbox(partial(self.button, needs=Role.OPERATOR), self._answer, self._enter)
         ui.skip_link("To what waits for you", target=self._inbox.area)
-        self._notices = ui.column().classes("notices")
+        self._status_line = StatusLine(self.PARTS, console.shown_database, self.dialog)
         self._dialogs = ui.element("div")  # what is asked stays, whatever the page shows next
         with ui.element("h1").classes("hidden-heading"):  # there, too, where cards hide the page
             ui.label(title)
@@ -104,10 +106,6 @@ class Page:
     def show(self, world: World) -> None:
         """Show what has changed."""
         raise NotImplementedError
-
-    def more_notices(self, world: World) -> Iterable[Notice]:
-        """Return the notices that only this page shows."""
-        return ()
 
     def set_in_view(self, is_in_view: bool) -> None:
         """Stop what costs something while the page is in the background, and go on."""
@@ -220,8 +218,7 @@ class Page:
         if self._is_hidden:
             return
         self._inbox.show(self._cards, world)
-        self._bar.show(world)
-        self._show_notices(world)
+        self._status_line.show(world)
         self.show(world)
 
     def _set_hidden(self, is_hidden: bool) -> None:
@@ -245,19 +242,6 @@ class Page:
             lambda: self.console.enter(number, literal),
             needs=Role.OPERATOR,
         )
-
-    def _show_notices(self, world: World) -> None:
-        found = (*notices(world), *self.more_notices(world))
-        if found == self._shown_notices:
-            return
-        self._shown_notices = found
-        self._notices.clear()
-        with self._notices:
-            for notice in found:
-                with ui.row().classes("notice").props('role="status"'):
-                    ui.label(f"{notice.what}:").classes("what")
-                    ui.label(f"{notice.meaning}. Start it with:")
-                    ui.label(notice.remedy).classes("code")
 
     def _on_key(self, event: KeyEventArguments) -> None:
         if not event.action.keydown or event.modifiers.meta:

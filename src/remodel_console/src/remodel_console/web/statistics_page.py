@@ -2,14 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
-
 from nicegui import background_tasks, run, ui
 
 from remodel_console.core.plot import bar_plot, line_plot
 from remodel_console.core.use_case.production import Statistics
 from remodel_console.core.use_case.use_case import duration_words
-from remodel_console.core.world import Notice, World, supervisor_notice
+from remodel_console.core.world import ALL_PARTS, World
 from remodel_console.errors import CommandError
 from remodel_console.web.page import Page, card, table
 from remodel_console.web.plot import Plot
@@ -21,6 +19,8 @@ _SHOWN = 20  # terminals and wires: the worst
 
 class StatisticsPage(Page):
     """The page of what recorded runs have in common."""
+
+    PARTS = ALL_PARTS
 
     def build(self) -> None:
         """Build a card for each matter."""
@@ -44,10 +44,6 @@ class StatisticsPage(Page):
                 self._wires = ui.element("div").classes("wide")
             with card("Terminals", "Insertions that ended with an error, most first."):
                 self._terminals = ui.element("div").classes("wide")
-
-    def more_notices(self, world: World) -> Iterable[Notice]:
-        """Return the notice of a supervisor, which has the records, that is not running."""
-        return supervisor_notice(world)
 
     def show(self, world: World) -> None:
         """Read the statistics as soon as a supervisor is running."""

@@ -28,7 +28,10 @@ class SimulatedCell:
     Attributes:
         plant: the physics.
         clock: its time.
+        kind: for people.
     """
+
+    kind = "simulated"
 
     def __init__(self, panel: Panel, memory: KeptTime | None, closing: ExitStack) -> None:
         """Build a cell by the node's parameters; raises ValueError or CellError."""

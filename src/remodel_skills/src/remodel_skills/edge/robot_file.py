@@ -85,6 +85,7 @@ class CellTopics:
         overhead: the camera above the board.
         operate_clamp, present_wire, operate_magazine: names of services.
         load_panel: the same; None: what holds the board need not know which.
+        is_simulated: nothing real moves; the operator console says so.
     """
 
     file: str
@@ -96,6 +97,7 @@ class CellTopics:
     load_panel: str | None
     present_wire: str
     operate_magazine: str
+    is_simulated: bool
 
 
 def read_robot(robot: str) -> CellTopics:
@@ -165,6 +167,7 @@ def _topics(file: str, parsed: dict[str, Any], design: CellDesign) -> CellTopics
         load_panel=fixture.get("load_panel"),
         present_wire=magazine["present_wire"],
         operate_magazine=magazine["operate"],
+        is_simulated=parsed.get("simulated", False),
     )
 
 

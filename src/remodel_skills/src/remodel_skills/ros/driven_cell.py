@@ -271,4 +271,4 @@ def open_driven_cell(panel: Panel, _memory: CellMemory | None, _closing: ExitSta
     """Return the cell whose drivers the file `~robot` names; raises CellError."""
     topics = read_robot(str(rospy.get_param("~robot")))
     cell = DrivenCell(topics, panel)
-    return OpenedPlant(cell, cell.clock)
+    return OpenedPlant(cell, cell.clock, kind="simulated" if topics.is_simulated else "real")

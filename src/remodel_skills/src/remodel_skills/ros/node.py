@@ -43,11 +43,13 @@ class OpenedPlant:
     Attributes:
         plant: what skills use.
         clock: its time.
+        kind: "real" or "simulated", for people.
         offer: is called when the cell is built: what the plant publishes and offers by itself.
     """
 
     plant: Plant
     clock: Clock
+    kind: str
     offer: Callable[[Owner, FixedFrames], None] = lambda owner, fixed: None
 
 
@@ -74,6 +76,7 @@ def main(open_plant: OpenPlant) -> int:
         except (CellError, OSError, ValueError, yaml.YAMLError, MessageException) as error:
             rospy.logfatal("the cell does not start: %s", error)
             return 1
+        rospy.set_param("~cell_kind", opened.kind)
         for name in served:
             CellAbilityServer(rows[name], abilities[name], owner)
         Services(owner, materials)

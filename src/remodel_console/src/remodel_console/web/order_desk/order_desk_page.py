@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable
+from collections.abc import Callable
 from functools import partial
 
 from nicegui import ui
@@ -10,7 +10,7 @@ from nicegui import ui
 from remodel_console.core.answer import DONE, CommandResult
 from remodel_console.core.order_desk.findings import CellFit, Triage
 from remodel_console.core.order_desk.preferences import Document
-from remodel_console.core.world import Notice, World, supervisor_notice
+from remodel_console.core.world import ALL_PARTS, World
 from remodel_console.edge.order_desk.order_drafts import DraftState, OrderDraft
 from remodel_console.web.order_desk.account_panel import show_account, show_triage
 from remodel_console.web.order_desk.drop_zone import DropZone
@@ -29,6 +29,8 @@ _BY_DESIGN = "as the design suggests"
 class OrderDeskPage(Page):
     """The page of an order that is being prepared."""
 
+    PARTS = ALL_PARTS
+
     def build(self) -> None:
         """Build the place for files, the list of drafts, and the area of the one that is open."""
         self._draft = self.console.drafts.get(self.query.get(_DRAFT, ""))
@@ -45,10 +47,6 @@ class OrderDeskPage(Page):
                 self._drafts = ui.element("div").classes("drafts")
                 self._doing = ui.label().classes("doing").props('role="status"')
             self._area = ui.element("div").classes("desk-area across")
-
-    def more_notices(self, world: World) -> Iterable[Notice]:
-        """Return the notice of a supervisor, which starts orders, that is not running."""
-        return supervisor_notice(world)
 
     def show(self, world: World) -> None:
         """Show the draft again if it has changed; other pages may show it, too."""

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable
+from collections.abc import Callable
 from functools import partial
 
 from nicegui import background_tasks, ui
@@ -18,7 +18,7 @@ from remodel_console.core.use_case.use_case import (
     fault_words,
     level_rows,
 )
-from remodel_console.core.world import Notice, World, supervisor_notice
+from remodel_console.core.world import ALL_PARTS, World
 from remodel_console.web.cell.camera_view import CameraView
 from remodel_console.web.cell.live_cell import LiveCell
 from remodel_console.web.overview.figure_cards import FigureCards
@@ -38,6 +38,7 @@ _SHOWN_FAILURES = 20  # the latest; the record has all
 class OverviewPage(Page):
     """The page of the order that the cell works on (Deliverable 5.1, T3.2)."""
 
+    PARTS = ALL_PARTS
     KEYS = (("Alt+P", "pause or resume the run"),)
 
     def build(self) -> None:
@@ -62,10 +63,6 @@ class OverviewPage(Page):
                 self._levels = ui.element("div").classes("levels")
                 ui.label("Failures").classes("heading")
                 self._failures = ui.element("div").classes("failures wide")
-
-    def more_notices(self, world: World) -> Iterable[Notice]:
-        """Return the notice of a supervisor that is not running."""
-        return supervisor_notice(world)
 
     def show(self, world: World) -> None:
         """Show the parts that have changed."""

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
-
 from nicegui import background_tasks, run, ui
 
 from remodel_console.core.cell.cell_state import CellState
@@ -12,7 +10,7 @@ from remodel_console.core.cell.wire_history import recorded_wire_words
 from remodel_console.core.run.run_words import path_words
 from remodel_console.core.use_case.record import Entry, Moment, Record, Summary
 from remodel_console.core.use_case.record_words import KIND_WORDS, entry_words
-from remodel_console.core.world import Notice, World, supervisor_notice
+from remodel_console.core.world import ALL_PARTS, World
 from remodel_console.errors import CommandError
 from remodel_console.scene import Scene
 from remodel_console.web.behavior_drawing import BehaviorDrawing
@@ -32,6 +30,7 @@ _SHOWN_REASONS = 20  # the latest until the moment
 class ReplayPage(Page):
     """The page of a run that was recorded."""
 
+    PARTS = ALL_PARTS
     KEYS = (
         ("P", "play or pause"),
         (",  .", "previous or next entry"),
@@ -73,10 +72,6 @@ class ReplayPage(Page):
                 self._reasons = ui.element("div").classes("failures wide")
                 self._values = ValuePlots()
         self._has_supervisor = False
-
-    def more_notices(self, world: World) -> Iterable[Notice]:
-        """Return the notice of a supervisor, which has the records, that is not running."""
-        return supervisor_notice(world)
 
     def show(self, world: World) -> None:
         """List the runs as soon as a supervisor is running; a record does not change."""

@@ -71,7 +71,7 @@ class StartHere:
             return "No state was active at this moment."
         if not world.has_engine:
             return "The engine is not running."
-        if not world.is_simulated:
+        if not world.can_be_put_back:
             return "Only a simulated cell can start from here: nothing of a real one is put back."
         if world.run.phase is Phase.RUNNING:
             return "A behavior is running; stop it first."
@@ -138,7 +138,7 @@ class StartHere:
         ui.label(_CELL).classes("soft")
         found = ui.column().classes("differences wide")
         is_reset = ui.checkbox("Rebuild the panel first, without any wire")
-        is_reset.set_visibility(page.console.live.world.has_cell)
+        is_reset.set_visibility(page.console.live.world.can_reset)
         shown: tuple[str, ...] | None = None
 
         def compare() -> None:

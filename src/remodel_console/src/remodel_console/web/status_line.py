@@ -1,0 +1,80 @@
+"""The line below the bar: what runs, what does not, and what to do about it."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from contextlib import AbstractContextManager
+
+from nicegui import ui
+
+from remodel_console.core.world import Notice, Part, World, notices
+
+_NAMES = {Part.ENGINE: "Engine", Part.SUPERVISOR: "Supervisor", Part.CELL: "Cell"}
+
+
+class StatusLine:
+    """Built once for each page."""
+
+    def __init__(
+        self,
+        parts: Sequence[Part],
+        database: str,
+        dialog: Callable[[str], AbstractContextManager[ui.dialog]],
+    ) -> None:
+        """Build the line.
+
+        Args:
+            parts: what the page needs to be running.
+            database: that orders are stored in, as it is shown; empty without one.
+            dialog: opens a dialog of a name.
+        """
+        self._parts = parts
+        self._dialog = dialog
+        self._shown: object = None
+        self._found: tuple[Notice, ...] = ()
+        with ui.row().classes("status-line").props('role="status"'):
+            self._ros = ui.label()
+            self._chips = {part: ui.label() for part in _NAMES}
+            self._database = ui.label("Database" if database else "No database")
+            self._database.classes("presence there" if database else "presence absent")
+            self._database.props["title"] = (
+                database or "orders cannot be stored; start the console with database:=URL"
+            )
+            self._more = ui.button("What to do", on_click=self._explain)
+            self._more.props("flat dense no-caps")
+
+    def show(self, world: World) -> None:
+        """Show what runs."""
+        self._found = tuple(notices(world, self._parts))
+        runs = {part: world.has(part) for part in self._chips}
+        shown = (self._found, world.has_master, world.servers, world.cell_kind, runs)
+        if shown == self._shown:
+            return
+        self._shown = shown
+        told = {notice.part: notice.what for notice in self._found}
+        _show(self._ros, "ROS", told.get(None), runs=world.has_master)
+        for part, chip in self._chips.items():
+            missing = told.get(part) or (told.get(Part.MIRROR) if part is Part.ENGINE else None)
+            _show(chip, _words(part, world), missing, runs=runs[part])
+        self._more.set_visibility(bool(self._found))
+
+    def _explain(self) -> None:
+        with self._dialog("What to do"):
+            for notice in self._found:
+                ui.label(notice.what).classes("title")
+                ui.label(f"{notice.meaning[:1].upper()}{notice.meaning[1:]}. In a terminal:")
+                ui.label(notice.remedy).classes("code")
+
+
+def _words(part: Part, world: World) -> str:
+    if part is not Part.CELL or world.cell_kind is None:
+        return _NAMES[part]
+    ending = "y" if world.servers == 1 else "ies"
+    return f"Cell: {world.cell_kind.value}, {world.servers} abilit{ending}"
+
+
+def _show(chip: ui.label, words: str, missing: str | None, *, runs: bool) -> None:
+    """Show a chip: green, red if the page misses it, hollow if it does not."""
+    chip.text = missing or words
+    look = "gone notice" if missing else "there" if runs else "absent"
+    chip.classes(replace=f"presence {look}")
