@@ -1,7 +1,8 @@
 """Wires as placing leaves them, so that a test does not have to place them first.
 
-`python3 stored.py`, in the sourced workspace, places the wires of WIRES and writes their shapes
-again: after a change of the physics that leaves wires elsewhere. W96 of the household panel is how
+`PYTHONPATH=src/remodel_work/test:$PYTHONPATH python3 src/remodel_sim/test/unit/stored.py`, in the
+sourced workspace, places the wires of WIRES and writes their shapes again: after a change of the
+physics that leaves wires elsewhere. W96 of the household panel is how
 that wire lay among 47 others when its second end was in; it is kept.
 """
 

@@ -1,11 +1,9 @@
 """The shipped cells, by physics, without ROS."""
 
-from pathlib import Path
-
 import numpy as np
 import place_wire
 import pytest
-from panels import panel
+from panels import example, panel
 
 from remodel_sim.physics.plant import SimulatedPlant
 from remodel_sim.physics.truth import ground_truth
@@ -23,19 +21,15 @@ from remodel_skills.primitives.motions import move_to
 from remodel_skills.primitives.together import concurrently
 from remodel_skills.runner import occupy, run
 from remodel_states.core.codes import Code
-from remodel_states.edge.wire_material_file import read_wire_materials
 from remodel_work.edge.cell_file import read_cell
 from remodel_work.errors import AbilityError
 from remodel_work.geometry import Pose
 from remodel_work.panel import BOARD, WireEnd
 from remodel_work.robot.arm import ToolPose
-from remodel_work.ros.panel_message import read_panel
 
 MOTION = read_parameters().parameters.motion
 
 pytestmark = pytest.mark.physics
-
-CONFIG = Path(__file__).parents[2] / "config"
 
 
 @pytest.mark.slow
@@ -180,7 +174,7 @@ def test_two_arms_in_each_others_way_do_not_wait_forever(cell):
 
 @pytest.mark.slow
 def test_small_labels_show_no_tilt_where_there_is_none():
-    household = read_panel(CONFIG / "household.yaml", read_wire_materials())
+    household = example("household")
     made = Cell(SimulatedPlant(household, design=read_cell("two_arms_cabinet"), seed=1))
     made.feed("W105", "")
     for terminal in (("Q3", "B2.7"), ("D31", "T2"), ("D35", "T2"), ("D32", "T1")):

@@ -11,7 +11,6 @@ from remodel_sim.physics.cameras import take
 from remodel_sim.physics.fixtures.panel_scene import PanelScene
 from remodel_sim.physics.world import World
 from remodel_vision.device_pose import (
-    device_edges,
     locate_device,
     search_device,
     stands_there,
@@ -122,12 +121,3 @@ def test_a_panel_that_is_another_one_or_too_far_off_is_not_registered(world):
     assert register_panel(from_above(world), other) is None
     stand(world, BOARD @ Pose.level(0.03, 0.0, 0.0))
     assert register_panel(from_above(world), PANEL) is None
-
-
-def test_the_edges_of_a_device_are_its_outline_and_a_screw_for_each_clamp():
-    edges = device_edges(ALONE)
-    top = edges.points[~edges.of_screw]
-    half = np.array(ALONE.size[:2]) / 2
-    assert np.all(np.isclose(np.abs(top[:, :2]), half).any(axis=1))
-    assert np.all(top[:, 2] == ALONE.size[2])
-    assert len(np.unique(edges.part)) == 8 + len(ALONE.terminals)

@@ -1,10 +1,10 @@
 """Whether a wire that is fixed at both ends lies in its forks, seen from above."""
 
 from contextlib import nullcontext
-from pathlib import Path
 
 import numpy as np
 import pytest
+from panels import example
 
 from remodel_sim.physics.plant import SimulatedPlant
 from remodel_sim.physics.truth import share_in_ducts
@@ -12,18 +12,15 @@ from remodel_skills.belief_state import NO_CHANNEL, Feed
 from remodel_skills.cell import Cell
 from remodel_skills.primitives.observation.fork_check import check_forks
 from remodel_states.core.codes import Code
-from remodel_states.edge.wire_material_file import read_wire_materials
 from remodel_work.edge.cell_file import read_cell
 from remodel_work.errors import AbilityError
 from remodel_work.fixtures import WALL_M
 from remodel_work.panel import BOARD, WireEnd
 from remodel_work.placed_wires import ParkedWire
-from remodel_work.ros.panel_message import read_panel
 
 pytestmark = pytest.mark.physics
 
-CONFIG = Path(__file__).parents[2] / "config"
-HARNESS = read_panel(CONFIG / "harness.yaml", read_wire_materials())
+HARNESS = example("harness")
 FORK = HARNESS.ducts[1]  # F2, the one in the middle
 OTHER = "W1.5"  # black: in the shadow each colour comes near to it
 

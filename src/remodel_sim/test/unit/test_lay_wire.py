@@ -5,10 +5,10 @@ import itertools
 import math
 import re
 from dataclasses import replace
-from pathlib import Path
 
 import numpy as np
 import pytest
+from panels import example
 from place_wire import do, extract, fix, insert, locate
 from stored import shape_of
 
@@ -33,7 +33,6 @@ from remodel_skills.primitives.observation.duct_check import check_ducts, inspec
 from remodel_skills.primitives.taking_up import take_up
 from remodel_skills.robot_context import RobotContext
 from remodel_states.core.codes import Code
-from remodel_states.edge.wire_material_file import read_wire_materials
 from remodel_states.fix_cable_state import FixCableState
 from remodel_vision.board.graspable import graspable_places
 from remodel_vision.laid_wire import uppermost_past, wire_past
@@ -46,12 +45,10 @@ from remodel_work.openings import opening_of
 from remodel_work.panel import BOARD, WireEnd
 from remodel_work.placed_wires import ParkedWire
 from remodel_work.robot.arm import ToolPose
-from remodel_work.ros.panel_message import read_panel
 
 PARAMETERS = read_parameters().parameters
 MOTION, SEARCH_M = PARAMETERS.motion, PARAMETERS.looking.slot_search_m
 
-CONFIG = Path(__file__).parents[2] / "config"
 GUIDE, HOLDER, WIRE = "robot_1", "robot_2", "W3"
 DESIGN = read_cell("two_arms_cabinet")
 # A wire over one other lies below the rims at so much of its route or more.
@@ -107,7 +104,7 @@ LEVEL_N = 0.3
 
 
 def cell_of(design=DESIGN):
-    panel = read_panel(CONFIG / "household.yaml", read_wire_materials())
+    panel = example("household")
     return Cell(SimulatedPlant(panel, design=design, seed=1))
 
 

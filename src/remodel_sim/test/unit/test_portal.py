@@ -2,75 +2,27 @@
 
 import math
 from dataclasses import replace
-from pathlib import Path
 
 import numpy as np
 import pytest
+from panels import example
 
 from remodel_sim.physics.plant import SimulatedPlant
 from remodel_skills.belief_state import Grip
 from remodel_skills.cell import Cell
 from remodel_skills.edge.parameter_files import read_parameters
 from remodel_skills.motion import PEAK_OVER_MEAN
-from remodel_skills.primitives.motions import choose_flip, move_to, swing_to
-from remodel_states.core.codes import Code
-from remodel_states.edge.wire_material_file import read_wire_materials
+from remodel_skills.primitives.motions import move_to, swing_to
 from remodel_work.edge.cell_file import read_cell
-from remodel_work.errors import AbilityError
-from remodel_work.geometry import wrap_angle
 from remodel_work.panel import WireEnd
 from remodel_work.robot.arm import ToolPose
-from remodel_work.robot.fingers import PANDA_FINGERS
-from remodel_work.robot.portal import TURN_RATE, Portal
-from remodel_work.ros.panel_message import read_panel
+from remodel_work.robot.portal import TURN_RATE
 
 MOTION = read_parameters().parameters.motion
 
-CONFIG = Path(__file__).parents[2] / "config"
-PORTAL = Portal((0.5, 0.0, 0.0, math.pi / 2), (-0.4, -0.6, 0.0), (0.4, 0.6, 0.9), PANDA_FINGERS)
-
-
-@pytest.mark.parametrize(
-    "tool", [ToolPose(0.5, 0.0, 0.1, 0.0), ToolPose(0.2, 0.3, 0.8, 4.0), ToolPose(0.9, -0.3, 0, -1)]
-)
-def test_joints_bring_the_tool_where_they_were_asked_for(tool):
-    again = PORTAL.tool_of(PORTAL.joints_for(tool))
-    assert np.allclose(again.position, tool.position)
-    assert math.remainder(again.yaw - tool.yaw, 2 * math.pi) == pytest.approx(0.0)
-
-
-@pytest.mark.parametrize(
-    ("tool", "joint"),
-    [
-        (ToolPose(0.5, 0.5, 0.1, 0.0), "portal_x"),
-        (ToolPose(1.2, 0.0, 0.1, 0.0), "portal_y"),
-        (ToolPose(0.5, 0.0, 1.0, 0.0), "portal_z"),
-    ],
-)
-def test_a_place_out_of_reach_is_refused_with_the_joint(tool, joint):
-    with pytest.raises(AbilityError, match=f"{joint} would stand at .*, allowed") as caught:
-        PORTAL.joints_for(tool)
-    assert caught.value.code is Code.UNREACHABLE
-    assert not PORTAL.reaches(tool)
-
-
-@pytest.mark.parametrize("then_yaw", [math.pi, 0.0, math.pi / 2, -math.pi / 2])
-@pytest.mark.parametrize("tip_yaw", [math.pi / 2, -math.pi / 2, 3.0])
-def test_a_wire_is_held_so_that_the_hand_turns_it_the_short_way(tip_yaw, then_yaw):
-    flip = choose_flip(PORTAL, (0.3, 0.1), tip_yaw, (0.6, 0.1), then_yaw)
-    first = wrap_angle(tip_yaw - flip)
-    turned = first + wrap_angle(then_yaw - tip_yaw)
-    assert PORTAL.canonical_yaw(0.6, 0.1, turned) == pytest.approx(turned)
-    assert math.remainder(turned + flip - then_yaw, 2 * math.pi) == pytest.approx(0.0)
-
-
-def test_a_hand_leads_a_wire_around_three_corners():
-    yaws = [PORTAL.base[3] + 0.75 * math.pi - turn for turn in np.linspace(0, 1.5 * math.pi, 7)]
-    assert [PORTAL.canonical_yaw(0.5, 0.0, yaw) for yaw in yaws] == pytest.approx(yaws)
-
 
 def cell_with_a_wire():
-    household = read_panel(CONFIG / "household.yaml", read_wire_materials())
+    household = example("household")
     cell = Cell(SimulatedPlant(household, design=read_cell("two_arms_cabinet")))
     cell.feed(household.wires[0].id, "")
     return cell

@@ -2,3 +2,4 @@ import sys
 from pathlib import Path
 
 sys.path.insert(0, str(Path(__file__).parent))  # scripted_device is shared by tests
+sys.path.insert(0, str(Path(__file__).parents[3] / "remodel_work/test"))

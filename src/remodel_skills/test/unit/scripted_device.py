@@ -2,6 +2,7 @@
 
 import math
 from dataclasses import dataclass, field
+from types import MappingProxyType
 
 import numpy as np
 
@@ -13,8 +14,14 @@ from remodel_skills.robot_context import RobotContext
 from remodel_skills.traffic import Traffic
 from remodel_work.camera import Lens, View
 from remodel_work.cell.cell_design import CellDesign, Gripper, RobotDesign, Table, WristCamera
+from remodel_work.cell.feeding import plan_laying
+from remodel_work.cell.held_panel import find_panel_problems, held_panel
+from remodel_work.cell.magazine import plan_presentation
+from remodel_work.edge.cell_file import read_cell
+from remodel_work.errors import PanelError
 from remodel_work.geometry import Pose
 from remodel_work.panel import Channel, Component, Panel, PanelTerminal, PanelWire, WireEnd
+from remodel_work.placed_wires import ParkedWire
 from remodel_work.robot.arm import PANDA_AT_ORIGIN, ToolPose
 
 PARAMETERS = read_parameters().parameters
@@ -52,13 +59,14 @@ class ScriptedArm:
     force: np.ndarray = field(default_factory=lambda: np.zeros(3))
     forces: list = field(default_factory=list)
     hand_mass: float = 0.7
+    kinematics: object = PANDA_AT_ORIGIN
     _loop: object = None
 
     def go(self, tool):
         self.tool, self._loop = tool, None
 
     def go_joints(self, joints):
-        self.go(PANDA_AT_ORIGIN.tool_of(joints))
+        self.go(self.kinematics.tool_of(joints))
 
     def press(self, loop):
         self._loop = loop
@@ -71,7 +79,7 @@ class ScriptedArm:
             self.force = self.force + TICK_S / STEPS / SENSOR_S * (felt - self.force)
             if self._loop is not None:
                 joints = self._loop.step(felt, TICK_S / STEPS)
-                self.tool = PANDA_AT_ORIGIN.tool_of(joints)
+                self.tool = self.kinematics.tool_of(joints)
 
 
 @dataclass
@@ -120,3 +128,84 @@ def depth_of(tool):
     yaw = tool.yaw
     tip = tool.position + GRIP_M * np.array([math.cos(yaw), math.sin(yaw), 0.0])
     return float(SOCKET.inverse().apply(tip)[0])
+
+
+class ScriptedPlant:
+    """A whole cell without a world: arms are where they were sent, wires where they were put.
+
+    Attributes:
+        live: the wire that was fed last, by name; its nodes are those of its presentation.
+        picture: what both cameras show.
+    """
+
+    tick_s = TICK_S
+
+    def __init__(self, panel, design=None):
+        self.design = design or read_cell()
+        self.picture = None
+        self.load(panel)
+
+    def load(self, panel, placed=MappingProxyType({})):
+        problems = self.find_problems(panel)
+        if problems:
+            raise PanelError(panel.name, problems)
+        self.loaded, self.panel = panel, held_panel(self.design, panel)
+        self.parked, self.live = dict(placed), None
+        self.arms = {
+            robot.name: ScriptedArm(lambda tool: 0.0, robot.home, kinematics=robot.arm)
+            for robot in self.design.robots
+        }
+
+    def find_problems(self, panel):
+        return find_panel_problems(self.design, panel)
+
+    def device_of(self, robot):
+        camera = ScriptedCamera(self)
+        gripper = ScriptedGripper(2 * PARAMETERS.tool.open_m)
+        return Device(self.arms[robot], gripper, camera, camera, None, self, TICK_S)
+
+    def feed(self, wire_id, channel_id, tools):
+        wire = self.panel.wire(wire_id)
+        self.parked.update(self.shapes())
+        if self.design.magazine is None:
+            channel, noise = self.panel.channel(channel_id), np.random.default_rng(0)
+            laying = plan_laying(self.design.feeder, self.panel, wire, channel, 30, noise)
+            presentation = laying.presentation(wire)
+        else:
+            presentation = plan_presentation(self.design.magazine, self.panel, wire)
+        ends = [presentation.tips[end].position for end in WireEnd]
+        self.live = wire_id, ParkedWire(np.array(ends), frozenset())
+        return presentation
+
+    def is_at_hand(self, wire_id):
+        return self.live is not None and self.live[0] == wire_id
+
+    def shapes(self):
+        return {**self.parked, **dict([self.live] if self.live else [])}
+
+    def park(self):
+        self.parked, self.live = self.shapes(), None
+
+    def tick(self):
+        for arm in self.arms.values():
+            arm.tick()
+
+    def rest(self, seconds):
+        pass
+
+    def close(self):
+        pass
+
+
+@dataclass
+class ScriptedCamera:
+    """A camera that shows what its plant's script says."""
+
+    plant: ScriptedPlant
+
+    @property
+    def view(self):
+        return self.plant.design.overhead
+
+    def take(self):
+        return self.plant.picture
