@@ -34,21 +34,15 @@ from remodel_skills.primitives.taking_up import take_up
 from remodel_skills.robot_context import RobotContext
 from remodel_states.core.codes import Code
 from remodel_states.fix_cable_state import FixCableState
-from remodel_vision.board.graspable import graspable_places
-from remodel_vision.laid_wire import uppermost_past, wire_past
-from remodel_vision.opening_occupancy import is_seen_empty
-from remodel_vision.wire_lines import WireLines
 from remodel_work.edge.cell_file import read_cell
 from remodel_work.errors import AbilityError
 from remodel_work.geometry import Pose
-from remodel_work.openings import opening_of
 from remodel_work.panel import BOARD, WireEnd
 from remodel_work.placed_wires import ParkedWire
 from remodel_work.robot.arm import ToolPose
 
 PARAMETERS = read_parameters().parameters
 MOTION, SEARCH_M = PARAMETERS.motion, PARAMETERS.looking.slot_search_m
-
 GUIDE, HOLDER, WIRE = "robot_1", "robot_2", "W3"
 DESIGN = read_cell("two_arms_cabinet")
 # A wire over one other lies below the rims at so much of its route or more.
@@ -61,7 +55,6 @@ BESIDE_M = 0.004
 ALIKE, UNLIKE = "W15", "W7"
 # On each leg of a route; and so much of a wire lies under another one.
 NODES = 40
-HIDDEN = 0.7
 # It is 0.67 m long; between hands that are farther apart than this share of it, it would be taut.
 SHORT, STRAIGHT = "W96", 0.95
 # Farther aside than wires that lie beside each other; a hand that stopped early is so far above
@@ -75,30 +68,17 @@ LIFT_M = 0.020
 # An eyelet that opens so far aside, so much higher, leaves the wire in the notch of a finger; one
 # that is out of it is so far from the hand above the rims [m].
 INTO_NOTCH_M, LIFTED_M, SHED_M = 0.004, 0.015, 0.030
-# So many wires beside each other fill a duct's floor.
-BUNDLE = 7
-# A line over the devices of WIRE's row, from its first duct to its last one [m].
-ACROSS = ((0.66, 0.26, 0.0), (0.57, 0.08, 0.0))
-# A wire that sprang out of its ducts loops over the devices from terminal to terminal [m].
-LOOP_ACROSS = ((0.62, -0.10, 0.12), (0.59, -0.10, 0.12))
 # A wire is so far on from where the open hand would be around it.
 ASLANT_M = 0.016
 # A wire is still that moves no farther in so many steps [m].
 STILL_M, STILL_STEPS = 0.001, 60
 # Over the rims of the ducts, and so far aside along both axes over an outer wall [m].
 OVER_RIM_M = 0.066
-OVER_WALL_M = 0.028
-# Nodes along 0.04 of the 0.69 m of a route in ducts; curled so far to each side of its leg [m], the
-# wire is 0.23 m long there.
-CURL, CURL_M = slice(5 * NODES // 2, 5 * NODES // 2 + 8), 0.016
-# A curl of it comes back beside the middle of its second duct, so far from that one's middle [m].
-COMES_BACK, BESIDE_DUCT_M = slice(9 * NODES // 4, 11 * NODES // 4), 0.035
 # Of FixCable's time the clamp, the pull test and farther ways to the wire may take so much [s].
 FIX_S = 20.0
 # No end of a wire is near here (3,) [m]. A place on a wire is so near to one of its nodes [m], and
 # is turned from it by no more than this [sine]; the depth camera errs by less than this [m].
 NOWHERE = (0.9, 0.9, 0.002)
-NEAR_NODE_M, ALONG, SEEN_HEIGHT_M = 0.010, 0.05, 0.002
 # An empty hand feels no more than this across its weight [N].
 LEVEL_N = 0.3
 
@@ -404,19 +384,6 @@ def test_fingers_go_below_the_rim_only_where_both_are_beside_the_duct(monkeypatc
 
 @pytest.mark.slow
 @pytest.mark.physics
-def test_only_the_openings_of_a_wire_are_not_seen_empty():
-    cell = cell_of()
-    arched(cell)
-    picture, panel = before(cell), cell.plant.panel
-    wire = panel.wire(SHORT)
-    keys = [(part.id, terminal.id) for part in panel.components for terminal in part.terminals]
-    taken = {key for key in keys if not is_seen_empty(picture, opening_of(key, panel, {}), wire)}
-    assert taken == {wire.goes_to(end) for end in WireEnd}
-    cell.close()
-
-
-@pytest.mark.slow
-@pytest.mark.physics
 def test_a_wire_that_resists_is_brought_down_no_farther(monkeypatch):
     cell = cell_of()
     holder = arched(cell)
@@ -455,70 +422,6 @@ def test_fingers_that_close_beside_a_wire_press_nothing_down(monkeypatch):
     assert truth.share_in_ducts(cell.plant, SHORT) == pytest.approx(was, abs=0.1)
     assert holder.device.gripper.gap > PARAMETERS.tool.open_m
     assert holder.commanded.z >= MOTION.travel_z_m
-    cell.close()
-
-
-@pytest.mark.physics
-@pytest.mark.parametrize(
-    ("aside", "height", "is_out"),
-    [(0.0, 0.030, False), (0.0, OVER_RIM_M, True), (OVER_WALL_M, OVER_RIM_M, True)],
-)
-def test_a_wire_over_the_rims_or_the_wall_is_out_of_its_ducts(aside, height, is_out):
-    cell = cell_of()
-    empty, route = before(cell), route_of(cell)
-    lies = along(route, height) + np.array([aside, aside, 0.0])
-    cell.plant.parked[ALIKE] = ParkedWire(lies, frozenset(WireEnd))
-    cell.feed(WIRE, "")
-    cell.context.belief.note_board(empty)
-    if is_out:
-        with pytest.raises(AbilityError) as caught:
-            check(cell)
-        assert caught.value.code is Code.OUT_OF_DUCT
-    else:
-        assert check(cell) == pytest.approx(1.0, abs=0.05)
-    cell.close()
-
-
-@pytest.mark.physics
-def test_a_wire_that_curls_up_is_out_of_its_ducts_along_its_route_not_along_itself():
-    cell = cell_of()
-    empty, lies = before(cell), along(route_of(cell), 0.030)
-    lies[CURL, 1] += CURL_M * np.resize([1.0, -1.0], len(lies[CURL]))
-    lies[CURL, 2] = OVER_RIM_M
-    cell.plant.parked[ALIKE] = ParkedWire(lies, frozenset(WireEnd))
-    cell.feed(WIRE, "")
-    cell.context.belief.note_board(empty)
-    assert check(cell) == pytest.approx(1 - 0.04 / 0.69, abs=0.05)
-    cell.close()
-
-
-@pytest.mark.slow
-@pytest.mark.physics
-def test_a_wire_that_curls_up_beside_its_duct_where_it_is_seen_in_it_lies_in_its_duct():
-    cell = cell_of()
-    empty, lies = before(cell), along(route_of(cell), 0.030)
-    cell.plant.parked[ALIKE] = ParkedWire(lies, frozenset(WireEnd))
-    cell.feed(WIRE, "")
-    cell.context.belief.note_board(empty)
-    draw(cell, lies[COMES_BACK] + [0.0, BESIDE_DUCT_M, LIFTED_Z])
-    assert check(cell) == pytest.approx(1.0, abs=0.05)
-    cell.close()
-
-
-@pytest.mark.physics
-def test_a_wire_that_lies_across_the_devices_is_not_in_its_ducts():
-    cell = cell_of()
-    empty, route = before(cell), route_of(cell)
-    lies = [route[0], *np.array(LOOP_ACROSS), route[-1]]
-    nodes = np.concatenate(
-        [np.linspace(a, b, NODES, endpoint=False) for a, b in itertools.pairwise(lies)]
-    )
-    cell.plant.parked[ALIKE] = ParkedWire(nodes, frozenset(WireEnd))
-    cell.feed(WIRE, "")
-    cell.context.belief.note_board(empty)
-    with pytest.raises(AbilityError, match="allowed: 80% or more") as caught:
-        check(cell)
-    assert caught.value.code is Code.OUT_OF_DUCT
     cell.close()
 
 
@@ -631,27 +534,6 @@ def test_a_wire_whose_ends_are_seen_nowhere_is_picked_up_between_them():
     cell.close()
 
 
-@pytest.mark.physics
-@pytest.mark.parametrize("leg", [1, 2])
-def test_a_new_wire_is_graspable_where_it_is_highest(leg):
-    cell = cell_of()
-    empty, lies = before(cell), along(route_of(cell), 0.030)
-    high = slice(leg * NODES + NODES // 4, leg * NODES + 3 * NODES // 4)
-    lies[high, 2] = OVER_RIM_M
-    cell.plant.parked[ALIKE] = ParkedWire(lies, frozenset(WireEnd))
-    cell.feed(WIRE, "")
-    radius = cell.plant.panel.wire(ALIKE).radius
-    picture = before(cell)
-    first, *others = graspable_places(picture, empty, radius)
-    assert np.linalg.norm(lies[high] - first.position, axis=1).min() < NEAR_NODE_M
-    assert first.position[2] == pytest.approx(OVER_RIM_M, abs=SEEN_HEIGHT_M)
-    way = lies[high][-1] - lies[high][0]
-    assert abs(math.sin(first.yaw - math.atan2(way[1], way[0]))) < ALONG
-    assert all(place.position[2] < OVER_RIM_M + SEEN_HEIGHT_M for place in others)
-    assert not list(graspable_places(picture, picture, radius)), "nothing is new"
-    cell.close()
-
-
 @pytest.mark.slow
 @pytest.mark.physics
 def test_the_pull_on_a_clamped_end_keeps_to_its_limit(pushes):
@@ -677,126 +559,6 @@ def test_a_wire_that_does_not_become_straight_is_not_in_the_eyelet():
         cell.run(draw_straight(holder, below, 1.0), HOLDER)
     assert caught.value.code is Code.GRASP_MISSED
     assert holder.commanded.z - height == pytest.approx(MOTION.tighten_m, abs=0.01)
-    cell.close()
-
-
-@pytest.mark.physics
-def test_the_uppermost_of_two_wires_beside_each_other_is_taken():
-    cell = cell_of()
-    lower = along(route_of(cell), 0.030)
-    upper = lower + np.array([BESIDE_M, 0.0, 0.008])
-    cell.plant.parked[ALIKE] = ParkedWire(lower, frozenset())
-    cell.plant.parked[UNLIKE] = ParkedWire(upper, frozenset())
-    cell.feed(WIRE, "")
-    picture = cell.context.cameras.take_overhead_picture()
-    lower_seen, upper_seen = (
-        WireLines(picture, cell.plant.panel.wire(name)) for name in (ALIKE, UNLIKE)
-    )
-    x, y, _ = route_of(cell)[1:3].mean(axis=0)
-    place = Pose.level(float(x), float(y), 0.030, math.pi / 2)
-    alone = wire_past(place, SEARCH_M, upper_seen)
-    passing = uppermost_past(place, SEARCH_M, lower_seen)
-    assert alone is not None and passing is not None
-    assert passing.aside == pytest.approx(-BESIDE_M, abs=0.001)
-    assert passing.height == pytest.approx(alone.height, abs=0.001)
-    other = replace(cell.plant.panel.wire(ALIKE), colour="YE")
-    assert wire_past(place, SEARCH_M, WireLines(picture, other)) is None
-    by_depth = uppermost_past(place, SEARCH_M, WireLines(picture, other))
-    assert by_depth is not None
-    assert by_depth.height == pytest.approx(alone.height, abs=0.001)
-    cell.close()
-
-
-@pytest.mark.physics
-def test_the_highest_of_several_wires_of_one_colour_is_taken_not_the_nearest():
-    cell = cell_of()
-    own = cell.plant.panel.wire(WIRE)
-    alike = [
-        wire.id
-        for wire in cell.plant.panel.wires
-        if (wire.colour, wire.diameter) == (own.colour, own.diameter) and wire is not own
-    ]
-    # Above the rims: the walls are lower.
-    for name, aside, height in zip(alike, (0.004, -0.014), (0.070, 0.082), strict=False):
-        line = along(route_of(cell), height) + np.array([aside, 0.0, 0.0])
-        cell.plant.parked[name] = ParkedWire(line, frozenset())
-    cell.feed(WIRE, "")
-    seen = WireLines(cell.context.cameras.take_overhead_picture(), own)
-    x, y, _ = route_of(cell)[1:3].mean(axis=0)
-    place = Pose.level(float(x), float(y), 0.070, math.pi / 2)
-    passing = uppermost_past(place, SEARCH_M, seen)
-    assert passing is not None
-    assert passing.height == pytest.approx(0.082, abs=0.005)
-    assert passing.aside == pytest.approx(0.014, abs=0.003)
-    cell.close()
-
-
-def test_of_two_wires_of_one_colour_the_one_that_is_new_is_taken_below_the_other():
-    cell = cell_of()
-    own = cell.plant.panel.wire(WIRE)
-    x, y, _ = route_of(cell)[1:3].mean(axis=0)
-    place = Pose.level(float(x), float(y), 0.070, math.pi / 2)
-    stood, new = (
-        along(route_of(cell), height) + np.array([aside, 0.0, 0.0])
-        for aside, height in ((-0.014, 0.082), (0.004, 0.070))
-    )
-    cell.plant.load(cell.plant.loaded, {ALIKE: ParkedWire(stood, frozenset())})
-    picture = before(cell)
-    cell.plant.load(
-        cell.plant.loaded,
-        {ALIKE: ParkedWire(stood, frozenset()), WIRE: ParkedWire(new, frozenset())},
-    )
-    before(cell)  # the noise of the next picture is another one
-    seen = WireLines(before(cell), own)
-    highest = uppermost_past(place, SEARCH_M, seen)
-    passing = uppermost_past(place, SEARCH_M, seen, picture)
-    assert highest is not None and passing is not None
-    assert highest.aside == pytest.approx(0.014, abs=0.003)
-    assert passing.aside == pytest.approx(-0.004, abs=0.003)
-    assert passing.height == pytest.approx(0.070, abs=0.003)
-    cell.close()
-
-
-def test_an_older_wire_that_hides_the_new_one_is_not_taken_for_it():
-    cell = cell_of()
-    seen_from = cell.plant.views["overhead"].world_from_camera.position
-    x, y, _ = route_of(cell)[1:3].mean(axis=0)
-    place = Pose.level(float(x), float(y), 0.040, math.pi / 2)
-    stood = along(route_of(cell), 0.070)
-    new = seen_from + (stood - seen_from) * (seen_from[2] - 0.040) / (seen_from[2] - 0.070)
-    cell.plant.load(cell.plant.loaded, {UNLIKE: ParkedWire(stood, frozenset())})
-    picture = before(cell)
-    cell.plant.load(
-        cell.plant.loaded,
-        {UNLIKE: ParkedWire(stood, frozenset()), WIRE: ParkedWire(new, frozenset())},
-    )
-    before(cell)  # the noise of the next picture is another one
-    seen = WireLines(before(cell), cell.plant.panel.wire(WIRE))
-    taken = uppermost_past(place, SEARCH_M, seen)
-    assert taken is not None and taken.height == pytest.approx(0.070, abs=0.005)
-    assert uppermost_past(place, SEARCH_M, seen, picture) is None
-    cell.close()
-
-
-def test_a_wire_whose_colour_is_not_seen_is_found_by_what_is_new_far_aside():
-    cell = cell_of()
-    stood = along(route_of(cell), 0.034) + np.array([-0.008, 0.0, 0.0])
-    new = along(route_of(cell), 0.030) + np.array([FAR_ASIDE_M, 0.0, 0.0])
-    cell.plant.load(cell.plant.loaded, {UNLIKE: ParkedWire(stood, frozenset())})
-    picture = before(cell)
-    cell.plant.load(
-        cell.plant.loaded,
-        {UNLIKE: ParkedWire(stood, frozenset()), WIRE: ParkedWire(new, frozenset())},
-    )
-    before(cell)  # the noise of the next picture is another one
-    other = replace(cell.plant.panel.wire(WIRE), colour="YE")
-    x, y, _ = route_of(cell)[1:3].mean(axis=0)
-    place = Pose.level(float(x), float(y), 0.030, math.pi / 2)
-    passing = uppermost_past(place, SEARCH_M, WireLines(before(cell), other), picture)
-    assert passing is not None
-    assert passing.aside == pytest.approx(-FAR_ASIDE_M, abs=0.002)
-    assert passing.height == pytest.approx(0.030, abs=0.002)
-    assert uppermost_past(place, SEARCH_M, WireLines(picture, other), picture) is None
     cell.close()
 
 
@@ -861,12 +623,4 @@ def test_the_board_is_remembered_as_it_was_before_the_wire_was_touched():
     assert cell.contexts[GUIDE].belief.untouched == [picture], "the wire is in the hand"
     cell.context.belief.start_wire(cell.context.belief.feed, {})
     assert not cell.context.belief.untouched, "another wire was fed"
-    cell.close()
-
-
-@pytest.mark.parametrize(("height", "share"), [(0.020, 1.0), (0.065, 0.0)])
-def test_the_truth_counts_places_below_the_rims(height, share):
-    cell = cell_of()
-    cell.plant.parked[WIRE] = ParkedWire(along(route_of(cell), height), frozenset())
-    assert truth.share_in_ducts(cell.plant, WIRE) == pytest.approx(share)
     cell.close()

@@ -2,4 +2,5 @@ import sys
 from pathlib import Path
 
 sys.path.insert(0, str(Path(__file__).parent))  # scripted_device is shared by tests
-sys.path.insert(0, str(Path(__file__).parents[3] / "remodel_work/test"))
+for package in ("remodel_vision", "remodel_work"):
+    sys.path.insert(0, str(Path(__file__).parents[3] / package / "test"))

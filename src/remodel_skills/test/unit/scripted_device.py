@@ -1,10 +1,12 @@
 """A device whose world is a script: what the wrist feels at each tool pose. No physics, no ROS."""
 
+import itertools
 import math
 from dataclasses import dataclass, field
 from types import MappingProxyType
 
 import numpy as np
+from drawn import boxes_of, picture
 
 from remodel_skills.belief_state import BeliefState, EndState, Feed, Grip
 from remodel_skills.device import Device
@@ -23,6 +25,7 @@ from remodel_work.geometry import Pose
 from remodel_work.panel import Channel, Component, Panel, PanelTerminal, PanelWire, WireEnd
 from remodel_work.placed_wires import ParkedWire
 from remodel_work.robot.arm import PANDA_AT_ORIGIN, ToolPose
+from remodel_work.robot.fingers import CAMERA_MOUNT
 
 PARAMETERS = read_parameters().parameters
 TICK_S, STEPS = 1 / 120, 2
@@ -135,15 +138,17 @@ class ScriptedPlant:
 
     Attributes:
         live: the wire that was fed last, by name; its nodes are those of its presentation.
-        picture: what both cameras show.
+        boxes: what cameras see of the board, each with its frame in the world.
+        wires: that cameras see, each with its nodes (n, 3) [m].
     """
 
     tick_s = TICK_S
 
     def __init__(self, panel, design=None):
         self.design = design or read_cell()
-        self.picture = None
+        self.wires, self._pictures = [], itertools.count()
         self.load(panel)
+        self.boxes = boxes_of(panel, labels=self.design.labels)
 
     def load(self, panel, placed=MappingProxyType({})):
         problems = self.find_problems(panel)
@@ -160,9 +165,14 @@ class ScriptedPlant:
         return find_panel_problems(self.design, panel)
 
     def device_of(self, robot):
-        camera = ScriptedCamera(self)
+        design = next(each for each in self.design.robots if each.name == robot)
+        wrist = ScriptedCamera(self, lambda: view_from(self.arms[robot], design.camera.lens))
+        overhead = ScriptedCamera(self, lambda: self.design.overhead)
         gripper = ScriptedGripper(2 * PARAMETERS.tool.open_m)
-        return Device(self.arms[robot], gripper, camera, camera, None, self, TICK_S)
+        return Device(self.arms[robot], gripper, wrist, overhead, None, self, TICK_S)
+
+    def take(self, view):
+        return picture(view, self.boxes, self.wires, seed=next(self._pictures))
 
     def feed(self, wire_id, channel_id, tools):
         wire = self.panel.wire(wire_id)
@@ -199,13 +209,23 @@ class ScriptedPlant:
 
 @dataclass
 class ScriptedCamera:
-    """A camera that shows what its plant's script says."""
+    """A camera that draws what its plant's script says."""
 
     plant: ScriptedPlant
+    see_from: object
 
     @property
     def view(self):
-        return self.plant.design.overhead
+        return self.see_from()
 
     def take(self):
-        return self.plant.picture
+        return self.plant.take(self.view)
+
+
+def view_from(arm, lens):
+    """Return what an arm's wrist camera sees from where its tool is."""
+    tool, fingers = arm.tool, arm.kinematics.fingers
+    hand = Pose.level(tool.x, tool.y, tool.z + fingers.tool_m, tool.yaw)
+    upside_down = Pose(np.zeros(3), np.array([1.0, 0.0, 0.0, 0.0]))
+    mount = Pose(np.array(CAMERA_MOUNT), np.array([0.0, 0.0, 0.0, 1.0]))
+    return View(lens, hand @ upside_down @ mount)
