@@ -51,7 +51,7 @@ class ScriptedArm:
     """An arm that is where it was sent, and feels what the script says.
 
     Attributes:
-        feels: how much resists a tool pose [N], along the opening's axis.
+        feels: what resists a tool pose [N]: along the opening's axis, or a force (3,).
         tool: the tool pose.
         force: on the wrist, low-passed, (3,) [N].
         forces: of every step [N].
@@ -77,7 +77,7 @@ class ScriptedArm:
     def tick(self):
         for _ in range(STEPS):
             resists = self.feels(self.tool)
-            felt = resists * SOCKET.rotation[:, 0]
+            felt = resists * SOCKET.rotation[:, 0] if np.isscalar(resists) else resists
             self.forces.append(resists)
             self.force = self.force + TICK_S / STEPS / SENSOR_S * (felt - self.force)
             if self._loop is not None:
@@ -140,6 +140,7 @@ class ScriptedPlant:
         live: the wire that was fed last, by name; its nodes are those of its presentation.
         boxes: what cameras see of the board, each with its frame in the world.
         wires: that cameras see, each with its nodes (n, 3) [m].
+        trace: of each robot, its tool pose and the gap between its fingers [m] at every tick.
     """
 
     tick_s = TICK_S
@@ -160,6 +161,8 @@ class ScriptedPlant:
             robot.name: ScriptedArm(lambda tool: 0.0, robot.home, kinematics=robot.arm)
             for robot in self.design.robots
         }
+        self.grippers = {name: ScriptedGripper(2 * PARAMETERS.tool.open_m) for name in self.arms}
+        self.trace = {name: [] for name in self.arms}
 
     def find_problems(self, panel):
         return find_panel_problems(self.design, panel)
@@ -168,8 +171,7 @@ class ScriptedPlant:
         design = next(each for each in self.design.robots if each.name == robot)
         wrist = ScriptedCamera(self, lambda: view_from(self.arms[robot], design.camera.lens))
         overhead = ScriptedCamera(self, lambda: self.design.overhead)
-        gripper = ScriptedGripper(2 * PARAMETERS.tool.open_m)
-        return Device(self.arms[robot], gripper, wrist, overhead, None, self, TICK_S)
+        return Device(self.arms[robot], self.grippers[robot], wrist, overhead, None, self, TICK_S)
 
     def take(self, view):
         return picture(view, self.boxes, self.wires, seed=next(self._pictures))
@@ -197,8 +199,9 @@ class ScriptedPlant:
         self.parked, self.live = self.shapes(), None
 
     def tick(self):
-        for arm in self.arms.values():
+        for name, arm in self.arms.items():
             arm.tick()
+            self.trace[name].append((arm.tool, self.grippers[name].gap))
 
     def rest(self, seconds):
         pass

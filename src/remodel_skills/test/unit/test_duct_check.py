@@ -7,6 +7,16 @@ import numpy as np
 import pytest
 from drawn import along
 from formboards import duct, formboard
+from laid_wires import (
+    IN_DUCT_M,
+    IN_DUCTS_M,
+    LEG,
+    OVER_RIM_M,
+    across_the_devices,
+    curled,
+    laid,
+    led,
+)
 from panels import example
 from scripted_device import PARAMETERS, ScriptedPlant
 
@@ -23,47 +33,14 @@ from remodel_work.fixtures import WALL_M
 from remodel_work.geometry import Pose
 from remodel_work.panel import BOARD
 
-HOUSEHOLD, HARNESS = example("household"), example("harness")
-DESIGNS = {name: read_cell(name) for name in ("two_arms_cabinet", "two_arms_formboard")}
-WIRE = HOUSEHOLD.wire("W3")
-ROUTE = BOARD.apply(np.array(WIRE.route))
-# Nodes on each leg of the route, which is so long in its ducts [m].
-LEG, IN_DUCTS_M = 40, 0.69
-# In a duct; over its rim; and so far aside along both axes over an outer wall [m].
-IN_DUCT_M, OVER_RIM_M, OVER_WALL_M = 0.030, 0.066, 0.028
-
-
-def led(height, aside=0.0):
-    """Return a wire along its route, all at one height, so far aside along both axes [m]."""
-    level = np.column_stack([ROUTE[:, :2] + aside, np.full(len(ROUTE), height)])
-    return along(level, LEG)
-
-
-def curled(nodes, share_of_leg=1 / 5, aside=0.016):
-    """Return a wire that curls up in the middle of its second duct, to both sides of its leg."""
-    first = 5 * LEG // 2
-    curl = slice(first, first + round(share_of_leg * LEG))
-    nodes[curl, 1] += aside * np.resize([1.0, -1.0], len(nodes[curl]))
-    nodes[curl, 2] = OVER_RIM_M
-    return nodes
-
-
-def across_the_devices():
-    """Return a wire that sprang out of its ducts, in a loop over the devices between its ends."""
-    middle, height = ROUTE[[0, -1], 1].mean(), 0.12
-    over = [[x, middle, height] for x in ROUTE[[0, -1], 0]]
-    return along([ROUTE[0], *over, ROUTE[-1]], LEG)
+HARNESS = example("harness")
+# So far aside along both axes it lies over an outer wall [m].
+OVER_WALL_M = 0.028
 
 
 def inspected(*shapes):
-    """Return the cell that inspects its ducts, before and after WIRE was laid, and the share."""
-    plant = ScriptedPlant(HOUSEHOLD, DESIGNS["two_arms_cabinet"])
-    cell = Cell(plant)
-    cell.feed(WIRE.id, NO_CHANNEL)
-    cell.context.cameras.take_overhead_picture()
-    plant.wires = [(WIRE, nodes) for nodes in shapes]
-    belief = cell.context.belief
-    belief.picked_at.update(dict.fromkeys(belief.ends))  # it was touched
+    """Return how WIRE lies in its ducts, seen from above."""
+    cell = laid(*shapes)
     return cell.run(inspect_ducts(cell.context))
 
 
@@ -108,7 +85,7 @@ OTHER = "W1.5"  # black: in the shadow each colour comes near to it
 
 @pytest.fixture(scope="module")
 def harness():
-    return Cell(ScriptedPlant(HARNESS, DESIGNS["two_arms_formboard"]))
+    return Cell(ScriptedPlant(HARNESS, read_cell("two_arms_formboard")))
 
 
 def touching(side, to):

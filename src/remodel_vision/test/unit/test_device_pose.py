@@ -65,7 +65,7 @@ def errors(found, true, part):
     return away, abs(found.yaw - true.yaw)
 
 
-@pytest.mark.parametrize("light", [0.4, 1.5])
+@pytest.mark.parametrize("light", [0.4, pytest.param(1.5, marks=pytest.mark.slow)])
 def test_devices_in_a_row_and_alone_are_located(light):
     where, boxes = stand()
     above = from_above(boxes, light)
