@@ -25,6 +25,7 @@ AMBIENT = 0.55
 LIGHT = np.array([0.4, -0.3, 1.2]) / math.hypot(0.4, 0.3, 1.2)
 STEP_M = 0.0004
 FAR_M = 2.5
+NOISE_APART = 997
 CORNERS = np.stack(np.meshgrid(*[[-0.5, 0.5]] * 3), axis=-1).reshape(-1, 3)
 
 
@@ -80,11 +81,21 @@ def picture(view, boxes, wires=(), *, seed=0, light=1.0):
     rgb, depth = (part.copy() for part in _drawn_boxes(view, boxes))
     for wire, nodes in wires:
         _draw_wire(view, rgb, depth, wire, np.asarray(nodes, float))
-    noise = np.random.default_rng(seed)
-    blurred = 255 * light * cv2.GaussianBlur(rgb, (0, 0), BLUR_PX)
-    blurred += NOISE_LEVELS * noise.standard_normal(rgb.shape, dtype=np.float32)
+    blurred = cv2.GaussianBlur(255 * light * rgb, (0, 0), BLUR_PX)
+    blurred += NOISE_LEVELS * _noise(rgb.shape, 2 * seed)
     seen = np.clip(np.rint(blurred), 0, 255).astype(np.uint8)
-    return Picture(seen, depth + DEPTH_NOISE_M * noise.standard_normal(depth.shape), view)
+    return Picture(seen, depth + DEPTH_NOISE_M * _noise(depth.shape, 2 * seed + 1), view)
+
+
+def _noise(shape, seed):
+    """Return normal noise: from one long row of it, by the seed from elsewhere in it."""
+    size, start = math.prod(shape), NOISE_APART * seed % NOISE_APART**2
+    return _noise_row(size)[start : start + size].reshape(shape)
+
+
+@cache
+def _noise_row(size):
+    return np.random.default_rng(size).standard_normal(size + NOISE_APART**2, dtype=np.float32)
 
 
 @lru_cache(maxsize=4)

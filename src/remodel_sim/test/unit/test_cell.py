@@ -106,14 +106,6 @@ def test_a_weak_clamp_lets_the_end_slip_in_the_pull_test():
     made.close()
 
 
-def test_a_clamp_that_closes_on_nothing_is_not_seated(cell):
-    cell.feed("W1", "A")
-    do.carry(cell, "W1", "A")
-    with pytest.raises(AbilityError) as caught:
-        do.fix(cell, "W1", "X2", "1")
-    assert caught.value.code is Code.NOT_SEATED
-
-
 @pytest.mark.slow
 def test_a_fixed_end_can_be_extracted_and_inserted_again(cell):
     put_live(cell, "W1")

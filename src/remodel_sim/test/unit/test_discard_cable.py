@@ -157,13 +157,3 @@ def test_a_wire_whose_end_is_stuck_stays(cell, monkeypatch):
     assert caught.value.code is Code.WIRE_LEFT_BEHIND
     discard(cell, "W1")
     assert_gone(cell, "W1")
-
-
-@pytest.mark.physics
-def test_a_hand_that_holds_another_wire_discards_none(cell):
-    cell.feed("W2", "A")
-    cell.feed("W1", "A")
-    do.do(cell, do.pick_cable, do.goals.PickGoal(do.ROBOT, "W1", WireEnd.A, 0.0))
-    with pytest.raises(AbilityError) as caught:
-        discard(cell, "W2")
-    assert caught.value.code is Code.OTHER_CABLE_HELD

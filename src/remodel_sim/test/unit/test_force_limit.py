@@ -111,6 +111,7 @@ def test_an_end_that_slides_in_the_grip_at_an_obstacle_is_not_reported_at_the_bo
     cell.close()
 
 
+@pytest.mark.slow
 def test_an_obstacle_just_before_the_bottom_is_not_taken_for_it(cell_of, monkeypatch):
     monkeypatch.setattr(plant, "PLUG_FROM_M", NEAR_BOTTOM_M)
     cell = cell_of(240.0)

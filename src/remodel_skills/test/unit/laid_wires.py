@@ -1,5 +1,7 @@
 """A wire of the household board in shapes that laying leaves, in a cell without a world."""
 
+from functools import cache
+
 import numpy as np
 from drawn import along
 from panels import example
@@ -55,10 +57,17 @@ def across_the_devices():
     return along([ROUTE[0], *over, ROUTE[-1]], LEG)
 
 
+@cache
+def cabinet():
+    """Return a cell; to load its panel again makes a new one of it, in less time."""
+    return Cell(ScriptedPlant(HOUSEHOLD, CABINET))
+
+
 def laid(*shapes):
     """Return a cell that knows the board from before WIRE was laid in these shapes."""
-    plant = ScriptedPlant(HOUSEHOLD, CABINET)
-    cell = Cell(plant)
+    cell = cabinet()
+    cell.load(HOUSEHOLD)
+    plant = cell.plant
     cell.feed(WIRE.id, NO_CHANNEL)
     cell.context.cameras.take_overhead_picture()
     plant.wires = [(WIRE, nodes) for nodes in shapes]

@@ -3,6 +3,7 @@
 import itertools
 import math
 from dataclasses import dataclass, field
+from functools import cache
 from types import MappingProxyType
 
 import numpy as np
@@ -133,6 +134,10 @@ def depth_of(tool):
     return float(SOCKET.inverse().apply(tip)[0])
 
 
+# One object for each panel: what is drawn of it is drawn once.
+_held_panel = cache(held_panel)
+
+
 class ScriptedPlant:
     """A whole cell without a world: arms are where they were sent, wires where they were put.
 
@@ -147,16 +152,16 @@ class ScriptedPlant:
 
     def __init__(self, panel, design=None):
         self.design = design or read_cell()
-        self.wires, self._pictures = [], itertools.count()
         self.load(panel)
-        self.boxes = boxes_of(panel, labels=self.design.labels)
 
     def load(self, panel, placed=MappingProxyType({})):
         problems = self.find_problems(panel)
         if problems:
             raise PanelError(panel.name, problems)
-        self.loaded, self.panel = panel, held_panel(self.design, panel)
+        self.loaded, self.panel = panel, _held_panel(self.design, panel)
         self.parked, self.live = dict(placed), None
+        self.wires, self._pictures = [], itertools.count()
+        self.boxes = boxes_of(self.panel, labels=self.design.labels)
         self.arms = {
             robot.name: ScriptedArm(lambda tool: 0.0, robot.home, kinematics=robot.arm)
             for robot in self.design.robots

@@ -6,8 +6,10 @@ import pytest
 from panels import panel
 from scripted_device import ScriptedPlant
 
+from remodel_skills.abilities.discard_cable import discard_cable
 from remodel_skills.belief_state import Grip
 from remodel_skills.cell import Cell
+from remodel_skills.goals import DiscardGoal
 from remodel_states.core.codes import Code
 from remodel_work.errors import AbilityError, PanelError
 from remodel_work.panel import Channel, WireEnd
@@ -76,3 +78,24 @@ def test_no_piece_is_fed_beside_another_one_of_the_same_wire(cell):
     cell.feed("W2", "A")
     assert "left on the panel" in refused(cell, "W1")[1]
     assert set(cell.plant.parked) == {"W1"} and cell.plant.is_at_hand("W2")
+
+
+def test_a_hand_that_holds_another_wire_discards_none(cell):
+    cell.feed("W2", "A")
+    hold(cell, WireEnd.A)
+    goal = DiscardGoal("robot_1", "W1")
+    with pytest.raises(AbilityError) as caught:
+        goal.check(cell.context.panel, cell.context.belief, cell.context.parameters)
+        cell.run(discard_cable(cell.context, goal))
+    assert caught.value.code is Code.OTHER_CABLE_HELD
+
+
+def test_the_board_is_remembered_as_it_was_before_the_wire_was_touched(cell):
+    context, untouched = cell.context, cell.context.belief.untouched
+    seen = [context.cameras.take_overhead_picture() for _ in range(2)]
+    assert untouched == seen[1:], "the newest one"
+    hold(cell, WireEnd.A)
+    context.cameras.take_overhead_picture()
+    assert untouched == seen[1:], "the wire is in the hand"
+    context.belief.start_wire(context.belief.feed, {})
+    assert not untouched, "another wire was fed"

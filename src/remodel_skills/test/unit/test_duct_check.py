@@ -85,7 +85,9 @@ OTHER = "W1.5"  # black: in the shadow each colour comes near to it
 
 @pytest.fixture(scope="module")
 def harness():
-    return Cell(ScriptedPlant(HARNESS, read_cell("two_arms_formboard")))
+    made = Cell(ScriptedPlant(HARNESS, read_cell("two_arms_formboard")))
+    yield made
+    made.close()
 
 
 def touching(side, to):

@@ -74,9 +74,7 @@ def test_a_wire_in_its_ducts_is_left_there():
 @pytest.mark.parametrize(
     "tucks", [2, pytest.param(MOTION.tucks_of_refused, marks=pytest.mark.slow)]
 )
-def test_a_wire_that_would_be_refused_is_tucked_into_duct_after_duct_in_the_time_of_fix_cable(
-    tucks,
-):
+def test_a_wire_that_would_be_refused_is_tucked_into_duct_after_duct_and_fixed_in_time(tucks):
     nodes = led()
     for leg in LEGS:
         nodes = raised(nodes, leg)
@@ -92,7 +90,7 @@ def test_a_wire_that_would_be_refused_is_tucked_into_duct_after_duct_in_the_time
 
 @pytest.mark.parametrize(
     ("aside", "goes_below"),
-    [(-0.043, True), (-0.030, False), (0.016, False)],
+    [(-0.043, True), (-0.030, False), pytest.param(0.016, False, marks=pytest.mark.slow)],
     ids=["beside", "over the wall", "inside"],
 )
 def test_fingers_go_below_the_rim_only_where_both_are_beside_the_duct(aside, goes_below):
