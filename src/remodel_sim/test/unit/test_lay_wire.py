@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from panels import example
 from place_wire import do, extract, fix, insert, locate
-from stored import shape_of
+from stored import put_held, shape_of
 
 from remodel_sim.physics import truth
 from remodel_sim.physics.plant import SimulatedPlant
@@ -361,6 +361,21 @@ def test_the_pull_on_a_clamped_end_keeps_to_its_limit(pushes):
     cell.close()
 
 
+@pytest.mark.physics
+def test_a_wire_is_led_into_its_ducts():
+    cell = cell_of()
+    assert put_held(cell, WIRE) == HOLDER
+    laid = lay(cell)
+    assert "laid into D0, L, D1" in laid.message
+    assert truth.share_in_ducts(cell.plant, WIRE) >= PARAMETERS.fixture.duct_least_share
+    (found,) = truth.ground_truth(cell.plant, [WIRE])
+    assert found.a.seated and found.a.fixed, "it was not torn out"
+    assert cell.contexts[HOLDER].belief.grip is not None, "the holder keeps the free end"
+    assert from_the_wire(cell, GUIDE) > SHED_M
+    cell.close()
+
+
+@pytest.mark.slow
 @pytest.mark.physics
 def test_a_wire_that_others_hide_at_its_slot_is_taken_and_laid():
     cell = cell_of()
