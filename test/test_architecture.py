@@ -350,6 +350,18 @@ def test_the_simulator_knows_of_skills_only_the_device_port():
         assert not {n for n in skills if not n.startswith(port)}, name
 
 
+def test_packages_without_a_simulator_are_tested_without_one():
+    """Robots are scripted and pictures drawn: what needs physics is tested in remodel_sim."""
+    found = [
+        f"{path.relative_to(SRC)} imports {name}"
+        for package in sorted(PURE)
+        for path in (SRC / package / "test").rglob("*.py")
+        for name in imported_names(path)
+        if name.split(".")[0] == "remodel_sim"
+    ]
+    assert found == []
+
+
 def test_the_numbers_of_the_skills_are_data():
     """A module constant of a skill would be a number without unit, meaning, origin and override.
 

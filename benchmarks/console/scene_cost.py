@@ -19,7 +19,7 @@ from statistics import median, stdev
 
 import rospy
 
-sys.path.insert(0, str(Path(__file__).parents[2] / "src/remodel_sim/test/unit"))
+sys.path.insert(0, str(Path(__file__).parents[2] / "src/remodel_work/test"))
 from panels import panel
 
 from flexbe_core.ros.master import join

@@ -16,7 +16,8 @@ import cv2
 import numpy as np
 
 HERE = Path(__file__).parent
-sys.path.insert(0, str(HERE.parents[1] / "src" / "remodel_sim" / "test" / "unit"))
+for folder in ("remodel_sim/test/unit", "remodel_work/test"):
+    sys.path.insert(0, str(HERE.parents[1] / "src" / folder))
 
 import rods  # noqa: E402
 from elastica import buckled_tip_angle, cantilever_shape  # noqa: E402

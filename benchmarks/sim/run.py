@@ -21,7 +21,8 @@ from subprocess import DEVNULL
 
 HERE = Path(__file__).parent
 # The rigs are those of the unit tests.
-sys.path.insert(0, str(HERE.parents[1] / "src" / "remodel_sim" / "test" / "unit"))
+for folder in ("remodel_sim/test/unit", "remodel_work/test"):
+    sys.path.insert(0, str(HERE.parents[1] / "src" / folder))
 
 import long_wires  # noqa: E402
 import retention  # noqa: E402

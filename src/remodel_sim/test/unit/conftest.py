@@ -3,9 +3,8 @@ from pathlib import Path
 
 import pytest
 
-sys.path.insert(
-    0, str(Path(__file__).parent)
-)  # elastica, panels and place_wire are shared by tests
+sys.path.insert(0, str(Path(__file__).parent))  # elastica and place_wire are shared by tests
+sys.path.insert(0, str(Path(__file__).parents[3] / "remodel_work/test"))
 
 from disturbance import disturbed
 from force_record import recorded

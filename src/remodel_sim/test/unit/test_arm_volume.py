@@ -1,3 +1,5 @@
+"""The capsules that stand for an arm, against its meshes."""
+
 import math
 
 import numpy as np
@@ -8,7 +10,7 @@ from remodel_sim.physics.world import World
 from remodel_work.edge.cell_file import read_cell
 from remodel_work.geometry import Pose
 from remodel_work.robot.arm import KUKA_IIWA, PANDA_AT_ORIGIN, Arm, ToolPose
-from remodel_work.robot.arm_volume import Volume, gap_between, gaps_between, volume_of
+from remodel_work.robot.arm_volume import Volume, gaps_between, volume_of
 
 FACING = Arm(PANDA_AT_ORIGIN.model, (1.0, 0.0, 0.0, math.pi))
 ON_AXIS = read_cell("cabinet").robots[0].arm
@@ -59,25 +61,3 @@ def test_the_capsules_hold_the_whole_arm(arm):
         outside = gaps_between(dots, capsules).min(axis=1)
         assert outside.max() < 0.0, "a point of the arm is outside of its capsules"
     world.close()
-
-
-def test_gaps_are_those_between_the_nearest_points():
-    def segment(start, end, radius):
-        return Volume(np.array([start]), np.array([end]), np.array([radius]))
-
-    level = segment([0.0, 0, 0], [1.0, 0, 0], 0.1)
-    cases = [
-        (segment([0.5, -1, 0.5], [0.5, 1, 0.5], 0.1), 0.3),  # crossing above
-        (segment([1.3, 0, 0.4], [1.3, 0, 0.4], 0.0), 0.4),  # a point beyond the end
-        (segment([0.0, 0.3, 0], [1.0, 0.3, 0], 0.1), 0.1),  # parallel
-        (segment([0.2, 0, -1], [0.2, 0, 1], 0.05), -0.15),  # through
-    ]
-    for other, gap in cases:
-        assert math.isclose(gap_between(level, other), gap, abs_tol=1e-9)
-        assert math.isclose(gap_between(other, level), gap, abs_tol=1e-9)
-
-
-def test_an_arm_at_home_is_clear_of_the_other_at_work():
-    home = FACING.joints_for(ToolPose(0.98, 0.46, 0.35, math.pi / 2))
-    work = PANDA_AT_ORIGIN.joints_for(ToolPose(0.50, 0.20, 0.03, 0.0))
-    assert gap_between(volume_of(FACING, home), volume_of(PANDA_AT_ORIGIN, work)) > 0.1

@@ -43,17 +43,3 @@ def test_rendered_spheres_appear_where_the_model_says(name):
     assert len(errors) == len(grid)
     assert np.abs(np.mean(errors, axis=0)).max() < 0.1
     world.close()
-
-
-def test_projection_and_back_is_identity():
-    view = VIEWS["oblique"]
-    points = np.array([[0.45, -0.1, 0.02], [0.6, 0.2, 0.02]])
-    np.testing.assert_allclose(view.on_plane(view.project(points), 0.02), points, atol=1e-9)
-    depths = view.world_from_camera.inverse().apply(points)[:, 2]
-    np.testing.assert_allclose(view.at_depth(view.project(points), depths), points, atol=1e-9)
-
-
-def test_a_view_knows_whether_it_sees_something():
-    view = VIEWS["overhead"]
-    assert view.sees(np.array([[0.5, 0.0, 0.0]]), 30)
-    assert not view.sees(np.array([[0.5, 2.0, 0.0]]), 30)

@@ -1,11 +1,9 @@
 """The shipped cells, by physics, without ROS."""
 
-from pathlib import Path
-
 import numpy as np
 import place_wire
 import pytest
-from panels import panel
+from panels import example, panel
 
 from remodel_sim.physics.plant import SimulatedPlant
 from remodel_sim.physics.truth import ground_truth
@@ -17,25 +15,14 @@ from remodel_skills.abilities.pick_cable import pick_cable
 from remodel_skills.abilities.place_cable import place_cable
 from remodel_skills.abilities.place_pin import place_pin
 from remodel_skills.cell import Cell
-from remodel_skills.edge.parameter_files import read_parameters
 from remodel_skills.goals import PlacePinGoal
-from remodel_skills.primitives.motions import move_to
 from remodel_skills.primitives.together import concurrently
 from remodel_skills.runner import occupy, run
-from remodel_states.core.codes import Code
-from remodel_states.edge.wire_material_file import read_wire_materials
 from remodel_work.edge.cell_file import read_cell
-from remodel_work.errors import AbilityError
 from remodel_work.geometry import Pose
 from remodel_work.panel import BOARD, WireEnd
-from remodel_work.robot.arm import ToolPose
-from remodel_work.ros.panel_message import read_panel
-
-MOTION = read_parameters().parameters.motion
 
 pytestmark = pytest.mark.physics
-
-CONFIG = Path(__file__).parents[2] / "config"
 
 
 @pytest.mark.slow
@@ -149,38 +136,8 @@ def test_two_arms_place_the_pins_of_a_wire_also_again(cell, times):
 
 
 @pytest.mark.slow
-def test_an_idle_empty_hand_makes_way_and_one_that_holds_a_wire_does_not(cell):
-    one, two = cell.contexts.values()
-    cell.run(move_to(one, ToolPose(0.50, 0.20, 0.20, 0.0), 0.6), "robot_1")
-    there = ToolPose(0.50, 0.20, MOTION.travel_z_m, two.home.yaw)
-    cell.run(move_to(two, there, 0.6), "robot_2")
-    assert one.commanded == one.home
-    cell.run(move_to(two, two.home, 0.6), "robot_2")
-    do(cell, "robot_1", pick_cable, goals.PickGoal("robot_1", "W1", WireEnd.B, 0.0))
-    with pytest.raises(AbilityError, match=r"robot_1 stands at .* place what it holds") as caught:
-        cell.run(move_to(two, there, 0.6), "robot_2")
-    assert caught.value.code is Code.ROBOT_IN_THE_WAY
-    assert two.commanded == two.home, "nothing has moved"
-
-
-def test_two_arms_in_each_others_way_do_not_wait_forever(cell):
-    one, two = cell.contexts.values()
-    low, high = ToolPose(0.50, -0.2, 0.2, 0.0), ToolPose(0.50, 0.2, 0.2, 3.0)
-    cell.run(move_to(one, low, 0.6), "robot_1")
-    cell.run(move_to(two, high, 0.6), "robot_2")
-    crossing = concurrently(
-        occupy([one], move_to(one, ToolPose(0.50, 0.2, 0.2, 0.0), 0.6)),
-        occupy([two], move_to(two, ToolPose(0.50, -0.2, 0.2, 3.0), 0.6)),
-    )
-    with pytest.raises(AbilityError, match="in each other's way") as caught:
-        run(cell.plant.tick, crossing)
-    assert caught.value.code is Code.ROBOT_IN_THE_WAY
-    assert not one.busy and not two.busy
-
-
-@pytest.mark.slow
 def test_small_labels_show_no_tilt_where_there_is_none():
-    household = read_panel(CONFIG / "household.yaml", read_wire_materials())
+    household = example("household")
     made = Cell(SimulatedPlant(household, design=read_cell("two_arms_cabinet"), seed=1))
     made.feed("W105", "")
     for terminal in (("Q3", "B2.7"), ("D31", "T2"), ("D35", "T2"), ("D32", "T1")):

@@ -8,7 +8,6 @@ from remodel_sim.physics.truth import ground_truth
 from remodel_skills.abilities.check_connection import check_connection
 from remodel_skills.goals import CheckGoal
 from remodel_states.core.codes import Code
-from remodel_vision.opening_occupancy import Occupancy, OpeningObservation, combine
 from remodel_work.errors import AbilityError
 from remodel_work.panel import WireEnd
 
@@ -67,20 +66,3 @@ def test_an_observation_with_a_wire_in_the_hand_moves_nothing(cell):
 def test_unknown_names_are_refused_with_those_that_there_are(cell):
     with pytest.raises(AbilityError, match="X1, X2, X3, X4"):
         is_connected(cell, "W1", WireEnd.A, ("Q9", "1"))
-
-
-def test_one_empty_opening_decides_it_and_one_wire_does_not():
-    wire, empty = (
-        OpeningObservation(Occupancy.WIRE, False),
-        OpeningObservation(Occupancy.EMPTY, True),
-    )
-    unclear = OpeningObservation(Occupancy.UNCLEAR, False)
-    assert combine([]) is Occupancy.UNCLEAR
-    assert combine([wire]) is Occupancy.UNCLEAR
-    assert combine([wire, unclear]) is Occupancy.UNCLEAR
-    assert combine([wire, unclear, wire]) is Occupancy.WIRE
-    assert combine([OpeningObservation(Occupancy.WIRE, True)]) is Occupancy.WIRE
-    assert (
-        combine([wire, OpeningObservation(Occupancy.LOOSE_END, False), wire]) is Occupancy.UNCLEAR
-    )
-    assert combine([wire, wire, empty]) is Occupancy.EMPTY

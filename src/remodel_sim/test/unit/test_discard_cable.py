@@ -1,7 +1,5 @@
 """Wires leave the cell by the scrap bin, whatever holds them, and only there."""
 
-import dataclasses
-
 import numpy as np
 import place_wire as do
 import pytest
@@ -19,14 +17,10 @@ from remodel_skills.goals import DiscardGoal
 from remodel_skills.primitives import carrying
 from remodel_skills.primitives.taking_up import take_up
 from remodel_states.core.codes import Code
-from remodel_work.cell.scrap_bin import bin_of
-from remodel_work.edge.cell_file import read_cell
 from remodel_work.errors import AbilityError
 from remodel_work.panel import WireEnd
-from remodel_work.robot.arm import ToolPose
 
 PARAMETERS = read_parameters().parameters
-
 # A hand that has carried a wire so far loses it [m].
 CARRIED_M = 0.10
 
@@ -163,37 +157,3 @@ def test_a_wire_whose_end_is_stuck_stays(cell, monkeypatch):
     assert caught.value.code is Code.WIRE_LEFT_BEHIND
     discard(cell, "W1")
     assert_gone(cell, "W1")
-
-
-@pytest.mark.physics
-def test_a_hand_that_holds_another_wire_discards_none(cell):
-    cell.feed("W2", "A")
-    cell.feed("W1", "A")
-    do.do(cell, do.pick_cable, do.goals.PickGoal(do.ROBOT, "W1", WireEnd.A, 0.0))
-    with pytest.raises(AbilityError) as caught:
-        discard(cell, "W2")
-    assert caught.value.code is Code.OTHER_CABLE_HELD
-
-
-@pytest.mark.parametrize("name", ["one_panda", "one_iiwa", "two_pandas"])
-@pytest.mark.parametrize("small", [(0.40, 0.70), None])
-def test_each_robot_has_a_bin_in_reach_beside_any_plate(name, small):
-    design = read_cell(name)
-    size = (*(small or design.takes.plate), 0.003)
-    for robot in design.robots:
-        place = bin_of(robot, panel(size=size))
-        assert robot.arm.reaches(place)
-        assert abs(place.y) > size[1] / 2 + 0.05 and place.y * robot.home.y > 0
-
-
-def test_the_cells_file_may_name_the_bins_place():
-    robot = read_cell().robots[0]
-    place = ToolPose(0.3, 0.5, 0.2, 0.0)
-    assert bin_of(dataclasses.replace(robot, scrap_bin=place), panel()) == place
-
-
-def test_a_bin_out_of_reach_is_refused():
-    robot = read_cell().robots[0]
-    with pytest.raises(AbilityError, match="scrap_bin") as caught:
-        bin_of(robot, panel(size=(0.4, 2.0, 0.003)))
-    assert caught.value.code is Code.UNREACHABLE

@@ -6,10 +6,9 @@ highest limits.
 """
 
 import re
-from pathlib import Path
 
 import pytest
-from panels import panel
+from panels import example, panel
 from place_wire import insert
 
 from remodel_sim.physics import plant
@@ -18,17 +17,14 @@ from remodel_sim.physics.truth import ground_truth
 from remodel_skills.cell import Cell
 from remodel_skills.edge.parameter_files import read_parameters
 from remodel_states.core.codes import Code
-from remodel_states.edge.wire_material_file import read_wire_materials
 from remodel_work.errors import AbilityError
 from remodel_work.panel import WireEnd
-from remodel_work.ros.panel_message import read_panel
 
 PARAMETERS = read_parameters().parameters
 WIRES = PARAMETERS.wire
 
 pytestmark = pytest.mark.physics
 
-CONFIG = Path(__file__).parents[2] / "config"
 # In a terminal of 14 mm, 43 ends were seated 13.5 mm deep or more [m].
 NEAR_BOTTOM_M = 0.0115
 FORCE_LIMIT_N = 14.0
@@ -101,9 +97,9 @@ def test_a_blocked_opening_is_pressed_no_harder_than_allowed(cell_of, pushes, li
 def test_an_end_that_slides_in_the_grip_at_an_obstacle_is_not_reported_at_the_bottom(
     name, seed, rate_hz, limit
 ):
-    example = read_panel(CONFIG / "panel.yaml", read_wire_materials())
-    cell = Cell(SimulatedPlant(example, seed=seed, rate_hz=rate_hz))
-    wire = example.wire(name)
+    board = example("panel")
+    cell = Cell(SimulatedPlant(board, seed=seed, rate_hz=rate_hz))
+    wire = board.wire(name)
     cell.plant.block_socket(*wire.goes_to(WireEnd.A))
     with pytest.raises(AbilityError) as caught:
         push(cell, limit, wire)
@@ -115,6 +111,7 @@ def test_an_end_that_slides_in_the_grip_at_an_obstacle_is_not_reported_at_the_bo
     cell.close()
 
 
+@pytest.mark.slow
 def test_an_obstacle_just_before_the_bottom_is_not_taken_for_it(cell_of, monkeypatch):
     monkeypatch.setattr(plant, "PLUG_FROM_M", NEAR_BOTTOM_M)
     cell = cell_of(240.0)

@@ -1,11 +1,10 @@
 """Wires that are let down into the forks of a formboard: what fits the cell, and how it goes."""
 
 import math
-from dataclasses import replace
-from pathlib import Path
 
 import numpy as np
 import pytest
+from panels import example
 from place_wire import do, fix, insert, locate
 
 from remodel_sim.physics.plant import SimulatedPlant
@@ -18,52 +17,19 @@ from remodel_skills.abilities.pick_cable import pick_cable
 from remodel_skills.abilities.route_wire import route_wire
 from remodel_skills.cell import Cell
 from remodel_states.core.codes import Code
-from remodel_states.edge.wire_material_file import read_wire_materials
 from remodel_work.cell.magazine import GRASP_M, LEAST_GRASP_M
 from remodel_work.edge.cell_file import read_cell
 from remodel_work.errors import AbilityError
 from remodel_work.geometry import Pose
-from remodel_work.layout import find_problems
 from remodel_work.panel import BOARD, WireEnd
-from remodel_work.ros.panel_message import read_panel
 
-CONFIG = Path(__file__).parents[2] / "config"
 DESIGN = read_cell("two_arms_formboard")
-HARNESS = read_panel(CONFIG / "harness.yaml", read_wire_materials())
+HARNESS = example("harness")
 WIRE = "W1.4"
 HOLDER = "robot_2"
 # How far the other end's insertion may pull an end back, and how far it may not [m]; in how many
 # steps it is pushed here.
 SLID_M, SLID_TOO_FAR_M, SLIDING_STEPS = 0.006, 0.012, 120
-
-
-def problems(panel):
-    arms = [robot.arm for robot in DESIGN.robots]
-    return find_problems(panel, arms, DESIGN.takes, has_magazine=True)
-
-
-def with_wire(**fields):
-    first, *others = HARNESS.wires
-    return replace(HARNESS, wires=(replace(first, **fields), *others))
-
-
-def test_the_harness_fits_the_cell_for_formboards():
-    assert problems(HARNESS) == ()
-
-
-def test_a_route_that_bends_is_refused_with_the_angle():
-    (ax, ay, z), (bx, by, _) = HARNESS.wires[0].route
-    (problem,) = problems(with_wire(route=((ax, ay, z), (bx, ay, z), (bx, by, z)), length=0.60))
-    assert "'W1.1': its route turns by 90 deg" in problem
-    assert "connectors that face each other" in problem
-
-
-@pytest.mark.parametrize("length", [0.495, 0.60])
-def test_a_wire_too_short_or_too_long_for_its_forks_is_refused_with_the_allowed_length(length):
-    (problem,) = problems(with_wire(length=length))
-    apart = math.dist(*(point[:2] for point in HARNESS.wires[0].route))
-    assert f"'W1.1': it is {length:.3f} m long and its openings are {apart:.3f} m apart" in problem
-    assert f"cut it to {apart + 0.028:.3f} to {apart + 0.060:.3f} m" in problem
 
 
 def path_of(cell):

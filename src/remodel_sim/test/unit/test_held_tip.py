@@ -1,9 +1,9 @@
 """InsertCable with an end that turned in the grip, in the cell of two heads."""
 
 from dataclasses import replace
-from pathlib import Path
 
 import pytest
+from panels import example
 from place_wire import do, locate
 
 from remodel_sim.physics.plant import SimulatedPlant
@@ -15,16 +15,13 @@ from remodel_skills.abilities.pick_cable import pick_cable
 from remodel_skills.cell import Cell
 from remodel_skills.edge.parameter_files import read_parameters
 from remodel_skills.primitives.pushing import bring_before, push_in
-from remodel_states.edge.wire_material_file import read_wire_materials
 from remodel_work.edge.cell_file import read_cell
 from remodel_work.panel import WireEnd
-from remodel_work.ros.panel_message import read_panel
 
 FEEL_N = read_parameters().parameters.wire.feel_n
 
 pytestmark = pytest.mark.physics
 
-CONFIG = Path(__file__).parents[2] / "config"
 HOLDER = "robot_2"
 
 
@@ -32,7 +29,7 @@ class Held:
     """A cell whose second robot holds an end, `above` [m] where it takes the tip to be."""
 
     def __init__(self, wire, end, above):
-        panel = read_panel(CONFIG / "household.yaml", read_wire_materials())
+        panel = example("household")
         self.cell = cell = Cell(SimulatedPlant(panel, design=read_cell("two_arms_cabinet"), seed=1))
         self.holder, self.wire, self.end = cell.contexts[HOLDER], wire, end
         cell.feed(wire, "")

@@ -15,9 +15,8 @@ from remodel_skills.abilities.detect_cable import detect_cable
 from remodel_skills.abilities.discard_cable import discard_cable
 from remodel_skills.abilities.pick_cable import pick_cable
 from remodel_skills.cell import Cell
-from remodel_work.cell.magazine import Magazine, plan_presentation
+from remodel_work.cell.magazine import Magazine
 from remodel_work.edge.cell_file import read_cell
-from remodel_work.errors import PanelError
 from remodel_work.geometry import Pose
 from remodel_work.panel import WireEnd
 
@@ -25,30 +24,6 @@ MAGAZINE = Magazine(x=0.20, height=0.050, span=0.46, y_min=-0.30, y_max=0.40)
 TO_THE_LEFT = board_wire("W1", ("N1", "b1"), ("N2", "b10"), 0.53)
 # How far from its place a tip may come to rest: the clips' tolerance, and a pitch of 6 degrees.
 RESTS_WITHIN_M = 0.005
-
-
-def test_a_wire_is_presented_before_its_first_terminal_with_the_tips_outwards():
-    presentation = plan_presentation(MAGAZINE, dense_panel([TO_THE_LEFT]), TO_THE_LEFT)
-    a, b = (presentation.tips[end] for end in WireEnd)
-    opening = dense_panel().panel_from_socket("N1", "b1").position[1]
-    assert presentation.direction == 1
-    assert (a.position[1] + b.position[1]) / 2 == pytest.approx(max(opening, -0.30 + 0.23))
-    assert b.position[1] - a.position[1] == pytest.approx(MAGAZINE.span)
-    assert (a.yaw, b.yaw) == pytest.approx((-math.pi / 2, math.pi / 2))
-
-
-def test_a_wire_that_runs_the_other_way_has_its_first_end_at_the_other_side():
-    back = board_wire("W1", ("N2", "b10"), ("N1", "b1"), 0.53)
-    presentation = plan_presentation(MAGAZINE, dense_panel([back]), back)
-    a, b = (presentation.tips[end].position[1] for end in WireEnd)
-    assert presentation.direction == -1
-    assert a - b == pytest.approx(MAGAZINE.span)
-
-
-def test_a_wire_that_the_magazine_cannot_present_is_refused_when_its_panel_is_loaded():
-    short = board_wire("W1", ("N1", "b1"), ("N2", "b10"), 0.45)
-    with pytest.raises(PanelError, match=r"'W1': length .* is 0.45 m, 0.03 m too little"):
-        Cell(SimulatedPlant(dense_panel([short]), design=read_cell("cabinet")))
 
 
 @pytest.mark.physics

@@ -1,29 +1,26 @@
 """Ground truth about wires that have been parked: where their ends sit, what lies in ducts."""
 
 from itertools import pairwise
-from pathlib import Path
 
 import numpy as np
 import pytest
+from panels import example
 
 from remodel_sim.physics.plant import SimulatedPlant
 from remodel_sim.physics.truth import ground_truth, share_in_ducts
 from remodel_sim.ros.services import truth_message
 from remodel_skills.cell import Cell
-from remodel_states.edge.wire_material_file import read_wire_materials
 from remodel_work.edge.cell_file import read_cell
 from remodel_work.panel import BOARD, WireEnd
 from remodel_work.placed_wires import ParkedWire
-from remodel_work.ros.panel_message import read_panel
 
-CONFIG = Path(__file__).parents[2] / "config"
 WIRE, OTHER = "W3", "W7"
 BELOW_M, ABOVE_M = 0.020, 0.065
 
 
 @pytest.fixture(scope="module")
 def board():
-    panel = read_panel(CONFIG / "household.yaml", read_wire_materials())
+    panel = example("household")
     made = Cell(SimulatedPlant(panel, design=read_cell("two_arms_cabinet"), seed=1))
     yield made.plant
     made.close()

@@ -2,11 +2,11 @@
 
 import dataclasses
 import math
-from pathlib import Path
 
 import numpy as np
 import place_wire as do
 import pytest
+from panels import example
 
 from remodel_sim.physics.plant import SimulatedPlant
 from remodel_skills import goals
@@ -14,23 +14,18 @@ from remodel_skills.abilities.check_connection import check_connection
 from remodel_skills.abilities.locate_gearbox_component import locate_gearbox_component
 from remodel_skills.cell import Cell
 from remodel_states.core.codes import Code
-from remodel_states.edge.wire_material_file import read_wire_materials
 from remodel_work.edge.cell_file import read_cell
 from remodel_work.errors import AbilityError
 from remodel_work.panel import WireEnd
-from remodel_work.ros.panel_message import read_panel
 
 pytestmark = pytest.mark.physics
 
-CONFIG = Path(__file__).parents[2] / "config"
 WITHIN_M, WITHIN_RAD = 0.0005, math.radians(0.5)
 
 
 def unlabelled(name, panel):
     design = dataclasses.replace(read_cell(name), labels=False)
-    return Cell(
-        SimulatedPlant(read_panel(CONFIG / panel, read_wire_materials()), design=design, seed=3)
-    )
+    return Cell(SimulatedPlant(example(panel), design=design, seed=3))
 
 
 def locate(cell, component):
@@ -42,8 +37,8 @@ def locate(cell, component):
 @pytest.mark.parametrize(
     ("name", "panel", "components"),
     [
-        ("cabinet", "household.yaml", ["D15", "Q1"]),
-        ("one_panda", "panel.yaml", ["X1"]),
+        ("cabinet", "household", ["D15", "Q1"]),
+        ("one_panda", "panel", ["X1"]),
     ],
 )
 def test_devices_of_a_panel_that_lies_askew_are_located(name, panel, components):
@@ -61,7 +56,7 @@ def test_devices_of_a_panel_that_lies_askew_are_located(name, panel, components)
 
 @pytest.fixture
 def cell():
-    made = unlabelled("one_panda", "panel.yaml")
+    made = unlabelled("one_panda", "panel")
     yield made
     made.close()
 

@@ -1,9 +1,13 @@
 """A device whose world is a script: what the wrist feels at each tool pose. No physics, no ROS."""
 
+import itertools
 import math
 from dataclasses import dataclass, field
+from functools import cache
+from types import MappingProxyType
 
 import numpy as np
+from drawn import boxes_of, picture
 
 from remodel_skills.belief_state import BeliefState, EndState, Feed, Grip
 from remodel_skills.device import Device
@@ -13,9 +17,16 @@ from remodel_skills.robot_context import RobotContext
 from remodel_skills.traffic import Traffic
 from remodel_work.camera import Lens, View
 from remodel_work.cell.cell_design import CellDesign, Gripper, RobotDesign, Table, WristCamera
+from remodel_work.cell.feeding import plan_laying
+from remodel_work.cell.held_panel import find_panel_problems, held_panel
+from remodel_work.cell.magazine import plan_presentation
+from remodel_work.edge.cell_file import read_cell
+from remodel_work.errors import PanelError
 from remodel_work.geometry import Pose
 from remodel_work.panel import Channel, Component, Panel, PanelTerminal, PanelWire, WireEnd
+from remodel_work.placed_wires import ParkedWire
 from remodel_work.robot.arm import PANDA_AT_ORIGIN, ToolPose
+from remodel_work.robot.fingers import CAMERA_MOUNT
 
 PARAMETERS = read_parameters().parameters
 TICK_S, STEPS = 1 / 120, 2
@@ -41,7 +52,7 @@ class ScriptedArm:
     """An arm that is where it was sent, and feels what the script says.
 
     Attributes:
-        feels: how much resists a tool pose [N], along the opening's axis.
+        feels: what resists a tool pose [N]: along the opening's axis, or a force (3,).
         tool: the tool pose.
         force: on the wrist, low-passed, (3,) [N].
         forces: of every step [N].
@@ -52,13 +63,14 @@ class ScriptedArm:
     force: np.ndarray = field(default_factory=lambda: np.zeros(3))
     forces: list = field(default_factory=list)
     hand_mass: float = 0.7
+    kinematics: object = PANDA_AT_ORIGIN
     _loop: object = None
 
     def go(self, tool):
         self.tool, self._loop = tool, None
 
     def go_joints(self, joints):
-        self.go(PANDA_AT_ORIGIN.tool_of(joints))
+        self.go(self.kinematics.tool_of(joints))
 
     def press(self, loop):
         self._loop = loop
@@ -66,12 +78,12 @@ class ScriptedArm:
     def tick(self):
         for _ in range(STEPS):
             resists = self.feels(self.tool)
-            felt = resists * SOCKET.rotation[:, 0]
+            felt = resists * SOCKET.rotation[:, 0] if np.isscalar(resists) else resists
             self.forces.append(resists)
             self.force = self.force + TICK_S / STEPS / SENSOR_S * (felt - self.force)
             if self._loop is not None:
                 joints = self._loop.step(felt, TICK_S / STEPS)
-                self.tool = PANDA_AT_ORIGIN.tool_of(joints)
+                self.tool = self.kinematics.tool_of(joints)
 
 
 @dataclass
@@ -120,3 +132,108 @@ def depth_of(tool):
     yaw = tool.yaw
     tip = tool.position + GRIP_M * np.array([math.cos(yaw), math.sin(yaw), 0.0])
     return float(SOCKET.inverse().apply(tip)[0])
+
+
+# One object for each panel: what is drawn of it is drawn once.
+_held_panel = cache(held_panel)
+
+
+class ScriptedPlant:
+    """A whole cell without a world: arms are where they were sent, wires where they were put.
+
+    Attributes:
+        live: the wire that was fed last, by name; its nodes are those of its presentation.
+        boxes: what cameras see of the board, each with its frame in the world.
+        wires: that cameras see, each with its nodes (n, 3) [m].
+        trace: of each robot, its tool pose and the gap between its fingers [m] at every tick.
+    """
+
+    tick_s = TICK_S
+
+    def __init__(self, panel, design=None):
+        self.design = design or read_cell()
+        self.load(panel)
+
+    def load(self, panel, placed=MappingProxyType({})):
+        problems = self.find_problems(panel)
+        if problems:
+            raise PanelError(panel.name, problems)
+        self.loaded, self.panel = panel, _held_panel(self.design, panel)
+        self.parked, self.live = dict(placed), None
+        self.wires, self._pictures = [], itertools.count()
+        self.boxes = boxes_of(self.panel, labels=self.design.labels)
+        self.arms = {
+            robot.name: ScriptedArm(lambda tool: 0.0, robot.home, kinematics=robot.arm)
+            for robot in self.design.robots
+        }
+        self.grippers = {name: ScriptedGripper(2 * PARAMETERS.tool.open_m) for name in self.arms}
+        self.trace = {name: [] for name in self.arms}
+
+    def find_problems(self, panel):
+        return find_panel_problems(self.design, panel)
+
+    def device_of(self, robot):
+        design = next(each for each in self.design.robots if each.name == robot)
+        wrist = ScriptedCamera(self, lambda: view_from(self.arms[robot], design.camera.lens))
+        overhead = ScriptedCamera(self, lambda: self.design.overhead)
+        return Device(self.arms[robot], self.grippers[robot], wrist, overhead, None, self, TICK_S)
+
+    def take(self, view):
+        return picture(view, self.boxes, self.wires, seed=next(self._pictures))
+
+    def feed(self, wire_id, channel_id, tools):
+        wire = self.panel.wire(wire_id)
+        self.parked.update(self.shapes())
+        if self.design.magazine is None:
+            channel, noise = self.panel.channel(channel_id), np.random.default_rng(0)
+            laying = plan_laying(self.design.feeder, self.panel, wire, channel, 30, noise)
+            presentation = laying.presentation(wire)
+        else:
+            presentation = plan_presentation(self.design.magazine, self.panel, wire)
+        ends = [presentation.tips[end].position for end in WireEnd]
+        self.live = wire_id, ParkedWire(np.array(ends), frozenset())
+        return presentation
+
+    def is_at_hand(self, wire_id):
+        return self.live is not None and self.live[0] == wire_id
+
+    def shapes(self):
+        return {**self.parked, **dict([self.live] if self.live else [])}
+
+    def park(self):
+        self.parked, self.live = self.shapes(), None
+
+    def tick(self):
+        for name, arm in self.arms.items():
+            arm.tick()
+            self.trace[name].append((arm.tool, self.grippers[name].gap))
+
+    def rest(self, seconds):
+        pass
+
+    def close(self):
+        pass
+
+
+@dataclass
+class ScriptedCamera:
+    """A camera that draws what its plant's script says."""
+
+    plant: ScriptedPlant
+    see_from: object
+
+    @property
+    def view(self):
+        return self.see_from()
+
+    def take(self):
+        return self.plant.take(self.view)
+
+
+def view_from(arm, lens):
+    """Return what an arm's wrist camera sees from where its tool is."""
+    tool, fingers = arm.tool, arm.kinematics.fingers
+    hand = Pose.level(tool.x, tool.y, tool.z + fingers.tool_m, tool.yaw)
+    upside_down = Pose(np.zeros(3), np.array([1.0, 0.0, 0.0, 0.0]))
+    mount = Pose(np.array(CAMERA_MOUNT), np.array([0.0, 0.0, 0.0, 1.0]))
+    return View(lens, hand @ upside_down @ mount)

@@ -1,9 +1,11 @@
 """Force control of pushes and pulls: its law, on springs."""
 
+import numpy as np
 import pytest
 from scripted_device import PARAMETERS
 
-from remodel_skills.force_control import ForceControl
+from remodel_skills.edge.parameter_files import read_parameters
+from remodel_skills.force_control import ForceControl, Yielding
 
 SPEED = 0.02
 
@@ -37,3 +39,16 @@ def test_a_push_that_is_over_its_limit_goes_back():
 
 def test_a_push_does_not_jerk_the_hand_forwards():
     assert control_of(25.0).speed(SPEED, 0.0, 0.0, 1 / 240) <= 0.3 / 240 + 1e-12
+
+
+MOTION = read_parameters().parameters.motion
+STEP_S = 1 / 240
+
+
+def test_it_gives_way_against_the_force_no_faster_than_the_arm_speeds_up():
+    yielding = Yielding(np.eye(3)[:2], np.array([0.001, 0.004]), stiffness=1e3)
+    free = yielding.speeds(np.zeros(2), np.zeros(2), STEP_S, MOTION)
+    pushed = yielding.speeds(np.array([-1.0, 0.01]), np.zeros(2), STEP_S, MOTION)
+    np.testing.assert_allclose(free, 0.0)
+    assert pushed[0] == pytest.approx(MOTION.force_acceleration_m_s2 * STEP_S)
+    assert -MOTION.force_acceleration_m_s2 * STEP_S < pushed[1] < 0.0

@@ -15,6 +15,7 @@ from remodel_work.errors import AbilityError
 from remodel_work.layout import STANDOFF_M
 
 BOTTOM, FACE_M = TERMINAL.depth, PARAMETERS.terminal.face_m
+NEAR_BOTTOM_M = 0.0115
 LIMIT_N = 8.0
 STIFF = 2e4  # of a wire in the grip against what stops it [N/m]
 RUBBING_N = 0.8  # of a ferrule in its opening
@@ -30,6 +31,10 @@ def seats(depth):
 
 def jams(depth):
     return RUBBING_N * (depth > 0) + wall(0.006, depth)
+
+
+def jams_just_before_the_bottom(depth):
+    return RUBBING_N * (depth > 0) + wall(NEAR_BOTTOM_M, depth)
 
 
 def meets_the_face(depth):
@@ -64,6 +69,7 @@ def test_an_end_that_meets_the_bottom_is_seated():
     ("feels", "code", "depth"),
     [
         (jams, Code.INSERTION_JAMMED, 0.006),
+        (jams_just_before_the_bottom, Code.INSERTION_JAMMED, NEAR_BOTTOM_M),
         (meets_the_face, Code.INSERTION_MISALIGNED, 0.0005),
         (misses, Code.INSERTION_NO_CONTACT, BOTTOM + 0.008),
     ],

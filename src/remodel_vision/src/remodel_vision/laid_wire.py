@@ -237,9 +237,8 @@ def heights_at(picture: Picture, points: Array) -> Array:
 
 def surface_at(picture: Picture, points: Array) -> Array:
     """Return what a depth camera sees in directions of points, both (n, 3) [m], world frame."""
-    assert picture.depth is not None, "the camera measures depth"
     pixels = picture.view.project(points)
-    depths = _sample(picture.depth.astype(np.float32), pixels)
+    depths = _sample(picture.single_depth, pixels)
     return picture.view.at_depth(pixels, depths)
 
 

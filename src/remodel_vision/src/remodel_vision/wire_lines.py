@@ -85,9 +85,15 @@ class WireLines:
 
     def passings(self, height: float) -> Iterator[Array]:
         """Yield the pieces (n, 3) [m], world frame, of a wire at a height [m], a little longer."""
-        for piece in self.pieces:
-            longer = _prolonged(_prolonged(piece, self.width)[::-1], self.width)
-            yield self.picture.view.on_plane(longer, height)
+        for piece in self._longer_pieces:
+            yield self.picture.view.on_plane(piece, height)
+
+    @cached_property
+    def _longer_pieces(self) -> tuple[Array, ...]:
+        """The pieces (n, 2) [px], prolonged at both ends."""
+        return tuple(
+            _prolonged(_prolonged(piece, self.width)[::-1], self.width) for piece in self.pieces
+        )
 
     def continue_from(self, point: Array, heading: Array) -> bool:
         """Return whether the wire goes on from a point (2,) [px] along a unit vector (2,)."""

@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 import numpy.typing as npt
@@ -93,6 +94,12 @@ class Picture:
     rgb: npt.NDArray[np.uint8]
     depth: Array | None
     view: View
+
+    @cached_property
+    def single_depth(self) -> npt.NDArray[np.float32]:
+        """The depth in single precision, as OpenCV samples it [m]."""
+        assert self.depth is not None, "the camera measures depth"
+        return self.depth.astype(np.float32)
 
 
 def looking_down(x: float, y: float, z: float, up_yaw: float) -> Pose:

@@ -76,8 +76,7 @@ def _points_of(picture: Picture, around: int = 0) -> Array:
 
     For each pixel it is the nearest to the camera of so many pixels around it.
     """
-    assert picture.depth is not None, "the camera measures depth"
     near = np.ones(2 * [2 * around + 1])
-    depth = np.asarray(cv2.erode(picture.depth.astype(np.float32), near), np.float64)
+    depth = np.asarray(cv2.erode(picture.single_depth, near), np.float64)
     rows, columns = np.indices(depth.shape).reshape(2, -1)
     return picture.view.at_depth(np.column_stack([columns, rows]).astype(np.float64), depth.ravel())

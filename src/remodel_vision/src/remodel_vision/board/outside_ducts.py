@@ -44,18 +44,23 @@ def route_outside_ducts(
         ways: lines (2, 3) along which it goes from its ducts to its terminals, world frame [m].
     """
     points, is_own = new_points(picture, before, radius)
-    is_inside = np.zeros(len(points), bool)
+    own = points[is_own]
+    is_inside = np.zeros(len(own), bool)
     for duct in places:
-        is_inside |= _are_near(points, panel, [duct], 0.0) & (points[:, 2] < duct.height)
-    is_outside = is_own & ~is_inside
+        is_inside |= _are_near(own, panel, [duct], 0.0) & (own[:, 2] < duct.height)
+    is_outside = ~is_inside
     for way in ways:
-        is_outside &= _distances(points, way) > BESIDE_WAY_M
-    is_beside = _are_near(points, panel, places, OUTSIDE_DUCT_M)
-    is_elsewhere = is_outside & ~is_beside & _are_over(points, panel.world_from_panel, panel.size)
-    outside, inside, elsewhere = (
-        points[without_noise(picture, seen)]
-        for seen in (is_outside & is_beside, is_own & is_inside, is_elsewhere)
-    )
+        is_outside &= _distances(own, way) > BESIDE_WAY_M
+    is_beside = _are_near(own, panel, places, OUTSIDE_DUCT_M)
+    is_elsewhere = is_outside & ~is_beside & _are_over(own, panel.world_from_panel, panel.size)
+
+    def seen(which: npt.NDArray[np.bool_]) -> Array:
+        """Return those of the wire's points without the noise."""
+        shown = np.zeros(len(points), bool)
+        shown[is_own] = which
+        return points[without_noise(picture, shown)]
+
+    outside, inside, elsewhere = map(seen, (is_outside & is_beside, is_inside, is_elsewhere))
     at = np.array([place.position[:2] for duct in places for place in places[duct]])
     steps = np.array([step_in(duct) for duct in places for _ in places[duct]])
     is_out = _lengths(picture, outside, at, radius) > LEAST_OUTSIDE * steps

@@ -1,21 +1,21 @@
-"""The order's wire in pictures of the simulator, and the pieces of it put together."""
+"""The pieces of a wire in a picture, put together."""
 
 import math
 from dataclasses import replace
 
 import numpy as np
 import pytest
+from drawn import bow, boxes_of, picture, tip_of
 from panels import panel
 
-from remodel_sim.physics.plant import SimulatedPlant
-from remodel_sim.physics.wires.parked_wire import draw_parked
-from remodel_skills.cell import Cell
 from remodel_states.core.wires.wire_colours import WIRE_RGB
 from remodel_vision.laid_wire import wire_around, wire_past
 from remodel_vision.wire_lines import WireLines, follow, joined
+from remodel_work.edge.cell_file import read_cell
 from remodel_work.geometry import Pose
-from remodel_work.panel import WireEnd
 
+OVERHEAD = read_cell().overhead
+WIRE = panel().wire("W1")
 WIDTH = 5.0
 RIGHT = np.array([1.0, 0.0])
 
@@ -75,14 +75,9 @@ def test_lines_from_both_ends_are_joined_where_the_whole_is_as_long_as_the_wire(
 
 @pytest.fixture
 def fed():
-    """A cell whose wire lies in its channel, and points along it, (n, 3), from end a on."""
-    made = Cell(SimulatedPlant(panel(), seed=1))
-    made.feed("W1", "A")
-    nodes = made.plant.live.cable.nodes()
-    towards = made.plant.live.cable.tip(WireEnd.A)[0]
-    ordered = np.linalg.norm(nodes[0] - towards) < np.linalg.norm(nodes[-1] - towards)
-    yield made, nodes if ordered else nodes[::-1]
-    made.close()
+    """A wire in its channel: a picture of it from above, and its nodes (n, 3), from end a on."""
+    nodes = bow(WIRE)
+    return picture(OVERHEAD, boxes_of(panel()), [(WIRE, nodes)]), nodes
 
 
 def place_on(nodes, index):
@@ -92,10 +87,9 @@ def place_on(nodes, index):
     return Pose.level(*middle, math.atan2(along[1], along[0]))
 
 
-@pytest.mark.physics
 def test_how_a_wire_passes_a_place_is_seen_from_above(fed):
-    cell, nodes = fed
-    lines = WireLines(cell.plant.take_overhead_picture(), cell.context.wire)
+    seen, nodes = fed
+    lines = WireLines(seen, WIRE)
     on_it = place_on(nodes, len(nodes) // 2)
     for aside in (0.0, 0.004, -0.006):
         place = Pose(on_it.apply(np.array([[0.0, -aside, 0.0]]))[0], on_it.quaternion)
@@ -106,18 +100,16 @@ def test_how_a_wire_passes_a_place_is_seen_from_above(fed):
     assert wire_past(beside, 0.012, lines) is None
 
 
-@pytest.mark.physics
 def test_a_wire_of_another_colour_is_not_taken_for_it(fed):
-    cell, nodes = fed
-    other = replace(cell.context.wire, colour="RD")
-    lines = WireLines(cell.plant.take_overhead_picture(), other)
+    seen, nodes = fed
+    other = replace(WIRE, colour="RD")
+    lines = WireLines(seen, other)
     assert wire_past(place_on(nodes, len(nodes) // 2), 0.012, lines) is None
 
 
-@pytest.mark.physics
 def test_where_a_wire_leaves_a_circle_is_seen_from_above(fed):
-    cell, nodes = fed
-    lines = WireLines(cell.plant.take_overhead_picture(), cell.context.wire)
+    seen, nodes = fed
+    lines = WireLines(seen, WIRE)
     middle = len(nodes) // 2
     centre, there = nodes[middle, :2], nodes[middle + 2, :2]
     radius = float(np.linalg.norm(there - centre))
@@ -128,21 +120,20 @@ def test_where_a_wire_leaves_a_circle_is_seen_from_above(fed):
     assert wire_around(centre + np.array([0.1, 0.0]), radius / 2, 0.0, lines) is None
 
 
-@pytest.mark.physics
 def test_a_wire_is_followed_under_another_one_that_lies_across(fed):
-    cell, nodes = fed
+    _, nodes = fed
     middle = len(nodes) // 2
     along = np.linspace(-0.05, 0.05, 5)[:, None]
     across = nodes[middle] + np.array([0.0, 0.0, 0.006]) + along * np.array([1.0, 0.0, 0.0])
-    draw_parked(cell.plant.world, across, replace(cell.context.wire, diameter=0.005, colour="BK"))
-    picture = cell.plant.take_overhead_picture()
-    lines = WireLines(picture, cell.context.wire)
-    tip, out = cell.plant.live.cable.tip(WireEnd.A)
-    tail = tip - cell.context.wire.ferrule_length * out
-    pixels = picture.view.project(np.array([tail, tail - 0.01 * out]))
+    black = replace(WIRE, diameter=0.005, colour="BK", ferrule_length=0.0)
+    seen = picture(OVERHEAD, boxes_of(panel()), [(WIRE, nodes), (black, across)])
+    lines = WireLines(seen, WIRE)
+    tip, out = tip_of(nodes)
+    tail = tip - WIRE.ferrule_length * out
+    pixels = seen.view.project(np.array([tail, tail - 0.01 * out]))
     heading = (pixels[1] - pixels[0]) / np.linalg.norm(pixels[1] - pixels[0])
     line = follow(lines.pieces, pixels[0], heading, lines.width, lines.length)
-    seen = picture.view.on_plane(line, cell.context.wire.radius)[:, :2]
+    found = OVERHEAD.on_plane(line, WIRE.radius)[:, :2]
     beyond = nodes[middle + 1 : -3, :2]
-    away = np.linalg.norm(beyond[:, None] - seen[None], axis=2).min(axis=1)
+    away = np.linalg.norm(beyond[:, None] - found[None], axis=2).min(axis=1)
     assert away.max() < 0.003

@@ -1,11 +1,22 @@
-"""Small panels for tests."""
+"""Panels for tests: small ones, and the examples of the cells."""
 
 import dataclasses
 import math
+from functools import cache
+from pathlib import Path
 
+from remodel_states.edge.wire_material_file import read_wire_materials
 from remodel_work.panel import Channel, Component, Panel, PanelTerminal, PanelWire
+from remodel_work.ros.panel_message import read_panel
 
+EXAMPLES = Path(__file__).parents[2] / "remodel_sim/config"
 ROW_X = 0.080
+
+
+@cache
+def example(name):
+    """An example panel of the simulated cells: "household" is a whole cabinet."""
+    return read_panel(EXAMPLES / f"{name}.yaml", read_wire_materials())
 
 
 def component(name, marker, x, y, side, terminals=2, bore=0.0038):

@@ -6,8 +6,7 @@ import pytest
 import yaml
 from panels import panel
 
-from remodel_sim.physics.plant import SimulatedPlant
-from remodel_skills.cell import Cell
+from remodel_work.cell.held_panel import find_panel_problems, held_panel
 from remodel_work.edge.cell_file import read_cell
 from remodel_work.errors import CellFileError
 from remodel_work.panel import BOARD
@@ -191,11 +190,9 @@ def test_the_cells_own_fixtures_are_built_with_every_panel(tmp_path):
     duct = {"id": "D", "pose": [0, 0, 90], "length": 0.3, "width": 0.04, "height": 0.02}
     file = tmp_path / "mine.yaml"
     file.write_text(yaml.safe_dump({**parsed(), "fixtures": {"clips": [], "ducts": [duct]}}))
-    cell = Cell(SimulatedPlant(panel(), design=read_cell(str(file))))
-    cell.load(cell.plant.loaded)
-    assert [built.id for built in cell.plant.panel.ducts] == ["D"]
-    assert cell.plant.loaded == panel()
-    cell.close()
+    design = read_cell(str(file))
+    assert [built.id for built in held_panel(design, panel()).ducts] == ["D"]
+    assert find_panel_problems(design, panel()) == ()
 
 
 def test_an_unknown_cell_names_those_there_are():

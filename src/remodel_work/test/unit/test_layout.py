@@ -1,19 +1,13 @@
 import dataclasses
 import math
 import re
-from pathlib import Path
 
 import pytest
-from panels import component, panel, wire
+from panels import component, example, panel, wire
 
-from remodel_sim.physics.plant import SimulatedPlant
-from remodel_skills.cell import Cell
-from remodel_states.edge.wire_material_file import read_wire_materials
 from remodel_work.edge.cell_file import read_cell
-from remodel_work.errors import PanelError
 from remodel_work.layout import find_problems as problems_of
 from remodel_work.panel import Duct, PanelClip
-from remodel_work.ros.panel_message import read_panel
 
 CLIP = PanelClip(
     id="C1",
@@ -24,7 +18,6 @@ CLIP = PanelClip(
     retention_force=5.0,
 )
 DUCT = Duct(id="D1", pose=(0.0, 0.0, math.pi / 2), length=0.4, width=0.040, height=0.020)
-CONFIG = Path(__file__).parents[2] / "config"
 
 
 def find_problems(found, **options):
@@ -35,7 +28,7 @@ def find_problems(found, **options):
 def test_good_panels_have_no_problem():
     assert find_problems(panel()) == ()
     assert find_problems(panel(clips=(CLIP,), ducts=(DUCT,))) == ()
-    assert find_problems(read_panel(CONFIG / "panel.yaml", read_wire_materials())) == ()
+    assert find_problems(example("panel")) == ()
 
 
 def changed(old, **changes):
@@ -99,7 +92,7 @@ def test_each_broken_rule_is_named(broken, words):
 
 
 def household():
-    return read_panel(CONFIG / "household.yaml", read_wire_materials())
+    return example("household")
 
 
 def board_problems(broken, arms=None, *, has_magazine=True):
@@ -164,32 +157,6 @@ def test_thick_fingers_need_a_wider_pitch():
     assert "for a finger of 11.0 mm between their wires" in narrow
     assert "a pitch of 16 mm, or thinner fingers" in narrow
     assert low.endswith("a lower duct, longer fingers")
-
-
-def test_all_problems_are_reported_at_once_and_nothing_is_built():
-    plant = SimulatedPlant(panel())
-    bodies = plant.world.bullet.getNumBodies()
-    broken = changed(with_wire(colour="XX", length=9.0), size=(2.0, 0.7, 0.003))
-    with pytest.raises(PanelError) as caught:
-        plant.load(broken)
-    assert len(caught.value.problems) == 3
-    assert plant.panel == panel()
-    assert plant.world.bullet.getNumBodies() == bodies
-    plant.close()
-
-
-def test_goals_that_the_robots_cannot_do_are_refused_with_the_panel_and_nothing_is_built():
-    cell = Cell(SimulatedPlant(panel()))
-    broken = changed(panel(), size=(2.0, 0.7, 0.003))
-    with pytest.raises(PanelError) as caught:
-        cell.load(broken, robots=("robot_1", "robot_2"), forces_n={"InsertCable": 40.0})
-    robot, force, size = caught.value.problems
-    assert robot == "the order's goals name robot 'robot_2'; the cell has robot_1"
-    assert "InsertCable push with up to 40 N; this cell's grip holds at most 25 N" in force
-    assert "the plate's size in x" in size
-    assert cell.plant.panel == panel()
-    cell.load(panel(), robots=("robot_1",), forces_n={"InsertCable": 25.0, "Push": 99.0})
-    cell.close()
 
 
 def test_a_wire_between_neighbours_may_be_short_but_not_too_short():

@@ -1,29 +1,29 @@
-"""Labels in drawn and rendered pictures; benchmarks/vision measures them over many more."""
+"""Labels in drawn pictures; benchmarks/vision measures them over many rendered ones."""
 
 import dataclasses
 import math
+from functools import cache
 
 import cv2
 import numpy as np
 import pytest
+from drawn import picture, standing
 from panels import component, panel
 
-from remodel_sim.physics.cameras import take
-from remodel_sim.physics.fixtures.panel_scene import PanelScene
-from remodel_sim.physics.world import World
 from remodel_vision.label_pose import LabelView, locate_component
 from remodel_vision.labels import find_labels, search_label
 from remodel_work.camera import Lens, Picture, View, looking_down
 from remodel_work.component_shape import marker_cells
-from remodel_work.edge.cell_file import read_cell
 from remodel_work.geometry import Pose
+from remodel_work.panel import BOARD
 
 LENS = Lens(640, 480, math.radians(52.0))
 HEIGHT = 0.204
+UPRIGHT = Pose.level(0.503, -0.004, 0.0, 0.07)
 HOUSING, PLATE = 85, 200
 
 
-def drawn(*labels):
+def housings(*labels):
     """A picture from above of dark housings, each with a label: (marker, column, row, turn)."""
     grey = np.full((480, 640), PLATE, np.float32)
     for marker, column, row, turn in labels:
@@ -42,7 +42,7 @@ def drawn(*labels):
 
 @pytest.mark.parametrize("turn", [0, 10, 95, 181, -80])
 def test_a_label_is_found_not_the_outline_of_its_housing(turn):
-    (found,) = find_labels(drawn((3, 300, 240, turn)), panel().components).items()
+    (found,) = find_labels(housings((3, 300, 240, turn)), panel().components).items()
     marker, corners = found
     assert marker == 3
     np.testing.assert_allclose(corners.mean(axis=0), [300, 240], atol=0.3)
@@ -51,56 +51,53 @@ def test_a_label_is_found_not_the_outline_of_its_housing(turn):
 
 
 def test_a_label_that_the_panel_lacks_is_none():
-    assert find_labels(drawn((158, 200, 240, 0), (115, 450, 240, 0)), panel().components) == {}
+    assert find_labels(housings((158, 200, 240, 0), (115, 450, 240, 0)), panel().components) == {}
 
 
 def test_a_label_seen_twice_is_not_reported():
-    assert find_labels(drawn((3, 150, 240, 0), (3, 450, 240, 0)), panel().components) == {}
+    assert find_labels(housings((3, 150, 240, 0), (3, 450, 240, 0)), panel().components) == {}
 
 
 def test_a_label_of_another_size_is_a_stranger():
     large = dataclasses.replace(component("X3", 3, 0.08, -0.12, side=-1), marker_size=0.034)
-    assert find_labels(drawn((3, 300, 240, 0)), [large]) == {}
+    assert find_labels(housings((3, 300, 240, 0)), [large]) == {}
 
 
-@pytest.fixture
+@pytest.fixture(scope="module")
 def looks():
     """A function: a component's pose to views of it from two places, and how it stands there."""
-    world = World(240.0)
     part = component("X1", 1, 0.0, 0.0, side=1)
-    noise = np.random.default_rng(4)
-    table = read_cell().table
 
+    @cache
     def look(pose, blur=0.0):
-        world.clear()
-        PanelScene(world, table, panel(components=(part,), wires=()), {"X1": pose})
+        boxes = standing(panel(components=(part,)), BOARD, {"X1": pose})
         found = []
-        for aside in (0.0, 0.07):
+        for seed, aside in enumerate((0.0, 0.07)):
             view = View(LENS, looking_down(0.50, aside, HEIGHT, 0.3))
-            picture = take(world, view, noise)
+            seen = picture(view, boxes, seed=seed).rgb
             if blur:
-                picture = Picture(cv2.GaussianBlur(picture.rgb, (0, 0), blur), None, view)
-            found.append(LabelView(picture, find_labels(picture, [part])[1]))
+                seen = cv2.GaussianBlur(seen, (0, 0), blur)
+            seen = Picture(seen, None, view)
+            found.append(LabelView(seen, find_labels(seen, [part])[1]))
         return found
 
-    yield part, look
-    world.close()
+    return part, look
 
 
 def test_a_label_that_a_wire_crosses_is_found_where_it_is_expected(looks):
     part, look = looks
-    true = Pose.level(0.503, -0.004, 0.0, 0.07)
+    true = UPRIGHT
     first, _ = look(true)
     covered = first.picture.rgb.copy()
     start, end = np.rint(first.corners[[0, 2]] + [[-20, 10], [20, -5]]).astype(int).tolist()
     cv2.line(covered, start, end, (170, 40, 40), 7)
-    picture = Picture(covered, None, first.picture.view)
-    assert find_labels(picture, [part]) == {}
+    crossed = Picture(covered, None, first.picture.view)
+    assert find_labels(crossed, [part]) == {}
     near = Pose.level(0.50, 0.0, 0.0, 0.0)
-    seen = locate_component(part, [LabelView(picture, search_label(picture, part, near))])
+    seen = locate_component(part, [LabelView(crossed, search_label(crossed, part, near))])
     assert error(seen.world_from_component, true)[0] < 0.0003
     stranger = dataclasses.replace(part, marker_id=17)
-    assert search_label(picture, stranger, near) is None
+    assert search_label(crossed, stranger, near) is None
 
 
 def error(seen, true):
@@ -113,7 +110,7 @@ def error(seen, true):
 @pytest.mark.parametrize("count", [1, 2])
 def test_an_upright_component_is_located(looks, blur, count):
     part, look = looks
-    true = Pose.level(0.503, -0.004, 0.0, 0.07)
+    true = UPRIGHT
     seen = locate_component(part, look(true, blur)[:count])
     away, turned = error(seen.world_from_component, true)
     assert seen.upright
@@ -134,14 +131,14 @@ def test_a_component_askew_is_located_from_two_places(looks):
 
 def test_a_wire_over_the_label_does_not_move_it(looks):
     part, look = looks
-    true = Pose.level(0.503, -0.004, 0.0, 0.07)
+    true = UPRIGHT
     first, _ = look(true)
     middle = first.corners.mean(axis=0)
     covered = first.picture.rgb.copy()
     start, end = np.rint(middle + np.array([[-60, -25], [60, -12]])).astype(int).tolist()
     cv2.line(covered, start, end, (170, 40, 40), 9)
-    picture = Picture(covered, None, first.picture.view)
-    seen = locate_component(part, [LabelView(picture, first.corners)])
+    crossed = Picture(covered, None, first.picture.view)
+    seen = locate_component(part, [LabelView(crossed, first.corners)])
     away, turned = error(seen.world_from_component, true)
     assert away < 0.0003
     assert turned < 0.4
@@ -149,10 +146,10 @@ def test_a_wire_over_the_label_does_not_move_it(looks):
 
 def test_a_label_that_is_wholly_covered_is_not_seen_clearly(looks):
     part, look = looks
-    first, _ = look(Pose.level(0.503, -0.004, 0.0, 0.07))
+    first, _ = look(UPRIGHT)
     stripes = np.tile(np.uint8([[0], [255]]), (240, 640))
-    picture = Picture(np.repeat(stripes[..., None], 3, axis=2), None, first.picture.view)
-    assert not locate_component(part, [LabelView(picture, first.corners)]).clear
+    crossed = Picture(np.repeat(stripes[..., None], 3, axis=2), None, first.picture.view)
+    assert not locate_component(part, [LabelView(crossed, first.corners)]).clear
 
 
 TILTED = np.array([math.sin(math.radians(2)), -math.sin(math.radians(1)), 0.0, 0.9994])
@@ -229,5 +226,5 @@ def test_an_uncovered_label_is_reliable_from_two_places_and_leans_from_one(looks
     assert locate_component(part, views).reliable
     alone = locate_component(part, views[:1])
     assert alone.clear and not alone.reliable
-    upright = look(Pose.level(0.503, -0.004, 0.0, 0.07))
+    upright = look(UPRIGHT)
     assert locate_component(part, upright[:1]).reliable

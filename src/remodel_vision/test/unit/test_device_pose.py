@@ -1,15 +1,13 @@
-"""Devices without labels in rendered pictures; benchmarks/vision/devices.py measures many more."""
+"""Devices without labels in drawn pictures; benchmarks/vision/devices.py measures many more."""
 
 import dataclasses
 import math
 
 import numpy as np
 import pytest
+from drawn import picture, standing
 from panels import component, panel
 
-from remodel_sim.physics.cameras import take
-from remodel_sim.physics.fixtures.panel_scene import PanelScene
-from remodel_sim.physics.world import World
 from remodel_vision.device_pose import (
     device_edges,
     locate_device,
@@ -31,15 +29,11 @@ PANEL = panel(components=(*ROW, ALONE), wires=())
 PANEL_AT = BOARD @ Pose.level(0.006, -0.007, 0.0, math.radians(1.2))
 
 
-@pytest.fixture(scope="module")
-def world():
-    made = World(240.0)
-    yield made
-    made.close()
+def stand(panel_at=PANEL_AT, stands=PANEL, **poses):
+    """Return where each device stands, and what a panel looks like.
 
-
-def stand(world, panel_at=PANEL_AT, stands=PANEL, **poses):
-    """Build a panel; returns where each device stands. `poses` has motions from where it should."""
+    `poses` has motions from where they should stand.
+    """
     where = {
         part.id: panel_at
         @ Pose.level(0.0, 0.0015, 0.0)
@@ -47,23 +41,21 @@ def stand(world, panel_at=PANEL_AT, stands=PANEL, **poses):
         @ poses.get(part.id, Pose.level(0.0003, -0.0003, 0.0, 0.006))
         for part in PANEL.components
     }
-    world.clear()
-    PanelScene(world, CELL.table, stands, where, world_from_panel=panel_at, labels=False)
-    return where
+    return where, standing(stands, panel_at, where, labels=False)
 
 
-def from_above(world, light=1.0):
-    return take(world, CELL.overhead, np.random.default_rng(3), depth=True, light=light)
+def from_above(boxes, light=1.0):
+    return picture(CELL.overhead, boxes, seed=3, light=light)
 
 
-def look(world, part, asides=((0.0, 0.0), (0.0, 0.045)), light=1.0):
+def look(boxes, part, asides=((0.0, 0.0), (0.0, 0.045)), light=1.0):
     """What a search finds in pictures of the wrist camera over a device, and beside it."""
-    near, noise = PANEL_AT @ part.panel_from_component, np.random.default_rng(4)
+    near = PANEL_AT @ part.panel_from_component
     found = []
-    for aside in asides:
+    for seed, aside in enumerate(asides):
         x, y = near.position[:2] + aside
         view = View(CELL.robots[0].camera.lens, looking_down(float(x), float(y), HEIGHT, 0.3))
-        found.append(search_device(take(world, view, noise, light=light), PANEL, part, near))
+        found.append(search_device(picture(view, boxes, seed=seed, light=light), PANEL, part, near))
     return found
 
 
@@ -73,55 +65,55 @@ def errors(found, true, part):
     return away, abs(found.yaw - true.yaw)
 
 
-@pytest.mark.parametrize("light", [0.4, 1.5])
-def test_devices_in_a_row_and_alone_are_located(world, light):
-    where = stand(world)
-    above = from_above(world, light)
+@pytest.mark.parametrize("light", [0.4, pytest.param(1.5, marks=pytest.mark.slow)])
+def test_devices_in_a_row_and_alone_are_located(light):
+    where, boxes = stand()
+    above = from_above(boxes, light)
     registered = register_panel(above, PANEL)
     assert np.linalg.norm(registered.position - PANEL_AT.position) < 0.002
     assert abs(registered.yaw - PANEL_AT.yaw) < math.radians(0.2)
     for part in (ROW[0], ROW[2], ALONE):
-        seen = locate_device(part, look(world, part, light=light))
+        seen = locate_device(part, look(boxes, part, light=light))
         away, turned = errors(seen.world_from_component, where[part.id], part)
         assert seen.reliable
         assert stands_there(above, part, seen.world_from_component)
         assert away < 0.0003 and turned < math.radians(0.3)
 
 
-def test_a_missing_device_is_not_its_neighbour(world):
+def test_a_missing_device_is_not_its_neighbour():
     left = tuple(part for part in PANEL.components if part is not ROW[1])
-    stand(world, stands=dataclasses.replace(PANEL, components=left))
-    above, place = from_above(world), PANEL_AT @ ROW[1].panel_from_component
-    assert look(world, ROW[1]) == [None, None]
+    _, boxes = stand(stands=dataclasses.replace(PANEL, components=left))
+    above, place = from_above(boxes), PANEL_AT @ ROW[1].panel_from_component
+    assert look(boxes, ROW[1]) == [None, None]
     assert not stands_there(above, ROW[1], place)
 
 
-def test_a_device_turned_round_is_refused(world):
-    stand(world, X1=Pose.level(0.0, 0.0, 0.0, math.pi))
-    views = [view for view in look(world, ALONE) if view is not None]
+def test_a_device_turned_round_is_refused():
+    _, boxes = stand(X1=Pose.level(0.0, 0.0, 0.0, math.pi))
+    views = [view for view in look(boxes, ALONE) if view is not None]
     assert not views or not locate_device(ALONE, views).clear
 
 
-def test_a_device_that_is_not_down_on_its_rail_is_refused(world):
-    where = stand(world, X1=Pose.level(0.0, 0.0, 0.004))
-    views = look(world, ALONE)
+def test_a_device_that_is_not_down_on_its_rail_is_refused():
+    where, boxes = stand(X1=Pose.level(0.0, 0.0, 0.004))
+    views = look(boxes, ALONE)
     assert not locate_device(ALONE, views).reliable, "the pictures from two places do not agree"
-    assert not stands_there(from_above(world), ALONE, PANEL_AT @ ALONE.panel_from_component)
+    assert not stands_there(from_above(boxes), ALONE, PANEL_AT @ ALONE.panel_from_component)
     assert where["X1"].position[2] == pytest.approx(0.004)
 
 
-def test_a_device_further_along_than_it_can_be_told_from_the_next_is_refused(world):
-    stand(world, D0=Pose.level(0.0, -0.02, 0.0))
-    views = [view for view in look(world, ROW[0]) if view is not None]
+def test_a_device_further_along_than_it_can_be_told_from_the_next_is_refused():
+    _, boxes = stand(D0=Pose.level(0.0, -0.02, 0.0))
+    views = [view for view in look(boxes, ROW[0]) if view is not None]
     assert not views or not locate_device(ROW[0], views).clear
 
 
-def test_a_panel_that_is_another_one_or_too_far_off_is_not_registered(world):
-    stand(world)
+def test_a_panel_that_is_another_one_or_too_far_off_is_not_registered():
+    _, boxes = stand()
     other = dataclasses.replace(PANEL, size=(0.30, 0.50, 0.003), components=(ALONE,))
-    assert register_panel(from_above(world), other) is None
-    stand(world, BOARD @ Pose.level(0.03, 0.0, 0.0))
-    assert register_panel(from_above(world), PANEL) is None
+    assert register_panel(from_above(boxes), other) is None
+    _, boxes = stand(BOARD @ Pose.level(0.03, 0.0, 0.0))
+    assert register_panel(from_above(boxes), PANEL) is None
 
 
 def test_the_edges_of_a_device_are_its_outline_and_a_screw_for_each_clamp():

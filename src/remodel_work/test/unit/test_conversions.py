@@ -1,18 +1,15 @@
 """What a panel's message says of rails, slotted ducts, screws and routes is in the panel."""
 
-from pathlib import Path
-
 import pytest
 from geometry_msgs.msg import Point, Pose2D
+from panels import EXAMPLES, example
 from remodel_msgs.msg import Component, Duct, Rail, Terminal, Wire
 from remodel_msgs.msg import Panel as PanelMsg
 
 from remodel_states.core.wires.wire_materials import PROPERTIES, WireMaterials
-from remodel_states.edge.wire_material_file import read_wire_materials
 from remodel_work import panel as values
-from remodel_work.ros.panel_message import panel_from, panel_message, read_panel
+from remodel_work.ros.panel_message import panel_from, panel_message
 
-CONFIG = Path(__file__).parents[2] / "config"
 MATERIAL = dict.fromkeys(PROPERTIES, 0.5)
 
 
@@ -59,7 +56,7 @@ def test_a_wire_knows_its_route_its_ducts_and_where_it_is_presented():
     assert (second.route, second.ducts, second.presented_at) == ((), (), None)
 
 
-@pytest.mark.parametrize("file", sorted(CONFIG.glob("*.yaml")), ids=lambda file: file.stem)
+@pytest.mark.parametrize("file", sorted(EXAMPLES.glob("*.yaml")), ids=lambda file: file.stem)
 def test_a_panel_that_is_written_is_read_again(file):
-    panel = read_panel(file, read_wire_materials())
+    panel = example(file.stem)
     assert panel_from(panel_message(panel), WireMaterials({})) == panel

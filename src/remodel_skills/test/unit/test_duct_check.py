@@ -1,0 +1,186 @@
+"""How a wire lies in its ducts and forks, in drawn pictures, and what the checks make of it."""
+
+from contextlib import nullcontext
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from drawn import along
+from formboards import duct, formboard
+from laid_wires import (
+    IN_DUCT_M,
+    IN_DUCTS_M,
+    LEG,
+    OVER_RIM_M,
+    across_the_devices,
+    curled,
+    laid,
+    led,
+)
+from panels import example
+from scripted_device import PARAMETERS, ScriptedPlant
+
+from remodel_skills.belief_state import NO_CHANNEL, Feed
+from remodel_skills.cell import Cell
+from remodel_skills.primitives.observation import route_check
+from remodel_skills.primitives.observation.duct_check import check_ducts, inspect_ducts
+from remodel_skills.primitives.observation.fork_check import check_forks
+from remodel_states.core.codes import Code
+from remodel_work.component_shape import Box
+from remodel_work.edge.cell_file import read_cell
+from remodel_work.errors import AbilityError
+from remodel_work.fixtures import WALL_M
+from remodel_work.geometry import Pose
+from remodel_work.panel import BOARD
+
+HARNESS = example("harness")
+# So far aside along both axes it lies over an outer wall [m].
+OVER_WALL_M = 0.028
+
+
+def inspected(*shapes):
+    """Return how WIRE lies in its ducts, seen from above."""
+    cell = laid(*shapes)
+    return cell.run(inspect_ducts(cell.context))
+
+
+@pytest.mark.parametrize(
+    ("height", "aside", "is_out"),
+    [(IN_DUCT_M, 0.0, False), (OVER_RIM_M, 0.0, True), (OVER_RIM_M, OVER_WALL_M, True)],
+)
+def test_a_wire_over_the_rims_or_the_wall_is_out_of_its_ducts(height, aside, is_out):
+    found = inspected(led(height, aside))
+    if not is_out:
+        assert found.share == pytest.approx(1.0, abs=0.05)
+        check_ducts(found, PARAMETERS.fixture.duct_least_share)
+        return
+    with pytest.raises(AbilityError, match="allowed: 80% or more; draw it out") as caught:
+        check_ducts(found, PARAMETERS.fixture.duct_least_share)
+    assert caught.value.code is Code.OUT_OF_DUCT
+    assert caught.value.found["in_ducts"] == pytest.approx(0.0, abs=0.2)
+
+
+def test_a_wire_that_curls_up_is_out_of_its_ducts_along_its_route_not_along_itself():
+    nodes = curled(led(IN_DUCT_M))
+    out = np.ptp(nodes[nodes[:, 2] == OVER_RIM_M][:, 0])
+    assert inspected(nodes).share == pytest.approx(1 - out / IN_DUCTS_M, abs=0.05)
+
+
+def test_a_wire_that_curls_up_beside_its_duct_where_it_is_seen_in_it_lies_in_its_duct():
+    nodes = led(IN_DUCT_M)
+    beside = (0.0, 0.035, OVER_RIM_M - IN_DUCT_M)
+    comes_back = np.add(nodes[9 * LEG // 4 : 11 * LEG // 4], beside)
+    assert inspected(nodes, comes_back).share == pytest.approx(1.0, abs=0.05)
+
+
+def test_a_wire_that_lies_across_the_devices_is_not_in_its_ducts():
+    with pytest.raises(AbilityError, match="allowed: 80% or more") as caught:
+        check_ducts(inspected(across_the_devices()), PARAMETERS.fixture.duct_least_share)
+    assert caught.value.code is Code.OUT_OF_DUCT
+
+
+FORK = HARNESS.ducts[1]  # F2, the one in the middle
+OTHER = "W1.5"  # black: in the shadow each colour comes near to it
+
+
+@pytest.fixture(scope="module")
+def harness():
+    made = Cell(ScriptedPlant(HARNESS, read_cell("two_arms_formboard")))
+    yield made
+    made.close()
+
+
+def touching(side, to):
+    """Return how far aside of its fork's middle a wire touches a post from inside or outside [m].
+
+    `side` is 1 or -1, `to` -1 inside and 1 outside.
+    """
+    face = FORK.width / 2 + (WALL_M if to > 0 else 0.0)
+    return side * (face + to * (HARNESS.wires[0].radius + 0.0005))
+
+
+def lying(wire_id, aside, height):
+    """Return a wire from opening to opening, bent aside to a height in the middle fork [m]."""
+    (ax, ay, z), (bx, by, _) = HARNESS.wire(wire_id).route
+    share = np.linspace(0.0, 1.0, 40)
+    bow = np.sin(np.pi * share) ** 2
+    # In the fork the wire runs straight along the posts.
+    x = ax + share * (bx - ax) + bow * (aside - (ax + bx) / 2) - np.sin(2 * np.pi * share) * ax / 2
+    points = np.column_stack([x, ay + share * (by - ay), z + bow * (height - z)])
+    return HARNESS.wire(wire_id), BOARD.apply(points)
+
+
+def held_by_forks(cell, wire_id, *wires):
+    cell.plant.wires = list(wires)
+    cell.context.belief.start_wire(Feed(wire_id, NO_CHANNEL, 1), {})
+    return [fork.id for fork in cell.run(check_forks(cell.context))]
+
+
+@pytest.mark.parametrize("wire", [wire.id for wire in HARNESS.wires])
+def test_a_wire_of_each_colour_is_seen_beside_its_fork(harness, wire):
+    with pytest.raises(AbilityError, match=r"lies in 2 of its 3 forks: .* beside 'F2'") as caught:
+        held_by_forks(harness, wire, lying(wire, touching(-1, 1), 0.025))
+    assert caught.value.code is Code.OUT_OF_DUCT
+
+
+@pytest.mark.parametrize(
+    ("aside", "height", "words"),
+    [
+        (0.0, 0.025, ""),
+        (touching(1, -1), 0.002, ""),
+        (touching(-1, -1), 0.050, ""),
+        (touching(1, 1), 0.040, "beside 'F2'"),
+        (touching(-1, 1), 0.006, "beside 'F2'"),
+        (-0.060, 0.025, "beside 'F2'"),
+        (0.0, 0.064, "above the posts of 'F2'"),
+    ],
+)
+def test_where_a_wire_lies_at_a_fork_decides(harness, aside, height, words):
+    with pytest.raises(AbilityError, match=words) if words else nullcontext():
+        forks = held_by_forks(harness, "W1.4", lying("W1.4", aside, height))
+    assert words or forks == ["F1", "F2", "F3"]
+
+
+@pytest.mark.parametrize("wire", [wire.id for wire in HARNESS.wires if wire.id != OTHER])
+def test_another_wire_beside_a_fork_is_not_taken_for_it(harness, wire):
+    beside = lying(OTHER, touching(-1, 1), 0.037)
+    assert held_by_forks(harness, wire, beside, lying(wire, 0.0, 0.025)) == ["F1", "F2", "F3"]
+
+
+def test_a_wire_that_is_not_visible_does_not_count_as_held(harness):
+    with pytest.raises(AbilityError, match=r"'W1\.4' is not visible near any of its 3 forks"):
+        held_by_forks(harness, "W1.4")
+
+
+def at(x, y):
+    return BOARD @ Pose.level(x, y, 0.05, np.pi / 2)
+
+
+def formboard_with_a_wire(*ducts):
+    """Return a cell whose wire lies along the middle of its channel."""
+    cell = Cell(ScriptedPlant(formboard(0, ducts)))
+    cell.feed("W1", "A")
+    wire = cell.context.wire
+    line = BOARD.apply(np.array([[0.0, -0.31, wire.radius], [0.0, 0.31, wire.radius]]))
+    cell.plant.wires = [(wire, along(line))]
+    return cell
+
+
+@pytest.mark.parametrize(("x", "words"), [(0.0, ""), (-0.045, "2. mm beside duct 'D1'")])
+def test_a_wire_beside_its_duct_is_seen_from_above(x, words):
+    cell = formboard_with_a_wire(duct(x, 0.0))
+    with pytest.raises(AbilityError, match=words) if words else nullcontext() as caught:
+        cell.run(route_check.check_ducts(cell.context, (at(x, -0.1), at(x, 0.1))))
+    assert not words or caught.value.code is Code.OUT_OF_DUCT
+
+
+@pytest.mark.parametrize("hidden", [("D1",), ("D1", "D2")])
+def test_a_wire_that_is_hidden_in_one_duct_is_judged_by_the_others(hidden):
+    ducts = [duct(0.0, -0.1), replace(duct(0.0, 0.1), id="D2")]
+    cell = formboard_with_a_wire(*ducts)
+    cover = Box((0.0, 0.0, 0.03), (0.2, 0.2, 0.002), (0.5, 0.5, 0.5))
+    covers = tuple((cover, BOARD @ one.panel_from_duct) for one in ducts if one.id in hidden)
+    cell.plant.boxes += covers
+    with pytest.raises(AbilityError) if len(hidden) > 1 else nullcontext() as caught:
+        cell.run(route_check.check_ducts(cell.context, (at(0.0, -0.2), at(0.0, 0.2))))
+    assert caught is None or caught.value.code is Code.CABLE_OCCLUDED

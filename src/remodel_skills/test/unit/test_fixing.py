@@ -1,0 +1,51 @@
+"""What FixCable makes of a clamp that closes on nothing: on a scripted device."""
+
+from dataclasses import replace
+
+import pytest
+from scripted_device import PARAMETERS, SOCKET, TERMINAL, before_the_opening
+
+from remodel_skills.abilities.fix_cable import fix_cable
+from remodel_skills.belief_state import EndState
+from remodel_skills.goals import FixGoal
+from remodel_skills.primitives.pushing import tool_before
+from remodel_skills.runner import run
+from remodel_states.core.codes import Code
+from remodel_work.errors import AbilityError
+from remodel_work.panel import WireEnd
+
+GOAL = FixGoal("robot_1", "W1", "X1", "1", pull_test_force=5.0)
+STIFF_N_M = 2e5
+
+
+class Clamp:
+    """A clamp that stops on what is in its terminal, or on nothing."""
+
+    def __init__(self, *, stops):
+        self.stops = stops
+
+    def close_clamp(self, component_id, terminal_id):
+        return self.stops
+
+
+def fixed(*, stops):
+    """Fix an end at its bottom, which a spring holds; return the context."""
+    context, arm = before_the_opening(lambda depth: -STIFF_N_M * max(0.0, TERMINAL.depth - depth))
+    context.device = replace(context.device, fixture=Clamp(stops=stops))
+    context.drive(tool_before(SOCKET, context.belief.grip, TERMINAL.depth))
+    context.belief.engaged = SOCKET
+    run(arm.tick, fix_cable(context, GOAL))
+    return context
+
+
+def test_an_end_whose_clamp_stops_on_it_is_fixed_and_released():
+    context = fixed(stops=True)
+    assert context.belief.ends[WireEnd.A] is EndState.FIXED
+    assert context.belief.grip is None
+    assert context.commanded.z >= PARAMETERS.motion.travel_z_m - 1e-6
+
+
+def test_a_clamp_that_closes_on_nothing_is_not_seated():
+    with pytest.raises(AbilityError, match="met nothing: the end is not deep enough") as caught:
+        fixed(stops=False)
+    assert caught.value.code is Code.NOT_SEATED

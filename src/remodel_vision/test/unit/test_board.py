@@ -1,0 +1,84 @@
+"""Wires on a board in depth pictures from above: where one can be grasped, and what stands out."""
+
+import math
+
+import numpy as np
+import pytest
+from drawn import along, boxes_of, picture
+from panels import example, panel
+
+from remodel_vision.board.graspable import graspable_places
+from remodel_vision.board.standing import CELL_M, standing_wires
+from remodel_vision.opening_occupancy import is_seen_empty
+from remodel_work.edge.cell_file import read_cell
+from remodel_work.obstacles import WIRES, panel_obstacles
+from remodel_work.openings import opening_of
+from remodel_work.panel import BOARD, WireEnd
+
+OVERHEAD = read_cell("two_arms_cabinet").overhead
+HOUSEHOLD = example("household")
+WIRE = HOUSEHOLD.wire("W15")
+LEG = 40
+# Over the rims of the ducts, and in them [m].
+OVER_RIM_M, IN_DUCT_M = 0.066, 0.030
+# A place on a wire is so near to one of its nodes [m], and turned from it by no more than this
+# [sine]; the depth camera errs by less than this, three times its noise [m].
+NEAR_NODE_M, ALONG, SEEN_HEIGHT_M = 0.010, 0.05, 0.003
+# An end is so deep in its terminal [m].
+DEEP_M = 0.010
+# A wire that arches across the plate, higher than a hand travels [m].
+ARCH_TOP_M, ARCH_Y, SPAN_M = 0.115, -0.05, 0.30
+
+
+@pytest.mark.parametrize("leg", [1, 2])
+def test_a_new_wire_is_graspable_where_it_is_highest(leg):
+    route = BOARD.apply(np.array(HOUSEHOLD.wire("W3").route))
+    lies = along(np.column_stack([route[:, :2], np.full(len(route), IN_DUCT_M)]), LEG)
+    high = slice(leg * LEG + LEG // 4, leg * LEG + 3 * LEG // 4)
+    lies[high, 2] = OVER_RIM_M
+    boxes = boxes_of(HOUSEHOLD)
+    before, now = picture(OVERHEAD, boxes), picture(OVERHEAD, boxes, [(WIRE, lies)], seed=1)
+    first, *others = graspable_places(now, before, WIRE.radius)
+    assert np.linalg.norm(lies[high] - first.position, axis=1).min() < NEAR_NODE_M
+    assert first.position[2] == pytest.approx(OVER_RIM_M, abs=SEEN_HEIGHT_M)
+    way = lies[high][-1] - lies[high][0]
+    assert abs(math.sin(first.yaw - math.atan2(way[1], way[0]))) < ALONG
+    assert all(place.position[2] < OVER_RIM_M + SEEN_HEIGHT_M for place in others)
+    assert not list(graspable_places(now, now, WIRE.radius)), "nothing is new"
+
+
+def test_only_the_openings_of_a_wire_are_not_seen_empty():
+    wire = HOUSEHOLD.wire("W96")
+    inside = [
+        opening_of(wire.goes_to(end), HOUSEHOLD, {}).apply(np.array([DEEP_M, 0.0, 0.0]))
+        for end in WireEnd
+    ]
+    route = BOARD.apply(np.array(wire.route))
+    route[1:-1, 2] = IN_DUCT_M
+    nodes = along([inside[0], *route, inside[1]])
+    shown = picture(OVERHEAD, boxes_of(HOUSEHOLD), [(wire, nodes)])
+    keys = [(part.id, each.id) for part in HOUSEHOLD.components for each in part.terminals]
+    taken = {key for key in keys if not is_seen_empty(shown, opening_of(key, HOUSEHOLD, {}), wire)}
+    assert taken == {wire.goes_to(end) for end in WireEnd}
+
+
+def arch():
+    """Return the nodes of a wire that stands out of the plate across it, (n, 3) [m]."""
+    x = np.linspace(-SPAN_M / 2, SPAN_M / 2, 61)
+    z = 0.003 + (ARCH_TOP_M - 0.003) * np.cos(math.pi * x / SPAN_M)
+    return np.column_stack([BOARD.position[0] + x, np.full(61, ARCH_Y), z])
+
+
+@pytest.mark.parametrize("cell", ["cabinet", "two_arms_cabinet"])
+def test_a_wire_that_stands_out_of_the_plate_is_seen_and_nothing_else(cell):
+    plate, view, nodes = panel(channels=()), read_cell(cell).overhead, arch()
+    drawn = panel_obstacles(plate, {})
+    assert not standing_wires(picture(view, boxes_of(plate)), plate, drawn).solids
+    shown = picture(view, boxes_of(plate), [(plate.wire("W2"), nodes)])
+    columns = standing_wires(shown, plate, drawn).solids
+    assert {column.name for column in columns} == {WIRES}
+    for column in columns:
+        (x, y, middle), height = column.box.centre, column.box.size[2]
+        assert abs(y - ARCH_Y) < 2 * CELL_M
+        beneath = nodes[np.abs(nodes[:, 0] - x) <= CELL_M, 2]
+        assert beneath.min() - 0.004 < middle + height / 2 < beneath.max() + 0.006
