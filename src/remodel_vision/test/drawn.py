@@ -11,7 +11,7 @@ import cv2
 import numpy as np
 
 from remodel_states.core.wires.wire_colours import rgbs_of
-from remodel_work.camera import Picture
+from remodel_work.camera import Picture, View
 from remodel_work.component_shape import Box, component_boxes
 from remodel_work.fixtures import duct_boxes, rail_box
 from remodel_work.geometry import Pose
@@ -78,7 +78,9 @@ def picture(view, boxes, wires=(), *, seed=0, light=1.0):
         seed: of the noise.
         light: share of the usual one.
     """
-    rgb, depth = (part.copy() for part in _drawn_boxes(view, boxes))
+    at = view.world_from_camera
+    seen_from = (at.position.tobytes(), at.quaternion.tobytes())
+    rgb, depth = (part.copy() for part in _drawn_boxes(view.lens, seen_from, boxes))
     for wire, nodes in wires:
         _draw_wire(view, rgb, depth, wire, np.asarray(nodes, float))
     blurred = cv2.GaussianBlur(255 * light * rgb, (0, 0), BLUR_PX)
@@ -98,8 +100,10 @@ def _noise_row(size):
     return np.random.default_rng(size).standard_normal(size + NOISE_APART**2, dtype=np.float32)
 
 
-@lru_cache(maxsize=4)
-def _drawn_boxes(view, boxes):
+@lru_cache(maxsize=6)
+def _drawn_boxes(lens, seen_from, boxes):
+    """Draw boxes; cells that are read several times see them from equal places."""
+    view = View(lens, Pose(*(np.frombuffer(part) for part in seen_from)))
     shape = (view.lens.height, view.lens.width)
     rgb, depth = np.zeros((*shape, 3), np.float32), np.full(shape, FAR_M)
     frames = [frame @ Pose(np.array(box.centre), _quaternion(box.rpy)) for box, frame in boxes]
