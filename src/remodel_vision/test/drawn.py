@@ -11,7 +11,7 @@ import cv2
 import numpy as np
 
 from remodel_states.core.wires.wire_colours import rgbs_of
-from remodel_work.camera import Picture
+from remodel_work.camera import Picture, View
 from remodel_work.component_shape import Box, component_boxes
 from remodel_work.fixtures import duct_boxes, rail_box
 from remodel_work.geometry import Pose
@@ -78,28 +78,33 @@ def picture(view, boxes, wires=(), *, seed=0, light=1.0):
         seed: of the noise.
         light: share of the usual one.
     """
-    rgb, depth = (part.copy() for part in _drawn_boxes(view, boxes))
+    at = view.world_from_camera
+    seen_from = (at.position.tobytes(), at.quaternion.tobytes())
+    rgb, depth = (part.copy() for part in _drawn_boxes(view.lens, seen_from, boxes))
     for wire, nodes in wires:
         _draw_wire(view, rgb, depth, wire, np.asarray(nodes, float))
-    blurred = cv2.GaussianBlur(255 * light * rgb, (0, 0), BLUR_PX)
-    blurred += NOISE_LEVELS * _noise(rgb.shape, 2 * seed)
-    seen = np.clip(np.rint(blurred), 0, 255).astype(np.uint8)
-    return Picture(seen, depth + DEPTH_NOISE_M * _noise(depth.shape, 2 * seed + 1), view)
+    seen = light * cv2.GaussianBlur(rgb, (0, 0), BLUR_PX) + _noise(NOISE_LEVELS, rgb.shape, seed)
+    np.clip(np.rint(seen, out=seen), 0, 255, out=seen)
+    depth += _noise(DEPTH_NOISE_M, depth.shape, seed)
+    return Picture(seen.astype(np.uint8), depth, view)
 
 
-def _noise(shape, seed):
+def _noise(level, shape, seed):
     """Return normal noise: from one long row of it, by the seed from elsewhere in it."""
-    size, start = math.prod(shape), NOISE_APART * seed % NOISE_APART**2
-    return _noise_row(size)[start : start + size].reshape(shape)
+    size, start = math.prod(shape), NOISE_APART * (seed % NOISE_APART)
+    return _noise_row(level, size)[start : start + size].reshape(shape)
 
 
 @cache
-def _noise_row(size):
-    return np.random.default_rng(size).standard_normal(size + NOISE_APART**2, dtype=np.float32)
+def _noise_row(level, size):
+    normal = np.random.default_rng(size).standard_normal(size + NOISE_APART**2, dtype=np.float32)
+    return np.float32(level) * normal
 
 
-@lru_cache(maxsize=4)
-def _drawn_boxes(view, boxes):
+@lru_cache(maxsize=6)
+def _drawn_boxes(lens, seen_from, boxes):
+    """Draw boxes; cells that are read several times see them from equal places."""
+    view = View(lens, Pose(*(np.frombuffer(part) for part in seen_from)))
     shape = (view.lens.height, view.lens.width)
     rgb, depth = np.zeros((*shape, 3), np.float32), np.full(shape, FAR_M)
     frames = [frame @ Pose(np.array(box.centre), _quaternion(box.rpy)) for box, frame in boxes]
@@ -141,7 +146,7 @@ def _draw_box(view, rgb, depth, box, world_from_box, within):
     facing = towards * (world_from_box.rotation.T @ LIGHT)[axis]
     shade = AMBIENT + (1 - AMBIENT) * np.maximum(0.0, facing)
     depth[area][is_seen] = at[is_seen]
-    rgb[area][is_seen] = shade[:, None] * np.array(box.rgb)
+    rgb[area][is_seen] = 255 * shade[:, None] * np.array(box.rgb)
 
 
 @cache
@@ -169,7 +174,7 @@ def _draw_wire(view, rgb, depth, wire, nodes):
     away = np.linalg.norm(pixels - middles[:, None], axis=2) / radius_px[:, None]
     rises = np.sqrt(np.maximum(0.0, 1 - away**2))
     ball = far[:, None] - wire.radius * rises
-    shades = (AMBIENT + (1 - AMBIENT) * rises)[..., None] * colours[:, None]
+    shades = 255 * (AMBIENT + (1 - AMBIENT) * rises)[..., None] * colours[:, None]
     u, v = pixels[..., 0], pixels[..., 1]
     inside = (away <= 1) & (u >= 0) & (v >= 0) & (u < depth.shape[1]) & (v < depth.shape[0])
     order = np.argsort(-ball[inside])  # the nearest last

@@ -88,17 +88,28 @@ class ScriptedArm:
 
 @dataclass
 class ScriptedGripper:
-    """Fingers that stop so far apart, `stops_at`, when they close [m]."""
+    """Fingers that stop so far apart, `stops_at`, when they close on something [m].
 
-    gap: float = 0.003
+    Attributes:
+        opened: how far apart they were sent, or stopped [m].
+        load: what each feels [N].
+        between: returns how thick what is between them is, where they are [m].
+    """
+
+    opened: float = 0.003
     load: float = 30.0
     stops_at: float = 0.003
+    between: object = lambda: 0.0
+
+    @property
+    def gap(self):
+        return max(self.opened, self.between())
 
     def open_to(self, opening):
-        self.gap = 2 * opening
+        self.opened = 2 * opening
 
     def close_on(self, thickness, slow_before):
-        self.gap = self.stops_at
+        self.opened = self.stops_at
 
 
 def before_the_opening(feels):

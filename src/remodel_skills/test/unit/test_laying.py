@@ -1,11 +1,11 @@
 """How two hands lay a wire into its ducts: on scripted devices, with drawn pictures."""
 
-from dataclasses import dataclass
+from itertools import pairwise
 
 import numpy as np
 import pytest
 from laid_wires import HOUSEHOLD, ROUTE, WIRE, laid, led
-from scripted_device import PARAMETERS, ScriptedArm
+from scripted_device import PARAMETERS
 
 from remodel_skills.abilities.lay_wire import draw_straight, lay_wire
 from remodel_skills.belief_state import EndState, Grip
@@ -39,50 +39,14 @@ OVER_RIMS_M = 0.045
 LIFTING_TICKS = 40
 
 
-@dataclass
-class Eyelet:
-    """Fingers around whose closed tips a wire runs, in the eyelet or between the pads.
-
-    Attributes:
-        arm: that carries them.
-        at: where the wire is, (3,) [m]; it is nowhere else.
-        stuck: whether it keeps the pads apart wherever they close.
-        closed_at: where they closed last.
-    """
-
-    arm: ScriptedArm
-    at: np.ndarray
-    stuck: bool = False
-    load: float = 30.0
-    closed: bool = False
-    closed_at: ToolPose | None = None
-    opened: float = 2 * TOOL.open_m
-
-    @property
-    def gap(self):
-        if not self.closed:
-            return self.opened
-        if self.stuck:
-            return WIRE.diameter
-        tool, fingers = self.arm.tool, self.arm.kinematics.fingers
-        away = np.linalg.norm(tool.position[:2] - self.at[:2])
-        is_in_eyelet = abs(tool.z + fingers.eyelet.above - self.at[2]) < fingers.eyelet.height / 2
-        is_between = away < NEAR_M and not is_in_eyelet
-        return WIRE.diameter if is_between else TOOL.eyelet_apart_m
-
-    def open_to(self, opening):
-        self.opened = 2 * opening
-        self.closed = self.opened <= TOOL.eyelet_apart_m
-        if self.closed:
-            self.closed_at = self.arm.tool
-
-
 class Laying:
     """A cell whose holder has one end of a wire, the other one fixed; it pulls once it is straight.
 
     Attributes:
         route: from the fixed end to the held one, (n, 3) [m].
         path: the same, level, STEP_M after STEP_M (n, 2) [m].
+        wire_at: where the wire is when it is taken, (3,) [m]; it is nowhere else.
+        gripper: of the leading hand.
     """
 
     def __init__(self, *shapes, wire_at=None, held=WireEnd.B):
@@ -93,14 +57,31 @@ class Laying:
         self.cell = cell = laid(*shapes)
         self.guide, self.holder = cell.contexts[GUIDE], cell.contexts[HOLDER]
         arms, belief = cell.plant.arms, self.holder.belief
-        at = np.array([*self.route[1, :2], AT_SLOT_M]) if wire_at is None else wire_at
-        self.eyelet = Eyelet(arms[GUIDE], at)
-        object.__setattr__(self.guide.device, "gripper", self.eyelet)
+        self.wire_at = np.array([*self.route[1, :2], AT_SLOT_M]) if wire_at is None else wire_at
+        self.gripper = cell.plant.grippers[GUIDE]
+        self.gripper.between = self.between
         belief.ends.update({held: EndState.LOOSE, held.other: EndState.FIXED})
         self.holder.drive(WAITS)
         belief.grip = Grip(held, GRIP_M, 0.0, 0.0, WAITS)
         arms[HOLDER].feels = self.pull
         GOAL.check(cell.plant.panel, self.holder.belief, PARAMETERS)
+
+    def between(self):
+        """Return how far apart the wire keeps the pads where it is not in the eyelet [m]."""
+        tool, eyelet = self.guide.commanded, self.guide.fingers.eyelet
+        away = np.linalg.norm(tool.position[:2] - self.wire_at[:2])
+        is_in_eyelet = abs(tool.z + eyelet.above - self.wire_at[2]) < eyelet.height / 2
+        return WIRE.diameter if away < NEAR_M and not is_in_eyelet else 0.0
+
+    @property
+    def is_closed(self):
+        return self.gripper.opened <= TOOL.eyelet_apart_m
+
+    @property
+    def closed_at(self):
+        """Where the leading hand closed last."""
+        trace = pairwise(self.cell.plant.trace[GUIDE])
+        return [tool for (_, was), (tool, gap) in trace if gap < was][-1]
 
     @property
     def fixed_terminals(self):
@@ -151,7 +132,7 @@ def test_a_wire_is_led_along_its_route_and_released_at_its_last_slot():
     at_corners = [np.linalg.norm(in_ducts[:, :2] - at[:2], axis=1) for at in ROUTE[2:4]]
     assert max(away.min() for away in at_corners) < FIXTURE.duct_corner_m
     assert at_corners[0].argmin() < at_corners[1].argmin()
-    assert not laying.eyelet.closed and not laying.guide.keeps_wire
+    assert not laying.is_closed and not laying.guide.keeps_wire
     assert laying.guide.commanded.z >= MOTION.travel_z_m - 1e-6
     assert laying.holder.belief.grip is not None, "the holder keeps the free end"
 
@@ -164,7 +145,7 @@ def test_where_there_is_room_a_wire_is_kept_at_its_last_corner():
     onward = (slot - corner)[:2] / np.linalg.norm(slot - corner)
     kept = guide.commanded.position[:2] - corner[:2]
     assert kept == pytest.approx(FIXTURE.duct_corner_m * onward, abs=1e-3)
-    assert laying.eyelet.closed and guide.keeps_wire
+    assert laying.is_closed and guide.keeps_wire
     assert holder.belief.grip is not None, "the holder keeps the free end"
     tip_yaw = holder.commanded.yaw + holder.belief.grip.flip
     away = holder.commanded.position - slot
@@ -209,13 +190,13 @@ def test_a_wire_that_still_pulls_too_hard_is_given_up_with_what_it_pulled_with()
         laying.run()
     assert caught.value.code is Code.SNAGGED
     assert caught.value.found["peak_force"] > allowed
-    assert not laying.eyelet.closed and laying.guide.commanded.z >= MOTION.travel_z_m - 1e-6
+    assert not laying.is_closed and laying.guide.commanded.z >= MOTION.travel_z_m - 1e-6
 
 
 def test_a_wire_that_others_hide_is_taken_where_it_comes_out_of_its_slot():
     laying = Laying(wire_at=np.array([*ROUTE[1, :2], HIDDEN_M]))
     laying.run(until="leading the wire")
-    taken, eyelet = laying.eyelet.closed_at, laying.guide.fingers.eyelet
+    taken, eyelet = laying.closed_at, laying.guide.fingers.eyelet
     assert taken.position[:2] == pytest.approx(ROUTE[1, :2], abs=HALF_PITCH_M)
     assert taken.z + eyelet.above == pytest.approx(HIDDEN_M, abs=eyelet.height / 2)
 
@@ -225,7 +206,7 @@ def test_a_hidden_wire_that_comes_aslant_from_its_slot_is_taken_farther_on():
     aslant = ROUTE[1] + FIXTURE.duct_onward_m * onward
     laying = Laying(wire_at=np.array([*aslant[:2], HIDDEN_M]))
     laying.run(until="leading the wire")
-    ahead = (laying.eyelet.closed_at.position - ROUTE[1]) @ onward
+    ahead = (laying.closed_at.position - ROUTE[1]) @ onward
     assert ahead == pytest.approx(FIXTURE.duct_onward_m, abs=HALF_PITCH_M)
 
 
@@ -234,12 +215,12 @@ def test_a_hidden_wire_that_is_not_found_is_not_taken():
     with pytest.raises(AbilityError, match="does not close around 'W3'") as caught:
         laying.run()
     assert caught.value.code is Code.GRASP_MISSED
-    assert not laying.eyelet.closed and laying.guide.commanded.z >= MOTION.travel_z_m - 1e-6
+    assert not laying.is_closed and laying.guide.commanded.z >= MOTION.travel_z_m - 1e-6
 
 
 def test_a_steep_wire_is_taken_where_it_is_seen_and_must_let_the_pads_close_later():
     laying = Laying(at_slot())
-    laying.eyelet.stuck = True
+    laying.gripper.between = lambda: WIRE.diameter
     with pytest.raises(
         AbilityError, match=r"not in its eyelet: they are 3\.7 mm apart; draw it out"
     ) as e:
