@@ -125,7 +125,7 @@ def check(cell):
 
     def checked():
         found = yield from inspect_ducts(cell.context)
-        check_ducts(found, PARAMETERS.fixture.duct_least_share)
+        check_ducts(found, PARAMETERS.fixture)
         return found.share
 
     return cell.run(checked(), GUIDE)
@@ -243,7 +243,7 @@ def test_a_wire_that_left_its_ducts_when_its_second_end_was_inserted_is_discarde
     assert check(cell) == pytest.approx(share, abs=0.1)
     # As if it had been lifted out.
     draw(cell, along(route_of(cell), OVER_RIM_M))
-    with pytest.raises(AbilityError, match="allowed: 80% or more; draw it out") as caught:
+    with pytest.raises(AbilityError, match="lies outside its ducts along") as caught:
         check(cell)
     assert caught.value.code is Code.OUT_OF_DUCT
     assert caught.value.found["in_ducts"] == pytest.approx(0.0, abs=0.2)

@@ -175,6 +175,7 @@ class FixtureParameters:
     duct_shed_over_m: float
     duct_enough_share: float
     duct_least_share: float
+    duct_walls_m: float
     tuck_loop_m: float
     tuck_corner_m: float
     tuck_over_rim_m: float

@@ -87,6 +87,6 @@ def fix_cable(context: RobotContext, goal: FixGoal) -> Steps[CableFixed]:
         found = yield from tuck_in(context)
         yield from check_end(context, end.other)
         if found is not None:
-            check_ducts(found, context.parameters.fixture.duct_least_share)
+            check_ducts(found, context.parameters.fixture)
             message += f"; it lies in its ducts at {found.share:.0%} of its route"
     return CableFixed(message, slip)

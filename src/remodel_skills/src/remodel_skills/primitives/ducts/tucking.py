@@ -68,9 +68,9 @@ def tuck_in(context: RobotContext) -> Steps[Inspection | None]:
     while found is not None and tucks.total() < motion.tucks_of_refused:
         goes_on = is_taken and tucks.total() < motion.tucks
         best = min(_standing(context, found), key=order, default=None)
-        if best is None or found.share >= (
-            fixture.duct_enough_share if goes_on else fixture.duct_least_share
-        ):
+        if best is None or found.share >= fixture.duct_enough_share:
+            break
+        if not goes_on and found.outside_m <= found.most_outside_m(fixture):
             break
         tucks[best.duct.id] += 1
         is_taken = yield from _tuck(context, best)

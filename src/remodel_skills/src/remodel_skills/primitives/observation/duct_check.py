@@ -6,6 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from remodel_skills.parameters import FixtureParameters
 from remodel_skills.primitives.observation.route_check import observe_route
 from remodel_skills.robot_context import RobotContext, Steps
 from remodel_states.core.codes import Code
@@ -24,18 +25,32 @@ class Inspection:
     """How a wire that is fixed at both ends lies in its ducts, seen from above.
 
     Attributes:
-        share: of its route in ducts, at which it lies in them.
+        outside_m: along how much of its route in ducts it lies outside them [m].
+        length_m: of that route [m].
         seen: the picture, with depth.
         before: the same, before the wire was laid.
         route: where the wire's route turns, from opening to opening, (3,) each [m], world frame.
         places: in its ducts, x along them, world frame.
     """
 
-    share: float
+    outside_m: float
+    length_m: float
     seen: WireLines
     before: Picture
     route: list[Array]
     places: dict[Duct, tuple[Pose, ...]]
+
+    @property
+    def share(self) -> float:
+        """The share of its route in ducts at which it lies in them."""
+        return max(0.0, 1.0 - self.outside_m / self.length_m)
+
+    def most_outside_m(self, fixture: FixtureParameters) -> float:
+        """Return along how much of its route it may lie outside [m].
+
+        A share of a long route; on a short one, what the walls force out of the ducts.
+        """
+        return max((1.0 - fixture.duct_least_share) * self.length_m, fixture.duct_walls_m)
 
 
 def inspect_ducts(context: RobotContext) -> Steps[Inspection | None]:
@@ -59,15 +74,17 @@ def inspect_ducts(context: RobotContext) -> Steps[Inspection | None]:
     drawing = Drawing(seen.picture.rgb, seen.picture.view)
     drawing.title(f"{wire.id}: outside its ducts at {outside * 1e3:.0f} mm")
     context.cameras.show("overhead", seen.picture, drawing.image)
-    return Inspection(max(0.0, 1.0 - outside / planned), seen, before, route, places)
+    return Inspection(outside, planned, seen, before, route, places)
 
 
-def check_ducts(found: Inspection, least_share: float) -> None:
-    """Raise OUT_OF_DUCT unless a wire lies in its ducts at such a share of its route."""
-    if found.share < least_share:
+def check_ducts(found: Inspection, fixture: FixtureParameters) -> None:
+    """Raise OUT_OF_DUCT if a wire lies outside its ducts along more of its route than it may."""
+    most_m = found.most_outside_m(fixture)
+    if found.outside_m > most_m:
         raise AbilityError(
             Code.OUT_OF_DUCT,
-            f"{found.seen.wire.id!r} lies in its ducts at {found.share:.1%} of its route; allowed: "
-            f"{least_share:.0%} or more; draw it out and place it again",
+            f"{found.seen.wire.id!r} lies outside its ducts along {found.outside_m * 1e3:.0f} of "
+            f"{found.length_m * 1e3:.0f} mm of its route; allowed: {most_m * 1e3:.0f} mm; draw it "
+            "out and place it again",
             in_ducts=found.share,
         )
