@@ -2,7 +2,7 @@
 SHELL := /bin/bash
 .SHELLFLAGS := -euo pipefail -c
 .DEFAULT_GOAL := help
-.PHONY: help build demo cabinet harness film test test-all install docker generate behaviors unit physics variants rostest lint xml bench-engine bench-planner bench-synthesis bench-console bench-drawing bench-sim bench-vision bench-learning bench-pause bench-replan bench-scale docs evaluate-abilities schedules chaos campaign clean
+.PHONY: help build demo cabinet harness console film test test-all install docker generate behaviors unit physics variants rostest lint xml bench-engine bench-planner bench-synthesis bench-console bench-drawing bench-sim bench-vision bench-learning bench-pause bench-replan bench-scale docs evaluate-abilities schedules chaos campaign clean
 
 # The workspace's own Python first, whatever else the shell has on its path; no other workspace.
 export PATH := $(CURDIR)/.venv/bin:/usr/local/sbin:/usr/local/bin:/usr/sbin:/usr/bin:/sbin:/bin
@@ -55,6 +55,9 @@ cabinet: build ## Wire all wires of that cabinet (WIRES=12 SEED=1); report in ou
 
 harness: build ## Build a harness on a formboard by two robots (WIRES=12 SEED=1); report in out/harness/report.html
 	@$(SOURCED) tools/wire_board.sh harness $(HARNESS) $(WIRES) harness_formboard cell:=two_arms_formboard seed:=$(SEED)
+
+console: build ## Start the operator console; one of its buttons starts everything else here, with a sample order
+	@$(SOURCED) rosrun remodel_console console
 
 film: build ## Record the demo as the moving picture of the README, docs/demo.webp
 	@$(SOURCED) tools/wire_board.sh demo $(CABINET) $(WIRES) '' record:=$(CURDIR)/out/demo/film

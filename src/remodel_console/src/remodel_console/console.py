@@ -19,8 +19,10 @@ from remodel_console.core.run.run_view import Event, Phase
 from remodel_console.core.use_case.production import Statistics
 from remodel_console.core.use_case.record import Record, Summary
 from remodel_console.core.use_case.use_case import Choice
+from remodel_console.core.world import Part
 from remodel_console.desk import Desk
 from remodel_console.edge.catalogue import Catalogue
+from remodel_console.edge.everything import Everything
 from remodel_console.edge.order_desk.order_drafts import OrderDraft, OrderDrafts
 from remodel_console.edge.scene_files import SceneFiles
 from remodel_console.edge.settings_file import SettingsFile
@@ -35,6 +37,10 @@ from remodel_console.steering import Steering
 from remodel_console.values import RunValues
 
 _LOG = logging.getLogger(__name__)
+
+# How many tasks of the sample order are done, as by `make demo`.
+SAMPLE_TASKS = 6
+_START_POLL_S = 0.5
 
 
 class Supervisor(Protocol):
@@ -138,12 +144,14 @@ class Console:
         scenes: SceneFiles,
         drafts: OrderDrafts,
         database: str,
+        everything: Everything,
         users: Users | None = None,
     ) -> None:
         """Join the parts.
 
-        `database` is the URL of the production database; empty if the console was given none. A
-        console without `users` lets everybody on this computer do everything.
+        `database` is the URL of the production database; empty if the console was given none: that
+        of `everything` is used, once it was started here. A console without `users` lets everybody
+        on this computer do everything.
         """
         self.door = door
         self.desk = desk
@@ -154,6 +162,7 @@ class Console:
         self.settings = settings
         self.drafts = drafts
         self._database = database
+        self.everything = everything
         self._users = users
         self.steering = Steering(live, sessions.commands, catalogue)
         self.pictures = Pictures()
@@ -174,9 +183,39 @@ class Console:
         return self.sessions.commands
 
     @property
+    def database(self) -> str:
+        """Return the URL of the production database; empty without one."""
+        return self._database or (self.everything.database if self.everything.is_running else "")
+
+    @property
     def shown_database(self) -> str:
-        """Return the URL of the production database without its password; empty without one."""
-        return re.sub(r"(?<=//)([^:@/]*):[^@/]*@", r"\1@", self._database)
+        """Return that URL without its password."""
+        return re.sub(r"(?<=//)([^:@/]*):[^@/]*@", r"\1@", self.database)
+
+    def start_everything(self, by: str, *, fake: bool) -> str:
+        """Start what an order needs, and the sample order as soon as it can run.
+
+        Args:
+            by: who starts it.
+            fake: with a cell that has no physics.
+
+        Raises:
+            CommandError: if it cannot be started.
+        """
+        order = self.everything.start(fake=fake, interfaces=not self.live.world.has_mirror)
+        threading.Thread(target=self._run_sample, args=(order, by), daemon=True).start()
+        return f"starting; log: {self.everything.log}"
+
+    def _run_sample(self, order: str, by: str) -> None:
+        """Start the sample order once all that it needs is there."""
+        needed = (Part.ENGINE, Part.SUPERVISOR, Part.CELL)
+        while self.everything.is_running:
+            world = self.live.world
+            if all(world.has(part) for part in needed) and self.supervisor is not None:
+                with contextlib.suppress(CommandError):  # it is not ready, or says so on the page
+                    self.supervisor.run(order, SAMPLE_TASKS, by, again=False)
+                    return
+            threading.Event().wait(_START_POLL_S)
 
     def list_names(self) -> tuple[str, ...]:
         """List the names of all charts and behaviors again, and return them; reads their files."""
@@ -211,14 +250,14 @@ class Console:
         Raises:
             CommandError: if the console knows no database, or the planner refuses.
         """
-        if not self._database:
+        if not self.database:
             raise CommandError(
                 "the console was started without a production database; give it that of the "
                 "supervisor: --database URL, or REMODEL_DATABASE in its environment"
             )
         if not name:
             raise CommandError("give the order a name")
-        return draft.store(name, self._database)
+        return draft.store(name, self.database)
 
     def require_order(self, name: str) -> None:
         """Check that the supervisor knows an order.

@@ -21,6 +21,7 @@ from remodel_console.console import Console
 from remodel_console.core.access import Door, is_local
 from remodel_console.desk import Desk
 from remodel_console.edge.catalogue import Catalogue
+from remodel_console.edge.everything import Everything
 from remodel_console.edge.journal import Journal
 from remodel_console.edge.log_file import LogFile
 from remodel_console.edge.order_desk.order_drafts import OrderDrafts
@@ -42,6 +43,7 @@ _PORT = 8765
 _JOURNAL = "~/.ros/remodel_console/commands.jsonl"
 _SETTINGS = "~/.ros/remodel_console/settings.json"
 _LOG = "~/.ros/remodel_console/log.jsonl"
+_EVERYTHING = "~/.ros/remodel_console/everything"
 _SCENES = "~/.ros/remodel_console/scenes"
 _KEY_VARIABLE = "REMODEL_CONSOLE_KEY"  # other users see a command line, but no environment
 
@@ -72,6 +74,7 @@ def main(arguments: Sequence[str]) -> int:
     drafts = OrderDrafts(
         Path(tempfile.gettempdir()) / f"remodel_orders_{secrets.token_hex(8)}", planner
     )
+    everything = Everything(Path(options.everything).expanduser(), planner, options.database)
     console = Console(
         door,
         Desk(journal),
@@ -82,6 +85,7 @@ def main(arguments: Sequence[str]) -> int:
         settings=settings,
         drafts=drafts,
         database=options.database,
+        everything=everything,
         users=users,
         scenes=SceneFiles(Path(options.scenes).expanduser()),
     )
@@ -89,6 +93,7 @@ def main(arguments: Sequence[str]) -> int:
     joining = threading.Thread(target=join_ros, args=(console, journal, end))
     app.on_startup(joining.start)
     app.on_shutdown(end.set)
+    app.on_shutdown(everything.stop)
     app.on_shutdown(planner.end)
     app.on_shutdown(drafts.end)
     _print_address(door, options.port)
@@ -147,6 +152,11 @@ def _read_options(arguments: Sequence[str]) -> argparse.Namespace:
     parser.add_argument("--settings", default=_SETTINGS, help="file that keeps the configuration")
     parser.add_argument("--log", default=_LOG, help="file that keeps the last lines of the log")
     parser.add_argument("--record", default=_JOURNAL, help="file in which commands are recorded")
+    parser.add_argument(
+        "--everything",
+        default=_EVERYTHING,
+        help="folder of what the console starts when nobody else has",
+    )
     parser.add_argument(
         "--scenes", default=_SCENES, help="folder of the recordings of the cell for Replay"
     )

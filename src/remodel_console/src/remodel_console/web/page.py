@@ -67,7 +67,7 @@ class Page:
         )
         self._inbox = Inbox(partial(self.button, needs=Role.OPERATOR), self._answer, self._enter)
         ui.skip_link("To what waits for you", target=self._inbox.area)
-        self._status_line = StatusLine(self.PARTS, console.shown_database, self.dialog)
+        self._status_line = StatusLine(self.PARTS, lambda: console.shown_database, self.dialog)
         self._dialogs = ui.element("div")  # what is asked stays, whatever the page shows next
         with ui.element("h1").classes("hidden-heading"):  # there, too, where cards hide the page
             ui.label(title)

@@ -9,6 +9,7 @@ from nicegui import ui
 
 from remodel_console.core.world import Notice, Part, World, notices
 
+_NO_DATABASE = "orders cannot be stored; start the console with database:=URL"
 _NAMES = {Part.ENGINE: "Engine", Part.SUPERVISOR: "Supervisor", Part.CELL: "Cell"}
 
 
@@ -18,28 +19,25 @@ class StatusLine:
     def __init__(
         self,
         parts: Sequence[Part],
-        database: str,
+        database: Callable[[], str],
         dialog: Callable[[str], AbstractContextManager[ui.dialog]],
     ) -> None:
         """Build the line.
 
         Args:
             parts: what the page needs to be running.
-            database: that orders are stored in, as it is shown; empty without one.
+            database: returns that orders are stored in, as it is shown; empty without one.
             dialog: opens a dialog of a name.
         """
         self._parts = parts
         self._dialog = dialog
+        self._database = database
         self._shown: object = None
         self._found: tuple[Notice, ...] = ()
         with ui.row().classes("status-line").props('role="status"'):
             self._ros = ui.label()
             self._chips = {part: ui.label() for part in _NAMES}
-            self._database = ui.label("Database" if database else "No database")
-            self._database.classes("presence there" if database else "presence absent")
-            self._database.props["title"] = (
-                database or "orders cannot be stored; start the console with database:=URL"
-            )
+            self._database_chip = ui.label()
             self._more = ui.button("What to do", on_click=self._explain)
             self._more.props("flat dense no-caps")
 
@@ -47,7 +45,8 @@ class StatusLine:
         """Show what runs."""
         self._found = tuple(notices(world, self._parts))
         runs = {part: world.has(part) for part in self._chips}
-        shown = (self._found, world.has_master, world.servers, world.cell_kind, runs)
+        database = self._database()
+        shown = (self._found, world.has_master, world.servers, world.cell_kind, runs, database)
         if shown == self._shown:
             return
         self._shown = shown
@@ -56,6 +55,13 @@ class StatusLine:
         for part, chip in self._chips.items():
             missing = told.get(part) or (told.get(Part.MIRROR) if part is Part.ENGINE else None)
             _show(chip, _words(part, world), missing, runs=runs[part])
+        _show(
+            self._database_chip,
+            "Database" if database else "No database",
+            None,
+            runs=bool(database),
+        )
+        self._database_chip.props["title"] = database or _NO_DATABASE
         self._more.set_visibility(bool(self._found))
 
     def _explain(self) -> None:

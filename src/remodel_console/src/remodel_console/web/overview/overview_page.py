@@ -24,6 +24,7 @@ from remodel_console.web.cell.live_cell import LiveCell
 from remodel_console.web.overview.figure_cards import FigureCards
 from remodel_console.web.overview.order_form import OrderForm
 from remodel_console.web.overview.run_head import PAUSING, RunHead
+from remodel_console.web.overview.start_card import StartCard
 from remodel_console.web.overview.task_table import TaskTable
 from remodel_console.web.page import Page
 
@@ -50,6 +51,7 @@ class OverviewPage(Page):
         ui.context.client.on_delete(lambda: self._want_pictures(False))
         with ui.element("div").classes("overview"):
             with ui.element("section").classes("order").props('tabindex="0" aria-label="Order"'):
+                self._start_card = StartCard(self)
                 self._head_area = ui.element("div").classes("order-head")
                 skip, retry = partial(self._do_task, "skip"), partial(self._do_task, "retry")
                 self._tasks = TaskTable(skip, retry, is_operator=self.is_operator)
@@ -72,6 +74,7 @@ class OverviewPage(Page):
         for camera, view in self._cameras.items():
             picture = self.console.pictures.newest(camera)
             view.show(f"/picture/{camera}?number={picture.number}" if picture else "")
+        self._head_area.set_visibility(self._start_card.show(world))
         now = world.use_case or UseCase(Phase.IDLE)
         if now == self._use_case:
             return

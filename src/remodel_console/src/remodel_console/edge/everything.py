@@ -1,0 +1,120 @@
+"""Everything but the console, started on this computer by one button: the first look."""
+
+from __future__ import annotations
+
+import contextlib
+import os
+import signal
+import subprocess
+import threading
+from pathlib import Path
+
+from remodel_console.edge.order_desk.planner_process import DATABASE_VARIABLE, PlannerProcess
+from remodel_console.errors import CommandError
+
+SAMPLE = "sample"
+_DESIGN = Path("/usr/share/qelectrotech/examples/tableau_domestique.qet")
+_LAUNCH = ("roslaunch", "remodel_planner", "everything.launch")
+_END_S = 30.0  # wall time in which nodes end
+_SHOWN_LINES = 5  # of the log, when the nodes have ended by themselves
+
+
+class Everything:
+    """Engine, supervisor, cell and what operators' interfaces need, in processes of this console.
+
+    They end with it. Their database, behaviors and log are in one folder.
+
+    Attributes:
+        folder: see above.
+        log: what the nodes print.
+    """
+
+    def __init__(self, folder: Path, planner: PlannerProcess, database: str = "") -> None:
+        """Begin with nothing running; without a database, one in the folder is used."""
+        self.folder = folder
+        self.log = folder / "nodes.log"
+        self.database = database or f"sqlite:///{folder}/production.sqlite"
+        self._planner = planner
+        self._nodes: subprocess.Popen[bytes] | None = None
+        self._lock = threading.Lock()
+
+    @property
+    def is_running(self) -> bool:
+        """Return whether the nodes were started here and run."""
+        return self._nodes is not None and self._nodes.poll() is None
+
+    @property
+    def trouble(self) -> str:
+        """Return the end of the log of nodes that ended by themselves; empty otherwise."""
+        if self._nodes is None or self._nodes.poll() is None:
+            return ""
+        try:
+            lines = self.log.read_text(errors="replace").splitlines()
+        except OSError as error:
+            return str(error)
+        return "\n".join(lines[-_SHOWN_LINES:])
+
+    def start(self, *, fake: bool, interfaces: bool) -> str:
+        """Import the sample order, unless it is there, and start the nodes; return its name.
+
+        Args:
+            fake: with the cell that has no physics.
+            interfaces: with what operators' interfaces need, which nobody else has started.
+
+        Raises:
+            CommandError: if the order cannot be imported, or the nodes cannot be started.
+        """
+        with self._lock:
+            if self.is_running:
+                raise CommandError("they have been started already")
+            try:
+                (self.folder / "charts").mkdir(parents=True, exist_ok=True)
+            except OSError as error:
+                raise CommandError(f"cannot write to {self.folder}: {error}") from error
+            self._import()
+            packages = f"{self.folder}/remodel_order_behaviors:{os.environ['ROS_PACKAGE_PATH']}"
+            named = {
+                "output": self.folder,
+                "database": self.database,
+                "fake": str(fake).lower(),
+                "interfaces": str(interfaces).lower(),
+            }
+            with self.log.open("wb") as log:
+                self._nodes = subprocess.Popen(
+                    [*_LAUNCH, *(f"{name}:={value}" for name, value in named.items())],
+                    env=os.environ
+                    | {"ROS_PACKAGE_PATH": packages, DATABASE_VARIABLE: self.database},
+                    stdin=subprocess.DEVNULL,
+                    stdout=log,
+                    stderr=subprocess.STDOUT,
+                    start_new_session=True,
+                )
+        return SAMPLE
+
+    def stop(self) -> None:
+        """End the nodes that were started here."""
+        with self._lock:
+            nodes, self._nodes = self._nodes, None
+        if nodes is None or nodes.poll() is not None:
+            return
+        with contextlib.suppress(ProcessLookupError):
+            os.killpg(nodes.pid, signal.SIGINT)
+        try:
+            nodes.wait(_END_S)
+        except subprocess.TimeoutExpired:
+            os.killpg(nodes.pid, signal.SIGKILL)
+            nodes.wait()
+
+    def _import(self) -> None:
+        if not _DESIGN.exists():
+            raise CommandError(
+                f"the sample design {_DESIGN} is not installed: qelectrotech-examples"
+            )
+        known = self._planner.run(["tasks", SAMPLE], self.folder, self.database)
+        if known.code == 0:
+            return
+        done = self._planner.run(
+            ["import", str(_DESIGN), "--order", SAMPLE], self.folder, self.database
+        )
+        if done.code:
+            raise CommandError(f"the sample order cannot be imported: {done.error}")
