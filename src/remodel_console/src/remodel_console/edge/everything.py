@@ -1,4 +1,4 @@
-"""Everything but the console, started on this computer by one button: the first look."""
+"""Everything but the console, started on this computer by one button."""
 
 from __future__ import annotations
 

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import http.client
 import xmlrpc.client
-from collections.abc import Callable, Iterable
 from functools import lru_cache
 
 import rosgraph
@@ -38,9 +37,10 @@ class Nodes:
         """Return whether a service is registered."""
         return name in self._services
 
-    def topics(self, belongs: Callable[[str], bool]) -> Iterable[str]:
-        """Return the topics that are published, of those that belong to what is looked for."""
-        return filter(belongs, self._publishers)
+    def topics(self, prefix: str, suffix: str) -> list[str]:
+        """Return the published topics that begin and end so."""
+        names = self._publishers
+        return [name for name in names if name.startswith(prefix) and name.endswith(suffix)]
 
     def publishing(self, topic: str) -> list[str]:
         """Return the nodes that publish a topic and answer."""

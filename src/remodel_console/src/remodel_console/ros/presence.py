@@ -89,9 +89,7 @@ def _check(
     abilities, reset = rospy.resolve_name(_ABILITIES) + "/", rospy.resolve_name(RESET)
     while not end.wait(_POLL_S):
         nodes.look()
-        statuses = list(
-            nodes.topics(lambda topic: topic.startswith(abilities) and topic.endswith(_STATUS))
-        )
+        statuses = nodes.topics(abilities, _STATUS)
         servers = [nodes.publishing(topic) for topic in statuses]
         silent = {part for part, topic in published.items() if nodes.is_silent(topic)}
         if any(nodes.is_silent(topic) for topic in statuses):

@@ -10,7 +10,7 @@ from remodel_console.testing.browser_test import BrowserTest
 WORK_MS = 180_000.0
 
 
-class FirstLookTest(BrowserTest):
+class EverythingTest(BrowserTest):
     def test_one_press_wires_the_sample_order_and_one_ends_all_again(self):
         page = self.page
         card = page.locator(".start-card")
@@ -32,4 +32,4 @@ class FirstLookTest(BrowserTest):
 
 
 if __name__ == "__main__":
-    rostest.rosrun("remodel_planner", "test_first_look", FirstLookTest)
+    rostest.rosrun("remodel_planner", "test_everything", EverythingTest)
