@@ -155,7 +155,7 @@ def _read_options(arguments: Sequence[str]) -> argparse.Namespace:
     parser.add_argument(
         "--everything",
         default=_EVERYTHING,
-        help="folder of what the console starts when nobody else has",
+        help="folder of what the console starts where nothing runs",
     )
     parser.add_argument(
         "--scenes", default=_SCENES, help="folder of the recordings of the cell for Replay"

@@ -59,7 +59,7 @@ class Everything:
 
         Args:
             fake: with the cell that has no physics.
-            interfaces: with what operators' interfaces need, which nobody else has started.
+            interfaces: with what operators' interfaces need.
 
         Raises:
             CommandError: if the order cannot be imported, or the nodes cannot be started.

@@ -15,7 +15,7 @@ _ERRORS = (OSError, http.client.HTTPException, xmlrpc.client.Error, rosgraph.Mas
 
 
 class Nodes:
-    """The nodes that are registered at the master, as they were at the last look."""
+    """The nodes that are registered at the master, as the master last told."""
 
     def __init__(self) -> None:
         """Begin without any."""
