@@ -15,7 +15,7 @@ _ERRORS = (OSError, http.client.HTTPException, xmlrpc.client.Error, rosgraph.Mas
 
 
 class Nodes:
-    """The nodes that are registered at the master, as the master last told."""
+    """The nodes that are registered at the master, as of the last call of `look`."""
 
     def __init__(self) -> None:
         """Begin without any."""
