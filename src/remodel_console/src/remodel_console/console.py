@@ -216,6 +216,7 @@ class Console:
                     self.supervisor.run(order, SAMPLE_TASKS, by, again=False)
                     return
             threading.Event().wait(_START_POLL_S)
+        self.live.refresh()  # the nodes have ended, perhaps before any was seen
 
     def list_names(self) -> tuple[str, ...]:
         """List the names of all charts and behaviors again, and return them; reads their files."""

@@ -49,6 +49,10 @@ class Live:
         """Have a function called, on any thread, after each change."""
         self._wake = wake
 
+    def refresh(self) -> None:
+        """Have all pages shown again, for what is not part of the world."""
+        self._wake()
+
     def take(self, event: Event) -> None:
         """Take in an event of the engine."""
         with self._lock:

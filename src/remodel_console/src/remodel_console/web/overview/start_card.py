@@ -75,11 +75,8 @@ class StartCard:
     async def _end(self) -> None:
         page = self._page
 
-        def stop() -> None:
-            page.console.everything.stop()
-
         page.ask(
             "Stop engine, supervisor and cell? A run that is under way is interrupted.",
             "Stop them",
-            lambda: page.give("stop what was started here", stop),
+            lambda: page.give("stop what was started here", self._everything.stop),
         )
