@@ -5,5 +5,18 @@ class CommandError(Exception):
     """A command cannot be carried out; the message is the answer to its sender."""
 
 
+class ChartErrorsError(CommandError):
+    """A chart is not saved, since it has errors.
+
+    Attributes:
+        count: how many.
+    """
+
+    def __init__(self, text: str, count: int) -> None:
+        """Take the answer, and how many errors it lists."""
+        super().__init__(text)
+        self.count = count
+
+
 class PictureError(ValueError):
     """A picture of a camera cannot be shown."""

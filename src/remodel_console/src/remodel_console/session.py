@@ -26,7 +26,7 @@ from remodel_console.core.editor.server_states import chart_from_states
 from remodel_console.core.editor.synthesis_request import ServerRequest
 from remodel_console.core.settings import Settings
 from remodel_console.edge.workspace import Workspace
-from remodel_console.errors import CommandError
+from remodel_console.errors import ChartErrorsError, CommandError
 
 _MOST_UNDONE = 200  # changes that can be taken back
 START = "start"  # what the deliverable's command line writes for "where the chart itself starts"
@@ -37,6 +37,7 @@ class Session:
 
     Attributes:
         is_saved: nothing has changed since it was loaded or saved.
+        is_kept: it is saved, or kept as a draft: nothing is lost without this session.
         on_save: called after a chart was saved.
         on_change: called after each command that was carried out.
         ask_server: calls a synthesis server; None until ROS is running.
@@ -51,6 +52,7 @@ class Session:
         self._path: tuple[str, ...] = ()
         self._draft: Draft | None = None
         self.is_saved = True
+        self._kept_text: str | None = None
         self._before: tuple[Draft, ...] = ()
         self._undone: tuple[Draft, ...] = ()
         self.on_change: Callable[[], None] = lambda: None
@@ -96,6 +98,29 @@ class Session:
     def text(self) -> str:
         """Return the XML of what is edited, as it would be saved; empty before the first `load`."""
         return "" if self._draft is None else self._draft.text
+
+    @property
+    def is_kept(self) -> bool:
+        """Return whether what is edited is on disk, as the chart or as its draft."""
+        return self.is_saved or (self._draft is not None and self._draft.text == self._kept_text)
+
+    def save_or_keep(self) -> str:
+        """Save the chart, or keep it as a draft while it has errors; return the answer.
+
+        Raises:
+            CommandError: if neither is possible; then nothing has changed.
+        """
+        with self._lock:
+            try:
+                answer = self._save({})
+            except ChartErrorsError as error:
+                draft = self._drafted()
+                file = self._workspace.keep(draft)
+                self._kept_text = draft.text
+                errors = f"{error.count} error{'s' * (error.count > 1)}"
+                answer = f"kept '{draft.chart.name}' as a draft, which has {errors}: {file}"
+        self.on_change()
+        return answer
 
     def carry_out(self, command: Command) -> str:
         """Carry a command out and return the answer.
@@ -243,17 +268,22 @@ class Session:
     def _begin(self, draft: Draft) -> None:
         """Make a draft the one that is edited, without a past."""
         self._draft, self._path, self._before, self._undone = draft, (), (), ()
+        self._kept_text = None
 
     def _is_as_saved(self) -> bool:
         draft = self._drafted()
         return draft.origin is not None and self.saved_text == draft.text
 
     def _load(self, given: Mapping[str, str]) -> str:
-        lost = "" if self.is_saved else "; the unsaved changes are lost"
+        lost = "" if self.is_kept else "; the unsaved changes are lost"
         draft = self._workspace.load(given["name"])
-        self._begin(draft)
-        self.is_saved, chart = True, draft.chart
-        return f"loaded '{chart.name}' from {chart.file}{lost}"
+        kept, chart = self._workspace.kept(draft), draft.chart
+        self._begin(kept or draft)
+        if kept is None:
+            self.is_saved = True
+            return f"loaded '{chart.name}' from {chart.file}{lost}"
+        self.is_saved, self._kept_text = self._is_as_saved(), kept.text
+        return f"loaded the draft of '{chart.name}' that was kept beside {chart.file}{lost}"
 
     def _container(self, path: tuple[str, ...], name: str, initial: str, goal: str) -> Container:
         """Return the chart of a file as a container, as the server makes it or as it is.

@@ -82,7 +82,7 @@ class Sessions:
         return {
             key: kept.session.chart.name
             for key, kept in self._pages.items()
-            if not kept.session.is_saved and kept.session.chart and not kept.is_shown()
+            if not kept.session.is_kept and kept.session.chart and not kept.is_shown()
         }
 
     def discard(self, key: str) -> None:
@@ -103,5 +103,5 @@ class Sessions:
         self._pages = {
             key: kept
             for key, kept in self._pages.items()
-            if key == wanted or kept.is_shown() or not kept.session.is_saved
+            if key == wanted or kept.is_shown() or not kept.session.is_kept
         }

@@ -10,7 +10,7 @@ from flexbe_synthesizer.core.chart.chart_writer import write_chart
 from flexbe_synthesizer.core.chart.model import Chart, Outcome, State
 from remodel_console.core.editor.copying import copied, outermost, pasted
 from remodel_console.core.editor.editing import change_at, matches, unplaced
-from remodel_console.core.editor.fixes import counts, located
+from remodel_console.core.editor.fixes import counts, fixed, located, unambiguous
 from remodel_console.edge.inspect_chart import inspect_text
 from remodel_console.edge.workspace import Workspace
 
@@ -68,6 +68,17 @@ def test_a_problem_is_at_its_state_and_its_fix_corrects_it(inspect, good, bad, p
 
 def located_in(inspect, chart):
     return located(inspect(write_chart(chart))[1])
+
+
+def test_errors_with_one_correction_each_are_fixed_at_once(inspect):
+    right = 'name="text" value="The errand is done."/>'
+    wrong = ERRAND.replace(right, f'{right}<param name="tex" value="b"/>')
+    wrong = wrong.replace('target="Look closer"', 'target="Look cloer"', 1)
+    chart, inspection = inspect(wrong)
+    fixes = unambiguous(located(inspection))
+    assert len(fixes) >= 2
+    _, after = inspect(write_chart(fixed(chart, fixes)))
+    assert after.error_count == inspection.error_count - len(fixes)
 
 
 def test_an_input_that_nothing_feeds_becomes_one_of_the_chart(inspect):

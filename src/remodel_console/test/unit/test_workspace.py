@@ -1,6 +1,7 @@
 """Chart folders with what is no chart in them, and charts that lie in no package."""
 
 import os
+import re
 import shutil
 import signal
 from pathlib import Path
@@ -211,3 +212,44 @@ def test_while_a_chart_is_typed_the_charts_that_it_names_are_not_checked_again(
     (user_charts / "inner.xml").write_text(CHART.format(name="Inner", target="finisht"))
     _chart, inspection = inspect_text(workspace, typed, str(outer))
     assert "unknown-target" in [problem.code.slug for problem in inspection.problems]
+
+
+WRONG = CHART.format(name="Wrong", target="nowhere")
+
+
+def test_a_chart_with_errors_is_kept_as_a_draft_and_survives_the_console(user_charts, workspace):
+    file = user_charts / "wrong.xml"
+    session = Session(workspace)
+    session.open(chart_edit.new_chart("Wrong", str(file)))
+    session.retype(WRONG)
+    answer = session.save_or_keep()
+    assert re.match(r"kept 'Wrong' as a draft, which has \d errors?: .*wrong\.xml\.draft$", answer)
+    assert session.is_kept and not session.is_saved
+    assert not file.exists(), "nothing that could run"
+    session.undo()
+    assert not session.is_kept
+
+    again = Session(workspace)
+    assert "Wrong" in workspace.names()
+    again.carry_out(read_command("load Wrong"))
+    assert again.text == WRONG
+    assert again.is_kept and not again.is_saved
+
+
+def test_a_draft_is_gone_once_its_chart_is_saved(user_charts, workspace):
+    (user_charts / "mine.xml").write_text(CHART.format(name="Mine", target="finished"))
+    session = Session(workspace)
+    session.carry_out(read_command("load Mine"))
+    right = session.text
+    session.retype(right.replace('target="', 'target="nowhere', 1))
+    assert "as a draft" in session.save_or_keep()
+    (draft,) = user_charts.glob("*.draft")
+    other = Session(workspace)
+    answer = other.carry_out(read_command("load Mine"))
+    assert answer.startswith("loaded the draft of 'Mine'")
+    with pytest.raises(CommandError, match="error"):
+        other.carry_out(read_command("save"))
+    other.retype(right)
+    assert "saved 'Mine'" in other.save_or_keep()
+    assert other.is_saved
+    assert not draft.exists()

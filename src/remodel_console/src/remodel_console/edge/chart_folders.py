@@ -4,15 +4,17 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 from flexbe_synthesizer.core.chart.names import behavior_file
 from flexbe_synthesizer.edge.chart_files import chart_names, confined_to, read_chart_file
 from flexbe_synthesizer.errors import ChartFileError
-from remodel_console.core.editor.draft import Draft
+from remodel_console.core.editor.draft import Draft, read_draft
 from remodel_console.errors import CommandError
 
+# Beside a chart: what was saved of it while it had errors. No program but the editor reads it.
+_KEPT = ".draft"
 _READ_WITHIN_S = 10.0  # all charts of the folders; a person waits for them
 
 
@@ -33,6 +35,19 @@ class ChartFolders:
             CommandError: if that takes too long.
         """
         return chart_names(self.folders, self._deadline())
+
+    def kept_drafts(self) -> Iterator[tuple[str, Draft]]:
+        """Yield name and draft of what was kept of charts that were never saved."""
+        for folder in self.folders:
+            for path in sorted(folder.glob(f"*.xml{_KEPT}")):
+                file = path.with_suffix("")
+                if file.exists():
+                    continue
+                try:
+                    draft = read_draft(read_chart_file(path), str(file))
+                except (ChartFileError, CommandError):
+                    continue
+                yield draft.chart.name, replace(draft, origin=None)
 
     def contents(self) -> Iterator[tuple[Path, bytes]]:
         """Yield file and content of each chart.
@@ -87,3 +102,8 @@ class ChartFolders:
                 )
 
         return expect_time
+
+
+def kept_file(file: Path) -> Path:
+    """Return where the draft of a chart is kept, beside the chart's file."""
+    return file.with_name(file.name + _KEPT)

@@ -15,6 +15,7 @@ from flexbe_synthesizer.core.library.library import Library
 from flexbe_synthesizer.core.library.resolve import scopes
 from flexbe_synthesizer.core.machine.lift import lift
 from flexbe_synthesizer.core.machine.machine_reader import read_machine
+from flexbe_synthesizer.edge.atomic_write import write_all
 from flexbe_synthesizer.edge.behavior_owner import expect_found
 from flexbe_synthesizer.edge.chart_files import (
     confined_to,
@@ -34,8 +35,8 @@ from flexbe_synthesizer.edge.regular_file import read_regular_text
 from flexbe_synthesizer.errors import ChartFileError, OutputError, SynthesisError
 from flexbe_synthesizer.synthesis import CheckedFiles, check_files, write_behaviors
 from remodel_console.core.editor.draft import Draft, new_draft, read_draft
-from remodel_console.edge.chart_folders import ChartFolders
-from remodel_console.errors import CommandError
+from remodel_console.edge.chart_folders import ChartFolders, kept_file
+from remodel_console.errors import ChartErrorsError, CommandError
 
 OUTPUT = "remodel_behaviors"  # package of the behaviors whose charts lie in none, as of the server
 
@@ -92,7 +93,31 @@ class Workspace:
             except ChartFileError as error:
                 raise CommandError(str(error)) from error
             return read_draft(content, str(path))
+        kept = dict(self._folders().kept_drafts())
+        if name in kept:
+            return kept[name]
         return self._from_code(name, found)
+
+    def kept(self, draft: Draft) -> Draft | None:
+        """Return what was kept of a chart after it was saved last; None if nothing was."""
+        file = kept_file(Path(draft.chart.file))
+        try:
+            return draft.retyped(read_regular_text(file)) if file.exists() else None
+        except (OSError, ValueError, CommandError):
+            return None  # it is left as it is
+
+    def keep(self, draft: Draft) -> Path:
+        """Keep a chart that cannot be saved, beside its file; the engine never runs it.
+
+        Raises:
+            CommandError: if it cannot be written.
+        """
+        file = kept_file(Path(draft.chart.file))
+        try:
+            write_all({file: draft.text})
+        except OutputError as error:
+            raise CommandError(f"the draft is not kept: {error}") from error
+        return file
 
     @staticmethod
     def has_file(path: str) -> bool:
@@ -101,7 +126,8 @@ class Workspace:
 
     def names(self) -> tuple[str, ...]:
         """Return the names of all charts."""
-        return tuple(dict(self._folders().names()))
+        folders = self._folders()
+        return tuple({**dict(folders.names()), **dict(folders.kept_drafts())})
 
     def read(self, path: str) -> Chart:
         """Return the chart of a file that lies in the chart folders.
@@ -162,9 +188,11 @@ class Workspace:
         try:
             for path, one in files.charts.items():
                 expect_found(one.resolved.chart.name, files.packages[path], self._inventory())
-            return write_behaviors(files, {file.resolve(): draft.content})
+            written = write_behaviors(files, {file.resolve(): draft.content})
         except OutputError as error:
             raise CommandError(str(error)) from error
+        kept_file(file).unlink(missing_ok=True)
+        return written
 
     def users_of(self, state: str) -> Iterator[str]:
         """Yield where charts use a state class, `package.Class` or `Class`."""
@@ -241,7 +269,8 @@ class Workspace:
         errors = errors_in(files.problems)
         if errors:
             lines = "\n".join(map(str, errors))
-            raise CommandError(f"{len(errors)} error{'s' * (len(errors) > 1)}:\n{lines}")
+            text = f"{len(errors)} error{'s' * (len(errors) > 1)}:\n{lines}"
+            raise ChartErrorsError(text, len(errors))
 
 
 def _package_to_check_in(path: str) -> OutputPackage:

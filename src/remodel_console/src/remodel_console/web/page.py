@@ -204,7 +204,7 @@ class Page:
         async def do() -> None:
             await self.give(command.text, lambda: session.carry_out(command))
 
-        if session.is_saved or session.chart is None:
+        if session.is_kept or session.chart is None:
             await do()
         else:
             question = f"'{session.chart.name}' has unsaved changes."

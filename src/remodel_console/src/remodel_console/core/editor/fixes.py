@@ -22,7 +22,7 @@ from flexbe_synthesizer.core.chart.model import (
 from flexbe_synthesizer.core.chart.problem import Problem, ProblemKind, Severity
 from flexbe_synthesizer.core.export.draw import is_failure_name
 from remodel_console.core.editor import chart_edit
-from remodel_console.core.editor.editing import Path, container_at
+from remodel_console.core.editor.editing import Path, change_at, container_at
 from remodel_console.core.editor.inspection import Inspection
 from remodel_console.core.editor.interface_edit import with_input
 
@@ -74,6 +74,19 @@ def located(inspection: Inspection) -> tuple[Found, ...]:
         fixes = tuple(_fixes(problem, owner, chart, inspection))[:_MOST_FIXES]
         found.append(Found(problem, owner.path, fixes))
     return tuple(found)
+
+
+def unambiguous(found: Iterable[Found]) -> tuple[Fix, ...]:
+    """Return the only changes that correct errors of which each has no other."""
+    errors = (one for one in found if one.problem.code.severity is Severity.ERROR)
+    return tuple(one.fixes[0] for one in errors if len(one.fixes) == 1)
+
+
+def fixed(chart: Chart, fixes: Iterable[Fix]) -> Chart:
+    """Return the chart with the changes made."""
+    for fix in fixes:
+        chart = change_at(chart, fix.path, fix.change)
+    return chart
 
 
 def counts(found: Iterable[Found]) -> dict[str, tuple[int, int]]:

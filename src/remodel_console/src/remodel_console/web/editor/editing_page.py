@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import asyncio
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from functools import partial
 
 from nicegui import run, ui
@@ -15,7 +15,7 @@ from remodel_console.core.answer import DONE
 from remodel_console.core.editor import chart_edit
 from remodel_console.core.editor.copying import Copied, outermost
 from remodel_console.core.editor.editing import Path, change_at, container_at
-from remodel_console.core.editor.fixes import Fix, Found
+from remodel_console.core.editor.fixes import Fix, Found, fixed
 from remodel_console.core.editor.inspection import Inspection
 from remodel_console.errors import CommandError
 from remodel_console.session import Session
@@ -118,6 +118,10 @@ class EditingPage(Page):
     async def fix(self, fix: Fix) -> None:
         """Make the change that corrects a problem."""
         await self.change(fix.words, fix.path, fix.change)
+
+    async def fix_all(self, fixes: Sequence[Fix]) -> None:
+        """Make the changes that correct several problems, as one change."""
+        await self.change(f"fix {len(fixes)} problems", (), lambda chart: fixed(chart, fixes))
 
     async def delete(self) -> None:
         """Delete what is selected."""

@@ -78,7 +78,9 @@ class EditorTools:
 
     def show_saved(self, session: Session) -> None:
         """Show whether the chart is saved, and what can be undone and redone."""
-        chart, state = session.chart, "saved" if session.is_saved else "not saved yet"
+        chart = session.chart
+        kept = "draft, saved" if session.is_kept else "not saved yet"
+        state = "saved" if session.is_saved else kept
         self._saved.text = f"{chart.name}: {state}" if chart else ""
         is_operator = self._page.is_operator
         self._undo.set_enabled(is_operator and session.can_undo)
@@ -89,12 +91,12 @@ class EditorTools:
         self._open.set_options(self._names(), value=chart.name if chart else None)
 
     async def save(self) -> None:
-        """Save the chart, or show why it cannot be saved."""
+        """Save the chart; while it has errors, as a draft."""
         session = self._page.session
-        command = Command("save", Verb.SAVE)
-        answer = await self._page.give("save", lambda: session.carry_out(command))
+        answer = await self._page.give("save", session.save_or_keep)
         if answer.state == DONE:
-            ui.notify(answer.words.partition(":")[0], type="positive")
+            is_whole = session.is_saved
+            ui.notify(answer.words.partition(":")[0], type="positive" if is_whole else "info")
 
     async def _run(self) -> None:
         """Save the chart if it has changed, and open Runtime control with it."""
@@ -240,7 +242,7 @@ class EditorTools:
     def _new(self) -> None:
         """Create a behavior; ask first if something would be lost."""
         session = self._page.session
-        if session.is_saved or session.chart is None:
+        if session.is_kept or session.chart is None:
             self._ask_new()
         else:
             question = f"'{session.chart.name}' has unsaved changes."

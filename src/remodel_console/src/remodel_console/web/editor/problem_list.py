@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Sequence
 from functools import partial
 from pathlib import PurePath
 
 from nicegui import ui
 
 from flexbe_synthesizer.core.chart.problem import Problem, Severity
-from remodel_console.core.editor.fixes import Found
+from remodel_console.core.editor.fixes import Found, unambiguous
 from remodel_console.core.editor.inspection import Inspection
 from remodel_console.web.editor.editing_page import EditingPage
 
@@ -25,7 +25,7 @@ class ProblemList:
         self._reveal = reveal
         self._area = ui.element("div").classes("problems").props('role="status"')
 
-    def show(self, inspection: Inspection, own: str, found: Iterable[Found]) -> None:
+    def show(self, inspection: Inspection, own: str, found: Sequence[Found]) -> None:
         """Show the problems of the chart in the file `own`."""
         self._area.clear()
         with self._area:
@@ -35,6 +35,10 @@ class ProblemList:
                 words = f"Not checked: {inspection.unchecked}"
             is_fine = not count and not inspection.unchecked
             ui.label(words).classes("soft" if is_fine else "bad-count")
+            certain = unambiguous(found)
+            if len(certain) > 1:
+                words = f"Fix the {len(certain)} errors that have one correction"
+                self._page.button(words, partial(self._page.fix_all, certain), look="quiet")
             for one in found:
                 self._line(one, own)
 
