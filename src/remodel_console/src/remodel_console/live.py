@@ -49,6 +49,10 @@ class Live:
         """Have a function called, on any thread, after each change."""
         self._wake = wake
 
+    def refresh(self) -> None:
+        """Have the pages shown again, since something beside the world has changed."""
+        self._wake()
+
     def take(self, event: Event) -> None:
         """Take in an event of the engine."""
         with self._lock:

@@ -16,7 +16,7 @@ _ERRORS = (OSError, http.client.HTTPException, xmlrpc.client.Error, rosgraph.Mas
 
 
 class Nodes:
-    """The nodes that are registered at the master, as they were at the last look."""
+    """The nodes that are registered at the master, as they were inspected last."""
 
     def __init__(self) -> None:
         """Begin without any."""
@@ -39,7 +39,7 @@ class Nodes:
         return name in self._services
 
     def topics(self, belongs: Callable[[str], bool]) -> Iterable[str]:
-        """Return the topics that are published, of those that belong to what is looked for."""
+        """Return the topics that are published, of those that belong to what is searched for."""
         return filter(belongs, self._publishers)
 
     def publishing(self, topic: str) -> list[str]:
