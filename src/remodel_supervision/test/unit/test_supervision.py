@@ -180,7 +180,7 @@ def test_what_led_to_the_same_figure_again_is_not_repeated(run, code, texts, doe
             run.discard("W1")
     assert [each.do for each in done] == does
     if does[-1] is Do.SET_ASIDE:
-        reason = "new part x 1 did not help; new part spared, which led to the same figure again"
+        reason = "a new part once did not help, and a new part led to the same figure again"
         assert done[-1].because == reason
 
 
@@ -511,6 +511,7 @@ def test_an_operator_is_asked_and_answers(run):
     asked = question_about(run.state, "W1", FAULTS, run.now_s)
     assert asked.text.startswith("Insertion jammed: no. ")
     assert Answer.REPLAN in asked.choices
+    assert asked.choices[0] is Answer.FIXED, "the usual answer is the one that has the cell check"
     assert run.add(asked) == Wait("question 1 is to be answered")
     assert run.add(Answered(1, Answer.FIXED, "ann")) == Settle("W1")
     run.add(Settled("W1", ("a",), 2))
