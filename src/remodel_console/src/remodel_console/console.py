@@ -23,6 +23,7 @@ from remodel_console.core.world import Part
 from remodel_console.desk import Desk
 from remodel_console.edge.catalogue import Catalogue
 from remodel_console.edge.everything import Everything
+from remodel_console.edge.hand_ticks import HandTicks
 from remodel_console.edge.order_desk.order_drafts import OrderDraft, OrderDrafts
 from remodel_console.edge.scene_files import SceneFiles
 from remodel_console.edge.settings_file import SettingsFile
@@ -122,6 +123,7 @@ class Console:
         scene: the cell in three dimensions.
         meshes: of its robots, and of those in recordings.
         scenes: recordings of the cell in three dimensions.
+        ticks: the wires by hand that are placed.
         values: userdata that the states of the run have found and left behind.
         steering: commands to the engine.
         supervisor: None until ROS is running.
@@ -143,6 +145,7 @@ class Console:
         settings: SettingsFile,
         scenes: SceneFiles,
         drafts: OrderDrafts,
+        ticks: HandTicks,
         database: str,
         everything: Everything,
         users: Users | None = None,
@@ -161,6 +164,8 @@ class Console:
         self.catalogue = catalogue
         self.settings = settings
         self.drafts = drafts
+        self.ticks = ticks
+        ticks.on_change = live.refresh
         self._database = database
         self.everything = everything
         self._users = users

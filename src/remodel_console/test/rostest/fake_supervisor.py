@@ -23,6 +23,7 @@ from remodel_supervision.core.runs.events import (
     Commanded,
     Decided,
     Ending,
+    HandWire,
     Interrupted,
     OperationEnded,
     Part,
@@ -36,6 +37,7 @@ from remodel_supervision.core.runs.events import (
 from remodel_supervision.core.runs.fold import state_after
 from remodel_supervision.core.runs.state import FINISHED
 from remodel_supervision.core.runs.statistics import joined, statistics_of_run
+from remodel_supervision.ros.server.run_messages import sums_message
 from remodel_supervision.ros.server.state_publisher import RunView, StatePublisher
 from remodel_supervision.supervisors.ports import Doing
 
@@ -47,6 +49,15 @@ WIRES = (
     ("W5", "K2/A1 to X1/3, RD, 1 mm2"),
     ("W6", "K2/A2 to X1/4, BK, 1 mm2"),
 )
+
+
+BY_HAND = tuple(
+    HandWire(
+        name, marker, "Q1/2", "X1/PE", "GNYE", section_mm2=16.0, length_m=0.482,
+        reason="16 mm2 is thicker than the cell's 6 mm2",
+    )
+    for name, marker in (("W7", "PE1"), ("W8", ""))
+)  # fmt: skip
 
 
 def picture(height, width, red, green, blue):
@@ -107,7 +118,10 @@ def decided(task, fault, code, ability, text, do, because):
 def half_way(order):
     """Return the events of a run whose fourth of six tasks is under way."""
     return [
-        RunBegun(order, "cabinet", "cell 1", tuple(name for name, _ in WIRES), serial="SN-0042"),
+        RunBegun(
+            order, "cabinet", "cell 1", tuple(name for name, _ in WIRES), serial="SN-0042",
+            by_hand=BY_HAND,
+        ),
         Planned(tuple(name for name, _ in WIRES), "the run begins"),
         *attempt("W1", 1, 41.0),
         *attempt("W2", 1, 37.0, 205),
@@ -344,7 +358,7 @@ class FakeRecords:
         runs = [
             msg.RunSummary(
                 run=run, order="cabinet 7", cell="cell 1", started=rospy.Time(1795200000),
-                taken_s=16.0, ended=True, done=0, tasks=2,
+                ended=True, sums=msg.RunSums(tasks=2, interrupted=1, open=1, taken_s=16.0),
             )
             for run in self._entries
         ]  # fmt: skip
@@ -364,7 +378,8 @@ class FakeRecords:
         utilisations = [share for _, share in found.utilisations]
         parts = (found.terminals, found.wires)
         columns = [column for part in parts for column in zip(*part, strict=True)]
-        return srv.GetStatisticsResponse(True, "", runs, yields, utilisations, *columns)
+        sums = [sums_message(each) for _, each in found.sums]
+        return srv.GetStatisticsResponse(True, "", runs, sums, yields, utilisations, *columns)
 
     def _get(self, request):
         if request.run not in self._entries:

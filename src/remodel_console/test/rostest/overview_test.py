@@ -54,7 +54,7 @@ class OverviewTest(BehaviorTestCase):
         expect(page.locator(".order .title")).to_have_text("cabinet 7")
         self.assertEqual(supervisor.asked[-1], ("run", "cabinet 7", 6, True))
         expect(page.locator(".order-head")).to_contain_text(
-            "2 of 6 tasks done, 1 skipped; 4 min so far, about 2 min left"
+            "2 of 6 tasks done, 1 skipped, 2 wires by hand; 4 min of work so far, about 2 min left"
         )
         expect(page.locator("tr.task.set_aside")).to_contain_text("W3")
         expect(page.locator(".levels")).to_contain_text("Ability: InsertCable")
@@ -95,10 +95,12 @@ class OverviewTest(BehaviorTestCase):
         expect(page.locator(".ending")).to_contain_text(
             "Order 'cabinet 7', run 12: stopped by an operator"
         )
+        self.tick_off()
         commands = [json.loads(line) for line in self.record.read_text().splitlines()]
         given = [(c["who"], c["command"], c["state"]) for c in commands]
         self.assertIn(("Ada", "answer question 1 about W4: I have fixed it", "done"), given)
         self.assertIn(("operator", "run order 'nowhere'", "failed"), given)
+        self.assertIn(("Ada", "wire W7 of SN-0042 is placed by hand", "done"), given)
 
     def see_what_the_cell_is(self):
         """Ability servers are told by their answers: what is stopped does not answer."""
@@ -149,6 +151,23 @@ class OverviewTest(BehaviorTestCase):
         self.press(page, "Resume")
         expect(banner).to_be_hidden()
         expect(phase).to_have_text("running")
+
+    def tick_off(self):
+        """Tick a wire by hand off on the computer, and see that on a phone."""
+        page = self.page
+        hand = page.locator(".by-hand")
+        expect(hand).to_contain_text("By hand: 2 of 2 to be placed")
+        expect(hand).to_contain_text("Q1/2 to X1/PE, GNYE, 16 mm², 482 mm")
+        expect(page.locator("tr.task", has_text="W4")).to_contain_text("interrupted")
+        hand.get_by_text("W7, marker PE1").click()
+        expect(hand).to_contain_text("By hand: 1 of 2 to be placed")
+        self.take_picture(page, "overview-by-hand")
+        phone = self.open_page("/overview", width=390, height=844)
+        expect(phone.locator(".by-hand")).to_contain_text("By hand: 1 of 2 to be placed")
+        expect(phone.get_by_role("checkbox", name="W7, marker PE1")).to_be_checked()
+        phone.locator(".by-hand").get_by_text("W8").click()
+        expect(hand).to_contain_text("By hand: all 2 are placed")
+        self.take_picture(phone, "overview-by-hand-phone")
 
     def see_statistics(self):
         """Compare all runs with those of one order."""

@@ -67,7 +67,7 @@ class RunSubscriberTest(unittest.TestCase):
         supervisor.run("cabinet 7")
         run = self.wait_for(DONE, DONE, ASIDE, RUNS, WAITS, WAITS)
         self.assertFalse([run for run in self.taken if run.run and not run.tasks], "no tasks shown")
-        self.assertEqual((run.total, run.done, run.set_aside), (6, 2, 1))
+        self.assertEqual((run.sums.tasks, run.sums.done, run.sums.skipped), (6, 2, 1))
         self.assertEqual([failure.task for failure in run.failures], ["W2", "W3"])
 
         supervisor.add(TaskEnded("W4", FINISHED, 30.0, True))

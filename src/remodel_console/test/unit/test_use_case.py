@@ -16,11 +16,13 @@ from remodel_console.core.plot import (
 from remodel_console.core.run.run_view import Phase as RunPhase
 from remodel_console.core.run.run_view import RunView
 from remodel_console.core.use_case.production import figures
+from remodel_console.core.use_case.sums import Count, Sums, sums_words
 from remodel_console.core.use_case.use_case import (
     SHOWN_TASKS,
     CableTask,
     Choice,
     Failure,
+    HandWire,
     Level,
     Phase,
     Question,
@@ -30,6 +32,7 @@ from remodel_console.core.use_case.use_case import (
     decision_words,
     duration_words,
     fault_words,
+    hand_words,
     level_rows,
     shown_tasks,
     with_cables,
@@ -42,8 +45,16 @@ from remodel_console.pictures import Pictures
 
 
 def task(name, phase, *, passed=False, taken_s=0.0, expected_s=0.0):
+    counts = {TaskPhase.DONE: Count.DONE, TaskPhase.SET_ASIDE: Count.SKIPPED}
     return Task(
-        name, "", phase=phase, attempts=1, first_pass=passed, taken_s=taken_s, expected_s=expected_s
+        name,
+        "",
+        phase=phase,
+        attempts=1,
+        first_pass=passed,
+        taken_s=taken_s,
+        expected_s=expected_s,
+        counts_as=counts.get(phase, Count.OPEN),
     )
 
 
@@ -61,9 +72,10 @@ def test_the_cores_of_a_cable_follow_it_and_are_one_task():
     shown = list(with_cables(cores))
     cable = shown[1]
     assert shown == [cores[0], CableTask((cores[1], cores[2])), *cores[1:]]
-    assert (cable.name, cable.phase, cable.words) == (
+    assert (cable.name, cable.phase, cable.words, cable.description) == (
         "C1",
         TaskPhase.RUNNING,
+        "running",
         "cable, 1 of 2 cores done",
     )
     for phases, phase in (
@@ -83,9 +95,9 @@ def failure(name, fault, decision):
 
 RUN = UseCase(
     Phase.RUNNING,
-    total=6,
-    done=3,
-    set_aside=1,
+    sums=Sums(
+        tasks=6, done=3, skipped=1, open=2, tried=4, first_passes=2, recovered=1, done_s=160.0
+    ),
     tasks=(
         task("W1", TaskPhase.DONE, passed=True, taken_s=40),
         task("W2", TaskPhase.DONE, taken_s=80),
@@ -109,19 +121,53 @@ def test_figures_count_tasks_that_have_ended():
     found = figures(RUN)
     assert found.tasks == ("W1", "W2", "W3", "W4")
     assert found.yields == (1.0, 0.5, pytest.approx(1 / 3), 0.5)
-    assert found.first_pass_yield == 0.5
-    assert found.cycles_s == (40, 80, 120, 40)
-    assert found.mean_cycle_s == 70
+    assert found.sums.first_pass_yield == found.yields[-1]
+    assert found.sums.mean_cycle_s == pytest.approx(sum(found.cycles_s) / len(found.cycles_s))
+    assert (found.done, found.cycles_s) == (("W1", "W2", "W4"), (40, 80, 40))
 
 
 def test_a_recovery_is_a_failure_of_a_task_that_is_done():
     assert figures(RUN).recoveries == (("Grasp missed", 2), ("Cable slipped", 1))
 
 
+def test_a_task_that_was_done_before_is_no_task_of_this_run():
+    before = replace(task("W0", TaskPhase.DONE), counts_as=Count.DONE_BEFORE, attempts=0)
+    skipped = replace(task("W7", TaskPhase.SET_ASIDE), attempts=0)  # before it was begun
+    continued = replace(RUN, tasks=(before, *RUN.tasks, skipped))
+    assert figures(continued) == figures(RUN)
+    assert (before.words, RUN.tasks[0].words) == ("done before", "done")
+
+
+def test_the_words_of_sums_leave_out_what_there_is_none_of():
+    assert sums_words(RUN.sums) == "3 of 6 tasks done, 1 skipped"
+    five = Sums(tasks=9, done_before=2, done=3, skipped=1, interrupted=1, open=2, by_hand=3)
+    assert sums_words(five) == (
+        "5 of 9 tasks done, 2 of them before this run, 1 skipped, 1 interrupted, 3 wires by hand"
+    )
+
+
+def test_the_time_worked_goes_on_over_a_restart():
+    level = Level("task", "W5", "attempt 1", since_s=100.0)
+    run = replace(RUN, sums=Sums(taken_s=180.0), started_s=95.0, stamp_s=110.0, levels=(level,))
+    assert run.worked_s == 190.0
+    assert replace(run, levels=()).worked_s == 180.0
+    assert replace(run, stamp_s=99.0).worked_s == 180.0  # the clock was set back
+
+
+def test_wires_by_hand_are_counted_until_all_are_ticked_off():
+    wires = [
+        HandWire(name, "17", "Q1/1", "X3/2", "BU", section_mm2=35.0, length_m=0.482, reason="thick")
+        for name in ("W3", "W8")
+    ]
+    assert wires[0].words == "Q1/1 to X3/2, BU, 35 mm², 482 mm"
+    assert hand_words(wires, {"W3"}) == "By hand: 1 of 2 to be placed"
+    assert hand_words(wires, {"W3", "W8"}) == "By hand: all 2 are placed"
+
+
 def test_before_anything_has_ended_there_are_no_figures():
     found = figures(UseCase(Phase.IDLE))
-    assert found.first_pass_yield is None
-    assert found.mean_cycle_s is None
+    assert found.sums.first_pass_yield is None
+    assert found.sums.mean_cycle_s is None
 
 
 def test_progress():

@@ -40,7 +40,7 @@ class OrderDeskTest(OrderDeskCase):
         page.wait_for_url("**/overview", timeout=WORK_MS)
         expect(page.locator(".ending")).to_contain_text("Order 'cable'", timeout=WORK_MS)
         now = rospy.wait_for_message("remodel/use_case/state", UseCaseState, timeout=180)
-        self.assertEqual((now.tasks, now.done), (2, 2))
+        self.assertEqual((now.sums.tasks, now.sums.done), (2, 2))
         cable = page.locator(".tasks tr.cable")
         expect(cable).to_contain_text("cable, 2 of 2 cores done")
         below = [cable.locator(f"xpath=following-sibling::tr[{place}]") for place in (1, 2)]

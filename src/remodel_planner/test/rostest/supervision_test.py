@@ -39,7 +39,7 @@ class SupervisionTest(SupervisionCase):
         played = planner("replay", str(state.run))
         self.assertEqual(played.returncode, 0, played.stdout)
         runs = call("runs", ListRuns).runs
-        self.assertEqual((runs[0].run, runs[0].ended, runs[0].done), (state.run, True, 3))
+        self.assertEqual((runs[0].run, runs[0].ended, runs[0].sums.done), (state.run, True, 3))
         self.assertTrue(any(entry.picture.data for entry in self.record_of(state.run)))
 
     def test_an_operator_answers_and_stops(self):

@@ -18,7 +18,9 @@ class UseCasesTest(UseCasesCase):
             [*words, "--database", DATABASE], stdout=subprocess.PIPE, text=True
         ) as run:
             self.addCleanup(run.kill)
-            wait_until(lambda: orders.state.order == "own" and orders.state.done, "a task is done")
+            wait_until(
+                lambda: orders.state.order == "own" and orders.state.sums.done, "a task is done"
+            )
             orders.end_process(SUPERVISOR)
             printed, _ = run.communicate(timeout=LIMIT_S)
         self.assertEqual(run.returncode, 0, printed)

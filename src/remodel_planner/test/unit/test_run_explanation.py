@@ -149,7 +149,7 @@ def test_a_run_is_explained_cause_by_cause(keep, url, capsys):
         "ann asked for: resume",
         "W2: cell other has left it set aside",
         "ended incomplete: set aside: W2",
-        "1 of 2 tasks done; not done: W2",
+        "1 of 2 tasks done, 1 skipped; not done: W2",
     ]
 
 

@@ -19,6 +19,7 @@ from remodel_planner.core.reports.run_summary import summary_lines
 from remodel_production.core.production import Component, Order, TerminalRef, Wire
 from remodel_production.core.whole_task import whole_tasks
 from remodel_supervision.core.run import Execution, Operation
+from remodel_supervision.core.runs.sums import Sums
 
 TEMPLATE = (Path(__file__).parents[2] / "templates" / "report.html.j2").read_text()
 COLOURS = {"InsertCable": "#ffb703"}
@@ -72,7 +73,7 @@ def attempted(name, *operations, placed=True, attempt=1, result=""):
     )
 
 
-def report(*attempts, cables=None, also=(), before=()):
+def report(*attempts, cables=None, also=(), before=(), sums=None):
     names = dict.fromkeys([*before, *(each.execution.wire for each in attempts), *also])
     tasks = whole_tasks((name, (cables or {}).get(name, "")) for name in names)
     order = Order(
@@ -83,7 +84,34 @@ def report(*attempts, cables=None, also=(), before=()):
         wires=(),
         notes=("an assumption",),
     )
-    return Report(order, tasks, 12.3, attempts, overview=(), before=frozenset(before))
+    return Report(
+        order,
+        tasks,
+        12.3,
+        attempts,
+        overview=(),
+        before=frozenset(before),
+        sums=sums or summed(attempts, before, tasks),
+    )
+
+
+def summed(attempts, before, tasks):
+    """Return the sums that the supervisor keeps of such a run."""
+    placed = {each.execution.wire for each in attempts if each.execution.placed}
+    first = [each.execution for each in attempts if each.execution.attempt == 1]
+    passes = sum(each.placed and not each.failures for each in first)
+    whole = [task for task in tasks if {*before, *placed}.issuperset(task.wires)]
+    old = [task for task in whole if set(before).issuperset(task.wires)]
+    return Sums(
+        tasks=len(tasks),
+        done_before=len(old),
+        done=len(whole) - len(old),
+        open=len(tasks) - len(whole),
+        tried=len(placed),
+        first_passes=passes,
+        recovered=len(placed) - passes,
+        taken_s=sum(each.execution.cell_s for each in attempts),
+    )
 
 
 def test_a_wire_that_failed_once_is_placed_but_not_at_first_pass():

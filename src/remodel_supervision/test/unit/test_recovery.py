@@ -97,7 +97,7 @@ def test_each_repeated_observation_of_a_task_has_a_viewpoint_of_its_own():
 def test_what_hardly_ever_helps_is_spared():
     decision = decide(failure("grasp_missed"), [], LITTLE, PLAIN, ATTENDED, {Do.LOOK_AGAIN})
     assert decision.do is Do.NEW_PART
-    assert decision.because.endswith("look again spared, which hardly ever helps")
+    assert decision.because.endswith(", and looking from another view hardly ever helps")
     spared = {Do.LOOK_AGAIN, Do.NEW_PART, Do.SET_ASIDE}
     last = decide(failure("grasp_missed"), [], LITTLE, PLAIN, ATTENDED, spared)
     assert last.do is Do.SET_ASIDE, "what is lasting ends it"
@@ -106,7 +106,10 @@ def test_what_hardly_ever_helps_is_spared():
 def test_each_fault_is_counted_by_itself():
     first = decide(failure("slipped"), [], LITTLE, Policy())
     second = decide(failure("grasp_missed"), [("slipped", first.do)], LITTLE, Policy())
-    assert second.because == "answer 1 of 2 to grasp_missed"
+    assert (
+        second.because
+        == "that is what it does about 'grasp missed', up to 2 times; this is the first"
+    )
 
 
 def test_without_an_operator_no_question_is_asked():
@@ -170,10 +173,18 @@ def test_a_use_case_may_answer_otherwise():
 @pytest.mark.parametrize(
     ("spent", "do", "because"),
     [
-        (Spent(6, 1.0, 1, 1.0), Do.SET_ASIDE, "6 attempts at this task; at most 6"),
-        (Spent(1, 2000.0, 1, 1.0), Do.SET_ASIDE, "the task takes 2000 s; at most 1800 s"),
-        (Spent(1, 1.0, 201, 1.0), Do.STOP, "201 failures in this run; at most 200"),
-        (Spent(1, 1.0, 1, 90000.0), Do.STOP, "the run takes 90000 s; at most 86400 s"),
+        (Spent(6, 1.0, 1, 1.0), Do.SET_ASIDE, "the task has had 6 of its 6 attempts"),
+        (
+            Spent(1, 2000.0, 1, 1.0),
+            Do.SET_ASIDE,
+            "the task has taken 2000 s of the 1800 s that it may take",
+        ),
+        (Spent(1, 1.0, 201, 1.0), Do.STOP, "the run has failed 201 times; it may 200 times"),
+        (
+            Spent(1, 1.0, 1, 90000.0),
+            Do.STOP,
+            "the run has taken 90000 s of the 86400 s that it may take",
+        ),
     ],
 )
 def test_limits_end_a_task_or_a_run(spent, do, because):

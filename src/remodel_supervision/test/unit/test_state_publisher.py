@@ -161,13 +161,14 @@ def test_the_snapshot_and_the_changes_give_the_tasks(supervised):
     assert list(known.values()) == ["done", "set_aside", "running", "waiting", "waiting", "waiting"]
     assert supervised.last.serial == "house-0042"
     assert (later.number, supervised.last.changes) == (number, number)
-    counts = (supervised.last.tasks, supervised.last.done, supervised.last.set_aside)
-    assert counts == (5, 1, 0), "a cable ends with its last core"
+    sums = supervised.last.sums
+    assert (sums.tasks, sums.done, sums.skipped) == (5, 1, 0), "a cable ends with its last core"
     assert [failure.decision for failure in later.failures] == ["set_aside"]
     assert [f.task for changes in supervised.changes for f in changes.failures] == ["W2"]
     supervised.add(decision("W3", Do.SET_ASIDE))
     supervised.wait(0.3)
-    assert (supervised.last.done, supervised.last.set_aside) == (1, 1)
+    sums = supervised.last.sums
+    assert (sums.done, sums.skipped, sums.open) == (1, 1, 3)
 
 
 def test_a_task_between_two_behaviors_is_under_way(supervised):

@@ -11,6 +11,7 @@ from remodel_console.core.use_case.record import Entry, Kind, Record, Summary
 from remodel_console.errors import CommandError
 from remodel_console.ros import topics
 from remodel_console.ros.call_service import call_service
+from remodel_console.ros.run_values import sums_of
 
 _KINDS = {kind.value: kind for kind in Kind}
 
@@ -20,7 +21,7 @@ class RecordLink:
 
     def runs(self) -> tuple[Summary, ...]:
         """Return the recorded runs, the latest first; see `call_service` for errors."""
-        return tuple(map(_summary, self._list().runs))
+        return tuple(map(summary_of, self._list().runs))
 
     def orders(self) -> tuple[str, ...]:
         """Return the names of all orders; see `call_service` for errors."""
@@ -38,6 +39,7 @@ class RecordLink:
             raise CommandError(f"the statistics cannot be read: {answer.message}")
         terminals = zip(answer.terminals, answer.insertions, answer.failures, strict=True)
         return Statistics(
+            tuple(zip(answer.runs, map(sums_of, answer.sums), strict=True)),
             tuple(zip(answer.runs, answer.yields, strict=True)),
             tuple(zip(answer.runs, answer.utilisations, strict=True)),
             tuple(terminals),
@@ -88,19 +90,18 @@ def _get(request: srv.GetRunRequest) -> srv.GetRunResponse:
     return answer
 
 
-def _summary(message: msg.RunSummary) -> Summary:
+def summary_of(message: msg.RunSummary) -> Summary:
+    """Return a run as a list of runs shows it."""
     return Summary(
         run=message.run,
         order=message.order,
         use_case=message.use_case,
         cell=message.cell,
         started_s=message.started.to_sec(),
-        taken_s=message.taken_s,
         has_ended=message.ended,
         is_success=message.success,
         message=message.message,
-        done=message.done,
-        tasks=message.tasks,
+        sums=sums_of(message.sums),
     )
 
 

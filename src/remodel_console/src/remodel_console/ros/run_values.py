@@ -2,12 +2,16 @@
 
 from __future__ import annotations
 
+from dataclasses import fields
+
 from remodel_msgs import msg, srv
 
+from remodel_console.core.use_case.sums import Count, Sums
 from remodel_console.core.use_case.task_copy import Changes, Snapshot, TaskCopy
 from remodel_console.core.use_case.use_case import (
     Choice,
     Failure,
+    HandWire,
     Level,
     Phase,
     Question,
@@ -32,9 +36,9 @@ def use_case_of(message: msg.UseCaseState, copy: TaskCopy) -> UseCase:
         started_s=message.started.to_sec(),
         interruptions=message.interruptions,
         stopped_by=message.stopped_by,
-        total=message.tasks,
-        done=message.done,
-        set_aside=message.set_aside,
+        controllers=tuple(message.controllers),
+        sums=sums_of(message.sums),
+        by_hand=copy.by_hand if has_tasks else (),
         tasks=copy.in_order if has_tasks else (),
         task=message.task,
         levels=tuple(Level(m.level, m.name, m.doing, m.since.to_sec()) for m in message.levels),
@@ -61,6 +65,25 @@ def snapshot_of(answer: srv.GetTasksResponse) -> Snapshot:
         answer.number,
         tuple(map(_task, answer.tasks)),
         tuple(map(_failure, answer.failures)),
+        tuple(map(_hand_wire, answer.by_hand)),
+    )
+
+
+def sums_of(message: msg.RunSums) -> Sums:
+    """Return the sums of a run."""
+    return Sums(**{each.name: getattr(message, each.name) for each in fields(Sums)})
+
+
+def _hand_wire(message: msg.HandWire) -> HandWire:
+    return HandWire(
+        name=message.name,
+        marker=message.marker,
+        a=message.a,
+        b=message.b,
+        colour=message.colour,
+        section_mm2=message.section,
+        length_m=message.length,
+        reason=message.reason,
     )
 
 
@@ -86,6 +109,7 @@ def _task(message: msg.TaskState) -> Task:
         taken_s=message.taken_s,
         expected_s=message.expected_s,
         cable=message.cable,
+        counts_as=Count(message.counts_as),
     )
 
 

@@ -6,6 +6,7 @@ from nicegui import background_tasks, run, ui
 
 from remodel_console.core.plot import bar_plot, line_plot
 from remodel_console.core.use_case.production import Statistics
+from remodel_console.core.use_case.sums import Sums
 from remodel_console.core.use_case.use_case import duration_words
 from remodel_console.core.world import ALL_PARTS, World
 from remodel_console.errors import CommandError
@@ -14,7 +15,8 @@ from remodel_console.web.plot import Plot
 
 _ALL = "all orders"
 _SHOWN_RUNS = 60  # the latest
-_SHOWN = 20  # terminals and wires: the worst
+_SHOWN = 20  # terminals and wires: the worst; runs: the latest
+_SUMS = ("Run", "Done before", "Done", "Skipped", "Interrupted", "Open", "By hand")
 
 
 class StatisticsPage(Page):
@@ -34,6 +36,8 @@ class StatisticsPage(Page):
                 self._message = ui.label().classes("soft").props('role="status"')
             with card("First-pass yield", "Share of the tasks of each run done at once."):
                 self._yields = Plot("First-pass yield over runs")
+            with card("Tasks", "What became of the tasks of each run, the latest first."):
+                self._sums = ui.element("div").classes("wide")
             hint = (
                 "Share of each run, from its first operation on, in which an ability was executed."
             )
@@ -70,6 +74,9 @@ class StatisticsPage(Page):
     def _show_found(self, found: Statistics) -> None:
         latest = found.yields[-_SHOWN_RUNS:]
         self._yields.show(line_plot([f"run {n}" for n, _ in latest], [y for _, y in latest]))
+        self._sums.clear()
+        with self._sums:
+            table(_SUMS, map(_sums_row, reversed(found.sums[-_SHOWN:])))
         latest = found.utilisations[-_SHOWN_RUNS:]
         self._utilisations.show(line_plot([f"run {n}" for n, _ in latest], [u for _, u in latest]))
         slowest = found.wires[:_SHOWN]
@@ -81,6 +88,12 @@ class StatisticsPage(Page):
         with self._terminals:
             head = ("Terminal", "Insertions", "Failed", "Share")
             table(head, map(_terminal_row, found.terminals[:_SHOWN]))
+
+
+def _sums_row(one: tuple[int, Sums]) -> tuple[str, ...]:
+    run_number, sums = one
+    counts = (sums.done_before, sums.done, sums.skipped, sums.interrupted, sums.open, sums.by_hand)
+    return str(run_number), *map(str, counts)
 
 
 def _terminal_row(terminal: tuple[str, int, int]) -> tuple[str, str, str, str]:

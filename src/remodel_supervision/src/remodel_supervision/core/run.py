@@ -41,6 +41,12 @@ class Operation:
     parameters: tuple[tuple[str, str], ...] = ()
     measurements: tuple[tuple[str, str], ...] = ()
 
+    @property
+    def has_failed(self) -> bool:
+        """Whether it did not succeed; one that was stopped, or found no wire in hand, did not."""
+        was_empty = self.ability in EMPTYING and self.error_code in NOTHING_TO_LAY_DOWN
+        return self.error_code not in (0, Code.PREEMPTED) and not was_empty
+
 
 @dataclass(frozen=True)
 class Execution:
@@ -73,13 +79,8 @@ class Execution:
 
     @property
     def failures(self) -> tuple[Operation, ...]:
-        """The operations that did not succeed; that a hand was empty already is no failure."""
-        return tuple(
-            each
-            for each in self.operations
-            if each.error_code
-            and not (each.ability in EMPTYING and each.error_code in NOTHING_TO_LAY_DOWN)
-        )
+        """The operations that failed."""
+        return tuple(each for each in self.operations if each.has_failed)
 
     def tries(self, ability: str) -> int:
         """Return how often an ability was tried."""

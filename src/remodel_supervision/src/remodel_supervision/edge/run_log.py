@@ -23,6 +23,7 @@ from remodel_production.edge.database.production_models import (
     RunRow,
     RunSnapshotRow,
     TaskRow,
+    WireRow,
 )
 from remodel_production.errors import OrderError, OwnerError, PlannerError
 from remodel_supervision.core.learning.learned_responses import TriedResponse
@@ -59,6 +60,11 @@ _LOADED = (
     .where(RunRow.serial == bindparam("serial"), RunEventRow.kind == PanelLoaded.__name__)
     .order_by(RunRow.id.desc())
     .limit(1)
+)
+_DONE = (
+    select(WireRow.name)
+    .join(TaskRow, TaskRow.wire_id == WireRow.id)
+    .where(TaskRow.order_id == bindparam("order"), TaskRow.state == "done")
 )
 _SNAPSHOT = select(RunSnapshotRow).where(RunSnapshotRow.run_id == bindparam("run"))
 
@@ -103,8 +109,8 @@ class RunLog:
         """Begin a run, and return its number and its first event, completed.
 
         If no other cell works on the order, the tasks that were skipped are tried again; otherwise
-        all tasks stay as they are. The event is completed with the serial number, and whether
-        wires of that product may be on its panel already.
+        all tasks stay as they are. The event is completed with the serial number, whether wires of
+        that product may be on its panel already, and which of its tasks are done.
 
         Args:
             event: its beginning.
@@ -140,7 +146,13 @@ class RunLog:
             is_new = again or not order.units
             units = order.units + is_new
             connection.execute(update(OrderRow).where(OrderRow.id == order.id).values(units=units))
-            completed = replace(event, serial=f"{order.name}-{units:04d}", keep_panel=not is_new)
+            done = frozenset(connection.scalars(_DONE, {"order": order.id}))
+            completed = replace(
+                event,
+                serial=f"{order.name}-{units:04d}",
+                keep_panel=not is_new,
+                done=tuple(name for name in event.tasks if name in done),
+            )
             _require_same_use_case(connection, completed)
             values = {
                 "order_id": order.id,

@@ -6,6 +6,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 
 from remodel_planning.core.use_case.fault import FaultTable
+from remodel_supervision.core.runs.events import HandWire
 from remodel_supervision.edge.work_planner import WorkPlanner
 from remodel_supervision.supervisors.ports import (
     Abilities,
@@ -29,6 +30,7 @@ class Work:
         leases: on the tasks.
         attended: whether there is an operator who can be asked.
         reconnect_s: [s] wall time that a process that is lost or silent gets to answer again.
+        by_hand: wires of the order that no robot of the cell places.
         notify: is called with each question, and when it is not answered in time; returns at once.
     """
 
@@ -38,6 +40,7 @@ class Work:
     leases: Leases
     attended: bool
     reconnect_s: float
+    by_hand: tuple[HandWire, ...] = ()
     notify: Callable[[Mapping[str, object]], None] = lambda event: None
 
 

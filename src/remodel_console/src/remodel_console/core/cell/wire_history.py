@@ -5,19 +5,11 @@ from __future__ import annotations
 from remodel_console.core.use_case.record import Kind, Record, value_words
 from remodel_console.core.use_case.record_words import entry_words
 from remodel_console.core.use_case.use_case import (
-    TaskPhase,
     UseCase,
     decision_words,
     duration_words,
     fault_words,
 )
-
-PHASE_WORDS = {
-    TaskPhase.WAITING: "waiting",
-    TaskPhase.RUNNING: "running",
-    TaskPhase.DONE: "done",
-    TaskPhase.SET_ASIDE: "skipped",
-}
 
 
 def wire_words(wire: str, use_case: UseCase | None) -> tuple[str, ...]:
@@ -27,7 +19,7 @@ def wire_words(wire: str, use_case: UseCase | None) -> tuple[str, ...]:
         return ("No task of the present order is about this wire.",)
     attempts = f", {task.attempts} attempt{'s' * (task.attempts != 1)}" if task.attempts else ""
     taken = f", {duration_words(task.taken_s)}" if task.taken_s else ""
-    lines = [task.description, f"{PHASE_WORDS[task.phase]}{attempts}{taken}"]
+    lines = [task.description, f"{task.words}{attempts}{taken}"]
     for failure in reversed(use_case.failures):
         if failure.task == wire:
             then = decision_words(failure.decision)

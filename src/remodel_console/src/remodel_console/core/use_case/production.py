@@ -3,36 +3,31 @@
 from __future__ import annotations
 
 from collections import Counter
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
-from remodel_console.core.use_case.use_case import TaskPhase, UseCase, fault_words
+from remodel_console.core.use_case.sums import Count, Sums
+from remodel_console.core.use_case.use_case import UseCase, fault_words
 
 
 @dataclass(frozen=True)
 class Figures:
-    """What the charts show; tasks count once they are done or skipped, in the run's order.
+    """What the charts show: of the tasks that this run has done or skipped, in the run's order.
 
     Attributes:
-        tasks: names of the tasks that count.
+        sums: of the run.
+        tasks: names of the tasks that this run tried.
         yields: share of first passes among the tasks up to each one, 0 to 1.
-        cycles_s: time that each of them took [s].
+        done: names of those that it has done.
+        cycles_s: time that each of these took [s].
         recoveries: (cause, failures that were recovered from) by number, the largest first.
     """
 
+    sums: Sums = field(default_factory=Sums)
     tasks: tuple[str, ...] = ()
     yields: tuple[float, ...] = ()
+    done: tuple[str, ...] = ()
     cycles_s: tuple[float, ...] = ()
     recoveries: tuple[tuple[str, int], ...] = ()
-
-    @property
-    def first_pass_yield(self) -> float | None:
-        """Return the share of first passes; None before a task has ended."""
-        return self.yields[-1] if self.yields else None
-
-    @property
-    def mean_cycle_s(self) -> float | None:
-        """Return the mean time of a task [s]; None before one has ended."""
-        return sum(self.cycles_s) / len(self.cycles_s) if self.cycles_s else None
 
 
 @dataclass(frozen=True)
@@ -40,12 +35,14 @@ class Statistics:
     """Across the recorded runs of one order, or of all.
 
     Attributes:
-        yields: (number of the run, share of first passes), the oldest first.
+        sums: (number of the run, its sums), the oldest first.
+        yields: (number of the run, share of first passes).
         utilisations: (number of the run, share of its time in which an ability was executed).
         terminals: (terminal, insertions, failures), those with most failures first.
         wires: (wire, mean time that it took [s]), the slowest first.
     """
 
+    sums: tuple[tuple[int, Sums], ...] = ()
     yields: tuple[tuple[int, float], ...] = ()
     utilisations: tuple[tuple[int, float], ...] = ()
     terminals: tuple[tuple[str, int, int], ...] = ()
@@ -57,19 +54,21 @@ def figures(use_case: UseCase) -> Figures:
 
     A failure counts as recovered from once its task is done, with a person's help or without.
     """
-    ended = [t for t in use_case.tasks if t.phase in (TaskPhase.DONE, TaskPhase.SET_ASIDE)]
+    tried = [task for task in use_case.tasks if task.is_tried]
     passes = 0
     yields = []
-    for number, task in enumerate(ended, start=1):
+    for number, task in enumerate(tried, start=1):
         passes += task.first_pass
         yields.append(passes / number)
-    done = {task.name for task in ended if task.phase is TaskPhase.DONE}
+    done = {task.name: task.taken_s for task in tried if task.counts_as is Count.DONE}
     recovered = Counter(
         fault_words(failure.fault) for failure in use_case.failures if failure.task in done
     )
     return Figures(
-        tasks=tuple(task.name for task in ended),
+        use_case.sums,
+        tasks=tuple(task.name for task in tried),
         yields=tuple(yields),
-        cycles_s=tuple(task.taken_s for task in ended),
+        done=tuple(done),
+        cycles_s=tuple(done.values()),
         recoveries=tuple(sorted(recovered.items(), key=lambda item: (-item[1], item[0]))),
     )

@@ -9,6 +9,8 @@ from enum import Enum
 from functools import cached_property
 from itertools import accumulate
 
+from remodel_console.core.use_case.sums import Sums
+
 
 class Kind(Enum):
     """The kind of an entry; the values are those of remodel_msgs/RunEntry."""
@@ -53,19 +55,17 @@ class Entry:
 
 @dataclass(frozen=True)
 class Summary:
-    """A run as a list of runs shows it; `started_s` is wall time [s], `taken_s` ROS time [s]."""
+    """A run as a list of runs shows it; `started_s` is wall time [s]."""
 
     run: int
     order: str
     use_case: str
     cell: str
     started_s: float
-    taken_s: float
     has_ended: bool
     is_success: bool
     message: str
-    done: int
-    tasks: int
+    sums: Sums
 
 
 @dataclass(frozen=True)

@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 
-from remodel_console.core.use_case.use_case import Failure, Task, TaskPhase
+from remodel_console.core.use_case.use_case import Failure, HandWire, Task, TaskPhase
 
 _ENDED = (TaskPhase.DONE, TaskPhase.SET_ASIDE)
 _KEPT_EARLY = 1000  # changes; far more than arrive while all tasks are fetched
@@ -20,6 +20,7 @@ class Snapshot:
     number: int
     tasks: tuple[Task, ...]
     failures: tuple[Failure, ...]
+    by_hand: tuple[HandWire, ...] = ()
 
 
 @dataclass(frozen=True)
@@ -49,6 +50,7 @@ class TaskCopy:
     number: int = 0
     tasks: Mapping[str, Task] = field(default_factory=dict)
     failures: tuple[Failure, ...] = ()
+    by_hand: tuple[HandWire, ...] = ()
     early: tuple[Changes, ...] = ()
     is_reordered: bool = False
 
@@ -77,8 +79,13 @@ class TaskCopy:
         if snapshot.series == self.series and snapshot.number < self.number:
             return self
         tasks = {task.name: task for task in snapshot.tasks}
-        return replace(
-            TaskCopy(snapshot.series, snapshot.number, tasks, snapshot.failures), early=self.early
+        return TaskCopy(
+            snapshot.series,
+            snapshot.number,
+            tasks,
+            snapshot.failures,
+            by_hand=snapshot.by_hand,
+            early=self.early,
         )._with_early()
 
     def _applied(self, changes: Changes) -> TaskCopy:

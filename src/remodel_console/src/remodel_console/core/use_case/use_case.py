@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from collections.abc import Collection, Iterator, Sequence
+from dataclasses import dataclass, field
 from enum import Enum
+
+from remodel_console.core.use_case.sums import Count, Sums
 
 
 class Phase(Enum):
@@ -50,6 +52,15 @@ class TaskPhase(Enum):
     SET_ASIDE = "set_aside"
 
 
+_PHASES = {
+    TaskPhase.WAITING: "waiting",
+    TaskPhase.RUNNING: "running",
+    TaskPhase.DONE: "done",
+    TaskPhase.SET_ASIDE: "skipped",
+}
+_COUNT_WORDS = {Count.DONE_BEFORE: "done before", Count.INTERRUPTED: "interrupted"}
+
+
 class Choice(Enum):
     """An answer to a question; the values are those of remodel_msgs/OperatorQuestion."""
 
@@ -86,7 +97,8 @@ class Task:
     """A task of the order. Times in [s].
 
     Attributes:
-        first_pass: done, and no operation of it failed.
+        first_pass: done by this run, and no operation of it failed.
+        counts_as: what it counts for in the sums of the run.
         cable: of which it places a core, beside others; empty: none.
     """
 
@@ -98,6 +110,51 @@ class Task:
     taken_s: float
     expected_s: float
     cable: str = ""
+    counts_as: Count = Count.OPEN
+
+    @property
+    def is_tried(self) -> bool:
+        """Return whether this run began it, and has done or skipped it."""
+        return self.counts_as in (Count.DONE, Count.SKIPPED) and self.attempts > 0
+
+    @property
+    def words(self) -> str:
+        """Return what an operator reads of how far it is."""
+        return _COUNT_WORDS.get(self.counts_as) or _PHASES[self.phase]
+
+
+@dataclass(frozen=True)
+class HandWire:
+    """A wire of the order that no robot of the cell places: a person does.
+
+    Attributes:
+        marker: its number on its markers; empty if the design gives none.
+        a: terminal of end a; `b` of end b.
+        length_m: 0 if it is not known [m].
+        reason: why no robot places it.
+    """
+
+    name: str
+    marker: str
+    a: str
+    b: str
+    colour: str
+    section_mm2: float
+    length_m: float
+    reason: str
+
+    @property
+    def words(self) -> str:
+        """Return where it goes, what it is and how long."""
+        length = f", {1000 * self.length_m:.0f} mm" if self.length_m else ""
+        return f"{self.a} to {self.b}, {self.colour}, {self.section_mm2:g} mm²{length}"
+
+
+def hand_words(wires: Sequence[HandWire], ticked: Collection[str]) -> str:
+    """Return how many of the wires by hand are still to be placed."""
+    left = sum(wire.name not in ticked for wire in wires)
+    done = f"all {len(wires)} are placed" if not left else f"{left} of {len(wires)} to be placed"
+    return f"By hand: {done}"
 
 
 @dataclass(frozen=True)
@@ -133,6 +190,12 @@ class CableTask:
 
     @property
     def words(self) -> str:
+        """Return what an operator reads of how far it is."""
+        words = {core.words for core in self.cores}
+        return words.pop() if len(words) == 1 else _PHASES[self.phase]
+
+    @property
+    def description(self) -> str:
         """Return what an operator reads beside its name."""
         done = sum(core.phase is TaskPhase.DONE for core in self.cores)
         return f"cable, {done} of {len(self.cores)} cores done"
@@ -203,7 +266,10 @@ class UseCase:
         serial: serial number of the product.
         started_s: when it began, or was resumed after an interruption; ROS time [s].
         stopped_by: who requested the protective stop; empty without one.
-        total: number of tasks, a cable being one, of which `done` and `set_aside` have ended.
+        controllers: safety controllers that hold the protective stop; without any, it can be
+            released here.
+        sums: of the tasks, a cable being one.
+        by_hand: wires of the order that a person places.
         tasks: all of them, or none as long as they could not be fetched.
     """
 
@@ -218,9 +284,9 @@ class UseCase:
     started_s: float = 0.0
     interruptions: int = 0
     stopped_by: str = ""
-    total: int = 0
-    done: int = 0
-    set_aside: int = 0
+    controllers: tuple[str, ...] = ()
+    sums: Sums = field(default_factory=Sums)
+    by_hand: tuple[HandWire, ...] = ()
     tasks: tuple[Task, ...] = ()
     task: str = ""
     levels: tuple[Level, ...] = ()
@@ -241,6 +307,13 @@ class UseCase:
     def left_s(self) -> float:
         """Return the time that all tasks are still expected to take [s]."""
         return sum(task.expected_s for task in self.tasks)
+
+    @property
+    def worked_s(self) -> float:
+        """Return the time that the cell has worked on the run, over its interruptions [s]."""
+        since_s = [level.since_s for level in self.levels if level.level == "task"]
+        now_s = self.stamp_s - since_s[0] if since_s and since_s[0] else 0.0
+        return self.sums.taken_s + max(0.0, now_s)
 
 
 # Tasks that a page shows at once, of which a quarter each may have ended before, or be skipped.

@@ -28,15 +28,15 @@ class FigureCards:
         if found == self._shown:
             return
         self._shown = found
-        has_ended = found.first_pass_yield is not None and found.mean_cycle_s is not None
-        self._area.set_visibility(has_ended)
-        if found.first_pass_yield is None or found.mean_cycle_s is None:
+        share, mean_s = found.sums.first_pass_yield, found.sums.mean_cycle_s
+        self._area.set_visibility(share is not None)
+        if share is None:
             return
-        tasks = found.tasks[-_PLOTTED_TASKS:]
-        self._yield.text = f"{found.first_pass_yield:.0%}"
+        tasks, done = found.tasks[-_PLOTTED_TASKS:], found.done[-_PLOTTED_TASKS:]
+        self._yield.text = f"{share:.0%}"
         self._yields.show(line_plot(tasks, found.yields[-_PLOTTED_TASKS:]))
-        self._cycle.text = f"{duration_words(found.mean_cycle_s)} on average"
-        self._cycles.show(bar_plot(tasks, found.cycles_s[-_PLOTTED_TASKS:], "s"))
+        self._cycle.text = "" if mean_s is None else f"{duration_words(mean_s)} on average"
+        self._cycles.show(bar_plot(done, found.cycles_s[-_PLOTTED_TASKS:], "s"))
         self._recovered.text = str(sum(count for _, count in found.recoveries))
         self._causes.show(count_plot(found.recoveries), count_height(len(found.recoveries)))
 

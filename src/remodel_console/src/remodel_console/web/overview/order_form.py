@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Awaitable
+from collections.abc import Awaitable, Collection
 from typing import Protocol
 
 from nicegui import run, ui
@@ -41,12 +41,17 @@ class OrderForm:
         self._again.props("dense").set_enabled(page.is_operator)
         page.button("Start the order", self._start, icon="play_arrow")
 
-    def show(self, now: UseCase) -> None:
-        """Show how the last run ended, or why no order can be taken."""
+    def show(self, now: UseCase, ticked: Collection[str]) -> None:
+        """Show how the last run ended, or why no order can be taken.
+
+        Args:
+            now: the last run.
+            ticked: its wires by hand that are placed.
+        """
         is_over = now.phase is Phase.ENDED
         words = f"Order '{now.order}', run {now.run}: {now.message}" if is_over else now.message
         self._ending.set_visibility(bool(words))
-        is_all_done = is_over and now.done == now.total
+        is_all_done = is_over and now.sums.is_complete and len(ticked) >= now.sums.by_hand
         # Not `replace`, which would show again what is hidden.
         self._ending.classes(add="" if is_all_done else "bad", remove="bad" if is_all_done else "")
         self._words.text = words

@@ -22,6 +22,7 @@ from remodel_console.core.world import ALL_PARTS, World
 from remodel_console.web.cell.camera_view import CameraView
 from remodel_console.web.cell.live_cell import LiveCell
 from remodel_console.web.overview.figure_cards import FigureCards
+from remodel_console.web.overview.hand_list import HandList
 from remodel_console.web.overview.order_form import OrderForm
 from remodel_console.web.overview.run_head import PAUSING, RunHead
 from remodel_console.web.overview.start_card import StartCard
@@ -45,6 +46,7 @@ class OverviewPage(Page):
     def build(self) -> None:
         """Build the order on the left, the cameras in the middle, what happens on the right."""
         self._use_case: UseCase | None = None
+        self._ticked: frozenset[str] = frozenset()
         self._pending: list[str] = []
         self._head: RunHead | OrderForm | None = None
         self._wants_pictures = False
@@ -55,6 +57,7 @@ class OverviewPage(Page):
                 self._head_area = ui.element("div").classes("order-head")
                 skip, retry = partial(self._do_task, "skip"), partial(self._do_task, "retry")
                 self._tasks = TaskTable(skip, retry, is_operator=self.is_operator)
+                self._by_hand = HandList(self._tick, is_operator=self.is_operator)
             with ui.element("section").classes("watch").props('tabindex="0" aria-label="Cell"'):
                 self._cell = LiveCell(self.console)
                 with ui.element("div").classes("cameras"):
@@ -76,11 +79,13 @@ class OverviewPage(Page):
             view.show(f"/picture/{camera}?number={picture.number}" if picture else "")
         self._head_area.set_visibility(self._start_card.show(world))
         now = world.use_case or UseCase(Phase.IDLE)
-        if now == self._use_case:
+        ticked = self.console.ticks.of(now.serial)
+        if (now, ticked) == (self._use_case, self._ticked):
             return
-        before, self._use_case = self._use_case, now
+        before, self._use_case, self._ticked = self._use_case, now, ticked
         self._show_head()
         self._tasks.show(now.tasks, is_under_way=now.is_under_way)
+        self._by_hand.show(now.by_hand, ticked)
         self._show_levels(now)
         if before is None or before.failures != now.failures:
             self._show_failures(now)
@@ -121,7 +126,7 @@ class OverviewPage(Page):
         if isinstance(self._head, RunHead):
             self._head.show(now, self._pending)
         else:
-            self._head.show(now)
+            self._head.show(now, self._ticked)
 
     def _new_head(self) -> RunHead:
         deeds = (self._pause, self._resume, self._ask_stop, self._stop_motion)
@@ -226,6 +231,17 @@ class OverviewPage(Page):
             )
 
         self.ask("Stop the run safely? Finished tasks stay done.", "Stop the run", stop)
+
+    async def _tick(self, wire: str, is_placed: bool) -> None:
+        """Tick a wire by hand off, or take its tick back."""
+        product = self._use_case.serial if self._use_case else ""
+        what = f"wire {wire} of {product} is placed by hand"
+        answer = await self.give(
+            what if is_placed else f"take back: {what}",
+            lambda: self.console.ticks.tick(product, wire, is_placed=is_placed),
+        )
+        if answer.state != DONE and self._use_case and not self._head_area.is_deleted:
+            self._by_hand.show(self._use_case.by_hand, self._ticked)
 
     async def _do_task(self, word: str, task: str) -> None:
         def deed(supervisor: Supervisor, by: str) -> str:

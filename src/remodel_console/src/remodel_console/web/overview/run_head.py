@@ -6,6 +6,7 @@ from collections.abc import Callable, Iterable
 
 from nicegui import ui
 
+from remodel_console.core.use_case.sums import sums_words
 from remodel_console.core.use_case.use_case import Phase, UseCase, duration_words
 
 # What the page shows until a pause is answered.
@@ -72,8 +73,8 @@ class RunHead:
         words = _progress_words(now)
         self._progress.text = words
         self._bar.props(f'aria-label="{words}"')
-        self._done.style(f"width: {_percent(now.done, now.total)}")
-        self._aside.style(f"width: {_percent(now.set_aside, now.total)}")
+        self._done.style(f"width: {_percent(now.sums.done_in_all, now.sums.tasks)}")
+        self._aside.style(f"width: {_percent(now.sums.skipped, now.sums.tasks)}")
         self._message.text = now.message
         self._message.set_visibility(bool(now.message) and now.phase is not Phase.ASKING)
         self._interruptions.text = _interruption_words(now.interruptions)
@@ -94,9 +95,7 @@ class RunHead:
 def _progress_words(now: UseCase) -> str:
     if not now.run:
         return ""
-    words = f"{now.done} of {now.total} task{'' if now.total == 1 else 's'} done"
-    words += f", {now.set_aside} skipped" if now.set_aside else ""
-    words += f"; {duration_words(now.stamp_s - now.started_s)} so far"
+    words = f"{sums_words(now.sums)}; {duration_words(now.worked_s)} of work so far"
     return words + (f", about {duration_words(now.left_s)} left" if now.left_s else "")
 
 

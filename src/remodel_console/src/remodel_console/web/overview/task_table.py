@@ -7,7 +7,7 @@ from functools import partial
 
 from nicegui import ui
 
-from remodel_console.core.cell.wire_history import PHASE_WORDS
+from remodel_console.core.use_case.sums import Count
 from remodel_console.core.use_case.use_case import (
     CableTask,
     Task,
@@ -99,15 +99,15 @@ class _Row:
         if self._shown == (task, is_under_way):
             return
         self._shown = (task, is_under_way)
-        self._phase.text = PHASE_WORDS[task.phase]
-        self._time.text = _time_words(task)
+        self._phase.text = task.words
+        self._time.text = _time_words(task, is_under_way=is_under_way)
+        self._description.text = task.description
         if isinstance(task, CableTask):
-            self._description.text = task.words
             self.element.classes(replace=f"cable {task.phase.value}")
             return
-        self._description.text = task.description
         kind = "task core" if task.cable else "task"
-        self.element.classes(replace=f"{kind} {task.phase.value}")
+        style = task.counts_as.value if task.counts_as is Count.INTERRUPTED else task.phase.value
+        self.element.classes(replace=f"{kind} {style}")
         self._attempts.text = str(task.attempts or "")
         self._skip.set_visibility(is_under_way and task.phase in _OPEN)
         self._retry.set_visibility(is_under_way and task.phase is TaskPhase.SET_ASIDE)
@@ -127,8 +127,9 @@ def _button(
     return made
 
 
-def _time_words(task: CableTask | Task) -> str:
-    """Return what a task has taken, and what it still takes."""
+def _time_words(task: CableTask | Task, *, is_under_way: bool) -> str:
+    """Return what a task has taken, and what it still takes in a run that is under way."""
     taken = duration_words(task.taken_s) if task.taken_s else ""
-    left = f"{duration_words(task.expected_s)} left" if task.expected_s else ""
+    is_left = is_under_way and task.expected_s
+    left = f"{duration_words(task.expected_s)} left" if is_left else ""
     return ", ".join(filter(None, (taken, left)))

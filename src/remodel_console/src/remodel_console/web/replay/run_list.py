@@ -10,6 +10,7 @@ from nicegui import run, ui
 
 from remodel_console.console import Console
 from remodel_console.core.use_case.record import Summary
+from remodel_console.core.use_case.sums import sums_words
 from remodel_console.core.use_case.use_case import duration_words
 from remodel_console.errors import CommandError
 
@@ -72,8 +73,10 @@ class RunList:
         with button:
             ui.label(f"{summary.run}  {summary.order}").classes("what")
             begun = time.strftime("%Y-%m-%d %H:%M", time.localtime(summary.started_s))
-            ui.label(f"{begun}, {duration_words(summary.taken_s)}, {summary.cell}").classes("soft")
-            words = f"{summary.done} of {summary.tasks} done"
+            ui.label(f"{begun}, {duration_words(summary.sums.taken_s)}, {summary.cell}").classes(
+                "soft"
+            )
+            words = sums_words(summary.sums)
             if not summary.has_ended:
                 words += ", not finished"
             ui.label(words).classes("good" if summary.is_success else "soft")

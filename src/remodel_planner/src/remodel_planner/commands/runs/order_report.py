@@ -23,7 +23,8 @@ from remodel_production.edge.catalogue_file import read_catalogue
 from remodel_production.edge.package_files import catalogue_file
 from remodel_production.errors import PlannerError
 from remodel_supervision.core.runs.events import Ending, Part
-from remodel_supervision.core.runs.state import RunState, Stage
+from remodel_supervision.core.runs.state import RunState
+from remodel_supervision.core.runs.sums import Count, count_of, sums_of
 from remodel_supervision.ros.peers.cell import running_cell
 
 
@@ -44,10 +45,9 @@ def order_report(stored: Order, follower: RunFollower, state: RunState, folder: 
     catalogue = read_catalogue(catalogue_file())
     board = board_of(order, catalogue)
     lengths = {w.name: board.length_of(w) for w in order.wires if w.name in board.routes}
-    here = {attempt.execution.wire for attempt in attempts}
-    done = [name for name, task in state.tasks.items() if task.stage is Stage.DONE]
+    before = [n for n, task in state.tasks.items() if count_of(task, state) is Count.DONE_BEFORE]
     is_stopped = state.ended is not None and state.ended.ending is Ending.STOPPED
-    triage, by_hand = _triage(board, catalogue, state.use_case)
+    triage = _triage(board, catalogue, state.use_case)
     if is_stopped and not attempts:  # a cell that refuses a panel keeps another one
         found, unread = {}, "nothing was built"
     else:
@@ -63,9 +63,9 @@ def order_report(stored: Order, follower: RunFollower, state: RunState, folder: 
         ),
         overview=reporter.overview(attempts[-1]) if attempts else (),
         stopped=state.ended.because if is_stopped and state.ended else "",
-        before=frozenset(name for name in done if name not in here),
+        before=frozenset(before),
         triage=(*triage, *map(str, leaving_plate(stored))),
-        by_hand=by_hand,
+        sums=sums_of(state),
         nets=() if unread else net_list(order.wires, state.tasks, found),
         unread=unread,
         simulated_s=follower.ros_s if rospy.get_param("/use_sim_time", False) else None,
@@ -73,18 +73,14 @@ def order_report(stored: Order, follower: RunFollower, state: RunState, folder: 
     )
 
 
-def _triage(board: Board, catalogue: Catalogue, use_case: str) -> tuple[tuple[str, ...], int]:
-    """Return a line for each wire by hand, and for wires that are done by another method.
-
-    And how many wires are by hand.
-    """
+def _triage(board: Board, catalogue: Catalogue, use_case: str) -> tuple[str, ...]:
+    """Return a line for each wire by hand, and for wires that are done by another method."""
     if not use_case:  # no run began
-        return (), 0
+        return ()
     try:
         methods = find_use_case(use_case)
         takes, panel = cell_takes(methods, running_cell()), panel_of(board, catalogue)
         found = fitted(board_order(board, methods, arms=1), panel, methods, takes)
     except PlannerError as error:  # the run is over, and its report is worth more than this part
-        return (str(error),), 0
-    lines = tuple(map(str, (*found.other_methods, *found.by_hand)))
-    return lines, len(found.wires_by_hand)
+        return (str(error),)
+    return tuple(map(str, (*found.other_methods, *found.by_hand)))

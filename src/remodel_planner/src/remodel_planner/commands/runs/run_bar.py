@@ -9,8 +9,8 @@ from types import TracebackType
 from remodel_msgs.msg import LevelState, UseCaseState
 from tqdm import tqdm
 
-from remodel_supervision.core.runs.changes import counts_of
 from remodel_supervision.core.runs.state import RunState
+from remodel_supervision.core.runs.sums import sums_of
 
 # [1] Share of a task that is shown at most before it is done: it may take longer than expected.
 _MOST = 0.95
@@ -63,9 +63,9 @@ class RunBar:
             state: what the supervisor has published last of this run; None if nothing yet.
             expected_s: how long each task was expected to take [s, ROS time].
         """
-        now, counts = "" if state is None else doing(state), counts_of(run)
-        ended = counts.done + counts.set_aside
-        self._bar.set_description_str(f"{ended} of {counts.tasks} tasks  {now}", refresh=False)
+        now, sums = "" if state is None else doing(state), sums_of(run)
+        ended = sums.done_in_all + sums.skipped
+        self._bar.set_description_str(f"{ended} of {sums.tasks} tasks  {now}", refresh=False)
         wires = sum(task.stage.is_lasting for task in run.tasks.values())
         self._bar.n = wires + (0.0 if state is None else share(state, expected_s))
         self._bar.refresh()

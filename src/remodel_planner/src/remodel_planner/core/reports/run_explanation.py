@@ -9,7 +9,6 @@ from remodel_planner.core.reports.run_report import failure_line
 from remodel_planning.core.use_case.fault import FaultTable
 from remodel_supervision.core.run import Execution
 from remodel_supervision.core.runs.attempts import INTERRUPTED, attempts_of
-from remodel_supervision.core.runs.changes import counts_of
 from remodel_supervision.core.runs.events import (
     Answered,
     Asked,
@@ -32,6 +31,7 @@ from remodel_supervision.core.runs.events import (
 )
 from remodel_supervision.core.runs.fold import state_after
 from remodel_supervision.core.runs.state import Stage
+from remodel_supervision.core.runs.sums import sums_of, sums_words
 
 
 def explain_run(
@@ -46,11 +46,11 @@ def explain_run(
         faults: with their symptoms.
     """
     state = state_after(events)
-    counts = counts_of(state)
+    sums = sums_of(state)
     attempts = list(attempts_of(events))
     yield (
         f"run {number} of order {state.order} in cell {state.cell}, begun "
-        f"{begun:%Y-%m-%d %H:%M:%S} UTC: {_count(counts.tasks, 'task')}, "
+        f"{begun:%Y-%m-%d %H:%M:%S} UTC: {_count(sums.tasks, 'task')}, "
         f"{_count(len(attempts), 'behavior')}"
     )
     for event in events:
@@ -70,7 +70,7 @@ def explain_run(
             yield from _lines(event)
     left = [name for name, task in state.tasks.items() if task.stage is not Stage.DONE]
     end = f"not done: {' '.join(left)}" if left else "all are done"
-    yield f"{counts.done} of {_count(counts.tasks, 'task')} done; {end}"
+    yield f"{sums_words(sums)}; {end}"
 
 
 def _ended(execution: Execution) -> Iterator[str]:

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import base64
 from collections.abc import Mapping
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, field
 
 from jinja2 import Environment, StrictUndefined
 
@@ -18,6 +18,7 @@ from remodel_states.core.wires.wire_colours import hex_colours
 from remodel_supervision.core.run import Execution, Operation
 from remodel_supervision.core.runs.attempts import Attempt
 from remodel_supervision.core.runs.events import Part
+from remodel_supervision.core.runs.sums import Sums
 
 INSERTION = "InsertCable"
 
@@ -94,7 +95,7 @@ class Report:
         stopped: why the run ended before its time; empty if it did not.
         before: names of the wires that earlier runs, or other cells, have placed.
         triage: a line for each wire by hand, and for wires that are done by another method.
-        by_hand: how many wires of the order are left to a person.
+        sums: of the run's tasks, as all views show them.
         nets: what the design connects, beside what a simulated cell says that it has.
         unread: why the cell did not say what was built; empty if it did.
         simulated_s: [s] ROS time of the run; None if that is wall time.
@@ -109,7 +110,7 @@ class Report:
     stopped: str = ""
     before: frozenset[str] = frozenset()
     triage: tuple[str, ...] = ()
-    by_hand: int = 0
+    sums: Sums = field(default_factory=Sums)
     nets: tuple[Connection, ...] = ()
     unread: str = ""
     simulated_s: float | None = None
@@ -128,11 +129,8 @@ class Report:
     @property
     def placed_wires(self) -> frozenset[str]:
         """The names of the wires placed; this run's by the cell's ground truth, if it has one."""
-        return self.before | self._placed_here
-
-    @property
-    def _placed_here(self) -> frozenset[str]:
-        return frozenset(each.execution.wire for each in self.attempts if each.execution.placed)
+        here = (each.execution.wire for each in self.attempts if each.execution.placed)
+        return self.before.union(here)
 
     @property
     def placed(self) -> int:
@@ -142,7 +140,7 @@ class Report:
     @property
     def done(self) -> int:
         """The number of tasks done; a cable is done with its last core."""
-        return sum(self.placed_wires.issuperset(task.wires) for task in self.tasks)
+        return self.sums.done_in_all
 
     @property
     def cables(self) -> dict[str, str]:
@@ -158,14 +156,13 @@ class Report:
 
     @property
     def first_pass(self) -> int:
-        """The number of wires placed at the first attempt without one failed operation."""
-        first = (attempt.execution for attempt in self.attempts if attempt.execution.attempt == 1)
-        return sum(execution.placed and not execution.failures for execution in first)
+        """The number of wires done at the first attempt without one failed operation."""
+        return self.sums.first_passes
 
     @property
     def recovered(self) -> int:
-        """The number of wires placed though an operation, or a whole attempt, had failed."""
-        return len(self._placed_here) - self.first_pass
+        """The number of wires done though an operation, or a whole attempt, had failed."""
+        return self.sums.recovered
 
     @property
     def insertions(self) -> tuple[int, int]:
@@ -214,8 +211,8 @@ class Report:
 
     @property
     def cell_s(self) -> float:
-        """[s] ROS time that the executions took together."""
-        return sum(attempt.execution.cell_s for attempt in self.attempts)
+        """[s] ROS time that the behaviors of the run took together."""
+        return self.sums.taken_s
 
 
 @dataclass(frozen=True)
@@ -243,7 +240,7 @@ def timeline(
                 round((operation.ended_s - operation.elapsed_s - start) * scale, 3),
                 round(max(operation.elapsed_s * scale, 0.2), 3),
                 colours.get(operation.ability, _OTHER_COLOUR),
-                operation.error_code != 0,
+                operation.has_failed,
                 title=f"{operation.ability}: {operation.outcome or 'left'}, "
                 f"{operation.elapsed_s:.1f} s",
             )
@@ -284,6 +281,7 @@ def report_data(report: Report) -> Mapping[str, object]:
         "source": report.order.source,
         "tasks": [{"name": task.name, "wires": list(task.wires)} for task in report.tasks],
         "tasks_done": report.done,
+        "sums": asdict(report.sums),
         "planned": report.planned,
         "placed": report.placed,
         "first_pass": report.first_pass,

@@ -8,6 +8,7 @@ from collections.abc import Iterator
 from remodel_planner.core.reports.net_list import Verdict
 from remodel_planner.core.reports.run_report import Report
 from remodel_production.core.counted import counted
+from remodel_supervision.core.runs.sums import sums_words
 
 # Differences from the design that are listed; the report has all of them.
 _LISTED = 8
@@ -16,8 +17,8 @@ _LISTED = 8
 def summary_lines(report: Report) -> Iterator[str]:
     """Yield the lines."""
     before = f" ({len(report.before)} of them before)" if report.before else ""
-    if report.has_cables:
-        yield f"{report.done} of {counted(len(report.tasks), 'task')} done"
+    if report.has_cables or report.done < report.sums.tasks:
+        yield sums_words(report.sums)
     yield (
         f"{report.placed} of {counted(report.planned, 'wire')} placed{before}, "
         f"{report.first_pass} without a failed operation; "
@@ -36,8 +37,8 @@ def summary_lines(report: Report) -> Iterator[str]:
             f"real-time factor {report.real_time_factor:.2f}"
         )
     yield from _built_lines(report)
-    if report.by_hand:
-        yield f"by hand: {counted(report.by_hand, 'wire')}, listed in the report"
+    if report.sums.by_hand:
+        yield f"by hand: {counted(report.sums.by_hand, 'wire')}, listed in the report"
 
 
 def _built_lines(report: Report) -> Iterator[str]:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Collection, Sequence
+from collections.abc import Collection, Iterable, Sequence
 from dataclasses import dataclass
 
 from remodel_planning.core.use_case.fault import Do, Response
@@ -23,7 +23,7 @@ class Decision:
         do: what.
         change: parameter -> new value; with Do.RETRY_WITH, and with Do.LOOK_AGAIN the `view` from
             which the task's observations are made.
-        because: the reason, one sentence for a person.
+        because: the reason, a clause for a person, such as "it has failed once".
     """
 
     failure: Failure
@@ -72,12 +72,14 @@ def decide(
     seldom = [do for do in offered if do in unpromising]
     vain = [do for do in offered if do in fruitless and do not in seldom]
     spared = {*seldom, *vain}
-    without = f"; {_listed(seldom)} spared, which hardly ever helps" if seldom else ""
-    without += f"; {_listed(vain)} spared, which led to the same figure again" if vain else ""
+    without = f", and {_listed(seldom)} hardly ever helps" if seldom else ""
+    without += f", and {_listed(vain)} led to the same figure again" if vain else ""
     for response in responses:
         done = same.count(response.do)
         if response.do.is_lasting:
-            tried = f"{', '.join(_counted(same))} did not help" if same else "nothing else fits"
+            tried = (
+                f"{counted_deeds(same)} did not help" if same else "nothing else fits this failure"
+            )
             return _lasting(failure, response.do, f"{tried}{without}", policy, possible=possible)
         if response.do in possible and response.do not in spared and done < response.times:
             change = _changed(response, failure, done)
@@ -85,10 +87,20 @@ def decide(
                 continue
             if response.do is Do.LOOK_AGAIN:
                 change = ((VIEW, _views(earlier) + 1),)
-            because = f"answer {done + 1} of {response.times} to {failure.fault.name}{without}"
+            what = failure.fault.name.replace("_", " ")
+            because = f"that is what it does about '{what}'{_the_time(done + 1, response.times)}"
+            because += without
             return Decision(failure, response.do, change, because)
     unattended = policy.unattended_for(failure.fault)
-    return _lasting(failure, unattended, f"no response is left{without}", policy, possible=possible)
+    return _lasting(
+        failure, unattended, f"nothing else is left to try{without}", policy, possible=possible
+    )
+
+
+def counted_deeds(done: Sequence[Do]) -> str:
+    """Return what was done, for a person: "trying again twice and a new part once"."""
+    times = Counter(done).items()
+    return _joined(f"{_DEEDS[do]} {_TIMES.get(n, f'{n} times')}" for do, n in times)
 
 
 def _views(earlier: Sequence[tuple[str, Do]]) -> int:
@@ -98,17 +110,19 @@ def _views(earlier: Sequence[tuple[str, Do]]) -> int:
 
 def _run_is_over(spent: Spent, limits: Limits) -> str:
     if spent.run_failures > limits.run_failures:
-        return f"{spent.run_failures} failures in this run; at most {limits.run_failures}"
+        return f"the run has failed {spent.run_failures} times; it may {limits.run_failures} times"
     if spent.run_s > limits.run_s:
-        return f"the run takes {spent.run_s:.0f} s; at most {limits.run_s:.0f} s"
+        return f"the run has taken {spent.run_s:.0f} s of the {limits.run_s:.0f} s that it may take"
     return ""
 
 
 def _task_is_over(spent: Spent, limits: Limits) -> str:
     if spent.task_attempts >= limits.task_attempts:
-        return f"{spent.task_attempts} attempts at this task; at most {limits.task_attempts}"
+        return f"the task has had {spent.task_attempts} of its {limits.task_attempts} attempts"
     if spent.task_s > limits.task_s:
-        return f"the task takes {spent.task_s:.0f} s; at most {limits.task_s:.0f} s"
+        return (
+            f"the task has taken {spent.task_s:.0f} s of the {limits.task_s:.0f} s that it may take"
+        )
     return ""
 
 
@@ -117,16 +131,38 @@ def _lasting(
 ) -> Decision:
     if do is Do.ASK_OPERATOR and do not in possible:
         unattended = policy.unattended_for(failure.fault)
-        return Decision(failure, unattended, (), f"{reason}; no operator to ask")
+        return Decision(failure, unattended, (), f"{reason}, and there is no operator to ask")
     return Decision(failure, do, (), reason)
 
 
-def _counted(done: Sequence[Do]) -> list[str]:
-    return [f"{_listed([do])} x {count}" for do, count in Counter(done).items()]
+_DEEDS = {
+    Do.RETRY: "trying again",
+    Do.RETRY_WITH: "trying with changed parameters",
+    Do.LOOK_AGAIN: "looking from another view",
+    Do.OTHER_METHOD: "another method",
+    Do.NEW_PART: "a new part",
+    Do.REPLAN: "doing the task later",
+    Do.SET_ASIDE: "skipping the task",
+    Do.ASK_OPERATOR: "asking an operator",
+    Do.STOP: "stopping",
+}
+_TIMES = {1: "once", 2: "twice"}
+_PLACES = {1: "first", 2: "second", 3: "third"}
 
 
 def _listed(done: Sequence[Do]) -> str:
-    return ", ".join(do.value.replace("_", " ") for do in done)
+    return _joined(_DEEDS[do] for do in done)
+
+
+def _joined(parts: Iterable[str]) -> str:
+    *first, last = parts
+    return f"{', '.join(first)} and {last}" if first else last
+
+
+def _the_time(number: int, times: int) -> str:
+    """Return how often it does so, and which time this is; empty of what it does once."""
+    place = _PLACES.get(number, f"{number}th")
+    return f", up to {times} times; this is the {place}" if times > 1 else ""
 
 
 def _changed(response: Response, failure: Failure, done: int) -> tuple[tuple[str, float], ...]:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from remodel_planning.core.use_case.fault import FaultTable
+from remodel_supervision.core.recovery.decide import counted_deeds
 from remodel_supervision.core.runs.events import Answer, Asked
 from remodel_supervision.core.runs.state import RunState
 
@@ -21,16 +22,17 @@ def question_about(
     """
     task = state.tasks[name]
     last = task.decisions[-1]
-    tried = ", ".join(d.do.value.replace("_", " ") for d in task.decisions[:-1])
+    tried = [decision.do for decision in task.decisions[:-1]]
     parts = [
         f"{last.fault.replace('_', ' ').capitalize()}: {last.text}.",
         faults[last.fault].symptoms,
-        f"Tried so far: {tried}." if tried else "",
+        f"Tried so far: {counted_deeds(tried)}." if tried else "",
         "The hand may hold a wire that could not be laid down." if task.stuck_hand else "",
         f"Connected: end {' and end '.join(task.connected)}." if task.connected else "",
     ]
     text = " ".join(filter(None, parts))
-    choices = [Answer.RETRY, Answer.FIXED, Answer.MARK_DONE, Answer.SKIP]
+    # The usual one first: a person has seen to what the cell could not do, and the cell checks.
+    choices = [Answer.FIXED, Answer.RETRY, Answer.MARK_DONE, Answer.SKIP]
     if state.waiting:
         choices.append(Answer.REPLAN)
     return Asked(

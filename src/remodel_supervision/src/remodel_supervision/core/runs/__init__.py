@@ -4,6 +4,7 @@ events.py      what happens in a run
 event_form.py  events as plain data, for the database
 state.py       what is known of a run
 fold.py        what is known after some events
+sums.py        what each task counts for, and the sums of a run
 step.py        what comes next, for a state
 attempts.py    the behaviors of a run, from its events
 picture_name.py  names of a run's pictures

@@ -6,21 +6,7 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 
 from remodel_supervision.core.runs.events import Decided
-from remodel_supervision.core.runs.state import RunState, Stage
-
-
-@dataclass(frozen=True)
-class Counts:
-    """How many tasks a run has, and how many of them have ended; a cable is one task.
-
-    Attributes:
-        done: with all cores.
-        set_aside: have ended, but not with all cores done.
-    """
-
-    tasks: int
-    done: int
-    set_aside: int
+from remodel_supervision.core.runs.state import RunState
 
 
 @dataclass(frozen=True)
@@ -28,7 +14,8 @@ class Changes:
     """What has changed.
 
     Attributes:
-        tasks: names of those that changed, or that are no longer or newly under way.
+        tasks: names of those that changed, count for something else, or are no longer or newly
+            under way.
         decisions: that are new, the latest last.
         replanned: whether the waiting tasks were planned, or their order has changed otherwise
             than by the start or end of tasks.
@@ -61,6 +48,9 @@ def changes_between(before: RunState, after: RunState) -> Changes:
     if before.current != after.current:
         moved = (before.current, after.current)
         names += [name for name in moved if name in after.tasks and name not in names]
+    if after.ended is not None and before.ended is None:  # what was begun counts as interrupted
+        left = (n for n, t in after.tasks.items() if t.attempts and not t.stage.is_lasting)
+        names += [name for name in left if name not in names]
     return Changes(tuple(names), in_time(decisions), _is_replanned(before, after))
 
 
@@ -85,14 +75,6 @@ def in_plan_order(state: RunState, earlier: Sequence[str] = ()) -> tuple[str, ..
     still_ahead = frozenset(ahead)
     ended = (name for name in (earlier or state.tasks) if name not in still_ahead)
     return (*ended, *ahead)
-
-
-def counts_of(state: RunState) -> Counts:
-    """Return how many tasks there are, and have ended."""
-    stages = [{state.tasks[wire].stage for wire in task.wires} for task in state.whole_tasks]
-    ended = sum(all(stage.is_lasting for stage in each) for each in stages)
-    done = stages.count({Stage.DONE})
-    return Counts(len(stages), done, ended - done)
 
 
 def _decisions(state: RunState, name: str) -> tuple[Decided, ...]:

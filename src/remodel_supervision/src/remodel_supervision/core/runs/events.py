@@ -81,6 +81,27 @@ class Answer(Enum):
 
 
 @dataclass(frozen=True)
+class HandWire:
+    """A wire of the order that no robot of the cell places: a person does.
+
+    Attributes:
+        marker: number of the wire on its markers; empty if the design gives none.
+        a: terminal of end a, such as "Q1/B1".
+        length_m: [m]; 0 if it has no route on the board.
+        reason: why no robot places it, for a person.
+    """
+
+    name: str
+    marker: str
+    a: str
+    b: str
+    colour: str
+    section_mm2: float
+    length_m: float
+    reason: str
+
+
+@dataclass(frozen=True)
 class RunBegun:
     """A run began.
 
@@ -89,6 +110,8 @@ class RunBegun:
         keep_panel: whether wires of this product may be on its panel already.
         timeout_s: [s] ROS time after which the run stops; 0: never.
         cables: of which tasks place cores, beside others, by the task's name.
+        done: tasks that earlier runs of the product, or other cells, have done.
+        by_hand: wires of the order that are no tasks of the run.
     """
 
     order: str
@@ -99,6 +122,8 @@ class RunBegun:
     keep_panel: bool = False
     timeout_s: float = 0.0
     cables: Mapping[str, str] = field(default_factory=dict)
+    done: tuple[str, ...] = ()
+    by_hand: tuple[HandWire, ...] = ()
 
     @property
     def whole_tasks(self) -> tuple[WholeTask, ...]:

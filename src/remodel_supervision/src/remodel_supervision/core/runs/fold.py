@@ -74,6 +74,7 @@ def _apply(event: Event, state: RunState) -> RunState:
 @_apply.register
 def _apply_run_begun(event: RunBegun, state: RunState) -> RunState:
     tasks = {name: TaskProgress(name) for name in event.tasks}
+    tasks |= {name: TaskProgress(name, Stage.DONE, by_other=True) for name in event.done}
     return replace(
         state,
         order=event.order,
@@ -84,7 +85,8 @@ def _apply_run_begun(event: RunBegun, state: RunState) -> RunState:
         timeout_s=event.timeout_s,
         tasks=tasks,
         cables=event.cables,
-        waiting=event.tasks,
+        by_hand=event.by_hand,
+        waiting=tuple(name for name in event.tasks if tasks[name].stage is Stage.WAITING),
         to_plan="the run begins",
     )
 
@@ -142,11 +144,9 @@ def _apply_task_begun(event: TaskBegun, state: RunState) -> RunState:
 @_apply.register
 def _apply_operation_ended(event: OperationEnded, state: RunState) -> RunState:
     task, operation = state.tasks[event.task], event.operation
-    failed = operation.error_code not in (0, Code.PREEMPTED)
     operations = (*task.operations, operation)
-    return state.with_task(
-        replace(task, operations=operations, failures=task.failures + failed),
-    )
+    failures = task.failures + operation.has_failed
+    return state.with_task(replace(task, operations=operations, failures=failures))
 
 
 @_apply.register
@@ -190,7 +190,13 @@ def _apply_interrupted(event: Interrupted, state: RunState) -> RunState:
     if not state.current or state.tasks[state.current].stage is not Stage.RUNNING:
         return state
     task = state.tasks[state.current]
-    task = replace(task, interruptions=task.interruptions + 1, hand_may_hold=True)
+    task = replace(
+        task,
+        interruptions=task.interruptions + 1,
+        hand_may_hold=True,
+        cell_s=task.cell_s + task.cut_s,
+    )
+    state = replace(state, cell_s=state.cell_s + task.cut_s)
     if task.stopped_by or task.needs_person:
         return _for_a_person(state, task)
     if task.interruptions > INTERRUPTION_LIMIT:
@@ -281,7 +287,7 @@ def _retried(state: RunState, task: TaskProgress) -> RunState:
     is_out_of_reach = task.piece and not task.unseen and state.fed != task.name
     then = Do.NEW_PART if is_out_of_reach or task.misplaced else None
     part = Part.AGAIN if task.piece else Part.WHOLE
-    task = replace(task, stage=Stage.UNVERIFIED, part=part, then=then)
+    task = replace(task, stage=Stage.UNVERIFIED, part=part, then=then, by_other=False)
     return state.with_task(task, waiting=(*state.waiting, task.name))
 
 
@@ -309,12 +315,14 @@ def _apply_task_elsewhere(event: TaskElsewhere, state: RunState) -> RunState:
     stop = state.stop
     if task.stopped_by or (task.stage is Stage.RUNNING and task.needs_person):
         stop = stop or f"another cell has {task.name}; a person is needed at the arm of this one"
-    return _leave(state, replace(task, stage=_AS_LEFT[event.as_left], stopped_by=None), stop=stop)
+    task = replace(task, stage=_AS_LEFT[event.as_left], stopped_by=None, by_other=True)
+    return _leave(state, task, stop=stop)
 
 
 @_apply.register
 def _apply_task_returned(event: TaskReturned, state: RunState) -> RunState:
     task = replace(state.tasks[event.task], stage=Stage.UNVERIFIED, part=Part.AGAIN, piece=True)
+    task = replace(task, by_other=False)
     waiting = tuple(name for name in state.waiting if name != task.name)
     return state.with_task(task, waiting=(*waiting, task.name))
 

@@ -11,7 +11,7 @@ from remodel_planning.core.use_case.fault import Do
 from remodel_production.core.whole_task import WholeTask, whole_tasks
 from remodel_states.core.codes import Code
 from remodel_supervision.core.run import EMPTYING, NOTHING_TO_LAY_DOWN, Operation
-from remodel_supervision.core.runs.events import Asked, Decided, Part, RunEnded
+from remodel_supervision.core.runs.events import Asked, Decided, HandWire, Part, RunEnded
 
 # How often a task may be interrupted before that counts as its failure, and how often in a row the
 # hand may fail to be emptied before nothing more is tried without a person.
@@ -96,7 +96,8 @@ class TaskProgress:
         codes: that attempts ended with, the latest last.
         decisions: about it, the latest last.
         began_s: [s] ROS time of the behavior that was begun last.
-        cell_s: [s] ROS time of all its behaviors that have ended.
+        cell_s: [s] ROS time of all its behaviors that have ended, or were interrupted.
+        by_other: whether an earlier run of the product, or another cell, has ended it.
     """
 
     name: str
@@ -121,6 +122,7 @@ class TaskProgress:
     decisions: tuple[Decided, ...] = ()
     began_s: float = 0.0
     cell_s: float = 0.0
+    by_other: bool = False
 
     @property
     def needs_person(self) -> bool:
@@ -135,9 +137,14 @@ class TaskProgress:
 
     @property
     def first_pass(self) -> bool:
-        """Whether it was done at once, and nothing of it failed."""
+        """Whether this run did it at once, and nothing of it failed."""
         clean = self.attempts == 1 and not self.failures and not self.interruptions
-        return self.stage is Stage.DONE and clean
+        return self.stage is Stage.DONE and clean and not self.by_other
+
+    @property
+    def cut_s(self) -> float:
+        """[s] ROS time that the last behavior had taken if it was cut off after an operation."""
+        return max([self.began_s, *(each.ended_s for each in self.operations)]) - self.began_s
 
 
 @dataclass(frozen=True)
@@ -150,6 +157,7 @@ class RunState:
         timeout_s: [s] ROS time after which the run stops; 0: never.
         tasks: all tasks of the run, by name; each core of a cable has its own.
         cables: of which tasks place cores, beside others, by the task's name.
+        by_hand: wires of the order that are no tasks of the run.
         waiting: names of those that wait for their turn, in the order of the plan.
         current: name of the task under way; empty between tasks.
         to_plan: why the order of the waiting tasks is to be decided again; empty if it is not.
@@ -188,6 +196,7 @@ class RunState:
     ended: RunEnded | None = None
     events: int = 0
     cables: Mapping[str, str] = field(default_factory=dict)
+    by_hand: tuple[HandWire, ...] = ()
 
     @property
     def whole_tasks(self) -> tuple[WholeTask, ...]:

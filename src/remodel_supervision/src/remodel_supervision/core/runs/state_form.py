@@ -14,12 +14,12 @@ from functools import cache
 import msgspec
 
 from remodel_supervision.core.run import Operation
-from remodel_supervision.core.runs.events import Asked, Decided, RunEnded
+from remodel_supervision.core.runs.events import Asked, Decided, HandWire, RunEnded
 from remodel_supervision.core.runs.state import RunState, Stage, TaskProgress
 
 # To be increased when the fold gives other values to the same fields.
-_FOLD = 4
-_PARTS = (RunState, TaskProgress, Operation, Decided, Asked, RunEnded)
+_FOLD = 5
+_PARTS = (RunState, TaskProgress, Operation, Decided, Asked, RunEnded, HandWire)
 _FORM, _STATE, _TASKS = "form", "state", "tasks"
 
 

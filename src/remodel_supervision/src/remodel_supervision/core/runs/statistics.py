@@ -7,7 +7,8 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 
 from remodel_supervision.core.runs.events import Event, OperationEnded
-from remodel_supervision.core.runs.state import RunState, Stage
+from remodel_supervision.core.runs.state import RunState
+from remodel_supervision.core.runs.sums import Count, Sums, count_of, sums_of
 
 _INSERTION = "InsertCable"
 
@@ -18,18 +19,16 @@ class RunStatistics:
 
     Attributes:
         run: its number.
-        ended: tasks that are done or skipped.
-        first_passes: those that were done at once, and nothing of them failed.
+        sums: of its tasks.
         utilisation: share of the time from the first operation to the end of the last in which an
             ability was executed, 0 to 1; 0 without operations.
         insertions: of each "component/terminal": operations that inserted an end there.
         failures: those of them that ended with an error.
-        done_s: of each task that is done: [s] ROS time that it took.
+        done_s: of each task that it has done: [s] ROS time that it took.
     """
 
     run: int
-    ended: int
-    first_passes: int
+    sums: Sums
     utilisation: float
     insertions: Counter[str]
     failures: Counter[str]
@@ -41,12 +40,14 @@ class Statistics:
     """Of several runs.
 
     Attributes:
-        yields: (run, share of first passes) of the runs in which a task has ended, oldest first.
+        sums: (run, its sums) of the runs that have ended a task, oldest first.
+        yields: (run, share of first passes) of the same runs.
         utilisations: (run, share of time) of the same runs.
         terminals: (terminal, insertions, failures), those with most failures first.
         wires: (wire, mean time [s]), the slowest first.
     """
 
+    sums: tuple[tuple[int, Sums], ...]
     yields: tuple[tuple[int, float], ...]
     utilisations: tuple[tuple[int, float], ...]
     terminals: tuple[tuple[str, int, int], ...]
@@ -73,16 +74,18 @@ def statistics_of_run(run: int, state: RunState, events: Iterable[Event]) -> Run
         given = dict(event.operation.parameters)
         terminal = f"{given.get('component_id', '?')}/{given.get('terminal_id', '?')}"
         insertions[terminal] += 1
-        failures[terminal] += event.operation.error_code != 0
-    ended = [task for task in state.tasks.values() if task.stage.is_lasting]
+        failures[terminal] += event.operation.has_failed
     return RunStatistics(
         run,
-        ended=len(ended),
-        first_passes=sum(task.first_pass for task in ended),
+        sums=sums_of(state),
         utilisation=_busy_share(spans),
         insertions=insertions,
         failures=failures,
-        done_s={task.name: task.cell_s for task in ended if task.stage is Stage.DONE},
+        done_s={
+            task.name: task.cell_s
+            for task in state.tasks.values()
+            if count_of(task, state) is Count.DONE
+        },
     )
 
 
@@ -91,17 +94,20 @@ def joined(runs: Iterable[RunStatistics]) -> Statistics:
     insertions: Counter[str] = Counter()
     failures: Counter[str] = Counter()
     times: defaultdict[str, list[float]] = defaultdict(list)
-    yields, utilisations = [], []
+    sums, yields, utilisations = [], [], []
     for each in sorted(runs, key=lambda one: one.run):
         insertions.update(each.insertions)
         failures.update(each.failures)
         for wire, time_s in each.done_s.items():
             times[wire].append(time_s)
-        if each.ended:
-            yields.append((each.run, each.first_passes / each.ended))
+        share = each.sums.first_pass_yield
+        if share is not None:
+            sums.append((each.run, each.sums))
+            yields.append((each.run, share))
             utilisations.append((each.run, each.utilisation))
     means = [(wire, sum(found) / len(found)) for wire, found in times.items()]
     return Statistics(
+        tuple(sums),
         tuple(yields),
         tuple(utilisations),
         tuple(

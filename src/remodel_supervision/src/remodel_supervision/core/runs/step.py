@@ -4,8 +4,12 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+from remodel_production.core.counted import counted
 from remodel_supervision.core.runs.events import Ending, Part
 from remodel_supervision.core.runs.state import RunState, Stage
+
+# Wires by hand that the end of a run names.
+_SHOWN_WIRES = 10
 
 
 @dataclass(frozen=True)
@@ -114,8 +118,19 @@ def next_step(state: RunState) -> Step | None:
         return Wait(f"other cells have {', '.join(elsewhere)}")
     aside = state.in_stage(Stage.SET_ASIDE)
     if aside:
-        return EndRun(Ending.INCOMPLETE, f"skipped: {', '.join(aside)}")
-    return EndRun(Ending.COMPLETE, "all tasks are done")
+        return EndRun(Ending.INCOMPLETE, f"skipped: {', '.join(aside)}{_by_hand(state)}")
+    of_cell = " of the cell" if state.by_hand else ""
+    return EndRun(Ending.COMPLETE, f"all tasks{of_cell} are done{_by_hand(state)}")
+
+
+def _by_hand(state: RunState) -> str:
+    """Return which wires are left to a person; empty if none is."""
+    names = [wire.name for wire in state.by_hand]
+    if not names:
+        return ""
+    more = f" and {len(names) - _SHOWN_WIRES} more" if len(names) > _SHOWN_WIRES else ""
+    shown = ", ".join(names[:_SHOWN_WIRES])
+    return f"; still to be placed by hand: {counted(len(names), 'wire')}, {shown}{more}"
 
 
 def _why_paused(state: RunState) -> str:

@@ -8,10 +8,9 @@ import actionlib
 import rospy
 from remodel_msgs.msg import ErrorCode, RunUseCaseFeedback, RunUseCaseGoal, RunUseCaseResult
 
-from remodel_production.core.counted import counted
-from remodel_supervision.core.runs.changes import counts_of
 from remodel_supervision.core.runs.events import Ending
 from remodel_supervision.core.runs.state import RunState, Stage
+from remodel_supervision.core.runs.sums import sums_of, sums_words
 from remodel_supervision.ros.server.run_messages import RunView, levels
 from remodel_supervision.supervisors.use_case_supervisor import UseCaseSupervisor
 
@@ -74,10 +73,10 @@ class ActiveRun:
     def _result(self) -> RunUseCaseResult:
         assert self.handle is not None, "only called with a goal"
         state = self.supervisor.state
-        done, counts = list(state.in_stage(Stage.DONE)), counts_of(state)
+        done = list(state.in_stage(Stage.DONE))
         return RunUseCaseResult(
             id=self.handle.get_goal().id,
-            message=f"{counts.done} of {counted(counts.tasks, 'task')} done",
+            message=sums_words(sums_of(state)),
             elapsed_time=(rospy.Time.now() - self.begun).to_sec(),
             run=self.supervisor.run,
             done=done,

@@ -21,13 +21,14 @@ from sensor_msgs.msg import CompressedImage
 
 from remodel_production.edge.database.production_database import ProductionDatabase
 from remodel_production.errors import PlannerError
-from remodel_supervision.core.runs.changes import counts_of
 from remodel_supervision.core.runs.events import Ending
 from remodel_supervision.core.runs.fold import state_after
 from remodel_supervision.core.runs.state import RunState
 from remodel_supervision.core.runs.statistics import RunStatistics, joined, statistics_of_run
+from remodel_supervision.core.runs.sums import sums_of
 from remodel_supervision.edge.run_log import KeptEvent, RunHead, RunLog
 from remodel_supervision.ros.server.run_entries import entries_of
+from remodel_supervision.ros.server.run_messages import sums_message
 
 # How many entries one answer has at most, and how many with pictures.
 _AT_ONCE = 2000
@@ -84,6 +85,7 @@ class RecordServer:
         return GetStatisticsResponse(
             success=True,
             runs=[run for run, _ in found.yields],
+            sums=[sums_message(sums) for _, sums in found.sums],
             yields=[share for _, share in found.yields],
             utilisations=[share for _, share in found.utilisations],
             terminals=[terminal for terminal, _, _ in found.terminals],
@@ -106,7 +108,7 @@ class RecordServer:
     def _summary(self, head: RunHead) -> RunSummary:
         if head.number in self._summaries:
             return self._summaries[head.number]
-        summary = _summary(head, self._log.state(head.number))
+        summary = summary_message(head, self._log.state(head.number))
         if summary.ended:
             self._summaries[head.number] = summary
         return summary
@@ -130,18 +132,16 @@ class RecordServer:
         return RunEntry(**seen | {"picture": CompressedImage(None, "jpeg", file.read_bytes())})
 
 
-def _summary(head: RunHead, state: RunState) -> RunSummary:
-    counts = counts_of(state)
+def summary_message(head: RunHead, state: RunState) -> RunSummary:
+    """Return a run as a list of runs shows it."""
     return RunSummary(
         run=head.number,
         order=head.order,
         use_case=state.use_case,
         cell=head.cell,
         started=rospy.Time.from_sec(head.started.replace(tzinfo=UTC).timestamp()),
-        taken_s=state.cell_s,
         ended=state.ended is not None,
         success=state.ended is not None and state.ended.ending is Ending.COMPLETE,
         message=state.ended.because if state.ended else "",
-        done=counts.done,
-        tasks=counts.tasks,
+        sums=sums_message(sums_of(state)),
     )

@@ -3,22 +3,25 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 
 import rospy
 from remodel_msgs.msg import (
     FailureState,
+    HandWire,
     LevelState,
     OperatorQuestion,
+    RunSums,
     TaskState,
     UseCaseState,
 )
 
+from remodel_supervision.core.runs import events
 from remodel_supervision.core.runs.abridged import abridged
-from remodel_supervision.core.runs.changes import counts_of
 from remodel_supervision.core.runs.events import Decided
 from remodel_supervision.core.runs.state import RunState, Stage
 from remodel_supervision.core.runs.step import Plan, Settle, Wait, next_step
+from remodel_supervision.core.runs.sums import Sums, count_of, sums_of
 from remodel_supervision.supervisors.ports import Doing
 
 _STATES = {
@@ -41,6 +44,7 @@ class RunView:
         started: ROS time at which this process began the run, or resumed it.
         expected_s: returns the time that a task is expected to take [s].
         descriptions: of the tasks, for a person, by name.
+        controllers: safety controllers that hold the cell by a protective stop.
         moving: whether an operation is under way, so that a pause has not taken effect yet.
     """
 
@@ -52,13 +56,13 @@ class RunView:
     started: rospy.Time
     expected_s: Callable[[str], float]
     descriptions: Mapping[str, str]
+    controllers: tuple[str, ...] = ()
     moving: bool = False
 
 
 def state_message(view: RunView) -> UseCaseState:
     """Return the state of a run, without stamp, series and number of its changes."""
     state = view.state
-    counts = counts_of(state)
     return UseCaseState(
         phase=_phase(view),
         message=abridged(state.ended.because) if state.ended else view.doing,
@@ -70,9 +74,8 @@ def state_message(view: RunView) -> UseCaseState:
         started=view.started,
         interruptions=state.interruptions,
         stopped_by=state.protective,
-        tasks=counts.tasks,
-        done=counts.done,
-        set_aside=counts.set_aside,
+        controllers=list(view.controllers),
+        sums=sums_message(sums_of(state)),
         task=state.current,
         levels=levels(view),
         question=_question(view),
@@ -106,10 +109,30 @@ def task_message(view: RunView, name: str) -> TaskState:
         description=view.descriptions.get(name, ""),
         cable=view.state.cables.get(name, ""),
         state=_STATES.get(task.stage, under_way),
+        counts_as=count_of(task, view.state).value,
         attempts=task.attempts,
         first_pass=task.first_pass,
         taken_s=task.cell_s,
         expected_s=0.0 if task.stage.is_lasting else view.expected_s(name),
+    )
+
+
+def sums_message(sums: Sums) -> RunSums:
+    """Return the sums of a run."""
+    return RunSums(**asdict(sums))
+
+
+def hand_wire_message(wire: events.HandWire) -> HandWire:
+    """Return a wire that is left to a person."""
+    return HandWire(
+        name=wire.name,
+        marker=wire.marker,
+        a=wire.a,
+        b=wire.b,
+        colour=wire.colour,
+        section=wire.section_mm2,
+        length=wire.length_m,
+        reason=wire.reason,
     )
 
 

@@ -18,6 +18,7 @@ from remodel_supervision.core.runs.changes import all_decisions, changes_between
 from remodel_supervision.ros.server.run_messages import (
     RunView,
     failure_message,
+    hand_wire_message,
     levels,
     state_message,
     task_message,
@@ -177,6 +178,7 @@ class StatePublisher:
         view, first = published.view, max(1, request.first)
         end = first - 1 + request.count if request.count else None
         decisions = all_decisions(view.state) if first == 1 else ()
+        by_hand = view.state.by_hand if first == 1 else ()
         return GetTasksResponse(
             success=True,
             run=view.run,
@@ -185,4 +187,5 @@ class StatePublisher:
             total=len(published.order),
             tasks=[task_message(view, name) for name in published.order[first - 1 : end]],
             failures=[failure_message(decision) for decision in decisions],
+            by_hand=[hand_wire_message(wire) for wire in by_hand],
         )

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Collection, Mapping
+from collections.abc import Callable, Collection, Iterator, Mapping
 from dataclasses import dataclass, field, replace
 
 from remodel_msgs.msg import Panel, Wire
@@ -24,6 +24,7 @@ from remodel_production.edge.database.production_database import ProductionDatab
 from remodel_production.edge.package_files import catalogue_file
 from remodel_production.errors import OrderError
 from remodel_supervision.core.learning.experience import Experience
+from remodel_supervision.core.runs.events import HandWire
 from remodel_supervision.edge.escalation_hook import EscalationHook
 from remodel_supervision.edge.recorded_lessons import ability_calls
 from remodel_supervision.edge.task_leases import TaskLeases
@@ -105,6 +106,7 @@ class WorkMaker:
             leases=leases,
             attended=self.attended,
             reconnect_s=self.reconnect_s,
+            by_hand=tuple(_hand_wires(able, board)),
             notify=self.escalation.notify if self.escalation else lambda event: None,
         )
 
@@ -115,6 +117,24 @@ class WorkMaker:
             return []
         present = {task.name for task in order.tasks}
         return [(f"preferences of order {name}", about_wires(document, present))]
+
+
+def _hand_wires(order: WorkOrder, board: Board) -> Iterator[HandWire]:
+    """Yield what a person needs to place the wires that are by hand."""
+    wires = {wire.name: wire for wire in board.order.wires}
+    for each in order.by_hand:
+        for name in each.wires:
+            wire = wires[name]
+            yield HandWire(
+                name,
+                wire.number,
+                str(wire.a),
+                str(wire.b),
+                wire.colour,
+                section_mm2=wire.section_mm2,
+                length_m=board.length_of(wire) if name in board.routes else wire.length_m or 0.0,
+                reason=each.reason,
+            )
 
 
 def _whole_order(board: Board, use_case: UseCase) -> WorkOrder:

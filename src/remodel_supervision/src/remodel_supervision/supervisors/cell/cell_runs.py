@@ -150,7 +150,13 @@ class CellRuns:
             cables = {core: name for name, cores in wanted.cables.items() for core in cores}
             found = work.planner.use_case.name
             begun = RunBegun(
-                order, found, self._cell.name, names, timeout_s=timeout_s, cables=cables
+                order,
+                found,
+                self._cell.name,
+                names,
+                timeout_s=timeout_s,
+                cables=cables,
+                by_hand=work.by_hand,
             )
             run, begun = self._begun(begun, again=again)
         except OwnerError as error:
