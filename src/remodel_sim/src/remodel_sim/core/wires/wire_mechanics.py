@@ -223,6 +223,21 @@ def link_frames(nodes: Array, radius: float) -> tuple[Array, Array]:
     return (ends[:-1] + ends[1:]) / 2, np.array(turns)
 
 
+def as_nodes(line: Array, model: CableModel) -> Array:
+    """Return the nodes (n + 1, 3) [m] of a wire along a line (m, 3) from tip to tip.
+
+    A line that has as many points as the wire has nodes is returned as it is: they are its nodes.
+    Others come from wires that were cut into other links, as by an earlier version.
+    """
+    if len(line) == len(model.lengths) + 1:
+        return line
+    steps = model.lengths.copy()
+    steps[[0, -1]] += model.radius
+    share = np.r_[0.0, np.cumsum(steps)] / steps.sum()
+    along = np.r_[0.0, np.cumsum(np.linalg.norm(np.diff(line, axis=0), axis=1))]
+    return np.column_stack([np.interp(share * along[-1], along, axis) for axis in line.T])
+
+
 def rotation_vectors(quaternions: Array) -> Array:
     """Return the rotation vectors (n, 3) [rad] of unit quaternions (n, 4)."""
     vectors, scalars = quaternions[:, :3], quaternions[:, 3]

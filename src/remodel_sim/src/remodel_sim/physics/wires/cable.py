@@ -10,7 +10,7 @@ from types import MappingProxyType
 import numpy as np
 
 from remodel_sim.core.wires.elastic_joints import ElasticJoints
-from remodel_sim.core.wires.wire_mechanics import CableModel, link_frames
+from remodel_sim.core.wires.wire_mechanics import CableModel, as_nodes, link_frames
 from remodel_sim.physics.wires.cable_body import IDENTITY, CableBody
 from remodel_sim.physics.world import World
 from remodel_states.core.wires.wire_colours import Rgb, rgbs_of
@@ -99,13 +99,13 @@ class SimulatedWire:
             orientation = self._world.bullet.getQuaternionFromEuler([0, math.pi / 2, yaws[first]])
             part.place(centres[first], np.array(orientation), turns[first : last - 1])
 
-    def lay_along(self, nodes: Array) -> None:
+    def lay_along(self, line: Array) -> None:
         """Put the wire at rest into a shape that it has been bent into.
 
         Args:
-            nodes: (n + 1, 3) from tip to tip [m], world frame, as `nodes` returns them.
+            line: (m, 3) from tip to tip [m], world frame, as `nodes` returns it.
         """
-        centres, quaternions = link_frames(nodes, self.model.radius)
+        centres, quaternions = link_frames(as_nodes(line, self.model), self.model.radius)
         flipped = quaternions * np.array([-1.0, -1.0, -1.0, 1.0])
         turns = np.array(list(map(multiply_quaternions, flipped[:-1], quaternions[1:])))
         self._joints.rest_at(np.zeros(len(self.model.spans)))
