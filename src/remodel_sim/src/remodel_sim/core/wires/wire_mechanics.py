@@ -29,8 +29,9 @@ from remodel_work.panel import PanelWire, WireEnd
 GRAVITY = 9.81
 # PyBullet reports at most 31 spherical joints of one body; and each iteration of its solver visits
 # all joints of a body for each of its contacts. With 16 links a step of a wire of 1.1 m in its duct
-# takes 1.5 ms, with 32 it takes 2.1 ms, with 9 no less.
-MAX_LINKS = 16
+# takes 1.5 ms, with 32 it takes 2.1 ms, with 9 no less; but the shorter the bodies, the more of
+# them rest while a hand holds the wire.
+MAX_LINKS = 10
 MIN_CELLS = 8
 CELL_TARGET_M = 0.020
 # Up to this length cells grow rather than that there are more than so many [m].
