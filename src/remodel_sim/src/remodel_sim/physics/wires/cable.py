@@ -57,6 +57,10 @@ class SimulatedWire:
             for first, last in model.bodies
         ]
         self._joints = ElasticJoints(model, world.time_step)
+        # Of all joints but those that are bolts, by body.
+        cuts = np.cumsum([0, *(len(part.model.spans) for part in self._parts)]).tolist()
+        self._joints_of_parts = [slice(*cut) for cut in pairwise(cuts)]
+        self._turns, self._rates = np.zeros((cuts[-1], 4)), np.zeros((cuts[-1], 3))
         self._resting: RestingParts | None = None
         self.lay(np.zeros(3), 0.0, np.zeros(len(model.spans)))
         self._bolts = [Bolt(world, before, after) for before, after in pairwise(self._parts)]
@@ -83,14 +87,21 @@ class SimulatedWire:
         """Apply the elastic torques, of all bodies at once: it is done in every step."""
         if self._resting is not None:
             self._resting.step()
-        states = [state for part in self._parts for state in part.joint_states]
-        turns, rates = (np.array([state[i] for state in states]) for i in (0, 1))
-        torques = self._joints.torques(turns, rates).tolist()
-        for part, rests in zip(self._parts, self.resting, strict=True):
-            joints = len(part.model.spans)
-            if not rests:
-                part.apply(torques[:joints])
-            del torques[:joints]
+        awake = [
+            (part, joints)
+            for part, joints, rests in zip(
+                self._parts, self._joints_of_parts, self.resting, strict=True
+            )
+            if not rests
+        ]
+        for part, joints in awake:
+            states = part.joint_states
+            self._turns[joints] = [state[0] for state in states]
+            self._rates[joints] = [state[1] for state in states]
+        if awake:
+            torques = self._joints.torques(self._turns, self._rates).tolist()
+            for part, joints in awake:
+                part.apply(torques[joints])
 
     @property
     def bodies(self) -> tuple[int, ...]:
