@@ -3,8 +3,9 @@
 """Measure the simulated physics against theory, and beside others: run.py [--peers PYTHON] [FILE].
 
 Lines of JSON go to FILE (out/bench/sim.jsonl). What the parts measure: statics.py (sag, buckling),
-retention.py (grip, fixtures), speed.py (real-time factor), long_wires.py (wires of 1 to 3 m),
-mujoco_peer.py (MuJoCo's cable plugin), newton_peer.py (Newton's VBD cable).
+retention.py (grip, fixtures), speed.py (real-time factor), laid_board.py (the same while an end is
+inserted over laid wires), long_wires.py (wires of 1 to 3 m), mujoco_peer.py (MuJoCo's cable
+plugin), newton_peer.py (Newton's VBD cable).
 Exits with 1 when a target is missed. evaluate_abilities.py measures the abilities.
 """
 
@@ -24,6 +25,7 @@ HERE = Path(__file__).parent
 for folder in ("remodel_sim/test/unit", "remodel_work/test"):
     sys.path.insert(0, str(HERE.parents[1] / "src" / folder))
 
+import laid_board  # noqa: E402
 import long_wires  # noqa: E402
 import retention  # noqa: E402
 import speed  # noqa: E402
@@ -85,6 +87,7 @@ def main() -> int:
         retention.rows(),
         determinism_rows(),
         speed_rows(mujoco),
+        laid_board.rows(),
         long_wires.rows(),
         long_wires.peer_rows("MuJoCo's cable", mujoco),
         long_wires.peer_rows("Newton's VBD cable", newton),

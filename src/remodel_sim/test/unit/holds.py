@@ -54,13 +54,13 @@ def pull_out(world, cable, end, along, expected):
     raise AssertionError(f"{force:.1f} N did not pull the end out")
 
 
-def wire_in_hand(world, arm=PANDA_AT_ORIGIN, above=0.0, **changes):
+def wire_in_hand(world, arm=PANDA_AT_ORIGIN, above=0.0, length=0.30, **changes):
     """Return a robot and a straight wire between its open fingers, 45 mm behind tip b.
 
     The wire runs along y, so far above the tool centre [m]; the fingers close along x.
     """
     robot = Robot(world, TOOL, arm)
-    specimen = wire("W", ("X", "1"), ("Y", "1"), 0.30, **changes)
+    specimen = wire("W", ("X", "1"), ("Y", "1"), length, **changes)
     cable = SimulatedWire(world, discretise(specimen, world.time_step), "BU")
     tip = np.array([TOOL.x, GRASP_M - specimen.length, TOOL.z + above])
     cable.lay(tip, math.pi / 2, np.zeros(len(cable.model.spans)))

@@ -134,6 +134,22 @@ def test_a_long_wire_rests_on_the_plate_in_one_piece():
 
 
 @pytest.mark.physics
+def test_a_wire_that_was_cut_into_other_links_is_laid_where_it_lay():
+    world = World(240)
+    whole = ordered(0.6)
+    cable = SimulatedWire(world, discretise(whole, world.time_step), "BU")
+    angles = np.linspace(0.0, 2.0, 26)
+    line = (whole.length / 2.0) * np.column_stack([np.sin(angles), 1 - np.cos(angles), 0 * angles])
+    assert len(line) != len(cable.nodes())
+    cable.lay_along(line)
+    nodes = cable.nodes()
+    world.close()
+    assert np.linalg.norm(nodes[[0, -1]] - line[[0, -1]], axis=1).max() < 1e-3
+    away = np.linalg.norm(nodes[:, None] - line[None], axis=2).min(axis=1)
+    assert away.max() < 0.5 * whole.length / (len(line) - 1) + 1e-3
+
+
+@pytest.mark.physics
 def test_a_wire_rests_on_another():
     world = World(240)
     add_plate_surface(world)

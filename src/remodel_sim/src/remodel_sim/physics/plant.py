@@ -161,6 +161,7 @@ class SimulatedPlant:
             for robot in self.design.robots
         }
         self._weaken_hand()
+        self._strays: list[SimulatedWire] = []
         for stray in self._disturbances.strays:
             self._add_stray(stray)
 
@@ -222,6 +223,7 @@ class SimulatedPlant:
                 self.world, magazine, self.panel, wire, self._noise
             )
         self.live = LiveWire(wire, cable)
+        self._let_rest()
         self.live.watch_headers(self.world, self._headers)
         return presentation
 
@@ -270,11 +272,27 @@ class SimulatedPlant:
             self.close_clamp(*self._terminal_at(self.live.cable.tip(end)[0]))
         for _ in range(round(REVIVED_S / self.world.time_step)):
             self.step()
+        self._let_rest()
         expected = {
             end: np.array([*parked.nodes[node, :2], wire.radius])
             for end, node in ((WireEnd.A, 0), (WireEnd.B, -1))
         }
         return PlacedEnds(expected, parked.fixed)
+
+    def _let_rest(self) -> None:
+        """Let parts of the live wire rest that no robot and no stray piece of wire is near to."""
+        assert self.live is not None
+        self.live.cable.let_rest(self._moving_boxes)
+
+    def _moving_boxes(self) -> tuple[Array, Array]:
+        """Return the lower and upper corners of boxes around all that moves, each (n, 3) [m]."""
+        boxes = [thing.boxes() for thing in (*self.robots.values(), *self._strays)]
+        return np.vstack([lower for lower, _ in boxes]), np.vstack([upper for _, upper in boxes])
+
+    def _wake(self) -> None:
+        """Wake the live wire: what it lies in, or what holds it, changes."""
+        if self.live is not None:
+            self.live.cable.wake()
 
     def _terminal_at(self, tip: Array) -> TerminalKey:
         """Return the terminal that a tip (3,) [m] sits in."""
@@ -316,6 +334,7 @@ class SimulatedPlant:
 
     def open_magazine(self, end: WireEnd) -> None:
         """Draw in the magazine's clips that hold an end: a short wire's loop would hang on them."""
+        self._wake()
         bullet = self.world.bullet
         for clip in self._magazine_clips.pop(end, ()):
             (x, y, z), quaternion = bullet.getBasePositionAndOrientation(clip)
@@ -323,6 +342,7 @@ class SimulatedPlant:
 
     def _put_fork(self, x: float, y: float, z: float) -> None:
         if self._fork is not None:
+            self._wake()
             place = self.world.bullet.resetBasePositionAndOrientation
             place(self._fork, [x, y, z], [0, 0, 0, 1])
 
@@ -348,6 +368,7 @@ class SimulatedPlant:
         """Close a terminal's clamp; returns whether it met something before its bottom."""
         if self.live is None:
             return False
+        self._wake()
         terminal = self.panel.component(component_id).terminal(terminal_id)
         socket = self.world_from_socket(component_id, terminal_id)
         housing = self._scene.body_of(component_id)
@@ -365,6 +386,7 @@ class SimulatedPlant:
         """Open a terminal's clamp."""
         if self.live is None:
             return
+        self._wake()
         socket = self.world_from_socket(component_id, terminal_id)
         for end, clamp in list(self.live.clamps.items()):
             tip = self.live.cable.tip(end)[0]
@@ -395,6 +417,7 @@ class SimulatedPlant:
     def move_component(self, component_id: str, dx: float, dy: float, dyaw: float) -> None:
         """Shift a component on the plate, with any plugs in it; panel frame [m, rad]."""
         self.panel.component(component_id)
+        self._wake()
         x, y, z = self._poses[component_id].position
         moved = Pose.level(x + dx, y + dy, z, self._poses[component_id].yaw + dyaw)
         self._poses[component_id] = moved
@@ -453,12 +476,14 @@ class SimulatedPlant:
         middle = self.panel.world_from_panel @ Pose.level(stray.x, stray.y, STRAY_DROP_M, stray.yaw)
         tip = middle.apply(np.array([-STRAY_LENGTH_M / 2, 0.0, 0.0]))
         cable.lay(tip, middle.yaw, np.zeros(len(cable.model.spans)))
+        self._strays.append(cable)
 
     def block_socket(self, component_id: str, terminal_id: str) -> None:
         """Push a plug into an opening, of a header the first; the first millimetres stay free."""
         self.panel.component(component_id).terminal(terminal_id)
         if (component_id, terminal_id) not in self._blocked:
             self._blocked.add((component_id, terminal_id))
+            self._wake()
             self._add_plug(component_id, terminal_id)
 
     def clear_socket(self, component_id: str, terminal_id: str) -> None:
@@ -466,6 +491,7 @@ class SimulatedPlant:
         self.panel.component(component_id).terminal(terminal_id)
         if (component_id, terminal_id) in self._blocked:
             self._blocked.remove((component_id, terminal_id))
+            self._wake()
             self.world.bullet.removeBody(self._plugs.pop((component_id, terminal_id)))
 
     def _add_plug(self, component_id: str, terminal_id: str) -> None:

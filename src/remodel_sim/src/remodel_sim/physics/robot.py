@@ -128,6 +128,11 @@ class Robot:
                 frictionAnchor=1,  # without it a gripped wire creeps by 1 mm/s
             )
         self._set_contacts([links[sheath] for sheath in SHEATHS])
+        self._solid = [
+            link
+            for link in range(-1, len(infos))
+            if link != self._base and self._bullet.getCollisionShapeData(self.body, link)
+        ]
         if self._base is not None:
             # It slides along its rail, on the plane that wires lie on.
             self._bullet.setCollisionFilterGroupMask(self.body, self._base, 0, 0)
@@ -262,6 +267,11 @@ class Robot:
     def wrist_force(self) -> Array:
         """Force at the wrist, low-passed, hand frame, (3,) [N]; holds the hand's weight."""
         return self._force.copy()
+
+    def boxes(self) -> tuple[Array, Array]:
+        """Return the lower and upper corners of boxes around its solid links, each (n, 3) [m]."""
+        boxes = np.array([self._bullet.getAABB(self.body, link) for link in self._solid])
+        return boxes[:, 0], boxes[:, 1]
 
     @property
     def joints(self) -> Array:

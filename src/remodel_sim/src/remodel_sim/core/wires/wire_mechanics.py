@@ -29,8 +29,9 @@ from remodel_work.panel import PanelWire, WireEnd
 GRAVITY = 9.81
 # PyBullet reports at most 31 spherical joints of one body; and each iteration of its solver visits
 # all joints of a body for each of its contacts. With 16 links a step of a wire of 1.1 m in its duct
-# takes 1.5 ms, with 32 it takes 2.1 ms, with 9 no less.
-MAX_LINKS = 16
+# takes 1.5 ms, with 32 it takes 2.1 ms, with 9 no less; but the shorter the bodies, the more of
+# them rest while a hand holds the wire.
+MAX_LINKS = 10
 MIN_CELLS = 8
 CELL_TARGET_M = 0.020
 # Up to this length cells grow rather than that there are more than so many [m].
@@ -221,6 +222,21 @@ def link_frames(nodes: Array, radius: float) -> tuple[Array, Array]:
     for before, after in pairwise(axes):
         turns.append(multiply_quaternions(turn_between(before, after), turns[-1]))
     return (ends[:-1] + ends[1:]) / 2, np.array(turns)
+
+
+def as_nodes(line: Array, model: CableModel) -> Array:
+    """Return the nodes (n + 1, 3) [m] of a wire along a line (m, 3) from tip to tip.
+
+    A line that has as many points as the wire has nodes is returned as it is: they are its nodes.
+    Others come from wires that were cut into other links, as by an earlier version.
+    """
+    if len(line) == len(model.lengths) + 1:
+        return line
+    steps = model.lengths.copy()
+    steps[[0, -1]] += model.radius
+    share = np.r_[0.0, np.cumsum(steps)] / steps.sum()
+    along = np.r_[0.0, np.cumsum(np.linalg.norm(np.diff(line, axis=0), axis=1))]
+    return np.column_stack([np.interp(share * along[-1], along, axis) for axis in line.T])
 
 
 def rotation_vectors(quaternions: Array) -> Array:

@@ -10,17 +10,16 @@ from types import MappingProxyType
 import numpy as np
 
 from remodel_sim.core.wires.elastic_joints import ElasticJoints
-from remodel_sim.core.wires.wire_mechanics import CableModel, link_frames
-from remodel_sim.physics.wires.cable_body import IDENTITY, CableBody
+from remodel_sim.core.wires.wire_mechanics import CableModel, as_nodes, link_frames
+from remodel_sim.physics.wires.bolt import Bolt
+from remodel_sim.physics.wires.cable_body import CableBody
+from remodel_sim.physics.wires.resting import Movers, RestingParts
 from remodel_sim.physics.world import World
 from remodel_states.core.wires.wire_colours import Rgb, rgbs_of
 from remodel_work.connector_shape import Solid
 from remodel_work.geometry import Array, multiply_quaternions, rotation_matrix
 from remodel_work.panel import WireEnd
 from remodel_work.wire_colours import FERRULE_RGB
-
-# What holds the halves of a cell together [N]; more than any force in the cell.
-BOLT_FORCE_N = 1e4
 
 # A body, and the index of one of its links: -1 for its base.
 Link = tuple[int, int]
@@ -58,19 +57,51 @@ class SimulatedWire:
             for first, last in model.bodies
         ]
         self._joints = ElasticJoints(model, world.time_step)
+        # Of all joints but those that are bolts, by body.
+        cuts = np.cumsum([0, *(len(part.model.spans) for part in self._parts)]).tolist()
+        self._joints_of_parts = [slice(*cut) for cut in pairwise(cuts)]
+        self._turns, self._rates = np.zeros((cuts[-1], 4)), np.zeros((cuts[-1], 3))
+        self._resting: RestingParts | None = None
         self.lay(np.zeros(3), 0.0, np.zeros(len(model.spans)))
-        self._bolts = [_bolt(world, before, after) for before, after in pairwise(self._parts)]
+        self._bolts = [Bolt(world, before, after) for before, after in pairwise(self._parts)]
         world.add_before_step(self._bend)
+
+    def let_rest(self, movers: Movers) -> None:
+        """Let parts that rest become static from now on, until one of the `movers` comes near.
+
+        A caller that changes what the wire lies in, or applies a force to it, has to `wake` it.
+        """
+        self._resting = RestingParts(self._world, self._parts, self._bolts, movers)
+
+    @property
+    def resting(self) -> list[bool]:
+        """Whether each body rests, from end a."""
+        return [False] * len(self._parts) if self._resting is None else self._resting.resting
+
+    def wake(self) -> None:
+        """Wake all parts that rest."""
+        if self._resting is not None:
+            self._resting.wake()
 
     def _bend(self) -> None:
         """Apply the elastic torques, of all bodies at once: it is done in every step."""
-        states = [state for part in self._parts for state in part.joint_states]
-        turns, rates = (np.array([state[i] for state in states]) for i in (0, 1))
-        torques = self._joints.torques(turns, rates).tolist()
-        for part in self._parts:
-            joints = len(part.model.spans)
-            part.apply(torques[:joints])
-            del torques[:joints]
+        if self._resting is not None:
+            self._resting.step()
+        awake = [
+            (part, joints)
+            for part, joints, rests in zip(
+                self._parts, self._joints_of_parts, self.resting, strict=True
+            )
+            if not rests
+        ]
+        for part, joints in awake:
+            states = part.joint_states
+            self._turns[joints] = [state[0] for state in states]
+            self._rates[joints] = [state[1] for state in states]
+        if awake:
+            torques = self._joints.torques(self._turns, self._rates).tolist()
+            for part, joints in awake:
+                part.apply(torques[joints])
 
     @property
     def bodies(self) -> tuple[int, ...]:
@@ -85,6 +116,7 @@ class SimulatedWire:
             yaw: direction from tip a into the wire [rad].
             curvature: (n - 1,) rest curvature in the plane at each joint [1/m].
         """
+        self.wake()
         turn = curvature * self.model.spans
         yaws = yaw + np.r_[0.0, np.cumsum(turn)]
         axes = np.column_stack([np.cos(yaws), np.sin(yaws), np.zeros_like(yaws)])
@@ -99,18 +131,25 @@ class SimulatedWire:
             orientation = self._world.bullet.getQuaternionFromEuler([0, math.pi / 2, yaws[first]])
             part.place(centres[first], np.array(orientation), turns[first : last - 1])
 
-    def lay_along(self, nodes: Array) -> None:
+    def lay_along(self, line: Array) -> None:
         """Put the wire at rest into a shape that it has been bent into.
 
         Args:
-            nodes: (n + 1, 3) from tip to tip [m], world frame, as `nodes` returns them.
+            line: (m, 3) from tip to tip [m], world frame, as `nodes` returns it.
         """
-        centres, quaternions = link_frames(nodes, self.model.radius)
+        self.wake()
+        centres, quaternions = link_frames(as_nodes(line, self.model), self.model.radius)
         flipped = quaternions * np.array([-1.0, -1.0, -1.0, 1.0])
         turns = np.array(list(map(multiply_quaternions, flipped[:-1], quaternions[1:])))
         self._joints.rest_at(np.zeros(len(self.model.spans)))
         for part, (first, last) in zip(self._parts, self.model.bodies, strict=True):
             part.place(centres[first], quaternions[first], turns[first : last - 1])
+
+    def boxes(self) -> tuple[Array, Array]:
+        """Return the lower and upper corners of boxes around its links, each (n, 3) [m]."""
+        centres = np.vstack([part.centres() for part in self._parts])
+        reach = self.model.lengths[:, None] / 2 + self.model.radius
+        return centres - reach, centres + reach
 
     def link_poses(self) -> tuple[Array, Array]:
         """Return the links' centres (n, 3) [m] and quaternions (n, 4), world frame."""
@@ -146,6 +185,7 @@ class SimulatedWire:
 
     def bend_ferrule(self, end: WireEnd, angle: float) -> None:
         """Give the joint behind an end's ferrule another angle at rest, by so much [rad]."""
+        self.wake()
         self._joints.bend_rest(0 if end is WireEnd.A else -1, angle)
 
     def tip(self, end: WireEnd) -> tuple[Array, Array]:
@@ -159,30 +199,11 @@ class SimulatedWire:
         """Take the wire out of the world."""
         self._world.remove_before_step(self._bend)
         for bolt in self._bolts:
-            self._world.bullet.removeConstraint(bolt)
+            bolt.remove()
+        if self._resting is not None:
+            self._resting.remove()
         for body in self.bodies:
             self._world.bullet.removeBody(body)
-
-
-def _bolt(world: World, before: CableBody, after: CableBody) -> int:
-    """Make one rigid link of the halves of a cell: the last of one body, the first of the next."""
-    bullet = world.bullet
-    last = len(before.model.spans) - 1
-    bullet.setCollisionFilterPair(before.body, after.body, last, -1, 0)
-    bolt = bullet.createConstraint(
-        parentBodyUniqueId=before.body,
-        parentLinkIndex=last,
-        childBodyUniqueId=after.body,
-        childLinkIndex=-1,
-        jointType=bullet.JOINT_FIXED,
-        jointAxis=[0, 0, 0],
-        parentFramePosition=[0, 0, before.model.lengths[-1] / 2],
-        childFramePosition=[0, 0, -after.model.lengths[0] / 2],
-        parentFrameOrientation=IDENTITY,
-        childFrameOrientation=IDENTITY,
-    )
-    bullet.changeConstraint(bolt, maxForce=BOLT_FORCE_N)
-    return bolt
 
 
 def link_colours(colour: str, links: int) -> list[Rgb]:

@@ -118,6 +118,11 @@ class CableBody:
             )
 
     @property
+    def has_connector(self) -> bool:
+        """Whether one of the links is a connector."""
+        return bool(self._connectors)
+
+    @property
     def joint_states(self) -> list[tuple]:
         """The joints' states: first a link's turn, a quaternion, then its rate (3,) [rad/s]."""
         return list(self._read_joints(self.body, self._joints))
@@ -140,6 +145,12 @@ class CableBody:
         self._bullet.resetBaseVelocity(self.body, [0, 0, 0], [0, 0, 0])
         for joint, turned in zip(self._joints, turns.tolist(), strict=True):
             self._bullet.resetJointStateMultiDof(self.body, joint, turned, [0, 0, 0])
+
+    def centres(self) -> Array:
+        """Return the links' centres (n, 3) [m], world frame."""
+        base = self._bullet.getBasePositionAndOrientation(self.body)
+        states = self._bullet.getLinkStates(self.body, self._joints)
+        return np.array([base[0], *[s[0] for s in states]])
 
     def link_poses(self) -> tuple[Array, Array]:
         """Return the links' centres (n, 3) [m] and quaternions (n, 4), world frame."""
