@@ -63,6 +63,9 @@ class Supervisor(Protocol):
     def resume(self, by: str) -> str:
         """Have the run go on."""
 
+    def release(self, by: str) -> str:
+        """Release the protective stops of persons; the run stays paused."""
+
     def stop(self, by: str) -> str:
         """Have the run stopped safely."""
 

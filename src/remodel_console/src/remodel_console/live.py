@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import threading
+import time
 from collections import deque
 from collections.abc import Callable
 from dataclasses import replace
@@ -12,7 +13,14 @@ from remodel_console.core.run.decision import Decisions
 from remodel_console.core.run.log_line import LogLine
 from remodel_console.core.run.run_view import Event, step
 from remodel_console.core.use_case.use_case import UseCase
-from remodel_console.core.world import CellKind, InputRequest, Part, World
+from remodel_console.core.world import (
+    CellKind,
+    InputRequest,
+    Part,
+    World,
+    with_supervisor,
+    with_use_case,
+)
 
 _KEPT_LINES = 500  # of the log; a page that opens shows them
 
@@ -31,8 +39,11 @@ class LogKeeper(Protocol):
 class Live:
     """Holds the newest world and the last lines of the log."""
 
-    def __init__(self, log: LogKeeper | None = None) -> None:
-        """Begin with nothing there but the lines of a log that was kept."""
+    def __init__(
+        self, log: LogKeeper | None = None, clock: Callable[[], float] = time.time
+    ) -> None:
+        """Begin with nothing there but the lines of a log that was kept; `clock`: wall time [s]."""
+        self._clock = clock
         self._lock = threading.Lock()
         self._world = World()
         self._log = log
@@ -84,10 +95,10 @@ class Live:
         supervisor: bool,
         silent: frozenset[Part] = frozenset(),
     ) -> None:
-        """Set which nodes are running; the state of a supervisor that has ended is dropped."""
+        """Set which nodes are running; the state of a supervisor that has ended is out of date."""
         with self._lock:
             before = self._world
-            self._world = replace(
+            seen = replace(
                 before,
                 has_mirror=mirror,
                 servers=servers,
@@ -95,15 +106,16 @@ class Live:
                 can_reset=can_reset,
                 has_supervisor=supervisor,
                 silent=silent,
-                use_case=before.use_case if supervisor or not before.has_supervisor else None,
             )
+            answers = supervisor and Part.SUPERVISOR not in silent
+            self._world = with_supervisor(seen, answers=answers, now_s=self._clock())
         if self._world != before:
             self._wake()
 
     def take_use_case(self, use_case: UseCase) -> None:
         """Take in the state of the use case supervisor."""
         with self._lock:
-            self._world = replace(self._world, use_case=use_case)
+            self._world = with_use_case(self._world, use_case, self._clock())
         self._wake()
 
     def set_inputs(self, inputs: tuple[InputRequest, ...]) -> None:

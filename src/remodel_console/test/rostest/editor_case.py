@@ -64,4 +64,8 @@ class EditorCase(BehaviorTestCase):
 
     def write_xml(self, text):
         self.page.get_by_role("tab", name="XML").click()
-        self.page.locator(".cm-content").fill(text)
+        shown = self.page.locator(".cm-content")
+        expect(shown).to_contain_text(
+            "<statemachine"
+        )  # a tab that opens gets its text a little later
+        shown.fill(text)

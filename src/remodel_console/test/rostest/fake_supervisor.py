@@ -38,7 +38,7 @@ from remodel_supervision.core.runs.fold import state_after
 from remodel_supervision.core.runs.state import FINISHED
 from remodel_supervision.core.runs.statistics import joined, statistics_of_run
 from remodel_supervision.ros.server.run_messages import sums_message
-from remodel_supervision.ros.server.state_publisher import RunView, StatePublisher
+from remodel_supervision.ros.server.state_publisher import STATE, RunView, StatePublisher
 from remodel_supervision.supervisors.ports import Doing
 
 WIRES = (
@@ -156,7 +156,7 @@ class FakeSupervisor:
         self.standstill = threading.Event()
         self.standstill.set()
         self.publisher = StatePublisher()
-        self._is_new, self._closed = True, ""
+        self._is_new, self._closed, self._is_gone = True, "", False
         self.state = None
         self._fields = {}
         self._lock = threading.Lock()
@@ -168,6 +168,7 @@ class FakeSupervisor:
                 ("resume", srv.CommandRun),
                 ("stop", srv.CommandRun),
                 ("protective_stop", srv.CommandRun),
+                ("release", srv.CommandRun),
                 ("skip", srv.CommandTask),
                 ("retry", srv.CommandTask),
                 ("answer", srv.AnswerQuestion),
@@ -202,6 +203,20 @@ class FakeSupervisor:
             started=rospy.Time.now() - rospy.Duration(240),
         )
 
+    def leave(self):
+        """Be gone, as a process that was killed."""
+        with self._lock:
+            self._is_gone = True
+            self.publisher._state.unregister()
+
+    def come_back(self):
+        """Publish the run again."""
+        with self._lock:
+            topic = rospy.Publisher(STATE, msg.UseCaseState, latch=True, queue_size=1)
+            self.publisher._state = topic
+            self._is_gone = False
+        self.add(Interrupted("the supervisor was restarted"))
+
     def restart(self):
         """Begin again without what was published, as a process does that resumes a run."""
         self._is_new = True
@@ -226,6 +241,9 @@ class FakeSupervisor:
             with self._lock:
                 view = self._view() if self.state else None
                 is_new, self._is_new = self._is_new, False
+            if self._is_gone:
+                self._changed.wait(0.1)
+                continue
             if is_new:
                 self.publisher.idle("cell 1", self._closed, starting=bool(self._closed))
             if view:
@@ -266,6 +284,9 @@ class FakeSupervisor:
 
     def _on_protective_stop(self, request):
         self.add(Commanded(Command.PROTECTIVE_STOP, "", request.by))
+
+    def _on_release(self, request):
+        self.add(Commanded(Command.RELEASE, "", request.by), controllers=())
 
     def _on_skip(self, request):
         self.add(Commanded(Command.SKIP, request.task, request.by))

@@ -4,6 +4,7 @@
 import contextlib
 import json
 import os
+import re
 import signal
 import sys
 from pathlib import Path
@@ -30,10 +31,12 @@ class OverviewTest(BehaviorTestCase):
         expect(away).to_be_visible()
         expect(page.locator(".notice", has_text="The cell is not running")).to_be_visible()
         expect(page.locator(".notice", has_text="The engine is not running")).to_be_visible()
-        expect(page.locator(".order-head")).to_be_visible()
-        expect(page.locator(".ending")).to_be_hidden()  # no run has ended yet
+        expect(page.locator(".start-card")).to_contain_text("Nothing runs here")
+        expect(page.locator(".ending")).to_have_text("The supervisor is not running.")
+        expect(page.get_by_role("button", name="Start the order")).to_have_count(0)
         supervisor, cameras = FakeSupervisor(), FakeCameras()
         expect(away).to_have_count(0)
+        expect(page.locator(".ending")).to_be_hidden()
         self.see_what_the_cell_is()
 
         supervisor.close("cell 1 is owned by another station: bench 2")
@@ -90,6 +93,7 @@ class OverviewTest(BehaviorTestCase):
         self.assertEqual([name[:2] for name in names], ["W1", "W2", "W5", "W4", "W6", "W3"])
         expect(row).to_have_attribute("data-mark", "the same row")  # no click on it is lost
         self.hold_and_resume(supervisor)
+        self.lose(supervisor)
         self.press(page, "Stop")
         self.press(page, "Stop the run")
         expect(page.locator(".ending")).to_contain_text(
@@ -145,12 +149,36 @@ class OverviewTest(BehaviorTestCase):
         expect(phase).to_have_text("running")
         self.press(page, "Protective stop")
         banner = page.locator(".protective")
-        expect(banner).to_contain_text("Protective stop by Ada")
-        expect(banner).to_contain_text("then Resume continues the run")
+        expect(banner).to_contain_text("Protective stop, requested by Ada")
         expect(phase).to_have_text("protective stop")
-        self.press(page, "Resume")
+        supervisor.add(controllers=("/safety_plc",))
+        expect(banner).to_contain_text("held by the safety controller /safety_plc")
+        release = page.get_by_role("button", name="Release the protective stop")
+        expect(release).to_be_hidden()
+        supervisor.add(controllers=())
+        expect(banner).to_contain_text("the run stays paused until Resume")
+        self.take_picture(page, "overview-protective-stop")
+        release.click()
         expect(banner).to_be_hidden()
+        expect(phase).to_have_text("paused")
+        self.press(page, "Resume")
         expect(phase).to_have_text("running")
+
+    def lose(self, supervisor):
+        """See what was known of the run while its supervisor is gone, and starts again."""
+        page = self.page
+        supervisor.leave()
+        gone = page.locator(".ending")
+        since = r"The supervisor is not running. This is the last known state, out of date since \d"
+        expect(gone).to_contain_text(re.compile(since))
+        expect(page.locator(".order-head")).to_contain_text("cabinet 7")
+        expect(page.locator("tr.task", has_text="W1")).to_contain_text("done")
+        for name in ("Start the order", "Resume", "Skip W5", "Protective stop"):
+            expect(page.get_by_role("button", name=name, exact=True)).to_have_count(0)
+        self.take_picture(page, "overview-outdated")
+        supervisor.come_back()
+        expect(gone).to_have_count(0)
+        expect(page.locator(".order .state")).to_have_text("running")
 
     def tick_off(self):
         """Tick a wire by hand off on the computer, and see that on a phone."""

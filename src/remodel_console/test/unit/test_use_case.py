@@ -6,6 +6,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from remodel_console.core.answer import trouble_words
+from remodel_console.core.inbox import cards
 from remodel_console.core.plot import (
     bar_plot,
     count_height,
@@ -35,9 +37,10 @@ from remodel_console.core.use_case.use_case import (
     hand_words,
     level_rows,
     shown_tasks,
+    stop_words,
     with_cables,
 )
-from remodel_console.core.world import CellKind, Part, World, notices
+from remodel_console.core.world import CellKind, Part, World, notices, supervisor_words
 from remodel_console.edge.jpeg import as_jpeg
 from remodel_console.errors import PictureError
 from remodel_console.live import Live
@@ -183,6 +186,18 @@ def test_a_run_that_is_held_is_resumed_by_a_person():
     assert UseCase(Phase.PROTECTIVE_STOP).is_under_way
 
 
+def test_a_protective_stop_says_by_whom_it_was_requested_and_where_it_is_released():
+    stopped = UseCase(Phase.PROTECTIVE_STOP, run=12, stopped_by="Ada")
+    title, how = stop_words(stopped)
+    assert (title, stopped.is_releasable) == ("Protective stop, requested by Ada", True)
+    assert how == "No motion begins. Release ends the stop, and the run stays paused until Resume."
+    held = replace(stopped, stopped_by="/plc, Ada", controllers=("/plc",))
+    title, how = stop_words(held)
+    assert (title, held.is_releasable) == ("Protective stop, requested by /plc, Ada", False)
+    assert how.endswith("It is held by the safety controller /plc, and released there, not here.")
+    assert "orders can be started" in stop_words(replace(stopped, run=0))[1]
+
+
 def test_the_time_left_to_answer_a_question():
     question = Question(1, "W4", "It jams.", (Choice.RETRY,), asked_s=100.0, timeout_s=600.0)
     assert question.left_s(now_s=130.0) == 570.0
@@ -284,14 +299,61 @@ def test_notices_tell_what_runs_whatever_the_cell_is(kind, silent, gone):
     assert world.can_be_put_back == (world.cell_kind is not CellKind.REAL)
 
 
-def test_what_a_supervisor_published_is_gone_with_it():
-    live = Live()
+def presence(live, **changes):
+    live.set_presence(**{"mirror": False, "servers": 0, "cell_kind": None, **changes})
+
+
+def test_what_a_supervisor_published_stays_and_is_out_of_date_when_it_is_gone():
+    times = iter([10.0, 11.0, 12.0, 13.0, 14.0, 15.0, 16.0, 17.0])
+    live = Live(clock=lambda: next(times))
+    live.set_master(True)
+    asking = replace(RUN, run=12, question=Question(1, "W4", "It jams.", (Choice.RETRY,)))
+
+    def words():
+        return supervisor_words(live.world, lambda since_s: f"12:03:{since_s:.0f}")
+
+    assert words() == "The supervisor is not running."
+    presence(live, supervisor=True)  # 10
+    live.take_use_case(asking)  # 11
+    assert (words(), len(cards(live.world))) == ("", 1)
+    presence(live, supervisor=False)  # 12
+    presence(live, supervisor=False)  # 13: it is gone since 12
+    last = "This is the last known state, out of date since 12:03:12."
+    assert live.world.use_case == asking
+    assert (live.world.current_use_case, cards(live.world)) == (None, ())
+    assert words() == f"The supervisor is not running. {last}"
+    presence(live, supervisor=True)  # 14
+    live.take_use_case(UseCase(Phase.STARTING))  # 15
+    assert (live.world.use_case, words()) == (asking, f"The supervisor is starting. {last}")
+    live.take_use_case(UseCase(Phase.STARTING, message="bench 2 owns the cell"))  # 16
+    assert words() == f"The supervisor cannot take an order: bench 2 owns the cell. {last}"
+    live.take_use_case(RUN)  # 17
+    assert (live.world.current_use_case, words()) == (RUN, "")
+
+
+def test_the_state_of_a_supervisor_that_hangs_is_out_of_date():
+    live = Live(clock=lambda: 12.0)
     live.set_master(True)
     live.take_use_case(RUN)
-    live.set_presence(mirror=False, servers=0, cell_kind=None, supervisor=True)
-    assert live.world.use_case == RUN
-    live.set_presence(mirror=False, servers=0, cell_kind=None, supervisor=False)
-    assert live.world.use_case is None
+    presence(live, supervisor=True, silent=frozenset({Part.SUPERVISOR}))
+    assert live.world.current_use_case is None
+    assert supervisor_words(live.world, str).startswith("The supervisor does not answer. This is")
+
+
+@pytest.mark.parametrize(
+    ("reason", "words"),
+    [
+        ("", "the supervisor has not answered within 8 s"),
+        ("unable to connect to service: [Errno 111] Connection refused", "is not running, or"),
+        ("timeout exceeded while waiting for service /a", "is not running, or does not answer"),
+        ("transport error completing service call: unable to receive data", "before it answered"),
+        ("service cannot process request: no run", "could not be called: service cannot process"),
+    ],
+)
+def test_no_error_number_of_the_system_reaches_an_operator(reason, words):
+    found = trouble_words("/remodel/use_case/runs", reason, 8.0)
+    assert words in found
+    assert "Errno" not in found
 
 
 def test_a_picture_becomes_a_jpeg_no_larger_than_it_is_shown():

@@ -83,6 +83,37 @@ def test_a_protective_stop_holds_the_cell_when_its_run_has_been_stopped(bench):
     assert "protective stop by ann" in cell.commands.safety
 
 
+def test_a_protective_stop_is_released_by_a_command_of_its_own_and_the_run_stays_paused(bench):
+    cell = Cell(bench)
+    assert cell.command(Command.RELEASE) == [(False, "no protective stop is in force")]
+    cell.command(Command.PROTECTIVE_STOP)
+    assert cell.commands.controllers == ()
+    assert cell.command(Command.RELEASE) == [(True, "")]
+    assert (cell.commands.safety, cell.kept) == ("", [])
+    assert (bench.supervisor.state.protective, bench.supervisor.state.paused) == ("", True)
+    assert cell.command(Command.RESUME) == [(True, "")]
+    assert not bench.supervisor.state.paused
+
+
+def test_only_a_safety_controller_releases_its_own_stop(bench):
+    cell = Cell(bench)
+    cell.command(Command.PROTECTIVE_STOP)
+    cell.commands.note_controller("/safety", is_stopped=True, present=["/safety"])
+    assert cell.commands.controllers == ("/safety",)
+    ((granted, text),) = cell.command(Command.RELEASE)
+    assert not granted
+    assert "protective stop by /safety" in text
+    cell.commands.note_controller("/safety", is_stopped=False, present=["/safety"])
+    assert cell.command(Command.RELEASE) == [(True, "")]
+    assert (bench.supervisor.state.protective, cell.kept) == ("", [])
+
+
+def test_a_protective_stop_without_a_run_is_released_too():
+    cell = Cell(persons=("ann",))
+    assert cell.command(Command.RELEASE) == [(True, "the protective stop is released")]
+    assert (cell.commands.safety, cell.kept) == ("", [])
+
+
 class SlowRun:
     """A run under way that grants commands late, as while a server stalls."""
 

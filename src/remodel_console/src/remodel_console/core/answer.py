@@ -35,3 +35,25 @@ def read_answer(text: str) -> CommandResult:
     if not mark or state not in (DONE, FAILED, REFUSED):
         raise ValueError(f"no answer to a command: {text!r}")
     return CommandResult(state, command, words)
+
+
+_GONE = ("Errno", "timeout exceeded", "unavailable", "unable to connect", "Connection refused")
+_CUT = ("transport error", "unable to receive")
+
+
+def trouble_words(service: str, reason: str, limit_s: float) -> str:
+    """Return why a service could not be called, as an operator reads it.
+
+    Args:
+        service: its name.
+        reason: what ROS says; empty if there was no answer in time.
+        limit_s: in which it had to answer [s].
+    """
+    who = "the supervisor" if "/use_case/" in service else "its node"
+    if not reason:
+        return f"{service}: {who} has not answered within {limit_s:.0f} s"
+    if any(word in reason for word in _CUT):
+        return f"{service}: {who} ended, or lost its connection, before it answered"
+    if any(word in reason for word in _GONE):
+        return f"{service}: {who} is not running, or does not answer"
+    return f"{service} could not be called: {reason}"

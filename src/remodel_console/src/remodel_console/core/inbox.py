@@ -75,7 +75,8 @@ def cards(world: World) -> tuple[Card, ...]:
 
 
 def _cards(world: World) -> Iterator[Card]:
-    question = world.use_case.question if world.use_case else None
+    use_case = world.current_use_case
+    question = use_case.question if use_case else None
     if question is not None:
         options = tuple(Option(each.words, each.meaning, each) for each in question.choices)
         yield Card(

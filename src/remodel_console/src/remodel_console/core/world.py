@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
-from dataclasses import dataclass, field
+from collections.abc import Callable, Iterable, Iterator
+from dataclasses import dataclass, field, replace
 from enum import Enum
 
 from remodel_console.core.run.decision import Decisions
 from remodel_console.core.run.run_view import Phase, RunView
+from remodel_console.core.use_case.use_case import Phase as UseCasePhase
 from remodel_console.core.use_case.use_case import UseCase
 
 
@@ -56,6 +57,7 @@ _STARTED_BY = {
     "output:=$HOME/remodel database:=sqlite:///$HOME/remodel/production.db",
     Part.CELL: "roslaunch remodel_sim cell.launch",
 }
+_STARTING = "The supervisor is starting."
 _WITHOUT = {
     Part.ENGINE: "no behavior can run",
     Part.MIRROR: "the active state of a supervised run is not known",
@@ -76,7 +78,9 @@ class World:
         can_reset: the cell can rebuild its panel.
         has_supervisor: a use case supervisor is there.
         silent: what is registered at the master and does not answer.
-        use_case: what it published last; None before that, and when it is not running.
+        use_case: what it published last; None before that.
+        outdated_s: wall time since which that is only what was known last [s]; None: it is current.
+        trouble: why a supervisor that is starting cannot go on with that.
         inputs: values that states wait for, the oldest first.
         breakpoints: paths of states, as the engine names them, before whose end it asks.
         decisions: states of the running behavior in which an operator chooses the outcome.
@@ -91,14 +95,26 @@ class World:
     has_supervisor: bool = False
     silent: frozenset[Part] = frozenset()
     use_case: UseCase | None = None
+    outdated_s: float | None = None
+    trouble: str = ""
     inputs: tuple[InputRequest, ...] = ()
     decisions: Decisions = field(default_factory=Decisions)
     breakpoints: frozenset[str] = frozenset()
 
     @property
+    def is_silent(self) -> bool:
+        """Return whether the supervisor is there, but does not answer."""
+        return Part.SUPERVISOR in self.silent
+
+    @property
     def has_engine(self) -> bool:
         """Return whether a behavior engine is running."""
         return self.run.phase is not Phase.AWAY
+
+    @property
+    def current_use_case(self) -> UseCase | None:
+        """Return what the supervisor publishes now; None if what is known is out of date."""
+        return self.use_case if self.outdated_s is None else None
 
     @property
     def can_be_put_back(self) -> bool:
@@ -114,6 +130,49 @@ class World:
             Part.CELL: self.servers > 0,
         }
         return self.has_master and there[part] and part not in self.silent
+
+
+def with_use_case(world: World, use_case: UseCase, now_s: float) -> World:
+    """Return the world after a supervisor has published a state, at a wall time [s].
+
+    One that is starting knows nothing of the run yet: what was known of it stays.
+    """
+    known = world.use_case
+    if use_case.phase is UseCasePhase.STARTING and known is not None and known.run:
+        outdated_s = now_s if world.outdated_s is None else world.outdated_s
+        return replace(world, outdated_s=outdated_s, trouble=use_case.message)
+    return replace(world, use_case=use_case, outdated_s=None, trouble="")
+
+
+def with_supervisor(world: World, *, answers: bool, now_s: float) -> World:
+    """Return the world after it was checked whether a supervisor answers, at a wall time [s].
+
+    What one that is gone has published last stays, out of date until one publishes again.
+    """
+    if answers or world.use_case is None or world.outdated_s is not None:
+        return world
+    return replace(world, outdated_s=now_s)
+
+
+def supervisor_words(world: World, since: Callable[[float], str]) -> str:
+    """Return why no order can be started or commanded; empty if one can.
+
+    Args:
+        world: what there is.
+        since: returns a wall time [s] as an operator reads it.
+    """
+    now, trouble = world.current_use_case, world.trouble
+    if now is not None:
+        if now.phase is not UseCasePhase.STARTING:
+            return ""
+        trouble = now.message
+    if world.has(Part.SUPERVISOR):
+        words = f"The supervisor cannot take an order: {trouble}." if trouble else _STARTING
+    else:
+        words = f"The supervisor {'does not answer' if world.is_silent else 'is not running'}."
+    if world.outdated_s is None:
+        return words
+    return f"{words} This is the last known state, out of date since {since(world.outdated_s)}."
 
 
 def notices(world: World, parts: Iterable[Part]) -> Iterator[Notice]:

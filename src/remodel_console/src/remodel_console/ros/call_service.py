@@ -8,6 +8,7 @@ from typing import Any
 import rospy
 from genpy import Message
 
+from remodel_console.core.answer import trouble_words
 from remodel_console.errors import CommandError
 
 LIMIT_S = 8.0  # wall time
@@ -40,5 +41,5 @@ def call_service(name: str, kind: type, request: Message, limit_s: float = LIMIT
     calling.join(limit_s)
     if answers:
         return answers[0]
-    reason = str(mistakes[0]) if mistakes else f"no answer within {limit_s:.0f} s"
-    raise CommandError(f"{rospy.resolve_name(name)} could not be called: {reason}")
+    reason = str(mistakes[0]) if mistakes else ""
+    raise CommandError(trouble_words(rospy.resolve_name(name), reason, limit_s))

@@ -64,7 +64,7 @@ def join_ros(console: Console, journal: Journal, end: threading.Event) -> None:
     SceneRecorder(
         console.scene,
         console.scenes,
-        lambda: console.live.world.use_case,
+        lambda: console.live.world.current_use_case,
         console.values.found,
         end,
     )

@@ -78,6 +78,10 @@ class UseCaseLink:
         """Have the run go on; see `_command`."""
         return self._command("resume", srv.CommandRun, srv.CommandRunRequest(by=by))
 
+    def release(self, by: str) -> str:
+        """Release the protective stops of persons; see `_command`."""
+        return self._command("release", srv.CommandRun, srv.CommandRunRequest(by=by))
+
     def stop(self, by: str) -> str:
         """Have the run stopped safely, and return when nothing moves; see `_command`."""
         return self._hold("stop", by)

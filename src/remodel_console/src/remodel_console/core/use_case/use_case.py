@@ -266,8 +266,8 @@ class UseCase:
         serial: serial number of the product.
         started_s: when it began, or was resumed after an interruption; ROS time [s].
         stopped_by: who requested the protective stop; empty without one.
-        controllers: safety controllers that hold the protective stop; without any, it can be
-            released here.
+        controllers: safety controllers that hold the protective stop; without any, it is released
+            here.
         sums: of the tasks, a cable being one.
         by_hand: wires of the order that a person places.
         tasks: all of them, or none as long as they could not be fetched.
@@ -304,6 +304,11 @@ class UseCase:
         return self.phase in (Phase.PAUSING, Phase.PAUSED, Phase.PROTECTIVE_STOP)
 
     @property
+    def is_releasable(self) -> bool:
+        """Return whether a protective stop is in force that a person releases."""
+        return self.phase is Phase.PROTECTIVE_STOP and not self.controllers
+
+    @property
     def left_s(self) -> float:
         """Return the time that all tasks are still expected to take [s]."""
         return sum(task.expected_s for task in self.tasks)
@@ -314,6 +319,24 @@ class UseCase:
         since_s = [level.since_s for level in self.levels if level.level == "task"]
         now_s = self.stamp_s - since_s[0] if since_s and since_s[0] else 0.0
         return self.sums.taken_s + max(0.0, now_s)
+
+
+def stop_words(now: UseCase) -> tuple[str, str]:
+    """Return who holds the cell by a protective stop, and how it is released."""
+    persons = [name for name in now.stopped_by.split(", ") if name not in ("", *now.controllers)]
+    by = ", ".join((*now.controllers, *persons)) or "an unknown device"
+    if not now.controllers:
+        then = "and the run stays paused until Resume" if now.run else "and orders can be started"
+        return (
+            f"Protective stop, requested by {by}",
+            f"No motion begins. Release ends the stop, {then}.",
+        )
+    who = "safety controller" if len(now.controllers) == 1 else "safety controllers"
+    names = ", ".join(now.controllers)
+    return (
+        f"Protective stop, requested by {by}",
+        f"No motion begins. It is held by the {who} {names}, and released there, not here.",
+    )
 
 
 # Tasks that a page shows at once, of which a quarter each may have ended before, or be skipped.

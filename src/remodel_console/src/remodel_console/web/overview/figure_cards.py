@@ -13,12 +13,16 @@ _PLOTTED_TASKS = 100  # the latest; the figures are of all
 
 
 class FigureCards:
-    """Shows a card for each figure, once a task has ended."""
+    """Shows a card for each figure, once a task has ended.
+
+    Attributes:
+        area: the element that has the cards.
+    """
 
     def __init__(self) -> None:
         """Build the cards."""
         self._shown: Figures | None = None
-        with ui.element("div").classes("figures") as self._area:
+        with ui.element("div").classes("figures") as self.area:
             self._yield, self._yields = _card("First-pass yield", "First-pass yield over tasks")
             self._cycle, self._cycles = _card("Cycle time", "Time of each task")
             self._recovered, self._causes = _card("Recoveries by cause", "Recoveries by cause")
@@ -29,7 +33,7 @@ class FigureCards:
             return
         self._shown = found
         share, mean_s = found.sums.first_pass_yield, found.sums.mean_cycle_s
-        self._area.set_visibility(share is not None)
+        self.area.set_visibility(share is not None)
         if share is None:
             return
         tasks, done = found.tasks[-_PLOTTED_TASKS:], found.done[-_PLOTTED_TASKS:]

@@ -18,11 +18,12 @@ from remodel_console.core.use_case.use_case import (
     fault_words,
     level_rows,
 )
-from remodel_console.core.world import ALL_PARTS, World
+from remodel_console.core.world import ALL_PARTS, World, supervisor_words
 from remodel_console.web.cell.camera_view import CameraView
 from remodel_console.web.cell.live_cell import LiveCell
 from remodel_console.web.overview.figure_cards import FigureCards
 from remodel_console.web.overview.hand_list import HandList
+from remodel_console.web.overview.last_head import LastHead, time_words
 from remodel_console.web.overview.order_form import OrderForm
 from remodel_console.web.overview.run_head import PAUSING, RunHead
 from remodel_console.web.overview.start_card import StartCard
@@ -47,8 +48,9 @@ class OverviewPage(Page):
         """Build the order on the left, the cameras in the middle, what happens on the right."""
         self._use_case: UseCase | None = None
         self._ticked: frozenset[str] = frozenset()
+        self._gone = ""
         self._pending: list[str] = []
-        self._head: RunHead | OrderForm | None = None
+        self._head: RunHead | OrderForm | LastHead | None = None
         self._wants_pictures = False
         ui.context.client.on_delete(lambda: self._want_pictures(False))
         with ui.element("div").classes("overview"):
@@ -68,6 +70,7 @@ class OverviewPage(Page):
                 self._levels = ui.element("div").classes("levels")
                 ui.label("Failures").classes("heading")
                 self._failures = ui.element("div").classes("failures wide")
+        self._parts = (self._tasks.area, self._figures.area, self._levels, self._failures)
 
     def show(self, world: World) -> None:
         """Show the parts that have changed."""
@@ -80,11 +83,18 @@ class OverviewPage(Page):
         self._head_area.set_visibility(self._start_card.show(world))
         now = world.use_case or UseCase(Phase.IDLE)
         ticked = self.console.ticks.of(now.serial)
-        if (now, ticked) == (self._use_case, self._ticked):
+        words = supervisor_words(world, time_words)
+        shown = (now, ticked, words)
+        if shown == (self._use_case, self._ticked, self._gone):
             return
-        before, self._use_case, self._ticked = self._use_case, now, ticked
+        before, (self._use_case, self._ticked, self._gone) = self._use_case, shown
+        is_current = world.outdated_s is None
+        for part in self._parts:
+            part.classes(
+                add=None if is_current else "outdated", remove="outdated" if is_current else None
+            )
         self._show_head()
-        self._tasks.show(now.tasks, is_under_way=now.is_under_way)
+        self._tasks.show(now.tasks, is_under_way=now.is_under_way and is_current)
         self._by_hand.show(now.by_hand, ticked)
         self._show_levels(now)
         if before is None or before.failures != now.failures:
@@ -105,9 +115,11 @@ class OverviewPage(Page):
             self.console.pictures.add_viewer(1 if are_wanted else -1)
 
     def press_with_alt(self, key: str) -> None:
-        """Pause the run, or resume it."""
+        """Pause the run, or resume it; a protective stop is released by its button alone."""
         now = self._use_case
-        if key != "p" or now is None or not now.is_under_way or not self.is_operator:
+        if key != "p" or now is None or not now.is_under_way or self._gone or not self.is_operator:
+            return
+        if now.phase is Phase.PROTECTIVE_STOP:
             return
         deed = self._resume if now.is_held else self._pause
         with self._dialogs:
@@ -118,18 +130,23 @@ class OverviewPage(Page):
     def _show_head(self) -> None:
         """Show the run, or the form that starts one; what is filled in there stays."""
         now = self._use_case or UseCase(Phase.IDLE)
-        wanted = RunHead if now.is_under_way else OrderForm
+        wanted = LastHead if self._gone else RunHead if now.is_under_way else OrderForm
         if not isinstance(self._head, wanted):
             self._head_area.clear()
             with self._head_area:
-                self._head = self._new_head() if now.is_under_way else OrderForm(self, self.start)
-        if isinstance(self._head, RunHead):
-            self._head.show(now, self._pending)
-        else:
-            self._head.show(now, self._ticked)
+                self._head = self._new_head(wanted)
+        match self._head:
+            case RunHead():
+                self._head.show(now, self._pending)
+            case OrderForm():
+                self._head.show(now, self._ticked)
+            case LastHead():
+                self._head.show(now, self._gone)
 
-    def _new_head(self) -> RunHead:
-        deeds = (self._pause, self._resume, self._ask_stop, self._stop_motion)
+    def _new_head(self, wanted: type) -> RunHead | OrderForm | LastHead:
+        if wanted is not RunHead:
+            return LastHead() if wanted is LastHead else OrderForm(self, self.start)
+        deeds = (self._pause, self._resume, self._ask_stop, self._stop_motion, self._release)
         return RunHead(self.button, *deeds)
 
     # What happens
@@ -215,6 +232,11 @@ class OverviewPage(Page):
 
     async def _resume(self) -> None:
         await self._give("resume the run", lambda supervisor, by: supervisor.resume(by))
+
+    async def _release(self) -> None:
+        await self._give(
+            "release the protective stop", lambda supervisor, by: supervisor.release(by)
+        )
 
     async def _stop_motion(self) -> None:
         """Stop all motion, without a question first: it costs nothing but time."""

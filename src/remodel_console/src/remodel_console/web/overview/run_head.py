@@ -7,14 +7,10 @@ from collections.abc import Callable, Iterable
 from nicegui import ui
 
 from remodel_console.core.use_case.sums import sums_words
-from remodel_console.core.use_case.use_case import Phase, UseCase, duration_words
+from remodel_console.core.use_case.use_case import Phase, UseCase, duration_words, stop_words
 
 # What the page shows until a pause is answered.
 PAUSING = "pausing"
-
-_HOW_TO_RESUME = (
-    "No motion begins. Release the stop where it was requested; then Resume continues the run."
-)
 
 Button = Callable[..., ui.button]
 Deed = Callable[[], object]
@@ -30,12 +26,19 @@ class RunHead:
     """Shows a run; its elements stay while it changes, so that clicks are not lost."""
 
     def __init__(
-        self, button: Button, pause: Deed, resume: Deed, stop: Deed, protective_stop: Deed
+        self,
+        button: Button,
+        pause: Deed,
+        resume: Deed,
+        stop: Deed,
+        protective_stop: Deed,
+        release: Deed,
     ) -> None:
         """Build it; `button` makes buttons that only operators can press."""
         with ui.element("div").classes("protective").props('role="alert"') as self._banner:
             self._stopped_by = ui.label().classes("question")
-            ui.label(_HOW_TO_RESUME)
+            self._how_to_release = ui.label()
+            self._release = button("Release the protective stop", release, icon="lock_open")
         with ui.row().classes("headline"):
             self._title = ui.label().classes("title")
             self._phase = ui.label()
@@ -80,7 +83,7 @@ class RunHead:
         self._interruptions.text = _interruption_words(now.interruptions)
         self._interruptions.set_visibility(now.interruptions > 0)
         commands = tuple(pending)
-        self._resume.set_visibility(now.is_held)
+        self._resume.set_visibility(now.is_held and now.phase is not Phase.PROTECTIVE_STOP)
         self._pause.set_visibility(not now.is_held and PAUSING not in commands)
         self._pending.text = " ".join(f"{command}…" for command in commands)
         self._pending.set_visibility(bool(commands))
@@ -89,7 +92,8 @@ class RunHead:
         is_stopped = now.phase is Phase.PROTECTIVE_STOP
         self._banner.set_visibility(is_stopped)
         self._protect.set_visibility(not is_stopped)
-        self._stopped_by.text = f"Protective stop by {now.stopped_by or 'an unknown device'}"
+        self._release.set_visibility(now.is_releasable)
+        self._stopped_by.text, self._how_to_release.text = stop_words(now)
 
 
 def _progress_words(now: UseCase) -> str:

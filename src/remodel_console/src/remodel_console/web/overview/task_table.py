@@ -23,14 +23,18 @@ Deed = Callable[[str], object]
 
 
 class TaskTable:
-    """Shows tasks with state, attempts and time; offers to skip open and retry skipped ones."""
+    """Shows tasks with state, attempts and time; offers to skip open and retry skipped ones.
+
+    Attributes:
+        area: the element that is the table.
+    """
 
     def __init__(self, skip: Deed, retry: Deed, *, is_operator: bool) -> None:
         """Build an empty table; `skip` and `retry` get the name of a task."""
         self._deeds = {"Skip": skip, "Retry": retry}
         self._is_operator = is_operator
         with (
-            ui.element("div").classes("tasks"),
+            ui.element("div").classes("tasks") as self.area,
             ui.element("table").classes("plain") as self._table,
             ui.element("tr"),
         ):

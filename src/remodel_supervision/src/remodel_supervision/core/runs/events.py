@@ -57,12 +57,14 @@ class AsLeft(Enum):
 class Command(Enum):
     """What an operator, or a safety controller, asks of a run.
 
-    PAUSE lets the operation under way end; PROTECTIVE_STOP and STOP cancel it. After a pause or a
-    protective stop the run goes on with RESUME.
+    PAUSE lets the operation under way end; PROTECTIVE_STOP and STOP cancel it. RELEASE ends a
+    protective stop, and the run stays paused. After a pause or a protective stop the run goes on
+    with RESUME.
     """
 
     PAUSE = "pause"
     PROTECTIVE_STOP = "protective_stop"
+    RELEASE = "release"
     RESUME = "resume"
     STOP = "stop"
     SKIP = "skip"

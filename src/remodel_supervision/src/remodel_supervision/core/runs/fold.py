@@ -270,6 +270,8 @@ def _apply_commanded(event: Commanded, state: RunState) -> RunState:
             return replace(state, paused=True)
         case Command.PROTECTIVE_STOP:
             return replace(state, paused=True, protective=event.by)
+        case Command.RELEASE:
+            return replace(state, protective="")
         case Command.RESUME:
             return replace(state, paused=False, protective="")
         case Command.STOP:

@@ -15,7 +15,6 @@ from remodel_supervision.ros.server.run_messages import RunView
 from remodel_supervision.ros.server.run_services import RunServices
 from remodel_supervision.ros.server.state_publisher import StatePublisher
 from remodel_supervision.ros.server.work import WorkMaker
-from remodel_supervision.supervisors.cell.cell_runs import STARTING
 from remodel_supervision.supervisors.use_case_supervisor import UseCaseSupervisor
 from remodel_supervision.supervisors.work import Peers
 
@@ -48,7 +47,7 @@ class RunPublication:
         # The goal of a run that has not begun, by the run's number.
         self._goals: dict[int, actionlib.ServerGoalHandle] = {}
         self._publisher = StatePublisher()
-        self._publisher.idle(maker.cell, STARTING, starting=True)
+        self._publisher.idle(maker.cell, starting=True)
         loop.every(_PUBLISH_EVERY_S, self._publish)
 
     def expect(self, supervisor: UseCaseSupervisor, handle: actionlib.ServerGoalHandle) -> None:
@@ -59,8 +58,15 @@ class RunPublication:
         """Publish that there is no run, and log why none can begin."""
         if starting:
             rospy.logerr("%s", text)
-        by = "" if starting else self._services.commands.stopped_by
-        self._publisher.idle(self._maker.cell, text, starting=starting, stopped_by=by)
+        commands = self._services.commands
+        by = "" if starting else commands.stopped_by
+        self._publisher.idle(
+            self._maker.cell,
+            text,
+            starting=starting,
+            stopped_by=by,
+            controllers=commands.controllers,
+        )
 
     def on_resume(self, run: int, state: RunState) -> None:
         """Log that a run is about to be resumed."""
@@ -111,5 +117,6 @@ class RunPublication:
             started=active.begun,
             expected_s=supervisor.work.planner.expected_s,
             descriptions=self._maker.descriptions,
+            controllers=self._services.commands.controllers,
             moving=supervisor.is_moving,
         )

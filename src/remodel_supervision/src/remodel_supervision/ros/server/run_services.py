@@ -42,7 +42,13 @@ _ANSWERS = {
     Permit.HELD: BeginOperationResponse.HELD,
     Permit.REFUSED: BeginOperationResponse.REFUSED,
 }
-_OF_RUN = (Command.PAUSE, Command.RESUME, Command.STOP, Command.PROTECTIVE_STOP)
+_OF_RUN = (
+    Command.PAUSE,
+    Command.RESUME,
+    Command.STOP,
+    Command.PROTECTIVE_STOP,
+    Command.RELEASE,
+)
 _OF_TASK = (Command.SKIP, Command.RETRY)
 
 

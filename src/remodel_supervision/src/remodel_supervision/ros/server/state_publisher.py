@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import threading
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 import rospy
@@ -73,7 +73,13 @@ class StatePublisher:
         rospy.Service(TASKS, GetTasks, self._on_get)
 
     def idle(
-        self, cell: str, text: str = "", *, starting: bool = False, stopped_by: str = ""
+        self,
+        cell: str,
+        text: str = "",
+        *,
+        starting: bool = False,
+        stopped_by: str = "",
+        controllers: Sequence[str] = (),
     ) -> None:
         """Publish that there is no run.
 
@@ -85,6 +91,7 @@ class StatePublisher:
             text: why, for a person; empty if it waits for an order.
             starting: an order cannot be taken yet.
             stopped_by: who has stopped the cell protectively; empty if it is not stopped.
+            controllers: those of them that are safety controllers.
         """
         has_ended = self._published is not None and self._published.view.state.ended is not None
         if has_ended and not text and not starting:
@@ -93,7 +100,15 @@ class StatePublisher:
             self._published = self._waiting = None
         phase = UseCaseState.STARTING if starting else UseCaseState.IDLE
         phase = UseCaseState.PROTECTIVE_STOP if stopped_by else phase
-        self._send(UseCaseState(phase=phase, cell=cell, message=text, stopped_by=stopped_by))
+        self._send(
+            UseCaseState(
+                phase=phase,
+                cell=cell,
+                message=text,
+                stopped_by=stopped_by,
+                controllers=list(controllers),
+            )
+        )
 
     def publish(self, view: RunView) -> None:
         """Publish what has changed in a run, now or with the next `flush` that is due.

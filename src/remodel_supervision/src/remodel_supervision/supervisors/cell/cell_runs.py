@@ -20,7 +20,7 @@ from remodel_supervision.supervisors.use_case_supervisor import UseCaseSuperviso
 from remodel_supervision.supervisors.work import Peers, Work
 
 # Why no goal is taken at first.
-STARTING = "this node is starting; ask again"
+STARTING = "the supervisor is starting; send the order again in a moment"
 
 
 class WorkSource(Protocol):

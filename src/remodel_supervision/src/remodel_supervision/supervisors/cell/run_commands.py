@@ -13,7 +13,7 @@ from remodel_supervision.supervisors.use_case_supervisor import UseCaseSuperviso
 # [s] wall time between two checks whether what was cancelled rests.
 _CHECK_S = 0.2
 
-HELD = "the cell is held until remodel/use_case/resume releases it"
+HELD = "the cell is held until remodel/use_case/release or resume releases it"
 
 
 class RunCommands:
@@ -25,7 +25,8 @@ class RunCommands:
         closed: why no goal is taken now; empty if one is, or a run is under way.
 
     Safety controllers stop the cell by the topic, persons by the service. Each stop holds this run
-    and all later ones: controllers release their own stops, `resume` releases those of persons.
+    and all later ones: controllers release their own stops, `release` and `resume` release those of
+    persons.
     """
 
     def __init__(
@@ -61,6 +62,11 @@ class RunCommands:
         return ", ".join(sorted(self._controllers | self._persons))
 
     @property
+    def controllers(self) -> tuple[str, ...]:
+        """The safety controllers that hold the cell, which release it themselves."""
+        return tuple(sorted(self._controllers))
+
+    @property
     def safety(self) -> str:
         """Why nothing may move, by protective stops; empty if it may."""
         if self._controllers:
@@ -74,6 +80,8 @@ class RunCommands:
         match event.command:
             case Command.PROTECTIVE_STOP:
                 self._stop(event, reply)
+            case Command.RELEASE:
+                self._release(event, reply)
             case Command.RESUME:
                 self._resume(event, reply)
             case _:
@@ -109,6 +117,20 @@ class RunCommands:
             supervisor.command(event, _adding(HELD, reply))
             return
         self._cancel_all(_adding(f"no run is under way; {HELD}", reply))
+
+    def _release(self, event: Commanded, reply: Reply) -> None:
+        """Release the stops of persons; a run that they held stays paused."""
+        supervisor = self.active
+        is_held = bool(self._persons or (supervisor and supervisor.state.protective))
+        if self._controllers:
+            reply(False, self.safety)
+        elif not is_held:
+            reply(False, "no protective stop is in force")
+        elif supervisor is not None:
+            supervisor.command(event, self._releasing(reply))
+        else:
+            self._set_persons(())
+            reply(True, "the protective stop is released")
 
     def _resume(self, event: Commanded, reply: Reply) -> None:
         if self._controllers:
