@@ -41,7 +41,7 @@ class CellViewLiveTest(BrowserTest):
         before = page.evaluate(CHANGES)
         page.wait_for_function(f"() => ({CHANGES})() >= {before + MOVES}")
         supervisor.run("cabinet 7")
-        expect(page.locator(".order .title")).to_have_text("cabinet 7")
+        expect(page.locator(".order-head .title")).to_have_text("cabinet 7")
         facts = page.locator(".wire-facts")
         x, y = page.evaluate(MIDDLE_OF_W4)
         page.mouse.click(x, y)

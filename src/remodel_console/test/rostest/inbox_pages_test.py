@@ -43,7 +43,7 @@ class InboxPagesTest(InboxCase):
         pages[0].get_by_text("Play a sound").click()
         pages[0].keyboard.press("Escape")
         supervisor.run("cabinet 7")
-        expect(pages[0].locator(".order .title")).to_have_text("cabinet 7")
+        expect(pages[0].locator(".order-head .title")).to_have_text("cabinet 7")
         supervisor.ask()
         for page in pages:
             expect(page.locator(".inbox-badge")).to_have_text("1 waiting")
@@ -70,7 +70,7 @@ class InboxPagesTest(InboxCase):
         """A phone shows the card alone; the page is one press away."""
         phone = self.open_page("/overview", width=390, height=844)
         expect(phone.locator(".request")).to_contain_text("The wire jams")
-        expect(phone.locator(".order .title")).to_be_hidden()
+        expect(phone.locator(".order-head .title")).to_be_hidden()
         self.take_picture(phone, "inbox-phone")
         self.press(phone, "Show the page")
         expect(phone.get_by_role("button", name="Protective stop")).to_be_visible()

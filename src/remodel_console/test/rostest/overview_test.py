@@ -54,7 +54,7 @@ class OverviewTest(BehaviorTestCase):
         page.get_by_label("Number of tasks").fill("6")
         page.get_by_text("The panel is empty").click()
         self.press(page, "Start the order")
-        expect(page.locator(".order .title")).to_have_text("cabinet 7")
+        expect(page.locator(".order-head .title")).to_have_text("cabinet 7")
         self.assertEqual(supervisor.asked[-1], ("run", "cabinet 7", 6, True))
         expect(page.locator(".order-head")).to_contain_text(
             "2 of 6 tasks done, 1 skipped, 2 wires by hand; 4 min of work so far, about 2 min left"
