@@ -13,6 +13,7 @@ from dataclasses import dataclass
 from enum import Enum
 
 from remodel_production.core.counted import counted
+from remodel_supervision.core.runs.events import RunBegun
 from remodel_supervision.core.runs.state import RunState, Stage, TaskProgress
 
 
@@ -111,6 +112,18 @@ def sums_words(sums: Sums) -> str:
     before = f", {sums.done_before} of them before" if sums.done_before else ""
     return f"{sums.done_in_all} of {counted(sums.tasks, 'task')} done{before}" + "".join(
         f", {text}" for text in _others(sums)
+    )
+
+
+def begun_words(event: RunBegun) -> str:
+    """Return how many tasks a run begins with, for a person."""
+    done = frozenset(event.done)
+    before = sum(done.issuperset(task.wires) for task in event.whole_tasks)
+    by_hand = len(event.by_hand)
+    return (
+        counted(len(event.whole_tasks), "task")
+        + (f", {before} of them done before" if before else "")
+        + (f", {counted(by_hand, 'wire')} by hand" if by_hand else "")
     )
 
 
