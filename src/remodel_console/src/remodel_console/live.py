@@ -11,7 +11,7 @@ from typing import Protocol
 
 from remodel_console.core.run.decision import Decisions
 from remodel_console.core.run.log_line import LogLine
-from remodel_console.core.run.run_view import Event, step
+from remodel_console.core.run.run_view import Event, Troubled, step
 from remodel_console.core.use_case.use_case import UseCase
 from remodel_console.core.world import (
     CellKind,
@@ -22,6 +22,7 @@ from remodel_console.core.world import (
     with_use_case,
 )
 
+_TROUBLE = ("warning", "error")
 _KEPT_LINES = 500  # of the log; a page that opens shows them
 
 
@@ -75,6 +76,8 @@ class Live:
         with self._lock:
             self._lines.append(line)
             self._line_count += 1
+            if line.severity in _TROUBLE:
+                self._world = replace(self._world, run=step(self._world.run, Troubled(line.text)))
         if self._log is not None:
             self._log.write(line)
         self._wake()

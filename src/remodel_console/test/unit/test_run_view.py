@@ -4,6 +4,7 @@ from functools import reduce
 
 import pytest
 
+from remodel_console.core.run.chart_terms import chart_state
 from remodel_console.core.run.run_view import (
     Acknowledged,
     Asked,
@@ -15,6 +16,7 @@ from remodel_console.core.run.run_view import (
     Ordered,
     Phase,
     RunView,
+    Troubled,
     step,
 )
 from remodel_console.core.run.structure import Level, Structure
@@ -176,3 +178,78 @@ def test_after_a_breakpoint_beside_it_the_state_that_goes_on_is_active_again():
     for end in (Acknowledged("transition", ("Out", "Out")), Asked("/Box/Out", 255)):
         view = supervised(Asked("/Box/Out", 0), end)
         assert (view.asked, view.active) == (None, "/Box/In")
+
+
+HELPED = Structure(
+    7,
+    (
+        Level(
+            "", ("Insert_attempts", "Insert", "Insert_error", "Look", "log_error"), ("failed",), ()
+        ),
+        Level("/Insert_attempts", (), ("counted", "exhausted"), ("Insert", "failed")),
+        Level("/Insert", (), ("done", "failed"), ("failed", "Insert_error")),
+        Level("/Insert_error", (), ("jammed", "other"), ("failed", "failed")),
+        Level("/log_error", (), ("done",), ("failed",)),
+        Level("/Look", ("run", "timer"), ("done", "timed_out"), ("failed", "failed")),
+        Level("/Look/run", ("In",), ("done",), ("done",)),
+        Level("/Look/run/In", (), ("done",), ("done",)),
+        Level("/Look/timer", (), ("done",), ("timed_out",)),
+    ),
+)
+
+
+@pytest.mark.parametrize(
+    ("path", "outcome", "words", "event"),
+    [
+        ("/Insert", "done", "Insert", "done"),
+        ("/Insert_attempts", "counted", "Insert, before an attempt", ""),
+        ("/Insert_attempts", "exhausted", "Insert, before an attempt", "exhausted"),
+        ("/Insert_error", "other", "Insert, after a failure", "failed"),
+        ("/Insert_error", "jammed", "Insert, after a failure", "jammed"),
+        ("/Look/run/In", "done", "Look / In", "done"),
+        ("/Look/timer", "done", "Look, its time limit", "timed_out"),
+        ("/log_error", "done", "log_error", "done"),
+    ],
+)
+def test_what_synthesis_added_is_named_by_the_state_of_the_chart(path, outcome, words, event):
+    state = chart_state(path, HELPED)
+    assert (state.words, state.event(outcome)) == (words, event)
+    asked = f"Leave '{state.label}' with '{event}'?" if event else f"Enter '{state.label}'?"
+    assert state.question(outcome) == asked
+    assert state.answer(outcome) == (event or f"enter {state.label}")
+
+
+def failing(*events):
+    return after(READY, Ordered(1, 7), STARTED, HELPED, *events, EngineStatus(1, 7, ("failed",)))
+
+
+def test_a_run_that_failed_says_what_failed_in_it_and_what_the_log_says():
+    view = failing(Left("/Insert", "failed"), Left("/Insert_error", "other"))
+    assert view.has_failed
+    assert view.ending_words == (
+        "ended with 'failed': 'Insert' was left with 'failed'; the log says why"
+    )
+    late = step(view, Troubled("InsertCable failed: error 303: 22 N"))
+    assert late.ending_words == (
+        "ended with 'failed': 'Insert' was left with 'failed'; "
+        "the log says: InsertCable failed: error 303: 22 N"
+    )
+    assert step(late, Troubled("something else")) == late, "what comes later is no cause"
+    assert "exhausted" in failing(Left("/Insert_attempts", "exhausted")).ending_words
+    inner = failing(Left("/Look/run/In", "failed"), Left("/Look", "failed"))
+    assert "'In' was left with 'failed'" in inner.ending_words
+    outer = failing(Left("/Look/run/In", "done"), Left("/Look", "timed_out"))
+    assert "'Look' was left with 'timed_out'" in outer.ending_words
+
+
+def test_a_run_that_did_not_fail_needs_no_cause():
+    events = (
+        Troubled("a try failed"),
+        Left("/Insert", "failed"),
+        EngineStatus(1, 7, ("finished",)),
+    )
+    view = after(READY, STARTED, *events)
+    assert (view.ending_words, view.has_failed) == ("ended with 'finished'", False)
+    refused = step(view, EngineStatus(11, 7))
+    assert refused.ending_words == "was not started; the log says why"
+    assert after(READY, STARTED, *events, STARTED).trouble == ""

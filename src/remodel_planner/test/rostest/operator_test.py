@@ -77,7 +77,9 @@ class OperatorTest(BrowserTest):
         self.disturb("socket_cleared", openings)
         page.get_by_role("button", name="I have fixed it").click()
         expect(question).to_have_count(0)
-        expect(page.locator(".ending")).to_contain_text("all tasks are done", timeout=WORK_MS)
+        expect(page.locator(".ending")).to_contain_text(
+            "all tasks of the cell are done", timeout=WORK_MS
+        )
         expect(page.locator("tr.task.done")).to_have_count(1)
         expect(page.locator(".figures")).to_contain_text("Insertion jammed")
         scene = page.get_by_role("img", name="The cell")

@@ -108,7 +108,7 @@ require:
         self.press(page, "Start the order")
         page.wait_for_url("**/overview", timeout=WORK_MS)
         expect(page.locator(".ending")).to_contain_text("Order 'our loom'", timeout=WORK_MS)
-        expect(page.locator(".ending")).to_contain_text("all tasks are done")
+        expect(page.locator(".ending")).to_contain_text("are done")
         self.assertIn(("run order 'our loom', use case cabinet", "done"), self.recorded())
         orders = OrderClient(OUTPUT)
         number = orders.runs()[0]

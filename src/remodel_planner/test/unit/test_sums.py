@@ -31,7 +31,7 @@ from remodel_supervision.core.runs.events import (
 from remodel_supervision.core.runs.state import Stage
 from remodel_supervision.core.runs.statistics import joined, statistics_of_run
 from remodel_supervision.core.runs.step import EndRun
-from remodel_supervision.core.runs.sums import Count, count_of, sums_of, sums_words
+from remodel_supervision.core.runs.sums import Count, begun_words, count_of, sums_of, sums_words
 from remodel_supervision.edge.run_log import RunHead
 from remodel_supervision.ros.server.record_server import summary_message
 from remodel_supervision.ros.server.run_messages import (
@@ -131,6 +131,8 @@ def test_all_views_show_the_same_sums_of_20_runs_that_continue_each_other(seed):
 
 def test_a_run_that_is_continued_counts_only_what_it_does_itself():
     run = Run("W1", "W2", "W3", done=("W1", "W2"), by_hand=BY_HAND)
+    begun = "3 tasks, 2 of them done before, 3 wires by hand"
+    assert begun_words(run.events[0]) == begun
     use_case = shown(run.state)
     assert [(task.words, task.expected_s) for task in use_case.tasks] == [
         ("done before", 0.0),

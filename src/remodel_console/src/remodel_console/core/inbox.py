@@ -119,7 +119,7 @@ def _decision(run: RunView, path: str, decision: Decision) -> Card:
     return Card(
         Kind.DECISION,
         path,
-        decision.hint or f"How does '{_label(path)}' end?",
+        decision.hint or f"How does '{run.chart_state(path).label}' end?",
         "" if run.is_supervised else _ATTACHING,
         options,
         must_attach=not run.is_supervised,
@@ -129,16 +129,20 @@ def _decision(run: RunView, path: str, decision: Decision) -> Card:
 def _confirmation(run: RunView, path: str) -> Card:
     found = confirmation_of(run)
     if found is None:
-        text = f"Leave '{_label(path)}'?"
+        text = f"Leave '{run.chart_state(path).label}'?"
         return Card(
             Kind.CONFIRMATION,
             path,
             text,
             "Its outcomes are not known here; attach to the run first.",
         )
-    text = f"Leave '{_label(path)}' with '{found.outcome}'?"
+    state = run.chart_state(path)
+    words = f"Confirm '{state.answer(found.outcome)}'"
     return Card(
-        Kind.CONFIRMATION, path, text, options=(Option(f"Confirm '{found.outcome}'", "", found),)
+        Kind.CONFIRMATION,
+        path,
+        state.question(found.outcome),
+        options=(Option(words, "", found),),
     )
 
 
@@ -151,7 +155,3 @@ def confirmation_of(run: RunView) -> TakeOutcome | None:
         return None
     outcome = outcomes[run.asked.index]
     return TakeOutcome(run.asked.path, run.asked.index, outcome, is_forced=False)
-
-
-def _label(path: str) -> str:
-    return path.rpartition("/")[2]

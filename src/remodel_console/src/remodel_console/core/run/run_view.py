@@ -13,10 +13,17 @@ from dataclasses import dataclass, field, replace
 from enum import Enum, IntEnum
 from typing import TypeAlias
 
+from flexbe_synthesizer.core.chart.names import FAILED
+from flexbe_synthesizer.core.machine.expanded_labels import OTHER
+from remodel_console.core.run.chart_terms import FAILURES, ChartState, chart_state
 from remodel_console.core.run.order import UNATTENDED
 from remodel_console.core.run.structure import Structure
 
 _WITHDRAWN = 255  # the outcome of a request that takes the previous one back
+
+
+_LOG_SAYS_WHY = "; the log says why"
+_BAD = FAILURES | {OTHER}  # of a state that chooses by code, too
 
 
 class Phase(Enum):
@@ -99,6 +106,13 @@ class LevelSeen:
 
 
 @dataclass(frozen=True)
+class Troubled:
+    """The log has a warning or an error."""
+
+    text: str
+
+
+@dataclass(frozen=True)
 class Ordered:
     """This console has ordered a start or a level; it counts once the engine confirms it."""
 
@@ -115,6 +129,7 @@ Event: TypeAlias = (
     | Acknowledged
     | LevelSeen
     | Structure
+    | Troubled
     | Ordered
 )
 
@@ -136,9 +151,12 @@ class RunView:
         structure: its containers and states, once the engine has published them.
         is_sure: the engine itself has published the active state. A mirror infers it, and may be
             wrong if it joins while states change, since topics have no order among each other.
-        ending: how the last run ended, in words.
+        ending: how the last run ended, in words, without the cause.
         is_ending_bad: and it did not end by itself or on command.
+        ended_with: the outcome of the last run; empty if it did not end with one.
         left: what was left last; its structure may arrive later.
+        left_last: the same, also when the run has ended; of what failed, the innermost.
+        trouble: the last warning or error in the log of the run.
         announced: path of a state published before the start of its run; topics have no order.
         announced_level: the same of an autonomy level; None if none was.
         ordered: what this console ordered last about starting and levels.
@@ -159,6 +177,9 @@ class RunView:
     ending: str = ""
     is_ending_bad: bool = False
     left: Left | None = None
+    left_last: Left | None = None
+    trouble: str = ""
+    ended_with: str = ""
     announced: str = ""
     announced_level: int | None = None
     ordered: Ordered = Ordered(None)
@@ -185,6 +206,26 @@ class RunView:
         """Return whether the structure is that of the running behavior."""
         return self.structure is not None and self.structure.behavior_id == self.behavior_id
 
+    def chart_state(self, path: str) -> ChartState:
+        """Return which state of the chart a path of the engine means."""
+        return chart_state(path, self.structure if self.has_structure else None)
+
+    @property
+    def ending_words(self) -> str:
+        """Return how the last run ended, and the cause if it failed."""
+        if self.ended_with not in FAILURES:
+            return self.ending
+        ending, last = self.ending.removesuffix(_LOG_SAYS_WHY), self.left_last
+        if last is not None:
+            state = self.chart_state(last.path)
+            ending += f": '{state.label}' was left with '{state.event(last.outcome)}'"
+        return f"{ending}; the log says: {self.trouble}" if self.trouble else ending + _LOG_SAYS_WHY
+
+    @property
+    def has_failed(self) -> bool:
+        """Return whether the last run ended badly."""
+        return self.is_ending_bad or self.ended_with in FAILURES
+
     def holdable(self) -> tuple[str, ...]:
         """Return the paths that can be locked: the active state, then what is around it."""
         parts = self.active.split("/")
@@ -209,6 +250,8 @@ def step(view: RunView, event: Event) -> RunView:
         if view.phase is Phase.RUNNING:
             return replace(view, level=event.level)
         return replace(view, announced_level=event.level)
+    if isinstance(event, Troubled):
+        return _on_trouble(view, event)
     if isinstance(event, Structure):
         view = replace(view, structure=event)
         return view if view.left is None else _after_left(view, view.left)
@@ -245,16 +288,32 @@ def _on_status(view: RunView, event: EngineStatus) -> RunView:
         )
         return replace(view, ending=words, is_ending_bad=True)
     if event.code == Status.READY:
-        words, is_bad = view.ending, view.is_ending_bad
+        return replace(_idle(view), ended_with=view.ended_with)
+    ended_with = FAILED if is_bad else "".join(event.args[:1])
+    if event.code == Status.ERROR:  # nothing of the run before is its cause
+        view = replace(view, left_last=None, trouble="")
+    return replace(_idle(view), ending=words, is_ending_bad=is_bad, ended_with=ended_with)
+
+
+def _idle(view: RunView) -> RunView:
+    """Return the view without a run; how the last one went stays."""
     return RunView(
         phase=Phase.IDLE,
         behavior_id=view.behavior_id,
         visited=view.visited,
         entries=view.entries,
         structure=view.structure,
-        ending=words,
-        is_ending_bad=is_bad,
+        ending=view.ending,
+        is_ending_bad=view.is_ending_bad,
+        left_last=view.left_last,
+        trouble=view.trouble,
     )
+
+
+def _on_trouble(view: RunView, event: Troubled) -> RunView:
+    """Return the view with what may have caused a failure; topics have no order."""
+    is_late = view.phase is Phase.IDLE and view.ended_with in FAILURES and not view.trouble
+    return replace(view, trouble=event.text) if view.phase is Phase.RUNNING or is_late else view
 
 
 def _ending(event: EngineStatus) -> tuple[str, bool]:
@@ -274,6 +333,11 @@ def _on_entered(view: RunView, event: Entered) -> RunView:
 
 
 def _on_left(view: RunView, event: Left) -> RunView:
+    # Of a container that is left since a state in it failed, the state is the cause.
+    last = view.left_last
+    is_around = last is not None and last.path.startswith(f"{event.path}/")
+    if not (is_around and last is not None and last.outcome in _BAD):
+        view = replace(view, left_last=event)
     if view.phase is not Phase.RUNNING:
         return view
     view = _without_ask(view, event.path)  # nothing else answers it: topics have no order

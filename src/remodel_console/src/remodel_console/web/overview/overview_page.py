@@ -99,7 +99,8 @@ class OverviewPage(Page):
         self._show_levels(now)
         if before is None or before.failures != now.failures:
             self._show_failures(now)
-        if before is None or before.tasks != now.tasks or before.failures != now.failures:
+        # The sums arrive with the state, tasks and failures by messages of their own.
+        if before is None or _counted(before) != _counted(now):
             self._figures.show(figures(now))
 
     def set_in_view(self, is_in_view: bool) -> None:
@@ -272,3 +273,8 @@ class OverviewPage(Page):
 
         pending = f"skipping {task}" if word == "skip" else ""
         await self._give(f"{word} task {task}", deed, pending)
+
+
+def _counted(use_case: UseCase) -> tuple[object, ...]:
+    """Return what the figures depend on."""
+    return use_case.sums, use_case.tasks, use_case.failures

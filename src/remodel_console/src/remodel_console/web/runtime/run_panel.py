@@ -23,7 +23,7 @@ from remodel_console.core.run.order import (
     TakeOutcome,
 )
 from remodel_console.core.run.run_view import Phase, RunView
-from remodel_console.core.run.run_words import count_words, path_words
+from remodel_console.core.run.run_words import count_words
 from remodel_console.errors import CommandError
 from remodel_console.web.page import Page, table
 from remodel_console.web.runtime.start_form import StartForm
@@ -92,14 +92,14 @@ class RunPanel:
 
     def follow(self, view: RunView) -> None:
         """Show what follows each state."""
-        self._where.text = path_words(view.active)
+        self._where.text = view.chart_state(view.active).words
         self._count.text = count_words(view)
         self._show_outcomes(view)
 
     def _show_idle(self, view: RunView) -> None:
         if view.ending:
-            style = "ending bad" if view.is_ending_bad else "ending"
-            ui.label(f"The last run {view.ending}.").classes(style)
+            style = "ending bad" if view.has_failed else "ending"
+            ui.label(f"The last run {view.ending_words}.").classes(style)
         StartForm(self._page, self._order)
 
     def _show_running(self, view: RunView, running: str, loaded: str, newer: Switch | None) -> None:
@@ -172,7 +172,7 @@ class RunPanel:
                 with self._page.button("Lock", self._show_levels, icon="lock", look="quiet"):
                     self._levels = ui.menu()
         if view.held is not None:
-            ui.label(f"Locked: {path_words(view.held)}").classes("held")
+            ui.label(f"Locked: {view.chart_state(view.held).words}").classes("held")
         self._outcomes = ui.element("div").classes("wide")
         self._outcomes_of = ""
         self._show_outcomes(view)
@@ -185,8 +185,10 @@ class RunPanel:
         """Fill the menu of what can be locked now."""
         self._levels.clear()
         with self._levels:
-            for path in self._page.console.live.world.run.holdable():
-                ui.menu_item(path_words(path), partial(self._order, Hold(path)))
+            view = self._page.console.live.world.run
+            words = {view.chart_state(path).words: path for path in reversed(view.holdable())}
+            for text, path in reversed(words.items()):
+                ui.menu_item(text, partial(self._order, Hold(path)))
 
     def _show_outcomes(self, view: RunView) -> None:
         """Show the outcomes of the active state."""
@@ -196,12 +198,12 @@ class RunPanel:
         self._outcomes_of = view.active if outcomes else ""
         self._outcomes.clear()
         with self._outcomes:
-            label = view.active.rpartition("/")[2]
-            ui.label(f"Leave '{label}' with" if outcomes else "").classes("soft")
+            state = view.chart_state(view.active)
+            ui.label(f"Leave '{state.label}' with" if outcomes else "").classes("soft")
             with ui.row().classes("controls outcomes"):
                 for index, outcome in enumerate(outcomes):
                     forced = TakeOutcome(view.active, index, outcome, is_forced=True)
-                    self._control(outcome, forced, None)
+                    self._control(state.answer(outcome), forced, None)
 
     def _control(self, text: str, order: Order, icon: str | None) -> None:
         self._page.button(text, partial(self._order, order), icon=icon, look="quiet")
@@ -237,7 +239,7 @@ def _without_path(view: RunView) -> tuple[object, ...]:
     """Return what the panel depends on: all but what changes with each state."""
     return (
         view.phase, view.behavior_id, view.level,
-        view.is_paused, view.held, view.has_structure, view.ending,
+        view.is_paused, view.held, view.has_structure, view.ending_words,
     )  # fmt: skip
 
 

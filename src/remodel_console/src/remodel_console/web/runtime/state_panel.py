@@ -88,7 +88,8 @@ class StatePanel:
         paths = self._paths(live.world.run)
         if not paths:
             return
-        state = path_words(self._picked or live.world.run.active)
+        view = live.world.run
+        state = path_words(self._picked) or view.chart_state(view.active).words
         if paths & live.world.breakpoints:
             await self._page.give(
                 f"remove the breakpoint at {state}",

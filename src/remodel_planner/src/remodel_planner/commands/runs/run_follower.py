@@ -21,6 +21,7 @@ from remodel_supervision.core.runs.events import Event, Planned, RunBegun
 from remodel_supervision.core.runs.fold import state_after
 from remodel_supervision.core.runs.state import RunState, Stage
 from remodel_supervision.core.runs.steady_clock import SteadyClock
+from remodel_supervision.core.runs.sums import begun_words
 from remodel_supervision.edge.run_log import RunLog
 from remodel_supervision.errors import CellError
 from remodel_supervision.ros.action_server import ActionServer, Goal
@@ -212,7 +213,7 @@ def _event_lines(event: Event) -> list[str]:
         case RunBegun():
             return [
                 f"order {event.order}, use case {event.use_case}, product {event.serial}: "
-                f"{counted(len(event.whole_tasks), 'task')}"
+                f"{begun_words(event)}"
             ]
         case Planned():
             return [f"plan: {' '.join(event.tasks)}"]

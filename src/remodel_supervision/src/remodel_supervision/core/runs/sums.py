@@ -7,11 +7,13 @@ neither a first pass nor none, and takes no time here. Wires by hand are no task
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
+from collections import Counter
+from collections.abc import Iterator, Set
 from dataclasses import dataclass
 from enum import Enum
 
 from remodel_production.core.counted import counted
+from remodel_supervision.core.runs.events import RunBegun
 from remodel_supervision.core.runs.state import RunState, Stage, TaskProgress
 
 
@@ -70,31 +72,32 @@ class Sums:
 
 def count_of(task: TaskProgress, state: RunState) -> Count:
     """Return what a task of a run counts for."""
-    match task.stage:
-        case Stage.DONE:
-            return Count.DONE if task.attempts and not task.by_other else Count.DONE_BEFORE
-        case Stage.SET_ASIDE:
-            return Count.SKIPPED
+    if task.stage is Stage.DONE:
+        return Count.DONE if task.attempts and not task.by_other else Count.DONE_BEFORE
+    if task.stage is Stage.SET_ASIDE:
+        return Count.SKIPPED
     return Count.INTERRUPTED if state.ended is not None and task.attempts else Count.OPEN
 
 
 def sums_of(state: RunState) -> Sums:
     """Return the sums of a run."""
     counts = {name: count_of(task, state) for name, task in state.tasks.items()}
-    whole = [
-        _of_cable({counts[wire] for wire in each.wires}, has_ended=state.ended is not None)
+    whole = Counter(
+        counts[each.wires[0]]
+        if not each.is_cable
+        else _of_cable({counts[wire] for wire in each.wires}, has_ended=state.ended is not None)
         for each in state.whole_tasks
-    ]
+    )
     done = [task for name, task in state.tasks.items() if counts[name] is Count.DONE]
     skipped = [name for name in state.tasks if counts[name] is Count.SKIPPED]
     passes = sum(task.first_pass for task in done)
     return Sums(
-        tasks=len(whole),
-        done_before=whole.count(Count.DONE_BEFORE),
-        done=whole.count(Count.DONE),
-        skipped=whole.count(Count.SKIPPED),
-        interrupted=whole.count(Count.INTERRUPTED),
-        open=whole.count(Count.OPEN),
+        tasks=whole.total(),
+        done_before=whole[Count.DONE_BEFORE],
+        done=whole[Count.DONE],
+        skipped=whole[Count.SKIPPED],
+        interrupted=whole[Count.INTERRUPTED],
+        open=whole[Count.OPEN],
         by_hand=len(state.by_hand),
         tried=len(done) + sum(state.tasks[name].attempts > 0 for name in skipped),
         first_passes=passes,
@@ -112,6 +115,18 @@ def sums_words(sums: Sums) -> str:
     )
 
 
+def begun_words(event: RunBegun) -> str:
+    """Return how many tasks a run begins with, for a person."""
+    done = frozenset(event.done)
+    before = sum(done.issuperset(task.wires) for task in event.whole_tasks)
+    by_hand = len(event.by_hand)
+    return (
+        counted(len(event.whole_tasks), "task")
+        + (f", {before} of them done before" if before else "")
+        + (f", {counted(by_hand, 'wire')} by hand" if by_hand else "")
+    )
+
+
 def _others(sums: Sums) -> Iterator[str]:
     if sums.skipped:
         yield f"{sums.skipped} skipped"
@@ -121,9 +136,8 @@ def _others(sums: Sums) -> Iterator[str]:
         yield f"{counted(sums.by_hand, 'wire')} by hand"
 
 
-def _of_cable(cores: Iterable[Count], *, has_ended: bool) -> Count:
-    """Return what a cable counts for, by its cores; of a single wire, what that does."""
-    found = set(cores)
+def _of_cable(found: Set[Count], *, has_ended: bool) -> Count:
+    """Return what a cable counts for, by what its cores do."""
     if found == {Count.DONE_BEFORE}:
         return Count.DONE_BEFORE
     if found <= {Count.DONE_BEFORE, Count.DONE}:

@@ -12,7 +12,6 @@ from functools import singledispatchmethod
 import rospy
 from remodel_msgs.msg import RunEntry
 
-from remodel_production.core.counted import counted
 from remodel_supervision.core.run import Operation
 from remodel_supervision.core.runs.events import (
     Answered,
@@ -39,6 +38,7 @@ from remodel_supervision.core.runs.events import (
     TaskReturned,
 )
 from remodel_supervision.core.runs.picture_name import seen_by
+from remodel_supervision.core.runs.sums import begun_words
 
 # Units of what operations measure, by the name of the result's field.
 _UNITS = {"depth": "m", "peak_force": "n", "slip": "m", "residual": "m", "travelled": "m"}
@@ -85,8 +85,7 @@ class _Writer:
 
     @_of.register
     def _of_run_begun(self, event: RunBegun) -> Iterable[RunEntry]:
-        tasks = counted(len(event.whole_tasks), "task")
-        return [RunEntry(kind=RunEntry.RUN, text=f"begun: {tasks}")]
+        return [RunEntry(kind=RunEntry.RUN, text=f"begun: {begun_words(event)}")]
 
     @_of.register
     def _of_planned(self, event: Planned) -> Iterable[RunEntry]:
