@@ -14,7 +14,8 @@ from remodel_work.geometry import Array, rotation_matrix
 BOLT_FORCE_N = 1e4
 # When a part comes to rest or wakes, bolts carry their loads again after this time [s]. Where
 # friction and walls hold a wire, it is the solver that shares the load among bolts and contacts: a
-# bolt to the world takes up to so much more or less than one to a body [N, N m].
+# bolt to the world takes more or less than one to a body. When a part comes to rest, nothing else
+# has changed for a while; when one wakes, something has: then this much is borne [N, N m].
 SETTLES_S = 0.02
 SHARED = np.repeat([0.5, 1e-2], 3)
 # So many loads in turn are remembered.
@@ -37,6 +38,7 @@ class Bolt:
         self._loads: deque[Array] = deque(maxlen=REMEMBERED)
         self._load = np.zeros(6)
         self._changed, self._is_settled = world.steps, True
+        self._bears_otherwise = SHARED
 
     def ignore_contacts(self, before: int, after: int) -> None:
         """Let the links touch nothing that stands for the other one while that rests."""
@@ -44,8 +46,15 @@ class Bolt:
         pair(before, self._after.body, -1, -1, 0)
         pair(self._before.body, after, self._last, -1, 0)
 
-    def hold(self, rests: tuple[bool, bool], step: int) -> None:
-        """Hold the bodies, of which one, both or none `rests` now; other parts may have changed."""
+    def hold(self, rests: tuple[bool, bool], step: int, *, woken: bool) -> None:
+        """Hold the bodies, of which one, both or none `rests` now.
+
+        `woken` is whether a part of the wire was woken; else others came to rest.
+        """
+        if woken:
+            self._bears_otherwise = SHARED
+        elif self._is_settled:
+            self._bears_otherwise = np.full(6, np.inf)
         self._changed, self._is_settled = step, False
         if self._rests == rests:
             return
@@ -85,7 +94,7 @@ class Bolt:
         if self._is_settled:
             return bool(np.any(change > bears))
         self._load, self._is_settled = load, True
-        return bool(np.any(change > SHARED))
+        return bool(np.any(change > self._bears_otherwise))
 
     def remove(self) -> None:
         """Take the bolt out of the world."""

@@ -210,6 +210,7 @@ class RestingParts:
         if not parts:
             return
         step = self._world.steps
+        woken = any(part.rests for part in parts)
         for part in parts:
             if part.rests:
                 part.wake(step)
@@ -219,7 +220,7 @@ class RestingParts:
         self._resting = [part for part in self._parts if part.rests]
         self._fallen = [part for part in self._fallen if part.rests]
         for bolt, (before, after) in self._joined:
-            bolt.hold((before.rests, after.rests), step)
+            bolt.hold((before.rests, after.rests), step, woken=woken)
         for part in self._parts:
             part.see()
 
