@@ -2,9 +2,8 @@
 
 from contextlib import nullcontext
 
-import numpy as np
 import pytest
-from panels import example
+from formboards import HARNESS, in_forks, touching
 
 from remodel_sim.physics.plant import SimulatedPlant
 from remodel_sim.physics.truth import share_in_ducts
@@ -13,13 +12,10 @@ from remodel_skills.cell import Cell
 from remodel_skills.primitives.observation.fork_check import check_forks
 from remodel_work.edge.cell_file import read_cell
 from remodel_work.errors import AbilityError
-from remodel_work.fixtures import WALL_M
-from remodel_work.panel import BOARD, WireEnd
+from remodel_work.panel import WireEnd
 from remodel_work.placed_wires import ParkedWire
 
 pytestmark = pytest.mark.physics
-HARNESS = example("harness")
-FORK = HARNESS.ducts[1]  # F2, the one in the middle
 
 
 @pytest.fixture(scope="module")
@@ -27,26 +23,6 @@ def cell():
     made = Cell(SimulatedPlant(HARNESS, design=read_cell("two_arms_formboard"), seed=1))
     yield made
     made.close()
-
-
-def touching(side, to):
-    """Return how far aside of its fork's middle a wire touches a post from inside or outside [m].
-
-    `side` is 1 or -1, `to` -1 inside and 1 outside.
-    """
-    face = FORK.width / 2 + (WALL_M if to > 0 else 0.0)
-    return side * (face + to * (HARNESS.wires[0].radius + 0.0005))
-
-
-def lying(wire_id, aside, height):
-    """Return a wire from opening to opening, bent aside to a height in the middle fork [m]."""
-    (ax, ay, z), (bx, by, _) = HARNESS.wire(wire_id).route
-    along = np.linspace(0.0, 1.0, 40)
-    bow = np.sin(np.pi * along) ** 2
-    # In the fork the wire runs straight along the posts.
-    x = ax + along * (bx - ax) + bow * (aside - (ax + bx) / 2) - np.sin(2 * np.pi * along) * ax / 2
-    points = np.column_stack([x, ay + along * (by - ay), z + bow * (height - z)])
-    return ParkedWire(BOARD.apply(points), frozenset(WireEnd))
 
 
 def observed(cell, wire_id, parked):
@@ -65,7 +41,7 @@ def observed(cell, wire_id, parked):
     ],
 )
 def test_where_a_wire_lies_at_a_fork_decides(cell, aside, height, words):
-    shape = lying("W1.4", aside, height)
+    shape = ParkedWire(in_forks("W1.4", aside, height), frozenset(WireEnd))
     with pytest.raises(AbilityError, match=words) if words else nullcontext():
         forks = observed(cell, "W1.4", {"W1.4": shape})
     assert share_in_ducts(cell.plant, "W1.4") == pytest.approx(2 / 3 if words else 1.0)

@@ -6,7 +6,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from drawn import along
-from formboards import duct, formboard
+from formboards import HARNESS, duct, formboard, in_forks, touching
 from laid_wires import (
     IN_DUCT_M,
     IN_DUCTS_M,
@@ -17,7 +17,6 @@ from laid_wires import (
     laid,
     led,
 )
-from panels import example
 from scripted_device import PARAMETERS, ScriptedPlant
 
 from remodel_skills.belief_state import NO_CHANNEL, Feed
@@ -29,11 +28,9 @@ from remodel_states.core.codes import Code
 from remodel_work.component_shape import Box
 from remodel_work.edge.cell_file import read_cell
 from remodel_work.errors import AbilityError
-from remodel_work.fixtures import WALL_M
 from remodel_work.geometry import Pose
 from remodel_work.panel import BOARD
 
-HARNESS = example("harness")
 # So far aside along both axes it lies over an outer wall [m].
 OVER_WALL_M = 0.028
 
@@ -99,7 +96,6 @@ def test_a_wire_that_lies_across_the_devices_is_not_in_its_ducts():
     assert caught.value.code is Code.OUT_OF_DUCT
 
 
-FORK = HARNESS.ducts[1]  # F2, the one in the middle
 OTHER = "W1.5"  # black: in the shadow each colour comes near to it
 
 
@@ -110,24 +106,8 @@ def harness():
     made.close()
 
 
-def touching(side, to):
-    """Return how far aside of its fork's middle a wire touches a post from inside or outside [m].
-
-    `side` is 1 or -1, `to` -1 inside and 1 outside.
-    """
-    face = FORK.width / 2 + (WALL_M if to > 0 else 0.0)
-    return side * (face + to * (HARNESS.wires[0].radius + 0.0005))
-
-
 def lying(wire_id, aside, height):
-    """Return a wire from opening to opening, bent aside to a height in the middle fork [m]."""
-    (ax, ay, z), (bx, by, _) = HARNESS.wire(wire_id).route
-    share = np.linspace(0.0, 1.0, 40)
-    bow = np.sin(np.pi * share) ** 2
-    # In the fork the wire runs straight along the posts.
-    x = ax + share * (bx - ax) + bow * (aside - (ax + bx) / 2) - np.sin(2 * np.pi * share) * ax / 2
-    points = np.column_stack([x, ay + share * (by - ay), z + bow * (height - z)])
-    return HARNESS.wire(wire_id), BOARD.apply(points)
+    return HARNESS.wire(wire_id), in_forks(wire_id, aside, height)
 
 
 def held_by_forks(cell, wire_id, *wires):
