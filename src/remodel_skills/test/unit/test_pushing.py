@@ -1,5 +1,9 @@
 """How a push ends, by what the wrist feels: on a scripted device, in milliseconds."""
 
+import json
+from pathlib import Path
+
+import numpy as np
 import pytest
 from scripted_device import PARAMETERS, SOCKET, TERMINAL, before_the_opening
 
@@ -49,6 +53,16 @@ def rubs(depth):
     return 2 * PARAMETERS.wire.rubs_n * (depth > FACE_M) + wall(BOTTOM, depth)
 
 
+# What a wrist felt, as benchmarks/sim/record_pushes.py records it.
+RECORDED = json.loads(Path(__file__).with_name("recorded_pushes.json").read_text())
+
+
+def recorded(push):
+    """Return what resists at a depth [N]: as recorded, and beyond that like what stopped it."""
+    depths, forces = push["depths_m"], push["forces_n"]
+    return lambda depth: float(np.interp(depth, depths, forces)) + wall(depths[-1], depth)
+
+
 def pushed(feels, until_in=float("inf")):
     """Push the end in; return how that went, the arm, and the context."""
     context, arm = before_the_opening(feels)
@@ -81,6 +95,19 @@ def test_an_end_that_does_not_reach_the_bottom_is_refused(feels, code, depth):
         judge_depth(push, BOTTOM, "X1/1", PARAMETERS.terminal)
     assert caught.value.code is code
     assert caught.value.found["peak_force"] == push.peak_force
+
+
+@pytest.mark.parametrize("one", RECORDED, ids=lambda one: one["name"])
+def test_a_recorded_push_is_judged_as_it_ended(one):
+    push, arm = pushed(recorded(one))
+    assert push.depth == pytest.approx(one["depths_m"][-1], abs=5e-4)
+    assert max(arm.forces) <= 1.15 * LIMIT_N + 0.5
+    if one["ended"] == "SEATED":
+        judge_depth(push, BOTTOM, "X1/1", PARAMETERS.terminal)
+        return
+    with pytest.raises(AbilityError) as caught:
+        judge_depth(push, BOTTOM, "X1/1", PARAMETERS.terminal)
+    assert caught.value.code is Code[one["ended"]]
 
 
 @pytest.mark.parametrize("feels", [seats, jams, meets_the_face, rubs])
