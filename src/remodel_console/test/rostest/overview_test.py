@@ -99,6 +99,9 @@ class OverviewTest(BehaviorTestCase):
         expect(page.locator(".ending")).to_contain_text(
             "Order 'cabinet 7', run 12: stopped by an operator"
         )
+        expect(page.locator(".ending")).to_contain_text(
+            "2 of 6 tasks done, 2 skipped, 2 interrupted, 2 wires by hand."
+        )
         self.tick_off()
         commands = [json.loads(line) for line in self.record.read_text().splitlines()]
         given = [(c["who"], c["command"], c["state"]) for c in commands]

@@ -7,6 +7,7 @@ from typing import Protocol
 
 from nicegui import run, ui
 
+from remodel_console.core.use_case.sums import sums_words
 from remodel_console.core.use_case.use_case import Phase, UseCase
 from remodel_console.errors import CommandError
 from remodel_console.web.page import Page
@@ -28,6 +29,7 @@ class OrderForm:
         self._start_order = start
         with ui.element("div").classes("ending") as self._ending:
             self._words = ui.label()
+            self._sums = ui.label()
             self._link = ui.link("Replay this run")
         self._order = ui.select(
             [], label="Order", with_input=True, new_value_mode="add-unique", clearable=True
@@ -55,6 +57,8 @@ class OrderForm:
         # Not `replace`, which would show again what is hidden.
         self._ending.classes(add="" if is_all_done else "bad", remove="bad" if is_all_done else "")
         self._words.text = words
+        self._sums.text = f"{sums_words(now.sums)}." if is_over else ""
+        self._sums.set_visibility(is_over)
         self._link.set_visibility(now.run > 0)
         self._link.props(f'href="/replay?run={now.run}"')
         if is_over and self._order.value is None:
