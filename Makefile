@@ -82,8 +82,8 @@ unit: $(BUILD) ## Tests that need no ROS master (PACKAGE=remodel_sim, TIER=all)
 physics: build ## Run the physical tests of the cell (BENCH="-k lay_wire", BENCH="--disturbed -k lay_wire": as in make variants)
 	@$(SOURCED) benchmarks/sim/physics.py $(BENCH)
 
-variants: $(BUILD) ## Run the physical tests as other processors calculate, and begun 1e-9 beside; part of test-all
-	@$(SOURCED) benchmarks/sim/physics.py --disturbed --jobs 2 --results $(RESULTS)/variants.xml
+variants: $(BUILD) ## Run the physical tests of make test as other processors calculate, and begun 1e-9 beside; part of test-all
+	@$(SOURCED) benchmarks/sim/physics.py --disturbed --jobs 2 --results $(RESULTS)/variants.xml -m "physics and not slow"
 
 rostest: $(BUILD) ## Tests of running nodes, each file on a roscore of its own (PACKAGE=remodel_console, TIER=all)
 	@$(SOURCED) ctest --test-dir build --parallel 4 --output-on-failure --no-tests=error \
