@@ -125,7 +125,7 @@ class OverviewTest(BehaviorTestCase):
         os.killpg(self.processes["abilities"].pid, signal.SIGCONT)
         expect(silent).to_have_count(0)
         self.kill("abilities")
-        expect(page.locator(".presence.there", has_text="Cell")).to_have_count(0)
+        expect(page.locator(".notice", has_text="The cell is not running")).to_be_visible()
 
     def type_order(self, name):
         """Type an order's name and go on to the next field.
@@ -174,6 +174,7 @@ class OverviewTest(BehaviorTestCase):
         gone = page.locator(".ending")
         since = r"The supervisor is not running. This is the last known state, out of date since \d"
         expect(gone).to_contain_text(re.compile(since))
+        expect(page.locator(".start-card")).to_be_hidden()
         expect(page.locator(".order-head")).to_contain_text("cabinet 7")
         expect(page.locator("tr.task", has_text="W1")).to_contain_text("done")
         for name in ("Start the order", "Resume", "Skip W5", "Protective stop"):

@@ -1,9 +1,11 @@
-"""Which nodes publish a topic, and whether they answer: a stopped process stays registered."""
+"""Which nodes publish a topic, and whether they answer: what was killed stays registered."""
 
 from __future__ import annotations
 
 import http.client
 import xmlrpc.client
+from collections.abc import Iterator
+from enum import Enum
 from functools import lru_cache
 
 import rosgraph
@@ -14,6 +16,14 @@ _LIMIT_S = 1.0
 _ERRORS = (OSError, http.client.HTTPException, xmlrpc.client.Error, rosgraph.MasterError)
 
 
+class NodeAnswer(Enum):
+    """What a node answers: none comes from a process that is stopped, and it is gone if killed."""
+
+    YES = 1
+    NONE = 2
+    GONE = 3
+
+
 class Nodes:
     """The nodes that are registered at the master, as of the last call of `look`."""
 
@@ -21,7 +31,7 @@ class Nodes:
         """Begin without any."""
         self._publishers: dict[str, list[str]] = {}
         self._services: frozenset[str] = frozenset()
-        self._answers: dict[str, bool] = {}
+        self._answers: dict[str, NodeAnswer] = {}
 
     def look(self) -> None:
         """Ask the master which there are; none if it is not running."""
@@ -44,11 +54,12 @@ class Nodes:
 
     def publishing(self, topic: str) -> list[str]:
         """Return the nodes that publish a topic and answer."""
-        return [node for node in self._publishers.get(topic, ()) if self._does_answer(node)]
+        return [node for node, answer in self._asked(topic) if answer is NodeAnswer.YES]
 
     def is_silent(self, topic: str) -> bool:
-        """Return whether nodes publish a topic, and none of them answers."""
-        return bool(self._publishers.get(topic)) and not self.publishing(topic)
+        """Return whether nodes that publish a topic live, and none of them answers."""
+        answers = {answer for _, answer in self._asked(topic)}
+        return NodeAnswer.NONE in answers and NodeAnswer.YES not in answers
 
     def parameter(self, node: str, name: str) -> object:
         """Return a private parameter of a node; None without it."""
@@ -57,20 +68,24 @@ class Nodes:
         except _ERRORS:
             return None
 
-    def _does_answer(self, node: str) -> bool:
-        if node not in self._answers:
-            self._answers[node] = _does_answer(node)
-        return self._answers[node]
+    def _asked(self, topic: str) -> Iterator[tuple[str, NodeAnswer]]:
+        for node in self._publishers.get(topic, ()):
+            if node not in self._answers:
+                self._answers[node] = _ask(node)
+            yield node, self._answers[node]
 
 
-def _does_answer(node: str) -> bool:
+def _ask(node: str) -> NodeAnswer:
     try:
         uri = rosgraph.Master(_CALLER).lookupNode(node)
-        code, _, _ = _proxy(uri).getPid(_CALLER)
-    except _ERRORS:
+        _proxy(uri).getPid(_CALLER)
+    except TimeoutError:
         _proxy.cache_clear()  # what is left of a call that took too long answers no other
-        return False
-    return bool(code == 1)
+        return NodeAnswer.NONE
+    except _ERRORS:
+        _proxy.cache_clear()
+        return NodeAnswer.GONE
+    return NodeAnswer.YES
 
 
 @lru_cache(maxsize=64)

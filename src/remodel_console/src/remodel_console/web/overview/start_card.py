@@ -39,7 +39,9 @@ class StartCard:
         runs = [part for part in (Part.ENGINE, Part.SUPERVISOR, Part.CELL) if world.has(part)]
         is_ours, trouble = self._everything.is_running, self._everything.trouble
         is_starting = is_ours and len(runs) < 3
-        is_offered = not runs and not is_ours
+        now = world.use_case
+        was_running = world.outdated_s is not None and now is not None and now.is_under_way
+        is_offered = not runs and not is_ours and not was_running
         self._card.set_visibility(is_offered or is_ours)
         self._choices.set_visibility(is_offered)
         self._stop.set_visibility(is_ours)
