@@ -143,8 +143,8 @@ class ProxiesTest(unittest.TestCase):
         goals = []
 
         def on_goal(handle):
+            goals.append(handle)  # first: once it is accepted, a test goes on
             handle.set_accepted("at work")
-            goals.append(handle)
 
         server = actionlib.ActionServer(
             topic, TestAction, on_goal, lambda h: h.set_canceled(TestResult(-1)), auto_start=False

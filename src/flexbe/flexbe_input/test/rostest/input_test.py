@@ -34,8 +34,8 @@ class Operator:
         self._server.start()
 
     def _on_goal(self, handle):
-        handle.set_accepted()
         self.goals.append(handle.get_goal())
+        handle.set_accepted()
         self.on_goal()
         if self._answer is not None:
             handle.set_succeeded(self._answer)

@@ -169,8 +169,8 @@ class HangingServer:
         self._server.start()
 
     def _on_goal(self, handle):
-        handle.set_accepted()
         self.goals.append(handle)
+        handle.set_accepted()
 
     def answer(self):
         self.goals[-1].set_succeeded(TestResult())
