@@ -197,6 +197,7 @@ def test_a_wire_whose_parts_may_rest_is_drawn_out_of_the_grip_with_the_same_forc
     assert held(rests=True) == pytest.approx(held(rests=False), rel=0.05)
 
 
+@pytest.mark.repeats
 def test_a_wire_whose_parts_may_rest_moves_the_same_to_the_bit_again():
     def moved():
         hand = Hand([0.0, 0.0, 0.0])
