@@ -6,6 +6,7 @@ import contextlib
 import logging
 import re
 import threading
+import time
 from collections.abc import Callable
 from typing import Protocol
 
@@ -41,7 +42,9 @@ _LOG = logging.getLogger(__name__)
 
 # How many tasks of the sample order are done, as by `make demo`.
 SAMPLE_TASKS = 6
+_NEEDED = (Part.ENGINE, Part.SUPERVISOR, Part.CELL)
 _START_POLL_S = 0.5
+_START_S = 300.0  # wall time in which they start, on a computer that is busy
 
 
 class Supervisor(Protocol):
@@ -214,17 +217,33 @@ class Console:
         threading.Thread(target=self._run_sample, args=(order, by), daemon=True).start()
         return f"starting; log: {self.everything.log}"
 
+    def stop_everything(self) -> None:
+        """End what was started here, and return when it has ended."""
+        self.everything.stop()
+        self.live.refresh()
+
     def _run_sample(self, order: str, by: str) -> None:
-        """Start the sample order once all that it needs is there."""
-        needed = (Part.ENGINE, Part.SUPERVISOR, Part.CELL)
-        while self.everything.is_running:
+        """Start the sample order once all that it needs is there, on an empty panel.
+
+        Not in a real cell that has come up meanwhile, and not once another order has begun.
+        """
+        end_s = time.monotonic() + _START_S
+        trouble = "engine, supervisor and cell are not all there"
+        while self.everything.is_running and time.monotonic() < end_s:
             world = self.live.world
-            if all(world.has(part) for part in needed) and self.supervisor is not None:
-                with contextlib.suppress(CommandError):  # it is not ready, or says so on the page
-                    self.supervisor.run(order, SAMPLE_TASKS, by, again=False)
+            if not world.takes_sample:
+                return
+            if self.supervisor is not None and all(map(world.has, _NEEDED)):
+                try:
+                    self.supervisor.run(order, SAMPLE_TASKS, by, again=True)
+                except CommandError as error:
+                    trouble = str(error)
+                else:
                     return
             threading.Event().wait(_START_POLL_S)
-        self.live.refresh()  # the nodes have ended, perhaps before any was seen
+        if self.everything.is_running:
+            _LOG.warning("the sample order is not started: %s", trouble)
+        self.live.refresh()  # the nodes have ended, perhaps before any answered
 
     def list_names(self) -> tuple[str, ...]:
         """List the names of all charts and behaviors again, and return them; reads their files."""

@@ -72,7 +72,10 @@ def main(arguments: Sequence[str]) -> int:
         lambda: (user_charts, *map(Path, settings.now.chart_folders)),
         options.output,
     )
-    sessions = Sessions(lambda: Session(workspace, lambda: settings.now))
+    sessions = Sessions(
+        lambda: Session(workspace, lambda: settings.now),
+        Session(workspace, lambda: settings.now, opens_drafts=False),
+    )
     planner = PlannerProcess()
     drafts = OrderDrafts(
         Path(tempfile.gettempdir()) / f"remodel_orders_{secrets.token_hex(8)}", planner

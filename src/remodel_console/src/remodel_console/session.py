@@ -43,9 +43,22 @@ class Session:
         ask_server: calls a synthesis server; None until ROS is running.
     """
 
-    def __init__(self, workspace: Workspace, settings: Callable[[], Settings] = Settings) -> None:
-        """Begin with nothing loaded; `settings` returns what is configured now."""
+    def __init__(
+        self,
+        workspace: Workspace,
+        settings: Callable[[], Settings] = Settings,
+        *,
+        opens_drafts: bool = True,
+    ) -> None:
+        """Begin with nothing loaded.
+
+        Args:
+            workspace: where charts lie.
+            settings: returns what is configured now.
+            opens_drafts: load the draft that was kept of a chart in place of the chart.
+        """
         self._workspace = workspace
+        self._opens_drafts = opens_drafts
         self._settings = settings
         self.ask_server: Callable[[ServerRequest], tuple[Instantiation, ...]] | None = None
         self._lock = threading.Lock()
@@ -276,8 +289,11 @@ class Session:
 
     def _load(self, given: Mapping[str, str]) -> str:
         lost = "" if self.is_kept else "; the unsaved changes are lost"
-        draft = self._workspace.load(given["name"])
-        kept, chart = self._workspace.kept(draft), draft.chart
+        name = given["name"]
+        draft = (self._opens_drafts and self._workspace.never_saved(name)) or (
+            self._workspace.load(name)
+        )
+        kept, chart = self._workspace.kept(draft) if self._opens_drafts else None, draft.chart
         self._begin(kept or draft)
         if kept is None:
             self.is_saved = True

@@ -32,14 +32,14 @@ class Sessions:
         save_count: how often any session has saved a chart.
     """
 
-    def __init__(self, make: Callable[[], Session]) -> None:
-        """Begin with the session of the commands; `make` returns a new session."""
+    def __init__(self, make: Callable[[], Session], commands: Session) -> None:
+        """Begin with the session of the commands; `make` returns one for a page of the editor."""
         self._make = make
         self._pages: dict[str, _Kept] = {}
         self._on_change: Callable[[], None] = lambda: None
         self._ask_server: Ask | None = None
         self.save_count = 0
-        self.commands = make()
+        self.commands = commands
         self.commands.on_save = self._count
 
     def on_change(self, wake: Callable[[], None]) -> None:

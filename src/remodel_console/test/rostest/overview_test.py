@@ -110,7 +110,7 @@ class OverviewTest(BehaviorTestCase):
         self.assertIn(("Ada", "wire W7 of SN-0042 is placed by hand", "done"), given)
 
     def see_what_the_cell_is(self):
-        """Ability servers are told by their answers: what is stopped does not answer."""
+        """Ability servers count if their nodes answer, which a stopped process does not."""
         page = self.page
         self.start("abilities", "remodel_states", "fake_abilities")
         expect(page.locator(".presence.there", has_text="Cell: fake")).to_be_visible()

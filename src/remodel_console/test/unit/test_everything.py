@@ -61,6 +61,18 @@ def test_nodes_that_end_by_themselves_are_reported_with_the_end_of_their_log(eve
     one.stop()
 
 
+def test_without_roslaunch_or_a_disk_nothing_starts(everything, monkeypatch, tmp_path):
+    one = everything("exit 1")
+    monkeypatch.setenv("PATH", "")
+    with pytest.raises(CommandError, match="roslaunch cannot be started"):
+        one.start(fake=True, interfaces=True)
+    assert not one.is_running
+    (tmp_path / "file").touch()
+    nowhere = Everything(tmp_path / "file", Planner(knows=True))
+    with pytest.raises(CommandError, match="cannot write to"):
+        nowhere.start(fake=True, interfaces=True)
+
+
 def test_an_order_that_is_refused_starts_nothing(everything):
     one = everything("exit 1", Planner(knows=False, refuses="a disk is full"))
     with pytest.raises(CommandError, match="cannot be imported: a disk is full"):

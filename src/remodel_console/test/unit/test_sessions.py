@@ -12,7 +12,7 @@ from remodel_console.sessions import Sessions
 
 @pytest.fixture
 def sessions():
-    return Sessions(lambda: Session(Workspace("")))
+    return Sessions(lambda: Session(Workspace("")), Session(Workspace("")))
 
 
 class Browser:

@@ -276,6 +276,14 @@ def test_a_plot_is_sent_to_the_page_as_json(plot):
     assert json.loads(json.dumps(plot)) == plot
 
 
+@pytest.mark.parametrize("kind", [None, *CellKind])
+@pytest.mark.parametrize("phase", list(Phase))
+def test_no_sample_order_begins_in_a_real_cell_or_beside_another_order(kind, phase):
+    now = UseCase(phase)
+    world = World(has_master=True, cell_kind=kind, use_case=now)
+    assert world.takes_sample == (not now.is_under_way and kind is not CellKind.REAL)
+
+
 ENGINE, SUPERVISOR, CELL = Part.ENGINE, Part.SUPERVISOR, Part.CELL
 RUNS = {ENGINE: {"run": RunView(phase=RunPhase.IDLE)}, SUPERVISOR: {"has_supervisor": True}}
 
@@ -289,13 +297,13 @@ def test_notices_tell_what_runs_whatever_the_cell_is(kind, silent, gone):
     if CELL in running:
         fields |= {"servers": 0 if CELL in silent else 12, "cell_kind": kind}
     world = World(has_master=True, has_mirror=True, silent=frozenset(silent), **fields)
-    told = {n.what: n.meaning for n in notices(world, (ENGINE, SUPERVISOR, CELL))}
+    shown = {n.what: n.meaning for n in notices(world, (ENGINE, SUPERVISOR, CELL))}
     for part in (ENGINE, SUPERVISOR, CELL):
-        assert (f"The {part.value} does not answer" in told) == (part in silent)
+        assert (f"The {part.value} does not answer" in shown) == (part in silent)
         is_gone = part is gone and part not in silent
-        assert (f"The {part.value} is not running" in told) == is_gone
+        assert (f"The {part.value} is not running" in shown) == is_gone
         assert world.has(part) == (part in running and part not in silent)
-    assert not any("nothing moves" in meaning for meaning in told.values())
+    assert not any("nothing moves" in meaning for meaning in shown.values())
     assert world.can_be_put_back == (world.cell_kind is not CellKind.REAL)
 
 

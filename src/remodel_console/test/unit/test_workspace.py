@@ -253,3 +253,39 @@ def test_a_draft_is_gone_once_its_chart_is_saved(user_charts, workspace):
     assert "saved 'Mine'" in other.save_or_keep()
     assert other.is_saved
     assert not draft.exists()
+
+
+def test_only_the_editor_opens_a_draft_and_none_that_is_older_than_its_chart(
+    user_charts, workspace
+):
+    file = user_charts / "mine.xml"
+    text = CHART.format(name="Mine", target="finished")
+    file.write_text(text)
+    session = Session(workspace)
+    session.carry_out(read_command("load Mine"))
+    session.retype(CHART.format(name="Mine", target="nowhere"))
+    session.save_or_keep()
+    commands = Session(workspace, opens_drafts=False)
+    commands.carry_out(read_command("load Mine"))
+    assert commands.text == text and commands.is_saved
+
+    (draft,) = user_charts.glob("*.draft")
+    os.utime(draft, ns=(0, file.stat().st_mtime_ns - 1))  # another program wrote the chart since
+    again = Session(workspace)
+    again.carry_out(read_command("load Mine"))
+    assert again.text == text
+    assert draft.exists()
+    file.unlink()
+    with pytest.raises(CommandError, match="there is no behavior 'Mine'"):
+        commands.carry_out(read_command("load Mine"))
+
+
+def test_a_draft_is_kept_in_the_encoding_that_it_declares(user_charts, workspace):
+    latin = '<?xml version="1.0" encoding="ISO-8859-1"?>\n<!-- Größe -->\n'
+    session = Session(workspace)
+    session.open(chart_edit.new_chart("Wrong", str(user_charts / "wrong.xml")))
+    session.retype(latin + WRONG)
+    session.save_or_keep()
+    again = Session(workspace)
+    again.carry_out(read_command("load Wrong"))
+    assert again.text == latin + WRONG

@@ -26,6 +26,15 @@ class EverythingTest(BrowserTest):
         expect(page.locator("tr.task.done")).to_have_count(6)
         expect(card).to_contain_text("Order desk")
         self.take_picture(page, "overview-sample")
+        self.stop_all()
+        # Once more: the order is done again, on an empty panel.
+        self.press(page, "Fake cell")
+        expect(page.locator(".ending")).to_contain_text("run 2", timeout=WORK_MS)
+        expect(page.locator("tr.task.done")).to_have_count(6)
+        self.stop_all()
+
+    def stop_all(self):
+        page, card = self.page, self.page.locator(".start-card")
         self.press(page, "Stop what was started here")
         self.press(page.get_by_role("dialog"), "Stop them")
         expect(card).to_contain_text("Nothing runs here", timeout=WORK_MS)

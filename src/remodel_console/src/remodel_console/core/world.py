@@ -121,6 +121,12 @@ class World:
         """Return whether nothing real moves, so that a run may start in the middle."""
         return self.cell_kind is not CellKind.REAL
 
+    @property
+    def takes_sample(self) -> bool:
+        """Return whether a sample order may begin: nothing real moves, and no order runs."""
+        is_busy = self.use_case is not None and self.use_case.is_under_way
+        return self.can_be_put_back and not is_busy
+
     def has(self, part: Part) -> bool:
         """Return whether it runs and answers."""
         there = {

@@ -8,6 +8,7 @@ import signal
 import subprocess
 import threading
 from pathlib import Path
+from typing import BinaryIO
 
 from remodel_console.edge.order_desk.planner_process import DATABASE_VARIABLE, PlannerProcess
 from remodel_console.errors import CommandError
@@ -15,7 +16,7 @@ from remodel_console.errors import CommandError
 SAMPLE = "sample"
 _DESIGN = Path("/usr/share/qelectrotech/examples/tableau_domestique.qet")
 _LAUNCH = ("roslaunch", "remodel_planner", "everything.launch")
-_END_S = 30.0  # wall time in which nodes end
+_END_S = 60.0  # wall time in which roslaunch ends its nodes: 15 s until it insists, and again
 _SHOWN_LINES = 5  # of the log, when the nodes have ended by themselves
 
 
@@ -69,48 +70,53 @@ class Everything:
                 raise CommandError("they have been started already")
             try:
                 (self.folder / "charts").mkdir(parents=True, exist_ok=True)
+                log = self.log.open("wb")
             except OSError as error:
                 raise CommandError(f"cannot write to {self.folder}: {error}") from error
-            self._import()
-            packages = f"{self.folder}/remodel_order_behaviors:{os.environ['ROS_PACKAGE_PATH']}"
-            named = {
-                "output": self.folder,
-                "database": self.database,
-                "fake": str(fake).lower(),
-                "interfaces": str(interfaces).lower(),
-            }
-            with self.log.open("wb") as log:
-                self._nodes = subprocess.Popen(
-                    [*_LAUNCH, *(f"{name}:={value}" for name, value in named.items())],
-                    env=os.environ
-                    | {"ROS_PACKAGE_PATH": packages, DATABASE_VARIABLE: self.database},
-                    stdin=subprocess.DEVNULL,
-                    stdout=log,
-                    stderr=subprocess.STDOUT,
-                    start_new_session=True,
-                )
+            with log:
+                self._import()
+                self._nodes = self._launch(log, fake=fake, interfaces=interfaces)
         return SAMPLE
 
     def stop(self) -> None:
-        """End the nodes that were started here."""
+        """End the nodes that were started here, and return when they have ended."""
         with self._lock:
-            nodes, self._nodes = self._nodes, None
-        if nodes is None or nodes.poll() is not None:
-            return
-        with contextlib.suppress(ProcessLookupError):
-            os.killpg(nodes.pid, signal.SIGINT)
+            if self._nodes is not None and self._nodes.poll() is None:
+                with contextlib.suppress(ProcessLookupError):
+                    os.killpg(self._nodes.pid, signal.SIGINT)
+                try:
+                    self._nodes.wait(_END_S)
+                except subprocess.TimeoutExpired:
+                    os.killpg(self._nodes.pid, signal.SIGKILL)
+                    self._nodes.wait()
+            self._nodes = None
+
+    def _launch(self, log: BinaryIO, *, fake: bool, interfaces: bool) -> subprocess.Popen[bytes]:
+        packages = f"{self.folder}/remodel_order_behaviors:{os.environ['ROS_PACKAGE_PATH']}"
+        named = {
+            "output": self.folder,
+            "database": self.database,
+            "fake": str(fake).lower(),
+            "interfaces": str(interfaces).lower(),
+        }
         try:
-            nodes.wait(_END_S)
-        except subprocess.TimeoutExpired:
-            os.killpg(nodes.pid, signal.SIGKILL)
-            nodes.wait()
+            return subprocess.Popen(
+                [*_LAUNCH, *(f"{name}:={value}" for name, value in named.items())],
+                env=os.environ | {"ROS_PACKAGE_PATH": packages, DATABASE_VARIABLE: self.database},
+                stdin=subprocess.DEVNULL,
+                stdout=log,
+                stderr=subprocess.STDOUT,
+                start_new_session=True,
+            )
+        except OSError as error:
+            raise CommandError(f"roslaunch cannot be started: {error}") from error
 
     def _import(self) -> None:
         if not _DESIGN.exists():
             raise CommandError(
                 f"the sample design {_DESIGN} is not installed: qelectrotech-examples"
             )
-        known = self._planner.run(["tasks", SAMPLE], self.folder, self.database)
+        known = self._planner.run(["tasks", "--order", SAMPLE], self.folder, self.database)
         if known.code == 0:
             return
         done = self._planner.run(

@@ -10,7 +10,8 @@ from flexbe_synthesizer.core.chart import names
 from flexbe_synthesizer.core.chart.chart_reader import read_chart
 from flexbe_synthesizer.core.chart.chart_writer import write_chart
 from flexbe_synthesizer.core.chart.model import Chart, State, walk_nodes
-from flexbe_synthesizer.core.chart.problem import errors_in
+from flexbe_synthesizer.core.chart.problem import ChartError, errors_in
+from flexbe_synthesizer.core.chart.xml_reader import decoded
 from flexbe_synthesizer.core.library.library import Library
 from flexbe_synthesizer.core.library.resolve import scopes
 from flexbe_synthesizer.core.machine.lift import lift
@@ -93,17 +94,26 @@ class Workspace:
             except ChartFileError as error:
                 raise CommandError(str(error)) from error
             return read_draft(content, str(path))
-        kept = dict(self._folders().kept_drafts())
-        if name in kept:
-            return kept[name]
         return self._from_code(name, found)
 
+    def never_saved(self, name: str) -> Draft | None:
+        """Return the draft of a chart that was kept and never saved; None without it."""
+        return dict(self._folders().kept_drafts()).get(name)
+
     def kept(self, draft: Draft) -> Draft | None:
-        """Return what was kept of a chart after it was saved last; None if nothing was."""
-        file = kept_file(Path(draft.chart.file))
+        """Return what was kept of a chart after it was saved last; None if nothing was.
+
+        A draft that is older than the chart stays on the disk, and is not opened over the chart.
+        """
+        chart = Path(draft.chart.file)
+        file = kept_file(chart)
         try:
-            return draft.retyped(read_regular_text(file)) if file.exists() else None
-        except (OSError, ValueError, CommandError):
+            if not file.exists() or (
+                chart.exists() and file.stat().st_mtime_ns < chart.stat().st_mtime_ns
+            ):
+                return None
+            return draft.retyped(decoded(read_chart_file(file), str(file)))
+        except (OSError, ChartFileError, ChartError, CommandError):
             return None  # it is left as it is
 
     def keep(self, draft: Draft) -> Path:
@@ -114,7 +124,7 @@ class Workspace:
         """
         file = kept_file(Path(draft.chart.file))
         try:
-            write_all({file: draft.text})
+            write_all({file: draft.content})
         except OutputError as error:
             raise CommandError(f"the draft is not kept: {error}") from error
         return file

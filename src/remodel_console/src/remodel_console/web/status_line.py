@@ -50,11 +50,13 @@ class StatusLine:
         if shown == self._shown:
             return
         self._shown = shown
-        told = {notice.part: notice.what for notice in self._found}
-        _show(self._ros, "ROS", told.get(None), runs=world.has_master)
+        missing = {notice.part: notice.what for notice in self._found}
+        _show(self._ros, "ROS", missing.get(None), runs=world.has_master)
         for part, chip in self._chips.items():
-            missing = told.get(part) or (told.get(Part.MIRROR) if part is Part.ENGINE else None)
-            _show(chip, _words(part, world), missing, runs=runs[part])
+            what = missing.get(part)
+            if part is Part.ENGINE:
+                what = what or missing.get(Part.MIRROR)
+            _show(chip, _words(part, world), what, runs=runs[part])
         _show(
             self._database_chip,
             "Database" if database else "No database",

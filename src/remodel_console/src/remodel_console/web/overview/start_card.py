@@ -80,5 +80,5 @@ class StartCard:
         page.ask(
             "Stop engine, supervisor and cell? A run that is under way is interrupted.",
             "Stop them",
-            lambda: page.give("stop what was started here", self._everything.stop),
+            lambda: page.give("stop what was started here", page.console.stop_everything),
         )

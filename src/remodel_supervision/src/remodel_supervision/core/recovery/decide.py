@@ -68,7 +68,7 @@ def decide(
         last = responses[-1].do
         ending = last if last.is_lasting else policy.unattended_for(failure.fault)
         return _lasting(failure, ending, reason, policy, possible=possible)
-    offered = [each.do for each in responses if each.do in possible]
+    offered = [r.do for r in responses if r.do in possible and not r.do.is_lasting]
     seldom = [do for do in offered if do in unpromising]
     vain = [do for do in offered if do in fruitless and do not in seldom]
     spared = {*seldom, *vain}

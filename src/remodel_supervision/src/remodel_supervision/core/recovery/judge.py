@@ -137,9 +137,11 @@ def fruitless(failure: Failure, decisions: Sequence[Decided]) -> frozenset[Do]:
     """
     if not failure.fault.is_geometry:
         return frozenset()
-    told = [(each.fault, each.text) for each in decisions] + [(failure.fault.name, failure.text)]
+    failures = [(each.fault, each.text) for each in decisions] + [
+        (failure.fault.name, failure.text)
+    ]
     return frozenset(
         decision.do
-        for decision, (before, after) in zip(decisions, pairwise(told), strict=True)
-        if before == after == told[-1] and decision.do is not Do.RETRY_WITH
+        for decision, (before, after) in zip(decisions, pairwise(failures), strict=True)
+        if before == after == failures[-1] and decision.do is not Do.RETRY_WITH
     )
