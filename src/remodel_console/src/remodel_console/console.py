@@ -158,9 +158,9 @@ class Console:
     ) -> None:
         """Join the parts.
 
-        `database` is the URL of the production database; empty if the console was given none: that
-        of `everything` is used, once it was started here. A console without `users` lets everybody
-        on this computer do everything.
+        `database` is the URL of the production database; empty if the console was given none. While
+        `everything` runs, that of its own is used. A console without `users` lets everybody on this
+        computer do everything.
         """
         self.door = door
         self.desk = desk
@@ -196,7 +196,7 @@ class Console:
     @property
     def database(self) -> str:
         """Return the URL of the production database; empty without one."""
-        return self._database or (self.everything.database if self.everything.is_running else "")
+        return self.everything.database if self.everything.is_running else self._database
 
     @property
     def shown_database(self) -> str:

@@ -80,7 +80,7 @@ def main(arguments: Sequence[str]) -> int:
     drafts = OrderDrafts(
         Path(tempfile.gettempdir()) / f"remodel_orders_{secrets.token_hex(8)}", planner
     )
-    everything = Everything(Path(options.everything).expanduser(), planner, options.database)
+    everything = Everything(Path(options.everything).expanduser(), planner)
     console = Console(
         door,
         Desk(journal),

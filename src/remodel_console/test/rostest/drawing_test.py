@@ -209,7 +209,7 @@ class DrawingTest(DrawingCase):
         page.get_by_role("tab", name="XML").click()
         source = (self.package / "charts" / "patrol.xml").read_text()
         page.locator(".cm-content").fill(source.replace('target="South"', 'target="Sout"'))
-        expect(page.locator(".problems")).to_contain_text("errors")
+        expect(page.locator(".problems")).to_contain_text("1 error")
         expect(self.drawn("North")).not_to_have_attribute("data-problems", "0")
         expect(page.locator("li.node[data-kind=missing]")).to_have_count(1)
         self.take_picture(page, "editor-problems")

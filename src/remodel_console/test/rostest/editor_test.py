@@ -79,7 +79,7 @@ class EditorTest(EditorCase):
         expect(page.locator(".properties")).to_be_hidden()
         self.take_picture(page, "editor-certificate")
         self.write_xml(BROKEN)
-        expect(page.locator(".problems")).to_contain_text("errors")
+        expect(page.locator(".problems")).to_contain_text("3 errors")
         page.get_by_role("tab", name="Certificate").click()
         expect(page.get_by_text("A chart with errors has no certificate.")).to_be_visible()
 

@@ -44,7 +44,9 @@ def test_the_sample_order_is_imported_once_and_the_nodes_are_ended(everything):
     assert one.is_running and not one.trouble
     with pytest.raises(CommandError, match="started already"):
         one.start(fake=True, interfaces=True)
+    assert not one.was_ended
     one.stop()
+    assert one.was_ended
     assert not one.is_running and not one.trouble
     everything.planner.knows = True
     one.start(fake=False, interfaces=True)
@@ -59,6 +61,7 @@ def test_nodes_that_end_by_themselves_are_reported_with_the_end_of_their_log(eve
     assert not one.is_running
     assert one.trouble == "no master"
     one.stop()
+    assert not one.was_ended
 
 
 def test_without_roslaunch_or_a_disk_nothing_starts(everything, monkeypatch, tmp_path):

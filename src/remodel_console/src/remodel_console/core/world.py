@@ -122,10 +122,16 @@ class World:
         return self.cell_kind is not CellKind.REAL
 
     @property
+    def has_lost_run(self) -> bool:
+        """Return whether an order was under way when its supervisor went away."""
+        now = self.use_case
+        return self.outdated_s is not None and now is not None and now.is_under_way
+
+    @property
     def takes_sample(self) -> bool:
         """Return whether a sample order may begin: nothing real moves, and no order runs."""
-        is_busy = self.use_case is not None and self.use_case.is_under_way
-        return self.can_be_put_back and not is_busy
+        now = self.current_use_case
+        return self.can_be_put_back and not (now is not None and now.is_under_way)
 
     def has(self, part: Part) -> bool:
         """Return whether it runs and answers."""

@@ -23,21 +23,33 @@ _SHOWN_LINES = 5  # of the log, when the nodes have ended by themselves
 class Everything:
     """Engine, supervisor, cell and what operators' interfaces need, in processes of this console.
 
-    They end with it. Their database, behaviors and log are in one folder.
+    They end with it. Database, behaviors and log of each kind of cell are in a folder of its own:
+    a run that was interrupted goes on in the cell that it began in, and none of a production
+    database ever goes on here.
 
     Attributes:
-        folder: see above.
-        log: what the nodes print.
+        folder: of what was started last.
+        was_ended: the nodes that were started here last were ended here, too.
     """
 
-    def __init__(self, folder: Path, planner: PlannerProcess, database: str = "") -> None:
-        """Begin with nothing running; without a database, one in the folder is used."""
+    def __init__(self, folder: Path, planner: PlannerProcess) -> None:
+        """Begin with nothing running; `folder` holds those of the cells."""
+        self._cells = folder
         self.folder = folder
-        self.log = folder / "nodes.log"
-        self.database = database or f"sqlite:///{folder}/production.sqlite"
+        self.was_ended = False
         self._planner = planner
         self._nodes: subprocess.Popen[bytes] | None = None
         self._lock = threading.Lock()
+
+    @property
+    def database(self) -> str:
+        """Return the URL of the production database of what was started last."""
+        return f"sqlite:///{self.folder}/production.sqlite"
+
+    @property
+    def log(self) -> Path:
+        """Return the file with what the nodes print that were started last."""
+        return self.folder / "nodes.log"
 
     @property
     def is_running(self) -> bool:
@@ -68,6 +80,7 @@ class Everything:
         with self._lock:
             if self.is_running:
                 raise CommandError("they have been started already")
+            self.folder = self._cells / ("fake" if fake else "simulated")
             try:
                 (self.folder / "charts").mkdir(parents=True, exist_ok=True)
                 log = self.log.open("wb")
@@ -76,12 +89,14 @@ class Everything:
             with log:
                 self._import()
                 self._nodes = self._launch(log, fake=fake, interfaces=interfaces)
+            self.was_ended = False
         return SAMPLE
 
     def stop(self) -> None:
         """End the nodes that were started here, and return when they have ended."""
         with self._lock:
             if self._nodes is not None and self._nodes.poll() is None:
+                self.was_ended = True
                 with contextlib.suppress(ProcessLookupError):
                     os.killpg(self._nodes.pid, signal.SIGINT)
                 try:

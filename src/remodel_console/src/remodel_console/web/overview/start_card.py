@@ -39,9 +39,8 @@ class StartCard:
         runs = [part for part in (Part.ENGINE, Part.SUPERVISOR, Part.CELL) if world.has(part)]
         is_ours, trouble = self._everything.is_running, self._everything.trouble
         is_starting = is_ours and len(runs) < 3
-        now = world.use_case
-        was_running = world.outdated_s is not None and now is not None and now.is_under_way
-        is_offered = not runs and not is_ours and not was_running
+        is_lost = world.has_lost_run and not self._everything.was_ended
+        is_offered = not runs and not is_ours and not is_lost
         self._card.set_visibility(is_offered or is_ours)
         self._choices.set_visibility(is_offered)
         self._stop.set_visibility(is_ours)
