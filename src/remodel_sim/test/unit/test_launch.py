@@ -53,20 +53,23 @@ def test_each_argument_of_drivers_and_skills_is_a_parameter_that_is_read(file, r
 
 
 @pytest.mark.parametrize(
-    ("given", "nodes"),
+    ("given", "nodes", "simulated_time"),
     [
-        ([], {"cell"}),
-        (["robot:=franka_ros"], {"abilities"}),
-        (["robot:=simulated_cabinet", "drivers:=true"], {"abilities", "robot_driver"}),
+        ([], {"cell"}, True),
+        (["robot:=franka_ros"], {"abilities"}, None),
+        (["robot:=simulated_cabinet", "drivers:=true"], {"abilities", "robot_driver"}, True),
+        (["fake:=true"], {"fake_cell"}, False),
     ],
 )
-def test_an_order_runs_on_the_simulated_cell_or_on_a_robots_drivers(given, nodes):
+def test_an_order_runs_on_a_cell_or_on_a_robots_drivers_by_their_time(given, nodes, simulated_time):
     file = SKILLS.parent / "remodel_planner/launch/order.launch"
     loaded = roslaunch.config.ROSLaunchConfig()
     arguments = [str(file), "output:=/out", "database:=sqlite:////out/p.sqlite", *given]
     roslaunch.xmlloader.XmlLoader().load(str(file), loaded, argv=arguments[1:], verbose=False)
     types = {node.type for node in loaded.nodes}
-    assert types & {"cell", "abilities", "robot_driver"} == nodes
+    assert types & {"cell", "abilities", "robot_driver", "fake_cell"} == nodes
+    time = loaded.params.get("/use_sim_time")
+    assert (time.value if time else None) is simulated_time
 
 
 @pytest.mark.parametrize("gui", [True, False])
