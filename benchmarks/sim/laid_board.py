@@ -65,16 +65,12 @@ class LaidBoard:
         design = read_cell(CELL)
         self.plant = SimulatedPlant(panel, design=design, seed=1, rate_hz=rate_hz)
         live = panel.wire(LIVE)
-        others = [w for w in panel.wires if w.ducts and w.id != LIVE][:wires]
-        lines = {w.id: _line(panel, w, i) for i, w in enumerate(others)}
-        lines[LIVE] = _line(panel, live, LANES * math.ceil(wires / LANES) + LANES // 2)
-        step, both = self.plant.world.time_step, frozenset(WireEnd)
-        models = {name: discretise(panel.wire(name), step) for name in lines}
-        lines[LIVE] = _with_excess(lines[LIVE], live)
-        parked = {x: ParkedWire(as_nodes(lines[x], models[x]), both) for x in lines}
-        parked[LIVE] = ParkedWire(parked[LIVE].nodes, frozenset({WireEnd.A}))
+        step = self.plant.world.time_step
+        parked = laid_wires(panel, wires, step, without=LIVE)
+        line = _line(panel, live, LANES * math.ceil(wires / LANES) + LANES // 2)
+        nodes = as_nodes(_with_excess(line, live), discretise(live, step))
+        parked[LIVE] = ParkedWire(nodes, frozenset({WireEnd.A}))
         self.plant.load(panel, parked)
-        nodes = parked[LIVE].nodes
         out = nodes[-1] - nodes[-2]
         self.into = out / np.linalg.norm(out)
         held = nodes[-1] - GRASP_M * self.into
@@ -116,6 +112,19 @@ class LaidBoard:
         robot, steps = self.plant.robots[HOLDER], round(seconds / self.plant.world.time_step)
         robot.drive(robot.arm.joints_for(self._tool), steps)
         self._run(seconds)
+
+
+def laid_wires(
+    panel: Panel, wires: int, time_step: float, *, without: str
+) -> dict[str, ParkedWire]:
+    """Return so many wires along their routes in the ducts, both ends in their clamps."""
+    chosen = [wire for wire in panel.wires if wire.ducts and wire.id != without][:wires]
+    return {
+        wire.id: ParkedWire(
+            as_nodes(_line(panel, wire, i), discretise(wire, time_step)), frozenset(WireEnd)
+        )
+        for i, wire in enumerate(chosen)
+    }
 
 
 def _line(panel: Panel, wire: PanelWire, index: int) -> Array:

@@ -1,12 +1,13 @@
 #!/usr/bin/env python3
 """Wire a board's wires through its ducts with two robots, without ROS, and compare with the truth.
 
-laying.py WIRE... [--first b] [--seed 1] [--cell two_arms_cabinet] [--pictures DIR]; the workspace
-must be sourced. Each wire of the household board is placed from its feed to its second clamp:
-robot_1 inserts the first end and leads the wire (LayWire), robot_2 holds the other end and inserts
-it. A line is printed for each step: wall time, the cell's time since the feed, and what the cell
-measured; after the last one, where the ends sit and which share of the route in ducts is below the
-rims, by the physics. Ends with 1 at the first wire that is not placed.
+laying.py WIRE... [--first b] [--seed 1] [--cell two_arms_cabinet] [--laid 30] [--pictures DIR]; the
+workspace must be sourced. Each wire of the household board is placed from its feed to its second
+clamp: robot_1 inserts the first end and leads the wire (LayWire), robot_2 holds the other end and
+inserts it. A line is printed for each step: wall time, the cell's time since the feed, and what the
+cell measured; after the last one, how much faster than real time the wire was placed, where the
+ends sit and which share of the route in ducts is below the rims, by the physics. With --laid, so
+many others lie in the ducts before. Ends with 1 at the first wire that is not placed.
 """
 
 from __future__ import annotations
@@ -19,6 +20,7 @@ from pathlib import Path
 from typing import TypeVar
 
 import cv2
+from laid_board import laid_wires
 
 from remodel_planning.core.orders.laying_order import first_ends
 from remodel_sim.physics.plant import SimulatedPlant
@@ -52,10 +54,11 @@ class Laying:
     def __init__(self, cell: Cell) -> None:
         """Take over a cell."""
         self.cell = cell
-        self._began = time.monotonic()
+        self._began, self._began_cpu = time.monotonic(), time.process_time()
 
     def place(self, wire_id: str, first: WireEnd) -> None:
         """Place a wire, its first end first; raises what an ability raises."""
+        self._began_cpu = time.process_time()
         wire = self.cell.plant.panel.wire(wire_id)
         a, b = (wire.goes_to(end) for end in (first, first.other))
         self.cell.feed(wire_id, "")
@@ -73,6 +76,11 @@ class Laying:
         self._tell("LayWire", self.cell.run(steps, HOLDER, GUIDE))
         self._insert(goals.InsertGoal(HOLDER, wire_id, first.other, *b, at_b, FORCE_LIMIT_N))
         self._do(HOLDER, fix_cable, goals.FixGoal(HOLDER, wire_id, *b, PULL_TEST_N))
+
+    def speed(self) -> str:
+        """Return how much faster than real time the last wire was placed, for a person."""
+        cell, cpu = self._cell_s(), time.process_time() - self._began_cpu
+        return f"real-time factor {cell / cpu:.2f} by the CPU time of this process"
 
     def _insert(self, goal: goals.InsertGoal) -> None:
         """Insert an end, as often as the use case tries."""
@@ -128,12 +136,16 @@ def main() -> int:
     parser.add_argument("--first", choices=("a", "b"), help="end inserted first")
     parser.add_argument("--seed", type=int, default=1, help="of all noise")
     parser.add_argument("--cell", default="two_arms_cabinet", help="name or file")
+    parser.add_argument("--laid", type=int, default=0, help="wires in the ducts before the first")
     parser.add_argument("--pictures", type=Path, help="folder for pictures after each wire")
     options = parser.parse_args()
     if options.pictures is not None:
         options.pictures.mkdir(parents=True, exist_ok=True)
     panel = read_panel(CONFIG / "household.yaml", read_wire_materials())
-    cell = Cell(SimulatedPlant(panel, design=read_cell(options.cell), seed=options.seed))
+    plant = SimulatedPlant(panel, design=read_cell(options.cell), seed=options.seed)
+    before = laid_wires(panel, options.laid, plant.world.time_step, without=options.wires[0])
+    plant.load(panel, before)
+    cell = Cell(plant)
     laying = Laying(cell)
     first = _first_ends(panel)
     placed = 0
@@ -146,6 +158,7 @@ def main() -> int:
         placed += truth.placed
         depths = ", ".join(f"{end.depth * 1e3:.1f} mm" for end in (truth.a, truth.b))
         in_ducts = share_in_ducts(cell.plant, wire_id)
+        _tell(laying.speed())
         _tell(
             f"{wire_id}: {'placed' if truth.placed else 'not placed'}, ends {depths} deep, "
             f"{in_ducts:.0%} of its route in ducts below the rims"

@@ -10,6 +10,7 @@ import io
 import math
 import tempfile
 from collections.abc import Sequence
+from functools import lru_cache
 from itertools import pairwise
 from pathlib import Path
 
@@ -34,7 +35,26 @@ DAMPING_NS_M = 1.0
 
 def draw_parked(world: World, nodes: Array, wire: PanelWire) -> None:
     """Draw a wire as smooth tubes that touch nothing; nodes (n, 3) [m] go from tip to tip."""
-    line = _smooth(nodes)
+    bullet = world.bullet
+    with tempfile.TemporaryDirectory() as folder:
+        # Bullet keeps the vertices that it is handed, even once the world is cleared: 1 MB for each
+        # wire. What it reads from a file it releases.
+        file = Path(folder) / "tube.obj"
+        for tubes, rgb in _drawing(nodes.tobytes(), wire):
+            file.write_text(tubes)
+            shape = bullet.createVisualShape(
+                bullet.GEOM_MESH, fileName=str(file), rgbaColor=[*rgb, 1]
+            )
+            bullet.createMultiBody(0, -1, shape, [0, 0, 0])
+    for connector in wire.connectors:
+        _draw_connector(world, nodes, wire, connector)
+
+
+# The world is built for every wire, with all that lie there.
+@lru_cache(maxsize=256)
+def _drawing(nodes: bytes, wire: PanelWire) -> tuple[tuple[str, Sequence[float]], ...]:
+    """Return tubes as Wavefront OBJ files, each with its colour; nodes (n, 3) [m]."""
+    line = _smooth(np.frombuffer(nodes).reshape(-1, 3))
     from_a = np.r_[0.0, np.cumsum(np.linalg.norm(np.diff(line, axis=0), axis=1))]
     to_tip = {WireEnd.A: from_a, WireEnd.B: from_a[-1] - from_a}
     inner = np.all([to_tip[end] > wire.rigid_length(end) for end in WireEnd], axis=0)
@@ -46,19 +66,7 @@ def draw_parked(world: World, nodes: Array, wire: PanelWire) -> None:
         for end in WireEnd
         if wire.connector_at(end) is None
     ]
-    bullet = world.bullet
-    with tempfile.TemporaryDirectory() as folder:
-        # Bullet keeps the vertices that it is handed, even once the world is cleared: 1 MB for each
-        # wire. What it reads from a file it releases.
-        file = Path(folder) / "tube.obj"
-        for pieces, rgb in parts:
-            file.write_text(_tubes(pieces, wire.radius))
-            shape = bullet.createVisualShape(
-                bullet.GEOM_MESH, fileName=str(file), rgbaColor=[*rgb, 1]
-            )
-            bullet.createMultiBody(0, -1, shape, [0, 0, 0])
-    for connector in wire.connectors:
-        _draw_connector(world, nodes, wire, connector)
+    return tuple((_tubes(pieces, wire.radius), rgb) for pieces, rgb in parts)
 
 
 def striped(line: Array, colours: int) -> list[list[Array]]:
