@@ -16,6 +16,8 @@ from remodel_console.web.plot import Plot
 _ALL = "all orders"
 _SHOWN_RUNS = 60  # the latest
 _SHOWN = 20  # terminals and wires: the worst; runs: the latest
+_UNKNOWN = "The figures of recorded runs are here once the supervisor is running."
+_NONE = "No task has ended in a recorded run. With the first, its figures are here."
 _SUMS = ("Run", "Done before", "Done", "Skipped", "Interrupted", "Open", "By hand")
 
 
@@ -33,7 +35,7 @@ class StatisticsPage(Page):
                 self._order.props("outlined dense")
                 reload = ui.button(icon="refresh", on_click=self._load, color=None)
                 reload.props('flat dense round title="Reload" aria-label="Reload"')
-                self._message = ui.label().classes("soft").props('role="status"')
+                self._message = ui.label(_UNKNOWN).classes("soft").props('role="status"')
             with card("First-pass yield", "Share of the tasks of each run done at once."):
                 self._yields = Plot("First-pass yield over runs")
             with card("Tasks", "What became of the tasks of each run, the latest first."):
@@ -67,7 +69,7 @@ class StatisticsPage(Page):
         except CommandError as error:
             self._message.text = str(error)
             return
-        self._message.text = "" if found.yields else "No task has ended in a recorded run."
+        self._message.text = "" if found.yields else _NONE
         self._order.set_options([_ALL, *orders], value=self._order.value)
         self._show_found(found)
 

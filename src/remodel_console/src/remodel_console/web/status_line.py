@@ -39,7 +39,7 @@ class StatusLine:
             self._chips = {part: ui.label() for part in _NAMES}
             self._database_chip = ui.label()
             self._more = ui.button("What to do", on_click=self._explain)
-            self._more.props("flat dense no-caps")
+            self._more.props("flat dense no-caps color=primary")
 
     def show(self, world: World) -> None:
         """Show what runs."""

@@ -22,6 +22,10 @@ ADDRESS = "/order_desk"
 FILE_ADDRESS = f"{ADDRESS}/file"
 _DRAFT = "draft"  # in the page's address: the key of its draft
 _DROP = "Drop a .qet, KBL, VEC, WireViz, CSV or XLSX file here, or choose one"
+_NONE = (
+    "What the file contains, its board and the plan of its wires are shown here, to be checked "
+    "before anything moves. Then the order is started."
+)
 _LISTS = (".csv", ".tsv", ".txt", ".xlsx", ".xlsm")
 _BY_DESIGN = "as the design suggests"
 
@@ -46,7 +50,8 @@ class OrderDeskPage(Page):
                 DropZone(FILE_ADDRESS, _DROP, self._take, self._refuse, is_enabled=self.is_operator)
                 self._drafts = ui.element("div").classes("drafts")
                 self._doing = ui.label().classes("doing").props('role="status"')
-            self._area = ui.element("div").classes("desk-area across")
+            with ui.element("div").classes("desk-area across") as self._area:
+                ui.label(_NONE).classes("soft")
 
     def show(self, world: World) -> None:
         """Show the draft again if it has changed; other pages may show it, too."""

@@ -49,13 +49,13 @@ class ReplayPage(Page):
             self._runs = RunList(self.console, self._open, lambda r: self._comparison.offer(r))
             with ui.element("section").classes("stage"):
                 with ui.row().classes("headline"):
-                    self._title = ui.label("Choose a run on the left.").classes("title")
+                    self._title = ui.label("No run is open").classes("title")
                     self._where = ui.label().classes("where")
                 with ui.element("div").classes("drawing-area"):
                     self._drawing = BehaviorDrawing(
                         self.console,
                         "State machine of the behavior",
-                        "No behavior of this task has run yet.",
+                        "Choose a run: its behaviors are drawn here while they run.",
                     )
                 self._comparison = ComparisonPanel(self.console, lambda i: self._scrubber.go(i))
             self._scrubber = Scrubber(self._show_moment, self._move)

@@ -14,6 +14,9 @@ from remodel_console.core.use_case.sums import sums_words
 from remodel_console.core.use_case.use_case import duration_words
 from remodel_console.errors import CommandError
 
+_UNKNOWN = "Runs are listed here once the supervisor is running."
+_NONE = "No run is recorded yet. Each order that is started becomes one."
+
 Open = Callable[[Summary], Awaitable[None]]
 
 
@@ -38,7 +41,8 @@ class RunList:
                 ui.label("Runs").classes("title")
                 again = ui.button(icon="refresh", on_click=self.list, color=None)
                 again.props('flat dense round title="Reload" aria-label="Reload"')
-            self._area = ui.element("div").classes("wide")
+            with ui.element("div").classes("wide") as self._area:
+                ui.label(_UNKNOWN).classes("soft")
 
     async def list(self) -> tuple[Summary, ...]:
         """Request the runs, show and return them; none if no supervisor is running."""
@@ -56,7 +60,7 @@ class RunList:
         self._area.clear()
         with self._area:
             if not runs:
-                ui.label("No run is recorded yet.").classes("soft")
+                ui.label(_NONE).classes("soft")
             for summary in runs:
                 self._show(summary)
         return runs
