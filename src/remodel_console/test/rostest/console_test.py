@@ -81,7 +81,7 @@ class ConsoleTest(ConsoleCase):
             self.press(page, "Breakpoint")
             expect(page.locator(f"li.stopping[data-path='{state}']")).to_have_count(1)
         self.assertEqual(rospy.get_param("/flexbe/breakpoints"), ["/Both/Second", "/Greet"])
-        expect(page.locator(".state-hint")).to_contain_text("Breakpoints act in supervised")
+        expect(page.locator(".state-hint")).to_contain_text("An unattended run ignores breakpoints")
         page.mouse.click(*self.empty_place(page))
         self.choose(page, "Autonomy", "Full")
         page.get_by_label("greeting").fill("good evening")

@@ -31,7 +31,7 @@ from remodel_console.core.editor.grouping import grouped
 from remodel_console.core.editor.interface_edit import with_input, with_output
 from remodel_console.edge.inspect_chart import inspect_text
 from remodel_console.edge.workspace import Workspace
-from remodel_console.errors import CommandError
+from remodel_console.errors import CommandError, FileChangedError
 from remodel_console.session import Session
 
 SRC = Path(__file__).parents[3]
@@ -352,9 +352,10 @@ def test_a_chart_that_another_editor_has_changed_is_not_overwritten(session, giv
     session.change(partial(chart_edit.limited, node_id="B", attempts=None, timeout_s=9.0))
     file.write_bytes(mine)
     try:
-        with pytest.raises(CommandError, match="changed by another program"):
+        with pytest.raises(FileChangedError, match="changed by another program") as refused:
             give("save")
         assert file.read_bytes() == mine
+        assert refused.value.now == mine.decode()
     finally:
         file.write_bytes(before)
 

@@ -89,10 +89,26 @@ def test_what_is_no_chart_blocks_nothing(package, user_charts, workspace, give, 
     give("save")
     assert "Say hello" in give("findStateUsage flexbe_states.LogState")
     assert "Secret" not in workspace.names()
+    assert list(workspace.too_large()) == ["large.xml"]
+    assert "large.xml has 8192.0 MiB; charts have 4 at most" in workspace.too_large()["large.xml"]
     for name in ("fifo.xml", "folder.xml", "zero.xml", "secret.xml", "gone.xml", "large.xml"):
         assert workspace.text_of(name) == ""
         with pytest.raises(CommandError):
             give(f"synthesize Box i: start g: {user_charts / name}")
+
+
+def test_a_new_chart_goes_into_a_package_of_the_user(package, user_charts, tmp_path):
+    assert Workspace(str(package), lambda: (user_charts,)).own_folder == user_charts
+    assert Workspace(str(package)).own_folder == package / "charts"
+    own = [tmp_path / name for name in ("lab_behaviors", "remodel_order_behaviors", "my_behaviors")]
+    for folder in own:
+        shutil.copytree(package, folder)
+        file = folder / "package.xml"
+        file.write_text(file.read_text().replace("<name>remodel_behaviors", f"<name>{folder.name}"))
+    path = ":".join(map(str, (package, *own)))
+    assert Workspace(path, lambda: (user_charts,)).own_folder == own[0] / "charts"
+    mine = Workspace(path, lambda: (user_charts,), output="my_behaviors")
+    assert mine.own_folder == own[2] / "charts"
 
 
 def test_folders_that_take_too_long_are_named(package, monkeypatch):
