@@ -68,6 +68,11 @@ class ConsoleTest(ConsoleCase):
         find.fill("")
         self.press(self.page, "info")
         self.wait_until(lambda: lines.count() >= every, "all lines")
+        with self.page.expect_download() as download:
+            self.page.get_by_role("link", name="Export").click()
+        self.assertIn("The errand says good morning.", download.value.path().read_text())
+        figures = self.page.request.get(f"http://127.0.0.1:{self.port}/metrics").text()
+        self.assertIn('remodel_up{part="engine"} 1.0', figures)
 
     def test_breakpoints_stop_states_also_beside_others_and_values_stand_at_them(self):
         page = self.page

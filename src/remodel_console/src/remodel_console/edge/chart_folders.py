@@ -88,7 +88,7 @@ class ChartFolders:
             raise CommandError(str(error)) from error
         if now is not None and now != draft.origin:
             raise FileChangedError(
-                f"{file} was changed by another program since it was "
+                f"{file} was changed elsewhere since it was "
                 f"{'opened' if draft.origin is None else 'loaded'}, and saving would undo that; "
                 "load it again, or save this chart under another name",
                 now.decode(errors="replace"),

@@ -99,7 +99,7 @@ class EditorTools:
         self._undo.set_enabled(is_operator and session.can_undo)
         self._redo.set_enabled(is_operator and session.can_redo)
         others = self._page.others
-        self._others.text = f"Also open: {', '.join(others)}" if others else ""
+        self._others.text = f"Also open by {', '.join(others)}" if others else ""
         self._others.set_visibility(bool(others))
         self._show_left()
 
