@@ -2,6 +2,7 @@
 
 import json
 import threading
+from dataclasses import replace
 
 import pytest
 import yaml
@@ -213,6 +214,10 @@ def test_columns_become_a_mapping_by_choosing_what_they_mean():
     assert columns.choices["from"] == "First end: component and terminal"
     assert columns.choices["shade"] == "shade", "a field of a newer planner"
     assert [columns.meaning(each) for each in columns.headings[:3]] == ["", "", "section"]
+    ends = ({}, {"from": "Ab"}, {"from": "Ab", "to_component": "An"})
+    assert [replace(columns, columns=each).has_ends for each in ends] == [False, False, True]
+    pins = {"wire": "Ab", "component": "An", "terminal": "Q"}
+    assert replace(columns, columns=pins).has_ends
     chosen = {"Ab": "from", "An": "to", "Q": NOT_USED}
     assert yaml.safe_load(columns.mapping(chosen, {"section": "awg"}, "-")) == {
         "format": "remodel-wire-list-1",

@@ -5,14 +5,17 @@ import re
 import shutil
 import signal
 from pathlib import Path
+from types import SimpleNamespace
 
 import pytest
 
+from remodel_console.console import Console
 from remodel_console.core.commands import read_command
 from remodel_console.core.editor import chart_edit
+from remodel_console.edge.catalogue import Catalogue
 from remodel_console.edge.chart_folders import ChartFolders
 from remodel_console.edge.inspect_chart import inspect_text
-from remodel_console.edge.workspace import Workspace
+from remodel_console.edge.workspace import GENERATED, Workspace
 from remodel_console.errors import CommandError
 from remodel_console.session import Session
 
@@ -109,6 +112,19 @@ def test_a_new_chart_goes_into_a_package_of_the_user(package, user_charts, tmp_p
     assert Workspace(path, lambda: (user_charts,)).own_folder == own[0] / "charts"
     mine = Workspace(path, lambda: (user_charts,), output="my_behaviors")
     assert mine.own_folder == own[2] / "charts"
+
+
+def test_behaviors_that_the_supervisor_has_made_are_known_from_others(package, tmp_path):
+    made = Path(shutil.copytree(package, tmp_path / GENERATED))
+    for file in (made / "package.xml", *(made / "manifest").glob("*.xml")):
+        file.write_text(file.read_text().replace("remodel_behaviors", GENERATED))
+    (made / "src" / "remodel_behaviors").rename(made / "src" / GENERATED)
+    for folder, is_generated in ((package, False), (made, True)):
+        path = str(folder)
+        console = SimpleNamespace(catalogue=Catalogue(path), workspace=Workspace(path))
+        names = Console.list_names(console)
+        assert names
+        assert console.generated == (set(names) if is_generated else set())
 
 
 def test_folders_that_take_too_long_are_named(package, monkeypatch):

@@ -70,6 +70,14 @@ class ListColumns:
         return next((f for f, found in self.columns.items() if found == heading), NOT_USED)
 
     @property
+    def has_ends(self) -> bool:
+        """Return whether it is known where the ends of wires are."""
+        known = self.columns.keys()
+        return known >= {"wire", "component", "terminal"} or all(
+            known & {end, f"{end}_component"} for end in _ENDS
+        )
+
+    @property
     def choices(self) -> dict[str, str]:
         """Return what a column can mean, in words, by field."""
         return {NOT_USED: "not used"} | {f: _WORDS.get(f, f) for f in self.fields}

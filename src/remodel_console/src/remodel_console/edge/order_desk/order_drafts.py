@@ -296,6 +296,9 @@ class OrderDraft:
                 if self._is_cancelled:
                     raise CommandError(_CANCELLED) from error
                 raise
+            else:
+                if self._is_cancelled:  # just when the command had ended
+                    raise CommandError(_CANCELLED)
             finally:
                 self._change(doing="", stage="")
 

@@ -28,6 +28,7 @@ ADDRESS = "/order_desk"
 FILE_ADDRESS = f"{ADDRESS}/file"
 _DRAFT = "draft"  # in the page's address: the key of its draft
 _DROP = "Drop a .qet, KBL, VEC, WireViz, CSV or XLSX file here, or choose one"
+_UNKNOWN_COLUMNS = "Choose below what the columns of this list mean, and have it read by that."
 _BY_DESIGN = "as the design suggests"
 _ARMS = {0: "the arms of the use case", 1: "one arm", 2: "two arms"}
 
@@ -56,7 +57,7 @@ class OrderDeskPage(Page):
                     self._does = ui.label().props('role="status"')
                     self._passed = ui.label().classes("soft")
                     self.button("Cancel", self._cancel, icon="close", look="quiet")
-                ui.timer(1.0, self._show_passed)
+                self._timer = ui.timer(1.0, self._show_passed, active=False)
             self._area = ui.element("div").classes("desk-area across")
 
     def show(self, world: World) -> None:
@@ -76,6 +77,7 @@ class OrderDeskPage(Page):
         stage = draft.now.stage if draft else ""
         self._does.text = f"{doing}…" + (f" stage {stage}" if stage else "") if doing else ""
         self._doing.set_visibility(bool(doing))
+        self._timer.active = bool(doing)
         self._show_passed()
         if draft is not None:
             for section in self._sections:
@@ -113,8 +115,10 @@ class OrderDeskPage(Page):
     def _new_sections(self, draft: OrderDraft) -> tuple[_Section, ...]:
         """Return the cards of a draft, each with what it shows: others keep what a person types."""
         return (
-            _Section(lambda now: now.error, partial(self._show_error, draft)),
-            _Section(lambda now: (now.columns, now.mapping), self._columns.show),
+            _Section(
+                lambda now: (now.error, now.columns is None), partial(self._show_error, draft)
+            ),
+            _Section(lambda now: now.columns, self._columns.show),
             _Section(lambda now: now.imported, partial(self._show_account, draft)),
             _Section(_triage_of, _show_triage),
             _Section(
@@ -124,7 +128,10 @@ class OrderDeskPage(Page):
                 self._preferences.show,
             ),
             _Section(
-                lambda now: (now.imported, now.use_case, now.arms, now.plan, now.stored_as),
+                lambda now: (
+                    *(now.imported, now.use_case, now.arms, now.stored_as),
+                    *(_has_two_arms(now), _triage_of(now)),
+                ),
                 partial(self._show_start, draft),
             ),
             _Section(
@@ -138,7 +145,14 @@ class OrderDeskPage(Page):
         if now.error:
             with card(draft.name, "This file is not read.").classes("across"):
                 with ui.element("div").classes("ending bad").props('role="alert"'):
-                    ui.label(now.error).classes("lines")
+                    if now.columns is None or now.columns.has_ends:
+                        ui.label(now.error).classes("lines")
+                    else:
+                        ui.label(_UNKNOWN_COLUMNS)
+                        with ui.element("details"):
+                            with ui.element("summary"):
+                                ui.label("What the import says")
+                            ui.label(now.error).classes("lines")
                 self.button("Read the file again", self._read, icon="refresh", look="quiet")
 
     def _show_account(self, draft: OrderDraft, now: DraftState) -> None:
@@ -175,7 +189,7 @@ class OrderDeskPage(Page):
             for entry in (name, tasks):
                 entry.props("outlined dense stack-label").classes("wide")
                 entry.set_enabled(self.is_operator)
-            if now.plan and len(now.plan.arms) > 1:
+            if _has_two_arms(now):
                 ui.label("The supervisor runs orders by one arm.").classes("soft")
             found = _triage_of(now)
             if found is not None:
@@ -314,6 +328,10 @@ def _triage_of(now: DraftState) -> tuple[Triage | None, str, CellFit | None] | N
         return None
     planned = now.plan.triage if now.plan else None
     return planned or now.imported.triage, now.imported.nothing_to_plan, now.imported.cell
+
+
+def _has_two_arms(now: DraftState) -> bool:
+    return now.plan is not None and len(now.plan.arms) > 1
 
 
 def _show_triage(now: DraftState) -> None:
