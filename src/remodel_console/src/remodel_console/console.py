@@ -28,7 +28,7 @@ from remodel_console.edge.hand_ticks import HandTicks
 from remodel_console.edge.order_desk.order_drafts import OrderDraft, OrderDrafts
 from remodel_console.edge.scene_files import SceneFiles
 from remodel_console.edge.settings_file import SettingsFile
-from remodel_console.edge.workspace import Workspace
+from remodel_console.edge.workspace import GENERATED, Workspace
 from remodel_console.errors import CommandError
 from remodel_console.live import Live
 from remodel_console.pictures import Pictures
@@ -138,6 +138,8 @@ class Console:
         reset_cell: has a simulated cell rebuild its panel without wires; None until ROS is
             running.
         names: of all charts and behaviors, as they were listed last.
+        generated: those of them that the supervisor has made.
+        too_large: why files in the chart folders are not opened, by their names.
     """
 
     def __init__(
@@ -186,6 +188,8 @@ class Console:
         self.inputs: Inputs | None = None
         self.reset_cell: Callable[[], str] | None = None
         self.names: tuple[str, ...] = ()
+        self.generated: frozenset[str] = frozenset()
+        self.too_large: dict[str, str] = {}
         self._decisions_of = 0  # checksum of the behavior whose decisions were searched for last
 
     @property
@@ -247,9 +251,14 @@ class Console:
 
     def list_names(self) -> tuple[str, ...]:
         """List the names of all charts and behaviors again, and return them; reads their files."""
-        found = {one.name for one in self.catalogue.behaviors()}
+        behaviors = self.catalogue.behaviors()
+        found = {one.name for one in behaviors}
+        self.generated = frozenset(
+            one.name for one in behaviors if one.behavior.package == GENERATED
+        )
         try:
             found |= set(self.workspace.names())
+            self.too_large = self.workspace.too_large()
         except CommandError:
             _LOG.exception("cannot list the charts")
         self.names = tuple(sorted(found))

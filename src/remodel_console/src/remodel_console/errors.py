@@ -18,5 +18,18 @@ class ChartErrorsError(CommandError):
         self.count = count
 
 
+class FileChangedError(CommandError):
+    """A chart is not saved, since its file was changed meanwhile.
+
+    Attributes:
+        now: the text of the file.
+    """
+
+    def __init__(self, text: str, now: str) -> None:
+        """Take the answer, and what is in the file."""
+        super().__init__(text)
+        self.now = now
+
+
 class PictureError(ValueError):
     """A picture of a camera cannot be shown."""

@@ -33,6 +33,9 @@ class LogKeeper(Protocol):
     def lines(self) -> tuple[LogLine, ...]:
         """Return the last lines."""
 
+    def all_lines(self) -> tuple[LogLine, ...]:
+        """Return all lines that are kept."""
+
     def write(self, line: LogLine) -> None:
         """Keep a line."""
 
@@ -141,9 +144,20 @@ class Live:
             self._world = replace(self._world, breakpoints=paths)
         self._wake()
 
+    def exported_log(self) -> str:
+        """Return the log as a text file: all that is kept of it, of runs before, too."""
+        lines = self._log.all_lines() if self._log is not None else tuple(self._lines)
+        return "".join(map(_exported, lines))
+
     def lines_since(self, count: int) -> tuple[tuple[LogLine, ...], int]:
         """Return the lines that came after the first `count`, and how many there are by now."""
         with self._lock:
             new = min(self._line_count - count, len(self._lines))
             lines = tuple(self._lines)[len(self._lines) - new :] if new else ()
             return lines, self._line_count
+
+
+def _exported(line: LogLine) -> str:
+    """Return a line of a text file, with the local date and time."""
+    at = time.strftime("%Y-%m-%d %H:%M:%S", time.localtime(line.time_s))
+    return f"{at}  {line.severity:7}  {line.text}\n"

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import threading
+import time
 from collections.abc import Callable, Mapping
 from dataclasses import replace
 from pathlib import PurePath
@@ -37,6 +38,7 @@ class Session:
 
     Attributes:
         is_saved: nothing has changed since it was loaded or saved.
+        changed_at_s: when it was changed last [s], wall time.
         is_kept: it is saved, or kept as a draft: nothing is lost without this session.
         on_save: called after a chart was saved.
         on_change: called after each command that was carried out.
@@ -65,6 +67,7 @@ class Session:
         self._path: tuple[str, ...] = ()
         self._draft: Draft | None = None
         self.is_saved = True
+        self.changed_at_s = time.time()
         self._kept_text: str | None = None
         self._before: tuple[Draft, ...] = ()
         self._undone: tuple[Draft, ...] = ()
@@ -276,11 +279,12 @@ class Session:
         if draft.text != before.text:
             self._before, self._undone = (*self._before[-_MOST_UNDONE:], before), ()
             self._draft = draft
-            self.is_saved = self._is_as_saved()
+            self.is_saved, self.changed_at_s = self._is_as_saved(), time.time()
 
     def _begin(self, draft: Draft) -> None:
         """Make a draft the one that is edited, without a past."""
         self._draft, self._path, self._before, self._undone = draft, (), (), ()
+        self.changed_at_s = time.time()
         self._kept_text = None
 
     def _is_as_saved(self) -> bool:

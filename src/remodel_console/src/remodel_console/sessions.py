@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import secrets
+import time
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 
@@ -15,10 +16,20 @@ Ask = Callable[[ServerRequest], tuple[Instantiation, ...]]
 
 @dataclass(frozen=True)
 class _Kept:
-    """A page's session, and whether a browser still shows the page."""
+    """A page's session, whether a browser still shows the page, and who opened it."""
 
     session: Session
     is_shown: Callable[[], bool]
+    who: str
+
+
+@dataclass(frozen=True)
+class Left:
+    """Unsaved changes of a chart on a page that was closed; `changed_at`: time of the last one."""
+
+    key: str
+    name: str
+    changed_at: str
 
 
 class Sessions:
@@ -54,12 +65,13 @@ class Sessions:
         for session in self._all():
             session.ask_server = ask_server
 
-    def take(self, key: str, is_shown: Callable[[], bool]) -> tuple[str, Session]:
+    def take(self, key: str, is_shown: Callable[[], bool], who: str = "") -> tuple[str, Session]:
         """Return the session of a page and its key: the one of the key if no page shows it.
 
         Args:
             key: that the page's address has; empty or unknown for a new session.
             is_shown: returns whether a browser still shows the page.
+            who: the user of the page, for others who open the same chart.
         """
         self._forget_all_but(key)
         kept = self._pages.get(key)
@@ -69,7 +81,7 @@ class Sessions:
             key, session = secrets.token_urlsafe(9), self._make()
             session.on_change, session.on_save = self._on_change, self._count
             session.ask_server = self._ask_server
-        self._pages[key] = _Kept(session, is_shown)
+        self._pages[key] = _Kept(session, is_shown, who)
         return key, session
 
     def is_shown(self, key: str) -> bool:
@@ -77,19 +89,39 @@ class Sessions:
         kept = self._pages.get(key)
         return kept is not None and kept.is_shown()
 
-    def left_unsaved(self) -> dict[str, str]:
-        """Return the names of charts with unsaved changes that no page shows, by session key."""
-        return {
-            key: kept.session.chart.name
-            for key, kept in self._pages.items()
-            if not kept.session.is_kept and kept.session.chart and not kept.is_shown()
-        }
+    def left_unsaved(self) -> tuple[Left, ...]:
+        """Return the charts with unsaved changes that no page shows, each once: the latest."""
+        latest: dict[str, tuple[float, Left]] = {}
+        for key, kept in self._pages.items():
+            session, chart = kept.session, kept.session.chart
+            if chart is None or session.is_kept or kept.is_shown():
+                continue
+            at = time.strftime("%H:%M", time.localtime(session.changed_at_s))
+            found = session.changed_at_s, Left(key, chart.name, at)
+            latest[chart.file] = max(latest.get(chart.file, found), found, key=lambda one: one[0])
+        return tuple(left for _, left in latest.values())
+
+    def others_at(self, key: str) -> tuple[str, ...]:
+        """Return who else has the chart of a session open on a page."""
+        own = self._pages.get(key)
+        if own is None or own.session.chart is None:
+            return ()
+        file = own.session.chart.file
+        return tuple(
+            kept.who
+            for other, kept in self._pages.items()
+            if other != key
+            and kept.session.chart is not None
+            and kept.session.chart.file == file
+            and kept.is_shown()
+        )
 
     def discard(self, key: str) -> None:
         """Forget a session that no page shows, with its unsaved changes."""
         kept = self._pages.get(key)
         if kept is not None and not kept.is_shown():
             del self._pages[key]
+            self._on_change()
 
     def _all(self) -> Iterator[Session]:
         yield self.commands

@@ -92,7 +92,12 @@ class Steering:
             label = order.path.rpartition("/")[2]
             asking = [a for a in self.live.world.run.asks if a.path.rpartition("/")[2] == label]
             order = replace(order, is_by_path=len(asking) > 1)
-        self.engine.send(order)
+        try:
+            self.engine.send(order)
+        except CommandError:
+            if isinstance(order, Start):
+                self.live.take(Ordered(None))  # nothing starts
+            raise
 
     def change_breakpoints(
         self, *, added: frozenset[str] = frozenset(), removed: frozenset[str] = frozenset()

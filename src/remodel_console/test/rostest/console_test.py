@@ -68,6 +68,11 @@ class ConsoleTest(ConsoleCase):
         find.fill("")
         self.press(self.page, "info")
         self.wait_until(lambda: lines.count() >= every, "all lines")
+        with self.page.expect_download() as download:
+            self.page.get_by_role("link", name="Export").click()
+        self.assertIn("The errand says good morning.", download.value.path().read_text())
+        figures = self.page.request.get(f"http://127.0.0.1:{self.port}/metrics").text()
+        self.assertIn('remodel_up{part="engine"} 1.0', figures)
 
     def test_breakpoints_stop_states_also_beside_others_and_values_stand_at_them(self):
         page = self.page
@@ -81,7 +86,7 @@ class ConsoleTest(ConsoleCase):
             self.press(page, "Breakpoint")
             expect(page.locator(f"li.stopping[data-path='{state}']")).to_have_count(1)
         self.assertEqual(rospy.get_param("/flexbe/breakpoints"), ["/Both/Second", "/Greet"])
-        expect(page.locator(".state-hint")).to_contain_text("Breakpoints act in supervised")
+        expect(page.locator(".state-hint")).to_contain_text("An unattended run ignores breakpoints")
         page.mouse.click(*self.empty_place(page))
         self.choose(page, "Autonomy", "Full")
         page.get_by_label("greeting").fill("good evening")

@@ -43,6 +43,34 @@ class EditorSessionsTest(EditorCase):
         later.locator(".left-unsaved", has_text="Patrol").get_by_role("link").last.click()
         expect(later.locator(".tools")).to_contain_text("Patrol: not saved yet")
 
+    def test_two_pages_of_one_chart_know_of_each_other_and_neither_undoes_the_other(self):
+        self.open("Survey")
+        other = self.open_page("/editor")
+        self.choose(other, "Open", "Survey")
+        for page in (self.page, other):
+            expect(page.locator(".tools")).to_contain_text("Also open by operator")
+        self.type_description(self.page, "The first one.")
+        self.press(self.page, "Save")
+        expect(self.page.locator(".tools")).to_contain_text("Survey: saved")
+        self.type_description(other, "The second one.")
+        self.press(other, "Save")
+        dialog = other.get_by_role("dialog")
+        expect(dialog).to_contain_text("was changed elsewhere")
+        expect(dialog.locator(".removed", has_text="The first one.")).to_be_visible()
+        expect(dialog.locator(".added", has_text="The second one.")).to_be_visible()
+        self.take_picture(other, "editor-conflict")
+        self.press(dialog, "Save as")
+        other.get_by_label("Name", exact=True).fill("Survey 2")
+        self.press(other.get_by_role("dialog").last, "Save")
+        expect(other.locator(".tools")).to_contain_text("Survey 2: saved")
+        expect(self.page.locator(".tools")).not_to_contain_text("Also open")
+
+    def type_description(self, page, text):
+        field = page.get_by_label("Description")
+        field.fill(text)
+        field.blur()
+        expect(page.locator(".tools")).to_contain_text("not saved yet")
+
     def test_what_is_configured_counts_at_once_and_outlives_a_restart(self):
         self.start(
             "synthesizer", "flexbe_synthesizer", "synthesis_server", f"_output:={self.package}"

@@ -1,6 +1,7 @@
 """What a console writes beside its work: its log, the record of commands, recordings of cells."""
 
 import threading
+import time
 from collections import deque
 from types import SimpleNamespace
 
@@ -18,6 +19,7 @@ from remodel_console.edge.journal import Journal
 from remodel_console.edge.log_file import LogFile
 from remodel_console.edge.scene_files import SceneFiles
 from remodel_console.errors import CommandError
+from remodel_console.live import Live
 from remodel_console.ros.cell.scene_recorder import SceneRecorder
 
 
@@ -31,6 +33,18 @@ def test_the_log_survives_a_restart_and_stays_short(tmp_path):
         cut_off.write('[1.0, 0, "cut')
     assert LogFile(file).lines == tuple(lines[-499:])
     assert len(file.read_text().splitlines()) <= 500
+
+
+def test_the_log_is_exported_with_what_no_page_shows_any_more(tmp_path):
+    live = Live(LogFile(tmp_path / "log.jsonl"))
+    at = time.strftime("%Y-%m-%d %H:%M:%S", time.localtime(1e9))
+    for n in range(600):
+        live.take_line(LogLine(1e9, 1, f"line {n}"))
+    exported = live.exported_log().splitlines()
+    assert (len(exported), exported[0]) == (600, f"{at}  warning  line 0")
+    without_file = Live()
+    without_file.take_line(LogLine(1e9, 0, "only"))
+    assert without_file.exported_log() == f"{at}  info     only\n"
 
 
 def test_the_log_goes_on_in_memory_on_a_full_disk(tmp_path, full_disk, caplog):

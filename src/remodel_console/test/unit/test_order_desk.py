@@ -1,11 +1,20 @@
 """What the order desk makes of preferences, plans and file names; no ROS, no planner."""
 
 import json
+import threading
+from dataclasses import replace
 
 import pytest
+import yaml
 
+from remodel_console.core.order_desk.columns import NOT_USED, ListColumns
 from remodel_console.core.order_desk.findings import NoPlan, Plan, read_findings
-from remodel_console.core.order_desk.gantt import gantt_height, gantt_plot, task_times
+from remodel_console.core.order_desk.gantt import (
+    gantt_height,
+    gantt_plot,
+    task_times,
+    violated_words,
+)
 from remodel_console.core.order_desk.preferences import (
     FIELD_HINTS,
     KINDS,
@@ -20,6 +29,7 @@ from remodel_console.core.order_desk.preferences import (
     write_document,
 )
 from remodel_console.edge.order_desk.order_drafts import OrderDrafts, plain_file_name
+from remodel_console.edge.order_desk.planner_process import Finished, PlannerProcess
 from remodel_console.errors import CommandError
 
 BEFORE = next(kind for kind in KINDS if kind.fields == ("pick", "before", "weight"))
@@ -186,3 +196,135 @@ def test_drafts_are_removed_by_people_alone(tmp_path):
     assert drafts.new("b.csv") in drafts.all()
     drafts.end()
     assert not (tmp_path / "drafts").exists()
+
+
+COLUMNS = {
+    "headings": ["Ab", "An", "Q", ""],
+    "rows": [["K1:1", "X1:1", "1", ""]],
+    "fields": ["from", "to", "section", "wire", "shade"],
+    "columns": {"section": "Q"},
+    "units": {"section": "mm2", "length": "mm", "position": "mm"},
+    "separator": "tab",
+    "terminal_separator": ":",
+}
+
+
+def test_columns_become_a_mapping_by_choosing_what_they_mean():
+    columns = read_findings(json.dumps(COLUMNS), ListColumns)
+    assert columns.choices["from"] == "First end: component and terminal"
+    assert columns.choices["shade"] == "shade", "a field of a newer planner"
+    assert [columns.meaning(each) for each in columns.headings[:3]] == ["", "", "section"]
+    ends = ({}, {"from": "Ab"}, {"from": "Ab", "to_component": "An"})
+    assert [replace(columns, columns=each).has_ends for each in ends] == [False, False, True]
+    pins = {"wire": "Ab", "component": "An", "terminal": "Q"}
+    assert replace(columns, columns=pins).has_ends
+    chosen = {"Ab": "from", "An": "to", "Q": NOT_USED}
+    assert yaml.safe_load(columns.mapping(chosen, {"section": "awg"}, "-")) == {
+        "format": "remodel-wire-list-1",
+        "columns": {"from": "Ab", "to": "An"},
+        "units": {"section": "awg", "length": "mm", "position": "mm"},
+        "separator": "tab",
+        "terminal_separator": "-",
+    }
+    with pytest.raises(CommandError, match="'Ab' and 'An' are both 'Wire'"):
+        columns.mapping({"Ab": "wire", "An": "wire"}, {}, "")
+
+
+def test_a_violated_preference_is_shown_on_its_wires():
+    violations = [
+        {"reason": "blue first", "wires": ["W1", "<b>W2"], "words": "W1 before W2"},
+        *({"reason": "", "wires": ["W1"], "words": f"other {n}"} for n in range(3)),
+    ]
+    plan = read_findings(json.dumps({**PLAN, "violations": violations}), Plan)
+    assert violated_words(plan, ["<b>W2"]) == "blue first: W1 before W2"
+    assert violated_words(plan, ["W1"]) == "blue first: W1 before W2; other 0; other 1; and 1 more"
+    tasks = gantt_plot(plan)["series"][0]["data"]
+    assert tasks[2][3] == "⚠ <b>W2"
+    assert "(blue first: W1 before W2)" in tasks[2][4]
+
+
+class HeldPlanner:
+    """A planner whose commands report a stage, and last until they are ended."""
+
+    def __init__(self):
+        self.begun, self.ended = threading.Event(), threading.Event()
+        self.commands = []
+
+    def run(self, words, folder, database, report):
+        self.commands.append(words[0])
+        report("2/4: laying out the board")
+        self.begun.set()
+        assert self.ended.wait(30)
+        raise CommandError(f"`planner {words[0]}` was ended")
+
+    def end_in(self, folder):
+        self.ended.set()
+
+
+def test_what_a_draft_does_is_shown_and_cancelled_at_once(tmp_path):
+    planner = HeldPlanner()
+    drafts = OrderDrafts(tmp_path / "drafts", planner)
+    draft = drafts.new("loom.csv")
+    failed = []
+
+    def read():
+        with pytest.raises(CommandError) as refused:
+            draft.read()
+        failed.append(str(refused.value))
+
+    thread = threading.Thread(target=read)
+    thread.start()
+    assert planner.begun.wait(30)
+    assert (draft.now.doing, draft.now.stage) == ("reading the file", "2/4: laying out the board")
+    assert draft.cancel() == "cancelled"
+    thread.join(30)
+    assert failed == ["cancelled"]
+    assert (draft.now.doing, draft.now.error) == ("", "cancelled")
+    assert planner.commands == ["import"], "nothing else begins"
+
+
+@pytest.mark.parametrize(("tasks", "is_planned"), [(3000, True), (3001, False)])
+def test_a_long_order_is_planned_only_when_a_person_says_so(tmp_path, tasks, is_planned):
+    imported = {
+        "order": "a",
+        "title": "a",
+        "counts": {"wires": tasks},
+        "wires_in_cabinet": tasks,
+        "account": {"unit": "lines", "connections": tasks},
+        "lengths": {},
+        "triage": {"use_case": "cabinet", "robot": [f"W{n}" for n in range(tasks)]},
+    }
+    commands = []
+
+    class Planner:
+        def run(self, words, folder, database, report):
+            commands.append(words[0])
+            return Finished(0, json.dumps(imported if words[0] == "import" else PLAN), "")
+
+    draft = OrderDrafts(tmp_path / "drafts", Planner()).new("a.csv")
+    draft.read()
+    assert ("plan" in commands, draft.now.is_planned) == (is_planned, is_planned)
+    draft.plan()
+    assert draft.now.is_planned
+
+
+def test_two_drafts_of_one_file_have_two_names(tmp_path):
+    drafts = OrderDrafts(tmp_path / "drafts", HeldPlanner())
+    names = [drafts.new(file).name for file in ("a.csv", "b.csv", "a.csv")]
+    assert names == ["a.csv", "b.csv", "a.csv (2)"]
+    drafts.remove(drafts.all()[-1].key)
+    assert drafts.new("a.csv").name == "a.csv (3)", "no name is given twice"
+
+
+def test_a_command_reports_its_stages_and_keeps_its_errors(tmp_path):
+    script = 'echo "stage 1/2: reading" >&2; echo "import: wrong" >&2; echo printed; exit 3'
+    stages = []
+    process = PlannerProcess(("sh", "-c", script))
+    assert process.run([], tmp_path, "", stages.append) == Finished(3, "printed\n", "import: wrong")
+    assert stages == ["1/2: reading"]
+
+
+def test_a_command_is_ended_with_all_that_it_has_started(tmp_path):
+    process = PlannerProcess(("sh", "-c", 'echo "stage 1/1: on" >&2; sleep 600 & wait', "sh"))
+    with pytest.raises(CommandError, match="`planner import` was ended"):
+        process.run(["import"], tmp_path, "", lambda stage: process.end_in(tmp_path))

@@ -31,7 +31,7 @@ from remodel_console.core.editor.grouping import grouped
 from remodel_console.core.editor.interface_edit import with_input, with_output
 from remodel_console.edge.inspect_chart import inspect_text
 from remodel_console.edge.workspace import Workspace
-from remodel_console.errors import CommandError
+from remodel_console.errors import CommandError, FileChangedError
 from remodel_console.session import Session
 
 SRC = Path(__file__).parents[3]
@@ -352,9 +352,10 @@ def test_a_chart_that_another_editor_has_changed_is_not_overwritten(session, giv
     session.change(partial(chart_edit.limited, node_id="B", attempts=None, timeout_s=9.0))
     file.write_bytes(mine)
     try:
-        with pytest.raises(CommandError, match="changed by another program"):
+        with pytest.raises(FileChangedError, match="changed elsewhere") as refused:
             give("save")
         assert file.read_bytes() == mine
+        assert refused.value.now == mine.decode()
     finally:
         file.write_bytes(before)
 
@@ -363,7 +364,7 @@ def test_a_new_chart_does_not_take_the_place_of_another(session, give, charts):
     path = charts / "plain.xml"
     before = path.read_bytes()
     session.open(replace(chart_edit.new_chart("Plain", str(path)), description="Other."))
-    with pytest.raises(CommandError, match="another program"):
+    with pytest.raises(CommandError, match="changed elsewhere"):
         give("save")
     session.open(chart_edit.new_chart("plain", str(charts / "new.xml")))
     with pytest.raises(CommandError, match=r"'plain' and 'Plain' of .*plain.xml become the same"):

@@ -19,6 +19,7 @@ from remodel_console.core.run.run_view import (
     Troubled,
     step,
 )
+from remodel_console.core.run.run_words import state_words
 from remodel_console.core.run.structure import Level, Structure
 
 READY, STARTED = EngineStatus(20, 0), EngineStatus(0, 7)
@@ -47,6 +48,20 @@ def test_a_run_from_ready_to_its_end():
     assert (view.phase, view.active, view.is_supervised) == (Phase.RUNNING, "/A", False)
     view = step(view, EngineStatus(1, 7, ("finished",)))
     assert (view.phase, view.active, view.ending) == (Phase.IDLE, "", "ended with 'finished'")
+
+
+def test_a_start_says_what_it_waits_for_until_it_has_begun_or_is_refused():
+    start, waits = Ordered(1, 7), "waiting up to 10 s for action server insert"
+    view = after(READY, start)
+    assert state_words(view, waits=False) == "starting"
+    view = step(view, Troubled(waits))
+    assert state_words(view, waits=False) == f"starting: {waits}"
+    assert state_words(step(view, STARTED), waits=False) == "running"
+    refused = step(view, EngineStatus(11, 7))
+    assert (state_words(refused, waits=False), refused.has_failed) == ("idle", True)
+    assert not step(view, Ordered(None)).is_starting, "it could not be sent"
+    assert not step(view, EngineSeen(False)).is_starting
+    assert not step(after(READY, start, STARTED), start).is_starting, "a switch"
 
 
 def test_a_state_that_arrives_before_the_start_of_its_run_counts():

@@ -1,5 +1,7 @@
 """Sessions of pages: each has its own, and unsaved changes outlive a page; no ROS."""
 
+import time
+
 import pytest
 
 from remodel_console.core.commands import read_command
@@ -18,9 +20,9 @@ def sessions():
 class Browser:
     """A page that can be closed."""
 
-    def __init__(self, sessions, key=""):
+    def __init__(self, sessions, key="", who=""):
         self.is_open = True
-        self.key, self.session = sessions.take(key, lambda: self.is_open)
+        self.key, self.session = sessions.take(key, lambda: self.is_open, who)
 
 
 def test_pages_do_not_share_a_session_while_they_are_shown(sessions):
@@ -33,16 +35,40 @@ def test_pages_do_not_share_a_session_while_they_are_shown(sessions):
 def test_a_reload_continues_the_session_and_unsaved_work_outlives_its_page(sessions):
     first = Browser(sessions)
     first.session.open(new_chart("Mine", "/charts/mine.xml"))
-    assert sessions.left_unsaved() == {}
+    assert sessions.left_unsaved() == ()
     first.is_open = False
-    assert sessions.left_unsaved() == {first.key: "Mine"}
+    assert [(left.key, left.name) for left in sessions.left_unsaved()] == [(first.key, "Mine")]
     Browser(sessions)
     again = Browser(sessions, first.key)
     assert again.session is first.session
     again.is_open = False
     sessions.discard(first.key)
-    assert sessions.left_unsaved() == {}
+    assert sessions.left_unsaved() == ()
     assert Browser(sessions, first.key).session is not first.session
+
+
+def test_unsaved_changes_of_a_chart_are_offered_once_with_the_time_of_the_last(sessions):
+    pages = [Browser(sessions), Browser(sessions)]
+    for page, at_s in zip(pages, (2e9, 1e9), strict=True):
+        page.session.open(new_chart("Mine", "/charts/mine.xml"))
+        page.session.changed_at_s = at_s
+        page.is_open = False
+    (left,) = sessions.left_unsaved()
+    assert left.key == pages[0].key
+    assert left.changed_at == time.strftime("%H:%M", time.localtime(2e9))
+    sessions.discard(left.key)
+    assert [left.key for left in sessions.left_unsaved()] == [pages[1].key], "nothing is lost"
+
+
+def test_who_else_has_a_chart_open_is_known(sessions):
+    mine, theirs = Browser(sessions, who="Ann"), Browser(sessions, who="Bob")
+    mine.session.open(new_chart("Mine", "/charts/mine.xml"))
+    assert sessions.others_at(mine.key) == ()
+    theirs.session.open(new_chart("Mine", "/charts/mine.xml"))
+    assert sessions.others_at(mine.key) == ("Bob",)
+    assert sessions.others_at(theirs.key) == ("Ann",)
+    theirs.is_open = False
+    assert sessions.others_at(mine.key) == ()
 
 
 def test_every_session_reports_changes_and_asks_the_server_once_it_is_connected(sessions):

@@ -5,14 +5,17 @@ import re
 import shutil
 import signal
 from pathlib import Path
+from types import SimpleNamespace
 
 import pytest
 
+from remodel_console.console import Console
 from remodel_console.core.commands import read_command
 from remodel_console.core.editor import chart_edit
+from remodel_console.edge.catalogue import Catalogue
 from remodel_console.edge.chart_folders import ChartFolders
 from remodel_console.edge.inspect_chart import inspect_text
-from remodel_console.edge.workspace import Workspace
+from remodel_console.edge.workspace import GENERATED, Workspace
 from remodel_console.errors import CommandError
 from remodel_console.session import Session
 
@@ -89,10 +92,39 @@ def test_what_is_no_chart_blocks_nothing(package, user_charts, workspace, give, 
     give("save")
     assert "Say hello" in give("findStateUsage flexbe_states.LogState")
     assert "Secret" not in workspace.names()
+    assert list(workspace.too_large()) == ["large.xml"]
+    assert "large.xml has 8192.0 MiB; charts have 4 at most" in workspace.too_large()["large.xml"]
     for name in ("fifo.xml", "folder.xml", "zero.xml", "secret.xml", "gone.xml", "large.xml"):
         assert workspace.text_of(name) == ""
         with pytest.raises(CommandError):
             give(f"synthesize Box i: start g: {user_charts / name}")
+
+
+def test_a_new_chart_goes_into_a_package_of_the_user(package, user_charts, tmp_path):
+    assert Workspace(str(package), lambda: (user_charts,)).own_folder == user_charts
+    assert Workspace(str(package)).own_folder == package / "charts"
+    own = [tmp_path / name for name in ("lab_behaviors", "remodel_order_behaviors", "my_behaviors")]
+    for folder in own:
+        shutil.copytree(package, folder)
+        file = folder / "package.xml"
+        file.write_text(file.read_text().replace("<name>remodel_behaviors", f"<name>{folder.name}"))
+    path = ":".join(map(str, (package, *own)))
+    assert Workspace(path, lambda: (user_charts,)).own_folder == own[0] / "charts"
+    mine = Workspace(path, lambda: (user_charts,), output="my_behaviors")
+    assert mine.own_folder == own[2] / "charts"
+
+
+def test_behaviors_that_the_supervisor_has_made_are_known_from_others(package, tmp_path):
+    made = Path(shutil.copytree(package, tmp_path / GENERATED))
+    for file in (made / "package.xml", *(made / "manifest").glob("*.xml")):
+        file.write_text(file.read_text().replace("remodel_behaviors", GENERATED))
+    (made / "src" / "remodel_behaviors").rename(made / "src" / GENERATED)
+    for folder, is_generated in ((package, False), (made, True)):
+        path = str(folder)
+        console = SimpleNamespace(catalogue=Catalogue(path), workspace=Workspace(path))
+        names = Console.list_names(console)
+        assert names
+        assert console.generated == (set(names) if is_generated else set())
 
 
 def test_folders_that_take_too_long_are_named(package, monkeypatch):

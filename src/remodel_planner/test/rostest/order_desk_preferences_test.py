@@ -1,8 +1,6 @@
 #!/usr/bin/env python3
 """Two people prepare an order with preferences at the order desk, and it is run by these."""
 
-import re
-
 import rospy
 import rostest
 from order_client import OrderClient
@@ -15,6 +13,13 @@ from remodel_supervision.core.runs.events import Ending, TaskBegun
 
 MARKUP = "<img src=x onerror='document.title=1'>"
 OWN_HEADINGS = f"aaa;bbb;ccc;ddd;eee\nK1:1;X1:1;1;W1;0.6\nK1:2;X1:2;1;{MARKUP};0.6\n"
+MEANINGS = {
+    "aaa": "First end: component and terminal",
+    "bbb": "Second end: component and terminal",
+    "ccc": "Section",
+    "ddd": "Wire",
+    "eee": "Length",
+}
 LIST = """Wire,From,To,Section mm2,Colour,Shelf,Length mm
 W1,K1:1,X1:1,1,BU,a,600
 W2,K1:2,X1:2,1,BK,b,600
@@ -98,6 +103,9 @@ require:
         expect(page.locator(".explanation")).to_contain_text("black late")
         page.get_by_text("Tasks in their order").click()
         self.assertEqual(self.planned(), ["W4", "W2", "W1"])
+        black = "black late: W1 should be picked before W2"
+        expect(page.locator("details tr", has_text="W1").last).to_contain_text(black)
+        expect(page.locator(".violated")).to_have_text("Violated: W1 should be picked before W2")
         page.locator(".order-desk").evaluate("(desk) => desk.scrollTo(0, 0)")
         page.set_viewport_size({"width": 1280, "height": 1500})
         self.take_picture(page, "order-desk")
@@ -143,20 +151,24 @@ require:
         expect(refused).to_contain_text("own.csv: line 1: 'aaa;bbb;ccc;ddd;eee' begins no format")
         self.assertEqual(self.recorded()[-1], ("import own.csv", "failed"))
         expect(page.get_by_role("button", name="Start the order")).to_have_count(0)
-        self.press(page, "Draft the mapping")
-        mapping = page.get_by_label("Mapping as YAML")
-        expect(mapping).to_have_value(re.compile('not used: "aaa"'), timeout=WORK_MS)
-        mapping.fill(
-            "format: remodel-wire-list-1\nname: ours\n"
-            "columns: {from: aaa, to: bbb, section: ccc, wire: ddd, length: eee}\n"
-            "units: {length: m}\nterminal_separator: ':'\n"
-        )
-        self.press(page, "Read the file by this mapping")
+        expect(page.locator("table.columns tr").nth(1)).to_contain_text("K1:1")
+        read = "Read the file by these columns"
+        for heading, meaning in {"aaa": "Wire", "bbb": "Wire"}.items():
+            self.choose(page, heading, meaning)
+        self.press(page, read)
+        expect(page.get_by_role("alert").last).to_contain_text("'aaa' and 'bbb' are both 'Wire'")
+        for heading, meaning in MEANINGS.items():
+            self.choose(page, heading, meaning)
+        self.choose(page, "Lengths without a unit", "m")
+        self.take_picture(page, "columns")
+        self.press(page, read)
         expect(page.locator(".plan-words")).to_contain_text("2 tasks in", timeout=WORK_MS)
         expect(refused).to_have_count(0)
         page.get_by_text("Tasks in their order").click()
         self.assertEqual(set(self.planned()), {"W1", MARKUP})
         self.assertIn("Order desk", page.title())
+        self.press(page, "Columns")  # of a list that was read, to be corrected
+        expect(page.locator("table.columns")).to_contain_text("eee")
         self.press(page, "Remove own.csv")
         self.press(page.get_by_role("dialog"), "Remove")
         expect(page.locator(".draft")).to_have_count(0)

@@ -157,6 +157,21 @@ def test_a_cable_that_requirements_tear_apart_is_planned_and_named(tmp_path, dat
     said = capsys.readouterr().out
     assert "\ncable C1 is in 2 parts: " in said
     assert " by robot_1; order constraints keep its cores apart\n" in said
+    late = tmp_path / "late.yaml"
+    late.write_text(
+        "format: remodel-preferences-1\nprefer:\n"
+        "  - {name: late, pick: C1.2, before: C1.1, weight: 1}\n"
+    )
+    assert plan.main([*order, *wanted, "--preferences", str(late), "--json"]) == 0
+    printed = capsys.readouterr()
+    assert {"reason": "late", "wires": ["C1.2", "C1.1"]}.items() <= next(
+        each for each in json.loads(printed.out)["violations"] if each["reason"]
+    ).items()
+    assert printed.err.splitlines() == [
+        "stage 1/3: reading the order",
+        "stage 2/3: making a first plan",
+        "stage 3/3: searching for a better plan",
+    ]
     assert check.main([str(plan_file), *order, *wanted[:2]]) == 0
 
 
@@ -328,7 +343,7 @@ def test_an_account_and_a_plan_are_printed_for_programs(tmp_path, database, caps
     said = json.loads(printed.out)
     (conflict,) = said["conflicts"]
     assert [(each["entry"]["name"], each["index"]) for each in conflict] == [("up", 0), ("down", 1)]
-    assert printed.err == f"plan: {said['error']}\n"
+    assert printed.err == f"stage 1/3: reading the order\nplan: {said['error']}\n"
 
 
 def test_a_placement_says_what_is_in_the_door(tmp_path, database, capsys):
@@ -353,6 +368,11 @@ def test_a_list_with_headings_of_its_own_needs_its_mapping(tmp_path, database, c
     )
     assert import_design.main([str(file), "--database", database, "--print-mapping"]) == 0
     assert '  # not used: "Hier"\n' in capsys.readouterr().out
+    printing = [str(file), "--database", database, "--print-mapping", "--json"]
+    assert import_design.main(printing) == 0
+    columns = json.loads(capsys.readouterr().out)
+    assert (columns["headings"], columns["rows"]) == (["Hier", "Dort"], [["A:1", "B:1"]])
+    assert (columns["columns"], columns["fields"][0]) == ({}, "from")
     mapping.write_text("format: remodel-wire-list-1\ncolumns: {from: Hier, to: Da}\n")
     arguments = [str(file), "--order", "mine", "--database", database, "--mapping", str(mapping)]
     assert import_design.main(arguments) == 1

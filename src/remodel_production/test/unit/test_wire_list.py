@@ -309,15 +309,19 @@ def test_the_mapping_that_is_drafted_reads_the_list_as_it_was_read(layout):
     separator = next(sign for sign in "\t;," if sign in headings)
     cells = ("W7", "K1", "A1", "X2", "3", *quantities)
     text = f"{headings}{separator}Remark\n{separator.join(cells)}{separator}spare\n"
-    draft = mapping_draft(text.encode(), CATALOGUE, MAPPINGS)
+    draft = mapping_draft(text.encode(), CATALOGUE, MAPPINGS).text
     assert '  # not used: "Remark"\n' in draft
     assert rows(read(text, mapping_from(draft))) == rows(read(text))
 
 
 def test_the_mapping_of_a_list_that_is_not_understood_is_drafted_as_far_as_it_goes():
     draft = mapping_draft(
-        "Cut list\nAb;Nach;Länge [cm]\nK1:1;X1:2;7\n".encode(), CATALOGUE, MAPPINGS
+        "Cut list\nAb;Nach;Länge [cm]\nK1:1;X1:2;7\nK1:2;X1:3;8;9\n".encode(), CATALOGUE, MAPPINGS
     )
+    assert draft.rows == (("K1:1", "X1:2", "7"),), "up to the row that cannot be read"
+    assert draft.document["columns"] == {"to": "Nach", "length": "Länge [cm]"}
+    assert draft.document["separator"] == ";"
+    draft = draft.text
     assert '  to: "Nach"\n' in draft
     assert "  # missing: from, or from_component\n" in draft
     assert '  # not used: "Ab"\n' in draft

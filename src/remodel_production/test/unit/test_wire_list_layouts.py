@@ -187,7 +187,7 @@ def test_a_layout_is_read_whole(layout):
 @pytest.mark.parametrize("layout", [name for name in LAYOUTS if "thousands" not in name])
 def test_the_mapping_that_is_printed_reads_the_list_alike(layout):
     text, wires, _ = LAYOUTS[layout]
-    mapping = mapping_from(mapping_draft(text.encode(), CATALOGUE, MAPPINGS))
+    mapping = mapping_from(mapping_draft(text.encode(), CATALOGUE, MAPPINGS).text)
     assert rows(read(text, mapping)) == wires
 
 
@@ -362,7 +362,7 @@ def test_a_mapping_may_name_the_columns_of_a_pin_list():
     text = "format: remodel-wire-list-1\ncolumns: {wire: N, component: C, terminal: P}\n"
     imported = read("N,C,P\nW1,A,1\nW1,B,2\n", mapping_from(text))
     assert rows(imported) == [("W1", "A:1", "B:2", "BK", 2.5, None)]
-    draft = mapping_draft(b"Device,Pin,Wire\nA,1,W1\nB,1,W1\n", CATALOGUE, MAPPINGS)
+    draft = mapping_draft(b"Device,Pin,Wire\nA,1,W1\nB,1,W1\n", CATALOGUE, MAPPINGS).text
     assert read("Device,Pin,Wire\nA,1,W1\nB,1,W1\n", mapping_from(draft)).order.wires
     assert "missing" not in draft
     with pytest.raises(DesignError, match="or a line for each with `wire`, `component` and `term"):

@@ -113,6 +113,15 @@ class PreparingTest(unittest.TestCase):
         self.assert_finishes("preempted")
         self.assertEqual(self.said(), [])
 
+    def test_what_it_waits_for_is_reported_and_a_preempt_ends_the_wait(self):
+        self.prepare()
+        self.begin("wait")
+        waits = "waiting up to 600 s for action server nobody/serves"
+        self.assertIsNotNone(self.engine.log.wait(lambda m: m.text == waits))
+        self.engine.send("command/preempt", Empty())
+        self.assert_finishes("preempted")
+        self.assertEqual(self.said(), [])
+
     def test_what_a_behavior_that_was_not_started_got_does_not_hold_for_the_next(self):
         self.prepare(pause=True)
         self.begin("fail")

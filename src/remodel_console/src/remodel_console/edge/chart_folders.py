@@ -8,10 +8,15 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 
 from flexbe_synthesizer.core.chart.names import behavior_file
-from flexbe_synthesizer.edge.chart_files import chart_names, confined_to, read_chart_file
+from flexbe_synthesizer.edge.chart_files import (
+    LARGEST_FILE,
+    chart_names,
+    confined_to,
+    read_chart_file,
+)
 from flexbe_synthesizer.errors import ChartFileError
 from remodel_console.core.editor.draft import Draft, read_draft
-from remodel_console.errors import CommandError
+from remodel_console.errors import CommandError, FileChangedError
 
 # Beside a chart: what was saved of it while it had errors. No program but the editor reads it.
 _KEPT = ".draft"
@@ -35,6 +40,14 @@ class ChartFolders:
             CommandError: if that takes too long.
         """
         return chart_names(self.folders, self._deadline())
+
+    def too_large(self) -> Iterator[tuple[str, str]]:
+        """Yield name and reason of each file that is not opened since it is too large."""
+        for folder in self.folders:
+            for path in sorted(folder.glob("*.xml")):
+                if path.is_file() and path.stat().st_size > LARGEST_FILE:
+                    size = f"{path.stat().st_size / 2**20:.1f} MiB"
+                    yield path.name, f"{path} has {size}; charts have {LARGEST_FILE >> 20} at most"
 
     def kept_drafts(self) -> Iterator[tuple[str, Draft]]:
         """Yield name and draft of what was kept of charts that were never saved."""
@@ -74,10 +87,11 @@ class ChartFolders:
         except (ChartFileError, OSError) as error:
             raise CommandError(str(error)) from error
         if now is not None and now != draft.origin:
-            raise CommandError(
-                f"{file} was changed by another program since it was "
+            raise FileChangedError(
+                f"{file} was changed elsewhere since it was "
                 f"{'opened' if draft.origin is None else 'loaded'}, and saving would undo that; "
-                "load it again, or move it away and save then"
+                "load it again, or save this chart under another name",
+                now.decode(errors="replace"),
             )
         if now is None and draft.origin is not None:
             return  # it was deleted: saving brings it back

@@ -33,7 +33,7 @@ class LogFile:
         self._is_written = True
         path.parent.mkdir(parents=True, exist_ok=True)
         path.open("a").close()
-        self._lines = deque(_lines(path), maxlen=_KEPT)
+        self._lines = deque(_lines(path, _KEPT), maxlen=_KEPT)
         self._count = len(self._lines)
         self._try(self._write_again)
 
@@ -41,6 +41,11 @@ class LogFile:
     def lines(self) -> tuple[LogLine, ...]:
         """Return the last lines."""
         return tuple(self._lines)
+
+    def all_lines(self) -> tuple[LogLine, ...]:
+        """Return all lines that the file has; where it cannot be written, the last ones."""
+        with self._lock:
+            return tuple(_lines(self._path, _LONGEST) if self._is_written else self._lines)
 
     def write(self, line: LogLine) -> None:
         """Keep a line."""
@@ -77,12 +82,12 @@ def _text(line: LogLine) -> str:
     return json.dumps([line.time_s, line.code, line.text]) + "\n"
 
 
-def _lines(path: Path) -> list[LogLine]:
-    """Return the lines of a file; one that was cut off when the console was killed is left out."""
+def _lines(path: Path, most: int) -> list[LogLine]:
+    """Return the last lines of a file; one that a killed console has cut off is left out."""
     if not path.exists():
         return []
     found = []
-    for text in path.read_text(encoding="utf-8").splitlines()[-_KEPT:]:
+    for text in path.read_text(encoding="utf-8").splitlines()[-most:]:
         try:
             found.append(LogLine(*json.loads(text)))
         except (ValueError, TypeError):

@@ -40,6 +40,8 @@ from remodel_console.edge.chart_folders import ChartFolders, kept_file
 from remodel_console.errors import ChartErrorsError, CommandError
 
 OUTPUT = "remodel_behaviors"  # package of the behaviors whose charts lie in none, as of the server
+_SHIPPED = ("remodel_", "flexbe_")  # what names of packages that are no user's begin with
+GENERATED = "remodel_order_behaviors"  # package that the supervisor writes, a chart for each task
 
 
 @dataclass(frozen=True)
@@ -63,6 +65,18 @@ class Workspace:
         """Return `charts/` of all packages that export behaviors, then the other folders."""
         packages = self._inventory().packages
         return (*(p.folder / "charts" for p in packages if p.has_behaviors), *self.more_folders())
+
+    @property
+    def own_folder(self) -> Path:
+        """Return where a user's new chart goes: into a package of the user, if there is one."""
+        packages = [package for package in self._inventory().packages if package.has_behaviors]
+        folders = {package.name: package.folder / "charts" for package in packages}
+        own = [name for name in folders if not name.startswith(_SHIPPED)]
+        if self.output in own:
+            return folders[self.output]
+        if own:
+            return folders[own[0]]
+        return next(iter((*self.more_folders(), *folders.values())))
 
     def folder_words(self) -> Iterator[tuple[Path, str]]:
         """Yield each chart folder, and what a person calls it."""
@@ -138,6 +152,10 @@ class Workspace:
         """Return the names of all charts."""
         folders = self._folders()
         return tuple({**dict(folders.names()), **dict(folders.kept_drafts())})
+
+    def too_large(self) -> dict[str, str]:
+        """Return why files of the folders are not opened, by name."""
+        return dict(self._folders().too_large())
 
     def read(self, path: str) -> Chart:
         """Return the chart of a file that lies in the chart folders.

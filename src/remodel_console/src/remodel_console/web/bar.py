@@ -32,7 +32,7 @@ PAGES = (
 )
 Keys = tuple[tuple[str, str], ...]
 # On a phone, the tabs are wider than the page.
-_SHOW_TAB = (
+SHOW_TAB = (
     "document.querySelector('.bar .here')?.scrollIntoView({ inline: 'center', block: 'nearest' })"
 )
 
@@ -85,7 +85,7 @@ class Bar:
                     link.props(f'title="Alt+{number}" accesskey="{number}"')
                     if name == title:
                         link.classes("here").props('aria-current="page"')
-            ui.run_javascript(_SHOW_TAB)
+            ui.run_javascript(SHOW_TAB)
             ui.space()
             settings = {"notify": self._notify, "sound": self._sound}
             self._attention = Attention(f"{title} · REMODEL", on_hidden, **settings)

@@ -102,6 +102,12 @@ class BehaviorDrawing:
         found = {drawn_path(path, self._paths) for path in breakpoints} - {""}
         return frozenset(path for path in found if self.engine_paths(path) & breakpoints)
 
+    def count_breakpoints(self, breakpoints: frozenset[str]) -> int:
+        """Return how many a person has set: of one state, the engine may have several paths."""
+        states = self.with_breakpoint(breakpoints)
+        own = frozenset(path for state in states for path in self.engine_paths(state))
+        return len(states) + len(breakpoints - own)
+
     def mark_breakpoints(self, breakpoints: frozenset[str]) -> None:
         """Mark the states that have a breakpoint; a closed container if one inside has."""
         self._breakpoints = breakpoints

@@ -12,8 +12,9 @@ from remodel_console.core.inbox import Card, Kind, Option
 from remodel_console.core.input_value import as_literal, value_words
 from remodel_console.core.use_case.use_case import duration_words
 from remodel_console.core.world import World
+from remodel_console.web.bar import SHOW_TAB
 
-_SHOW_PAGE = "() => document.body.classList.toggle('whole-page')"
+_SHOW_PAGE = f"() => {{ document.body.classList.toggle('whole-page'); {SHOW_TAB}; }}"
 
 
 class Button(Protocol):

@@ -138,12 +138,15 @@ class Page:
         role = needs or self.NEEDS
         answer = await on_own_thread(lambda: self.console.desk.give(actor, command, deed, role))
         is_shown = shows_error or answer.state == REFUSED
-        if answer.state != DONE and is_shown and not self._dialogs.is_deleted:
-            with self._dialogs:
-                ui.notify(
-                    answer.words, type="negative", multi_line=True, close_button="OK", timeout=0
-                )
+        if answer.state != DONE and is_shown:
+            self.show_error(answer.words)
         return answer
+
+    def show_error(self, words: str) -> None:
+        """Show why a command failed, until it is closed."""
+        if not self._dialogs.is_deleted:
+            with self._dialogs:
+                ui.notify(words, type="negative", multi_line=True, close_button="OK", timeout=0)
 
     def go_to(self, address: str) -> None:
         """Show another page, also when what was pressed for it is gone by now."""

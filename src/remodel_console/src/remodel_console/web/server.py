@@ -18,6 +18,7 @@ from remodel_console.web.configuration_page import ConfigurationPage
 from remodel_console.web.editor.editing_page import SESSION, released
 from remodel_console.web.editor.editor_page import EditorPage
 from remodel_console.web.guard import Guard, Users
+from remodel_console.web.metrics import metrics_of
 from remodel_console.web.order_desk.design_upload import take_design
 from remodel_console.web.order_desk.order_desk_page import ADDRESS, FILE_ADDRESS, OrderDeskPage
 from remodel_console.web.overview.overview_page import OverviewPage
@@ -65,6 +66,16 @@ def serve(console: Console, port: int, users: Users | None = None) -> None:
         if found is None:
             return Response("no picture of this camera", 404)
         return Response(found.jpeg, media_type="image/jpeg", headers={"Cache-Control": "no-store"})
+
+    @app.get("/log.txt")
+    async def log() -> Response:
+        text = await on_thread.io_bound(console.live.exported_log)
+        headers = {"Content-Disposition": "attachment; filename=remodel-log.txt"}
+        return Response(text, media_type="text/plain; charset=utf-8", headers=headers)
+
+    @app.get("/metrics")
+    def metrics() -> Response:
+        return metrics_of(console.live.world)
 
     @app.get("/mesh/{number}")
     async def mesh(number: int) -> Response:

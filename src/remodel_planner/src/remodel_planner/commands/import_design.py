@@ -127,9 +127,10 @@ def main(arguments: list[str] | None = None) -> int:
     if options.print_mapping:
         data, mappings = read_design(options.file), read_mappings(options.mapping)
         with blamed(options.file):
-            print(mapping_draft(data, catalogue, mappings), end="")
+            draft = mapping_draft(data, catalogue, mappings)
+        print(json.dumps(draft.document) if options.json else draft.text.rstrip("\n"))
         return 0
-    with stages(4) as begin:
+    with stages(4, is_json=options.json) as begin:
         begin(f"reading {options.file.name}")
         imported = _read(options, name, read_placement(options.placement, catalogue))
         begin("laying out the board")

@@ -104,7 +104,7 @@ def _relax(error: ConflictError, options: argparse.Namespace) -> None:
 
 
 def _plan(options: argparse.Namespace) -> None:
-    with stages(3) as begin:
+    with stages(3, is_json=options.json) as begin:
         begin("reading the order")
         files = read_problem(options)
         problem = files.problem
@@ -125,7 +125,7 @@ def _plan(options: argparse.Namespace) -> None:
         _write(best, options.output)
     triage = files.prepared.order if files.prepared is not None else None
     if options.json:
-        document = {**plan_document(best), "search": _ending(result, limits)}
+        document = {**plan_document(best, files.preferred), "search": _ending(result, limits)}
         if triage is not None:
             document["triage"] = triage_document(triage)
         print(json.dumps(document))

@@ -12,6 +12,7 @@ from actionlib_msgs.msg import GoalID, GoalStatusArray
 from genpy import Message
 
 from flexbe_core.proxy.goal import Goal
+from flexbe_core.proxy.waits import WAITS
 from flexbe_core.ros import clock
 from flexbe_core.ros.connections import hears, senders
 from flexbe_core.ros.waiting import Waiting
@@ -85,11 +86,11 @@ class ActionConnection:
         is_logged = False
         while not self.is_available():
             waited = time.monotonic() - start
-            if waited >= limit_s or rospy.is_shutdown():
+            if waited >= limit_s or rospy.is_shutdown() or WAITS.is_stopped():
                 return False
             if not is_logged and waited > _LOG_AFTER_S:
                 is_logged = True
-                rospy.logwarn("waiting up to %g s for action server %s", limit_s, self._topic)
+                WAITS.report(f"waiting up to {limit_s:g} s for action server {self._topic}")
             self._changed.wait(_CHECK_EVERY_S)
             self._changed.clear()
         if is_logged:

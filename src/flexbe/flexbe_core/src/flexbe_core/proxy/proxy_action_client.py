@@ -12,6 +12,7 @@ from genpy import Message
 
 from flexbe_core.proxy.action_connection import ActionConnection
 from flexbe_core.proxy.goal import Goal
+from flexbe_core.proxy.waits import WAITS
 
 # [s] How long send_goal waits for a server that was not there at set-up.
 _RETRY_S = 1.0
@@ -52,7 +53,7 @@ class ProxyActionClient:
         if topic in self._connections:
             return
         connection = self._connections[topic] = ActionConnection(topic, action_type)
-        if not connection.wait(wait_duration):
+        if not connection.wait(wait_duration) and not WAITS.is_stopped():
             rospy.logerr("action server %s is not there after %g s", topic, wait_duration)
 
     def send_goal(self, topic: str, goal: Message) -> None:

@@ -10,7 +10,7 @@ A request for another version of the running behavior switches to it: the active
 the new version, locked. Any other request during a run is refused, and changes nothing.
 
 Commands that stay in force (pause, lock, autonomy, attach, preempt) and arrive while a behavior is
-prepared are in force when its first state is due.
+prepared are in force when its first state is due. A preempt also ends the wait for action servers.
 """
 
 from __future__ import annotations
@@ -29,6 +29,7 @@ from flexbe_core import Behavior, BehaviorLibrary, Logger
 from flexbe_core.engine.errors import BehaviorFailure, StateMachineError
 from flexbe_core.engine.migration import MigratingState
 from flexbe_core.proxy.proxy_action_client import cancel_all_goals
+from flexbe_core.proxy.waits import WAITS
 from flexbe_core.ros import session
 from flexbe_core.ros.command_hub import HUB
 from flexbe_core.ros.topics import START_AT
@@ -87,6 +88,7 @@ class EngineNode:
         self._behavior: Behavior | None = None
         self._worker: threading.Thread | None = None
         self._started_at = 0.0
+        self._preempts = 0  # that had arrived when the behavior began to be prepared
         self._switch: BehaviorSelection | None = None
         self._successor: Behavior | None = None
         self._status = rospy.Publisher("flexbe/status", BEStatus, latch=True, queue_size=100)
@@ -95,6 +97,7 @@ class EngineNode:
         self._heartbeat = Heartbeat(watch.check)
         self._userdata_service = UserdataService(lambda: self._behavior)
         session.connect()
+        WAITS.report, WAITS.is_stopped = Logger.logwarn, self._is_start_stopped
         self._library = BehaviorLibrary()
         self._freshness = ModuleFreshness()
         rospy.on_shutdown(self._stop)
@@ -106,7 +109,7 @@ class EngineNode:
         with self._lock:
             phase = self._phase
             if phase is Phase.IDLE:
-                self._phase = Phase.PREPARING
+                self._phase, self._preempts = Phase.PREPARING, HUB.preempts
                 HUB.hold()
             elif phase is Phase.RUNNING:
                 self._phase, self._switch = Phase.SWITCHING, request
@@ -118,6 +121,10 @@ class EngineNode:
         else:
             text = f"the engine is {phase.value} another; try again"
             self._refuse(request, SwitchPhase.FAILED, text)
+
+    def _is_start_stopped(self) -> bool:
+        """Return whether an operator has stopped the behavior while it is prepared."""
+        return self._phase is Phase.PREPARING and HUB.preempts != self._preempts
 
     def _work(self, request: BehaviorSelection) -> None:
         """Prepare and run the behavior of a request, and its successors, in the run's thread."""
@@ -202,6 +209,7 @@ class EngineNode:
             return False
         with self._lock:
             self._phase, self._switch, self._successor = Phase.PREPARING, None, behavior
+            self._preempts = HUB.preempts
             HUB.hold()
         self._feedback.publish("switch", [SwitchPhase.PREPARED.value])
         return True

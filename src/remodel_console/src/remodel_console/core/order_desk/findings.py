@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 from dataclasses import dataclass, field
+from functools import cached_property
 from typing import Any, TypeVar
 
 import msgspec
@@ -11,6 +12,7 @@ import msgspec
 from remodel_console.errors import CommandError
 
 T = TypeVar("T")
+_PLANNED_AT_ONCE = 3000  # tasks, which are planned in 10 s of CPU time
 
 
 @dataclass(frozen=True)
@@ -75,6 +77,11 @@ class Triage:
     by_hand: tuple[ByHand, ...] = ()
     outside: tuple[ByHand, ...] = ()
 
+    @property
+    def is_long(self) -> bool:
+        """Return whether a plan takes minutes: a person says whether it is wanted."""
+        return len(self.robot) > _PLANNED_AT_ONCE
+
 
 @dataclass(frozen=True)
 class CellFit:
@@ -135,6 +142,15 @@ class PlannedAction:
 
 
 @dataclass(frozen=True)
+class Violated:
+    """A preference that a plan violates, by its name, the wires that show it, and how."""
+
+    reason: str
+    wires: tuple[str, ...]
+    words: str
+
+
+@dataclass(frozen=True)
 class Plan:
     """A plan.
 
@@ -145,6 +161,7 @@ class Plan:
         cables: wires by the cables that they are cores of.
         split_cables: a line for each cable whose cores the plan could not keep together.
         search: how it ended.
+        violations: of preferences, the first thousand.
     """
 
     cost: int
@@ -157,7 +174,18 @@ class Plan:
     search: str
     cables: dict[str, tuple[str, ...]] = field(default_factory=dict)
     split_cables: tuple[str, ...] = ()
+    violations: tuple[Violated, ...] = ()
     triage: Triage | None = None
+
+    @cached_property
+    def violated(self) -> dict[str, tuple[str, ...]]:
+        """Return what the plan violates of preferences, in words, by wire."""
+        found: dict[str, tuple[str, ...]] = {}
+        for each in self.violations:
+            words = f"{each.reason}: {each.words}" if each.reason else each.words
+            for wire in each.wires:
+                found[wire] = (*found.get(wire, ()), words)
+        return found
 
 
 @dataclass(frozen=True)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import html
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from itertools import groupby
 from typing import Any
@@ -24,6 +24,7 @@ ACTION_WORDS = {
 _LANE = 34  # [pixels] height
 _AROUND = 110  # [pixels] above and below the lanes: legend, axis, slider
 _TASKS = "task"
+_NAMED = 3  # violated preferences of a task
 # A rectangle from the start to the end, with its text if there is room.
 _DRAW = """(params, api) => {
   const [x, y] = api.coord([api.value(1), api.value(0)]), right = api.coord([api.value(2), 0])[0];
@@ -89,6 +90,13 @@ def _wire_times(plan: Plan) -> tuple[TaskTime, ...]:
         wire, arm = action.wire, action.arm
         found[wire, arm] = TaskTime(wire, (wire,), arm, start_s, end_s)
     return tuple(sorted(found.values(), key=lambda each: each.start_s))
+
+
+def violated_words(plan: Plan, wires: Iterable[str]) -> str:
+    """Return what a plan violates of preferences about some wires, the first three of them."""
+    found = tuple(dict.fromkeys(words for wire in wires for words in plan.violated.get(wire, ())))
+    more = (f"and {len(found) - _NAMED} more",) if len(found) > _NAMED else ()
+    return "; ".join((*found[:_NAMED], *more))
 
 
 def gantt_plot(plan: Plan) -> dict[str, Any]:
@@ -172,7 +180,10 @@ def gantt_height(plan: Plan) -> int:
 def _task_bars(plan: Plan, lane: dict[str, int]) -> Iterator[list[object]]:
     for each in task_times(plan):
         place = lane[f"{each.arm} {_TASKS}s"]
-        yield _bar(place, each.start_s, each.end_s - each.start_s, each.task, each.words)
+        violated = violated_words(plan, each.wires)
+        label = f"⚠ {each.task}" if violated else each.task
+        words = f"{each.words} ({violated})" if violated else each.words
+        yield _bar(place, each.start_s, each.end_s - each.start_s, label, words)
 
 
 def _bar(lane: int, start_s: float, duration_s: float, label: str, words: str) -> list[object]:

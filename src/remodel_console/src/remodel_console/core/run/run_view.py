@@ -160,6 +160,8 @@ class RunView:
         announced: path of a state published before the start of its run; topics have no order.
         announced_level: the same of an autonomy level; None if none was.
         ordered: what this console ordered last about starting and levels.
+        is_starting: this console has ordered a start, and the engine prepares it.
+        waits_for: what the engine waits for meanwhile, in the words of its log.
     """
 
     phase: Phase = Phase.AWAY
@@ -183,6 +185,8 @@ class RunView:
     announced: str = ""
     announced_level: int | None = None
     ordered: Ordered = Ordered(None)
+    is_starting: bool = False
+    waits_for: str = ""
 
     @property
     def is_supervised(self) -> bool:
@@ -255,7 +259,8 @@ def step(view: RunView, event: Event) -> RunView:
     if isinstance(event, Structure):
         view = replace(view, structure=event)
         return view if view.left is None else _after_left(view, view.left)
-    return replace(view, ordered=event)
+    is_starting = view.phase is Phase.IDLE and event.source_checksum is not None
+    return replace(view, ordered=event, is_starting=is_starting, waits_for="")
 
 
 def _on_engine(view: RunView, event: EngineSeen) -> RunView:
@@ -312,6 +317,8 @@ def _idle(view: RunView) -> RunView:
 
 def _on_trouble(view: RunView, event: Troubled) -> RunView:
     """Return the view with what may have caused a failure; topics have no order."""
+    if view.is_starting:
+        return replace(view, waits_for=event.text)
     is_late = view.phase is Phase.IDLE and view.ended_with in FAILURES and not view.trouble
     return replace(view, trouble=event.text) if view.phase is Phase.RUNNING or is_late else view
 

@@ -9,6 +9,8 @@ def state_words(view: RunView, *, waits: bool) -> str:
     """Return the state of the run; `waits`: for a value, a decision or a confirmation."""
     if view.phase is Phase.AWAY:
         return "no engine"
+    if view.is_starting:
+        return f"starting: {view.waits_for}" if view.waits_for else "starting"
     if view.phase is Phase.IDLE:
         return "idle"
     if waits or view.asked is not None:

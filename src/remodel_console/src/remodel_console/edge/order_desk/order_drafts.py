@@ -9,12 +9,14 @@ from __future__ import annotations
 import secrets
 import shutil
 import threading
+import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Protocol
 
+from remodel_console.core.order_desk.columns import ListColumns
 from remodel_console.core.order_desk.findings import Imported, NoPlan, Plan, read_findings
 from remodel_console.core.order_desk.preferences import (
     Document,
@@ -31,13 +33,17 @@ _OWN = ".draft"
 _PLAN, _BOARD, _DATABASE = f"{_OWN}/plan.json", f"{_OWN}/board.svg", f"{_OWN}/orders.sqlite"
 _PREFERENCES, _MAPPING = f"{_OWN}/preferences.yaml", f"{_OWN}/mapping.yaml"
 _SEARCH_S = "2"
+_CANCELLED = "cancelled"
+LISTS = (".csv", ".tsv", ".txt", ".xlsx", ".xlsm")  # files whose columns may need a mapping
 
 
 class Planner(Protocol):
     """Runs the planner's commands."""
 
-    def run(self, words: list[str], folder: Path, database: str) -> Finished:
-        """Run a command in a folder."""
+    def run(
+        self, words: list[str], folder: Path, database: str, report: Callable[[str], None] = ...
+    ) -> Finished:
+        """Run a command in a folder, and report its stages."""
 
     def end_in(self, folder: Path) -> None:
         """End the commands that run in a folder."""
@@ -49,10 +55,13 @@ class DraftState:
 
     Attributes:
         doing: what is under way, such as "planning"; empty if nothing is.
+        stage: of it, such as `2/4: laying out the board`; empty if the command names none.
+        since_s: when it began, by the monotonic clock.
         error: why the file cannot be read.
         use_case: by which it is planned and run; empty for what the design is.
-        arms: that it is planned for.
+        arms: that it is planned for at most; 0 for those of the use case.
         mapping: YAML of what the columns of a list mean; empty for those that are known.
+        columns: of the list, for a person to choose what they mean; None if they were not read.
         boards: how often the board was drawn.
         is_planned: the plan, or why there is none, is of the present preferences.
         explanation: of the plan, in lines.
@@ -60,11 +69,14 @@ class DraftState:
     """
 
     doing: str = ""
+    stage: str = ""
+    since_s: float = 0.0
     error: str = ""
     imported: Imported | None = None
     use_case: str = ""
-    arms: int = 1
+    arms: int = 0
     mapping: str = ""
+    columns: ListColumns | None = None
     boards: int = 0
     preferences: Document = field(default_factory=new_document)
     plan: Plan | None = None
@@ -80,20 +92,33 @@ class OrderDraft:
     Attributes:
         key: names it.
         file: the design file.
+        name: what a person calls it: two drafts of one file have two names.
+        made_at: the time of day.
         now: what a page shows.
     """
 
     def __init__(
-        self, key: str, folder: Path, file_name: str, planner: Planner, wake: Callable[[], None]
+        self,
+        key: str,
+        folder: Path,
+        file_name: str,
+        planner: Planner,
+        wake: Callable[[], None],
+        *,
+        number: int = 1,
     ) -> None:
-        """Begin with a file that is not read yet."""
+        """Begin with a file that is not read yet; `number` counts the drafts of one file."""
         self.key = key
         self.folder = folder
+        self.name = file_name if number == 1 else f"{file_name} ({number})"
+        self.number = number
+        self.made_at = time.strftime("%H:%M:%S")
         self.file = folder / file_name
         self.now = DraftState()
         self._planner = planner
         self._wake = wake
         self._busy = threading.Lock()
+        self._is_cancelled = False
         self._changing = threading.Lock()
         self._database = f"sqlite:///{folder / _DATABASE}"
 
@@ -121,14 +146,16 @@ class OrderDraft:
                     "import", self.file.name, *self._mapping(), *self._by(), "--json"
                 )
             except CommandError as error:
-                self._change(error=str(error))
+                self._change(error=_CANCELLED if self._is_cancelled else str(error))
+                if self.file.suffix.lower() in LISTS and not self._is_cancelled:
+                    self._read_columns()
                 raise
             imported = read_findings(printed, Imported)
-            self._change(error="", imported=imported, stored_as="")
+            self._change(error="", imported=imported, stored_as="", columns=None)
         with self._doing("drawing the board"):
             self._run("layout", imported.order, "--output", _BOARD)
             self._change(boards=self.now.boards + 1)
-        if imported.triage is not None:
+        if imported.triage is not None and not imported.triage.is_long:
             self.plan()
         return f"read {self.file.name}: {imported.counts['wires']} wires"
 
@@ -172,18 +199,24 @@ class OrderDraft:
             words = ["import", self.file.name, "--order", order, *self._mapping(), *self._by()]
             if has_entries(self.now.preferences):
                 words += self._preferences()
-            finished = self._planner.run(words, self.folder, database)
+            finished = self._finish(*words, database=database)
             if finished.code != 0:
                 raise CommandError(_own_words(finished))
             self._change(stored_as=order)
             return f"stored order '{order}'"
 
-    def draft_mapping(self) -> str:
-        """Have the mapping drafted by which a list is read, to be corrected."""
+    def read_columns(self) -> str:
+        """Read the columns of a list, for a person to choose what they mean."""
         with self._doing("reading the headings"):
-            mapping = self._run("import", self.file.name, *self._mapping(), "--print-mapping")
-            self._change(mapping=mapping)
-            return "drafted the mapping of the columns"
+            self._read_columns()
+            return "read the headings"
+
+    def cancel(self) -> str:
+        """End at once what is under way, and return the answer."""
+        if self.now.doing:
+            self._is_cancelled = True
+            self._planner.end_in(self.folder)
+        return "cancelled"
 
     def set_preferences(self, change: Callable[[Document], Document]) -> str:
         """Change the preferences; the plan stays as it is until it is planned again."""
@@ -201,6 +234,13 @@ class OrderDraft:
         self._planner.end_in(self.folder)
         shutil.rmtree(self.folder, ignore_errors=True)
 
+    def _read_columns(self) -> None:
+        """Read the columns; a file that is no list has none."""
+        words = ("import", self.file.name, *self._mapping(), "--print-mapping", "--json")
+        finished = self._finish(*words)
+        if finished.code == 0:
+            self._change(columns=read_findings(finished.printed, ListColumns))
+
     def _is_of(self, before: DraftState) -> dict[str, object]:
         """Return whether the plan is of what a person sees now; others may have changed it."""
         now = self.now
@@ -209,7 +249,7 @@ class OrderDraft:
 
     def _by(self) -> list[str]:
         now = self.now
-        words = ["--arms", str(now.arms)]
+        words = ["--arms", str(now.arms)] if now.arms else []
         return [*words, "--use-case", now.use_case] if now.use_case else words
 
     def _mapping(self) -> list[str]:
@@ -223,8 +263,15 @@ class OrderDraft:
         (self.folder / _PREFERENCES).write_text(text, encoding="utf-8")
         return ["--preferences", _PREFERENCES]
 
-    def _finish(self, *words: str) -> Finished:
-        return self._planner.run(list(words), self.folder, self._database)
+    def _finish(self, *words: str, database: str = "") -> Finished:
+        if self._is_cancelled:
+            raise CommandError(_CANCELLED)
+        return self._planner.run(
+            list(words),
+            self.folder,
+            database or self._database,
+            lambda stage: self._change(stage=stage),
+        )
 
     def _run(self, *words: str) -> str:
         finished = self._finish(*words)
@@ -241,11 +288,19 @@ class OrderDraft:
     def _doing(self, what: str) -> Iterator[None]:
         """Hold other commands of this draft back meanwhile."""
         with self._busy:
-            self._change(doing=what)
+            self._is_cancelled = False
+            self._change(doing=what, stage="", since_s=time.monotonic())
             try:
                 yield
+            except CommandError as error:
+                if self._is_cancelled:
+                    raise CommandError(_CANCELLED) from error
+                raise
+            else:
+                if self._is_cancelled:  # just when the command had ended
+                    raise CommandError(_CANCELLED)
             finally:
-                self._change(doing="")
+                self._change(doing="", stage="")
 
 
 class OrderDrafts:
@@ -282,8 +337,11 @@ class OrderDrafts:
         folder = self._folder / key
         self._folder.mkdir(mode=0o700, parents=True, exist_ok=True)
         (folder / _OWN).mkdir(parents=True)
-        draft = OrderDraft(key, folder, plain_file_name(file_name), self._planner, self._woken)
+        name = plain_file_name(file_name)
         with self._lock:
+            before = [each.number for each in self._drafts.values() if each.file.name == name]
+            number = max(before, default=0) + 1
+            draft = OrderDraft(key, folder, name, self._planner, self._woken, number=number)
             self._drafts[key] = draft
         return draft
 

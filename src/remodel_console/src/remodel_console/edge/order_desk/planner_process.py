@@ -7,7 +7,7 @@ import os
 import signal
 import subprocess
 import threading
-from collections.abc import Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -16,6 +16,7 @@ from remodel_console.errors import CommandError
 # The planner yields to the cell, which may be working on the same computer.
 _COMMAND = ("nice", "-n", "10", "rosrun", "remodel_planner", "planner")
 _LIMIT_S = 900.0  # of wall time; the largest harnesses take a minute
+_STAGE = "stage "  # what a line on the standard error begins with that says what a command does
 DATABASE_VARIABLE = "REMODEL_DATABASE"  # other users see a command line, but no environment
 
 
@@ -31,19 +32,27 @@ class Finished:
 class PlannerProcess:
     """Runs commands; several threads may."""
 
-    def __init__(self) -> None:
-        """Begin with none running."""
+    def __init__(self, command: Sequence[str] = _COMMAND) -> None:
+        """Begin with none running; `command` is the planner's, which takes their words."""
+        self._command = command
         self._running: dict[subprocess.Popen[str], Path] = {}
         self._lock = threading.Lock()
         self._has_ended = False
 
-    def run(self, words: Sequence[str], folder: Path, database: str) -> Finished:
+    def run(
+        self,
+        words: Sequence[str],
+        folder: Path,
+        database: str,
+        report: Callable[[str], None] = lambda stage: None,
+    ) -> Finished:
         """Run a command in a folder, and return how it ended.
 
         Args:
             words: of its command line, after `planner`.
             folder: that it runs in, and that the names of files in its messages are relative to.
             database: URL of the production database that it works with.
+            report: called with each stage that the command begins, such as `2/4: planning`.
 
         Raises:
             CommandError: if it cannot be started, takes too long, or is ended.
@@ -54,7 +63,7 @@ class PlannerProcess:
                 raise CommandError("the console is ending")
             try:
                 process = subprocess.Popen(
-                    [*_COMMAND, *words],
+                    [*self._command, *words],
                     cwd=folder,
                     env=environment,
                     stdin=subprocess.DEVNULL,
@@ -66,18 +75,30 @@ class PlannerProcess:
             except OSError as error:
                 raise CommandError(f"the planner cannot be started: {error}") from error
             self._running[process] = folder
-        try:
-            printed, error_text = process.communicate(timeout=_LIMIT_S)
-        except subprocess.TimeoutExpired as error:
+        errors: list[str] = []
+        is_late = threading.Event()
+
+        def end_late() -> None:
+            is_late.set()
             _end(process)
-            process.communicate()
-            raise CommandError(f"the planner has not finished within {_LIMIT_S:.0f} s") from error
+
+        limit = threading.Timer(_LIMIT_S, end_late)
+        limit.start()
+        reader = threading.Thread(target=_read, args=(process.stderr, report, errors.append))
+        reader.start()
+        try:
+            with process:
+                printed = process.stdout.read() if process.stdout else ""
+                reader.join()
         finally:
+            limit.cancel()
             with self._lock:
                 self._running.pop(process)
+        if is_late.is_set():
+            raise CommandError(f"the planner has not finished within {_LIMIT_S:.0f} s")
         if process.returncode < 0 or process.returncode == 128 + signal.SIGTERM:
             raise CommandError(f"`planner {words[0]}` was ended")
-        return Finished(process.returncode, printed, error_text.strip())
+        return Finished(process.returncode, printed, "".join(errors).strip())
 
     def end_in(self, folder: Path) -> None:
         """End the commands that run in a folder."""
@@ -92,6 +113,17 @@ class PlannerProcess:
             self._has_ended = True
             for process in self._running:
                 _end(process)
+
+
+def _read(
+    lines: Iterable[str] | None, report: Callable[[str], None], keep: Callable[[str], None]
+) -> None:
+    """Report the stages of a command, and keep its other lines."""
+    for line in lines or ():
+        if line.startswith(_STAGE):
+            report(line.removeprefix(_STAGE).rstrip())
+        else:
+            keep(line)
 
 
 def _end(process: subprocess.Popen[str]) -> None:

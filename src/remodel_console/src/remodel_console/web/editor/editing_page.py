@@ -65,15 +65,23 @@ class EditingPage(Page):
         given = self.query.get(SESSION, "")
         self._is_left = False
         ui.on("editor-left", self._leave)
-        key, self._session = self.console.sessions.take(
-            given, lambda: client.has_socket_connection and not self._is_left
+        self._key, self._session = self.console.sessions.take(
+            given,
+            lambda: client.has_socket_connection and not self._is_left,
+            self.actor.name,
         )
-        if key != given:  # a reload of the page continues the session
-            ui.run_javascript(f"history.replaceState(null, '', '?{SESSION}={key}')")
+        if self._key != given:  # a reload of the page continues the session
+            ui.run_javascript(f"history.replaceState(null, '', '?{SESSION}={self._key}')")
 
     def _leave(self) -> None:
         """Free the session: the browser closes the page, or shows another one in its place."""
         self._is_left = True
+        self.console.live.refresh()  # others may have the chart open
+
+    @property
+    def others(self) -> tuple[str, ...]:
+        """Return who else has the chart open."""
+        return self.console.sessions.others_at(self._key)
 
     @property
     def session(self) -> Session:

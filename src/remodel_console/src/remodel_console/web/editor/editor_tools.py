@@ -10,13 +10,16 @@ from nicegui import run, ui
 
 from flexbe_synthesizer.core.chart.model import Chart
 from flexbe_synthesizer.core.chart.names import behavior_file, is_behavior_name, is_name
-from remodel_console.core.answer import DONE
+from remodel_console.core.answer import DONE, FAILED
 from remodel_console.core.commands import Command, Verb
 from remodel_console.core.editor import chart_edit
 from remodel_console.core.editor.copying import outermost
 from remodel_console.core.editor.editing import Path, connected, container_at, matches, unplaced
 from remodel_console.core.editor.grouping import grouped
+from remodel_console.errors import FileChangedError
 from remodel_console.session import Session
+from remodel_console.sessions import Left
+from remodel_console.web.editor.changes_panel import changes_html
 from remodel_console.web.editor.editing_page import SESSION, EditingPage
 
 
@@ -28,7 +31,7 @@ class EditorTools:
         self._page = page
         with ui.row().classes("tools"):
             self._open = ui.select(
-                list(page.console.names),
+                self._options(),
                 label="Open",
                 with_input=True,
                 on_change=lambda event: self._load(event.value),
@@ -64,20 +67,30 @@ class EditorTools:
             self._find.classes("finder").on("keydown.enter", self._next)
             self._matches = ui.label().classes("matches").props('role="status"')
             self._saved = ui.label().classes("soft")
+            self._others = ui.label().classes("left-unsaved").props('role="status"')
             ui.space()
-            for key, left in page.console.sessions.left_unsaved().items():
-                with ui.row().classes("left-unsaved") as row:
-                    ui.label(f"A closed page has unsaved changes of '{left}'.")
-                    ui.link("Continue", f"/editor?{SESSION}={key}")
-                    discard = partial(self._discard, key, row)
-                    page.button("Discard", discard, look="quiet")
+            self._left = ui.element("div").classes("left-list")
+        self._left_shown: tuple[Left, ...] = ()
 
-    def _discard(self, key: str, row: ui.row) -> None:
-        self._page.console.sessions.discard(key)
-        row.delete()
+    def _show_left(self) -> None:
+        """Offer to continue what closed pages have left unsaved."""
+        found = self._page.console.sessions.left_unsaved()
+        if found == self._left_shown:
+            return
+        self._left_shown = found
+        self._left.clear()
+        with self._left:
+            for left in found:
+                with ui.row().classes("left-unsaved"):
+                    ui.label(
+                        f"A closed page has unsaved changes of '{left.name}', {left.changed_at}."
+                    )
+                    ui.link("Continue", f"/editor?{SESSION}={left.key}")
+                    discard = partial(self._page.console.sessions.discard, left.key)
+                    self._page.button("Discard", discard, look="quiet")
 
     def show_saved(self, session: Session) -> None:
-        """Show whether the chart is saved, and what can be undone and redone."""
+        """Show whether the chart is saved, what can be undone, and who has it open, too."""
         chart = session.chart
         kept = "draft, saved" if session.is_kept else "not saved yet"
         state = "saved" if session.is_saved else kept
@@ -85,18 +98,62 @@ class EditorTools:
         is_operator = self._page.is_operator
         self._undo.set_enabled(is_operator and session.can_undo)
         self._redo.set_enabled(is_operator and session.can_redo)
+        others = self._page.others
+        self._others.text = f"Also open by {', '.join(others)}" if others else ""
+        self._others.set_visibility(bool(others))
+        self._show_left()
 
     def show_other(self, chart: Chart | None) -> None:
         """Show that another chart is open."""
-        self._open.set_options(self._names(), value=chart.name if chart else None)
+        self._open.set_options(self._options(), value=chart.name if chart else None)
 
     async def save(self) -> None:
         """Save the chart; while it has errors, as a draft."""
         session = self._page.session
-        answer = await self._page.give("save", session.save_or_keep)
-        if answer.state == DONE:
+        theirs: list[str] = []
+
+        def deed() -> str:
+            try:
+                return session.save_or_keep()
+            except FileChangedError as error:
+                theirs.append(error.now)
+                raise
+
+        answer = await self._page.give("save", deed, shows_error=False)
+        if theirs:
+            self._show_conflict(answer.words, theirs[0])
+        elif answer.state == FAILED:
+            self._page.show_error(answer.words)
+        elif answer.state == DONE:
             is_whole = session.is_saved
             ui.notify(answer.words.partition(":")[0], type="positive" if is_whole else "info")
+
+    def _show_conflict(self, words: str, theirs: str) -> None:
+        """Show what Save would undo in the file, and offer what is possible instead."""
+        page, chart = self._page, self._page.session.chart
+        if chart is None:
+            return
+        command = Command(f"load {chart.name}", Verb.LOAD, {"name": chart.name})
+        with page.dialog("Save") as dialog:
+            ui.label(f"'{chart.name}' is not saved").classes("title")
+            ui.label(words)
+            ui.label("In the file (-) and here (+):").classes("soft")
+            ui.html(changes_html(theirs, page.session.text), sanitize=False).classes(
+                "wide changes source"
+            )
+
+            async def load() -> None:
+                dialog.close()
+                await page.give(command.text, lambda: page.session.carry_out(command))
+
+            def copy() -> None:
+                dialog.close()
+                self._ask_copy()
+
+            with ui.row():
+                page.button("Save as", copy, icon="file_copy")
+                page.button("Load it again", load, icon="refresh", look="quiet")
+                ui.button("Cancel", on_click=dialog.close).props("no-caps flat")
 
     async def _run(self) -> None:
         """Save the chart if it has changed, and open Runtime control with it."""
@@ -158,18 +215,30 @@ class EditorTools:
         A list that is open stays as it is if it is right: an option is chosen by its place.
         """
         await run.io_bound(self._page.console.list_names)
-        names = self._names()
-        if names != self._open.options:
-            self._open.set_options(names)
+        options = self._options()
+        if options != self._open.options:
+            self._open.set_options(options)
 
-    def _names(self) -> list[str]:
-        """Return the names that were listed last, with that of a chart that is not saved yet."""
-        chart = self._page.session.chart
-        return sorted({*self._page.console.names, *((chart.name,) if chart else ())})
+    def _options(self) -> dict[str, str]:
+        """Return what was listed last, with a chart that is not saved yet.
+
+        Charts that programs have made stand below the others, and files that are too large last.
+        """
+        console, chart = self._page.console, self._page.session.chart
+        names = sorted({*console.names, *((chart.name,) if chart else ())})
+        generated = [name for name in names if name in console.generated]
+        return {
+            **{name: name for name in names if name not in console.generated},
+            **{name: f"generated: {name}" for name in generated},
+            **{file: f"{file}: too large" for file in sorted(console.too_large)},
+        }
 
     async def _load(self, name: str | None) -> None:
-        chart = self._page.session.chart
-        if name and (chart is None or chart.name != name):
+        chart, reason = self._page.session.chart, self._page.console.too_large.get(name or "")
+        if reason:
+            self._page.show_error(reason)
+            self._open.value = chart.name if chart else None
+        elif name and (chart is None or chart.name != name):
             await self._page.load(name)
 
     async def _add_container(self) -> None:
@@ -250,12 +319,13 @@ class EditorTools:
 
     def _ask_new(self) -> None:
         """Ask how a new behavior is called, and where it goes."""
-        folders = [str(folder) for folder in self._page.console.workspace.chart_folders]
+        workspace = self._page.console.workspace
+        folders = {str(folder): words for folder, words in workspace.folder_words()}
         with self._page.dialog() as dialog:
             ui.label("New behavior").classes("title")
             name = ui.input("Name").props("outlined dense autofocus").classes("wide")
             name.on("keydown.enter", lambda: make())
-            folder = ui.select(folders, value=folders[0], label="Chart folder")
+            folder = ui.select(folders, value=str(workspace.own_folder), label="Chart folder")
             folder.props("outlined dense").classes("wide")
 
             async def make() -> None:

@@ -13,8 +13,10 @@ from flexbe_synthesizer.core.chart.model import AnyNode, Behavior, Point, State
 from flexbe_synthesizer.core.library.signature import StateClass
 from remodel_console.core.editor import chart_edit
 from remodel_console.core.editor.editing import Path, container_at
+from remodel_console.edge.workspace import GENERATED
 from remodel_console.web.editor.editing_page import EditingPage
 
+_OWN, _GENERATED = "Behaviors", "Behaviors that the supervisor has made"
 _NODE_TYPE = "application/x-remodel-node"  # as static/canvas.js takes it
 
 
@@ -37,7 +39,10 @@ class LibraryPanel:
         """List what is installed, if that has changed."""
         catalogue = self._page.console.catalogue
         states = await run.io_bound(catalogue.states)
-        behaviors = [one.name for one in await run.io_bound(catalogue.behaviors)]
+        behaviors: dict[str, list[str]] = {_OWN: [], _GENERATED: []}
+        for one in await run.io_bound(catalogue.behaviors):
+            is_generated = one.behavior.package == GENERATED
+            behaviors[_GENERATED if is_generated else _OWN].append(one.name)
         if (states, behaviors) == self._known or self._list.is_deleted:
             return
         self._known = (states, behaviors)
@@ -53,12 +58,14 @@ class LibraryPanel:
                         label, f"state {package}/{state.name}", partial(self._show_state, state)
                     )
                     self._entries.append((f"{package} {state.name}", entry))
-            self._add_group("Behaviors", " ".join(behaviors))
-            for name in behaviors:
-                entry = _entry(
-                    name, f"behavior {name}", partial(self._add, Behavior(name, name), name)
-                )
-                self._entries.append((name, entry))
+            for group, names in behaviors.items():
+                if names or group == _OWN:
+                    self._add_group(group, " ".join(names))
+                for name in names:
+                    entry = _entry(
+                        name, f"behavior {name}", partial(self._add, Behavior(name, name), name)
+                    )
+                    self._entries.append((name, entry))
         self._filter()
 
     def _add_group(self, name: str, inside: str) -> None:

@@ -13,10 +13,10 @@ from remodel_console.web.page import card, scrollable, table
 _LISTED = 500  # lines; the planner's `import --verbose` prints all
 
 
-def show_account(imported: Imported) -> None:
-    """Add the card of what the file says, what was assumed, and what is not used."""
+def show_account(imported: Imported) -> ui.element:
+    """Return the card of what the file says, what was assumed, and what is not used."""
     account = imported.account
-    with card(f"Import of {imported.title}", _count_words(imported)):
+    with card(f"Import of {imported.title}", _count_words(imported)) as made:
         with ui.element("ul").classes("lines"):
             _line(f"{_counted(account.connections, account.unit)} in the file")
             if account.joined:
@@ -35,6 +35,23 @@ def show_account(imported: Imported) -> None:
         _unfolding("Left out", _omissions(account))
         _unfolding("Wires shorter than their routes", imported.lengths.too_short)
         _unfolding("Wires much longer than their routes", imported.lengths.too_long)
+    return made
+
+
+def show_before_start(triage: Triage | None, nothing_to_plan: str, cell: CellFit | None) -> None:
+    """Add what a person should know before the start: what is by hand, and what is refused."""
+    refused = cell.misfits if cell else ()
+    if triage is None:
+        refused = (nothing_to_plan,)
+    elif not triage.robot:
+        refused = (*refused, "no task is for the robot")
+    for reason in refused:
+        with ui.element("div").classes("ending bad"):
+            ui.label(f"Start will be refused: {reason}")
+    by_hand = len(triage.by_hand) + len(triage.outside) if triage else 0
+    if by_hand:
+        words = _counted(by_hand, "tasks")
+        ui.label(f"A person does {words} by hand; 'Who does which task' says which and why.")
 
 
 def show_triage(triage: Triage | None, nothing_to_plan: str, cell: CellFit | None) -> None:

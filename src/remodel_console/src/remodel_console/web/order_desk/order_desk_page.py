@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import time
 from collections.abc import Callable
 from functools import partial
 
@@ -11,8 +12,13 @@ from remodel_console.core.answer import DONE, CommandResult
 from remodel_console.core.order_desk.findings import CellFit, Triage
 from remodel_console.core.order_desk.preferences import Document
 from remodel_console.core.world import ALL_PARTS, World
-from remodel_console.edge.order_desk.order_drafts import DraftState, OrderDraft
-from remodel_console.web.order_desk.account_panel import show_account, show_triage
+from remodel_console.edge.order_desk.order_drafts import LISTS, DraftState, OrderDraft
+from remodel_console.web.order_desk.account_panel import (
+    show_account,
+    show_before_start,
+    show_triage,
+)
+from remodel_console.web.order_desk.columns_panel import ColumnsPanel
 from remodel_console.web.order_desk.drop_zone import DropZone
 from remodel_console.web.order_desk.plan_panel import show_plan
 from remodel_console.web.order_desk.preferences_panel import PreferencesPanel
@@ -26,8 +32,9 @@ _NONE = (
     "What the file contains, its board and the plan of its wires are shown here, to be checked "
     "before anything moves. Then the order is started."
 )
-_LISTS = (".csv", ".tsv", ".txt", ".xlsx", ".xlsm")
+_UNKNOWN_COLUMNS = "Choose below what the columns of this list mean, and have it read by that."
 _BY_DESIGN = "as the design suggests"
+_ARMS = {0: "the arms of the use case", 1: "one arm", 2: "two arms"}
 
 
 class OrderDeskPage(Page):
@@ -43,13 +50,18 @@ class OrderDeskPage(Page):
         self._listed: tuple[str, ...] | None = None
         self._name = ""
         self._tasks: float | None = None
+        self._columns = ColumnsPanel(self, self._read)
         self._preferences = PreferencesPanel(self, self._change_preferences, self._plan)
         with ui.element("div").classes("order-desk").props('tabindex="0"') as desk:
             desk.props('role="region" aria-label="Order"')
             with ui.element("div").classes("across desk-head"):
                 DropZone(FILE_ADDRESS, _DROP, self._take, self._refuse, is_enabled=self.is_operator)
                 self._drafts = ui.element("div").classes("drafts")
-                self._doing = ui.label().classes("doing").props('role="status"')
+                with ui.row().classes("doing") as self._doing:
+                    self._does = ui.label().props('role="status"')
+                    self._passed = ui.label().classes("soft")
+                    self.button("Cancel", self._cancel, icon="close", look="quiet")
+                self._timer = ui.timer(1.0, self._show_passed, active=False)
             with ui.element("div").classes("desk-area across") as self._area:
                 ui.label(_NONE).classes("soft")
 
@@ -67,13 +79,22 @@ class OrderDeskPage(Page):
                 if draft is None:
                     ui.label("The draft was removed.").props('role="status"')
         doing = draft.now.doing if draft else ""
-        self._doing.text = f"{doing}…" if doing else ""
+        stage = draft.now.stage if draft else ""
+        self._does.text = f"{doing}…" + (f" stage {stage}" if stage else "") if doing else ""
         self._doing.set_visibility(bool(doing))
+        self._timer.active = bool(doing)
+        self._show_passed()
         if draft is not None:
             for section in self._sections:
                 section.show(draft.now)
 
     # What is shown
+
+    def _show_passed(self) -> None:
+        """Show for how long the draft has been at work."""
+        draft = self._draft
+        if draft is not None and draft.now.doing:
+            self._passed.text = f"{time.monotonic() - draft.now.since_s:.0f} s"
 
     def _list_drafts(self) -> None:
         drafts = self.console.drafts.all()
@@ -85,11 +106,12 @@ class OrderDeskPage(Page):
         self._drafts.clear()
         with self._drafts:
             for draft in drafts:
-                name = draft.file.name
+                name = draft.name
                 with ui.element("div").classes("draft here" if draft.key == here else "draft"):
                     link = ui.link(name, f"{ADDRESS}?{_DRAFT}={draft.key}")
                     if draft.key == here:
                         link.props('aria-current="page"')
+                    ui.label(draft.made_at).classes("soft")
                     remove = ui.button(icon="close", color=None)
                     remove.props("flat dense round size=sm").set_enabled(self.is_operator)
                     remove.props["title"] = remove.props["aria-label"] = f"Remove {name}"
@@ -98,18 +120,23 @@ class OrderDeskPage(Page):
     def _new_sections(self, draft: OrderDraft) -> tuple[_Section, ...]:
         """Return the cards of a draft, each with what it shows: others keep what a person types."""
         return (
-            _Section(lambda now: now.error, partial(self._show_error, draft)),
             _Section(
-                lambda now: (bool(now.error), now.mapping), partial(self._show_mapping, draft)
+                lambda now: (now.error, now.columns is None), partial(self._show_error, draft)
             ),
-            _Section(lambda now: now.imported, _show_account),
+            _Section(lambda now: now.columns, self._columns.show),
+            _Section(lambda now: now.imported, partial(self._show_account, draft)),
             _Section(_triage_of, _show_triage),
             _Section(
-                lambda now: (now.imported, now.preferences, now.no_plan, now.is_planned),
+                lambda now: (
+                    *(now.imported, now.preferences, now.plan, now.no_plan, now.is_planned),
+                ),
                 self._preferences.show,
             ),
             _Section(
-                lambda now: (now.imported, now.use_case, now.arms, now.stored_as),
+                lambda now: (
+                    *(now.imported, now.use_case, now.arms, now.stored_as),
+                    *(_has_two_arms(now), _triage_of(now)),
+                ),
                 partial(self._show_start, draft),
             ),
             _Section(
@@ -121,29 +148,24 @@ class OrderDeskPage(Page):
 
     def _show_error(self, draft: OrderDraft, now: DraftState) -> None:
         if now.error:
-            with card(draft.file.name, "This file cannot be read.").classes("across"):
+            with card(draft.name, "This file is not read.").classes("across"):
                 with ui.element("div").classes("ending bad").props('role="alert"'):
-                    ui.label(now.error).classes("lines")
+                    if now.columns is None or now.columns.has_ends:
+                        ui.label(now.error).classes("lines")
+                    else:
+                        ui.label(_UNKNOWN_COLUMNS)
+                        with ui.element("details"):
+                            with ui.element("summary"):
+                                ui.label("What the import says")
+                            ui.label(now.error).classes("lines")
                 self.button("Read the file again", self._read, icon="refresh", look="quiet")
 
-    def _show_mapping(self, draft: OrderDraft, now: DraftState) -> None:
-        """Add the card of the meaning of columns; only lists have some."""
-        may_be_list = now.error and draft.file.suffix.lower() in _LISTS
-        if not (may_be_list or now.mapping):
+    def _show_account(self, draft: OrderDraft, now: DraftState) -> None:
+        if now.imported is None:
             return
-        hint = "A list whose headings are not known needs a mapping (docs/importing.md)."
-        with card("Columns of a list", hint).classes("across"):
-            if not now.mapping:
-                self.button("Draft the mapping", self._draft_mapping, icon="edit", look="quiet")
-                return
-            text = ui.textarea("Mapping as YAML", value=now.mapping)
-            text.props("outlined autogrow input-class=code-text").classes("wide yaml")
-            text.set_enabled(self.is_operator)
-
-            async def read() -> None:
-                await self._read(text.value or "")
-
-            self.button("Read the file by this mapping", read, icon="refresh")
+        with show_account(now.imported):
+            if draft.file.suffix.lower() in LISTS:
+                self.button("Columns", self._read_columns, icon="view_column", look="quiet")
 
     def _show_start(self, draft: OrderDraft, now: DraftState) -> None:
         """Add the card that plans by other options, stores the order, and starts it."""
@@ -155,7 +177,7 @@ class OrderDeskPage(Page):
             with ui.row().classes("options"):
                 choices = {"": _BY_DESIGN} | {name: name for name in imported.use_cases}
                 use_case = ui.select(choices, value=now.use_case, label="Use case")
-                arms = ui.select({1: "one arm", 2: "two arms"}, value=now.arms, label="Planned for")
+                arms = ui.select(_ARMS, value=now.arms, label="Planned for")
             for field in (use_case, arms):
                 field.props("outlined dense").set_enabled(self.is_operator)
 
@@ -172,8 +194,11 @@ class OrderDeskPage(Page):
             for entry in (name, tasks):
                 entry.props("outlined dense stack-label").classes("wide")
                 entry.set_enabled(self.is_operator)
-            if now.arms > 1:
+            if _has_two_arms(now):
                 ui.label("The supervisor runs orders by one arm.").classes("soft")
+            found = _triage_of(now)
+            if found is not None:
+                show_before_start(*found)
             if now.stored_as:
                 ui.label(f"Stored as order '{now.stored_as}'.").props('role="status"')
             with ui.row().classes("controls"):
@@ -211,19 +236,23 @@ class OrderDeskPage(Page):
     async def _read(self, mapping: str | None = None) -> None:
         draft = self._draft
         if draft is not None:
-            what = f"import {draft.file.name}" + (", by a mapping" if mapping else "")
+            what = f"import {draft.name}" + (", by a mapping" if mapping else "")
             await self.give(what, lambda: draft.read(mapping), shows_error=False)
 
-    async def _draft_mapping(self) -> None:
+    async def _read_columns(self) -> None:
         draft = self._draft
         if draft is not None:
-            what = f"draft the mapping of {draft.file.name}"
-            await self.give(what, draft.draft_mapping)
+            await self.give(f"read the headings of {draft.name}", draft.read_columns)
+
+    async def _cancel(self) -> None:
+        draft = self._draft
+        if draft is not None:
+            await self.give(f"cancel {draft.now.doing} of {draft.name}", draft.cancel)
 
     async def _plan(self, use_case: str | None = None, arms: int | None = None) -> None:
         draft = self._draft
         if draft is not None and draft.now.imported is not None:
-            await self.give(f"plan {draft.file.name}", lambda: draft.plan(use_case, arms))
+            await self.give(f"plan {draft.name}", lambda: draft.plan(use_case, arms))
 
     async def _change_preferences(
         self, what: str, change: Callable[[Document], Document]
@@ -239,7 +268,7 @@ class OrderDeskPage(Page):
         if draft.now.stored_as == name:
             return True
         answer = await self.give(
-            f"store order '{name}' of {draft.file.name}", lambda: self.console.store(draft, name)
+            f"store order '{name}' of {draft.name}", lambda: self.console.store(draft, name)
         )
         return answer.state == DONE
 
@@ -265,13 +294,13 @@ class OrderDeskPage(Page):
 
     def _ask_remove(self, draft: OrderDraft) -> None:
         async def remove() -> None:
-            what = f"remove the draft of {draft.file.name}"
+            what = f"remove the draft of {draft.name}"
             await self.give(what, lambda: self.console.drafts.remove(draft.key))
 
         if draft.now.stored_as:
-            question = f"Remove {draft.file.name} here? The stored order stays."
+            question = f"Remove {draft.name} here? The stored order stays."
         else:
-            question = f"Remove {draft.file.name} and its preferences? It is not stored yet."
+            question = f"Remove {draft.name} and its preferences? It is not stored yet."
         self.ask(question, "Remove", remove)
 
 
@@ -306,9 +335,8 @@ def _triage_of(now: DraftState) -> tuple[Triage | None, str, CellFit | None] | N
     return planned or now.imported.triage, now.imported.nothing_to_plan, now.imported.cell
 
 
-def _show_account(now: DraftState) -> None:
-    if now.imported is not None:
-        show_account(now.imported)
+def _has_two_arms(now: DraftState) -> bool:
+    return now.plan is not None and len(now.plan.arms) > 1
 
 
 def _show_triage(now: DraftState) -> None:

@@ -5,7 +5,12 @@ from __future__ import annotations
 from nicegui import ui
 
 from remodel_console.core.order_desk.findings import NoPlan, Plan
-from remodel_console.core.order_desk.gantt import gantt_height, gantt_plot, task_times
+from remodel_console.core.order_desk.gantt import (
+    gantt_height,
+    gantt_plot,
+    task_times,
+    violated_words,
+)
 from remodel_console.core.order_desk.preferences import entry_words
 from remodel_console.core.use_case.use_case import duration_words
 from remodel_console.edge.order_desk.order_drafts import DraftState
@@ -29,7 +34,10 @@ def show_plan(now: DraftState) -> None:
         elif now.plan is not None:
             _show(now.plan, now.explanation)
         else:
-            ui.label("There is no plan yet.").classes("soft")
+            words, triage = "There is no plan yet.", now.imported.triage
+            if triage is not None and triage.is_long:
+                words += f" To plan {len(triage.robot)} tasks takes minutes."
+            ui.label(words).classes("soft")
 
 
 def _show_no_plan(found: NoPlan) -> None:
@@ -64,10 +72,14 @@ def _show(plan: Plan, explanation: str) -> None:
             ui.label(f"Tasks in their order ({len(times)})")
         with scrollable("Tasks in their order"):
             rows = (
-                (str(number), each.words, each.arm, f"{each.start_s:.1f} s", f"{each.end_s:.1f} s")
+                (
+                    *(str(number), each.words, each.arm),
+                    *(f"{each.start_s:.1f} s", f"{each.end_s:.1f} s"),
+                    violated_words(plan, each.wires),
+                )
                 for number, each in enumerate(times[:_LISTED], start=1)
             )
-            table(("", "Task", "Arm", "From", "To"), rows)
+            table(("", "Task", "Arm", "From", "To", "Preference violated"), rows)
     if explanation:
         with ui.element("details").classes("wide"):
             with ui.element("summary"):

@@ -9,6 +9,7 @@ from typing import Any
 from nicegui import ui
 
 from remodel_console.core.answer import DONE
+from remodel_console.core.order_desk.findings import Plan
 from remodel_console.core.order_desk.preferences import (
     FIELD_HINTS,
     KINDS,
@@ -54,6 +55,8 @@ class PreferencesPanel:
                 for entry in found:
                     is_in_conflict = list_name == "require" and entry in conflict
                     self._show_entry(list_name, entry, is_in_conflict=is_in_conflict)
+                    if now.is_planned and now.plan is not None:
+                        _show_violated(now.plan, str(entry.get("name", "")))
             others = sorted(set(now.preferences) - {"format", *_LISTS})
             if others:
                 ui.label(f"Also: {', '.join(others)} (Edit all as YAML shows them)").classes("soft")
@@ -62,7 +65,8 @@ class PreferencesPanel:
                 edit = partial(self._ask_document, now.preferences)
                 self._page.button("Edit all as YAML", edit, icon="edit", look="quiet")
                 if not now.is_planned and now.imported.triage:
-                    self._page.button("Plan again", self._replan, icon="refresh")
+                    words = "Plan again" if now.plan or now.no_plan else "Plan"
+                    self._page.button(words, self._replan, icon="refresh")
 
     def _show_entry(
         self, list_name: str, entry: Mapping[str, Any], *, is_in_conflict: bool
@@ -163,3 +167,11 @@ class PreferencesPanel:
             with ui.row():
                 ui.button("Save", on_click=save).props("no-caps unelevated")
                 ui.button("Cancel", on_click=dialog.close).props("no-caps flat")
+
+
+def _show_violated(plan: Plan, name: str) -> None:
+    """Add on which wires a plan violates a preference, if it does."""
+    words = [each.words for each in plan.violations if each.reason == name]
+    if words:
+        more = f", and {len(words) - 1} more" if len(words) > 1 else ""
+        ui.label(f"Violated: {words[0]}{more}").classes("violated")

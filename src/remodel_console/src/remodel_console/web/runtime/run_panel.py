@@ -80,11 +80,13 @@ class RunPanel:
         self._area.clear()
         self._outcomes = None
         with self._area:
-            if view.phase is not Phase.RUNNING:
+            if view.is_starting:
+                ui.label("The engine prepares the behavior; Stop ends that.").classes("held")
+            elif view.phase is not Phase.RUNNING:
                 self._show_idle(view)
             else:
                 self._show_running(view, running, loaded, newer)
-        self._stop.set_visibility(view.phase is Phase.RUNNING)
+        self._stop.set_visibility(view.phase is Phase.RUNNING or view.is_starting)
         self._userdata.set_visibility(view.is_supervised)
         self._where.set_visibility(view.phase is Phase.RUNNING)
         self._count.set_visibility(view.entries > 0)
@@ -238,7 +240,7 @@ class RunPanel:
 def _without_path(view: RunView) -> tuple[object, ...]:
     """Return what the panel depends on: all but what changes with each state."""
     return (
-        view.phase, view.behavior_id, view.level,
+        view.phase, view.is_starting, view.behavior_id, view.level,
         view.is_paused, view.held, view.has_structure, view.ending_words,
     )  # fmt: skip
 

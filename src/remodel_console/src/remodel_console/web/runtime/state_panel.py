@@ -56,18 +56,20 @@ class StatePanel:
         """Show the breakpoints, and which states there are."""
         self._list_states()
         self.drawing.mark_breakpoints(world.breakpoints)
-        has_point = bool(self._paths(world.run) & world.breakpoints)
-        is_idle = bool(world.breakpoints) and not world.run.is_supervised
-        shown = (has_point, len(world.breakpoints), is_idle, bool(self._paths(world.run)))
+        paths = self._paths(world.run)
+        has_point = bool(paths & world.breakpoints)
+        is_idle = bool(paths or world.breakpoints) and not world.run.is_supervised
+        count = self.drawing.count_breakpoints(world.breakpoints)
+        shown = (has_point, count, is_idle, bool(paths))
         if shown == self._shown:
             return
         self._shown = shown
         self._toggle.text = "Remove breakpoint" if has_point else "Breakpoint"
-        self._toggle.set_enabled(self._page.is_operator and bool(self._paths(world.run)))
-        self._clear.text = f"Remove all {len(world.breakpoints)}"
-        self._clear.set_visibility(len(world.breakpoints) > 1)
+        self._toggle.set_enabled(self._page.is_operator and bool(paths))
+        self._clear.text = f"Remove all {count}"
+        self._clear.set_visibility(count > 1)
         self._hint.text = (
-            "Breakpoints act in supervised runs only: start with another autonomy, or attach."
+            "An unattended run ignores breakpoints: start with another autonomy, or attach."
             if is_idle
             else ""
         )

@@ -10,6 +10,7 @@ export default {
           <button v-for="one in severities" :key="one" type="button" :aria-pressed="String(!left[one])" @click="toggle(one)">{{ one }}</button>
         </span>
         <input ref="word" type="search" placeholder="Find in the log" aria-label="Find in the log" @input="filter">
+        <a href="/log.txt" download>Export</a>
         <span ref="count" class="soft" role="status"></span>
       </div>
       <div ref="lines" class="log" role="log" tabindex="0" aria-label="Log"></div>

@@ -3,24 +3,28 @@
 from __future__ import annotations
 
 import argparse
-from collections.abc import Sequence
+import itertools
+from collections.abc import Iterator, Sequence
 from dataclasses import asdict
 from typing import TYPE_CHECKING, Any
 
 from remodel_planning.core.plan.cable_tasks import cable_tasks
 from remodel_planning.core.plan.checker import check
+from remodel_planning.core.plan.explanation import against_arms, violations
 from remodel_planning.core.problem.cables import cores_of
 from remodel_planning.core.problem.choices import features_of
-from remodel_planning.core.problem.problem import TICKS_PER_S
+from remodel_planning.core.problem.problem import TICKS_PER_S, Plan
 
 if TYPE_CHECKING:
     from remodel_planning.core.orders.work_order import WorkOrder
     from remodel_planning.core.problem.conflict import Requirement
+    from remodel_planning.core.problem.preferences import Preferred
     from remodel_planning.core.search.planned import Planned
     from remodel_production.core.imports.shared.account import Account
     from remodel_production.core.production import Order
 
 Document = dict[str, Any]  # JSON
+_VIOLATIONS = 1000  # that are listed; a plan of thousands of wires may have millions
 
 
 def add_json_option(parser: argparse.ArgumentParser) -> None:
@@ -52,8 +56,13 @@ def triage_document(order: WorkOrder) -> Document:
     }
 
 
-def plan_document(planned: Planned) -> Document:
-    """Return a valid plan with its times [s], and what preferences about it can name."""
+def plan_document(planned: Planned, preferred: Preferred) -> Document:
+    """Return a valid plan with its times [s], and what preferences about it can name.
+
+    Args:
+        planned: the plan.
+        preferred: the preferences that it was made by.
+    """
     problem, plan = planned.tables.problem, planned.plan
     verdict = check(problem, plan)
     in_order = sorted(plan.actions, key=lambda action: action.start_ticks)  # as of the durations
@@ -76,9 +85,23 @@ def plan_document(planned: Planned) -> Document:
         "features": features_of(problem),
         "cables": cores_of(problem),
         "split_cables": [str(c) for c in cable_tasks(problem, plan) if len(c.parts) > 1],
+        "violations": list(itertools.islice(_violated(preferred, plan), _VIOLATIONS)),
         "segments": sorted({name for wire in problem.wires for name in wire.segments}),
         "actions": actions,
     }
+
+
+def _violated(preferred: Preferred, plan: Plan) -> Iterator[Document]:
+    """Yield the preferences that a plan violates, each with the wires that show it."""
+    for item in violations(preferred.problem, plan):
+        before, after = item.soft.before, item.soft.after
+        words = f"{before} should be picked before {after}"
+        yield {"reason": item.soft.reason, "wires": [before, after], "words": words}
+    arm_of = {wire.name: wire.preferred_arm for wire in preferred.problem.wires}
+    for reason, wires in against_arms(preferred, plan).items():
+        for wire in wires:
+            words = f"{wire} should be picked by {arm_of[wire]}"
+            yield {"reason": reason, "wires": [wire], "words": words}
 
 
 def conflict_document(error: str, conflicts: Sequence[Sequence[Requirement]]) -> Document:

@@ -1,7 +1,8 @@
-"""A bar that shows which stage of a command runs, for a person who waits at a terminal."""
+"""Which stage of a command runs: a bar for a person at a terminal, lines for a program."""
 
 from __future__ import annotations
 
+import itertools
 import sys
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
@@ -11,12 +12,20 @@ _QUIET_S = 1.0
 
 
 @contextmanager
-def stages(count: int) -> Iterator[Callable[[str], None]]:
+def stages(count: int, *, is_json: bool) -> Iterator[Callable[[str], None]]:
     """Yield what begins a stage, by what it does; nothing is shown where errors go to a file.
 
     Args:
         count: of all stages.
+        is_json: a program reads what the command prints, and gets a line on the standard error for
+            each stage: `stage 2/4: laying out the board`.
     """
+    if is_json:
+        numbers = itertools.count(1)
+        yield lambda does: print(
+            f"stage {next(numbers)}/{count}: {does}", file=sys.stderr, flush=True
+        )
+        return
     if not sys.stderr.isatty():
         yield lambda _: None
         return

@@ -9,6 +9,7 @@ explained by the costs of exchanging two neighbours.
 from __future__ import annotations
 
 import itertools
+from bisect import bisect_right, insort
 from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Protocol
@@ -63,29 +64,35 @@ class Violation:
     places: tuple[int, int]
 
 
-def violated_constraints(problem: Problem, plan: Plan) -> tuple[Violation, ...]:
-    """Return the soft constraints that a valid plan violates, the most expensive first."""
+def violations(problem: Problem, plan: Plan) -> Iterator[Violation]:
+    """Yield the soft constraints that a valid plan violates."""
     picks = [str(action.wire) for action in plan.actions if action.kind is ActionKind.PICK]
     place = {wire: i for i, wire in enumerate(picks, 1)}
     ranked = (soft for ranking in problem.rankings for soft in _against_ranks(ranking, picks))
-    violated = []
     for soft in itertools.chain(problem.soft_constraints, ranked):
         places = place.get(soft.before), place.get(soft.after)
         if places[0] is not None and places[1] is not None and places[0] > places[1]:
-            violated.append(Violation(soft, (places[0], places[1])))
-    return tuple(sorted(violated, key=lambda item: -item.soft.weight))
+            yield Violation(soft, (places[0], places[1]))
+
+
+def violated_constraints(problem: Problem, plan: Plan) -> tuple[Violation, ...]:
+    """Return the soft constraints that a valid plan violates, the most expensive first."""
+    return tuple(sorted(violations(problem, plan), key=lambda item: -item.soft.weight))
 
 
 def _against_ranks(ranking: Ranking, picks: list[str]) -> Iterator[SoftConstraint]:
     """Yield the pairs that the picks violate, of each wire those of the nearest rank first."""
     groups: dict[int, list[str]] = {}
+    ranks: list[int] = []  # of the groups, in order
     for wire in picks:
         rank = ranking.rank.get(wire)
         if rank is None:
             continue
-        for later in sorted(other for other in groups if other > rank):
+        for later in ranks[bisect_right(ranks, rank) :]:
             for picked in reversed(groups[later]):
                 yield SoftConstraint(wire, picked, ranking.weight, ranking.reason)
+        if rank not in groups:
+            insort(ranks, rank)
         groups.setdefault(rank, []).append(wire)
 
 
@@ -151,11 +158,9 @@ def _by_reason(reasons: dict[str, str]) -> dict[str, list[str]]:
     return wires
 
 
-def _explain_arms(preferred: Preferred, plan: Plan, alternatives: Alternatives) -> Iterator[str]:
-    """Yield which of the user's preferences for an arm the plan violates."""
+def against_arms(preferred: Preferred, plan: Plan) -> dict[str, list[str]]:
+    """Return the wires that another arm picks than the user prefers, by the preference's name."""
     problem = preferred.problem
-    index = {arm.name: i for i, arm in enumerate(problem.arms)}
-    modes = possible_modes(problem)
     against: dict[str, list[str]] = {}
     for action in plan.actions:
         name = str(action.wire)
@@ -166,7 +171,15 @@ def _explain_arms(preferred: Preferred, plan: Plan, alternatives: Alternatives) 
             and preferred_arm != action.arm
         ):
             against.setdefault(preferred.arm_reasons[name], []).append(name)
-    for reason, names in against.items():
+    return against
+
+
+def _explain_arms(preferred: Preferred, plan: Plan, alternatives: Alternatives) -> Iterator[str]:
+    """Yield which of the user's preferences for an arm the plan violates."""
+    problem = preferred.problem
+    index = {arm.name: i for i, arm in enumerate(problem.arms)}
+    modes = possible_modes(problem)
+    for reason, names in against_arms(preferred, plan).items():
         arms = {name: str(problem.wire[name].preferred_arm) for name in names}
         able = [n for n in names if any(mode.arm == index[arms[n]] for mode in modes[n])]
         yield (

@@ -26,7 +26,7 @@ colours: {hellblau: BU}     # names besides those of the catalogue
 from __future__ import annotations
 
 import json
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass
 from enum import Enum
 
@@ -153,34 +153,63 @@ def mapping_from(text: str) -> WireListMapping:
     )
 
 
-def mapping_text(
-    columns: Mapping[Field, str],
-    units: Mapping[str, str],
-    separator: str,
-    terminal_separator: str,
-    unused: Sequence[str],
-) -> str:
-    """Return a mapping to correct.
+@dataclass(frozen=True)
+class MappingDraft:
+    """A mapping to correct, and the list that it is of.
 
-    Args:
+    Attributes:
+        headings: of which the second "Pin" is "Pin#2".
+        rows: the first ones below them.
         columns: heading of each field's column.
         units: of section, length and position.
         separator: of cells.
         terminal_separator: of the component and the terminal in a cell.
-        unused: headings of the other columns, which a comment lists.
     """
-    lines = [f"format: {FORMAT}", "columns:"]
-    lines += [f"  {field.value}: {_quoted(heading)}" for field, heading in columns.items()]
-    for whole, component in () if Field.COMPONENT in columns else ENDS:
-        if whole not in columns and component not in columns:
-            lines.append(f"  # missing: {whole.value}, or {component.value}")
-    fields = ", ".join(field.value for field in Field if field not in columns)
-    lines += [f"  # not used: {_quoted(heading)}" for heading in unused]
-    lines.append(f"  # columns without a heading yet: {fields}")
-    lines.append("units: {" + ", ".join(f"{key}: {unit}" for key, unit in units.items()) + "}")
-    lines.append(f"separator: {_quoted('tab' if separator == chr(9) else separator)}")
-    lines.append(f"terminal_separator: {_quoted(terminal_separator)}")
-    return "\n".join(lines) + "\n"
+
+    headings: tuple[str, ...]
+    rows: tuple[tuple[str, ...], ...]
+    columns: Mapping[Field, str]
+    units: Mapping[str, str]
+    separator: str
+    terminal_separator: str
+
+    @property
+    def document(self) -> dict[str, object]:
+        """Return it as JSON, with all that a column can mean."""
+        return {
+            "headings": self.headings,
+            "rows": self.rows,
+            "fields": [field.value for field in Field],
+            "columns": {field.value: heading for field, heading in self.columns.items()},
+            "units": dict(self.units),
+            "separator": self._separator,
+            "terminal_separator": self.terminal_separator,
+        }
+
+    @property
+    def text(self) -> str:
+        """Return its YAML, in which comments list what is missing and not used."""
+        columns = self.columns
+        lines = [f"format: {FORMAT}", "columns:"]
+        lines += [f"  {field.value}: {_quoted(heading)}" for field, heading in columns.items()]
+        for whole, component in () if Field.COMPONENT in columns else ENDS:
+            if whole not in columns and component not in columns:
+                lines.append(f"  # missing: {whole.value}, or {component.value}")
+        used = set(columns.values())
+        fields = ", ".join(field.value for field in Field if field not in columns)
+        unused = [heading for heading in self.headings if heading and heading not in used]
+        lines += [f"  # not used: {_quoted(heading)}" for heading in unused]
+        lines.append(f"  # columns without a heading yet: {fields}")
+        lines.append(
+            "units: {" + ", ".join(f"{key}: {unit}" for key, unit in self.units.items()) + "}"
+        )
+        lines.append(f"separator: {_quoted(self._separator)}")
+        lines.append(f"terminal_separator: {_quoted(self.terminal_separator)}")
+        return "\n".join(lines) + "\n"
+
+    @property
+    def _separator(self) -> str:
+        return "tab" if self.separator == "\t" else self.separator
 
 
 def _quoted(text: str) -> str:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import csv
 import io
 from collections.abc import Iterator, Mapping, Sequence
-from contextlib import AbstractContextManager, nullcontext
+from contextlib import AbstractContextManager, nullcontext, suppress
 from dataclasses import dataclass, replace
 
 from remodel_production.core.imports.shared.account import LeftOut
@@ -329,6 +329,12 @@ def _with_synonyms(listed: dict[Field, int], headings: Sequence[str]) -> dict[Fi
             listed = {**listed, field: usual[field]}
     taken = set(listed.values())
     return {**{field: i for field, i in usual.items() if i not in taken}, **listed}
+
+
+def readable_rows(source: Source, table: Table) -> Iterator[Row]:
+    """Yield the rows of a list above the first one that cannot be read."""
+    with suppress(DesignError):
+        yield from _rows(source.text, table)
 
 
 def _rows(text: str, table: Table) -> Iterator[Row]:

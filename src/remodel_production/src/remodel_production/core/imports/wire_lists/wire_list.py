@@ -6,6 +6,7 @@ import re
 from collections import Counter
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
+from itertools import islice
 
 from remodel_production.core.catalogue import Catalogue
 from remodel_production.core.counted import counted
@@ -28,8 +29,8 @@ from remodel_production.core.imports.wire_lists.contents import (
 from remodel_production.core.imports.wire_lists.headings import fields_of, similar_heading
 from remodel_production.core.imports.wire_lists.mapping import (
     Field,
+    MappingDraft,
     WireListMapping,
-    mapping_text,
 )
 from remodel_production.core.imports.wire_lists.pin_list import is_pin_list, with_wires
 from remodel_production.core.imports.wire_lists.table import (
@@ -38,6 +39,7 @@ from remodel_production.core.imports.wire_lists.table import (
     Table,
     headings_table,
     read_table,
+    readable_rows,
 )
 from remodel_production.core.production import (
     TWISTED,
@@ -67,6 +69,7 @@ _JUMPER = re.compile(
 # What a spreadsheet shows of a formula that it cannot compute.
 _ERRORS = frozenset({"#REF!", "#N/A", "#VALUE!", "#NAME?", "#DIV/0!", "#NULL!", "#NUM!"})
 
+_DRAFT_ROWS = 5  # by which a person recognizes columns
 _MOUNTS = {mount.value: mount for mount in Mount}
 
 
@@ -109,7 +112,9 @@ def _imported(table: Table, text: Source, name: str, source: str, catalogue: Cat
     return reader.read(name, source, text.others)
 
 
-def mapping_draft(data: bytes, catalogue: Catalogue, mappings: Sequence[WireListMapping]) -> str:
+def mapping_draft(
+    data: bytes, catalogue: Catalogue, mappings: Sequence[WireListMapping]
+) -> MappingDraft:
     """Return the mapping by which a list is read, or as much of one as its headings give.
 
     Raises:
@@ -118,16 +123,18 @@ def mapping_draft(data: bytes, catalogue: Catalogue, mappings: Sequence[WireList
     try:
         table, _ = read_table(data, mappings)
     except DesignError:
-        table, _ = headings_table(data)
+        table, source = headings_table(data)
+        rows = islice(readable_rows(source, table), _DRAFT_ROWS)
+        table = replace(table, rows=tuple(rows))
     reader = _Reader(table, catalogue)
     table = reader.table
-    used = set(table.columns.values())
-    return mapping_text(
+    return MappingDraft(
+        table.headings,
+        tuple(tuple(row.cells) for row in table.rows[:_DRAFT_ROWS]),
         {field: table.headings[column] for field, column in table.columns.items()},
         reader.units,
         table.separator,
-        table.mapping.terminal_separator,
-        [heading for i, heading in enumerate(table.headings) if heading and i not in used],
+        terminal_separator=table.mapping.terminal_separator,
     )
 
 
