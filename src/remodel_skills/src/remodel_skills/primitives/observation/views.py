@@ -242,7 +242,7 @@ def _aside(context: RobotContext, points: Array) -> Iterator[ToolPose]:
 
 
 def _sees_past(context: RobotContext, place: ToolPose, points: Array) -> bool:
-    eye = context.cameras.overhead_view.world_from_camera.position
+    eye = context.cameras.overhead_view(points).world_from_camera.position
     lines = Volume(
         np.tile(eye, (len(points), 1)),
         points,
@@ -323,7 +323,8 @@ def expected_place(context: RobotContext, component: Component) -> Pose:
     if context.cell.labels:
         return context.panel.world_from_panel @ component.panel_from_component
     if not context.belief.panel_at:
-        find_panel(context, context.cameras.take_overhead_picture())
+        drawn = context.panel.world_from_panel @ component.panel_from_component
+        find_panel(context, context.cameras.take_overhead_picture(drawn.position[None]))
     return context.belief.panel_at[-1] @ component.panel_from_component
 
 
