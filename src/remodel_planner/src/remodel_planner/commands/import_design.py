@@ -204,18 +204,30 @@ def _report_lengths(lengths: tuple[tuple[str, ...], ...], *, verbose: bool) -> N
     for lines, what in zip(
         lengths,
         (
-            ("is shorter than its route", "are shorter than their routes", " on the board."),
             (
+                "wire",
+                "is shorter than its route",
+                "are shorter than their routes",
+                " on the board.",
+            ),
+            (
+                "wire",
                 "is more than three times as long as its route",
                 "are more than three times as long as their routes",
                 "; is the unit right?",
+            ),
+            (
+                "bundle",
+                "is longer than the others of its ring together",
+                "are longer than the others of their rings together",
+                ": the connectors cannot stand so.",
             ),
         ),
         strict=True,
     ):
         if not lines:
             continue
-        text = f"  {counted(len(lines), 'wire')} {what[len(lines) > 1]}{what[-1]}"
+        text = f"  {counted(len(lines), what[0])} {what[1 + (len(lines) > 1)]}{what[-1]}"
         print(text if verbose else f"{text} The worst: {lines[0]}")
         if verbose:
             print("\n".join(f"    {line}" for line in lines))
@@ -226,16 +238,16 @@ def _length_findings(
 ) -> tuple[tuple[str, ...], ...]:
     """Return the wires of the design that are too short for the board, and much too long."""
     stated = {wire.name for wire in imported.order.wires if wire.length_m is not None}
-    return length_findings(board_of(order, catalogue), stated) if stated else ((), ())
+    return length_findings(board_of(order, catalogue), stated) if stated else ((), (), ())
 
 
 def _document(
     imported: Imported, lengths: tuple[tuple[str, ...], ...], design: DesignOrder | PlannerError
 ) -> Document:
     """Return what is printed with --json."""
-    short, long = lengths
+    short, long, rings = lengths
     document = order_document(imported.order, imported.account)
-    document["lengths"] = {"too_short": short, "too_long": long}
+    document["lengths"] = {"too_short": short, "too_long": long, "rings": rings}
     document["use_cases"] = use_case_names()
     if isinstance(design, PlannerError):
         return {**document, "nothing_to_plan": str(design)}
