@@ -28,7 +28,7 @@ from remodel_planner.commands.options.entry import refuses
 from remodel_planner.commands.options.problem_files import build_of, built
 from remodel_planner.commands.options.stages import stages
 from remodel_planning.core.decomposition.cell_fit import misfits, summary
-from remodel_planning.edge.cell_takes import named_cell
+from remodel_planning.edge.cell_takes import known_cells, named_cell
 from remodel_planning.edge.use_case_files import use_case_names
 from remodel_planning.edge.yaml_file import read_yaml
 from remodel_production.core.board.board import board_of
@@ -255,7 +255,7 @@ def _document(
     if design.takes is not None:
         document["cell"] = {
             "name": design.takes.cell,
-            "summary": summary(design.work, design.panel, design.takes),
+            "summary": summary(design.work, design.panel, design.takes, known_cells()),
             "misfits": misfits(design.panel, design.takes),
         }
     return document
@@ -267,7 +267,7 @@ def _report_triage(design: DesignOrder | PlannerError, *, verbose: bool) -> None
         print(f"  nothing to plan: {design}")
         return
     if design.takes is not None:
-        print(f"  {summary(design.work, design.panel, design.takes)}")
+        print(f"  {summary(design.work, design.panel, design.takes, known_cells())}")
     print_triage(design.work, "" if verbose else "--verbose")
     if verbose:
         for line in design.work.outside:
