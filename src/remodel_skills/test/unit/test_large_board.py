@@ -1,22 +1,27 @@
 """A board that several cameras see from above: on scripted devices, in drawn pictures."""
 
+from dataclasses import replace
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
 from drawn import along
-from panels import example, moved_onto
+from panels import component, example, moved_onto, panel
 from scripted_device import ScriptedPlant
 
-from remodel_skills.belief_state import NO_CHANNEL
+from remodel_skills.abilities.locate_gearbox_component import locate_gearbox_component
+from remodel_skills.belief_state import NO_CHANNEL, BeliefState, Feed
 from remodel_skills.cell import Cell
+from remodel_skills.goals import LocateGoal
 from remodel_skills.observers import Cameras, Observers
 from remodel_skills.primitives.observation.duct_check import inspect_ducts
-from remodel_skills.primitives.observation.observing import observe_from_above
 from remodel_vision.board.new_points import new_length
 from remodel_vision.board.standing import standing_wires
 from remodel_vision.panel_pose import register_panel
-from remodel_work.camera import are_nearest, best_view
+from remodel_work.camera import Picture, are_nearest, best_view
 from remodel_work.edge.cell_file import read_cell
 from remodel_work.obstacles import panel_obstacles
+from remodel_work.panel import WireEnd
 
 DESIGN = read_cell("large_cabinet")
 # The household's board, with its ducts where the pictures of three cameras meet.
@@ -51,40 +56,62 @@ def touch(cell):
     belief.picked_at.update(dict.fromkeys(belief.ends))
 
 
-def test_the_camera_that_shows_a_place_best_takes_its_picture(cell):
-    touch(cell)
-    views = DESIGN.overheads
-    assert best_view(views, ROUTE[:1]) != best_view(views, ROUTE[2:3])
-    for point in ROUTE:
-        shown = cell.context.cameras.take_overhead_picture(point[None]).view
-        assert shown.is_at(views[best_view(views, point[None])])
-        assert shown.sees(point[None], 20.0)
-    pictures = cell.context.cameras.take_overhead_pictures(ROUTE)
-    assert 1 < len(pictures) < len(views)
-    assert len(cell.context.cameras.take_overhead_pictures()) == len(views)
+class Blank:
+    """A camera whose pictures are empty."""
+
+    def __init__(self, view):
+        self.view = view
+
+    def take(self):
+        return Picture(np.zeros((1, 1, 3), np.uint8), np.zeros((1, 1)), self.view)
 
 
-def test_each_picture_is_published_under_its_cameras_name(cell):
-    names = []
+@pytest.fixture
+def blank():
+    """The cameras of the cell, whose pictures are empty, their belief and the pictures' names."""
+    device = SimpleNamespace(overhead_cameras=tuple(map(Blank, DESIGN.overheads)))
+    belief, names = BeliefState(), []
     observers = Observers(on_observation=lambda name, *_: names.append(name))
-    cameras = Cameras(cell.context.device, "wrist", cell.context.belief, observers)
+    return Cameras(device, "wrist", belief, observers), belief, names
+
+
+def test_the_camera_that_shows_a_place_best_takes_its_picture(blank):
+    cameras, _, names = blank
+    views, best = DESIGN.overheads, set()
+    for point in ROUTE:
+        shown = cameras.take_overhead_picture(point[None]).view
+        assert shown is cameras.overhead_view(point[None])
+        assert shown.margin_px(point[None]) == max(v.margin_px(point[None]) for v in views) > 20.0
+        best.add(views.index(shown))
+    assert len(names) == len(ROUTE)
+    assert [views.index(p.view) for p in cameras.take_overhead_pictures(ROUTE)] == sorted(best)
+    assert 1 < len(best) < len(views)
+
+
+def test_each_picture_is_published_under_its_cameras_name(blank):
+    cameras, _, names = blank
     cameras.take_overhead_pictures()
     assert names == list(DESIGN.overhead_names)
 
 
-def test_the_whole_board_is_remembered_once_before_the_wire_is_touched(cell):
-    above = cell.run(observe_from_above(cell.context))
-    belief = cell.context.belief
-    assert len(belief.untouched) == len(DESIGN.overheads)
-    assert belief.board_before(above.picture.view) is above.picture
+def test_the_whole_board_is_remembered_once_before_the_wire_is_touched(blank):
+    cameras, belief, names = blank
+    belief.feed = Feed(WIRE.id, NO_CHANNEL, 1)
+    first = cameras.take_overhead_picture(ROUTE[:1])
+    assert sorted(names) == sorted(DESIGN.overhead_names)
+    assert belief.board_before(first.view) is first
     kept = list(belief.untouched)
-    again = cell.run(observe_from_above(cell.context))
-    assert [each for each in belief.untouched if each not in kept] == [again.picture]
+    again = cameras.take_overhead_picture(ROUTE[:1])
+    assert [each for each in belief.untouched if each not in kept] == [again]
+    belief.picked_at[WireEnd.A] = None
+    cameras.take_overhead_picture(ROUTE[:1])
+    assert belief.board_before(first.view) is again, "the wire is in the hand"
+    assert len(belief.untouched) == len(DESIGN.overheads)
 
 
 @pytest.mark.parametrize("height", [IN_DUCT_M, OVER_RIM_M])
 def test_a_wire_is_inspected_in_the_pictures_of_several_cameras(cell, height):
-    cell.context.cameras.take_overhead_pictures()
+    cell.context.cameras.take_overhead_pictures(ROUTE)
     cell.plant.wires = [(WIRE, led(height))]
     touch(cell)
     found = cell.run(inspect_ducts(cell.context))
@@ -98,10 +125,10 @@ def test_a_wire_is_inspected_in_the_pictures_of_several_cameras(cell, height):
 
 
 def test_a_wire_that_several_cameras_see_counts_once(cell):
-    before = cell.context.cameras.take_overhead_pictures()
+    before = cell.context.cameras.take_overhead_pictures(ROUTE)
     nodes = led(OVER_RIM_M)
     cell.plant.wires = [(WIRE, nodes)]
-    pairs = list(zip(cell.context.cameras.take_overhead_pictures(), before, strict=True))
+    pairs = list(zip(cell.context.cameras.take_overhead_pictures(ROUTE), before, strict=True))
     length = np.linalg.norm(np.diff(nodes, axis=0), axis=1).sum()
     seen = new_length(pairs, cell.plant.panel, WIRE.radius, [])
     assert seen == pytest.approx(length, rel=0.15)
@@ -112,26 +139,27 @@ def test_a_wire_that_several_cameras_see_counts_once(cell):
 def test_wires_that_stand_out_are_obstacles_wherever_a_camera_sees_them(cell):
     nodes = led(OVER_RIM_M + 0.02)
     cell.plant.wires = [(WIRE, nodes)]
-    panel = cell.plant.panel
-    pictures = cell.context.cameras.take_overhead_pictures()
+    held = cell.plant.panel
+    pictures = cell.context.cameras.take_overhead_pictures(ROUTE)
     places = np.array(
-        [s.box.centre for s in standing_wires(pictures, panel, panel_obstacles(panel, {})).solids]
+        [s.box.centre for s in standing_wires(pictures, held, panel_obstacles(held, {})).solids]
     )
     away = np.linalg.norm(nodes[:, None, :2] - places[None, :, :2], axis=2).min(axis=1)
     assert np.mean(away < 0.012) > 0.95
 
 
+@pytest.mark.slow
 def test_the_picture_that_shows_a_device_best_registers_the_panel_there(cell):
-    panel, views = cell.plant.panel, DESIGN.overheads
-    drawn = {c: panel.world_from_panel @ c.panel_from_component for c in panel.components}
+    held, views = cell.plant.panel, DESIGN.overheads
+    drawn = {c: held.world_from_panel @ c.panel_from_component for c in held.components}
     best = {c: best_view(views, pose.position[None]) for c, pose in drawn.items()}
     assert len({*best.values()}) > 1
     for number in {*best.values()}:
-        found = register_panel(cell.plant.take(views[number]), panel)
+        found = register_panel(cell.plant.take(views[number]), held)
         assert found is not None
-        for component in (c for c, at in best.items() if at == number):
-            place = (found @ component.panel_from_component).position
-            assert np.linalg.norm(place - drawn[component].position) < REGISTERED_M
+        for device in (c for c, at in best.items() if at == number):
+            place = (found @ device.panel_from_component).position
+            assert np.linalg.norm(place - drawn[device].position) < REGISTERED_M
 
 
 def test_cameras_divide_the_plate_between_them():
@@ -141,3 +169,15 @@ def test_cameras_divide_the_plate_between_them():
     assert np.sum(shares, axis=0).tolist() == [1] * len(points)
     for view, share in zip(DESIGN.overheads, shares, strict=True):
         assert all(view.sees(point[None], 20.0) for point in points[share])
+
+
+def test_a_device_longer_than_the_usual_picture_of_the_hand_is_located_by_both_its_ends():
+    long = component("LONG", 1, 0.05, 0.10, side=1, terminals=12)
+    long = replace(long, size=(0.050, 0.216, 0.045))
+    board = panel(channels=(), wires=(), components=(long,))
+    cell = Cell(ScriptedPlant(board, DESIGN))
+    goal = LocateGoal("LONG", "1")
+    found = cell.run(locate_gearbox_component(cell.context, goal))
+    drawn = cell.plant.panel.world_from_panel @ long.panel_from_component
+    assert np.linalg.norm(found.component_pose.position - drawn.position) < 0.0005
+    assert abs(found.component_pose.yaw - drawn.yaw) < 0.005

@@ -1,5 +1,6 @@
 """The large cabinet's cell: its cameras, axes and magazine serve the greatest plate it takes."""
 
+from dataclasses import replace
 from itertools import product
 
 import numpy as np
@@ -63,6 +64,13 @@ def test_a_board_anywhere_on_the_greatest_plate_is_taken_and_both_ends_are_seen_
         presented = plan_presentation(CELL.magazine, held, wire)
         tips = np.array([presented.tips[end].position for end in WireEnd])
         assert CELL.overheads[best_view(CELL.overheads, tips)].sees(tips, INSIDE_PX)
+
+
+@pytest.mark.parametrize(("width", "height"), [(0.025, 0.040), (0.040, 0.080)])
+def test_ducts_of_usual_heights_are_taken(width, height):
+    ducts = tuple(replace(duct, width=width, height=height) for duct in HOUSEHOLD.ducts)
+    panel = moved_onto(replace(HOUSEHOLD, ducts=ducts), CELL.takes.plate, 0.0, 0.0)
+    assert find_panel_problems(CELL, panel) == ()
 
 
 @pytest.mark.parametrize("robot", CELL.robots)

@@ -38,7 +38,7 @@ def test_the_cabinet_reaches_the_magazines_strip_for_wires_along_either_directio
         assert reached(x, y, z, ALONG_Y), (x, y, z)
 
 
-@pytest.mark.parametrize("cell", [CELL, PAIR])
+@pytest.mark.parametrize("cell", [CELL, PAIR, read_cell("large_cabinet")])
 def test_arms_at_home_are_apart_and_outside_of_the_overhead_picture(cell):
     volumes = [volume_of(robot.arm, robot.arm.joints_for(robot.home)) for robot in cell.robots]
     for volume in volumes:
