@@ -79,6 +79,8 @@ def inspect_ducts(context: RobotContext) -> Steps[Inspection | None]:
         for picture in (yield from observe_places(context, at))
         if (before := belief.board_before(picture.view)) is not None
     ]
+    if not pairs:
+        return None
     ways = [np.array(route[:2]), np.array(route[-2:])]
     outside = route_outside_ducts(pairs, context.panel, places, wire.radius, ways)
     for picture, _ in pairs:
