@@ -86,7 +86,7 @@ class DeviceScene:
         self._world = world
         self.panel = read_panel(CONFIG / board.panel, read_wire_materials())
         cell = read_cell(board.cell)
-        self._overhead, self._wrist_lens = cell.overhead, cell.robots[0].camera.lens
+        self._overhead, self._wrist_lens = cell.overheads[0], cell.robots[0].camera.lens
         dx, dy, turn = self._random.uniform(-1, 1, 3) * (PANEL_M, PANEL_M, PANEL_RAD)
         panel_at = BOARD @ Pose.level(dx, dy, 0.0, turn)
         row = self._random.uniform(-1, 1) * board.row

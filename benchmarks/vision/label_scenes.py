@@ -112,7 +112,7 @@ class LabelScene:
         world.clear()
         bare = replace(panel, components=self.components, wires=())
         cell = read_cell()
-        self._overhead, self._wrist_lens = cell.overhead, cell.robots[0].camera.lens
+        self._overhead, self._wrist_lens = cell.overheads[0], cell.robots[0].camera.lens
         PanelScene(world, cell.table, bare, self.poses)
         if condition.clutter:
             self._add_strangers(markers[own : 2 * own])

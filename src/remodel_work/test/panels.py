@@ -19,6 +19,25 @@ def example(name):
     return read_panel(EXAMPLES / f"{name}.yaml", read_wire_materials())
 
 
+def moved_onto(panel, size, x, y):
+    """A panel whose everything stands on a plate of another size, so far from its middle [m]."""
+
+    def moved(pose):
+        return (round(pose[0] + x, 6), round(pose[1] + y, 6), *pose[2:])
+
+    parts = {
+        name: tuple(
+            dataclasses.replace(each, pose=moved(each.pose)) for each in getattr(panel, name)
+        )
+        for name in ("components", "clips", "ducts", "rails")
+    }
+    wires = tuple(
+        dataclasses.replace(wire, route=tuple(map(moved, wire.route))) for wire in panel.wires
+    )
+    name = f"{panel.name}_on_a_large_plate"
+    return dataclasses.replace(panel, name=name, size=(*size, panel.size[2]), wires=wires, **parts)
+
+
 def component(name, marker, x, y, side, terminals=2, bore=0.0038):
     """A component whose openings are on the side of its row's channel: +1 near row, -1 far row."""
     yaw = math.pi if side > 0 else 0.0

@@ -53,10 +53,12 @@ class UseCasesCase(unittest.TestCase):
         return ("run_order", order, *options)
 
     def carries_its_order_out(self, name):
-        design, wires = SHIPPED[name]
+        self.carries_out(name, name, *SHIPPED[name])
+
+    def carries_out(self, name, use_case, design, wires):
         self.add_order(name, design)
-        ran = planner(*self.line(name, name, wires), database=DATABASE)
+        ran = planner(*self.line(name, use_case, wires), database=DATABASE)
         self.assertEqual(ran.returncode, 0, ran.stdout + ran.stderr)
-        self.assertIn(f"order {name}, use case {name}, ", ran.stdout)
+        self.assertIn(f"order {name}, use case {use_case}, ", ran.stdout)
         whole = f"{wires} of {wires} wires placed, {wires} without a failed operation"
         self.assertIn(whole, ran.stdout)

@@ -54,6 +54,10 @@ class UseCasesShippedTest(UseCasesCase):
     def test_harness_formboard_carries_its_order_out(self):
         self.carries_its_order_out("harness_formboard")
 
+    def test_harnesses_whose_connectors_stand_at_several_distances_are_carried_out(self):
+        for name, wires in (("seat", 6), ("lamp", 12)):
+            self.carries_out(name, "harness_formboard", DESIGNS / f"{name}.yml", wires)
+
     def test_automotive_formboard_carries_its_order_out(self):
         self.carries_its_order_out("automotive_formboard")
 

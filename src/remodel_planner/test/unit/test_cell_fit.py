@@ -28,11 +28,14 @@ from remodel_work.ros.panel_message import panel_from
 
 PROJECTS = sorted(Path("/usr/share/qelectrotech/examples").glob("*.qet"))
 PACKAGES = Path(__file__).parents[3]
+LARGE_CELL = "large_cabinet"
 HARNESSES = (
     PACKAGES / "remodel_planning/examples/harness.yml",
     PACKAGES / "remodel_production/test/unit/designs/harness.yml",
     PACKAGES / "remodel_production/test/unit/designs/loom.kbl",
     PACKAGES / "remodel_production/test/unit/designs/loom.vec",
+    PACKAGES / "remodel_production/test/unit/designs/seat.yml",
+    PACKAGES / "remodel_production/test/unit/designs/lamp.yml",
 )
 QUICK = ("Projet_vierge", "tableau_domestique", "tremie_vibrante")
 CELL = "two_arms_cabinet"
@@ -49,14 +52,14 @@ def database(tmp_path):
     return f"sqlite:///{tmp_path}/production.sqlite"
 
 
-def triage_of(database, name, use_case):
+def triage_of(database, name, use_case, cell=""):
     """Return an order as `import` and `plan` have it."""
-    options = SimpleNamespace(use_case=use_case, cell="", arms=1)
+    options = SimpleNamespace(use_case=use_case, cell=cell, arms=1)
     with closing(ProductionDatabase(database)) as opened:
         return design_order(opened.order(name).in_cabinet(), options)
 
 
-def work_of(database, name, use_case):
+def work_of(database, name, use_case, cell=""):
     """Return an order as a supervisor gives it to the cell."""
     with closing(ProductionDatabase(database)) as opened:
         maker = WorkMaker(
@@ -65,6 +68,7 @@ def work_of(database, name, use_case):
             reconnect_s=1.0,
             lease_s=1.0,
             search_s=0.0,
+            cell_design=lambda: cell,
         )
         return maker.work(name, "", 0, owner=1)
 
@@ -119,6 +123,31 @@ def test_import_plan_and_cell_agree_about_each_wire_of_a_project(project, databa
         return
     assert f"cell {CELL}: " in capsys.readouterr().out
     assert_agreed(database, order)
+
+
+@pytest.mark.parametrize(
+    "project",
+    [
+        pytest.param(each, id=each.stem, marks=() if each.stem == "perceuse" else pytest.mark.slow)
+        for each in PROJECTS
+    ],
+)
+def test_the_large_cell_takes_the_board_of_each_project(project, database, capsys):
+    arguments = [str(project), "--order", "order", "--database", database]
+    if import_design.main(arguments) == 1:
+        assert "there is nothing to wire" in capsys.readouterr().err
+        return
+    said = capsys.readouterr().out
+    small = misfits(triage_of(database, "order", "").panel, read_cell_limits(CELL))
+    assert (f"; cell:={LARGE_CELL} takes it\n" in said) is bool(small)
+    if small:
+        with pytest.raises(OrderError, match=rf"does not fit .*; cell:={LARGE_CELL} takes it$"):
+            work_of(database, "order", "cabinet")
+    design = triage_of(database, "order", "cabinet", LARGE_CELL)
+    assert misfits(design.panel, design.takes) == ()
+    if design.work.tasks:
+        work = work_of(database, "order", "cabinet", LARGE_CELL)
+        assert refused_by(LARGE_CELL, work.panel) == ()
 
 
 @pytest.mark.parametrize("design", HARNESSES, ids=lambda design: design.name)
@@ -256,5 +285,5 @@ def test_a_users_own_cell_decides(tmp_path, database, capsys):
 
 
 def test_the_limits_that_are_planned_with_are_those_of_the_cell():
-    for name in ("two_arms_cabinet", "two_arms_formboard", "one_panda"):
+    for name in ("two_arms_cabinet", "two_arms_formboard", "one_panda", LARGE_CELL):
         assert read_cell_limits(name) == read_cell(name).takes

@@ -288,10 +288,10 @@ def test_lengths_of_the_design_that_do_not_fit_the_board_are_found():
             ),
         ),
     )
-    short, long = length_findings(board, {"W1", "W2", "W4"})
+    short, long, _ = length_findings(board, {"W1", "W2", "W4"})
     assert [line.split(",")[0] for line in short] == ["W1: 0.01 m"]
     assert [line.split(",")[0] for line in long] == ["W2: 90 m"]
-    assert length_findings(board, set()) == ((), ())
+    assert length_findings(board, set()) == ((), (), ())
 
 
 def test_a_wire_of_a_harness_must_be_as_long_as_its_segments():

@@ -7,6 +7,7 @@ from remodel_skills.abilities.detect_cable import detect_cable
 from remodel_skills.abilities.extract_cable import extract_cable
 from remodel_skills.abilities.fix_cable import fix_cable
 from remodel_skills.abilities.insert_cable import insert_cable
+from remodel_skills.abilities.lay_wire import lay_wire
 from remodel_skills.abilities.locate_gearbox_component import locate_gearbox_component
 from remodel_skills.abilities.pick_cable import pick_cable
 from remodel_skills.abilities.place_cable import place_cable
@@ -105,3 +106,21 @@ def place(cell, wire, channel="A"):
     connect(cell, wire, WireEnd.A)
     carry(cell, wire, channel)
     connect(cell, wire, WireEnd.B)
+
+
+def place_in_ducts(cell, wire, first, force=14.0, pull=5.0):
+    """Feed and place a whole wire through ducts by two robots, as the use case cabinet does."""
+    guide, holder = cell.contexts.values()
+    ends = {end: cell.plant.panel.wire(wire).goes_to(end) for end in (first, first.other)}
+    cell.feed(wire, "")
+    do(cell, detect_cable, goals.DetectGoal(wire))
+    sockets = {end: locate(cell, *key) for end, key in ends.items()}
+    cell.run(pick_cable(holder, goals.PickGoal(holder.name, wire, first.other, 0.0)), holder.name)
+    for robot, end in ((guide, first), (holder, first.other)):
+        insertion = goals.InsertGoal(robot.name, wire, end, *ends[end], sockets[end], force)
+        cell.run(insert_cable(robot, insertion), robot.name)
+        fixing = goals.FixGoal(robot.name, wire, *ends[end], pull)
+        cell.run(fix_cable(robot, fixing), robot.name)
+        if end is first:
+            laying = lay_wire(holder, guide, goals.LayGoal(holder.name, guide.name, wire))
+            cell.run(laying, holder.name, guide.name)

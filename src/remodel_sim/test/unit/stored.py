@@ -78,7 +78,7 @@ def put_held(cell, wire_id):
         The robot that holds it.
     """
     kept = json.loads(HELD_FILE.read_text())[f"{cell.plant.loaded.name}/{wire_id}"]
-    picture = cell.context.cameras.take_overhead_picture()
+    pictures = cell.context.cameras.take_overhead_pictures()
     for name, tool in kept["tools"].items():
         cell.contexts[name].commanded = ToolPose(*tool)
     cell.feed(wire_id, "")
@@ -98,7 +98,7 @@ def put_held(cell, wire_id):
     belief.seat(WireEnd.A, terminal)
     belief.ends[WireEnd.A] = EndState.FIXED
     belief.grip = grip
-    belief.untouched[:] = [picture]
+    belief.untouched[:] = pictures
     cell.come_to_rest()
     return holder.name
 

@@ -3,10 +3,10 @@
 import numpy as np
 import place_wire
 import pytest
-from panels import example, panel
+from panels import example, moved_onto, panel
 
 from remodel_sim.physics.plant import SimulatedPlant
-from remodel_sim.physics.truth import ground_truth
+from remodel_sim.physics.truth import ground_truth, share_in_ducts
 from remodel_skills import goals
 from remodel_skills.abilities.fix_cable import fix_cable
 from remodel_skills.abilities.insert_cable import insert_cable
@@ -146,4 +146,16 @@ def test_small_labels_show_no_tilt_where_there_is_none():
             found = place_wire.do(made, locate_gearbox_component, goal).socket_pose
             true = BOARD @ household.panel_from_socket(*terminal)
             np.testing.assert_allclose(found.position, true.position, atol=5e-4)
+    made.close()
+
+
+@pytest.mark.slow
+def test_two_heads_place_a_wire_in_a_far_corner_of_the_largest_plate():
+    design = read_cell("large_cabinet")
+    board = moved_onto(example("household"), design.takes.plate, 0.30, 0.25)
+    made = Cell(SimulatedPlant(board, design=design, seed=1))
+    place_wire.place_in_ducts(made, "W3", WireEnd.B)
+    (truth,) = ground_truth(made.plant, ["W3"])
+    assert truth.placed
+    assert share_in_ducts(made.plant, "W3") > 0.9
     made.close()

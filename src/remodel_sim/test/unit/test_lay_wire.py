@@ -110,7 +110,7 @@ def along(route, height):
 
 def before(cell):
     """Return a picture of the board as it is."""
-    picture = cell.context.cameras.take_overhead_picture()
+    (picture,) = cell.context.cameras.take_overhead_pictures()
     assert picture.depth is not None
     return picture
 

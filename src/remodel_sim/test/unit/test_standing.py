@@ -36,7 +36,7 @@ def cell(request):
 
 def seen(cell):
     picture = cell.plant.take_overhead_picture()
-    return standing_wires(picture, PANEL, panel_obstacles(PANEL, {}))
+    return standing_wires([picture], PANEL, panel_obstacles(PANEL, {}))
 
 
 def lay_arch(cell):
@@ -61,7 +61,7 @@ def test_a_hand_travels_over_a_wire_that_stands_out(cell):
         assert beneath.min() - 0.004 < middle + height / 2 < beneath.max() + 0.006
     context = cell.context
     context.belief.feed = Feed("W1", NO_CHANNEL, 1)
-    context.cameras.take_overhead_picture()
+    context.cameras.take_overhead_pictures()
     x = float(BOARD.position[0])
     heights = []
 

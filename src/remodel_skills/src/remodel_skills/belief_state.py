@@ -8,7 +8,7 @@ from enum import Enum
 import numpy as np
 
 from remodel_vision.wire_ends import TipObservation
-from remodel_work.camera import Picture
+from remodel_work.camera import Picture, View
 from remodel_work.geometry import Array, Pose
 from remodel_work.layout import GRASP_DISTANCE_M
 from remodel_work.openings import TerminalKey
@@ -104,7 +104,8 @@ class BeliefState:
             end the last.
         seen: frames of components in the world, as they were last located.
         panel_at: the panel's frame in the world, as it was last registered; empty before.
-        untouched: the last overhead picture from before the live wire was touched; empty: none.
+        untouched: the last picture of each overhead camera from before the live wire was touched;
+            empty: none.
     """
 
     robot: str = "robot_1"
@@ -143,10 +144,12 @@ class BeliefState:
         """Whether the magazine presented the live wire."""
         return self.feed is not None and self.feed.by_magazine
 
-    @property
-    def board_before(self) -> Picture | None:
-        """The last overhead picture from before the live wire was touched; None: there is none."""
-        return next(iter(self.untouched), None)
+    def board_before(self, view: View) -> Picture | None:
+        """Return a camera's last picture from before the live wire was touched; None: it has none.
+
+        `view` is that of an overhead camera.
+        """
+        return next((each for each in self.untouched if each.view.is_at(view)), None)
 
     @property
     def is_touched(self) -> bool:
@@ -175,7 +178,8 @@ class BeliefState:
     def note_board(self, picture: Picture) -> None:
         """Keep an overhead picture if the live wire has not been touched."""
         if self.feed is not None and not self.is_touched:
-            self.untouched[:] = [picture]
+            others = [each for each in self.untouched if not each.view.is_at(picture.view)]
+            self.untouched[:] = [*others, picture]
 
     def resume_wire(
         self,

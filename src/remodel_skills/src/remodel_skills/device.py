@@ -141,7 +141,7 @@ class Device:
     arm: RobotArm
     gripper: Gripper
     wrist_camera: Camera
-    overhead_camera: Camera
+    overhead_cameras: tuple[Camera, ...]
     fixture: Fixture
     magazine: Magazine
     tick_s: float

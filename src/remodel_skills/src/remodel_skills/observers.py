@@ -10,9 +10,10 @@ import numpy.typing as npt
 
 from remodel_skills.belief_state import BeliefState
 from remodel_skills.device import Device
-from remodel_work.camera import Picture, View
-from remodel_work.geometry import Pose
+from remodel_work.camera import Picture, View, best_view
+from remodel_work.geometry import Array, Pose
 
+OVERHEAD = "overhead"
 Image = npt.NDArray[np.uint8]
 # Called after every observation: camera, picture, and what was found drawn into it (None before it
 # is known).
@@ -50,21 +51,46 @@ class Cameras:
         self._device, self._wrist = device, wrist
         self._belief, self._observers = belief, observers
 
-    @property
-    def overhead_view(self) -> View:
-        """Where the overhead camera is."""
-        return self._device.overhead_camera.view
+    def overhead_view(self, points: Array) -> View:
+        """Return where the overhead camera is that shows points (n, 3) [m] best."""
+        return self._device.overhead_cameras[self._best(points)].view
 
     @property
     def wrist_view(self) -> View:
         """Where the wrist camera is, by the arm's own measure."""
         return self._device.wrist_camera.view
 
-    def take_overhead_picture(self) -> Picture:
-        """Take a colour and depth picture of the whole plate."""
-        picture = self._device.overhead_camera.take()
+    def take_overhead_picture(self, points: Array) -> Picture:
+        """Take a colour and depth picture by the camera that shows points (n, 3) [m] best.
+
+        Before the live wire is touched, each of the others takes one, too, for comparisons later.
+        """
+        best = self._best(points)
+        belief = self._belief
+        if belief.feed is not None and not belief.is_touched:
+            for number, camera in enumerate(self._device.overhead_cameras):
+                if number != best and belief.board_before(camera.view) is None:
+                    self._take_from_above(number)
+        return self._take_from_above(best)
+
+    def take_overhead_pictures(self, points: Array | None = None) -> tuple[Picture, ...]:
+        """Take pictures by those cameras that each show one of points (n, 3) [m] best.
+
+        None: by all of them, which together show the whole plate.
+        """
+        numbers = set(range(len(self._device.overhead_cameras)))
+        if points is not None:
+            numbers = {self._best(point[None]) for point in points}
+        return tuple(self._take_from_above(number) for number in sorted(numbers))
+
+    def _best(self, points: Array) -> int:
+        return best_view([camera.view for camera in self._device.overhead_cameras], points)
+
+    def _take_from_above(self, number: int) -> Picture:
+        picture = self._device.overhead_cameras[number].take()
         self._belief.note_board(picture)
-        return self._observed("overhead", picture)
+        name = OVERHEAD if number == 0 else f"{OVERHEAD}_{number + 1}"
+        return self._observed(name, picture)
 
     def take_wrist_picture(self) -> Picture:
         """Take a picture from the hand, with depth if its camera measures it."""
@@ -76,7 +102,10 @@ class Cameras:
         return picture
 
     def show(self, camera: str, picture: Picture, drawing: Image) -> None:
-        """Show what was found in a picture of a camera, "overhead" or "wrist": this robot's."""
+        """Show what was found in a picture of a camera, "overhead" or "wrist": this robot's.
+
+        Of several overhead cameras people see one picture after the other at the same place.
+        """
         if self._observers.on_observation is not None:
             name = self._wrist if camera == "wrist" else camera
             self._observers.on_observation(name, picture, drawing)

@@ -23,10 +23,10 @@ class Scene:
     ) -> None:
         """Begin with what is drawn; `check` of the robot's motions, None: they are not checked."""
         self._device, self._panel, self._belief, self._check = device, panel, belief, check
-        # Located components, and the obstacles that follow from them; a picture, and the wires that
-        # it shows among these.
+        # Located components, and the obstacles that follow from them; pictures, and the wires that
+        # they show among these.
         self._drawn: tuple[dict[str, Pose], Obstacles] | None = None
-        self._wires: tuple[Picture, Obstacles, Obstacles] | None = None
+        self._wires: tuple[tuple[Picture, ...], Obstacles, Obstacles] | None = None
 
     @property
     def wire(self) -> PanelWire:
@@ -67,12 +67,12 @@ class Scene:
         return self._drawn[1]
 
     def _seen_wires(self, drawn: Obstacles) -> Obstacles:
-        """Return the wires that stand out of what is drawn, as the overhead camera saw them."""
-        picture = self._belief.board_before
-        if picture is None:
+        """Return the wires that stand out of what is drawn, as the overhead cameras saw them."""
+        pictures = tuple(self._belief.untouched)
+        if not pictures:
             return Obstacles()
-        if self._wires is None or self._wires[0] is not picture or self._wires[1] is not drawn:
-            self._wires = picture, drawn, standing_wires(picture, self._panel, drawn)
+        if self._wires is None or self._wires[0] != pictures or self._wires[1] is not drawn:
+            self._wires = pictures, drawn, standing_wires(pictures, self._panel, drawn)
         return self._wires[2]
 
     def _held_tip(self) -> HeldTip | None:

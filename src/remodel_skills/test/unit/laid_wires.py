@@ -69,7 +69,7 @@ def laid(*shapes):
     cell.load(HOUSEHOLD)
     plant = cell.plant
     cell.feed(WIRE.id, NO_CHANNEL)
-    cell.context.cameras.take_overhead_picture()
+    cell.context.cameras.take_overhead_pictures()
     plant.wires = [(WIRE, nodes) for nodes in shapes]
     belief = cell.context.belief
     belief.picked_at.update(dict.fromkeys(belief.ends))  # it was touched

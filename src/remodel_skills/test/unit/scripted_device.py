@@ -3,7 +3,7 @@
 import itertools
 import math
 from dataclasses import dataclass, field
-from functools import cache
+from functools import cache, partial
 from types import MappingProxyType
 
 import numpy as np
@@ -123,7 +123,17 @@ def before_the_opening(feels):
     )
     overhead = View(LENS, Pose.level(0.5, 0.0, 1.0))
     cell = CellDesign(
-        *("scripted", None, (robot,), overhead, overhead, Table(0.5, 0.0, 1.0, 1.0), None, (), ())
+        *(
+            "scripted",
+            None,
+            (robot,),
+            (overhead,),
+            overhead,
+            Table(0.5, 0.0, 1.0, 1.0),
+            None,
+            (),
+            (),
+        )
     )
     device = Device(arm, ScriptedGripper(), None, None, None, None, TICK_S)
     belief = BeliefState("robot_1", PANDA_AT_ORIGIN)
@@ -186,8 +196,14 @@ class ScriptedPlant:
     def device_of(self, robot):
         design = next(each for each in self.design.robots if each.name == robot)
         wrist = ScriptedCamera(self, lambda: view_from(self.arms[robot], design.camera.lens))
-        overhead = ScriptedCamera(self, lambda: self.design.overhead)
-        return Device(self.arms[robot], self.grippers[robot], wrist, overhead, None, self, TICK_S)
+        above = tuple(
+            ScriptedCamera(self, partial(self.overhead, number))
+            for number in range(len(self.design.overheads))
+        )
+        return Device(self.arms[robot], self.grippers[robot], wrist, above, None, self, TICK_S)
+
+    def overhead(self, number):
+        return self.design.overheads[number]
 
     def take(self, view):
         return picture(view, self.boxes, self.wires, seed=next(self._pictures))

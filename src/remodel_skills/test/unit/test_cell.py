@@ -92,10 +92,10 @@ def test_a_hand_that_holds_another_wire_discards_none(cell):
 
 def test_the_board_is_remembered_as_it_was_before_the_wire_was_touched(cell):
     context, untouched = cell.context, cell.context.belief.untouched
-    seen = [context.cameras.take_overhead_picture() for _ in range(2)]
+    seen = [context.cameras.take_overhead_pictures()[0] for _ in range(2)]
     assert untouched == seen[1:], "the newest one"
     hold(cell, WireEnd.A)
-    context.cameras.take_overhead_picture()
+    context.cameras.take_overhead_pictures()
     assert untouched == seen[1:], "the wire is in the hand"
     context.belief.start_wire(context.belief.feed, {})
     assert not untouched, "another wire was fed"

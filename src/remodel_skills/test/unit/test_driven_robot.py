@@ -392,7 +392,7 @@ def test_a_wire_is_at_hand_until_it_has_its_place_or_is_gone(services):
 
 def test_each_interface_that_no_node_offers_is_listed():
     robot = TOPICS.robots["robot_1"]
-    published = {robot.camera.image, TOPICS.overhead.image, TOPICS.overhead.depth}
+    published = {robot.camera.image, TOPICS.overheads[0].image, TOPICS.overheads[0].depth}
     subscribed = {robot.motion[0], robot.gripper[0]}
     offered = {
         *(TOPICS.operate_clamp, TOPICS.load_panel),
@@ -401,7 +401,7 @@ def test_each_interface_that_no_node_offers_is_listed():
     assert driven_cell.missing_interfaces(TOPICS, published, subscribed, offered) == []
     assert driven_cell.missing_interfaces(
         TOPICS,
-        published - {TOPICS.overhead.depth},
+        published - {TOPICS.overheads[0].depth},
         subscribed - {robot.motion[0]},
         offered - {TOPICS.operate_clamp},
     ) == [

@@ -54,6 +54,10 @@ def changed(tmp_path, change):
             lambda p: p["robots"].update(left=p["robots"].pop("robot_1")),
             "robots: found left; cell one_panda has robot_1",
         ),
+        (
+            lambda p: p.update(also_overhead=[p["overhead"]]),
+            "overhead, also_overhead: found 2 cameras; cell one_panda has 1 above the board",
+        ),
     ],
 )
 def test_what_is_wrong_in_a_file_is_named_with_what_is_allowed(tmp_path, change, says):
@@ -61,6 +65,21 @@ def test_what_is_wrong_in_a_file_is_named_with_what_is_allowed(tmp_path, change,
         read_robot(changed(tmp_path, change))
     assert says in str(error.value)
     assert "mine.yaml" in str(error.value)
+
+
+def test_every_camera_above_the_board_of_a_large_cell_has_its_topics(tmp_path):
+    parsed = yaml.safe_load((FOLDER / "simulated_cabinet.yaml").read_text())
+    more = [
+        {"image": f"/overhead_{n}/image_raw", "depth": f"/overhead_{n}/depth/image_raw"}
+        for n in range(2, 7)
+    ]
+    file = tmp_path / "mine.yaml"
+    file.write_text(yaml.safe_dump({**parsed, "cell": "large_cabinet", "also_overhead": more}))
+    topics = read_robot(str(file)).overheads
+    assert [each.image for each in topics] == [
+        parsed["overhead"]["image"],
+        *(each["image"] for each in more),
+    ]
 
 
 def test_a_camera_that_measures_depth_in_the_cell_has_its_topic_in_the_file(tmp_path):

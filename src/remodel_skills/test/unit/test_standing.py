@@ -36,7 +36,7 @@ def test_a_hand_travels_over_a_wire_that_stands_out(design, stands):
     context, plant = cell.context, cell.plant
     plant.wires = [(PANEL.wire("W2"), arch())] if stands else []
     context.belief.feed = Feed("W1", NO_CHANNEL, 1)
-    context.cameras.take_overhead_picture()
+    context.cameras.take_overhead_pictures()
     before = ToolPose(X, -0.20, MOTION.travel_z_m, 0.0)
     cell.run(move_to(context, before.at(z=MOTION.lifts_z_m[-1]), MOTION.free_speed_m_s))
     cell.run(move_to(context, before, MOTION.free_speed_m_s))

@@ -15,7 +15,7 @@ from remodel_work.obstacles import WIRES, panel_obstacles
 from remodel_work.openings import opening_of
 from remodel_work.panel import BOARD, WireEnd
 
-OVERHEAD = read_cell("two_arms_cabinet").overhead
+OVERHEAD = read_cell("two_arms_cabinet").overheads[0]
 HOUSEHOLD = example("household")
 WIRE = HOUSEHOLD.wire("W15")
 LEG = 40
@@ -71,11 +71,11 @@ def arch():
 
 @pytest.mark.parametrize("cell", ["cabinet", "two_arms_cabinet"])
 def test_a_wire_that_stands_out_of_the_plate_is_seen_and_nothing_else(cell):
-    plate, view, nodes = panel(channels=()), read_cell(cell).overhead, arch()
+    plate, view, nodes = panel(channels=()), read_cell(cell).overheads[0], arch()
     drawn = panel_obstacles(plate, {})
-    assert not standing_wires(picture(view, boxes_of(plate)), plate, drawn).solids
+    assert not standing_wires([picture(view, boxes_of(plate))], plate, drawn).solids
     shown = picture(view, boxes_of(plate), [(plate.wire("W2"), nodes)])
-    columns = standing_wires(shown, plate, drawn).solids
+    columns = standing_wires([shown], plate, drawn).solids
     assert {column.name for column in columns} == {WIRES}
     for column in columns:
         (x, y, middle), height = column.box.centre, column.box.size[2]

@@ -45,7 +45,7 @@ def stand(panel_at=PANEL_AT, stands=PANEL, **poses):
 
 
 def from_above(boxes, light=1.0):
-    return picture(CELL.overhead, boxes, seed=3, light=light)
+    return picture(CELL.overheads[0], boxes, seed=3, light=light)
 
 
 def look(boxes, part, asides=((0.0, 0.0), (0.0, 0.045)), light=1.0):

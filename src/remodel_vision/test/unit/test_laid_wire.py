@@ -14,7 +14,7 @@ from remodel_work.edge.cell_file import read_cell
 from remodel_work.geometry import Pose
 from remodel_work.panel import BOARD
 
-OVERHEAD = read_cell("two_arms_cabinet").overhead
+OVERHEAD = read_cell("two_arms_cabinet").overheads[0]
 PANEL = example("household")
 BOXES = boxes_of(PANEL)
 WIRE = PANEL.wire("W3")

@@ -19,7 +19,7 @@ from remodel_work.errors import AbilityError
 from remodel_work.geometry import Pose
 from remodel_work.panel import BOARD, WireEnd
 
-OVERHEAD = read_cell().overhead
+OVERHEAD = read_cell().overheads[0]
 PANEL = panel()
 WIRE = PANEL.wire("W1")
 # Two wires beside each other are so far apart, each so far from where one is expected [m].

@@ -14,7 +14,7 @@ from remodel_vision.wire_lines import WireLines, follow, joined
 from remodel_work.edge.cell_file import read_cell
 from remodel_work.geometry import Pose
 
-OVERHEAD = read_cell().overhead
+OVERHEAD = read_cell().overheads[0]
 WIRE = panel().wire("W1")
 WIDTH = 5.0
 RIGHT = np.array([1.0, 0.0])

@@ -6,6 +6,7 @@ Pixel (u, v) is a column and a row; whole numbers are pixel centres.
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -76,6 +77,17 @@ class View:
         limit = np.array([self.lens.width, self.lens.height]) - 1 - margin_px
         return bool(np.all(pixels >= margin_px) and np.all(pixels <= limit))
 
+    def margin_px(self, points: Array) -> float:
+        """Return how far inside the picture all points (n, 3) [m] lie; negative: one does not."""
+        pixels = self.project(points)
+        limit = np.array([self.lens.width, self.lens.height]) - 1
+        return float(np.minimum(pixels, limit - pixels).min())
+
+    def is_at(self, other: View) -> bool:
+        """Return whether a camera stands where another one does."""
+        here, there = (view.world_from_camera.position for view in (self, other))
+        return bool(np.allclose(here, there, atol=1e-6))
+
     def metres_per_pixel(self, z: float) -> float:
         """Return the size of a pixel at height z, seen from above."""
         return (self.world_from_camera.position[2] - z) / self.lens.focal_px
@@ -100,6 +112,26 @@ class Picture:
         """The depth in single precision, as OpenCV samples it [m]."""
         assert self.depth is not None, "the camera measures depth"
         return self.depth.astype(np.float32)
+
+
+def best_view(views: Sequence[View], points: Array) -> int:
+    """Return the number of the view whose picture shows all points (n, 3) [m] best.
+
+    It is the one in which the point nearest to the picture's edge is farthest inside.
+    """
+    return max(range(len(views)), key=lambda i: views[i].margin_px(points))
+
+
+def are_nearest(points: Array, views: Sequence[View], number: int) -> npt.NDArray[np.bool_]:
+    """Return which points (n, 3) [m] lie nearer to a camera's axis than to any other one's, (n,).
+
+    So several cameras that look straight down divide a plate between them.
+    """
+    if len(views) == 1:
+        return np.ones(len(points), bool)
+    axes = np.array([view.world_from_camera.position[:2] for view in views])
+    away = np.linalg.norm(points[:, None, :2] - axes, axis=2)
+    return np.asarray(away.argmin(axis=1) == number)
 
 
 def looking_down(x: float, y: float, z: float, up_yaw: float) -> Pose:

@@ -13,6 +13,7 @@ from remodel_work.panel import BOARD
 
 CELLS = Path(__file__).parents[3] / "remodel_work/config/cells"
 MAGAZINE = yaml.safe_load((CELLS / "cabinet.yaml").read_text())["magazine"]
+LARGE = read_cell("large_cabinet")
 AXIS = {"along": "y", "lower": -0.4, "upper": 0.4, "speed": 1.0}
 FINGERS = yaml.safe_load((CELLS / "cabinet.yaml").read_text())["robots"][0]["gripper"]["fingers"]
 
@@ -205,3 +206,23 @@ def test_a_file_that_is_no_yaml_says_where(tmp_path):
     file.write_text("robots: [")
     with pytest.raises(CellFileError, match="line 1"):
         read_cell(str(file))
+
+
+def test_more_cameras_above_the_plate_are_named_in_turn(tmp_path):
+    assert LARGE.overhead_names[:3] == ("overhead", "overhead_2", "overhead_3")
+    assert len(LARGE.overhead_names) == len(LARGE.overheads) == 6
+    assert read_cell().overhead_names == ("overhead",)
+    (problem,) = problems(
+        tmp_path, lambda cell: cell["cameras"]["overhead"].update(also_at=[{"x": 1.0, "y": 0.0}])
+    )
+    assert "cameras.overhead.also_at[0]: found x, y; missing: z" in problem
+
+
+def test_a_cell_takes_more_devices_than_there_are_labels_only_without_labels(tmp_path):
+    assert LARGE.takes.devices > 250 and not LARGE.labels
+    (problem,) = problems(tmp_path, lambda cell: cell["takes"].update(devices=251))
+    assert problem == (
+        "takes.devices: found 251; allowed: up to 250, as many as there are labels, or "
+        "labels: false"
+    )
+    assert parsed()["takes"]["devices"] == 250

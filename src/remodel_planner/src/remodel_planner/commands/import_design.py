@@ -28,7 +28,7 @@ from remodel_planner.commands.options.entry import refuses
 from remodel_planner.commands.options.problem_files import build_of, built
 from remodel_planner.commands.options.stages import stages
 from remodel_planning.core.decomposition.cell_fit import misfits, summary
-from remodel_planning.edge.cell_takes import named_cell
+from remodel_planning.edge.cell_takes import known_cells, named_cell
 from remodel_planning.edge.use_case_files import use_case_names
 from remodel_planning.edge.yaml_file import read_yaml
 from remodel_production.core.board.board import board_of
@@ -205,18 +205,30 @@ def _report_lengths(lengths: tuple[tuple[str, ...], ...], *, verbose: bool) -> N
     for lines, what in zip(
         lengths,
         (
-            ("is shorter than its route", "are shorter than their routes", " on the board."),
             (
+                "wire",
+                "is shorter than its route",
+                "are shorter than their routes",
+                " on the board.",
+            ),
+            (
+                "wire",
                 "is more than three times as long as its route",
                 "are more than three times as long as their routes",
                 "; is the unit right?",
+            ),
+            (
+                "bundle",
+                "is longer than the others of its ring together",
+                "are longer than the others of their rings together",
+                ": the connectors cannot stand so.",
             ),
         ),
         strict=True,
     ):
         if not lines:
             continue
-        text = f"  {counted(len(lines), 'wire')} {what[len(lines) > 1]}{what[-1]}"
+        text = f"  {counted(len(lines), what[0])} {what[1 + (len(lines) > 1)]}{what[-1]}"
         print(text if verbose else f"{text} The worst: {lines[0]}")
         if verbose:
             print("\n".join(f"    {line}" for line in lines))
@@ -227,16 +239,16 @@ def _length_findings(
 ) -> tuple[tuple[str, ...], ...]:
     """Return the wires of the design that are too short for the board, and much too long."""
     stated = {wire.name for wire in imported.order.wires if wire.length_m is not None}
-    return length_findings(board_of(order, catalogue), stated) if stated else ((), ())
+    return length_findings(board_of(order, catalogue), stated) if stated else ((), (), ())
 
 
 def _document(
     imported: Imported, lengths: tuple[tuple[str, ...], ...], design: DesignOrder | PlannerError
 ) -> Document:
     """Return what is printed with --json."""
-    short, long = lengths
+    short, long, rings = lengths
     document = order_document(imported.order, imported.account)
-    document["lengths"] = {"too_short": short, "too_long": long}
+    document["lengths"] = {"too_short": short, "too_long": long, "rings": rings}
     document["use_cases"] = use_case_names()
     if isinstance(design, PlannerError):
         return {**document, "nothing_to_plan": str(design)}
@@ -244,7 +256,7 @@ def _document(
     if design.takes is not None:
         document["cell"] = {
             "name": design.takes.cell,
-            "summary": summary(design.work, design.panel, design.takes),
+            "summary": summary(design.work, design.panel, design.takes, known_cells()),
             "misfits": misfits(design.panel, design.takes),
         }
     return document
@@ -256,7 +268,7 @@ def _report_triage(design: DesignOrder | PlannerError, *, verbose: bool) -> None
         print(f"  nothing to plan: {design}")
         return
     if design.takes is not None:
-        print(f"  {summary(design.work, design.panel, design.takes)}")
+        print(f"  {summary(design.work, design.panel, design.takes, known_cells())}")
     print_triage(design.work, "" if verbose else "--verbose")
     if verbose:
         for line in design.work.outside:

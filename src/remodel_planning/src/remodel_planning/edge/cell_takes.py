@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from contextlib import suppress
+
 from remodel_planning.core.use_case.model import UseCase
 from remodel_production.errors import InstanceError
 from remodel_states.core.cell.cell_limits import CellLimits
@@ -23,6 +25,15 @@ def cell_takes(use_case: UseCase, cell: str = "") -> CellLimits | None:
     if not named or (not cell and named not in cell_names()):
         return None
     return named_cell(named)
+
+
+def known_cells() -> tuple[CellLimits, ...]:
+    """Return what each cell of the packages takes, without those whose files are wrong."""
+    found = []
+    for name in cell_names():
+        with suppress(TableError):
+            found.append(read_cell_limits(name))
+    return tuple(found)
 
 
 def named_cell(cell: str) -> CellLimits:

@@ -50,10 +50,14 @@ class Role(Enum):
 
 
 class SegmentKind(Enum):
-    """What holds the wires of a segment: a duct of the cabinet, or nothing but themselves."""
+    """What holds the wires of a segment: a duct of the cabinet, or nothing but themselves.
+
+    Wires run straight over STRAIGHT ones, from connector to connector, wherever their nodes are.
+    """
 
     DUCT = "duct"
     BUNDLE = "bundle"
+    STRAIGHT = "straight"
 
 
 @dataclass(frozen=True)

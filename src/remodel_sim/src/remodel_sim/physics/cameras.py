@@ -11,6 +11,8 @@ from remodel_work.geometry import Pose
 
 NEAR_M = 0.05
 FAR_M = 2.5
+# The same for people's pictures, which show all of a large cell.
+FAR_FOR_PEOPLE_M = 6.0
 LIGHT_DIRECTION = [0.4, -0.3, 1.2]
 # An industrial colour camera: lens blur, and noise of 3 grey levels.
 BLUR_PX = 0.5
@@ -50,17 +52,19 @@ def take(
 
 def photograph(world: World, view: View, *, shadow: bool = True) -> Picture:
     """Take a clean picture, for people; shadows double the time it takes."""
-    return Picture(_render(world, view, shadow=shadow)[0], None, view)
+    return Picture(_render(world, view, shadow=shadow, far_m=FAR_FOR_PEOPLE_M)[0], None, view)
 
 
-def _render(world: World, view: View, *, shadow: bool) -> tuple[np.ndarray, np.ndarray]:
+def _render(
+    world: World, view: View, *, shadow: bool, far_m: float = FAR_M
+) -> tuple[np.ndarray, np.ndarray]:
     bullet, lens, pose = world.bullet, view.lens, view.world_from_camera
     forward, up = pose.rotation[:, 2], -pose.rotation[:, 1]
     view_matrix = bullet.computeViewMatrix(
         pose.position.tolist(), (pose.position + forward).tolist(), up.tolist()
     )
     projection = bullet.computeProjectionMatrixFOV(
-        np.degrees(lens.field_of_view), lens.width / lens.height, NEAR_M, FAR_M
+        np.degrees(lens.field_of_view), lens.width / lens.height, NEAR_M, far_m
     )
     _, _, rgba, buffer, _ = bullet.getCameraImage(
         lens.width,
@@ -75,4 +79,4 @@ def _render(world: World, view: View, *, shadow: bool) -> tuple[np.ndarray, np.n
     shape = (lens.height, lens.width)
     rgb = np.asarray(rgba, np.uint8).reshape(*shape, 4)[:, :, :3]
     z = np.asarray(buffer, np.float64).reshape(shape)
-    return np.ascontiguousarray(rgb), FAR_M * NEAR_M / (FAR_M - (FAR_M - NEAR_M) * z)
+    return np.ascontiguousarray(rgb), far_m * NEAR_M / (far_m - (far_m - NEAR_M) * z)

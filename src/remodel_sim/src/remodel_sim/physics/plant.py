@@ -190,8 +190,12 @@ class SimulatedPlant:
             wrist_camera=SimulatedCamera(
                 lambda: self.wrist_view(robot), lambda: self.take_wrist_picture(robot)
             ),
-            overhead_camera=SimulatedCamera(
-                lambda: self.design.overhead, self.take_overhead_picture
+            overhead_cameras=tuple(
+                SimulatedCamera(
+                    partial(self._overhead_view, number),
+                    partial(self.take_overhead_picture, number),
+                )
+                for number in range(len(self.design.overheads))
             ),
             fixture=self,
             magazine=self,
@@ -508,9 +512,13 @@ class SimulatedPlant:
         )
         self._plugs[component_id, terminal_id] = body
 
-    def take_overhead_picture(self) -> Picture:
-        """Take a colour and depth picture of the whole plate."""
-        return self._take_picture("overhead", self.design.overhead, depth=True)
+    def take_overhead_picture(self, number: int = 0) -> Picture:
+        """Take a colour and depth picture from above, by one of the overhead cameras."""
+        name = self.design.overhead_names[number]
+        return self._take_picture(name, self._overhead_view(number), depth=True)
+
+    def _overhead_view(self, number: int) -> View:
+        return self.design.overheads[number]
 
     def take_wrist_picture(self, robot: str) -> Picture:
         """Take a picture from a robot's hand, with depth if its camera measures it."""
@@ -538,9 +546,10 @@ class SimulatedPlant:
 
     @property
     def views(self) -> dict[str, View]:
-        """Where all cameras are, by name: overhead, scene, and the wrists'."""
+        """Where all cameras are, by name: above the plate, scene, and the wrists'."""
         wrists = {robot.camera.name: self.wrist_view(robot.name) for robot in self.design.robots}
-        return {"overhead": self.design.overhead, "scene": self.design.scene, **wrists}
+        above = dict(zip(self.design.overhead_names, self.design.overheads, strict=True))
+        return {**above, "scene": self.design.scene, **wrists}
 
     def photograph(self, camera: str) -> Picture:
         """Take a clean picture for people."""

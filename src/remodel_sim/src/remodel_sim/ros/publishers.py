@@ -39,8 +39,9 @@ class RobotState:
             for robot in plant.design.robots
         }
         self._moving = TransformBroadcaster()
-        overhead = plant.design.overhead.world_from_camera
-        fixed({PANEL: plant.panel.world_from_panel, optical_frame("overhead"): overhead})
+        above = zip(plant.design.overhead_names, plant.design.overheads, strict=True)
+        fixed({optical_frame(name): view.world_from_camera for name, view in above})
+        fixed({PANEL: plant.panel.world_from_panel})
         lens = Pose(np.array(CAMERA_MOUNT), np.array([0.0, 0.0, 0.0, 1.0]))
         for robot in plant.design.robots:
             fixed({robot.prefix + _foot(robot.arm): robot.arm.world_from_base})

@@ -5,6 +5,7 @@ from __future__ import annotations
 import threading
 import time
 from collections.abc import Callable
+from functools import partial
 from pathlib import Path
 from typing import Any, TypeVar
 
@@ -59,7 +60,10 @@ class RobotDriver:
         self._frozen_until = 0.0
         self._steps, self._pictures_s = 0, 0.0
         self._robots = {robot.name: _Driven(plant, robot) for robot in plant.design.robots}
-        self._cameras = {"overhead": _Camera("overhead", plant.take_overhead_picture)}
+        self._cameras = {
+            name: _Camera(name, partial(plant.take_overhead_picture, number))
+            for number, name in enumerate(plant.design.overhead_names)
+        }
         for robot in plant.design.robots:
             self._cameras[robot.camera.name] = _Camera(
                 robot.camera.name, lambda name=robot.name: plant.take_wrist_picture(name)

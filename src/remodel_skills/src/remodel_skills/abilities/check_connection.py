@@ -31,7 +31,7 @@ from remodel_vision.opening_occupancy import (
 )
 from remodel_work.camera import Picture
 from remodel_work.errors import AbilityError
-from remodel_work.geometry import Pose
+from remodel_work.geometry import Array, Pose
 from remodel_work.panel import Component
 from remodel_work.robot.arm import ToolPose
 
@@ -95,8 +95,10 @@ def check_connection(context: RobotContext, goal: CheckGoal) -> Steps[Connection
 
 def _views(context: RobotContext, goal: CheckGoal) -> Iterator[Steps[tuple[str, Picture]]]:
     """Yield the steps of each possible observation, the best first."""
+    component = context.panel.component(goal.component_id)
+    place = (context.panel.world_from_panel @ component.panel_from_component).position
     if context.belief.grip is not None or holds(context):
-        yield _from_above(context)
+        yield _from_above(context, place)
         yield _from_here(context)
         return
     drawn = context.panel.world_from_panel @ context.panel.panel_from_socket(
@@ -107,7 +109,7 @@ def _views(context: RobotContext, goal: CheckGoal) -> Iterator[Steps[tuple[str, 
         tool = camera_above(context, lens, context.commanded.yaw)
         if context.arm.reaches(tool):
             yield _from_hand(context, tool)
-    yield _from_above(context)
+    yield _from_above(context, place)
 
 
 def _from_hand(context: RobotContext, tool: ToolPose) -> Steps[tuple[str, Picture]]:
@@ -121,10 +123,10 @@ def _from_here(context: RobotContext) -> Steps[tuple[str, Picture]]:
     return "wrist", picture
 
 
-def _from_above(context: RobotContext) -> Steps[tuple[str, Picture]]:
+def _from_above(context: RobotContext, place: Array) -> Steps[tuple[str, Picture]]:
     if context.belief.grip is None and not holds(context):
         yield from park(context)
-    picture = context.cameras.take_overhead_picture()
+    picture = context.cameras.take_overhead_picture(place[None])
     yield
     return "overhead", picture
 

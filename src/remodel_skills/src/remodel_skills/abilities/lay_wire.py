@@ -137,8 +137,8 @@ def _lead(holder: RobotContext, guide: RobotContext, route: list[Array]) -> Step
     if flat:
         yield from move_together(flat, holder.parameters.motion.hold_speed_m_s)
     yield from clear_sight(guide, route[1][None])
-    seen = yield from observe_board(guide)
-    before = guide.belief.board_before
+    seen = yield from observe_board(guide, route[1][None])
+    before = guide.belief.board_before(seen.picture.view)
     tool, is_seen = _find(guide, route[1], -unit_x(fixed), seen, before)
     # Lifted, the wire comes straight from its slot: the eyelet turns half the way there.
     turn = float(wrap_angle(fixed.yaw + math.pi - tool.yaw)) / 2

@@ -65,7 +65,8 @@ def locate_gearbox_component(context: RobotContext, goal: LocateGoal) -> Steps[C
     if context.belief.grip is None:
         context.report("observing from above", 0.05)
         yield from park(context)
-        above = context.cameras.take_overhead_picture()
+        drawn = context.panel.world_from_panel @ component.panel_from_component
+        above = context.cameras.take_overhead_picture(drawn.position[None])
         yield
         if not context.cell.labels:
             find_panel(context, above)

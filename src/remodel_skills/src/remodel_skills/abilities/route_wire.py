@@ -113,7 +113,8 @@ def _lay_into_all(context: RobotContext, clips: tuple[PanelClip, ...]) -> Steps[
         held_at = world_from_clip(clip, context.panel).apply(np.array([0.0, 0.0, clip.height]))
         context.belief.in_clips.append(held_at)
     context.report("observing the clips from above", 0.85)
-    seen = yield from observe_route(context)
+    at = np.array([world_from_clip(clip, context.panel).position for clip in clips])
+    seen = yield from observe_route(context, at)
     for _ in range(context.parameters.motion.clip_presses):
         standing_off = [
             clip
@@ -124,7 +125,7 @@ def _lay_into_all(context: RobotContext, clips: tuple[PanelClip, ...]) -> Steps[
             break
         for clip in standing_off:
             yield from press_around(context, clip)
-        seen = yield from observe_route(context)
+        seen = yield from observe_route(context, at)
     judge_clips(context, clips, seen)
 
 

@@ -82,7 +82,7 @@ class CellTopics:
         design: of the cell.
         tick_s: time between two commands to an arm [s].
         robots: by their names in the design.
-        overhead: the camera above the board.
+        overheads: the cameras above the board, in the order of the design.
         operate_clamp, present_wire, operate_magazine: names of services.
         load_panel: the same; None: what holds the board need not know which.
         is_simulated: nothing real moves; the operator console says so.
@@ -92,7 +92,7 @@ class CellTopics:
     design: CellDesign
     tick_s: float
     robots: dict[str, RobotTopics]
-    overhead: CameraTopics
+    overheads: tuple[CameraTopics, ...]
     operate_clamp: str
     load_panel: str | None
     present_wire: str
@@ -141,6 +141,12 @@ def _contradictions(parsed: dict[str, Any], design: CellDesign) -> list[str]:
             f"robots: found {', '.join(sorted(named))}; cell {design.name} has "
             f"{', '.join(sorted(designed))}"
         ]
+    above = 1 + len(parsed.get("also_overhead", ()))
+    if above != len(design.overheads):
+        return [
+            f"overhead, also_overhead: found {above} cameras; cell {design.name} has "
+            f"{len(design.overheads)} above the board"
+        ]
     without_depth = [
         f"robots.{robot.name}.camera: found no depth; the camera of cell {design.name} measures it"
         for robot in design.robots
@@ -162,7 +168,7 @@ def _topics(file: str, parsed: dict[str, Any], design: CellDesign) -> CellTopics
         design=design,
         tick_s=1.0 / float(parsed.get("tick_hz", TICK_HZ)),
         robots={name: _robot(robot) for name, robot in parsed["robots"].items()},
-        overhead=_camera(parsed["overhead"]),
+        overheads=tuple(map(_camera, (parsed["overhead"], *parsed.get("also_overhead", ())))),
         operate_clamp=fixture["operate_clamp"],
         load_panel=fixture.get("load_panel"),
         present_wire=magazine["present_wire"],

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from itertools import pairwise
 
 import numpy as np
@@ -59,7 +60,7 @@ def drop_into_bin(context: RobotContext, shares: tuple[float, float]) -> Steps[N
     """
     tool = context.parameters.tool
     first, last = shares
-    before = context.belief.board_before or context.cameras.take_overhead_picture()
+    before = tuple(context.belief.untouched) or context.cameras.take_overhead_pictures()
     context.report("carrying the wire to the scrap bin", first)
     above_bin = bin_of(context.design, context.panel)
     context.device.magazine.lower_fork()
@@ -85,15 +86,16 @@ def drop_into_bin(context: RobotContext, shares: tuple[float, float]) -> Steps[N
     end_wire(context)
 
 
-def _check_gone(context: RobotContext, before: Picture) -> None:
+def _check_gone(context: RobotContext, before: Sequence[Picture]) -> None:
     """Raise GRASP_SLIPPED when the dropped wire is seen on the board.
 
     There is no step in between, so that a cancel leaves a wire either in the bin or known. What the
     wire or an arm covered in the picture from before is not compared.
     """
-    picture = context.cameras.take_overhead_picture()
+    pictures = context.cameras.take_overhead_pictures()
     hands = [robot.device.arm.tool.position for robot in context.robots.values()]
-    length = new_length(picture, before, context.panel, context.wire.radius, hands)
+    pairs = [(seen, each) for seen in pictures for each in before if seen.view.is_at(each.view)]
+    length = new_length(pairs, context.panel, context.wire.radius, hands)
     if length > context.parameters.looking.least_seen_m:
         raise AbilityError(
             Code.GRASP_SLIPPED,

@@ -38,17 +38,16 @@ def pick_up(context: RobotContext) -> Steps[bool]:
         Whether the hand holds it. It does not where no picture from before shows what is new, or
         the wire is seen nowhere, or slips away.
     """
-    before = context.belief.board_before
-    if before is None:
+    if not context.belief.untouched:
         return False
     context.report(f"searching for {context.wire.id} anywhere", 0.5)
     tried: list[Pose] = []
     for _ in range(context.parameters.motion.pick_up_attempts):
         yield from park(context)
         yield from clear_hand(context)
-        picture = context.cameras.take_overhead_picture()
+        pictures = context.cameras.take_overhead_pictures()
         yield
-        place = _next_place(context, picture, before, tried)
+        picture, place = _next_place(context, pictures, tried)
         _show(context, picture, place)
         if place is None:
             return False
@@ -64,14 +63,22 @@ def pick_up(context: RobotContext) -> Steps[bool]:
 
 
 def _next_place(
-    context: RobotContext, picture: Picture, before: Picture, tried: Sequence[Pose]
-) -> Pose | None:
-    """Return where the wire lies highest, and the hand reaches it, apart from what was tried."""
-    for place in graspable_places(picture, before, context.wire.radius):
-        away = [float(np.linalg.norm((place.position - t.position)[:2])) for t in tried]
-        if min(away, default=APART_M) >= APART_M and _has_room(context, _tool_at(context, place)):
-            return place
-    return None
+    context: RobotContext, pictures: Sequence[Picture], tried: Sequence[Pose]
+) -> tuple[Picture, Pose | None]:
+    """Return where the wire lies highest, and the hand reaches it, apart from what was tried.
+
+    It is in the first of the pictures that shows such a place.
+    """
+    for picture in pictures:
+        before = context.belief.board_before(picture.view)
+        if before is None:
+            continue
+        for place in graspable_places(picture, before, context.wire.radius):
+            away = [float(np.linalg.norm((place.position - t.position)[:2])) for t in tried]
+            is_new = min(away, default=APART_M) >= APART_M
+            if is_new and _has_room(context, _tool_at(context, place)):
+                return picture, place
+    return pictures[0], None
 
 
 def _show(context: RobotContext, picture: Picture, place: Pose | None) -> None:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import time
 from collections.abc import Collection, Mapping, Set
 from contextlib import ExitStack
+from functools import partial
 from types import MappingProxyType
 
 import numpy as np
@@ -26,7 +27,7 @@ from remodel_skills.ros.driven_robot import (
 )
 from remodel_skills.ros.node import OpenedPlant
 from remodel_states.core.codes import Code
-from remodel_work.camera import Picture
+from remodel_work.camera import Picture, View
 from remodel_work.cell.cell_design import CellDesign, RobotDesign
 from remodel_work.cell.held_panel import find_panel_problems, held_panel
 from remodel_work.cell.presentation import Presentation
@@ -112,8 +113,9 @@ class DrivenCell:
                 self._topics.robots[robot].camera,
                 lambda: wrist_view(arm, design),
             ),
-            overhead_camera=DrivenCamera(
-                self._inbox, self._topics.overhead, lambda: self.design.overhead
+            overhead_cameras=tuple(
+                DrivenCamera(self._inbox, topics, partial(self._overhead_view, number))
+                for number, topics in enumerate(self._topics.overheads)
             ),
             fixture=self._fixture,
             magazine=self._magazine,
@@ -121,12 +123,15 @@ class DrivenCell:
             lead_s=self._topics.robots[robot].lead_s,
         )
 
+    def _overhead_view(self, number: int) -> View:
+        return self.design.overheads[number]
+
     def photograph(self, camera: str) -> Picture:
         """Take a picture for people: by the overhead camera for the scene, which has none."""
         for robot in self.design.robots:
             if camera == robot.camera.name:
                 return self.device_of(robot.name).wrist_camera.take()
-        return self.device_of(self.design.robots[0].name).overhead_camera.take()
+        return self.device_of(self.design.robots[0].name).overhead_cameras[0].take()
 
     def tick(self) -> None:
         """Wait for the next tick of every arm, and answer wrenches meanwhile.
@@ -236,7 +241,7 @@ def missing_interfaces(
 ) -> list[str]:
     """Return what a cell needs and no node offers: each camera, command and service."""
     robots = topics.robots.values()
-    cameras = [topics.overhead, *(robot.camera for robot in robots)]
+    cameras = [*topics.overheads, *(robot.camera for robot in robots)]
     images = [topic for camera in cameras for topic in (camera.image, camera.depth) if topic]
     commands = [command for robot in robots for command in (robot.motion, robot.gripper)]
     asked = (topics.operate_clamp, topics.present_wire, topics.operate_magazine, topics.load_panel)

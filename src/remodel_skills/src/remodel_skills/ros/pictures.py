@@ -21,7 +21,7 @@ class Pictures:
         """Advertise the topics of the cameras that abilities use."""
         self._now = now
         self._raw, self._info, self._found = {}, {}, {}
-        for camera in ("overhead", *(robot.camera.name for robot in design.robots)):
+        for camera in (*design.overhead_names, *(robot.camera.name for robot in design.robots)):
             topic = f"cell/{camera}"
             self._raw[camera] = rospy.Publisher(f"{topic}/image_raw", Image, queue_size=2)
             self._info[camera] = rospy.Publisher(f"{topic}/camera_info", CameraInfo, queue_size=2)

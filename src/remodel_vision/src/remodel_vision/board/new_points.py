@@ -8,7 +8,7 @@ import cv2
 import numpy as np
 import numpy.typing as npt
 
-from remodel_work.camera import Picture
+from remodel_work.camera import Picture, are_nearest
 from remodel_work.geometry import Array
 from remodel_work.panel import Panel
 
@@ -37,31 +37,30 @@ def new_points(
 
 
 def new_length(
-    picture: Picture,
-    before: Picture,
-    panel: Panel,
-    radius: float,
-    hands: Sequence[Array],
+    pairs: Sequence[tuple[Picture, Picture]], panel: Panel, radius: float, hands: Sequence[Array]
 ) -> float:
     """Return along how much a new wire is seen on the panel [m].
 
     Args:
-        picture: with depth, from above.
-        before: the same, without the wire.
-        panel: whose plate it shows.
+        pairs: of pictures with depth, from above, each by another camera: one now, and one
+            without the wire.
+        panel: whose plate they show.
         radius: of the wire [m].
         hands: of the robots (3,) [m], world frame; what is near one is not counted.
     """
-    points, is_new = new_points(picture, before, radius)
-    at = np.abs(panel.world_from_panel.inverse().apply(points)[:, :2])
-    is_new &= (at <= np.array(panel.size[:2]) / 2).all(axis=1)
-    for hand in hands:
-        is_new &= np.linalg.norm((points - hand)[:, :2], axis=1) > NEAR_HAND_M
-    seen = points[without_noise(picture, is_new)]
-    if not len(seen):
-        return 0.0
-    pixel = picture.view.metres_per_pixel(float(seen[:, 2].mean()))
-    return len(seen) * pixel**2 / (2 * radius)
+    views, length = [picture.view for picture, _ in pairs], 0.0
+    for number, (picture, before) in enumerate(pairs):
+        points, is_new = new_points(picture, before, radius)
+        at = np.abs(panel.world_from_panel.inverse().apply(points)[:, :2])
+        is_new &= (at <= np.array(panel.size[:2]) / 2).all(axis=1)
+        is_new &= are_nearest(points, views, number)
+        for hand in hands:
+            is_new &= np.linalg.norm((points - hand)[:, :2], axis=1) > NEAR_HAND_M
+        seen = points[without_noise(picture, is_new)]
+        if len(seen):
+            pixel = picture.view.metres_per_pixel(float(seen[:, 2].mean()))
+            length += len(seen) * pixel**2 / (2 * radius)
+    return length
 
 
 def without_noise(picture: Picture, is_own: npt.NDArray[np.bool_]) -> npt.NDArray[np.bool_]:

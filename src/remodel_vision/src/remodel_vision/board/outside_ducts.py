@@ -8,7 +8,7 @@ import numpy as np
 import numpy.typing as npt
 
 from remodel_vision.board.new_points import new_points, without_noise
-from remodel_work.camera import Picture
+from remodel_work.camera import Picture, are_nearest
 from remodel_work.geometry import Array, Pose
 from remodel_work.panel import Duct, Panel
 from remodel_work.routes import step_in
@@ -24,8 +24,7 @@ LEAST_INSIDE = 0.75
 
 
 def route_outside_ducts(
-    picture: Picture,
-    before: Picture,
+    pairs: Sequence[tuple[Picture, Picture]],
     panel: Panel,
     places: Mapping[Duct, Sequence[Pose]],
     radius: float,
@@ -36,14 +35,36 @@ def route_outside_ducts(
     The length that is seen elsewhere on the panel counts, too.
 
     Args:
-        picture: with depth, from above, the wire in it, fixed at both ends.
-        before: the same, before the wire was laid.
+        pairs: of pictures with depth, from above, each by another camera: one of the wire, fixed
+            at both ends, and one before it was laid.
         panel: on which the ducts are.
         places: of its route in each duct, `step_in` it apart, world frame.
         radius: of the wire [m].
         ways: lines (2, 3) along which it goes from its ducts to its terminals, world frame [m].
     """
-    points, is_own = new_points(picture, before, radius)
+    views = [picture.view for picture, _ in pairs]
+    at = np.array([place.position[:2] for duct in places for place in places[duct]])
+    steps = np.array([step_in(duct) for duct in places for _ in places[duct]])
+    outside, inside, elsewhere = np.zeros((3, len(at)))
+    for number, (picture, before) in enumerate(pairs):
+        points, is_own = new_points(picture, before, radius)
+        is_own &= are_nearest(points, views, number)
+        shares = _shares(picture, points, is_own, panel, places, ways)
+        for length, seen in zip((outside, inside, elsewhere), shares, strict=True):
+            length += _lengths(picture, seen, at, radius)
+    is_out = (outside > LEAST_OUTSIDE * steps) & (inside <= LEAST_INSIDE * steps)
+    return float(steps[is_out].sum() + elsewhere.sum())
+
+
+def _shares(
+    picture: Picture,
+    points: Array,
+    is_own: npt.NDArray[np.bool_],
+    panel: Panel,
+    places: Mapping[Duct, Sequence[Pose]],
+    ways: Sequence[Array],
+) -> tuple[Array, Array, Array]:
+    """Return a wire's points beside or over the ducts, in them, and elsewhere, (n, 3) [m] each."""
     own = points[is_own]
     is_inside = np.zeros(len(own), bool)
     for duct in places:
@@ -60,12 +81,7 @@ def route_outside_ducts(
         shown[is_own] = which
         return points[without_noise(picture, shown)]
 
-    outside, inside, elsewhere = map(seen, (is_outside & is_beside, is_inside, is_elsewhere))
-    at = np.array([place.position[:2] for duct in places for place in places[duct]])
-    steps = np.array([step_in(duct) for duct in places for _ in places[duct]])
-    is_out = _lengths(picture, outside, at, radius) > LEAST_OUTSIDE * steps
-    is_out &= _lengths(picture, inside, at, radius) <= LEAST_INSIDE * steps
-    return float(steps[is_out].sum() + _lengths(picture, elsewhere, at, radius).sum())
+    return seen(is_outside & is_beside), seen(is_inside), seen(is_elsewhere)
 
 
 def _lengths(picture: Picture, seen: Array, at: Array, radius: float) -> Array:

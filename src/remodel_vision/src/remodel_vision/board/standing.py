@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 
 import numpy as np
 
@@ -28,22 +28,22 @@ EVERY_PX = 2
 TOP_PERCENT = 90.0
 
 
-def standing_wires(picture: Picture, panel: Panel, drawn: Obstacles) -> Obstacles:
+def standing_wires(pictures: Sequence[Picture], panel: Panel, drawn: Obstacles) -> Obstacles:
     """Return columns up to what stands higher than what is drawn; all are named WIRES.
 
     Wires below the rims of their ducts are none: only a hand that lays wires comes there.
 
     Args:
-        picture: with depth, from above; without, nothing is seen.
-        panel: whose plate it shows.
+        pictures: with depth, from above, each by another camera; without, nothing is seen.
+        panel: whose plate they show.
         drawn: what is known to stand there, world frame.
     """
-    if picture.depth is None:
+    if any(picture.depth is None for picture in pictures):
         return Obstacles()
     shape = np.ceil((np.array(panel.size[:2]) + 2 * OUTSIDE_M) / CELL_M).astype(int)
     corner = panel.world_from_panel.position[:2] - shape * CELL_M / 2
     known = _drawn_heights(panel, drawn, corner, (int(shape[0]), int(shape[1])))
-    tops = _seen_heights(picture, corner, known.shape)
+    tops = np.max([_seen_heights(picture, corner, known.shape) for picture in pictures], axis=0)
     stands = (tops > known + RISE_M) & (tops < MOST_M)
     columns = []
     for i, j in zip(*np.nonzero(stands), strict=True):

@@ -24,6 +24,8 @@ from remodel_work.robot.kinematics import Kinematics
 
 # Two bases need this much room between them [m].
 BASES_APART_M = 0.50
+# There are so many labels: DICT_4X4_250.
+MARKERS = 250
 
 
 @dataclass(frozen=True)
@@ -95,7 +97,7 @@ class CellDesign:
         name: of the cell.
         takes: the boards and wires that it can wire.
         robots: one or two.
-        overhead: camera for colour and depth that sees the whole plate.
+        overheads: cameras for colour and depth that together see the whole plate.
         scene: camera for people.
         table: under the plate.
         feeder: lays wires; None where a magazine presents them.
@@ -108,7 +110,7 @@ class CellDesign:
     name: str
     takes: CellLimits
     robots: tuple[RobotDesign, ...]
-    overhead: View
+    overheads: tuple[View, ...]
     scene: View
     table: Table
     feeder: Feeder | None
@@ -124,15 +126,22 @@ class CellDesign:
         return tuple(robot.arm for robot in self.robots)
 
     @property
+    def overhead_names(self) -> tuple[str, ...]:
+        """The cameras above the plate: overhead, overhead_2, ..."""
+        more = (f"overhead_{number}" for number in range(2, len(self.overheads) + 1))
+        return ("overhead", *more)
+
+    @property
     def camera_names(self) -> tuple[str, ...]:
         """All cameras: from above, on the wrists, and for people."""
-        return ("overhead", *(robot.camera.name for robot in self.robots), "scene")
+        return (*self.overhead_names, *(robot.camera.name for robot in self.robots), "scene")
 
 
 def find_design_problems(design: CellDesign) -> tuple[str, ...]:
     """Return every problem of a cell, one sentence each: place, found, allowed."""
     return (
         *_names(design),
+        *_labels(design),
         *_axes(design),
         *_fingers(design),
         *_homes(design),
@@ -151,6 +160,14 @@ def _names(design: CellDesign) -> Iterator[str]:
         for name, count in Counter(names).items():
             if count > 1:
                 yield f"robots: {count} have {what} {name!r}; each needs its own"
+
+
+def _labels(design: CellDesign) -> Iterator[str]:
+    if design.labels and design.takes.devices > MARKERS:
+        yield (
+            f"takes.devices: found {design.takes.devices}; allowed: up to {MARKERS}, as many as "
+            "there are labels, or labels: false"
+        )
 
 
 def _axes(design: CellDesign) -> Iterator[str]:

@@ -69,9 +69,9 @@ def _design(parsed: dict[str, Any]) -> CellDesign:
         name=parsed["name"],
         takes=CellLimits.stated(parsed["name"], parsed["takes"]),
         robots=tuple(_robot(robot) for robot in parsed["robots"]),
-        overhead=View(
-            _lens(overhead),
-            looking_down(*_point(overhead["at"]), math.radians(overhead["up_yaw_deg"])),
+        overheads=tuple(
+            View(_lens(overhead), looking_down(*_point(at), math.radians(overhead["up_yaw_deg"])))
+            for at in (overhead["at"], *overhead.get("also_at", ()))
         ),
         scene=View(
             _lens(scene),

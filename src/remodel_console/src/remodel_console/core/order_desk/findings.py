@@ -100,10 +100,11 @@ class CellFit:
 
 @dataclass(frozen=True)
 class Lengths:
-    """Lines about wires whose lengths do not fit their routes on the board."""
+    """Lines about wires whose lengths do not fit their routes on the board, or their rings."""
 
     too_short: tuple[str, ...] = ()
     too_long: tuple[str, ...] = ()
+    rings: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True)

@@ -35,6 +35,7 @@ def show_account(imported: Imported) -> ui.element:
         _unfolding("Left out", _omissions(account))
         _unfolding("Wires shorter than their routes", imported.lengths.too_short)
         _unfolding("Wires much longer than their routes", imported.lengths.too_long)
+        _unfolding("Bundles longer than the rest of their rings", imported.lengths.rings)
     return made
 
 

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+import math
 from collections import Counter
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 
 from remodel_planning.core.decomposition.triage import Refusal, triaged
 from remodel_planning.core.orders.work_order import WorkOrder
@@ -58,16 +59,30 @@ def misfits(panel: Panel, takes: CellLimits) -> tuple[str, ...]:
     )
 
 
-def require_fit(panel: Panel, takes: CellLimits | None) -> None:
-    """Raise OrderError if a board does not fit a cell."""
+def other_cell(panel: Panel, cells: Iterable[CellLimits]) -> str:
+    """Return advice to use the smallest cell that takes a board with rails; empty: none does."""
+    fits = [cell for cell in cells if panel.rails and not misfits(panel, cell)]
+    if not fits:
+        return ""
+    return f"; cell:={min(fits, key=lambda cell: math.prod(cell.plate)).cell} takes it"
+
+
+def require_fit(panel: Panel, takes: CellLimits | None, cells: Iterable[CellLimits] = ()) -> None:
+    """Raise OrderError, which names one of the cells that takes it, if a board does not fit."""
     if takes is not None and (found := misfits(panel, takes)):
         raise OrderError(
             f"order {panel.name}: the board does not fit cell {takes.cell}: {'; '.join(found)}"
+            f"{other_cell(panel, cells)}"
         )
 
 
-def summary(order: WorkOrder, panel: Panel, takes: CellLimits) -> str:
-    """Return how many wires of an order the robots of a cell place, and whether the board fits."""
+def summary(
+    order: WorkOrder, panel: Panel, takes: CellLimits, cells: Iterable[CellLimits] = ()
+) -> str:
+    """Return how many wires of an order the robots of a cell place, and whether the board fits.
+
+    If it does not, one of `cells` that takes it is named.
+    """
     robots = counted(len(order.tasks), "wire")
     kinds = Counter[str]()
     for each in order.by_hand:
@@ -76,7 +91,9 @@ def summary(order: WorkOrder, panel: Panel, takes: CellLimits) -> str:
     text = f"cell {takes.cell}: {robots} for robots, {len(order.wires_by_hand)} by hand"
     text += f" ({parts})" if parts else ""
     found = misfits(panel, takes)
-    return f"{text}; the board {'does not fit: ' + '; '.join(found) if found else 'fits'}"
+    if not found:
+        return f"{text}; the board fits"
+    return f"{text}; the board does not fit: {'; '.join(found)}{other_cell(panel, cells)}"
 
 
 def _has_wires(use_case: UseCase) -> bool:

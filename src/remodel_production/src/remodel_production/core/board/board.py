@@ -18,6 +18,7 @@ from remodel_production.core.production import (
     Order,
     Role,
     Segment,
+    SegmentKind,
     Side,
     TerminalRef,
     Wire,
@@ -138,7 +139,7 @@ def _through_ducts(
 
 
 def _formboard(order: Order, catalogue: Catalogue) -> Board:
-    nodes = flattened([node.name for node in order.nodes], order.segments)
+    nodes = _node_places(order)
     pitch = catalogue.formboard.cavity_pitch
     left = min(x for x, _ in nodes.values())
     low = min(y for _, y in nodes.values())
@@ -182,23 +183,41 @@ def _formboard(order: Order, catalogue: Catalogue) -> Board:
     )
 
 
+def _node_places(order: Order) -> Mapping[str, Point]:
+    """Return where the nodes of a harness are: given for straight segments, else laid out."""
+    if all(segment.kind is SegmentKind.STRAIGHT for segment in order.segments):
+        return {n.name: n.position[:2] for n in order.nodes if n.position is not None}
+    return flattened([node.name for node in order.nodes], order.segments)
+
+
 def _standing(
     order: Order, nodes: Mapping[str, Point], catalogue: Catalogue
 ) -> dict[str, tuple[PlacedDevice, dict[TerminalRef, Point]]]:
     """Return the connectors at the ends of bundles, which open towards them, and their openings."""
     rules = catalogue.formboard
     bundles = defaultdict(list)
+    # Connectors at the ends of straight segments face each other.
+    facing = {
+        node
+        for segment in order.segments
+        if segment.kind is SegmentKind.STRAIGHT
+        for node in (segment.start, segment.end)
+    }
     for segment in order.segments:
         bundles[segment.start].append(segment.end)
         bundles[segment.end].append(segment.start)
     at = defaultdict(list)
     for component in order.components:
-        if component.role is Role.CONNECTOR and len(bundles[component.node]) == 1:
+        node = component.node
+        if component.role is Role.CONNECTOR and (node in facing or len(bundles[node]) == 1):
             at[component.node].append(component)
     found = {}
     for node, components in at.items():
         (x, y), (to_x, to_y) = nodes[node], nodes[bundles[node][0]]
-        stand = Stand((x, y), math.atan2(to_y - y, to_x - x))
+        heading = math.atan2(to_y - y, to_x - x)
+        if node in facing:
+            heading = 0.0 if to_x > x else math.pi
+        stand = Stand((x, y), heading)
         row = row_of(components, rules.cavity_pitch, rules.connector_gap)
         for component in components:
             part = catalogue.device_class(component.role, component.part_number, component.kind)
@@ -221,7 +240,8 @@ def _along_bundles(
         first, last = (segment.start, segment.end)[:: 1 if is_forward else -1]
         passed += [nodes[first], nodes[last]] if not index else [nodes[last]]
     # Through bundles in one line a wire runs straight from opening to opening.
-    if passed and _is_straight(passed):
+    is_free = all(segment.kind is SegmentKind.STRAIGHT for segment, _ in route)
+    if passed and (is_free or _is_straight(passed)):
         passed = []
     return (openings[wire.a], *passed, openings[wire.b])
 

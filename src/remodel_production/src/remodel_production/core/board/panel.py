@@ -20,7 +20,15 @@ from itertools import groupby, takewhile
 from remodel_production.core.board.board import Board, PlacedDevice
 from remodel_production.core.board.formboard import Point
 from remodel_production.core.catalogue import Catalogue, DeviceClass, DuctSize
-from remodel_production.core.production import Clip, Side, Terminal, TerminalRef, Vector, Wire
+from remodel_production.core.production import (
+    Clip,
+    SegmentKind,
+    Side,
+    Terminal,
+    TerminalRef,
+    Vector,
+    Wire,
+)
 from remodel_states.core.wires.wire_materials import WireMaterial
 
 # x, y [m] and the angle about z [rad].
@@ -332,10 +340,16 @@ class _Maker:
                 # Two wires beside each other, and the others above them.
                 least = max(rules.fork.width, 2.2 * max(thick))
                 passing = [wire for wire in self._routed if clip in passed[wire.name]]
-                width = round(max(least, self._spread(clip, passing)), _DECIMALS)
-                fork = rules.fork
+                aside, spread = self._spread(pose, passing)
+                x, y, yaw = pose
+                middle = (x - aside * math.sin(yaw), y + aside * math.cos(yaw))
+                width = round(max(least, spread), _DECIMALS)
                 forks[clip.name] = PanelDuct(
-                    clip.name, pose, fork.length, width=width, height=fork.height
+                    clip.name,
+                    (_number(middle[0]), _number(middle[1]), yaw),
+                    rules.fork.length,
+                    width=width,
+                    height=rules.fork.height,
                 )
         forks_of = {
             name: tuple(clip.name for clip in held if clip.name in forks)
@@ -343,10 +357,12 @@ class _Maker:
         }
         return tuple(forks.values()), tuple(clips), forks_of
 
-    def _spread(self, clip: Clip, wires: Sequence[Wire]) -> float:
-        """Return the width between the posts of a fork for the wires that pass it straight [m]."""
-        yaw = self._along(clip)
-        x, y = self._at(self._board.clips[clip.name])
+    def _spread(self, pose: Pose2, wires: Sequence[Wire]) -> tuple[float, float]:
+        """Return how far beside a clip the wires that pass it straight are, and a fork's width [m].
+
+        Both are across the direction of the clip's pose.
+        """
+        x, y, yaw = pose
         asides = []
         for wire in wires:
             route = self._board.routes[wire.name]
@@ -357,12 +373,17 @@ class _Maker:
                  math.cos(yaw) * (q - y) - math.sin(yaw) * (p - x))
                 for p, q in map(self._at, route)
             )  # fmt: skip
-            asides.append(abs(ay - (by - ay) * ax / (bx - ax)) if ax != bx else 0.0)
-        return 2 * max(asides) + self._catalogue.formboard.fork.play if asides else 0.0
+            asides.append(ay - (by - ay) * ax / (bx - ax) if ax != bx else 0.0)
+        if not asides:
+            return 0.0, 0.0
+        low, high = min(asides), max(asides)
+        return (low + high) / 2, high - low + self._catalogue.formboard.fork.play
 
     def _along(self, clip: Clip) -> float:
         """Return the direction of a clip's wire in the panel's frame [rad]."""
         segments = {segment.name: segment for segment in self._board.order.segments}
+        if all(segment.kind is SegmentKind.STRAIGHT for segment in segments.values()):
+            return _ALONG_ROW
         segment = segments.get(clip.segment) or next(
             s for s in segments.values() if clip.node in (s.start, s.end)
         )

@@ -2,29 +2,37 @@
 
 If its connectors fall into two sides, so that each wire leads from one side to the other, they
 stand in two rows that face each other, as a WireViz diagram draws them. The wires run straight from
-row to row, through forks.
+connector to connector, through forks:
+
+    ┌──┐ 1 ────┬────────┬──── 1 ┌──┐      Each connector stands as far along the trunk as the
+    │X1│ 2 ────┼────────┤       │X2│      lengths of its wires ask for (`facing`). One that is
+    └──┘ 3 ────┼── 1 ┌──┴┐      └──┘      nearer than its neighbours leaves room for the wires
+               F1    │X3 │ F2             that pass it.
 """
 
 from __future__ import annotations
 
-import math
 from collections import defaultdict
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
+from itertools import pairwise
 
-from remodel_production.core.board.connector_rows import row_of
+from remodel_production.core.board.facing import Facing, Stand, placed
 from remodel_production.core.catalogue import Catalogue, FormboardRules
 from remodel_production.core.production import (
     Clip,
-    Component,
     Node,
     Order,
     Role,
     Segment,
+    SegmentKind,
     Wire,
 )
 
-LEFT, RIGHT, TRUNK = "left", "right", "trunk"
+TRUNK = "trunk"
 _FORK = "fork"
+# A fork stands so far before and behind connectors that it does not hold the wires of [m].
+_BESIDE_CONNECTOR_M = 0.045
 
 
 def with_trunk(order: Order, catalogue: Catalogue) -> Order | None:
@@ -32,73 +40,103 @@ def with_trunk(order: Order, catalogue: Catalogue) -> Order | None:
 
     None: its design has devices, splices or segments, or its connectors have no two sides.
     """
-    side = _sides(order)
-    if side is None:
+    is_left = _sides(order)
+    if is_left is None:
         return None
     rules = catalogue.formboard
-    rows = [
-        row_of(_wired(order, side, name), rules.cavity_pitch, rules.connector_gap)
-        for name in (LEFT, RIGHT)
-    ]
-    cavities = {ref: along for row in rows for ref, along in row.cavities.items()}
-    # The rows face each other: along both, the same is on opposite sides of the trunk.
-    across = {wire.name: cavities[wire.a] + cavities[wire.b] for wire in order.wires}
-    span = _span(order, across, rules)
-    count = max(1, round(span / rules.fork_spacing) - 1)
-    forks = tuple(
-        Clip(f"F{index}", _FORK, segment=TRUNK, along=round(index / (count + 1), 6))
-        for index in range(1, count + 1)
-    )
+    wired = [c for c in order.in_cabinet().components if c.name in is_left]
+    depths = {c.name: catalogue.device_class(c.role, c.part_number, c.kind).depth_m for c in wired}
+    facing = placed(wired, is_left, order.wires, depths, rules)
+    forks = _forks(facing, order.wires, rules)
+    # The first row is on the right of the board: on the left as the robot sees it.
+    nodes = [Node(name, (-stand.x, -stand.y, 0.0)) for name, stand in facing.stands.items()]
+    nodes += [Node(name, (-x, 0.0, 0.0)) for name, x in forks.items()]
+    passed = {wire.name: _passed(wire, facing, forks) for wire in order.wires}
+    at = {node.name: node.position[0] for node in nodes if node.position}
+    legs = dict.fromkeys(leg for names in passed.values() for leg in pairwise(names))
     return replace(
         order,
-        components=tuple(replace(c, node=side.get(c.name, "")) for c in order.components),
-        wires=tuple(
-            _routed(wire, math.hypot(span, across[wire.name]), rules) for wire in order.wires
+        components=tuple(
+            replace(c, node=c.name if c.name in is_left else "") for c in order.components
         ),
-        nodes=(Node(LEFT, None), Node(RIGHT, None)),
-        segments=(Segment(TRUNK, LEFT, RIGHT, span),),
-        clips=forks,
+        wires=tuple(
+            replace(
+                wire,
+                route=tuple(map(_leg, pairwise(passed[wire.name]))),
+                length_m=wire.length_m or round(facing.distance(wire) + rules.wire_slack, 3),
+            )
+            for wire in order.wires
+        ),
+        nodes=tuple(nodes),
+        segments=tuple(
+            Segment(_leg(leg), *leg, round(at[leg[0]] - at[leg[1]], 6), SegmentKind.STRAIGHT)
+            for leg in legs
+        ),
+        clips=tuple(
+            Clip(f"F{number}", _FORK, node=name) for number, name in enumerate(forks, start=1)
+        ),
     )
 
 
-def _sides(order: Order) -> dict[str, str] | None:
-    """Return the side of each connector that is wired; None if there are no two sides."""
+def _leg(ends: tuple[str, str]) -> str:
+    return f"{ends[0]}..{ends[1]}"
+
+
+def _sides(order: Order) -> dict[str, bool] | None:
+    """Return whether each wired connector is on the left; None if there are no two sides."""
     if order.segments or any(c.role is not Role.CONNECTOR for c in order.components):
         return None
     beside: dict[str, list[str]] = defaultdict(list)
     for wire in order.wires:
         beside[wire.a.component].append(wire.b.component)
         beside[wire.b.component].append(wire.a.component)
-    side: dict[str, str] = {}
+    is_left: dict[str, bool] = {}
     for component in order.components:
-        if component.name in side or component.name not in beside:
+        if component.name in is_left or component.name not in beside:
             continue
-        side[component.name] = LEFT
+        is_left[component.name] = True
         queue = [component.name]
         for name in queue:
             for other in beside[name]:
-                if other not in side:
-                    side[other] = RIGHT if side[name] == LEFT else LEFT
+                if other not in is_left:
+                    is_left[other] = not is_left[name]
                     queue.append(other)
-    if any(side[wire.a.component] == side[wire.b.component] for wire in order.wires):
+    if any(is_left[wire.a.component] == is_left[wire.b.component] for wire in order.wires):
         return None
-    return side
+    return is_left
 
 
-def _wired(order: Order, side: dict[str, str], name: str) -> list[Component]:
-    return [c for c in order.in_cabinet().components if side.get(c.name) == name]
+def _forks(facing: Facing, wires: Sequence[Wire], rules: FormboardRules) -> dict[str, float]:
+    """Return where forks stand along the trunk, by the names of their nodes [m]."""
+    xs = [stand.x for stand in facing.stands.values()]
+    span = max(xs) - min(xs)
+    count = max(1, round(span / rules.fork_spacing) - 1)
+    places = [min(xs) + span * number / (count + 1) for number in range(1, count + 1)]
+    free = [x for x in places if not _is_taken(x, facing, wires, rules)]
+    return {f"{TRUNK}/{number}": round(x, 6) for number, x in enumerate(free, start=1)}
 
 
-def _span(order: Order, across: dict[str, float], rules: FormboardRules) -> float:
-    """Return the distance between the rows [m]: that of the shortest wire, drawn straight."""
-    spans = [
-        math.sqrt(max(0.0, (wire.length_m - rules.wire_slack) ** 2 - across[wire.name] ** 2))
-        for wire in order.wires
-        if wire.length_m is not None
-    ]
-    return round(max(min(spans, default=rules.trunk), rules.fork_spacing), 6)
+def _is_taken(x: float, facing: Facing, wires: Sequence[Wire], rules: FormboardRules) -> bool:
+    """Return whether a fork for the wires that pass there would stand in a connector's place."""
+    asides = [facing.aside(wire, x) for wire in wires if _passes(facing.ends(wire), x)]
+    if not asides:
+        return True
+    low, high = min(asides) - rules.fork.play / 2, max(asides) + rules.fork.play / 2
+    return any(
+        stand.back - _BESIDE_CONNECTOR_M < x < stand.front + _BESIDE_CONNECTOR_M
+        and low < stand.y + stand.width / 2
+        and stand.y - stand.width / 2 < high
+        for stand in facing.stands.values()
+    )
 
 
-def _routed(wire: Wire, straight: float, rules: FormboardRules) -> Wire:
-    length = wire.length_m or round(straight + rules.wire_slack, 3)
-    return replace(wire, route=(TRUNK,), length_m=length)
+def _passes(ends: tuple[Stand, Stand], x: float) -> bool:
+    left, right = ends
+    return left.x + _BESIDE_CONNECTOR_M <= x <= right.x - _BESIDE_CONNECTOR_M
+
+
+def _passed(wire: Wire, facing: Facing, forks: Mapping[str, float]) -> tuple[str, ...]:
+    """Return the nodes that a wire passes, from left to right."""
+    left, right = facing.ends(wire)
+    between = [name for name, x in forks.items() if _passes((left, right), x)]
+    return (left.name, *between, right.name)

@@ -2,9 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection
+import math
+from collections.abc import Collection, Iterator
+from itertools import pairwise
 
 from remodel_production.core.board.board import Board, route_length
+from remodel_production.core.board.facing import too_long
+from remodel_production.core.production import SegmentKind
 
 # A wire so much longer than its route is more likely a wrong unit than slack.
 _MOST_TIMES = 3.0
@@ -21,7 +25,9 @@ def length_findings(board: Board, stated: Collection[str]) -> tuple[tuple[str, .
         stated: names of the wires whose lengths are the design's.
 
     Returns:
-        For each of the two kinds a line for a person about each wire, the worst first.
+        For each of the two kinds a line for a person about each wire, the worst first; then a line
+        about each bundle for which the connectors of a formboard cannot stand, since it is longer
+        than the others of a ring together.
     """
     lengths = {segment.name: segment.length_m for segment in board.order.segments}
     short: list[tuple[float, str]] = []
@@ -38,4 +44,26 @@ def length_findings(board: Board, stated: Collection[str]) -> tuple[tuple[str, .
             short.append((needed / wire.length_m, line))
         elif wire.length_m > _MOST_TIMES * needed + _SLACK_M:
             long.append((wire.length_m / max(needed, _TOLERANCE_M), line))
-    return tuple(tuple(line for _, line in sorted(found, reverse=True)) for found in (short, long))
+    about_wires = (
+        tuple(line for _, line in sorted(found, reverse=True)) for found in (short, long)
+    )
+    return (*about_wires, tuple(_rings(board, stated)))
+
+
+def _rings(board: Board, stated: Collection[str]) -> Iterator[str]:
+    """Yield a line about each bundle that is longer than the others of a ring together."""
+    if any(segment.kind is not SegmentKind.STRAIGHT for segment in board.order.segments):
+        return
+    wires = [wire for wire in board.order.wires if wire.name in stated]
+    lengths: dict[frozenset[str], float] = {}
+    for wire in wires:
+        ends = frozenset((wire.a.component, wire.b.component))
+        lengths[ends] = min(wire.length_m or math.inf, lengths.get(ends, math.inf))
+    for (a, b), path in too_long(wires).items():
+        others = [(p, q, lengths[frozenset((p, q))]) for p, q in pairwise(path)]
+        ways = ", ".join(f"{p} to {q} {length:.3g} m" for p, q, length in others)
+        total = sum(length for _, _, length in others)
+        yield (
+            f"{a} to {b}: {lengths[frozenset((a, b))]:.3g} m, and the way around it only "
+            f"{total:.3g} m ({ways})"
+        )

@@ -96,8 +96,7 @@ def _standing(context: RobotContext, found: Inspection) -> Iterator[Standing]:
                 uppermost_past(
                     at_rim @ Pose.level(x, 0.0, 0.0),
                     looking.tuck_search_m,
-                    found.seen,
-                    found.before,
+                    *found.seen_at(here),
                 )
                 for x in (-direction_m, 0.0, direction_m)
             )

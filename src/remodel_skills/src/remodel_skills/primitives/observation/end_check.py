@@ -27,10 +27,9 @@ def check_end(context: RobotContext, end: WireEnd) -> Steps[None]:
     ]
     component = context.panel.component(component_id)
     drawn = context.panel.world_from_panel @ component.panel_from_component
-    seen = yield from observe_board(context)
-    found = ComponentViews(context, component).add(
-        seen.picture, belief.seen.get(component_id, drawn)
-    )
+    near = belief.seen.get(component_id, drawn)
+    seen = yield from observe_board(context, near.position[None])
+    found = ComponentViews(context, component).add(seen.picture, near)
     if found is None:
         return
     socket = found.world_from_component @ component.terminal(terminal_id).component_from_socket

@@ -49,7 +49,8 @@ def check_forks(context: RobotContext) -> Steps[tuple[Duct, ...]]:
     if not forks:
         return ()
     context.report("observing the forks from above", 0.95)
-    seen, looking = (yield from observe_route(context)), context.parameters.looking
+    looking = context.parameters.looking
+    seen = yield from observe_route(context, _places(context, forks))
     sections = {fork: sections_of(fork, seen, context.panel, looking) for fork in forks}
     faults = {fork: _fault(fork, found, wire.radius) for fork, found in sections.items()}
     held = [fork for fork, fault in faults.items() if not fault]
@@ -60,6 +61,11 @@ def check_forks(context: RobotContext) -> Steps[tuple[Duct, ...]]:
         texts = "; ".join(fault for fault in faults.values() if fault)
         raise _out(f"{wire.id!r} lies in {len(held)} of its {len(forks)} forks: {texts}")
     return forks
+
+
+def _places(context: RobotContext, forks: Sequence[Duct]) -> Array:
+    board = context.panel.world_from_panel
+    return np.array([(board @ fork.panel_from_duct).position for fork in forks])
 
 
 def sections_of(

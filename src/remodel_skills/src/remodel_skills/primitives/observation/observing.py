@@ -50,10 +50,11 @@ def observe_from_above(context: RobotContext) -> Steps[OverheadObservation]:
     """Observe the plate from above, the empty hand aside, and note the visible loose ends."""
     if context.belief.grip is None:
         yield from park(context)
-    picture = context.cameras.take_overhead_picture()
-    yield
     belief = context.belief
     expected = {end: belief.expected[end] for end in loose_ends(context)}
+    places = list(expected.values()) or [context.panel.world_from_panel.position]
+    picture = context.cameras.take_overhead_picture(np.array(places))
+    yield
     ends, lines = find_ends(picture, context.wire, expected)
     for end, observation in ends.items():
         belief.tips[end] = observation.tip
@@ -128,7 +129,7 @@ def observe_held_tip(context: RobotContext, expected: Array) -> Steps[TipObserva
     grip = context.belief.grip
     assert grip is not None, "the hand holds the end"
     yield from wait(context, context.parameters.motion.still_s)
-    picture = context.cameras.take_overhead_picture()
+    picture = context.cameras.take_overhead_picture(expected[None])
     yield
     try:
         ends, _ = find_ends(picture, context.wire, {grip.end: expected})

@@ -13,23 +13,33 @@ from remodel_states.core.codes import Code
 from remodel_vision.drawing import BLUE, ORANGE, Drawing
 from remodel_vision.laid_wire import Passing, wire_past
 from remodel_vision.wire_lines import WireLines
+from remodel_work.camera import Picture
 from remodel_work.errors import AbilityError
 from remodel_work.fixtures import SLOPE_LENGTH_M
-from remodel_work.geometry import Pose
+from remodel_work.geometry import Array, Pose
 from remodel_work.panel import Duct, Panel, PanelClip
 from remodel_work.routes import places_in, world_from_clip
 
 
-def observe_route(context: RobotContext) -> Steps[WireLines]:
-    """Observe the plate from above, the empty hand out of the way."""
+def observe_route(context: RobotContext, points: Array) -> Steps[WireLines]:
+    """Observe points (n, 3) [m] from above, the empty hand out of the way."""
     if context.belief.grip is None:
         yield from park(context)
-    return (yield from observe_board(context))
+    return (yield from observe_board(context, points))
 
 
-def observe_board(context: RobotContext) -> Steps[WireLines]:
-    """Observe the plate from above, the hands where they are."""
-    picture = context.cameras.take_overhead_picture()
+def observe_places(context: RobotContext, points: Array) -> Steps[tuple[Picture, ...]]:
+    """Observe all of points (n, 3) [m] from above, by as many cameras as that needs."""
+    if context.belief.grip is None:
+        yield from park(context)
+    pictures = context.cameras.take_overhead_pictures(points)
+    yield
+    return pictures
+
+
+def observe_board(context: RobotContext, points: Array) -> Steps[WireLines]:
+    """Observe points (n, 3) [m] from above, the hands where they are."""
+    picture = context.cameras.take_overhead_picture(points)
     yield
     return WireLines(picture, context.wire)
 
@@ -82,7 +92,8 @@ def check_ducts(context: RobotContext, path: tuple[Pose, ...]) -> Steps[None]:
     if not places:
         return
     context.report("observing the ducts from above", 0.95)
-    seen = yield from observe_route(context)
+    at = np.array([place.position for found in places.values() for place in found])
+    seen = yield from observe_route(context, at)
     beside_m = context.parameters.looking.duct_search_m
     passings = {duct: _passings(duct, at, seen, beside_m) for duct, at in places.items()}
     if not any(passings.values()):

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -145,7 +145,9 @@ def component_views(
     """
     grip, now, looking = context.belief.grip, context.commanded, context.parameters.looking
     if grip is None:
-        return views_around(context, target.mean(axis=0)[:2], 0.0, label_views(looking), view=view)
+        least = _least_z(context, target)
+        rings = [replace(ring, z=max(ring.z, least)) for ring in label_views(looking)]
+        return views_around(context, target.mean(axis=0)[:2], 0.0, rings, view=view)
     turns = np.array(looking.held_turns_rad)
     if socket_yaw is not None:
         turns = np.linspace(
@@ -166,20 +168,38 @@ def component_views(
     return [*views[first:], *views[:first]][: looking.most_views]
 
 
+def _least_z(context: RobotContext, target: Array) -> float:
+    """Return how high the tool is for a picture of a whole label or device [m].
+
+    That is with the Panda's fingers; with longer ones the lens stays there. A long device is found
+    by both its ends: between them its screws repeat.
+
+    Args:
+        context: the cell.
+        target: what of it is to be in the picture, (n, 3) [m].
+    """
+    lens, looking = context.cameras.wrist_view.lens, context.parameters.looking
+    half = float(np.abs(target - target.mean(axis=0))[:, :2].max())
+    if not context.cell.labels:
+        half /= looking.device_in_view_share
+    above = half * lens.focal_px / (min(lens.width, lens.height) / 2 - looking.border_px)
+    return float(target[:, 2].max()) + above - (PANDA_FINGERS.tool_m - CAMERA_MOUNT[2])
+
+
 def _held_views(context: RobotContext, target: Array, turns: Array) -> list[ToolPose]:
     """Return the tool poses near the hand's that bring a component into view, the nearest first."""
     now, lens = context.commanded, context.cameras.wrist_view.lens
     above = context.fingers.tool_m - CAMERA_MOUNT[2]
     looking = context.parameters.looking
+    least = _least_z(context, target) - (context.fingers.tool_m - PANDA_FINGERS.tool_m)
+    z = max(context.parameters.motion.travel_z_m, least)
     (far_x, far_y), step = looking.held_reach_m, looking.held_step_m
     looks: list[tuple[float, ToolPose]] = []
     for turn in turns:
         for dx in np.arange(-far_x, far_x + step / 20, step):
             for dy in np.arange(-far_y, far_y + step / 20, step):
                 yaw = context.arm.canonical_yaw(now.x + dx, now.y + dy, now.yaw + turn)
-                tool = ToolPose(
-                    now.x + dx, now.y + dy, context.parameters.motion.travel_z_m, now.yaw + turn
-                )
+                tool = ToolPose(now.x + dx, now.y + dy, z, now.yaw + turn)
                 if yaw is None or abs(yaw - tool.yaw) > 1e-6 or not context.arm.reaches(tool):
                     continue
                 if _view_from(tool, lens, above).sees(target, looking.border_px):
@@ -242,7 +262,7 @@ def _aside(context: RobotContext, points: Array) -> Iterator[ToolPose]:
 
 
 def _sees_past(context: RobotContext, place: ToolPose, points: Array) -> bool:
-    eye = context.cameras.overhead_view.world_from_camera.position
+    eye = context.cameras.overhead_view(points).world_from_camera.position
     lines = Volume(
         np.tile(eye, (len(points), 1)),
         points,
@@ -323,7 +343,8 @@ def expected_place(context: RobotContext, component: Component) -> Pose:
     if context.cell.labels:
         return context.panel.world_from_panel @ component.panel_from_component
     if not context.belief.panel_at:
-        find_panel(context, context.cameras.take_overhead_picture())
+        drawn = context.panel.world_from_panel @ component.panel_from_component
+        find_panel(context, context.cameras.take_overhead_picture(drawn.position[None]))
     return context.belief.panel_at[-1] @ component.panel_from_component
 
 

@@ -15,7 +15,7 @@ from remodel_planning.core.problem.problem import End
 from remodel_planning.core.task_charts.task_values import poses
 from remodel_planning.core.use_case.fault import FaultTable
 from remodel_planning.core.use_case.model import UseCase
-from remodel_planning.edge.cell_takes import cell_takes
+from remodel_planning.edge.cell_takes import cell_takes, known_cells
 from remodel_planning.edge.use_case_files import use_case_for
 from remodel_production.core.board.board import Board, board_of
 from remodel_production.core.board.panel import panel_of
@@ -87,7 +87,7 @@ class WorkMaker:
         found.recovery.require_known(self.faults)
         whole = _whole_order(board, found)
         laid, takes = panel_of(board, catalogue), cell_takes(found, self.cell_design())
-        require_fit(laid, takes)
+        require_fit(laid, takes, known_cells())
         able = fitted(whole, laid, found, takes)
         panel = board_message(laid, whole, able.wires_by_hand)
         order = _asked(able, panel, found, tasks)
