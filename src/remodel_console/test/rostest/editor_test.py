@@ -26,7 +26,7 @@ class EditorTest(EditorCase):
         self.press(self.page, "New")
         dialog = page.get_by_role("dialog")
         dialog.get_by_label("Name").fill("Built Here")
-        self.choose(page, "Folder", str(self.package / "charts"))
+        expect(dialog).to_contain_text("charts of the package console_test_behaviors")
         self.press(self.page, "Create")
         expect(page.locator(".tools")).to_contain_text("Built Here: not saved yet")
         page.get_by_label("Find a state").fill("log")
