@@ -7,6 +7,7 @@ from collections.abc import Callable, Iterator
 from prometheus_client import CollectorRegistry, generate_latest
 from prometheus_client.core import GaugeMetricFamily
 from prometheus_client.exposition import CONTENT_TYPE_PLAIN_0_0_4
+from prometheus_client.registry import Collector
 from starlette.responses import Response
 
 from remodel_console.core.inbox import cards
@@ -16,13 +17,14 @@ from remodel_console.core.use_case.use_case import Phase, UseCase
 from remodel_console.core.world import Part, World
 
 
-class _Figures:
+class _Figures(Collector):
     """A collector of what is there at the moment of each request."""
 
     def __init__(self, world: Callable[[], World]) -> None:
         self._world = world
 
     def collect(self) -> Iterator[GaugeMetricFamily]:
+        """Yield all figures."""
         world = self._world()
         runs = GaugeMetricFamily("remodel_up", "1 if it runs and answers", labels=["part"])
         for part in Part:
