@@ -23,6 +23,7 @@ class ToolParameters:
     floor_clearance_m: float
     led_floor_clearance_m: float
     pads_clear_m: float
+    before_face_m: float
     slow_before_m: float
     wire_in_grip_m: float
     close_timeout_s: float

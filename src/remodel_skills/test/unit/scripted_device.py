@@ -44,7 +44,7 @@ PANEL = Panel(
     wires=(WIRE,),
 )
 SOCKET = PANEL.world_from_panel @ PANEL.panel_from_socket("X1", "1")
-GRIP_M = 0.02  # from the tip to the tool centre
+GRIP_M = 0.03  # from the tip to the tool centre
 
 
 @dataclass

@@ -1,11 +1,12 @@
 """How a push ends, by what the wrist feels: on a scripted device, in milliseconds."""
 
 import json
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import pytest
-from scripted_device import PARAMETERS, SOCKET, TERMINAL, before_the_opening
+from scripted_device import GRIP_M, PARAMETERS, SOCKET, TERMINAL, before_the_opening
 
 from remodel_skills.primitives.pushing import (
     judge_alignment,
@@ -17,11 +18,13 @@ from remodel_skills.runner import run
 from remodel_states.core.codes import Code
 from remodel_work.errors import AbilityError
 from remodel_work.layout import STANDOFF_M
+from remodel_work.robot.fingers import PANDA_FINGERS
 
 BOTTOM, FACE_M = TERMINAL.depth, PARAMETERS.terminal.face_m
 NEAR_BOTTOM_M = 0.0115
 LIMIT_N = 8.0
 STIFF = 2e4  # of a wire in the grip against what stops it [N/m]
+PADS_AT_FACE_M = GRIP_M - PANDA_FINGERS.width / 2  # the depth at which they are there
 RUBBING_N = 0.8  # of a ferrule in its opening
 
 
@@ -45,8 +48,9 @@ def meets_the_face(depth):
     return wall(0.0005, depth)
 
 
-def misses(depth):
-    return 0.0
+def gives_way(depth):
+    """An end that slides in the grip or bends aside: at last the fingers meet the rigid face."""
+    return 1e6 * max(0.0, depth - PADS_AT_FACE_M)
 
 
 def rubs(depth):
@@ -63,9 +67,10 @@ def recorded(push):
     return lambda depth: float(np.interp(depth, depths, forces)) + wall(depths[-1], depth)
 
 
-def pushed(feels, until_in=float("inf")):
-    """Push the end in; return how that went, the arm, and the context."""
+def pushed(feels, until_in=float("inf"), held_m=GRIP_M):
+    """Push the end in; return how that went, and the arm."""
     context, arm = before_the_opening(feels)
+    context.belief.grip = replace(context.belief.grip, distance=held_m)
     context.drive(tool_before(SOCKET, context.belief.grip, -STANDOFF_M))
     push = run(arm.tick, push_in(context, SOCKET, BOTTOM, LIMIT_N, until_in=until_in))
     return push, arm
@@ -85,7 +90,7 @@ def test_an_end_that_meets_the_bottom_is_seated():
         (jams, Code.INSERTION_JAMMED, 0.006),
         (jams_just_before_the_bottom, Code.INSERTION_JAMMED, NEAR_BOTTOM_M),
         (meets_the_face, Code.INSERTION_MISALIGNED, 0.0005),
-        (misses, Code.INSERTION_NO_CONTACT, BOTTOM + 0.008),
+        (gives_way, Code.INSERTION_NO_CONTACT, PADS_AT_FACE_M),
     ],
 )
 def test_an_end_that_does_not_reach_the_bottom_is_refused(feels, code, depth):
@@ -110,12 +115,18 @@ def test_a_recorded_push_is_judged_as_it_ended(one):
     assert caught.value.code is Code[one["ended"]]
 
 
-@pytest.mark.parametrize("feels", [seats, jams, meets_the_face, rubs])
+@pytest.mark.parametrize("feels", [seats, jams, meets_the_face, rubs, gives_way])
 def test_no_push_goes_far_beyond_its_limit(feels):
     push, arm = pushed(feels)
     assert max(arm.forces) <= 1.15 * LIMIT_N + 0.5
     assert push.peak_force <= 1.15 * LIMIT_N + 0.5
-    assert push.peak_force >= 0.8 * LIMIT_N
+    assert push.peak_force >= 0.8 * LIMIT_N or feels is gives_way
+
+
+def test_an_end_that_is_held_too_near_to_its_tip_is_not_pushed():
+    with pytest.raises(AbilityError, match=r"would come 11.* mm deep.*pick it farther") as caught:
+        pushed(seats, held_m=0.021)
+    assert caught.value.code is Code.UNREACHABLE
 
 
 def test_a_tip_that_may_rub_along_the_face_is_pushed_no_further_than_halfway():

@@ -226,7 +226,10 @@ def push_in(
     motion = ForceMotion(context, into, limit, manner.stiffness, way=way)
     ahead, stopped, is_tared, in_opening = -STANDOFF_M, False, False, False
     rubs, work = False, 0.0
-    while ahead < bottom + terminal.overtravel_m and not stopped and not rubs:
+    farthest = bottom + terminal.overtravel_m
+    if manner.buckles:
+        farthest = min(farthest, _room_before_face(context, bottom))
+    while ahead < farthest and not stopped and not rubs:
         before = ahead
         yield from motion.advance(manner.speed_at(ahead, bottom, context.parameters))
         ahead = motion.travel - STANDOFF_M
@@ -253,6 +256,27 @@ def push_in(
     pressed_at = None if at_bottom else motion.loop.pressed_at
     jammed_at = None if pressed_at is None else pressed_at - STANDOFF_M
     return Push(tip, depth, motion.loop.peak, stopped, rubs=rubs, jammed_at=jammed_at)
+
+
+def _room_before_face(context: RobotContext, bottom: float) -> float:
+    """Return how deep the held end may come before the fingers meet the terminal's face [m].
+
+    Where the end gives way, no force stops the hand before they do, and then one far beyond the
+    limit.
+
+    Raises:
+        AbilityError: UNREACHABLE when the end would not come to the bottom.
+    """
+    grip, width = _grip(context), context.fingers.width
+    room = grip.distance - width / 2 - context.parameters.tool.before_face_m
+    if room < bottom:
+        raise AbilityError(
+            Code.UNREACHABLE,
+            f"held {grip.distance * 1e3:.1f} mm behind its tip by fingers that are "
+            f"{width * 1e3:.0f} mm wide, the end would come {room * 1e3:.1f} mm deep, needed: "
+            f"{bottom * 1e3:.1f} mm; release it, and pick it farther behind its tip",
+        )
+    return room
 
 
 def yielding_in(context: RobotContext, socket: Pose) -> Yielding:
