@@ -581,7 +581,7 @@ def test_files_before_a_harness_and_modules_are_read_for_the_formats_that_have_t
     assert import_design.main([str(DESIGNS / "loom.kbl"), "--variant", "A", *place]) == 1
     said = capsys.readouterr().err.splitlines()
     assert [line.rsplit(": ", 1)[-1] for line in said[1:3]] == [
-        f"{option} is for KBL and VEC files; this is one of format csv"
+        f"{option} is for files of format kbl and vec; this is one of csv"
         for option in ("--module", "--variant")
     ]
     assert "no module or harness configuration M1: omit --module" in said[3]

@@ -6,6 +6,7 @@ import textwrap
 import pytest
 
 from remodel_production.core.imports.formats import format_of, import_design
+from remodel_production.core.imports.shared.modules import Asked
 from remodel_production.edge.catalogue_file import read_catalogue
 from remodel_production.edge.importer_plug_ins import design_formats
 from remodel_production.edge.package_files import catalogue_file
@@ -45,6 +46,29 @@ def install(tmp_path, monkeypatch, request):
         monkeypatch.syspath_prepend(str(tmp_path))
 
     return place
+
+
+def test_a_format_of_another_package_reads_modules_and_joins_files(install):
+    code = PLUG_IN.replace(
+        "PAIR = ",
+        "def read_modules(data, name, source, catalogue, asked):\n"
+        "    return read(data, '+'.join(asked.modules), source, catalogue)\n"
+        "def join(before, data):\n"
+        "    return JoinedFile(data + before[0][1], f' (after {before[0][0]})')\n"
+        "PAIR = ",
+    )
+    code = code.replace("import DesignFormat\n", "import DesignFormat, JoinedFile\n")
+    install(code.replace(", read)\n", ", read, read_modules, join)\n"))
+    form = format_of(b"PAIR X1:1 ", design_formats(()))
+    joined = form.join([("a.pair", b"K1:A1")], b"PAIR X1:1 ")
+    assert joined.parts == " (after a.pair)"
+    asked = Asked(modules=("M1", "M2"))
+    catalogue = read_catalogue(catalogue_file())
+    assert form.read_modules(joined.data, "x", "file", catalogue, asked).order.name == "M1+M2"
+    with pytest.raises(DesignError, match=r"plug-in pair = .*: IndexError: "):
+        form.join([], b"PAIR X1:1 ")
+    with pytest.raises(DesignError, match=r"plug-in pair = .*: IndexError: "):
+        form.read_modules(b"PAIR", "x", "file", catalogue, asked)
 
 
 def test_a_format_of_another_package_is_recognised_and_read(install):

@@ -36,13 +36,11 @@ from remodel_production.core.board.cabinet import laid_out
 from remodel_production.core.board.wire_lengths import length_findings
 from remodel_production.core.catalogue import Catalogue
 from remodel_production.core.counted import counted
+from remodel_production.core.imports.design_format import DesignFormat
 from remodel_production.core.imports.formats import WIRE_LIST, format_of, import_design
-from remodel_production.core.imports.kbl import import_kbl
 from remodel_production.core.imports.shared.account import Imported
 from remodel_production.core.imports.shared.modules import ALL, Asked
-from remodel_production.core.imports.vec.vec import import_vec
 from remodel_production.core.imports.wire_lists.wire_list import mapping_draft
-from remodel_production.core.imports.wireviz import lines_of, prepended
 from remodel_production.core.production import Order
 from remodel_production.edge.ability_files import read_abilities
 from remodel_production.edge.catalogue_file import read_catalogue
@@ -51,9 +49,6 @@ from remodel_production.edge.design_files import read_design, read_mappings, rea
 from remodel_production.edge.importer_plug_ins import design_formats
 from remodel_production.edge.package_files import catalogue_file
 from remodel_production.errors import DesignError, PlannerError, blamed
-
-# Formats of harnesses of modules.
-_MODULAR = {"kbl": import_kbl, "vec": import_vec}
 
 
 @refuses("import")
@@ -157,36 +152,40 @@ def main(arguments: list[str] | None = None) -> int:
 def _read(options: argparse.Namespace, name: str, catalogue: Catalogue) -> Imported:
     file: Path = options.file
     formats = design_formats(read_mappings(options.mapping))
-    own = data = read_design(file)
+    data, parts = read_design(file), ""
     chosen = options.format or (WIRE_LIST if options.mapping else None)
     before = [(each.name, read_design(each)) for each in options.prepend]
     try:
-        if before:
-            data = prepended(before, data)
         form = (
             next(form for form in formats if form.name == chosen)
             if chosen
             else format_of(data, formats)
         )
-        if before and form.name != "wireviz":
-            raise DesignError(f"--prepend is for WireViz files; this is one of format {form.name}")
+        if before:
+            if form.join is None:
+                raise _unfit("--prepend", form, [each for each in formats if each.join])
+            joined = form.join(before, data)
+            data, parts = joined.data, joined.parts
         asked = Asked(tuple(options.module), tuple(options.variant))
-        if asked != ALL and form.name not in _MODULAR:
-            option = "--module" if options.module else "--variant"
-            raise DesignError(
-                f"{option} is for KBL and VEC files; this is one of format {form.name}"
-            )
         if asked != ALL:
-            form = replace(form, read=partial(_MODULAR[form.name], asked=asked))
+            if form.read_modules is None:
+                option = "--module" if options.module else "--variant"
+                raise _unfit(option, form, [each for each in formats if each.read_modules])
+            form = replace(form, read=partial(form.read_modules, asked=asked))
         imported = import_design(data, form, name, file.name, catalogue)
     except DesignError as error:
-        raise DesignError(f"{file}: {error}{lines_of(before, own)}") from error
+        raise DesignError(f"{file}: {error}{parts}") from error
     if not before:
         return imported
     account = imported.account
-    note = f"the file is read after others{lines_of(before, own)}"
+    note = f"the file is read after others{parts}"
     account = replace(account, assumptions=(note, *account.assumptions))
     return Imported(replace(imported.order, notes=account.notes), account)
+
+
+def _unfit(option: str, form: DesignFormat, fitting: list[DesignFormat]) -> DesignError:
+    names = " and ".join(each.name for each in fitting)
+    return DesignError(f"{option} is for files of format {names}; this is one of {form.name}")
 
 
 def _preferences(options: argparse.Namespace, order: Order) -> object:

@@ -10,13 +10,20 @@ which names a `DesignFormat`:
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from dataclasses import replace
 from importlib.metadata import EntryPoint, entry_points
 from typing import TypeVar
 
 from remodel_production.core.catalogue import Catalogue
-from remodel_production.core.imports.design_format import DesignFile, DesignFormat
+from remodel_production.core.imports.design_format import (
+    DesignFile,
+    DesignFormat,
+    Join,
+    ReadModules,
+)
 from remodel_production.core.imports.formats import built_in_formats
 from remodel_production.core.imports.shared.account import Imported
+from remodel_production.core.imports.shared.modules import Asked
 from remodel_production.core.imports.wire_lists.mapping import WireListMapping
 from remodel_production.errors import DesignError, PlannerError, blamed
 
@@ -62,15 +69,45 @@ def _load(point: EntryPoint) -> DesignFormat:
         return _guarded(point, lambda: loaded.fits(file))
 
     def read(data: bytes, name: str, source: str, catalogue: Catalogue) -> Imported:
-        imported: object = _guarded(point, lambda: loaded.read(data, name, source, catalogue))
-        if not isinstance(imported, Imported):
-            raise DesignError(
-                f"{_where(point)}: its `read` returned {type(imported).__name__}; needed: an "
-                "Imported (remodel_production.core.imports.shared.account)"
-            )
-        return imported
+        return _imported(point, lambda: loaded.read(data, name, source, catalogue))
 
-    return DesignFormat(loaded.name, loaded.title, fits, read)
+    return replace(
+        loaded,
+        fits=fits,
+        read=read,
+        read_modules=_modules_reader(point, loaded.read_modules),
+        join=_joiner(point, loaded.join),
+    )
+
+
+def _modules_reader(point: EntryPoint, read: ReadModules | None) -> ReadModules | None:
+    """Return what reads modules, whose errors are reported with the plug-in's name."""
+    if read is None:
+        return None
+
+    def read_modules(
+        data: bytes, name: str, source: str, catalogue: Catalogue, asked: Asked
+    ) -> Imported:
+        return _imported(point, lambda: read(data, name, source, catalogue, asked))
+
+    return read_modules
+
+
+def _joiner(point: EntryPoint, join: Join | None) -> Join | None:
+    """Return what joins files, whose errors are reported with the plug-in's name."""
+    if join is None:
+        return None
+    return lambda before, data: _guarded(point, lambda: join(before, data))
+
+
+def _imported(point: EntryPoint, call: Callable[[], object]) -> Imported:
+    imported = _guarded(point, call)
+    if not isinstance(imported, Imported):
+        raise DesignError(
+            f"{_where(point)}: its `read` returned {type(imported).__name__}; needed: an "
+            "Imported (remodel_production.core.imports.shared.account)"
+        )
+    return imported
 
 
 def _guarded(point: EntryPoint, call: Callable[[], _Result]) -> _Result:

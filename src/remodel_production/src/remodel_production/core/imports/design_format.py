@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
 from remodel_production.core.catalogue import Catalogue
 from remodel_production.core.imports.shared.account import Imported
+from remodel_production.core.imports.shared.modules import Asked
 from remodel_production.core.imports.shared.text_encoding import decode
 from remodel_production.core.imports.shared.xml_tree import local_name, parse_xml
 from remodel_production.errors import DesignError
@@ -46,6 +47,18 @@ class DesignFile:
 
 
 @dataclass(frozen=True)
+class JoinedFile:
+    """A design file after others, as one content; `parts` says which of its lines are whose."""
+
+    data: bytes
+    parts: str
+
+
+ReadModules = Callable[[bytes, str, str, Catalogue, Asked], Imported]
+Join = Callable[[Sequence[tuple[str, bytes]], bytes], JoinedFile]
+
+
+@dataclass(frozen=True)
 class DesignFormat:
     """A format of design files.
 
@@ -56,6 +69,10 @@ class DesignFormat:
         read: reads the content of a file as an order with a name. Its other arguments are the name
             of the file and the catalogue of what the file leaves open. It raises DesignError, with
             the place, what was found and what is needed, if the file is refused.
+        read_modules: the same with the modules and variant codes that are imported; None: files of
+            this format have no modules.
+        join: puts a file after others, each with its name and content; None: files of this format
+            stand alone. It raises DesignError.
 
     Raises:
         DesignError: if the name cannot be a word of the command line.
@@ -65,6 +82,8 @@ class DesignFormat:
     title: str
     fits: Callable[[DesignFile], bool]
     read: Callable[[bytes, str, str, Catalogue], Imported]
+    read_modules: ReadModules | None = None
+    join: Join | None = None
 
     def __post_init__(self) -> None:
         """Check the name."""

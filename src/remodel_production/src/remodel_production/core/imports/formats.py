@@ -25,7 +25,7 @@ from remodel_production.core.imports.wire_lists.mapping import WireListMapping
 from remodel_production.core.imports.wire_lists.table import has_headings, without_ends
 from remodel_production.core.imports.wire_lists.wire_list import import_wire_list
 from remodel_production.core.imports.wire_properties import with_wire_properties
-from remodel_production.core.imports.wireviz import import_wireviz
+from remodel_production.core.imports.wireviz import import_wireviz, join_files
 from remodel_production.errors import DesignError
 
 WIRE_LIST = "csv"
@@ -63,12 +63,21 @@ def built_in_formats(mappings: Sequence[WireListMapping]) -> tuple[DesignFormat,
             "KBL harnesses (<KBL_container>)",
             lambda file: file.xml_root.lower() == "kbl_container",
             import_kbl,
+            import_kbl,
         ),
         DesignFormat(
-            "vec", "VEC harnesses (<VecContent>)", lambda file: file.xml_root == ROOT, import_vec
+            "vec",
+            "VEC harnesses (<VecContent>)",
+            lambda file: file.xml_root == ROOT,
+            import_vec,
+            import_vec,
         ),
         DesignFormat(
-            "wireviz", "WireViz harnesses (YAML with `connections`)", is_wireviz, import_wireviz
+            "wireviz",
+            "WireViz harnesses (YAML with `connections`)",
+            is_wireviz,
+            import_wireviz,
+            join=join_files,
         ),
         DesignFormat(
             WIRE_LIST, "wire lists (CSV or XLSX with known headings)", is_wire_list, read_wire_list

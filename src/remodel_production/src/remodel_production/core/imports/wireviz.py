@@ -23,6 +23,7 @@ from dataclasses import dataclass
 from difflib import get_close_matches
 
 from remodel_production.core.catalogue import Catalogue
+from remodel_production.core.imports.design_format import JoinedFile
 from remodel_production.core.imports.shared.account import Account, Imported, LeftOut
 from remodel_production.core.imports.shared.assembly import Connection, Device, assemble
 from remodel_production.core.imports.shared.assumptions import Assumptions
@@ -93,6 +94,11 @@ def import_wireviz(data: bytes, name: str, source: str, catalogue: Catalogue) ->
     if assumed_encoding:
         reader.assumptions.add(f"the file is no UTF-8: read as {assumed_encoding}")
     return reader.read(name, source)
+
+
+def join_files(before: Sequence[tuple[str, bytes]], data: bytes) -> JoinedFile:
+    """Return a file after others, and which lines are whose; raises DesignError."""
+    return JoinedFile(prepended(before, data), lines_of(before, data))
 
 
 def prepended(before: Sequence[tuple[str, bytes]], data: bytes) -> bytes:
