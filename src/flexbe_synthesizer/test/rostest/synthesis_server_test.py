@@ -16,7 +16,7 @@ from flexbe_msgs.msg import (
     SynthesisRequest,
 )
 
-from flexbe_core.ros.connections import senders
+from flexbe_core.testing import is_sent_to
 from flexbe_synthesizer.core.chart.chart_writer import write_chart
 from flexbe_synthesizer.core.chart.model import Behavior, Chart, Input, Outcome, Transition
 from flexbe_synthesizer.request import ErrorCode
@@ -35,7 +35,7 @@ class SynthesisServerTest(unittest.TestCase):
 
     def setUp(self):
         self.client = self.new_client()
-        self.wait_for(lambda: senders(self.subscriber))
+        self.wait_for(lambda: is_sent_to(self.subscriber))
 
     def new_client(self):
         client = actionlib.ActionClient("flexbe/synthesize", BehaviorSynthesisAction)

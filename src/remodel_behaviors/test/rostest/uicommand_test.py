@@ -17,8 +17,7 @@ import rostest
 from flexbe_msgs.msg import BEStatus
 from std_msgs.msg import String
 
-from flexbe_core.ros.connections import senders
-from flexbe_core.testing import wait_until
+from flexbe_core.testing import is_sent_to, wait_until
 
 LIMIT_S = 90.0
 KEY = "sesame"
@@ -63,7 +62,7 @@ class UiCommandTest(unittest.TestCase):
             cls.start("remodel_states", "fake_abilities"),
         ]
         answers = rospy.Subscriber("flexbe/uianswer", String, lambda _: None)
-        assert wait_until(lambda: senders(answers)), "no console"
+        assert wait_until(lambda: is_sent_to(answers)), "no console"
 
     @classmethod
     def tearDownClass(cls):

@@ -5,6 +5,8 @@ import subprocess
 from pathlib import Path
 from typing import ClassVar
 
+from playwright.sync_api import expect
+
 from remodel_console.testing.browser_test import BrowserTest
 
 CHARTS = Path(__file__).parents[1] / "charts"
@@ -48,3 +50,15 @@ class BehaviorTestCase(BrowserTest):
     @classmethod
     def start_mirror(cls):
         cls.start("mirror", "flexbe_mirror", "behavior_mirror_sm")
+
+    def write_xml(self, text):
+        """Replace the chart in the editor's XML tab."""
+        self.page.get_by_role("tab", name="XML").click()
+        shown = self.page.locator(".cm-content")
+        # A tab that opens gets its text a little later.
+        expect(shown).to_contain_text("<statemachine")
+        # By keys, as a person does: CodeMirror may draw its lines again between selecting and
+        # typing, which loses a selection of the page but none of its own.
+        shown.click()
+        self.page.keyboard.press("Control+a")
+        self.page.keyboard.insert_text(text)

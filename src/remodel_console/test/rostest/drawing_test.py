@@ -206,9 +206,8 @@ class DrawingTest(DrawingCase):
     def test_a_problem_is_shown_at_its_state_and_corrected_by_a_click(self):
         page = self.page
         self.open("Patrol")
-        page.get_by_role("tab", name="XML").click()
         source = (self.package / "charts" / "patrol.xml").read_text()
-        page.locator(".cm-content").fill(source.replace('target="South"', 'target="Sout"'))
+        self.write_xml(source.replace('target="South"', 'target="Sout"'))
         expect(page.locator(".problems")).to_contain_text("1 error")
         expect(self.drawn("North")).not_to_have_attribute("data-problems", "0")
         expect(page.locator("li.node[data-kind=missing]")).to_have_count(1)

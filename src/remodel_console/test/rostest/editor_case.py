@@ -61,11 +61,3 @@ class EditorCase(BehaviorTestCase):
         """Add a container, which is selected then."""
         self.press(self.page, "Container")
         self.assertTrue(self.is_selected("Container"))
-
-    def write_xml(self, text):
-        self.page.get_by_role("tab", name="XML").click()
-        shown = self.page.locator(".cm-content")
-        expect(shown).to_contain_text(
-            "<statemachine"
-        )  # a tab that opens gets its text a little later
-        shown.fill(text)

@@ -1,15 +1,20 @@
-"""For tests: scripted states, a way to run a single state without ROS, and a wait."""
+"""For tests: scripted states, a way to run a single state without ROS, and waits."""
 
 from __future__ import annotations
 
 import time
 from collections.abc import Callable, Mapping, Sequence
 from typing import Any, TypeVar
+from xmlrpc.client import ServerProxy
+
+import rosgraph
+import rospy
 
 from flexbe_core.core.event_state import EventState
 from flexbe_core.core.operatable_state_machine import OperatableStateMachine
 from flexbe_core.engine.engine import Engine, ErrorPolicy
 from flexbe_core.engine.userdata.user_data import UserData
+from flexbe_core.ros.connections import senders
 
 Log = list[tuple[str, str]]
 
@@ -25,6 +30,24 @@ def wait_until(condition: Callable[[], Found], limit_s: float = 90.0) -> Found:
     while not (found := condition()) and time.monotonic() < end:
         time.sleep(_POLL_S)
     return found
+
+
+def is_sent_to(subscriber: rospy.Subscriber) -> bool:
+    """Return whether a publisher sends to a subscriber.
+
+    A node enters a connection after it has answered, which is all that the subscriber knows of:
+    what the node publishes in between is lost. So it is asked, by getBusInfo of the slave API.
+    """
+    own, topic = rospy.get_name(), subscriber.resolved_name
+    for node in senders(subscriber):
+        try:
+            slave: Any = ServerProxy(rosgraph.Master(own).lookupNode(node))
+            _, _, connections = slave.getBusInfo(own)
+        except (rosgraph.MasterException, OSError):
+            continue
+        if any((end[1], end[2], end[4]) == (own, "o", topic) for end in connections):
+            return True
+    return False
 
 
 def run_state(

@@ -33,8 +33,7 @@ from std_msgs.msg import Bool, Empty, Int32, String, UInt8
 from flexbe_core import BehaviorLibrary
 from flexbe_core.engine.checksum import checksum
 from flexbe_core.engine.userdata.visit_text import Known, VisitText
-from flexbe_core.ros.connections import senders
-from flexbe_core.testing import wait_until
+from flexbe_core.testing import is_sent_to, wait_until
 
 LIMIT_S = 90.0
 NOTICED_S = 60.0  # in which a dead server is noticed; mostly within one, if the machine is idle
@@ -50,7 +49,7 @@ class Recorder:
 
     @property
     def is_connected(self):
-        return bool(senders(self._subscriber))
+        return is_sent_to(self._subscriber)
 
     def _on_message(self, message):
         with self._arrived:

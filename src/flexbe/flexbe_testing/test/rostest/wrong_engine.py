@@ -13,7 +13,7 @@ from flexbe_msgs.srv import GetUserdata
 from roslib.message import get_message_class
 from std_msgs.msg import Empty
 
-from flexbe_core.ros.connections import senders
+from flexbe_core.testing import is_sent_to
 from flexbe_testing.core.conformance import topics
 
 INNER = "inner"
@@ -74,7 +74,7 @@ class WrongEngine:
         ]
         # What the real engine publishes before it is connected is lost.
         for subscriber in self._subscribers[len(kinds) :]:
-            wait_until(lambda end=subscriber: senders(end))
+            wait_until(lambda end=subscriber: is_sent_to(end))
         self._ask = rospy.ServiceProxy(f"{INNER}/{topics.USERDATA_SERVICE}", GetUserdata)
         self._service = rospy.Service(topics.USERDATA_SERVICE, GetUserdata, self._on_ask)
 

@@ -17,7 +17,7 @@ from std_msgs.msg import Empty
 
 from flexbe_core import BehaviorLibrary
 from flexbe_core.engine.checksum import checksum
-from flexbe_core.ros.connections import senders
+from flexbe_core.testing import is_sent_to
 
 TRANSCRIPTS = Path(__file__).parents[1] / "transcripts"
 LIMIT_S = 90.0
@@ -71,7 +71,7 @@ class Wire:
         sending = [*self._publishers.values(), *self._played]
         while True:
             lonely = [end.name for end in sending if end.get_num_connections() == 0]
-            lonely += [end.name for end in self._subscribers if not senders(end)]
+            lonely += [end.name for end in self._subscribers if not is_sent_to(end)]
             if not lonely:
                 return
             assert time.monotonic() < limit, f"no connection at {lonely}"
