@@ -167,11 +167,11 @@ def test_a_list_with_wires_that_no_robot_places_is_accepted_without_them(
     assert import_design.main([str(file), *arguments]) == 0
     said = capsys.readouterr().out
     assert (
-        f"  cell {CELL}: 1 wire for robots, 3 by hand (1 shorter than 0.48 m, 1 whose "
+        f"  cell {CELL}: 1 wire for robots, 3 by hand (1 shorter than 0.42 m, 1 whose "
         "section_mm2 is above 4, 1 longer than 3 m); the board fits\n"
     ) in said
     assert (
-        f"1: by hand, length is 0.35 m, 0.13 m too little; allowed: 0.48 to 3 m (cell {CELL})\n"
+        f"1: by hand, length is 0.35 m, 0.07 m too little; allowed: 0.42 to 3 m (cell {CELL})\n"
     ) in said
     assert_agreed(database, "list")
     output = ["--output", str(tmp_path / "plan.json"), "--time-limit", "0.1"]

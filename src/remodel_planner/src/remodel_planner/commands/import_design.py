@@ -33,7 +33,7 @@ from remodel_planning.edge.use_case_files import use_case_names
 from remodel_planning.edge.yaml_file import read_yaml
 from remodel_production.core.board.board import board_of
 from remodel_production.core.board.cabinet import laid_out
-from remodel_production.core.board.wire_lengths import length_findings
+from remodel_production.core.board.wire_lengths import cut_longer, length_findings
 from remodel_production.core.catalogue import Catalogue
 from remodel_production.core.counted import counted
 from remodel_production.core.imports.design_format import DesignFormat
@@ -200,7 +200,7 @@ def _preferences(options: argparse.Namespace, order: Order) -> object:
 
 
 def _report_lengths(lengths: tuple[tuple[str, ...], ...], *, verbose: bool) -> None:
-    """Print which lengths of the design do not fit the board."""
+    """Print which lengths do not fit the board, or are not what is needed."""
     for lines, what in zip(
         lengths,
         (
@@ -222,6 +222,12 @@ def _report_lengths(lengths: tuple[tuple[str, ...], ...], *, verbose: bool) -> N
                 "are longer than the others of their rings together",
                 ": the connectors cannot stand so.",
             ),
+            (
+                "wire",
+                "is cut longer than needed",
+                "are cut longer than needed",
+                ", for robots to lay: the ducts take the slack.",
+            ),
         ),
         strict=True,
     ):
@@ -236,18 +242,24 @@ def _report_lengths(lengths: tuple[tuple[str, ...], ...], *, verbose: bool) -> N
 def _length_findings(
     imported: Imported, order: Order, catalogue: Catalogue
 ) -> tuple[tuple[str, ...], ...]:
-    """Return the wires of the design that are too short for the board, and much too long."""
+    """Return what is to say of the lengths of wires, and of bundles; lines of each kind."""
     stated = {wire.name for wire in imported.order.wires if wire.length_m is not None}
-    return length_findings(board_of(order, catalogue), stated) if stated else ((), (), ())
+    board = board_of(order, catalogue)
+    return *length_findings(board, stated), cut_longer(board, stated, catalogue.cabinet)
 
 
 def _document(
     imported: Imported, lengths: tuple[tuple[str, ...], ...], design: DesignOrder | PlannerError
 ) -> Document:
     """Return what is printed with --json."""
-    short, long, rings = lengths
+    short, long, rings, cut = lengths
     document = order_document(imported.order, imported.account)
-    document["lengths"] = {"too_short": short, "too_long": long, "rings": rings}
+    document["lengths"] = {
+        "too_short": short,
+        "too_long": long,
+        "rings": rings,
+        "cut_longer": cut,
+    }
     document["use_cases"] = use_case_names()
     if isinstance(design, PlannerError):
         return {**document, "nothing_to_plan": str(design)}

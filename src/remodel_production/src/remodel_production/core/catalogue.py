@@ -131,6 +131,9 @@ class CabinetRules:
         device_margin: beside the outer terminals of a device.
         narrowest: device.
         tail: of a wire, at each end, for its bend and its ferrule.
+        shortest: wire that is cut where the design does not say its length, if the ducts take what
+            it is longer than needed.
+        slack: of a wire that the ducts take.
         aspect: of the plate: its width by its height.
     """
 
@@ -142,6 +145,8 @@ class CabinetRules:
     device_margin: float
     narrowest: float
     tail: float
+    shortest: float
+    slack: float
     aspect: float
     plate_margin: float
     plate_thickness: float

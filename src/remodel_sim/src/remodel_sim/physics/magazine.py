@@ -37,7 +37,7 @@ def present(
         The wire, where its ends should be, and the clips that hold each end.
     """
     presentation = plan_presentation(magazine, panel, wire)
-    tips = {end: disturbed(tip, noise) for end, tip in presentation.tips.items()}
+    tips = disturbed(presentation.tips, noise, is_short=magazine.is_short(wire.length))
     clips: dict[WireEnd, tuple[int, ...]] = {}
     for end, tip in tips.items():
         clips[end] = tuple(add_clip(world, clip, pose) for clip, pose in fork_clips(wire, tip))

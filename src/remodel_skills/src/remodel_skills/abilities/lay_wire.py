@@ -133,7 +133,14 @@ def _lead(holder: RobotContext, guide: RobotContext, route: list[Array]) -> Step
     onward = (route[2] - route[1]) * [1.0, 1.0, 0.0]
     out = onward / np.linalg.norm(onward) - unit_x(fixed)
     hold = flat_hold(guide.parameters.wire)
-    flat = hold_off(holder, ToolPose(x, y, z, 0.0), out / np.linalg.norm(out), left, hold)
+    over_slot = ToolPose(x, y, guide.parameters.motion.travel_z_m, fixed.yaw)
+    visits = [
+        (guide, replace(over_slot, z=height, yaw=fixed.yaw + turn))
+        for height in (over_slot.z, z)
+        for turn in (-0.5, 0.0, 0.5)
+    ]
+    out /= np.linalg.norm(out)
+    flat = hold_off(holder, ToolPose(x, y, z, 0.0), out, left, hold, visits)
     if flat:
         yield from move_together(flat, holder.parameters.motion.hold_speed_m_s)
     yield from clear_sight(guide, route[1][None])
@@ -155,8 +162,8 @@ def _lead(holder: RobotContext, guide: RobotContext, route: list[Array]) -> Step
             guide, tool.moved(onward / np.linalg.norm(onward), fixture.duct_onward_m), is_seen
         )
     free = guide.device.arm.force
-    over_slot = guide.commanded.at(z=over - _eyelet_above(guide))
-    lifted = replace(over_slot, yaw=over_slot.yaw + turn)
+    over_rim = guide.commanded.at(z=over - _eyelet_above(guide))
+    lifted = replace(over_rim, yaw=over_rim.yaw + turn)
     peak = yield from _watched(guide, [(guide, lifted)], free)
     here = route[1]
     for i, place in enumerate(places):

@@ -128,7 +128,12 @@ def bring_together(
 
 
 def hold_off(
-    holder: RobotContext, at: ToolPose, out: Array, length: float, hold: Hold
+    holder: RobotContext,
+    at: ToolPose,
+    out: Array,
+    length: float,
+    hold: Hold,
+    visits: Sequence[tuple[RobotContext, ToolPose]] = (),
 ) -> list[tuple[RobotContext, ToolPose]]:
     """Plan where a robot holds a wire that is fixed at its other end; the other robots stay.
 
@@ -138,6 +143,7 @@ def hold_off(
         out: in which it goes on from there, unit vector (3,), level.
         length: of the wire from there to the holder's grip [m].
         hold: how tightly and steeply.
+        visits: where another robot goes then, one place after the other.
 
     Returns:
         A move of all robots at the same time; none where there is no such place.
@@ -149,7 +155,12 @@ def hold_off(
         )
         for _, place in places:
             move = [(holder, place), *others]
-            if holder.arm.reaches(place) and _are_apart([move]) and _keeps_clear(holder, [move]):
+            if (
+                holder.arm.reaches(place)
+                and _are_apart([move])
+                and all(_leaves_room(holder, place, visit) for visit in visits)
+                and _keeps_clear(holder, [move])
+            ):
                 return move
     return []
 
@@ -203,6 +214,16 @@ def _are_apart(moves: list[list[tuple[RobotContext, ToolPose]]]) -> bool:
             return False
         at.update(move)
     return True
+
+
+def _leaves_room(
+    holder: RobotContext, place: ToolPose, visit: tuple[RobotContext, ToolPose]
+) -> bool:
+    """Return whether another robot may stand where it goes while the holder is at a place."""
+    working, there = visit
+    lines = [Line(at, at, 1.0, holder.parameters.motion) for at in (place, there)]
+    gap = least_gap(list(zip((holder, working), lines, strict=True)))
+    return gap >= holder.parameters.motion.holding_apart_m
 
 
 def _keeps_clear(holder: RobotContext, moves: list[list[tuple[RobotContext, ToolPose]]]) -> bool:

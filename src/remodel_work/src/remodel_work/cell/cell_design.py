@@ -15,7 +15,7 @@ from itertools import combinations
 from remodel_states.core.cell.cell_limits import CellLimits
 from remodel_work.camera import Lens, View
 from remodel_work.cell.feeding import Feeder
-from remodel_work.cell.magazine import LEAST_SLACK_M, Magazine
+from remodel_work.cell.magazine import LEAST_FREE_M, Magazine, held_length
 from remodel_work.errors import AbilityError
 from remodel_work.geometry import Pose
 from remodel_work.panel import BOARD, Duct, PanelClip
@@ -235,7 +235,7 @@ def _presenting(design: CellDesign) -> Iterator[str]:
         )
     if magazine is None:
         return
-    least, presented = design.takes.wire_length[0], magazine.span + LEAST_SLACK_M
+    least, presented = design.takes.wire_length[0], 2 * held_length() + LEAST_FREE_M
     if least < presented - 1e-9:
         yield (
             f"takes.wire_length.least: found {least:g} m; allowed: {presented:g} m or more, since "

@@ -14,7 +14,7 @@ robot. The clips let an end out upwards, and are drawn in once a hand has it.
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 
 import numpy as np
@@ -44,8 +44,12 @@ RETENTION_N = 4.0
 RETENTION_PER_STIFFNESS = 1.6e3
 # A stop before the tip, from and to [m]: the loop of a short wire would push its ends outwards.
 STOP_M = (0.001, 0.004)
-# A wire is at least so much longer than the span, and hangs a little [m].
+# A wire that is so much longer than the span hangs as a loop [m].
 LEAST_SLACK_M = 0.02
+# The loop of a shorter wire bends its ends by no more than this, so that the clips hold them [1/m].
+MOST_CURVATURE = 11.0
+# A wire is at least so long between what the clips of both ends hold [m].
+LEAST_FREE_M = 0.05
 # Ends are presented so exactly: along the wire, and in every other direction [m], at most.
 ALONG_TOLERANCE_M = 0.002
 ASIDE_TOLERANCE_M = 0.001
@@ -58,7 +62,7 @@ class Magazine:
     Attributes:
         x: of both ends [m].
         height: of the ends' axes above the plate's surface [m].
-        span: from tip to tip [m].
+        span: from tip to tip of a long wire [m]; for a shorter one, an end's clips slide inwards.
         y_min, y_max: within which both tips lie [m].
     """
 
@@ -68,6 +72,23 @@ class Magazine:
     y_min: float
     y_max: float
 
+    def is_short(self, length: float) -> bool:
+        """Return whether the clips of an end slide inwards for a wire of this length [m]."""
+        return self.span_of(length) < self.span
+
+    def span_of(self, length: float) -> float:
+        """Return how far apart the tips of a wire of this length are presented [m].
+
+        A short loop between clamped ends has the shape a / 2 (1 - cos(2 pi x / l)) of the first
+        mode of a clamped column (Timoshenko and Gere, Theory of Elastic Stability, 2.2): with a
+        curvature of 2 pi^2 a / l^2 at its ends, it is pi^2 a^2 / (4 l) longer than its chord.
+        """
+        if length >= self.span + LEAST_SLACK_M:
+            return self.span
+        free = length - 2 * held_length()
+        slack = MOST_CURVATURE**2 * free**3 / (16 * math.pi**2)
+        return min(self.span, length - slack)
+
 
 def plan_presentation(magazine: Magazine, panel: Panel, wire: PanelWire) -> Presentation:
     """Return where a wire is presented: as near to end a's terminal as the magazine can."""
@@ -76,7 +97,7 @@ def plan_presentation(magazine: Magazine, panel: Panel, wire: PanelWire) -> Pres
         for end in WireEnd
     )
     direction = feed_direction(y_a, y_b)
-    half = magazine.span / 2
+    half = magazine.span_of(wire.length) / 2
     middle = min(max(y_a, magazine.y_min + half), magazine.y_max - half)
     tips = {
         end: Pose.level(magazine.x, middle + out * half, magazine.height, out * math.pi / 2)
@@ -92,11 +113,20 @@ def find_wire_problems(panel: Panel) -> Iterator[str]:
             yield f"wire {wire.id!r} has a connector; the cell's magazine holds ferrules only"
 
 
-def disturbed(tip: Pose, noise: np.random.Generator) -> Pose:
-    """Return where a tip that should be at a pose really is."""
-    along = noise.uniform(-ALONG_TOLERANCE_M, ALONG_TOLERANCE_M)
-    aside, up = noise.uniform(-ASIDE_TOLERANCE_M, ASIDE_TOLERANCE_M, 2)
-    return tip @ Pose.level(along, aside, up)
+def disturbed(
+    tips: Mapping[WireEnd, Pose], noise: np.random.Generator, *, is_short: bool
+) -> dict[WireEnd, Pose]:
+    """Return where tips that should be at poses really are.
+
+    A short wire, which has no loop to take up a difference, lies too far to one side as a whole.
+    """
+    found, along = {}, 0.0
+    for end, tip in tips.items():
+        drawn = noise.uniform(-ALONG_TOLERANCE_M, ALONG_TOLERANCE_M)
+        along = -along if is_short and found else drawn
+        aside, up = noise.uniform(-ASIDE_TOLERANCE_M, ASIDE_TOLERANCE_M, 2)
+        found[end] = tip @ Pose.level(along, aside, up)
+    return found
 
 
 def fork_clips(wire: PanelWire, tip: Pose) -> tuple[tuple[PanelClip, Pose], ...]:

@@ -105,6 +105,7 @@ class Lengths:
     too_short: tuple[str, ...] = ()
     too_long: tuple[str, ...] = ()
     rings: tuple[str, ...] = ()
+    cut_longer: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True)

@@ -36,6 +36,7 @@ def show_account(imported: Imported) -> ui.element:
         _unfolding("Wires shorter than their routes", imported.lengths.too_short)
         _unfolding("Wires much longer than their routes", imported.lengths.too_long)
         _unfolding("Bundles longer than the rest of their rings", imported.lengths.rings)
+        _unfolding("Wires cut longer than needed", imported.lengths.cut_longer)
     return made
 
 

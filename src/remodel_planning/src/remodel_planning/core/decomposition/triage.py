@@ -25,7 +25,7 @@ class Refusal:
     """Why no robot does a task.
 
     Attributes:
-        kind: what several tasks have in common, such as "shorter than 0.48 m".
+        kind: what several tasks have in common, such as "shorter than 0.42 m".
         reason: in words.
     """
 

@@ -110,8 +110,8 @@ class _Cabinet:
             ay, by = self._ducts[a_duct], self._ducts[b_duct]
             route, length = graph.shortest_route((ax, ay), (bx, by))
             down = abs(openings[wire.a][1] - ay) + abs(openings[wire.b][1] - by)
-            total = round(length + down + 2 * self._rules.tail, 3)
-            wires.append(replace(wire, route=route, length_m=wire.length_m or total))
+            needed = round(length + down + 2 * self._rules.tail, 3)
+            wires.append(replace(wire, route=route, length_m=wire.length_m or self._cut(needed)))
         return replace(
             self._order,
             components=tuple(places.get(c.name, c) for c in self._order.components),
@@ -119,6 +119,12 @@ class _Cabinet:
             nodes=nodes,
             segments=segments,
         )
+
+    def _cut(self, needed: float) -> float:
+        """Return to which length a wire is cut of which so much is needed [m]."""
+        rules = self._rules
+        is_cut_longer = rules.shortest - rules.slack <= needed < rules.shortest
+        return rules.shortest if is_cut_longer else needed
 
     def _width(self, component: Component) -> float:
         return self._widths[component.name]

@@ -8,6 +8,7 @@ from itertools import pairwise
 
 from remodel_production.core.board.board import Board, route_length
 from remodel_production.core.board.facing import too_long
+from remodel_production.core.catalogue import CabinetRules
 from remodel_production.core.production import SegmentKind
 
 # A wire so much longer than its route is more likely a wrong unit than slack.
@@ -48,6 +49,19 @@ def length_findings(board: Board, stated: Collection[str]) -> tuple[tuple[str, .
         tuple(line for _, line in sorted(found, reverse=True)) for found in (short, long)
     )
     return (*about_wires, tuple(_rings(board, stated)))
+
+
+def cut_longer(board: Board, stated: Collection[str], rules: CabinetRules) -> tuple[str, ...]:
+    """Return a line about each wire that is cut longer than needed, the one by the most first."""
+    found = []
+    for wire in board.order.wires:
+        route = board.routes.get(wire.name)
+        if wire.name in stated or route is None or wire.length_m != rules.shortest:
+            continue
+        needed = route_length(route) + 2 * rules.tail
+        if needed < rules.shortest - _TOLERANCE_M:
+            found.append((needed, f"{wire.name}: {wire.length_m:.3g} m, needed {needed:.3g} m"))
+    return tuple(line for _, line in sorted(found)) if board.is_cabinet else ()
 
 
 def _rings(board: Board, stated: Collection[str]) -> Iterator[str]:
