@@ -18,12 +18,15 @@ from remodel_console.core.order_desk.gantt import (
 from remodel_console.core.order_desk.preferences import (
     FIELD_HINTS,
     KINDS,
+    WIRE_FIELDS,
+    chosen_wires,
     entries,
     entry_words,
     has_entries,
     new_document,
     new_entry,
     read_document,
+    with_clicked,
     with_entry,
     without_entry,
     write_document,
@@ -103,6 +106,45 @@ def test_every_field_has_a_hint():
 def test_an_entry_that_cannot_be_is_refused_with_its_field(name, changed, reason):
     with pytest.raises(CommandError, match=reason):
         new_entry(BEFORE, name, TEXTS | changed)
+
+
+@pytest.mark.parametrize(
+    ("text", "clicked", "after"),
+    [
+        ("", ["W1"], "[W1]"),
+        (" \n", ["W1", "W2"], "[W1, W2]"),
+        ("W1", ["W2"], "[W1, W2]"),
+        ("[W1, W2]", ["W1"], "[W2]"),
+        ("[W1, W2]", ["W2", "W3"], "[W1, W2, W3]"),
+        ("[W1, W2, W3]", ["W3", "W1"], "[W2]"),
+        ("W1", ["W1"], ""),
+        ("", ["7"], "['7']"),
+        ("", ["all"], "[all]"),
+        ("", ["on: [x", "é"], "['on: [x', é]"),
+    ],
+)
+def test_a_click_on_wires_fills_them_in_or_takes_them_away(text, clicked, after):
+    assert with_clicked(text, clicked) == after
+    before = chosen_wires(text)
+    assert set(chosen_wires(after)) in (set(before) | set(clicked), set(before) - set(clicked))
+
+
+@pytest.mark.parametrize("text", ["all", "{colour: BU}", "{colour: ", "7", "[W1, 7]"])
+def test_a_click_keeps_what_a_person_has_typed(text):
+    assert chosen_wires(text) is None
+    with pytest.raises(CommandError, match=r"is no list of wires; clear the field to click"):
+        with_clicked(text, ["W1"])
+
+
+def test_many_wires_stay_in_one_line():
+    wires = [f"W{n}" for n in range(2000)]
+    text = with_clicked("", wires)
+    assert "\n" not in text
+    assert list(chosen_wires(text)) == wires
+
+
+def test_fields_of_wires_are_fields_of_entries():
+    assert set(WIRE_FIELDS) <= set(FIELD_HINTS)
 
 
 def test_a_document_is_read_and_written():

@@ -20,6 +20,11 @@ MEANINGS = {
     "ddd": "Wire",
     "eee": "Length",
 }
+MIDDLE = """(line) => {
+  line.scrollIntoView({ block: "center" });
+  const at = line.getPointAtLength(line.getTotalLength() / 2).matrixTransform(line.getScreenCTM());
+  return [at.x, at.y];
+}"""
 LIST = """Wire,From,To,Section mm2,Colour,Shelf,Length mm
 W1,K1:1,X1:1,1,BU,a,600
 W2,K1:2,X1:2,1,BK,b,600
@@ -96,7 +101,7 @@ require:
         self.press(page, "OK")
         self.press(page.get_by_role("dialog"), "Cancel")
         expect(page.locator(".preference", has_text="red first")).to_be_visible()
-        self.add_entry(page, prefer, "black late", pick="W1", before="W2", weight="1")
+        self.click_entry()
         expect(other.locator(".preference", has_text="black late")).to_be_visible()
         self.plan_again()
         page.get_by_text("Explanation:").click()
@@ -109,6 +114,35 @@ require:
         page.locator(".order-desk").evaluate("(desk) => desk.scrollTo(0, 0)")
         page.set_viewport_size({"width": 1280, "height": 1500})
         self.take_picture(page, "order-desk")
+
+    def click_entry(self):
+        """Wires are filled in by clicks: on the board, on their terminals, and on their rows."""
+        page = self.page
+        self.press(page, "Add an entry")
+        dialog = page.get_by_role("dialog")
+        dialog.get_by_label("Name", exact=True).fill("black late")
+        pick, before = (dialog.get_by_label(each, exact=True) for each in ("pick", "before"))
+        wire = dialog.locator("[data-wire='W1']")
+        for text, is_chosen in (("[W1]", True), ("", False)):
+            page.mouse.click(*wire.locator(".area").evaluate(MIDDLE))
+            expect(pick).to_have_value(text)
+            expect(dialog.locator(".chosen[data-wire='W1']")).to_have_count(int(is_chosen))
+        dialog.get_by_text("Wires (4)").click()
+        row = dialog.get_by_role("button", name="W1: ")
+        row.click()
+        expect(pick).to_have_value("[W1]")
+        expect(row).to_have_attribute("aria-pressed", "true")
+        before.fill("{colour: BK}")
+        terminal = dialog.locator("[data-terminal='K1:2']")
+        terminal.click(force=True)  # its wire is drawn over it
+        expect(dialog.get_by_role("alert")).to_contain_text("before: `{colour: BK}` is no list")
+        before.fill("")
+        terminal.click(force=True)
+        expect(before).to_have_value("[W2]")
+        expect(dialog.locator(".chosen")).to_have_attribute("data-wire", "W2")
+        dialog.get_by_label("weight", exact=True).fill("1")
+        self.press(dialog, "Add")
+        expect(dialog).to_have_count(0)
 
     def start_order(self):
         page = self.page

@@ -255,6 +255,19 @@ def test_a_drawing_shows_every_device_and_every_wire(order_of):
         assert 0 <= y <= height
 
 
+def test_a_drawing_tells_wires_and_terminals_by_their_names():
+    made = order(("Q1:B1", "Q2:T1"), ("Q1:B2", "Q2:T2"))
+    first, second = made.wires
+    odd = """<'1'> & "2\""""
+    board = board_of(replace(made, wires=(replace(first, name=odd), second)), CATALOGUE)
+    svg = etree.fromstring(draw_board(board, CATALOGUE).encode())
+    ends = {each.get("data-wire"): (each.get("data-a"), each.get("data-b")) for each in svg.iter()}
+    del ends[None]
+    assert ends == {odd: ("Q1:B1", "Q2:T1"), second.name: ("Q1:B2", "Q2:T2")}
+    terminals = {each.get("data-terminal") for each in svg.iter()} - {None}
+    assert terminals == {"Q1:B1", "Q1:B2", "Q2:T1", "Q2:T2"}
+
+
 def test_a_cabinet_is_drawn_to_scale():
     board = board_of(project("tableau_domestique"), CATALOGUE)
     svg = etree.fromstring(draw_board(board, CATALOGUE).encode())

@@ -6,7 +6,7 @@ it only has its fields.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -17,6 +17,7 @@ from remodel_console.errors import CommandError
 _FORMAT = "remodel-preferences-1"
 _LONGEST = 100_000  # letters of a document
 _LISTS = ("prefer", "require")
+_ALL = "all"
 Document = dict[str, Any]
 
 
@@ -60,6 +61,7 @@ FIELD_HINTS = {
     "avoid_segment": "name of a segment of the board",
     "force_n": "the most, in N",
 }
+WIRE_FIELDS = ("pick", "before", "route", "insert")  # that select wires
 
 
 def new_document() -> Document:
@@ -97,6 +99,35 @@ def new_entry(kind: EntryKind, name: str, texts: Mapping[str, str]) -> Document:
     return entry
 
 
+def chosen_wires(text: str) -> tuple[str, ...] | None:
+    """Return the wires that the text of a field names; None if it is anything else, as `all`."""
+    try:
+        value = _parsed(text)
+    except CommandError:
+        return None
+    if isinstance(value, str) and value != _ALL:
+        return (value,)
+    names = [] if value is None else value
+    is_names = isinstance(names, list) and all(isinstance(each, str) for each in names)
+    return tuple(names) if is_names else None  # type: ignore[arg-type]  # a list, as just checked
+
+
+def with_clicked(text: str, wires: Sequence[str]) -> str:
+    """Return the text of a field after a click on wires: it names all of them, or no longer any.
+
+    Raises:
+        CommandError: if the text selects wires in another way; what a person has typed is kept.
+    """
+    chosen = chosen_wires(text)
+    if chosen is None:
+        raise CommandError(f"`{text.strip()}` is no list of wires; clear the field to click wires")
+    if set(wires) <= set(chosen):
+        left = [name for name in chosen if name not in wires]
+    else:
+        left = list(dict.fromkeys((*chosen, *wires)))
+    return _flow(left) if left else ""
+
+
 def with_entry(document: Document, list_name: str, entry: Document) -> Document:
     """Return a document with one more entry."""
     return {**document, list_name: [*entries(document, list_name), entry]}
@@ -114,7 +145,7 @@ def without_entry(document: Document, list_name: str, entry: Mapping[str, Any]) 
 def entry_words(entry: Mapping[str, Any]) -> str:
     """Return what an entry says besides its name."""
     fields = {name: value for name, value in entry.items() if name != "name"}
-    return yaml.safe_dump(fields, default_flow_style=True, sort_keys=False, width=1000)[1:-2]
+    return _flow(fields)[1:-1]
 
 
 def write_document(document: Document) -> str:
@@ -122,11 +153,7 @@ def write_document(document: Document) -> str:
     parts = []
     for key, value in document.items():
         if key in _LISTS:
-            lines = [
-                yaml.safe_dump(each, default_flow_style=True, sort_keys=False, width=1000)
-                for each in value
-            ]
-            parts.append("".join((f"{key}:\n", *(f"  - {line}" for line in lines))))
+            parts.append("".join((f"{key}:\n", *(f"  - {_flow(each)}\n" for each in value))))
         else:
             parts.append(yaml.safe_dump({key: value}, sort_keys=False))
     return "".join(parts)
@@ -148,6 +175,14 @@ def read_document(text: str) -> Document:
         if not isinstance(found, list) or not all(isinstance(each, dict) for each in found):
             raise CommandError(f"`{name}` holds a list of entries, such as `- {{name: ..., ...}}`")
     return document
+
+
+def _flow(value: object) -> str:
+    """Return the YAML of a list or a mapping, in one line."""
+    text: str = yaml.safe_dump(
+        value, default_flow_style=True, sort_keys=False, width=_LONGEST, allow_unicode=True
+    )
+    return text.rstrip("\n")
 
 
 def _parsed(text: str) -> object:

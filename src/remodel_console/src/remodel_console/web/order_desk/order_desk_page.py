@@ -129,8 +129,9 @@ class OrderDeskPage(Page):
             _Section(
                 lambda now: (
                     *(now.imported, now.preferences, now.plan, now.no_plan, now.is_planned),
+                    now.boards,
                 ),
-                self._preferences.show,
+                lambda now: self._preferences.show(now, _board_of(draft, now)),
             ),
             _Section(
                 lambda now: (
@@ -206,9 +207,9 @@ class OrderDeskPage(Page):
                 self.button("Store it only", self._store, icon="save", look="quiet")
 
     def _show_board(self, draft: OrderDraft, now: DraftState) -> None:
-        if not now.boards:
+        address = _board_of(draft, now)
+        if not address:
             return
-        address = f"{ADDRESS}/board/{draft.key}?v={now.boards}"
         with card("Board", "Drawn to scale.").classes("across"):
             ui.link("Open in a tab of its own", address, new_tab=True).classes("soft")
             frame = ui.element("div").classes("board")
@@ -333,6 +334,11 @@ def _triage_of(now: DraftState) -> tuple[Triage | None, str, CellFit | None] | N
         return None
     planned = now.plan.triage if now.plan else None
     return planned or now.imported.triage, now.imported.nothing_to_plan, now.imported.cell
+
+
+def _board_of(draft: OrderDraft, now: DraftState) -> str:
+    """Return the address of the drawing of the board; empty before it is drawn."""
+    return f"{ADDRESS}/board/{draft.key}?v={now.boards}" if now.boards else ""
 
 
 def _has_two_arms(now: DraftState) -> bool:

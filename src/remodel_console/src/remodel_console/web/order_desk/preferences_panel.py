@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Awaitable, Callable, Mapping
+from collections.abc import Callable, Mapping
 from functools import partial
 from typing import Any
 
@@ -11,24 +11,17 @@ from nicegui import ui
 from remodel_console.core.answer import DONE
 from remodel_console.core.order_desk.findings import Plan
 from remodel_console.core.order_desk.preferences import (
-    FIELD_HINTS,
-    KINDS,
     Document,
-    EntryKind,
     entries,
     entry_words,
-    new_entry,
     read_document,
-    with_entry,
     without_entry,
     write_document,
 )
 from remodel_console.edge.order_desk.order_drafts import DraftState
 from remodel_console.errors import CommandError
+from remodel_console.web.order_desk.entry_dialog import LIST_TITLES, Change, EntryDialog
 from remodel_console.web.page import Page, card
-
-Change = Callable[[str, Callable[[Document], Document]], Awaitable[object]]
-_LISTS = {"require": "Required", "prefer": "Preferred"}
 
 
 class PreferencesPanel:
@@ -40,15 +33,15 @@ class PreferencesPanel:
         self._change = change
         self._replan = replan
 
-    def show(self, now: DraftState) -> None:
-        """Add the card."""
+    def show(self, now: DraftState, board: str) -> None:
+        """Add the card; `board` is the address of the drawing, empty if there is none."""
         if now.imported is None:
             return
         hint = "Requirements bind every plan; a plan may violate a preference, and pays for it."
         conflicts = now.no_plan.conflicts if now.no_plan else ()
         conflict = [each.entry for requirements in conflicts for each in requirements]
         with card("Preferences", hint):
-            for list_name, title in _LISTS.items():
+            for list_name, title in LIST_TITLES.items():
                 found = entries(now.preferences, list_name)
                 if found:
                     ui.label(title).classes("heading")
@@ -57,11 +50,12 @@ class PreferencesPanel:
                     self._show_entry(list_name, entry, is_in_conflict=is_in_conflict)
                     if now.is_planned and now.plan is not None:
                         _show_violated(now.plan, str(entry.get("name", "")))
-            others = sorted(set(now.preferences) - {"format", *_LISTS})
+            others = sorted(set(now.preferences) - {"format", *LIST_TITLES})
             if others:
                 ui.label(f"Also: {', '.join(others)} (Edit all as YAML shows them)").classes("soft")
             with ui.row().classes("controls"):
-                self._page.button("Add an entry", self._ask_entry, icon="add", look="quiet")
+                ask = partial(EntryDialog, self._page, self._change, board)
+                self._page.button("Add an entry", ask, icon="add", look="quiet")
                 edit = partial(self._ask_document, now.preferences)
                 self._page.button("Edit all as YAML", edit, icon="edit", look="quiet")
                 if not now.is_planned and now.imported.triage:
@@ -88,51 +82,6 @@ class PreferencesPanel:
             f"remove the preference '{entry.get('name', '')}'",
             lambda document: without_entry(document, list_name, entry),
         )
-
-    def _ask_entry(self) -> None:
-        """Ask for the kind of an entry and its fields."""
-        with self._page.dialog("New entry") as dialog:
-            ui.label("New entry").classes("title")
-            words = {
-                number: f"{_LISTS[kind.list_name]}: {kind.meaning}"
-                for number, kind in enumerate(KINDS)
-            }
-            chosen = ui.select(words, value=0, label="What").props("outlined dense").classes("wide")
-            name = ui.input("Name").props("outlined dense").classes("wide")
-            fields = ui.element("div").classes("fields wide")
-            inputs: dict[str, ui.input] = {}
-
-            def show_fields() -> None:
-                fields.clear()
-                inputs.clear()
-                with fields:
-                    for field in KINDS[chosen.value].fields:
-                        inputs[field] = ui.input(field).classes("wide")
-                        inputs[field].props("outlined dense stack-label")
-                        ui.label(FIELD_HINTS[field]).classes("soft")
-
-            chosen.on_value_change(show_fields)
-            show_fields()
-            problem = ui.label().classes("bad-count").props('role="alert"')
-
-            async def add() -> None:
-                kind: EntryKind = KINDS[chosen.value]
-                try:
-                    texts = {field: each.value or "" for field, each in inputs.items()}
-                    entry = new_entry(kind, name.value or "", texts)
-                except CommandError as error:
-                    problem.text = str(error)
-                    return
-                answer = await self._change(
-                    f"add the preference '{entry['name']}'",
-                    lambda document: with_entry(document, kind.list_name, entry),
-                )
-                if answer.state == DONE:  # type: ignore[attr-defined]
-                    dialog.close()
-
-            with ui.row():
-                ui.button("Add", on_click=add).props("no-caps unelevated")
-                ui.button("Cancel", on_click=dialog.close).props("no-caps flat")
 
     def _ask_document(self, document: Document) -> None:
         """Have all edited as text."""
@@ -161,7 +110,7 @@ class PreferencesPanel:
                     return changed
 
                 answer = await self._change("edit the preferences", change)
-                if answer.state == DONE:  # type: ignore[attr-defined]
+                if answer.state == DONE:
                     dialog.close()
 
             with ui.row():

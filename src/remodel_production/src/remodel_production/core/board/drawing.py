@@ -1,4 +1,8 @@
-"""Draw a board as SVG, to scale: components, rails, ducts or bundles, clips, wires in colours."""
+"""Draw a board as SVG, to scale: components, rails, ducts or bundles, clips, wires in colours.
+
+Terminals have their names as `data-terminal`; wires have theirs as `data-wire`, and the terminals
+of their ends as `data-a` and `data-b`, so that a page knows what a person clicks.
+"""
 
 from __future__ import annotations
 
@@ -160,8 +164,8 @@ def _openings(board: Board, catalogue: Catalogue, view: _View) -> Iterator[str]:
             turned = _turned(device.yaw, view.place((x, y)))
             yield (
                 f'<rect x="{left:.1f}" y="{upper:.1f}" width="{width * view.scale:.1f}" '
-                f'height="{depth * view.scale:.1f}" fill="#8a8a80"{turned}>'
-                f"<title>{escape(str(ref))}</title></rect>"
+                f'height="{depth * view.scale:.1f}" fill="#8a8a80"{turned} '
+                f"data-terminal={quoteattr(str(ref))}><title>{escape(str(ref))}</title></rect>"
             )
 
 
@@ -177,7 +181,9 @@ def _wires(board: Board, lane_m: float, view: _View) -> Iterator[str]:
         thick = 0.8 + 0.25 * wire.section_mm2**0.5
         # White and yellow need an edge to be seen; a second colour is dashed over the first.
         yield (
-            f'<g fill="none" stroke-linejoin="round" stroke-width="{thick:.2f}">'
+            f'<g fill="none" stroke-linejoin="round" stroke-width="{thick:.2f}" '
+            f"data-wire={quoteattr(name)} data-a={quoteattr(str(wire.a))} "
+            f"data-b={quoteattr(str(wire.b))}>"
             f"<title>{escape(title)}</title>"
             f'<polyline points="{drawn}" stroke={quoteattr(_stroke(wire, 0))}/>'
         )
