@@ -8,6 +8,7 @@ import re
 import threading
 import time
 from collections.abc import Callable
+from dataclasses import replace
 from typing import Protocol
 
 from flexbe_synthesizer.core.chart.model import Chart
@@ -32,6 +33,7 @@ from remodel_console.edge.workspace import GENERATED, Workspace
 from remodel_console.errors import CommandError
 from remodel_console.live import Live
 from remodel_console.pictures import Pictures
+from remodel_console.plots import TopicPlots
 from remodel_console.scene import Meshes, Scene
 from remodel_console.session import Session
 from remodel_console.sessions import Sessions
@@ -131,6 +133,7 @@ class Console:
         scenes: recordings of the cell in three dimensions.
         ticks: the wires by hand that are placed.
         values: userdata that the states of the run have found and left behind.
+        plots: values of the topics that are plotted.
         steering: commands to the engine.
         supervisor: None until ROS is running.
         recorder: None until ROS is running.
@@ -183,6 +186,7 @@ class Console:
         self.meshes = Meshes()
         self.scenes = scenes
         self.values = RunValues()
+        self.plots = TopicPlots()
         self.supervisor: Supervisor | None = None
         self.recorder: Recorder | None = None
         self.inputs: Inputs | None = None
@@ -248,6 +252,20 @@ class Console:
         if self.everything.is_running:
             _LOG.warning("the sample order is not started: %s", trouble)
         self.live.refresh()  # the nodes have ended, perhaps before any answered
+
+    def add_plot(self, plot: str) -> None:
+        """Have one more field of a topic plotted, `/TOPIC.FIELD`.
+
+        Raises:
+            CommandError: if there is no such field, or it is plotted already.
+        """
+        if self.plots.source is None:
+            raise CommandError("ROS is not running; start it: roscore")
+        self.plots.source.check(plot)
+        try:
+            self.settings.change(lambda now: replace(now, plots=(*now.plots, plot)))
+        except ValueError as error:
+            raise CommandError(str(error)) from error
 
     def list_names(self) -> tuple[str, ...]:
         """List the names of all charts and behaviors again, and return them; reads their files."""

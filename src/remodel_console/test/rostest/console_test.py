@@ -7,6 +7,7 @@ from pathlib import Path
 
 import rospy
 import rostest
+from geometry_msgs.msg import Vector3
 from playwright.sync_api import expect
 from std_msgs.msg import String
 
@@ -112,6 +113,37 @@ class ConsoleTest(ConsoleCase):
         commands = [json.loads(line)["command"] for line in self.record.read_text().splitlines()]
         for command in ("set a breakpoint at Both / Second", "remove all breakpoints"):
             self.assertIn(command, commands)
+
+    def test_a_field_of_any_topic_is_plotted_on_all_pages_and_kept(self):
+        page = self.page
+        publisher = rospy.Publisher("plotted", Vector3, queue_size=1)
+        timer = rospy.Timer(rospy.Duration(0.05), lambda _: publisher.publish(Vector3(z=12.5)))
+        self.addCleanup(timer.shutdown)
+        plots = page.get_by_role("region", name="Plots")
+        topic, field = (plots.get_by_role("combobox", name=name) for name in ("Topic", "Field"))
+        topic.click()
+        expect(page.get_by_role("option").first).to_be_visible()
+        topic.fill("/plotted")
+        page.get_by_role("option", name="/plotted (geometry_msgs/Vector3)").click()
+        expect(field).to_have_value("x")
+        self.choose(page, "Field", "z")
+        self.press(page, "Plot")
+        late = self.open_page()
+        for each in (page, late):
+            expect(each.locator(".plot-panel .figure")).to_have_text("12.5")
+            expect(each.locator(".plot-panel .plot svg")).to_be_visible()
+        self.assertEqual(json.loads(self.settings.read_text())["plots"], ["/plotted.z"])
+        self.take_picture(page, "runtime-plot")
+        field.fill("w")
+        field.press("Enter")
+        self.press(page, "Plot")
+        expect(page.locator(".q-notification")).to_contain_text(
+            "geometry_msgs/Vector3 has no number 'w'; its numbers: x, y, z"
+        )
+        self.press(late, "Remove the plot /plotted.z")
+        for each in (page, late):
+            expect(each.locator(".plot-panel .plot")).to_have_count(0)
+        self.assertEqual(json.loads(self.settings.read_text())["plots"], [])
 
     def test_attaching_to_what_another_client_has_started(self):
         self.load(self.page, "Errand")

@@ -1,5 +1,6 @@
 """The configuration: its file, and what may stand in it."""
 
+import json
 import stat
 
 import pytest
@@ -15,6 +16,7 @@ FULL = Settings(
     are_commands_allowed=False,
     command_key="secret",
     chart_folders=("/charts",),
+    plots=("/joint_states.position[3]", "/cell/wrist/wrench.wrench.force.z"),
 )
 
 
@@ -34,6 +36,10 @@ def test_what_is_written_is_read(settings):
         ('{"chart_folders": "x"}', "not a list of paths"),
         ('{"chart_folders": ["charts"]}', "'charts' is no absolute path"),
         ('{"system": "a\\nb"}', "no text of one line"),
+        ('{"plots": "x"}', "not a list of fields of topics"),
+        ('{"plots": ["/joint_states"]}', "'/joint_states' is no plot; write /TOPIC.FIELD"),
+        ('{"plots": ["/a.b", "/a.b"]}', "/a.b is plotted already"),
+        (f'{{"plots": {json.dumps([f"/a.b{i}" for i in range(9)])}}}', "at most 8 fields"),
     ],
 )
 def test_a_wrong_file_is_reported(text, words):

@@ -2,11 +2,16 @@
 """A use case of a user's own carries its order out over a fake cell, also across a restart."""
 
 import json
+import signal
 import subprocess
 
+import rosbag
 import rostest
 from order_client import LIMIT_S, SUPERVISOR, OrderClient, wait_until
 from use_cases_case import DATABASE, OUTPUT, UseCasesCase
+
+RECORDS = "/remodel/ability_records"
+GOALS = "/remodel_abilities/{}/goal"
 
 
 class UseCasesTest(UseCasesCase):
@@ -29,6 +34,20 @@ class UseCasesTest(UseCasesCase):
         report = json.loads((OUTPUT / "own" / "report.json").read_text())
         behaviors = [wire["behavior"] for wire in report["wires"]]
         self.assertEqual([b for b in behaviors if not b.startswith("Hang Wire ")], [])
+        self.has_a_bag(orders)
+
+    def has_a_bag(self, orders):
+        """Check that the recorder, once it ends, leaves a bag of the run."""
+        orders.end_process("bag", signal.SIGINT)
+        (file,) = (OUTPUT / "bags").glob("run_*.bag")
+        with rosbag.Bag(str(file)) as bag:
+            counts = {name: t.message_count for name, t in bag.get_type_and_topic_info()[1].items()}
+            records = [message.ability for _, message, _ in bag.read_messages(RECORDS)]
+            goals = [GOALS.format(ability.lower()) for ability in records]
+        self.assertIn("InsertCable", records)
+        self.assertEqual([name for name in goals if counts.get(name, 0) < 1], [])
+        self.assertGreater(counts["/remodel/use_case/state"], 1)
+        self.assertIn("/flexbe/log", counts)
 
 
 if __name__ == "__main__":

@@ -13,6 +13,7 @@ from remodel_sim.physics.plant import SimulatedPlant
 from remodel_sim.ros import node, robot_driver
 from remodel_skills.ros import driven_cell
 from remodel_skills.ros import node as skills_node
+from remodel_states.edge.exported_tables import read_abilities
 from remodel_work.edge import bullet
 
 LAUNCH = ElementTree.parse(Path(__file__).parents[2] / "launch/cell.launch").getroot()
@@ -62,14 +63,35 @@ def test_each_argument_of_drivers_and_skills_is_a_parameter_that_is_read(file, r
     ],
 )
 def test_an_order_runs_on_a_cell_or_on_a_robots_drivers_by_their_time(given, nodes, simulated_time):
-    file = SKILLS.parent / "remodel_planner/launch/order.launch"
-    loaded = roslaunch.config.ROSLaunchConfig()
-    arguments = [str(file), "output:=/out", "database:=sqlite:////out/p.sqlite", *given]
-    roslaunch.xmlloader.XmlLoader().load(str(file), loaded, argv=arguments[1:], verbose=False)
+    loaded = order_launch(*given)
     types = {node.type for node in loaded.nodes}
     assert types & {"cell", "abilities", "robot_driver", "fake_cell"} == nodes
     time = loaded.params.get("/use_sim_time")
     assert (time.value if time else None) is simulated_time
+
+
+def order_launch(*given):
+    """Return what order.launch starts with arguments."""
+    file = SKILLS.parent / "remodel_planner/launch/order.launch"
+    loaded = roslaunch.config.ROSLaunchConfig()
+    arguments = ["output:=/out", "database:=sqlite:////out/p.sqlite", *given]
+    roslaunch.xmlloader.XmlLoader().load(str(file), loaded, argv=arguments, verbose=False)
+    return loaded
+
+
+def test_a_bag_of_an_order_has_what_its_nodes_report_and_no_topic_of_commands():
+    assert not [node for node in order_launch().nodes if node.package == "rosbag"]
+    (recorder,) = (node for node in order_launch("bag:=true").nodes if node.package == "rosbag")
+    assert recorder.type == "record"
+    words = recorder.args.split()
+    assert words[:2] == ["-o", "/out/bags/run"]
+    actions = [ability.topic for ability in read_abilities().values()]
+    assert {f"{topic}/{part}" for topic in actions for part in ("goal", "result")} <= set(words)
+    reported = {"flexbe/status", "flexbe/log", "remodel/use_case/state", "remodel/ability_records"}
+    assert reported <= set(words)
+    commands = {"flexbe/uicommand", "flexbe/start_behavior", "remodel/run_use_case/goal"}
+    assert not [word for word in words if word in commands or word.startswith("flexbe/command/")]
+    assert not [word for word in words if "image" in word]
 
 
 @pytest.mark.parametrize("gui", [True, False])

@@ -42,6 +42,19 @@ def series_plot(points: Sequence[tuple[float, float]], end: float) -> Options:
     return _plot(_values(time), _values({"splitNumber": 2}), steps)
 
 
+def recent_plot(points: Sequence[tuple[float, float]], length_s: float) -> Options:
+    """Return what was measured until now as a line.
+
+    Args:
+        points: (seconds before now, at most 0; value), in order.
+        length_s: how long ago the left edge is [s].
+    """
+    line = {"type": "line", "data": [*map(list, points)], "showSymbol": False}
+    time = {"min": -length_s, "max": 0, "interval": length_s / 3, "splitLine": {"show": False}}
+    time["axisLabel"] = {"formatter": "{value} s", "alignMaxLabel": "right"}
+    return _plot(_values(time), _values({"splitNumber": 2, "scale": True}), line)
+
+
 def count_plot(counts: Sequence[tuple[str, int]]) -> Options:
     """Return a horizontal bar for each cause, with its name and number."""
     label = {"show": True, "position": "right", "color": "var(--ink)"}

@@ -7,6 +7,9 @@ import posixpath
 from dataclasses import asdict, dataclass, fields
 from typing import get_type_hints
 
+from remodel_console.core.run.topic_plot import split_plot
+
+MOST_PLOTS = 8  # more would slow the pages down
 _LONGEST = 200  # letters of a text; none of them needs more
 
 
@@ -22,6 +25,7 @@ class Settings:
         are_commands_allowed: commands of `/flexbe/uicommand` are taken.
         command_key: the key that such a command must contain; empty: none.
         chart_folders: absolute paths of folders with charts, besides those of the packages.
+        plots: fields of topics that are plotted beside the run, `/TOPIC.FIELD`.
     """
 
     is_synthesis_enabled: bool = True
@@ -30,20 +34,29 @@ class Settings:
     are_commands_allowed: bool = True
     command_key: str = ""
     chart_folders: tuple[str, ...] = ()
+    plots: tuple[str, ...] = ()
 
     def __post_init__(self) -> None:
         """Refuse what cannot be meant.
 
         Raises:
-            ValueError: if a text is too long or of several lines, or a folder is not absolute.
+            ValueError: if a text is too long or of several lines, a folder is not absolute, or a
+                plot is none, there twice, or one too many.
         """
-        texts = (self.synthesis_topic, self.system, self.command_key, *self.chart_folders)
+        fields = (self.synthesis_topic, self.system, self.command_key)
+        texts = (*fields, *self.chart_folders, *self.plots)
         for text in texts:
             if len(text) > _LONGEST or not text.isprintable():
                 raise ValueError(f"{text[:20]!r}... is no text of one line, {_LONGEST} letters")
         for folder in self.chart_folders:
             if not posixpath.isabs(folder):
                 raise ValueError(f"'{folder}' is no absolute path; a folder begins with '/'")
+        for plot in self.plots:
+            split_plot(plot)
+            if self.plots.count(plot) > 1:
+                raise ValueError(f"{plot} is plotted already")
+        if len(self.plots) > MOST_PLOTS:
+            raise ValueError(f"at most {MOST_PLOTS} fields are plotted; remove one of them first")
 
 
 def write_settings(settings: Settings) -> str:
@@ -68,10 +81,12 @@ def read_settings(text: str) -> Settings:
     for name, value in found.items():
         if kinds[name] in (bool, str) and type(value) is not kinds[name]:
             raise ValueError(f"{name} is {value!r}, not a {kinds[name].__name__}")
-    folders = found.get("chart_folders", [])
-    if not isinstance(folders, list) or not all(isinstance(one, str) for one in folders):
-        raise ValueError(f"chart_folders is {folders!r}, not a list of paths")
-    return Settings(**{**found, "chart_folders": tuple(folders)})
+    for name, words in (("chart_folders", "paths"), ("plots", "fields of topics")):
+        texts = found.get(name, [])
+        if not isinstance(texts, list) or not all(isinstance(one, str) for one in texts):
+            raise ValueError(f"{name} is {texts!r}, not a list of {words}")
+        found[name] = tuple(texts)
+    return Settings(**found)
 
 
 def difference(old: Settings, new: Settings) -> str:

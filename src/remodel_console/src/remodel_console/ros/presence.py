@@ -27,6 +27,7 @@ from remodel_console.ros.nodes import Nodes
 from remodel_console.ros.record_link import RecordLink
 from remodel_console.ros.runtime import Runtime
 from remodel_console.ros.synthesis_link import ask_synthesis_server
+from remodel_console.ros.topic_values import TopicValues
 from remodel_console.ros.use_case_link import UseCaseLink
 
 _POLL_S = 0.5
@@ -61,6 +62,7 @@ def join_ros(console: Console, journal: Journal, end: threading.Event) -> None:
     CameraLink(console.pictures, lambda: console.live.world.run.phase is Phase.RUNNING, end)
     SceneLink(console.scene, end)
     ValuesLink(console.values)
+    console.plots.source = TopicValues(console.plots, lambda: console.settings.now.plots, end)
     SceneRecorder(
         console.scene,
         console.scenes,

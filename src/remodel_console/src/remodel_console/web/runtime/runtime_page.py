@@ -13,6 +13,7 @@ from remodel_console.web.behavior_drawing import BehaviorDrawing
 from remodel_console.web.cell.live_cell import LiveCell
 from remodel_console.web.log_pane import LogPane
 from remodel_console.web.page import Page
+from remodel_console.web.runtime.plot_panel import PlotPanel
 from remodel_console.web.runtime.run_panel import RunPanel
 from remodel_console.web.runtime.state_panel import StatePanel
 
@@ -55,6 +56,7 @@ class RuntimePage(Page):
             with self._panel.area:
                 self._state_panel = StatePanel(self)
                 self._state_panel.drawing = self._drawing
+                self._plots = PlotPanel(self)
                 self._cell = LiveCell(self.console)
             with ui.element("section").classes("log-area"):
                 self._log = LogPane()
@@ -78,6 +80,7 @@ class RuntimePage(Page):
         self._light(view)
         self._check_for_newer_version(view)
         self._panel.show(view, running, loaded, self._newer)
+        self._plots.show()
         self._cell.follow(world.use_case)
 
     def _draw(self, name: str) -> None:
@@ -96,9 +99,10 @@ class RuntimePage(Page):
             self._newer = self.console.steering.newer_version()
 
     def set_in_view(self, is_in_view: bool) -> None:
-        """Draw the cell only while the page is in view."""
+        """Draw the cell and the plots only while the page is in view."""
         self._is_in_view = is_in_view
         self._cell.set_shown(is_in_view)
+        self._plots.set_shown(is_in_view)
 
     def press_with_alt(self, key: str) -> None:
         """Command the running behavior."""
@@ -131,6 +135,7 @@ class RuntimePage(Page):
         self._state_panel.show(self.console.live.world)
         if self._is_in_view:
             self._state_panel.follow(view)
+            self._plots.follow()
 
     async def order(self, order: Order) -> None:
         """Give the engine an order."""
