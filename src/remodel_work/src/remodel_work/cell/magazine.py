@@ -120,7 +120,8 @@ def disturbed(
 
     A short wire, which has no loop to take up a difference, lies too far to one side as a whole.
     """
-    found, along = {}, 0.0
+    found: dict[WireEnd, Pose] = {}
+    along = 0.0
     for end, tip in tips.items():
         drawn = noise.uniform(-ALONG_TOLERANCE_M, ALONG_TOLERANCE_M)
         along = -along if is_short and found else drawn
