@@ -38,7 +38,8 @@ def everything(tmp_path, monkeypatch):
 
 
 def test_the_sample_order_is_imported_once_and_the_nodes_are_ended(everything):
-    one = everything('echo "$@"; exec sleep 1000')
+    # A shell starts what runs in its background with SIGINT ignored; roslaunch takes it there, too.
+    one = everything('echo "$@"; exec env --default-signal=INT sleep 1000')
     assert one.start(fake=True, interfaces=False) == SAMPLE
     assert everything.planner.ran == ["tasks", "import"]
     assert one.is_running and not one.trouble
