@@ -12,9 +12,20 @@ from flexbe_msgs.msg import BehaviorInputAction, BehaviorInputResult
 from flexbe_core import OperatableStateMachine
 from flexbe_core.engine.supervision.commands import Preempt
 from flexbe_core.ros.session import own_session
+from flexbe_core.testing import wait_until
 from flexbe_states.input_state import InputState
 
 LIMIT_S = 90.0
+
+
+class Silence:
+    """A publisher to which nobody is connected."""
+
+    def publish(self, *_):
+        pass
+
+    def get_num_connections(self):
+        return 1
 
 
 class Operator:
@@ -32,13 +43,19 @@ class Operator:
             auto_start=False,
         )
         self._server.start()
+        self._result_pub = self._server.result_pub
 
     def _on_goal(self, handle):
         self.goals.append(handle.get_goal())
         handle.set_accepted()
         self.on_goal()
         if self._answer is not None:
+            # An answer to a connection that is still being made is lost.
+            wait_until(lambda: self._server.result_pub.get_num_connections() > 0)
             handle.set_succeeded(self._answer)
+
+    def lose_answers(self):
+        self._server.result_pub = Silence()
 
     def _on_cancel(self, handle):
         handle.set_canceled()
@@ -47,7 +64,7 @@ class Operator:
     def close(self):
         for topic in (self._server.goal_sub, self._server.cancel_sub, self._server.status_pub):
             topic.unregister()
-        self._server.result_pub.unregister()
+        self._result_pub.unregister()
         self._server.feedback_pub.unregister()
 
 
@@ -82,6 +99,15 @@ class InputTest(unittest.TestCase):
     def test_an_operator_may_refuse(self):
         outcome, data, _ = self.ask(BehaviorInputResult.RESULT_ABORTED)
         self.assertEqual((outcome, data), ("it aborted", None))
+
+    def test_a_question_whose_answer_is_lost_ends(self):
+        operator = Operator(BehaviorInputResult.RESULT_OK, "7")
+        try:
+            operator.lose_answers()
+            self.assertEqual(self.machine.spin(), "it aborted")
+            self.assertEqual(len(operator.goals), 1)
+        finally:
+            operator.close()
 
     def test_without_an_interface_no_request_waits_forever(self):
         self.assertEqual(self.machine.spin(), "it aborted")

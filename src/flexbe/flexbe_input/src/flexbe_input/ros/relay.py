@@ -28,6 +28,10 @@ _CHECK_EVERY_S = 1.0
 # [s] Wall time after which an interface that has not acknowledged a question never received it.
 _ACKNOWLEDGE_LIMIT_S = 5.0
 
+# [s] Wall time after which the answer to a question that has ended was lost: an interface that
+# answers while the connection of its answers is still being made.
+_ANSWER_LIMIT_S = 5.0
+
 
 class Relay:
     """Serves questions, any number at the same time."""
@@ -86,10 +90,16 @@ class Relay:
                 answered.set()
 
         asked = self._operator.send_goal(goal, on_transition)
-        asked_at = time.monotonic()
+        asked_at = ended_at = time.monotonic()
         while not answered.wait(_CHECK_EVERY_S):
-            is_waiting = asked.get_comm_state() == actionlib.CommState.WAITING_FOR_GOAL_ACK
-            is_lost = is_waiting and time.monotonic() - asked_at > _ACKNOWLEDGE_LIMIT_S
+            now, state = time.monotonic(), asked.get_comm_state()
+            if state != actionlib.CommState.WAITING_FOR_RESULT:
+                ended_at = now
+            if now - ended_at > _ANSWER_LIMIT_S:
+                lost = BehaviorInputResult(result_code=BehaviorInputResult.RESULT_ABORTED)
+                return lost, "the operator's interface has answered, and the answer was lost"
+            is_waiting = state == actionlib.CommState.WAITING_FOR_GOAL_ACK
+            is_lost = is_waiting and now - asked_at > _ACKNOWLEDGE_LIMIT_S
             limit = rospy.Duration.from_sec(_CHECK_EVERY_S)
             if is_lost or not self._operator.wait_for_server(limit):
                 gone = BehaviorInputResult(result_code=BehaviorInputResult.RESULT_ABORTED)
