@@ -310,6 +310,7 @@ class LookingParameters:
     clip_above_m: float
     duct_search_m: float
     slot_search_m: float
+    slot_turn_rad: float
     tuck_search_m: float
     direction_m: float
     beyond_posts_m: tuple[float, float]

@@ -134,10 +134,11 @@ def _lead(holder: RobotContext, guide: RobotContext, route: list[Array]) -> Step
     out = onward / np.linalg.norm(onward) - unit_x(fixed)
     hold = flat_hold(guide.parameters.wire)
     over_slot = ToolPose(x, y, guide.parameters.motion.travel_z_m, fixed.yaw)
+    turned = guide.parameters.looking.slot_turn_rad
     visits = [
         (guide, replace(over_slot, z=height, yaw=fixed.yaw + turn))
         for height in (over_slot.z, z)
-        for turn in (-0.5, 0.0, 0.5)
+        for turn in (-turned, 0.0, turned)
     ]
     out /= np.linalg.norm(out)
     flat = hold_off(holder, ToolPose(x, y, z, 0.0), out, left, hold, visits)
