@@ -10,6 +10,9 @@ from scripted_device import PARAMETERS
 from remodel_skills.abilities.lay_wire import draw_straight, lay_wire
 from remodel_skills.belief_state import EndState, Grip
 from remodel_skills.goals import LayGoal
+from remodel_skills.motion import Line
+from remodel_skills.primitives.holding import flat_hold, hold_off
+from remodel_skills.primitives.together import least_gap
 from remodel_states.core.codes import Code
 from remodel_work.errors import AbilityError
 from remodel_work.panel import WireEnd
@@ -115,6 +118,29 @@ class Laying:
 
         self.cell.run(watched(), HOLDER, GUIDE)
         return commands
+
+
+@pytest.mark.parametrize("length", [0.20, 0.30])
+def test_a_hand_that_holds_a_short_wire_leaves_room_for_the_one_that_takes_it(length):
+    laying = Laying()
+    slot = ToolPose(*laying.route[1].tolist(), 0.0)
+    visit = laying.guide, slot.at(z=MOTION.travel_z_m)
+    onward = laying.route[2] - laying.route[1]
+
+    def gap(visits):
+        move = hold_off(
+            *(laying.holder, slot, onward / np.linalg.norm(onward), length),
+            *(flat_hold(PARAMETERS.wire), visits),
+        )
+        return least_gap(
+            [
+                (robot, Line(there, there, 1.0, MOTION))
+                for robot, there in ((laying.holder, dict(move)[laying.holder]), visit)
+            ]
+        )
+
+    assert gap([visit]) >= MOTION.holding_apart_m
+    assert (gap([]) < MOTION.holding_apart_m) == (length < 0.25), "a longer one leaves it anyhow"
 
 
 def at_slot(held=WireEnd.B):
