@@ -1,13 +1,14 @@
 #!/usr/bin/env python3
 """Wire a board's wires through its ducts with two robots, without ROS, and compare with the truth.
 
-laying.py WIRE... [--first b] [--seed 1] [--cell two_arms_cabinet] [--laid 30] [--pictures DIR]; the
-workspace must be sourced. Each wire of the household board is placed from its feed to its second
-clamp: robot_1 inserts the first end and leads the wire (LayWire), robot_2 holds the other end and
-inserts it. A line is printed for each step: wall time, the cell's time since the feed, and what the
-cell measured; after the last one, how much faster than real time the wire was placed, where the
-ends sit and which share of the route in ducts is below the rims, by the physics. With --laid, so
-many others lie in the ducts before. Ends with 1 at the first wire that is not placed.
+laying.py WIRE... [--first b] [--seed 1] [--cell two_arms_cabinet] [--panel FILE] [--laid 30]
+[--pictures DIR]; the workspace must be sourced. Each wire of the household board, or of a panel
+that `planner layout --panel FILE` wrote, is placed from its feed to its second clamp: robot_1
+inserts the first end and leads the wire (LayWire), robot_2 holds the other end and inserts it. A
+line is printed for each step: wall time, the cell's time since the feed, and what the cell
+measured; after the last one, how much faster than real time the wire was placed, where the ends sit
+and which share of the route in ducts is below the rims, by the physics. With --laid, so many others
+lie in the ducts before. Ends with 1 at the first wire that is not placed.
 """
 
 from __future__ import annotations
@@ -40,7 +41,7 @@ from remodel_work.errors import AbilityError
 from remodel_work.panel import Panel, WireEnd
 from remodel_work.ros.panel_message import read_panel
 
-CONFIG = Path(__file__).parents[2] / "src" / "remodel_sim" / "config"
+HOUSEHOLD = Path(__file__).parents[2] / "src/remodel_sim/config/household.yaml"
 GUIDE, HOLDER = "robot_1", "robot_2"
 FORCE_LIMIT_N, PULL_TEST_N = 14.0, 5.0  # as the use case cabinet
 
@@ -136,12 +137,13 @@ def main() -> int:
     parser.add_argument("--first", choices=("a", "b"), help="end inserted first")
     parser.add_argument("--seed", type=int, default=1, help="of all noise")
     parser.add_argument("--cell", default="two_arms_cabinet", help="name or file")
+    parser.add_argument("--panel", type=Path, default=HOUSEHOLD, help="file; default: household")
     parser.add_argument("--laid", type=int, default=0, help="wires in the ducts before the first")
     parser.add_argument("--pictures", type=Path, help="folder for pictures after each wire")
     options = parser.parse_args()
     if options.pictures is not None:
         options.pictures.mkdir(parents=True, exist_ok=True)
-    panel = read_panel(CONFIG / "household.yaml", read_wire_materials())
+    panel = read_panel(options.panel, read_wire_materials())
     plant = SimulatedPlant(panel, design=read_cell(options.cell), seed=options.seed)
     before = laid_wires(panel, options.laid, plant.world.time_step, without=options.wires[0])
     plant.load(panel, before)

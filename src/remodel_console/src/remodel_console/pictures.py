@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-import threading
 from collections.abc import Callable
 from dataclasses import dataclass
+
+from remodel_console.watched import Watched
 
 
 @dataclass(frozen=True)
@@ -15,29 +16,18 @@ class Picture:
     jpeg: bytes
 
 
-class Pictures:
+class Pictures(Watched):
     """Holds the pictures, and knows whether a page shows them."""
 
     def __init__(self) -> None:
         """Start without pictures and without viewers."""
-        self._lock = threading.Lock()
+        super().__init__()
         self._newest: dict[str, Picture] = {}
-        self._viewers = 0
         self._wake: Callable[[], None] = lambda: None
 
     def on_change(self, wake: Callable[[], None]) -> None:
         """Have a function called, on any thread, after each new picture."""
         self._wake = wake
-
-    @property
-    def are_wanted(self) -> bool:
-        """Return whether a page shows them."""
-        return self._viewers > 0
-
-    def add_viewer(self, change: int) -> None:
-        """Count pages that show them: 1 more, or -1."""
-        with self._lock:
-            self._viewers += change
 
     def take(self, camera: str, jpeg: bytes) -> None:
         """Take in a picture."""

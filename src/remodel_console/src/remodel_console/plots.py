@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-import threading
 import time
 from collections.abc import Iterable
 from typing import Protocol
 
 from remodel_console.core.run.topic_plot import Samples
+from remodel_console.watched import Watched
 
 
 class TopicSource(Protocol):
@@ -23,7 +23,7 @@ class TopicSource(Protocol):
         """Refuse what cannot be plotted."""
 
 
-class TopicPlots:
+class TopicPlots(Watched):
     """Holds the last minute of each plot, while a page shows it.
 
     Attributes:
@@ -33,20 +33,9 @@ class TopicPlots:
     def __init__(self) -> None:
         """Begin without plots and without viewers."""
         self.source: TopicSource | None = None
-        self._lock = threading.Lock()
+        super().__init__()
         self._samples: dict[str, Samples] = {}
         self._problems: dict[str, str] = {}
-        self._viewers = 0
-
-    @property
-    def are_wanted(self) -> bool:
-        """Return whether a page in view shows them."""
-        return self._viewers > 0
-
-    def add_viewer(self, change: int) -> None:
-        """Count pages that show them: 1 more, or -1."""
-        with self._lock:
-            self._viewers += change
 
     def keep(self, plots: Iterable[str]) -> None:
         """Keep values of these plots only."""

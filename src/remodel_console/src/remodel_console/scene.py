@@ -8,26 +8,16 @@ from __future__ import annotations
 import threading
 
 from remodel_console.core.cell.cell_state import CellState
+from remodel_console.watched import Watched
 
 
-class Scene:
+class Scene(Watched):
     """Holds the newest state, and knows how many pages and recorders want it."""
 
     def __init__(self) -> None:
         """Begin with an empty cell, and without viewers."""
-        self._lock = threading.Lock()
-        self._viewers = 0
+        super().__init__()
         self.now = CellState()
-
-    @property
-    def is_wanted(self) -> bool:
-        """Return whether a page or a recorder follows it."""
-        return self._viewers > 0
-
-    def add_viewer(self, change: int) -> None:
-        """Count those who follow it: 1 more, or -1."""
-        with self._lock:
-            self._viewers += change
 
 
 class Meshes:

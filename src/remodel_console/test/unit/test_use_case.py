@@ -397,6 +397,6 @@ def test_the_newest_picture_is_kept_and_counted():
     assert pictures.newest("wrist").jpeg == b"2"
     assert len(woken) == 2
     pictures.add_viewer(1)
-    assert pictures.are_wanted
+    assert pictures.is_wanted
     pictures.add_viewer(-1)
-    assert not pictures.are_wanted
+    assert not pictures.is_wanted

@@ -10,10 +10,9 @@ import numpy.typing as npt
 
 from remodel_skills.belief_state import BeliefState
 from remodel_skills.device import Device
-from remodel_work.camera import Picture, View, best_view
+from remodel_work.camera import Picture, View, best_view, overhead_name
 from remodel_work.geometry import Array, Pose
 
-OVERHEAD = "overhead"
 Image = npt.NDArray[np.uint8]
 # Called after every observation: camera, picture, and what was found drawn into it (None before it
 # is known).
@@ -89,8 +88,7 @@ class Cameras:
     def _take_from_above(self, number: int) -> Picture:
         picture = self._device.overhead_cameras[number].take()
         self._belief.note_board(picture)
-        name = OVERHEAD if number == 0 else f"{OVERHEAD}_{number + 1}"
-        return self._observed(name, picture)
+        return self._observed(overhead_name(number), picture)
 
     def take_wrist_picture(self) -> Picture:
         """Take a picture from the hand, with depth if its camera measures it."""

@@ -114,6 +114,11 @@ class Picture:
         return self.depth.astype(np.float32)
 
 
+def overhead_name(number: int) -> str:
+    """Return the name of a camera above the plate, from 0: overhead, overhead_2, ..."""
+    return "overhead" if number == 0 else f"overhead_{number + 1}"
+
+
 def best_view(views: Sequence[View], points: Array) -> int:
     """Return the number of the view whose picture shows all points (n, 3) [m] best.
 

@@ -77,7 +77,7 @@ class TopicValues:
 
     def _watch(self) -> None:
         while not self._end.wait(_CHECK_S):
-            chosen = self._chosen() if self._plots.are_wanted else ()
+            chosen = self._chosen() if self._plots.is_wanted else ()
             for plot in set(self._subscribers) - set(chosen):
                 self._subscribers.pop(plot).unregister()
             self._plots.keep(chosen)  # no line leads over the time in which nothing was received

@@ -184,14 +184,20 @@ class FormboardRules:
         connector_gap: between connectors in a row.
         trunk: between two rows of connectors, if no wire's length is known.
         wire_slack: by which a wire is longer than the straight line between its openings.
+        wires_beside: how far wires keep from a connector that they pass: fingers insert there.
+        aside: how far a bundle leads across the trunk, as a share of its length along it.
         fork_spacing: between forks of a harness whose design has none.
+        fork_before: how far a fork stands before and behind a connector.
     """
 
     cavity_pitch: float
     connector_gap: float
     trunk: float
     wire_slack: float
+    wires_beside: float
+    aside: float
     fork_spacing: float
+    fork_before: float
     fork: ForkSize
     clip: ClipSize
     plate_margin: float

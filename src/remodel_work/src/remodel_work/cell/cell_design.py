@@ -13,7 +13,7 @@ from dataclasses import dataclass
 from itertools import combinations
 
 from remodel_states.core.cell.cell_limits import CellLimits
-from remodel_work.camera import Lens, View
+from remodel_work.camera import Lens, View, overhead_name
 from remodel_work.cell.feeding import Feeder
 from remodel_work.cell.magazine import LEAST_FREE_M, Magazine, held_length
 from remodel_work.errors import AbilityError
@@ -127,9 +127,8 @@ class CellDesign:
 
     @property
     def overhead_names(self) -> tuple[str, ...]:
-        """The cameras above the plate: overhead, overhead_2, ..."""
-        more = (f"overhead_{number}" for number in range(2, len(self.overheads) + 1))
-        return ("overhead", *more)
+        """The cameras above the plate."""
+        return tuple(map(overhead_name, range(len(self.overheads))))
 
     @property
     def camera_names(self) -> tuple[str, ...]:

@@ -44,10 +44,8 @@ RETENTION_N = 4.0
 RETENTION_PER_STIFFNESS = 1.6e3
 # A stop before the tip, from and to [m]: the loop of a short wire would push its ends outwards.
 STOP_M = (0.001, 0.004)
-# A wire that is so much longer than the span hangs as a loop [m].
+# A wire hangs as a loop if it is so much longer than the span [m].
 LEAST_SLACK_M = 0.02
-# The loop of a shorter wire bends its ends by no more than this, so that the clips hold them [1/m].
-MOST_CURVATURE = 11.0
 # A wire is at least so long between what the clips of both ends hold [m].
 LEAST_FREE_M = 0.05
 # Ends are presented so exactly: along the wire, and in every other direction [m], at most.
@@ -79,15 +77,17 @@ class Magazine:
     def span_of(self, length: float) -> float:
         """Return how far apart the tips of a wire of this length are presented [m].
 
-        A short loop between clamped ends has the shape a / 2 (1 - cos(2 pi x / l)) of the first
-        mode of a clamped column (Timoshenko and Gere, Theory of Elastic Stability, 2.2): with a
-        curvature of 2 pi^2 a / l^2 at its ends, it is pi^2 a^2 / (4 l) longer than its chord.
+        The clips hold the ends of a shorter wire if its loop bends them no more than that of the
+        shortest one that hangs. A flat loop of length l between clamped ends has the shape
+        a / 2 (1 - cos(2 pi x / l)), the first mode of a clamped column (Timoshenko and Gere, Theory
+        of Elastic Stability, 2.2). It is pi^2 a^2 / (4 l) longer than its chord, and its curvature
+        at the ends is 2 pi^2 a / l^2: for equal curvatures, what it is longer goes with l^3.
         """
-        if length >= self.span + LEAST_SLACK_M:
+        hanging = self.span + LEAST_SLACK_M
+        if length >= hanging:
             return self.span
-        free = length - 2 * held_length()
-        slack = MOST_CURVATURE**2 * free**3 / (16 * math.pi**2)
-        return min(self.span, length - slack)
+        held = 2 * held_length()
+        return length - LEAST_SLACK_M * ((length - held) / (hanging - held)) ** 3
 
 
 def plan_presentation(magazine: Magazine, panel: Panel, wire: PanelWire) -> Presentation:

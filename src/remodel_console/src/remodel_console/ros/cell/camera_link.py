@@ -87,7 +87,7 @@ class CameraLink:
         while not self._end.wait(_POLL_S):
             share = _SHARE_AT_WORK if self._is_at_work() else _SHARE_AT_REST
             is_soon = time.monotonic() < begin_s + max(_SCENE_EVERY_S, took_s / share)
-            if is_soon or not self._pictures.are_wanted:
+            if is_soon or not self._pictures.is_wanted:
                 continue
             begin_s = time.monotonic()
             with contextlib.suppress(CommandError):  # no cell; the page says so

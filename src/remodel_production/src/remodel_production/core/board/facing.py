@@ -7,8 +7,8 @@ lengths, in the sense of least squares. It is solved by majorization (SMACOF: J.
 "Applications of convex analysis to multidimensional scaling", 1977; I. Borg, P. Groenen, "Modern
 Multidimensional Scaling", 2nd edition, 2005, chapter 8), one connector after the other: each goes
 to the mean of the places to which its wires' lengths, along their present directions, lead from
-their other ends. No step increases the sum of squares. Wires between the same connectors are one
-bundle, which has one distance.
+their other ends. No step increases the sum of squares, as long as no wire leads aside too far
+(`aside` of the catalogue). Wires between the same connectors are one bundle with one distance.
 
 Connectors keep their places across the trunk at first, and move along it. That solves every harness
 whose bundles close no ring. Where the lengths around a ring do not fit so, connectors move across,
@@ -31,11 +31,7 @@ from remodel_states.core.cell.wire_rules import SPARE_M
 # Rounds of the majorization, and the least step that another round is worth [m].
 _ROUNDS = 2000
 _LEAST_STEP_M = 1e-7
-# Wires keep so far from a connector that they pass: fingers insert wires there [m].
-_PAST_CONNECTOR_M = 0.020
 _MOST_SHIFTS = 40
-# Bundles lead no further aside than so much of their length along the trunk.
-_MOST_ASIDE = 0.7
 
 
 @dataclass(frozen=True)
@@ -212,7 +208,7 @@ def placed(
     facing = _with_room(_along(Facing(stands, cavities), wires, rules), wires, rules)
     if facing.unfit(wires):
         across = _scaled(facing, wires, rules)
-        blocked = next(_blocked(across, wires), None) or _overlaps(across, rules)
+        blocked = next(_blocked(across, wires, rules), None) or _overlaps(across, rules)
         if not blocked and across.unfit(wires) < facing.unfit(wires):
             return across
     return facing
@@ -281,7 +277,7 @@ def _bundles(
 def _with_room(facing: Facing, wires: Sequence[Wire], rules: FormboardRules) -> Facing:
     """Return the connectors with room in their rows for the wires that pass them."""
     for _ in range(_MOST_SHIFTS):
-        found = next(_blocked(facing, wires), None)
+        found = next(_blocked(facing, wires, rules), None)
         if found is None:
             break
         near, far, shift = found
@@ -299,7 +295,9 @@ def _with_room(facing: Facing, wires: Sequence[Wire], rules: FormboardRules) -> 
     return facing
 
 
-def _blocked(facing: Facing, wires: Sequence[Wire]) -> Iterator[tuple[Stand, Stand, float]]:
+def _blocked(
+    facing: Facing, wires: Sequence[Wire], rules: FormboardRules
+) -> Iterator[tuple[Stand, Stand, float]]:
     """Yield connectors that stand in the way of a wire, its own one beside, and how far [m].
 
     The last one is by how much the wire's own connector has to be farther from the other one.
@@ -311,7 +309,7 @@ def _blocked(facing: Facing, wires: Sequence[Wire]) -> Iterator[tuple[Stand, Sta
             first, last = max(near.back, ends[0].x), min(near.front, ends[1].x)
             if near in ends or first >= last:
                 continue
-            room = near.width / 2 + _PAST_CONNECTOR_M
+            room = near.width / 2 + rules.wires_beside
             side = math.copysign(1.0, far.y - near.y)
             for x in (first, last):
                 lack = room - side * (facing.aside(wire, x) - near.y)
@@ -349,9 +347,8 @@ def _scaled(facing: Facing, wires: Sequence[Wire], rules: FormboardRules) -> Fac
                 ox, oy = places[other.component]
                 aside = facing.cavities[own] - facing.cavities[other]
                 dx, dy = x - ox, y + aside - oy
-                away = max(math.hypot(dx, dy), 1e-9)
                 # No further aside than a hand inserts a wire.
-                dy = max(-_MOST_ASIDE * abs(dx), min(_MOST_ASIDE * abs(dx), dy))
+                dy = max(-rules.aside * abs(dx), min(rules.aside * abs(dx), dy))
                 away = max(math.hypot(dx, dy), 1e-9)
                 to_x += ox + length * dx / away
                 to_y += oy - aside + length * dy / away

@@ -31,8 +31,6 @@ from remodel_production.core.production import (
 
 TRUNK = "trunk"
 _FORK = "fork"
-# A fork stands so far before and behind connectors that it does not hold the wires of [m].
-_BESIDE_CONNECTOR_M = 0.045
 
 
 def with_trunk(order: Order, catalogue: Catalogue) -> Order | None:
@@ -51,7 +49,7 @@ def with_trunk(order: Order, catalogue: Catalogue) -> Order | None:
     # The first row is on the right of the board: on the left as the robot sees it.
     nodes = [Node(name, (-stand.x, -stand.y, 0.0)) for name, stand in facing.stands.items()]
     nodes += [Node(name, (-x, 0.0, 0.0)) for name, x in forks.items()]
-    passed = {wire.name: _passed(wire, facing, forks) for wire in order.wires}
+    passed = {wire.name: _passed(wire, facing, forks, rules) for wire in order.wires}
     at = {node.name: node.position[0] for node in nodes if node.position}
     legs = dict.fromkeys(leg for names in passed.values() for leg in pairwise(names))
     return replace(
@@ -118,25 +116,27 @@ def _forks(facing: Facing, wires: Sequence[Wire], rules: FormboardRules) -> dict
 
 def _is_taken(x: float, facing: Facing, wires: Sequence[Wire], rules: FormboardRules) -> bool:
     """Return whether a fork for the wires that pass there would stand in a connector's place."""
-    asides = [facing.aside(wire, x) for wire in wires if _passes(facing.ends(wire), x)]
+    asides = [facing.aside(wire, x) for wire in wires if _passes(facing.ends(wire), x, rules)]
     if not asides:
         return True
     low, high = min(asides) - rules.fork.play / 2, max(asides) + rules.fork.play / 2
     return any(
-        stand.back - _BESIDE_CONNECTOR_M < x < stand.front + _BESIDE_CONNECTOR_M
+        stand.back - rules.fork_before < x < stand.front + rules.fork_before
         and low < stand.y + stand.width / 2
         and stand.y - stand.width / 2 < high
         for stand in facing.stands.values()
     )
 
 
-def _passes(ends: tuple[Stand, Stand], x: float) -> bool:
+def _passes(ends: tuple[Stand, Stand], x: float, rules: FormboardRules) -> bool:
     left, right = ends
-    return left.x + _BESIDE_CONNECTOR_M <= x <= right.x - _BESIDE_CONNECTOR_M
+    return left.x + rules.fork_before <= x <= right.x - rules.fork_before
 
 
-def _passed(wire: Wire, facing: Facing, forks: Mapping[str, float]) -> tuple[str, ...]:
+def _passed(
+    wire: Wire, facing: Facing, forks: Mapping[str, float], rules: FormboardRules
+) -> tuple[str, ...]:
     """Return the nodes that a wire passes, from left to right."""
     left, right = facing.ends(wire)
-    between = [name for name, x in forks.items() if _passes((left, right), x)]
+    between = [name for name, x in forks.items() if _passes((left, right), x, rules)]
     return (left.name, *between, right.name)
