@@ -11,7 +11,9 @@ from flexbe_core.engine.engine import Engine, ErrorPolicy
 from flexbe_core.engine.userdata.user_data import UserData
 
 sys.path.insert(0, str(Path(__file__).parents[1]))
+sys.path.insert(0, str(Path(__file__).parents[3] / "flexbe/flexbe_testing/test"))
 
+from app_judge import judge
 from synthesizer_support.interpreter import Interface
 
 from flexbe_synthesizer.core.chart.chart_reader import parse_chart, read_chart
@@ -20,9 +22,8 @@ from flexbe_synthesizer.core.check.check import check_chart
 from flexbe_synthesizer.core.compile import compile_chart
 from flexbe_synthesizer.core.library.signature import FromParameter, chart_behavior, state_signature
 from flexbe_synthesizer.edge.package_path import find_packages, read_library
-from flexbe_testing.app.judge import judge
-from flexbe_testing.app.known import Known
-from flexbe_testing.app.load import define_behavior
+from flexbe_testing.core.app.behavior import Known
+from flexbe_testing.core.app.load import define_behavior
 from flexbe_testing.edge.app_packages import read_packages
 
 GOLDEN = Path(__file__).parents[1] / "golden"

@@ -15,7 +15,7 @@ from flexbe_synthesizer.core.library.manifest import write_manifest
 from flexbe_synthesizer.core.machine.lift import lift
 from flexbe_synthesizer.core.machine.machine_reader import InexpressibleError, read_machine
 from flexbe_synthesizer.core.rewrite.chart_rewriter import rewrite_chart
-from flexbe_testing.app.judge import saved_by_app
+from app_judge import saved_by_app
 
 CHARTS = ("plain", "place_connector", "wire_task", "two_arms")
 

@@ -11,9 +11,9 @@ sys.path.insert(0, str(Path(__file__).parents[1]))
 from random_charts.engine_run import Synthesis
 from random_charts.generate import generate
 
-from flexbe_testing.app.judge import judge
-from flexbe_testing.app.known import Known
-from flexbe_testing.app.load import define_behavior
+from app_judge import judge
+from flexbe_testing.core.app.behavior import Known
+from flexbe_testing.core.app.load import define_behavior
 from flexbe_testing.edge.app_packages import read_packages
 
 SOURCES = Path(__file__).parents[3]

@@ -7,8 +7,8 @@ from pathlib import Path
 import pytest
 
 from flexbe_synthesizer.command_line import main
-from flexbe_testing.app.judge import judge
-from flexbe_testing.app.manifest import judge_manifest
+from app_judge import judge
+from app_judge import judge_manifest
 from flexbe_testing.edge.app_packages import read_packages
 
 PACKAGE = Path(__file__).parents[2]

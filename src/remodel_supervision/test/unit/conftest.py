@@ -8,6 +8,7 @@ import pytest
 
 sys.path.insert(0, str(Path(__file__).parents[3] / "remodel_supervision/test/unit"))
 sys.path.insert(0, str(Path(__file__).parents[3] / "remodel_production/test"))
+sys.path.insert(0, str(Path(__file__).parents[3] / "flexbe/flexbe_testing/test"))
 
 from databases import postgres_url, url  # noqa: F401 - fixtures
 from house import HOUSE

@@ -2,12 +2,12 @@
 
 import pytest
 
-from flexbe_testing.app.behavior import walk
-from flexbe_testing.app.judge import judge, saved_by_app
-from flexbe_testing.app.known import Known
-from flexbe_testing.app.load import define_behavior, load_behavior
-from flexbe_testing.app.manifest import judge_manifest
-from flexbe_testing.app.states import read_state
+from flexbe_testing.core.app.behavior import walk
+from app_judge import judge, saved_by_app
+from flexbe_testing.core.app.behavior import Known
+from flexbe_testing.core.app.load import define_behavior, load_behavior
+from app_judge import judge_manifest
+from flexbe_testing.core.app.states import read_state
 
 STATE = """
 class {name}(EventState):

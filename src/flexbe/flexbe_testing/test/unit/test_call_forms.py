@@ -7,10 +7,10 @@ refuses to save an empty value. One form it does not open at all.
 
 import pytest
 
-from flexbe_testing.app.judge import judge, saved_by_app
-from flexbe_testing.app.known import Known
-from flexbe_testing.app.states import read_state
-from flexbe_testing.app.text import AppLoadError
+from app_judge import judge, saved_by_app
+from flexbe_testing.core.app.behavior import Known
+from flexbe_testing.core.app.states import read_state
+from flexbe_testing.core.app.text import AppLoadError
 
 DEFAULT = "Logger.REPORT_HINT"
 READ = [

@@ -8,11 +8,11 @@ from xml.etree import ElementTree
 
 import rospkg
 
-from flexbe_testing.app.behavior import BehaviorDefinition
-from flexbe_testing.app.known import Known
-from flexbe_testing.app.load import define_behavior
-from flexbe_testing.app.states import StateDefinition, read_state
-from flexbe_testing.app.text import AppLoadError
+from flexbe_testing.core.app.behavior import BehaviorDefinition
+from flexbe_testing.core.app.behavior import Known
+from flexbe_testing.core.app.load import define_behavior
+from flexbe_testing.core.app.states import StateDefinition, read_state
+from flexbe_testing.core.app.text import AppLoadError
 
 _EXPORTS = ("flexbe_states", "flexbe_behaviors")
 

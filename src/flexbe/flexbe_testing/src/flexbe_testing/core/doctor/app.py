@@ -1,14 +1,14 @@
-"""What the FlexBE App cannot read, by the rules of flexbe_testing.app."""
+"""What the FlexBE App cannot read, or loses, by the rules of core/app."""
 
 from __future__ import annotations
 
 import re
 from collections.abc import Iterator
 
-from flexbe_testing.app.judge_state import judge_state
-from flexbe_testing.app.known import Known
-from flexbe_testing.app.load import load_behavior
-from flexbe_testing.app.text import AppLoadError
+from flexbe_testing.core.app.behavior import Known
+from flexbe_testing.core.app.states import judge_state
+from flexbe_testing.core.app.load import load_behavior
+from flexbe_testing.core.app.text import AppLoadError
 from flexbe_testing.core.doctor.finding import Finding, Severity
 from flexbe_testing.core.doctor.module import Kind, Module
 
@@ -20,7 +20,7 @@ _ONLY_IN_THE_APP = "reads outcome "
 
 
 def check_app(module: Module, known: Known) -> Iterator[Finding]:
-    """Find what the App does not see of states, and behaviors that it cannot load.
+    """Find what the App does not see of states, and what it cannot load or loses of behaviors.
 
     Args:
         module: a user's file.
@@ -34,7 +34,9 @@ def check_app(module: Module, known: Known) -> Iterator[Finding]:
     for found in module.classes:
         if found.kind is Kind.BEHAVIOR:
             try:
-                load_behavior(module.text, known)
+                for what in load_behavior(module.text, known).lost:
+                    text = f"when the App loads and saves it: {what}"
+                    yield module.finding(found.node, _RULE, Severity.NOTE, text)
             except AppLoadError as error:
-                text = f"the App cannot load it: {error}; see app_check"
+                text = f"the App cannot load it: {error}"
                 yield module.finding(found.node, _RULE, Severity.WARNING, text)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from flexbe_testing.app.known import Known
+from flexbe_testing.core.app.behavior import Known
 from flexbe_testing.core.doctor.app import check_app
 from flexbe_testing.core.doctor.blocking import check_blocking
 from flexbe_testing.core.doctor.finding import Finding

@@ -8,7 +8,7 @@ import sys
 from collections.abc import Collection, Sequence
 from pathlib import Path
 
-from flexbe_testing.app.known import Known
+from flexbe_testing.core.app.behavior import Known
 from flexbe_testing.core.doctor.examine import Engine, count, examine
 from flexbe_testing.core.doctor.finding import Finding, Report, Severity, sorted_findings
 from flexbe_testing.core.doctor.module import Kind, Module

@@ -1,13 +1,21 @@
-"""A behavior as the App holds it after loading."""
+"""A behavior as the App holds it after loading, and the states and behaviors that it knows."""
 
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator, Mapping
-from dataclasses import dataclass, field
-
-from flexbe_testing.app.states import FromParameter, Names, StateDefinition, without_blanks
-from flexbe_testing.app.text import names
+from collections.abc import Iterator
+from collections.abc import Mapping
+from dataclasses import dataclass
+from dataclasses import field
+from flexbe_testing.core.app.states import FromParameter
+from flexbe_testing.core.app.states import Names
+from flexbe_testing.core.app.states import StateDefinition
+from flexbe_testing.core.app.states import without_blanks
+from flexbe_testing.core.app.text import names
+from collections import Counter
+from collections.abc import Collection
+from collections.abc import Iterable
+from functools import cached_property
 
 Point = tuple[int, int]
 OFF, INHERIT = "Autonomy.Off", "Autonomy.Inherit"
@@ -154,3 +162,51 @@ def walk(container: Container, path: str = "") -> Iterator[tuple[str, Child]]:
         yield inner, child
         if isinstance(child.content, Container):
             yield from walk(child.content, inner)
+
+
+# The states and behaviors that the App knows, and which of them a name means
+
+
+class Known:
+    """What the App found in the packages of a workspace."""
+
+    def __init__(
+        self,
+        states: Iterable[StateDefinition] = (),
+        behaviors: Iterable[BehaviorDefinition] = (),
+    ) -> None:
+        """Know these states and behaviors, in this order."""
+        self.states = tuple(states)
+        self.behaviors = tuple(behaviors)
+
+    def behavior(self, class_name: str) -> BehaviorDefinition | None:
+        """Return the behavior of a class."""
+        return next((b for b in self.behaviors if b.class_name == class_name), None)
+
+    def state(self, alias: str, used: Collection[str]) -> StateDefinition | None:
+        """Return the state of a name in a file: `Class`, or `package__Class`.
+
+        Args:
+            alias: the name.
+            used: outcomes, without blanks, which distinguish states of one class name.
+        """
+        package, separator, name = alias.partition("__")
+        if separator:
+            found = [s for s in self.states if (s.package, s.class_name) == (package, name)]
+            return found[0] if found else None
+        found = [s for s in self.states if s.class_name == alias]
+        covering = [s for s in found if _covers(s, used)] if len(found) > 1 else found
+        return covering[0] if covering else None
+
+    def alias(self, state: StateDefinition) -> str:
+        """Return the name that the App gives to a state when it saves a behavior."""
+        is_unique = self._counts[state.class_name] == 1
+        return state.class_name if is_unique else f"{state.package}__{state.class_name}"
+
+    @cached_property
+    def _counts(self) -> Counter[str]:
+        return Counter(state.class_name for state in self.states)
+
+
+def _covers(state: StateDefinition, used: Collection[str]) -> bool:
+    return isinstance(state.outcomes, FromParameter) or set(used) <= set(state.outcomes)
