@@ -58,7 +58,7 @@ ENTRY_POINTS = {
     "remodel_behaviors.*_sm",  # behaviors, named by their manifests
     "flexbe_core.core.exceptions",  # FlexBE's import path
     "flexbe_core.testing",  # for the tests of state packages (README of flexbe_core)
-    "flexbe_testing.ros.doctor.construct",  # a program of its own
+    "flexbe_testing.ros.doctor_child",  # a program of its own
     "remodel_production.edge.database.migrations.*",  # loaded by Alembic
     "remodel_planner.commands.*",  # named by commands/planner.py
 }

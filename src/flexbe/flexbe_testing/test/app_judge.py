@@ -4,23 +4,22 @@ from __future__ import annotations
 
 import ast
 import difflib
-from collections.abc import Iterator
-from collections.abc import Mapping
-from flexbe_testing.core.app.behavior import Known
-from flexbe_testing.core.app.load import load_behavior
-from flexbe_testing.core.app.text import AppLoadError
-from collections import Counter
-from collections.abc import Collection
-from flexbe_testing.core.app.behavior import AppBehavior
-from flexbe_testing.core.app.behavior import Child
-from flexbe_testing.core.app.behavior import Container
-from flexbe_testing.core.app.behavior import StateUse
-from flexbe_testing.core.app.text import is_balanced
 import re
-from collections.abc import Iterable
-from flexbe_testing.core.app.behavior import BehaviorUse
-from flexbe_testing.core.app.behavior import walk
+from collections import Counter
+from collections.abc import Collection, Iterable, Iterator, Mapping
 from xml.etree import ElementTree
+
+from flexbe_testing.core.app.behavior import (
+    AppBehavior,
+    BehaviorUse,
+    Child,
+    Container,
+    Known,
+    StateUse,
+    walk,
+)
+from flexbe_testing.core.app.load import load_behavior
+from flexbe_testing.core.app.text import AppLoadError, is_balanced
 
 _SHOWN = 6  # changed lines that a complaint shows
 

@@ -4,6 +4,7 @@ import re
 from dataclasses import replace
 
 import pytest
+from app_judge import saved_by_app
 
 from flexbe_synthesizer.core.chart.chart_reader import parse_chart
 from flexbe_synthesizer.core.chart.chart_writer import write_chart
@@ -15,7 +16,6 @@ from flexbe_synthesizer.core.library.manifest import write_manifest
 from flexbe_synthesizer.core.machine.lift import lift
 from flexbe_synthesizer.core.machine.machine_reader import InexpressibleError, read_machine
 from flexbe_synthesizer.core.rewrite.chart_rewriter import rewrite_chart
-from app_judge import saved_by_app
 
 CHARTS = ("plain", "place_connector", "wire_task", "two_arms")
 

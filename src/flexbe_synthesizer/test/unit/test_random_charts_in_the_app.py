@@ -8,10 +8,10 @@ import pytest
 
 sys.path.insert(0, str(Path(__file__).parents[1]))
 
+from app_judge import judge
 from random_charts.engine_run import Synthesis
 from random_charts.generate import generate
 
-from app_judge import judge
 from flexbe_testing.core.app.behavior import Known
 from flexbe_testing.core.app.load import define_behavior
 from flexbe_testing.edge.app_packages import read_packages

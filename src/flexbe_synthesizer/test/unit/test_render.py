@@ -4,6 +4,7 @@ import ast
 import dataclasses
 
 import pytest
+from app_judge import saved_by_app
 from hypothesis import given
 from hypothesis import strategies as st
 
@@ -16,7 +17,6 @@ from flexbe_synthesizer.core.export.render_python import render_python
 from flexbe_synthesizer.core.library.manifest import write_manifest
 from flexbe_synthesizer.core.machine.machine import Container, walk
 from flexbe_synthesizer.core.machine.manual_sections import ManualSectionError, read_manual_sections
-from app_judge import saved_by_app
 
 CHARTS = ["plain.xml", "place_connector.xml", "wire_task.xml", "two_arms.xml"]
 

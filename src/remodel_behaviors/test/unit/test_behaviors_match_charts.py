@@ -5,10 +5,9 @@ import shutil
 from pathlib import Path
 
 import pytest
+from app_judge import judge, judge_manifest
 
 from flexbe_synthesizer.command_line import main
-from app_judge import judge
-from app_judge import judge_manifest
 from flexbe_testing.edge.app_packages import read_packages
 
 PACKAGE = Path(__file__).parents[2]

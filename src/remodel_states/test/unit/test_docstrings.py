@@ -4,8 +4,7 @@ import ast
 import re
 from pathlib import Path
 
-from flexbe_testing.core.app.states import judge_state
-from flexbe_testing.core.app.states import read_state
+from flexbe_testing.core.app.states import judge_state, read_state
 from remodel_states.core.contract_times import GRACE_S
 
 FILES = sorted((Path(__file__).parents[2] / "src" / "remodel_states").glob("*_state.py"))

@@ -6,6 +6,7 @@ from pathlib import Path
 
 import pytest
 import yaml
+from app_judge import judge
 from house import house_order
 from lxml import etree
 
@@ -20,7 +21,6 @@ from flexbe_synthesizer.core.export.layout import lay_out as lay_out_machine
 from flexbe_synthesizer.core.export.render_python import render_python
 from flexbe_synthesizer.core.library.signature import chart_behavior
 from flexbe_synthesizer.edge.package_path import find_packages, read_library
-from app_judge import judge
 from flexbe_testing.edge.app_packages import read_packages
 from remodel_planning.core.decomposition.preparation import prepare
 from remodel_planning.core.decomposition.wiring_problem import decompose_order

@@ -16,9 +16,8 @@ from wrong_rules import RULES, changed, status
 
 from flexbe_testing.core.conformance import topics
 from flexbe_testing.core.conformance.scenario import Verdict
-from flexbe_testing.ros.conformance.catalogue import ALL, FIRST
-from flexbe_testing.ros.conformance.judge import Judge
-from flexbe_testing.ros.conformance.scenarios import presence
+from flexbe_testing.ros.conformance.command import ALL, FIRST, Judge
+from flexbe_testing.ros.conformance.scenarios import starting
 
 SCENARIOS = {scenario.name: scenario for scenario in ALL}
 
@@ -34,7 +33,7 @@ class WrongEngineTest(unittest.TestCase):
     def setUpClass(cls):
         cls.engine = WrongEngine({topics.STATUS: changed(status(BEStatus.READY), behavior_id=5)})
         cls.judge = Judge(quiet_s=0.12)
-        cls.first = cls.judge.play(presence.ready)
+        cls.first = cls.judge.play(starting.ready)
         cls.engine.rest()
 
     def tearDown(self):

@@ -6,8 +6,8 @@ from flexbe_msgs.msg import BehaviorExecutionResult, BEStatus, CommandFeedback
 from wrong_engine import EXECUTE
 
 from flexbe_testing.core.conformance import topics
-from flexbe_testing.core.conformance.identity import checksum
-from flexbe_testing.ros.conformance.judge import behavior_package
+from flexbe_testing.core.conformance.scenario import checksum
+from flexbe_testing.ros.conformance.command import behavior_package
 
 PACKAGE = "flexbe_conformance_behaviors"
 CHAIN = "conformance_chain_sm"

@@ -1,12 +1,10 @@
 """Behaviors as the FlexBE App loads, checks and saves them."""
 
 import pytest
+from app_judge import judge, judge_manifest, saved_by_app
 
-from flexbe_testing.core.app.behavior import walk
-from app_judge import judge, saved_by_app
-from flexbe_testing.core.app.behavior import Known
+from flexbe_testing.core.app.behavior import Known, walk
 from flexbe_testing.core.app.load import define_behavior, load_behavior
-from app_judge import judge_manifest
 from flexbe_testing.core.app.states import read_state
 
 STATE = """

@@ -2,10 +2,7 @@
 
 import pytest
 
-from flexbe_testing.core.case import behavior_place, read_case
-from flexbe_testing.core.values import value_of
-from flexbe_testing.core.verdict import Check, compare
-from flexbe_testing.errors import CaseError
+from flexbe_testing.core.case import CaseError, Check, behavior_place, compare, read_case, value_of
 
 
 def test_a_case_says_what_to_run_and_what_must_come_out():

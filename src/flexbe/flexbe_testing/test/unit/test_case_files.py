@@ -2,8 +2,8 @@
 
 import pytest
 
+from flexbe_testing.core.case import CaseError
 from flexbe_testing.edge.case_files import case_files, read_case_file
-from flexbe_testing.errors import CaseError
 
 
 @pytest.fixture

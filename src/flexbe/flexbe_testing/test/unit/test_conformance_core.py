@@ -6,17 +6,21 @@ from types import SimpleNamespace
 
 import pytest
 
-from flexbe_testing.core.conformance import report
-from flexbe_testing.core.conformance.identity import checksum
-from flexbe_testing.core.conformance.matching import agrees, shown
 from flexbe_testing.core.conformance.scenario import (
     Finding,
+    Part,
     Scenario,
     UnknownScenarioError,
     Verdict,
+    agrees,
+    as_json,
+    checksum,
     chosen,
+    initial,
+    shown,
+    successor,
+    table,
 )
-from flexbe_testing.core.conformance.shadow import Part, initial, successor
 
 PACKAGE = Path(__file__).parents[2]
 JUDGE = PACKAGE / "src" / "flexbe_testing"
@@ -101,9 +105,9 @@ def test_the_table_has_verdicts_reasons_and_a_count():
         Finding(scenario, verdict, "" if verdict is Verdict.PASS else "a reason")
         for scenario, verdict in zip(SCENARIOS, verdicts, strict=True)
     ]
-    lines = report.table(found).splitlines()
+    lines = table(found).splitlines()
     assert lines[0].split() == ["scenario", "section", "verdict", "required"]
     assert lines[2].split(maxsplit=3) == ["sync", "2.2", "pass", "what sync requires"]
     assert lines[3].endswith("what attach requires | a reason")
     assert lines[-1] == "1 pass, 1 FAIL, 1 not judged"
-    assert '"verdict": "FAIL"' in report.as_json(found)
+    assert '"verdict": "FAIL"' in as_json(found)

@@ -11,9 +11,8 @@ import pytest
 from flexbe_testing.core.conformance import topics
 from flexbe_testing.core.conformance.scenario import Scenario
 from flexbe_testing.ros.conformance.bench import Bench
-from flexbe_testing.ros.conformance.interrupt import Interrupt, InterruptedByUserError
-from flexbe_testing.ros.conformance.judge import Judge
-from flexbe_testing.ros.conformance.tape import Tape
+from flexbe_testing.ros.conformance.command import Judge
+from flexbe_testing.ros.conformance.wire import Interrupt, InterruptedByUserError, Tape
 
 STARTED, FINISHED = 0, 1
 # [s] No test waits as long; a hang ends here.

@@ -7,10 +7,8 @@ import genpy
 import pytest
 from geometry_msgs.msg import Point
 
-from flexbe_testing.core.case import Case
-from flexbe_testing.edge.case_files import case_files, read_case_file
-from flexbe_testing.edge.case_yaml import load_case
-from flexbe_testing.errors import CaseError
+from flexbe_testing.core.case import Case, CaseError
+from flexbe_testing.edge.case_files import case_files, load_case, read_case_file
 from flexbe_testing.ros import tester
 from flexbe_testing.ros.run_case import run_case
 

@@ -8,8 +8,7 @@ from xml.etree import ElementTree
 
 import rospkg
 
-from flexbe_testing.core.app.behavior import BehaviorDefinition
-from flexbe_testing.core.app.behavior import Known
+from flexbe_testing.core.app.behavior import BehaviorDefinition, Known
 from flexbe_testing.core.app.load import define_behavior
 from flexbe_testing.core.app.states import StateDefinition, read_state
 from flexbe_testing.core.app.text import AppLoadError

@@ -12,10 +12,8 @@ from pathlib import Path
 import rospy
 import rostest
 
-from flexbe_testing.core.case import Case
-from flexbe_testing.core.verdict import PASS, Check, Verdict, check_names
+from flexbe_testing.core.case import PASS, Case, CaseError, Check, Verdict, check_names
 from flexbe_testing.edge.case_files import case_files, read_case_file
-from flexbe_testing.errors import CaseError
 from flexbe_testing.ros.run_case import run_case
 
 _MUTED = {"mute_info": logging.INFO, "mute_warn": logging.WARNING, "mute_error": logging.ERROR}

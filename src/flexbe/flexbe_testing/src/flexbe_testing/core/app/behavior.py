@@ -3,19 +3,13 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator
-from collections.abc import Mapping
-from dataclasses import dataclass
-from dataclasses import field
-from flexbe_testing.core.app.states import FromParameter
-from flexbe_testing.core.app.states import Names
-from flexbe_testing.core.app.states import StateDefinition
-from flexbe_testing.core.app.states import without_blanks
-from flexbe_testing.core.app.text import names
 from collections import Counter
-from collections.abc import Collection
-from collections.abc import Iterable
+from collections.abc import Collection, Iterable, Iterator, Mapping
+from dataclasses import dataclass, field
 from functools import cached_property
+
+from flexbe_testing.core.app.states import FromParameter, Names, StateDefinition, without_blanks
+from flexbe_testing.core.app.text import names
 
 Point = tuple[int, int]
 OFF, INHERIT = "Autonomy.Off", "Autonomy.Inherit"

@@ -4,18 +4,21 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterator
-from flexbe_testing.core.app import text as cut
-from flexbe_testing.core.app.behavior import AppBehavior
-from flexbe_testing.core.app.behavior import BehaviorDefinition
-from flexbe_testing.core.app.behavior import Known
-from flexbe_testing.core.app.text import AppLoadError
 from dataclasses import replace
-from flexbe_testing.core.app.behavior import BehaviorUse
-from flexbe_testing.core.app.behavior import Child
-from flexbe_testing.core.app.behavior import Container
-from flexbe_testing.core.app.behavior import Point
-from flexbe_testing.core.app.behavior import StateUse
+
+from flexbe_testing.core.app import text as cut
+from flexbe_testing.core.app.behavior import (
+    AppBehavior,
+    BehaviorDefinition,
+    BehaviorUse,
+    Child,
+    Container,
+    Known,
+    Point,
+    StateUse,
+)
 from flexbe_testing.core.app.states import without_blanks
+from flexbe_testing.core.app.text import AppLoadError
 
 _CLASS = re.compile(r"^\s*class\s+(\w+)\s*\((.*)\):", re.MULTILINE)
 _CREATED = re.compile(r"\n'''\nCreated on ([^'\n]*)\n@author: ([^'\n]*)\n'''\s*\nclass ")

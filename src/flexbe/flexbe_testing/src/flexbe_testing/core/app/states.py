@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-import re
-from dataclasses import dataclass
-from dataclasses import field
-from flexbe_testing.core.app import text as cut
 import ast
+import re
 from collections.abc import Iterator
+from dataclasses import dataclass, field
+
+from flexbe_testing.core.app import text as cut
 
 _CLASS = re.compile(r"^\s*class\s+(\w+)\s*\(EventState\)\s*:", re.MULTILINE)
 _PARAMETERS = re.compile(r"\bdef __init__\(self, ([^)\n]+)\):")

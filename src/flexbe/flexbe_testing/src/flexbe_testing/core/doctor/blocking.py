@@ -9,8 +9,14 @@ from __future__ import annotations
 import ast
 from collections.abc import Iterator
 
-from flexbe_testing.core.doctor.finding import Finding, Severity
-from flexbe_testing.core.doctor.module import FlexbeClass, Kind, Module, is_self_attribute
+from flexbe_testing.core.doctor.module import (
+    Finding,
+    FlexbeClass,
+    Kind,
+    Module,
+    Severity,
+    is_self_attribute,
+)
 
 _RUNNING = ("execute", "on_enter", "on_exit", "on_resume", "on_pause")
 _SLEEPS = {"time.sleep", "rospy.sleep", "rospy.rostime.sleep"}

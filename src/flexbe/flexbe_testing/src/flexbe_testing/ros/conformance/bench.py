@@ -12,13 +12,24 @@ from genpy import Message
 from std_msgs.msg import Empty, String
 
 from flexbe_testing.core.conformance import topics
-from flexbe_testing.core.conformance.identity import checksum
-from flexbe_testing.core.conformance.matching import Fields, agrees, shown
-from flexbe_testing.core.conformance.scenario import NotJudgedError, ViolationError
-from flexbe_testing.ros.conformance.tape import EVENT
-from flexbe_testing.ros.conformance.wire import EngineWire
+from flexbe_testing.core.conformance.scenario import (
+    Fields,
+    NotJudgedError,
+    ViolationError,
+    agrees,
+    checksum,
+    shown,
+)
+from flexbe_testing.ros.conformance.wire import EVENT, EngineWire
 
 PACKAGE = "flexbe_conformance_behaviors"
+# Modules of its behaviors.
+CHAIN = "conformance_chain_sm"
+NEST = "conformance_nest_sm"
+PAIR = "conformance_pair_sm"
+PRIORITY = "conformance_priority_sm"
+VALUES = "conformance_values_sm"
+FAULT = "conformance_fault_sm"
 UNSUPERVISED = 255
 
 

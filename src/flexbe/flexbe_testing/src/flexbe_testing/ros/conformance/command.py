@@ -1,27 +1,47 @@
-"""The command engine_conformance."""
+"""The command engine_conformance: play scenarios one after another, and judge how they ended."""
 
 from __future__ import annotations
 
 import argparse
 import socket
 import sys
-from collections.abc import Sequence
+import time
+from collections.abc import Iterable, Iterator, Sequence
+from pathlib import Path
 
 import rosgraph
+import rospkg
 import rospy
 
-from flexbe_testing.core.conformance import report
 from flexbe_testing.core.conformance.scenario import (
     Finding,
+    NotJudgedError,
     Scenario,
     UnknownScenarioError,
     Verdict,
+    ViolationError,
+    as_json,
     chosen,
+    listing,
+    progress,
+    scenarios_of,
+    table,
 )
-from flexbe_testing.ros.conformance.catalogue import ALL
-from flexbe_testing.ros.conformance.interrupt import Interrupt, InterruptedByUserError
-from flexbe_testing.ros.conformance.judge import Judge, behavior_package
-from flexbe_testing.ros.conformance.wire import NoEngineError
+from flexbe_testing.ros.conformance.bench import PACKAGE, Bench, StuckError
+from flexbe_testing.ros.conformance.scenarios import commands, containers, mirroring, starting
+from flexbe_testing.ros.conformance.wire import (
+    EngineWire,
+    Interrupt,
+    InterruptedByUserError,
+    NoEngineError,
+)
+
+# Without this one nothing else can be judged.
+FIRST: Scenario = starting.runs_behaviors
+# All scenarios, in the order in which they are played.
+ALL: tuple[Scenario, ...] = tuple(
+    item for module in (starting, commands, mirroring, containers) for item in scenarios_of(module)
+)
 
 KEPT, BROKEN, USAGE, NO_ENGINE, INTERRUPTED = 0, 1, 2, 4, 130
 
@@ -60,7 +80,7 @@ def main(words: Sequence[str]) -> int:
     try:
         scenarios = chosen(ALL, options.only)
         if options.list:
-            return _print(report.listing(scenarios))
+            return _print(listing(scenarios))
         if options.environment:
             return _print(_environment())
         if (missing := _missing_master()) is not None:
@@ -82,8 +102,8 @@ def _judge(scenarios: Sequence[Scenario], options: argparse.Namespace, interrupt
     for finding in Judge(options.limit, options.quiet, interrupt).judge(scenarios):
         found.append(finding)
         if not options.json:
-            _print(report.progress(finding))
-    _print(report.as_json(found) if options.json else f"\n{report.table(found)}")
+            _print(progress(finding))
+    _print(as_json(found) if options.json else f"\n{table(found)}")
     return BROKEN if any(finding.verdict is Verdict.FAIL for finding in found) else KEPT
 
 
@@ -153,3 +173,88 @@ def _print(text: str) -> int:
 def _complain(text: str, code: int) -> int:
     sys.stderr.write(f"engine_conformance: {text}\n")
     return code
+
+
+# Play scenarios one after another, and find out how they ended
+
+
+def behavior_package() -> Path:
+    """Return the folder of the behaviors that an engine under test must know."""
+    return Path(rospkg.RosPack().get_path("flexbe_testing")) / "conformance" / PACKAGE
+
+
+class Judge:
+    """Plays scenarios against the engine in this node's namespace.
+
+    Attributes:
+        bench: the engine under test.
+    """
+
+    def __init__(
+        self, limit_s: float = 10.0, quiet_s: float = 0.3, interrupt: Interrupt | None = None
+    ) -> None:
+        """Connect to the engine.
+
+        Args:
+            limit_s: how long the engine may take for each step [s, wall time].
+            quiet_s: for how long something that must not happen is waited for [s, wall time].
+            interrupt: ends the judging when it is set.
+
+        Raises:
+            NoEngineError: if there is no engine, or if it runs a behavior.
+            InterruptedByUserError: if it was interrupted.
+        """
+        self._interrupt = interrupt or Interrupt()
+        wire = EngineWire(limit_s, self._interrupt)
+        self.bench = Bench(wire, behavior_package(), limit_s, quiet_s)
+        self._stuck = ""
+        # The latched one; an engine that has just started publishes it after it can be found.
+        tape = self.bench.wire.tape
+        tape.wait(lambda: bool(tape.statuses), limit_s)
+        if tape.is_running:
+            raise NoEngineError("the engine runs a behavior; stop it first")
+
+    def judge(self, scenarios: Iterable[Scenario]) -> Iterator[Finding]:
+        """Play scenarios, before them the one that all others need, and yield each finding.
+
+        Raises:
+            InterruptedByUserError: once the engine is at rest, if it was interrupted.
+        """
+        first = self.play(FIRST)
+        if first.verdict is Verdict.FAIL:
+            self._stuck = self._stuck or f"{FIRST.name} failed"
+        yield first
+        for scenario in scenarios:
+            if scenario is not FIRST:
+                yield self.play(scenario)
+        self._interrupt.check()
+
+    def play(self, scenario: Scenario) -> Finding:
+        """Play a scenario, and bring the engine back to rest, also after an interrupt."""
+        if self._stuck:
+            return Finding(scenario, Verdict.NOT_JUDGED, self._stuck)
+        self._interrupt.check()
+        begun = time.monotonic()
+        try:
+            try:
+                verdict, reason = self._verdict(scenario)
+            finally:
+                self.bench.recover()
+        except StuckError as error:
+            self._stuck = f"the engine is stuck since {scenario.name}: {error}"
+            if isinstance(error.__context__, InterruptedByUserError):
+                raise error.__context__ from None
+        if verdict is Verdict.FAIL:
+            self.bench.drain()
+        return Finding(scenario, verdict, reason, time.monotonic() - begun)
+
+    def _verdict(self, scenario: Scenario) -> tuple[Verdict, str]:
+        self.bench.begin()
+        try:
+            scenario.play(self.bench)
+            self.bench.finish()
+        except ViolationError as violation:
+            return Verdict.FAIL, str(violation)
+        except NotJudgedError as reason:
+            return Verdict.NOT_JUDGED, str(reason)
+        return Verdict.PASS, ""

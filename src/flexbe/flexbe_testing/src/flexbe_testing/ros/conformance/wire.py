@@ -1,10 +1,15 @@
-"""The connection to an engine."""
+"""The connection to an engine: what it publishes is recorded, and waits can be interrupted."""
 
 from __future__ import annotations
 
+import contextlib
 import functools
+import signal
+import threading
 import time
-from collections.abc import Callable
+from collections import defaultdict, deque
+from collections.abc import Callable, Iterator
+from typing import Any
 from xmlrpc.client import ServerProxy
 
 import rosgraph
@@ -14,8 +19,6 @@ from roslib.message import get_message_class
 
 from flexbe_testing.core.conformance import topics
 from flexbe_testing.core.conformance.scenario import ViolationError
-from flexbe_testing.ros.conformance.interrupt import Interrupt
-from flexbe_testing.ros.conformance.tape import Tape
 
 # [s] Wall time between two inspections of a connection.
 _POLL_S = 0.005
@@ -170,3 +173,170 @@ class EngineWire:
                 return False
             time.sleep(_POLL_S)
         return True
+
+
+# Remember what an engine publishes until a scenario asks for it
+
+
+# Codes of BEStatus.
+_STARTED, _SWITCHING, _ERROR = 0, 6, 11
+
+# What the states of the conformance behaviors log: event and path, or values.
+EVENT = "events of the states"
+_EVENT_PREFIX = "conformance: "
+
+# A message of ROS, or the text of an event.
+Recorded = Any
+
+
+class Tape:
+    """Messages in the order of their arrival, for each topic; may be added from any thread."""
+
+    def __init__(self, interrupt: Interrupt) -> None:
+        """Begin empty; waits end when `interrupt` is set."""
+        self._interrupt = interrupt
+        self._arrived = threading.Condition()
+        self._waiting: dict[str, deque[Recorded]] = defaultdict(deque)
+        self.statuses: list[Recorded] = []
+        self.beats: list[float] = []
+
+    def add(self, message: Recorded, topic: str) -> None:
+        """Take a message."""
+        with self._arrived:
+            if topic == topics.HEARTBEAT:
+                self.beats.append(time.monotonic())
+            elif topic == topics.LOG and message.text.startswith(_EVENT_PREFIX):
+                self._waiting[EVENT].append(message.text.removeprefix(_EVENT_PREFIX))
+            else:
+                self._waiting[topic].append(message)
+            if topic == topics.STATUS:
+                self.statuses.append(message)
+            self._arrived.notify_all()
+
+    def next(self, topic: str, limit_s: float) -> Recorded | None:
+        """Return the next message of a topic; None if none arrives in time."""
+        return self.find(topic, lambda message: True, limit_s)
+
+    def find(
+        self, topic: str, matches: Callable[[Recorded], bool], limit_s: float
+    ) -> Recorded | None:
+        """Return the next message that matches and drop those before it; None if none arrives."""
+        end = time.monotonic() + limit_s
+        with self._arrived:
+            waiting = self._waiting[topic]
+            while self._interrupt.wait_for(
+                self._arrived, lambda: waiting, max(0.0, end - time.monotonic())
+            ):
+                message = waiting.popleft()
+                if matches(message):
+                    return message
+        return None
+
+    def wait(self, condition: Callable[[], bool], limit_s: float) -> bool:
+        """Wait until a condition on the tape holds; return whether it does."""
+        with self._arrived:
+            return self._interrupt.wait_for(self._arrived, condition, limit_s)
+
+    def left(self, topic: str) -> list[Recorded]:
+        """Return the messages that have not been taken."""
+        with self._arrived:
+            return list(self._waiting[topic])
+
+    def clear(self) -> None:
+        """Drop all messages."""
+        with self._arrived:
+            self._waiting.clear()
+
+    @property
+    def is_running(self) -> bool:
+        """Whether a behavior runs, by the statuses so far."""
+        return self._last_code() == _STARTED
+
+    @property
+    def is_switching(self) -> bool:
+        """Whether one behavior was replaced and the next has not started, by the statuses."""
+        return self._last_code() == _SWITCHING
+
+    def _last_code(self) -> int | None:
+        """Return the last status code; ERROR refuses a request, and leaves the run as it is."""
+        codes = (message.code for message in reversed(self.statuses))
+        return next((code for code in codes if code != _ERROR), None)
+
+
+# Ctrl-C while an engine is judged: a flag that all waits check.
+#
+# An exception in the middle of a call, such as a request to the engine's node, would leave its
+# connection unusable for the calls that stop the behavior.
+
+
+# [s] Wall time after which a wait checks the flag.
+_CHECK_S = 0.05
+
+
+class InterruptedByUserError(Exception):
+    """The user has pressed Ctrl-C."""
+
+
+class Interrupt:
+    """Whether the user has pressed Ctrl-C.
+
+    Attributes:
+        is_set: the user has.
+    """
+
+    def __init__(self) -> None:
+        """Begin before any Ctrl-C."""
+        self.is_set = False
+        self._is_held = False
+
+    def check(self) -> None:
+        """Raise if the user has pressed Ctrl-C.
+
+        Raises:
+            InterruptedByUserError: if so, unless it is held back.
+        """
+        if self.is_set and not self._is_held:
+            raise InterruptedByUserError
+
+    def wait_for(
+        self, arrived: threading.Condition, condition: Callable[[], object], limit_s: float
+    ) -> bool:
+        """Wait for a condition as `arrived` does, whose lock is held; return whether it holds.
+
+        Args:
+            arrived: is notified when the condition may have changed.
+            condition: what is waited for.
+            limit_s: no longer than this [s, wall time].
+
+        Raises:
+            InterruptedByUserError: as soon as the user has pressed Ctrl-C.
+        """
+        end = time.monotonic() + limit_s
+        while True:
+            self.check()
+            left = end - time.monotonic()
+            if arrived.wait_for(condition, max(0.0, min(left, _CHECK_S))):
+                return True
+            if left <= _CHECK_S:
+                return False
+
+    @contextlib.contextmanager
+    def held(self) -> Iterator[None]:
+        """Hold Ctrl-C back: the waits within go on, and a later check raises."""
+        self._is_held = True
+        try:
+            yield
+        finally:
+            self._is_held = False
+
+    @contextlib.contextmanager
+    def on_sigint(self) -> Iterator[None]:
+        """Set the flag at SIGINT, in place of an exception wherever the main thread is."""
+        before = signal.signal(signal.SIGINT, self._on_sigint)
+        try:
+            yield
+        finally:
+            signal.signal(signal.SIGINT, before)
+
+    def _on_sigint(self, *_: object) -> None:
+        self.is_set = True

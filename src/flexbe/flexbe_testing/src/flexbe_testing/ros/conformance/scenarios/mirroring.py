@@ -6,11 +6,16 @@ from flexbe_msgs.msg import OutcomeRequest
 from std_msgs.msg import Empty, Int32, String, UInt8
 
 from flexbe_testing.core.conformance import topics
-from flexbe_testing.core.conformance.identity import checksum
-from flexbe_testing.core.conformance.scenario import NotJudgedError, ViolationError, scenario
-from flexbe_testing.core.conformance.shadow import Part, initial, successor
-from flexbe_testing.ros.conformance.bench import Bench
-from flexbe_testing.ros.conformance.scenarios.modules import CHAIN, NEST, PAIR
+from flexbe_testing.core.conformance.scenario import (
+    NotJudgedError,
+    Part,
+    ViolationError,
+    checksum,
+    initial,
+    scenario,
+    successor,
+)
+from flexbe_testing.ros.conformance.bench import CHAIN, NEST, PAIR, Bench
 
 _NAME = "Conformance Chain"
 

@@ -1,24 +1,125 @@
 """The child process of the doctor: import modules, and construct what is in them.
 
-python3 -m flexbe_testing.ros.doctor.construct REQUEST RESULT, two files of JSON. The request names
-the folders for the path, and the modules with their files. The result is written before each module
+python3 -m flexbe_testing.ros.doctor_child REQUEST RESULT, two files of JSON. The request names the
+folders for the path, and the modules with their files. The result is written before each module
 with its name: so it is known which one ended the process.
 """
 
 from __future__ import annotations
 
 import importlib
+import importlib.abc
+import importlib.machinery
 import inspect
 import json
 import sys
+import time
 import traceback
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator, Sequence
 from pathlib import Path
+from types import ModuleType
 from typing import Any
+from unittest.mock import MagicMock
+
+import actionlib
+import rospy
 
 from flexbe_core import Behavior
 from flexbe_core.core import State, StateMachine
-from flexbe_testing.ros.doctor import stubs
+from flexbe_core.proxy import (
+    ProxyActionClient,
+    ProxyPublisher,
+    ProxyServiceCaller,
+    ProxySubscriberCached,
+    ProxyTransformListener,
+)
+
+# Stand-ins for everything that a state's constructor reaches for outside of its process.
+#
+# Only for the child process of the doctor: they replace functions of rospy and of the proxies.
+
+
+_INTERFACES = ("msg", "srv", "action")
+
+
+class _AnyMessageType(type(MagicMock)):  # type: ignore[misc]
+    """Has every constant."""
+
+    def __getattr__(cls, name: str) -> MagicMock:
+        if name.startswith("_"):
+            raise AttributeError(name)
+        return MagicMock(name=f"{cls.__name__}.{name}")
+
+
+class _StubModule(ModuleType):
+    """A module of messages that is not on this computer: every name in it is a message type."""
+
+    def __getattr__(self, name: str) -> type:
+        if name.startswith("__"):
+            raise AttributeError(name)
+        made = _AnyMessageType(name, (MagicMock,), {"__module__": self.__name__})
+        setattr(self, name, made)
+        return made
+
+
+class MessageStubs(importlib.abc.MetaPathFinder, importlib.abc.Loader):
+    """Imports message packages that no other finder finds, and remembers them."""
+
+    def __init__(self) -> None:
+        """Begin with none."""
+        self.stubbed: set[str] = set()
+
+    def find_spec(
+        self, name: str, path: Sequence[str] | None, target: ModuleType | None = None
+    ) -> importlib.machinery.ModuleSpec | None:
+        """Return a spec for what looks like a package of messages."""
+        top, _, rest = name.partition(".")
+        if not (top.endswith(("_msgs", "_msg", "_srvs", "_interfaces")) or rest in _INTERFACES):
+            return None
+        self.stubbed.add(top)
+        return importlib.machinery.ModuleSpec(name, self, is_package=True)
+
+    def create_module(self, spec: importlib.machinery.ModuleSpec) -> ModuleType:
+        """Return a module in which every name is a message type."""
+        return _StubModule(spec.name)
+
+    def exec_module(self, module: ModuleType) -> None:
+        """Do nothing: there is no source."""
+
+
+def install() -> MessageStubs:
+    """Replace everything; there is no ROS master, and nothing waits."""
+    rospy.rostime.set_rostime_initialized(True)
+    for name in ("Publisher", "Subscriber", "ServiceProxy", "Service", "Timer", "Rate"):
+        setattr(rospy, name, MagicMock(name=f"rospy.{name}"))
+    for name in ("wait_for_message", "wait_for_service", "sleep", "spin", "init_node"):
+        setattr(rospy, name, MagicMock(name=f"rospy.{name}"))
+    rospy.get_param = _get_param
+    rospy.get_name = lambda: "/flexbe_doctor"
+    for name in ("SimpleActionClient", "ActionClient", "SimpleActionServer", "ActionServer"):
+        setattr(actionlib, name, MagicMock(name=f"actionlib.{name}"))
+    _silence_proxies()
+    time.sleep = lambda seconds: None
+    finder = MessageStubs()
+    sys.meta_path.append(finder)
+    return finder
+
+
+def _silence_proxies() -> None:
+    nothing: Callable[..., Any] = lambda *args, **kwargs: None  # noqa: E731
+    ProxyActionClient.setupClient = nothing
+    ProxyServiceCaller.setupService = nothing
+    ProxyPublisher.createPublisher = nothing
+    ProxySubscriberCached.subscribe = nothing
+    ProxyTransformListener.listener = lambda self: MagicMock(name="TransformListener")
+
+
+def _get_param(name: str, default: object = None) -> object:
+    return MagicMock(name=f"parameter {name}") if default is None else default
+
+
+# Import modules, and construct what is in them
+
 
 _ERROR, _NOTE = "error", "note"
 _NO_VALUE = inspect.Parameter.empty
@@ -27,7 +128,7 @@ _NO_VALUE = inspect.Parameter.empty
 class Construction:
     """Constructs the classes of modules, and gathers what went wrong."""
 
-    def __init__(self, finder: stubs.MessageStubs, folders: list[str]) -> None:
+    def __init__(self, finder: MessageStubs, folders: list[str]) -> None:
         """Begin.
 
         Args:
@@ -126,7 +227,7 @@ def main(request_file: str, result_file: str) -> None:
     """Serve one request."""
     request = json.loads(Path(request_file).read_text())
     sys.path[:0] = request["folders"]
-    construction = Construction(stubs.install(), request["folders"])
+    construction = Construction(install(), request["folders"])
     for name, file in request["modules"]:
         _write(Path(result_file), name, construction)
         construction.module(name, file)

@@ -1,1 +1,0 @@
-"""Files of a user's workspace and of this engine."""
