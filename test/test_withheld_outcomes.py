@@ -21,8 +21,8 @@ from std_msgs.msg import String
 
 from flexbe_core import OperatableStateMachine
 from flexbe_core.engine.engine import Engine, ErrorPolicy
-from flexbe_core.engine.supervision.commands import SetAutonomy
-from flexbe_core.engine.userdata.user_data import UserData
+from flexbe_core.engine.supervision import SetAutonomy
+from flexbe_core.engine.user_data import UserData
 from flexbe_core.proxy import ProxyActionClient, ProxyPublisher, ProxySubscriberCached
 from flexbe_states import subscriber_state
 from remodel_states import ability_call

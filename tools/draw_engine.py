@@ -4,8 +4,7 @@
 from pathlib import Path
 from types import SimpleNamespace
 
-from flexbe_core.engine.supervision.apply_commands import _HANDLERS
-from flexbe_core.engine.supervision.decision import AFTER, BEFORE, Rule
+from flexbe_core.engine.supervision import _HANDLERS, AFTER, BEFORE, Rule
 from flexbe_core.ros.command_hub import _COMMANDS
 
 DOCUMENT = Path(__file__).parents[1] / "docs" / "engine.md"
@@ -43,7 +42,7 @@ def commands() -> str:
         names = "`Pause`, `Resume`" if command.__name__ == "Pause" else f"`{command.__name__}`"
         handler = _HANDLERS.get(command)
         where = (
-            f"`engine/supervision/apply_commands.py` `{handler.__name__}`"
+            f"`engine/supervision.py` `{handler.__name__}`"
             if handler
             else "`engine/engine.py` `handle`"
         )

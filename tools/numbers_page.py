@@ -68,7 +68,7 @@ NUMBERS = {
         ),
         (
             "a server that lists other goals never received this one; wall time",
-            f"{CORE}/proxy/goal.py",
+            f"{CORE}/proxy/action_connection.py",
             "UNNOTICED_S",
         ),
         (
@@ -90,7 +90,7 @@ NUMBERS = {
     "Engine": (
         (
             "a state is executed, unless it sets a rate",
-            f"{CORE}/engine/definitions/rate.py",
+            f"{CORE}/engine/definitions.py",
             "DEFAULT_PERIOD_S",
         ),
         (

@@ -28,7 +28,7 @@ from std_msgs.msg import Empty, Float64, Int32, String, UInt8
 from transitions import machine
 
 from flexbe_core import BehaviorLibrary
-from flexbe_core.engine.supervision.in_force import UNSUPERVISED
+from flexbe_core.engine.supervision import UNSUPERVISED
 from flexbe_widget.ros.start_request import start_request
 
 HERE = Path(__file__).parent

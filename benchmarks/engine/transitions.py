@@ -19,9 +19,9 @@ from sensor_msgs.msg import Image
 
 from flexbe_core.core import EventState, OperatableStateMachine
 from flexbe_core.engine.engine import Engine
-from flexbe_core.engine.supervision.in_force import UNSUPERVISED
-from flexbe_core.engine.userdata.user_data import UserData
-from flexbe_core.engine.userdata.visit import Visit, visit_of
+from flexbe_core.engine.supervision import UNSUPERVISED
+from flexbe_core.engine.user_data import UserData
+from flexbe_core.engine.visit import Visit, visit_of
 
 _REPETITIONS = 9
 

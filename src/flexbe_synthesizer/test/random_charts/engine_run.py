@@ -17,7 +17,7 @@ from scripted_states import script
 from flexbe_core.engine.engine import Engine, ErrorPolicy
 from flexbe_core.engine.errors import BehaviorFailure
 from flexbe_core.engine.events import Ended
-from flexbe_core.engine.supervision.in_force import UNSUPERVISED
+from flexbe_core.engine.supervision import UNSUPERVISED
 from flexbe_core.ros.session import own_session
 from flexbe_synthesizer.core.chart.problem import Problem, errors_in
 from flexbe_synthesizer.core.library.library import Library

@@ -8,7 +8,7 @@ import pytest
 from flexbe_core import EventState
 from flexbe_core.core.operatable_state_machine import OperatableStateMachine
 from flexbe_core.engine.engine import Engine, ErrorPolicy
-from flexbe_core.engine.userdata.user_data import UserData
+from flexbe_core.engine.user_data import UserData
 
 sys.path.insert(0, str(Path(__file__).parents[1]))
 sys.path.insert(0, str(Path(__file__).parents[3] / "flexbe/flexbe_testing/test"))

@@ -5,7 +5,7 @@ from __future__ import annotations
 import threading
 from collections import deque
 
-from flexbe_core.engine.userdata.visit_text import Known, VisitText
+from flexbe_core.engine.visit import Known, VisitText
 from remodel_console.core.run.state_values import Row, StateValues, values_around
 
 _MOST_FOUND = 1000  # states whose values are kept until they are recorded

@@ -7,7 +7,7 @@ from geometry_msgs.msg import Point, Pose, PoseStamped, Quaternion
 from remodel_msgs.msg import InsertCableGoal
 from std_msgs.msg import Header
 
-from flexbe_core.engine.userdata.visit_text import VisitText
+from flexbe_core.engine.visit import VisitText
 from flexbe_onboard.core.input_values import read_value
 from remodel_console.core.run.state_values import (
     Row,

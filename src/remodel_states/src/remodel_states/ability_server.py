@@ -42,7 +42,7 @@ from actionlib_msgs.msg import GoalStatus
 from genpy import Message
 from remodel_msgs.msg import ErrorCode
 
-from flexbe_core.ros.steady_action_server import SteadyActionServer
+from flexbe_core.ros.master import SteadyActionServer
 from remodel_states.core.ability_error import AbilityError
 from remodel_states.core.ability_tables import Ability
 from remodel_states.core.goal_limits import beyond_limit, limits_of

@@ -9,13 +9,11 @@ import yaml
 
 from flexbe_core.core.operatable_state_machine import OperatableStateMachine
 from flexbe_core.core.state import State
-from flexbe_core.engine.definitions.definition import Kind
-from flexbe_core.engine.definitions.structure import definition_at, first_path, structure_of
+from flexbe_core.engine.definitions import Kind, definition_at, first_path, structure_of
 from flexbe_core.engine.engine import ErrorPolicy
 from flexbe_core.engine.errors import StateMachineError
 from flexbe_core.engine.migration import MigratingState
-from flexbe_core.engine.supervision.commands import Preempt, Release
-from flexbe_core.engine.supervision.in_force import DEFAULT_AUTONOMY
+from flexbe_core.engine.supervision import DEFAULT_AUTONOMY, Preempt, Release
 from flexbe_core.logger import Logger
 from flexbe_core.ros.session import own_session
 

@@ -8,10 +8,14 @@ from pathlib import Path
 
 import rospy
 
-from flexbe_core.edge.manifest import Manifest, ManifestError, read_manifest
-from flexbe_core.edge.package_path import packages_exporting
-from flexbe_core.edge.source import source_file
-from flexbe_core.engine.checksum import checksum
+from flexbe_core.edge.packages import (
+    Manifest,
+    ManifestError,
+    packages_exporting,
+    read_manifest,
+    source_file,
+)
+from flexbe_core.engine.events import checksum
 
 # [bytes] No manifest is longer; a longer file was written by mistake, or to do harm.
 _LONGEST_MANIFEST = 1 << 20

@@ -10,11 +10,11 @@ from dataclasses import dataclass, field
 import pytest
 
 from flexbe_core.core import ConcurrencyContainer, OperatableStateMachine, PriorityContainer
-from flexbe_core.engine.definitions.structure import definitions_below
+from flexbe_core.engine import supervision as c
+from flexbe_core.engine.definitions import definitions_below
 from flexbe_core.engine.engine import Engine, ErrorPolicy
 from flexbe_core.engine.errors import BehaviorFailure
-from flexbe_core.engine.supervision import commands as c
-from flexbe_core.engine.supervision.in_force import Supervision
+from flexbe_core.engine.supervision import Supervision
 from flexbe_core.testing import ScriptedState
 
 RUNS = 3000

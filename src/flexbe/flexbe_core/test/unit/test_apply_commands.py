@@ -5,16 +5,17 @@ import dataclasses
 import pytest
 
 from flexbe_core.engine.events import Answered, Refused
-from flexbe_core.engine.supervision.apply_commands import ActiveState, apply_command
-from flexbe_core.engine.supervision.commands import (
+from flexbe_core.engine.supervision import (
+    ActiveState,
     ForceOutcome,
     Lock,
     Pause,
     Repeat,
     Resume,
+    Supervision,
     Unlock,
+    apply_command,
 )
-from flexbe_core.engine.supervision.in_force import Supervision
 
 STATE = ActiveState("b", "/a/b", ["done", "failed"], ("/a", ""))
 NOTHING = Supervision()

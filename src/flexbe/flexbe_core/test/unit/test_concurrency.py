@@ -4,7 +4,7 @@ import pytest
 
 from flexbe_core.engine.errors import BehaviorFailure
 from flexbe_core.engine.events import Entered, Left, Shown, Synced
-from flexbe_core.engine.supervision.commands import Pause, Preempt, Resume
+from flexbe_core.engine.supervision import Pause, Preempt, Resume
 from flexbe_core.testing import ScriptedState
 
 

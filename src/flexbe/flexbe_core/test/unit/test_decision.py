@@ -5,8 +5,7 @@ import itertools
 
 import pytest
 
-from flexbe_core.engine.supervision.decision import AFTER, BEFORE, PENDING, Act, Moment, decide
-from flexbe_core.engine.supervision.in_force import Supervision
+from flexbe_core.engine.supervision import AFTER, BEFORE, PENDING, Act, Moment, Supervision, decide
 
 NOTHING = Supervision(autonomy_level=3)
 WAITING = Moment("/a", supervised=True)

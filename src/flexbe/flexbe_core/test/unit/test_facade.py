@@ -12,8 +12,7 @@ from flexbe_core.core import (
     RosState,
     State,
 )
-from flexbe_core.engine.definitions.rate import DEFAULT_PERIOD_S, period_s
-from flexbe_core.engine.definitions.structure import Part, structure_of
+from flexbe_core.engine.definitions import DEFAULT_PERIOD_S, Part, period_s, structure_of
 from flexbe_core.testing import ScriptedState
 
 # Contract 8.2: what stock FlexBE claims on a state, which users know to avoid.

@@ -10,7 +10,7 @@ from sensor_msgs.msg import PointField
 from trajectory_msgs.msg import JointTrajectory, JointTrajectoryPoint
 from visualization_msgs.msg import Marker, MarkerArray
 
-from flexbe_core.engine.userdata.fingerprint import fingerprint, is_unchanged
+from flexbe_core.engine.user_data import fingerprint, is_unchanged
 
 SIZES = (1, 3, 64, 65, 200)
 

@@ -5,9 +5,8 @@ import textwrap
 import pytest
 
 from flexbe_core import BehaviorLibrary
-from flexbe_core.edge.manifest import ManifestError, read_manifest
-from flexbe_core.edge.source import source_file
-from flexbe_core.engine.checksum import checksum
+from flexbe_core.edge.packages import ManifestError, read_manifest, source_file
+from flexbe_core.engine.events import checksum
 
 PACKAGE = "<package format='3'><name>{name}</name><export><flexbe_behaviors/></export></package>"
 MANIFEST = "<behavior name='{name}'><executable package_path='{path}' class='C'/></behavior>"

@@ -7,7 +7,7 @@ from flexbe_core.core.exceptions import StateError, StateMachineError, UserDataE
 from flexbe_core.engine.engine import Engine, ErrorPolicy
 from flexbe_core.engine.errors import BehaviorFailure
 from flexbe_core.engine.events import Entered, Raised
-from flexbe_core.engine.supervision.commands import Preempt
+from flexbe_core.engine.supervision import Preempt
 from flexbe_core.testing import ScriptedState
 
 

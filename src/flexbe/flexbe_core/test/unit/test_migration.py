@@ -8,7 +8,7 @@ from flexbe_core.engine.engine import Engine
 from flexbe_core.engine.errors import StateMachineError
 from flexbe_core.engine.events import Answered
 from flexbe_core.engine.migration import attach_state
-from flexbe_core.engine.supervision.commands import Pause, Preempt, Release, Unlock
+from flexbe_core.engine.supervision import Pause, Preempt, Release, Unlock
 from flexbe_core.testing import ScriptedState
 
 

@@ -4,7 +4,7 @@ import actionlib
 import pytest
 import rospy
 
-from flexbe_core.ros.steady_action_server import SteadyActionServer
+from flexbe_core.ros.master import SteadyActionServer
 
 
 @pytest.mark.parametrize("callback", ["internal_goal_callback", "internal_cancel_callback"])

@@ -12,7 +12,7 @@ from flexbe_core.engine.events import (
     Shown,
     Synced,
 )
-from flexbe_core.engine.supervision.commands import (
+from flexbe_core.engine.supervision import (
     Attach,
     ForceOutcome,
     Lock,

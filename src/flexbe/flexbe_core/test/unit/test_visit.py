@@ -7,9 +7,8 @@ from geometry_msgs.msg import Point
 from sensor_msgs.msg import Image
 
 from flexbe_core.core import EventState
-from flexbe_core.engine.userdata.visit import Printer, visit_of
-from flexbe_core.engine.userdata.visit_text import Known, VisitText
-from flexbe_core.ros.visits import LONGEST, printed
+from flexbe_core.engine.visit import Known, Printer, VisitText, visit_of
+from flexbe_core.ros.reporter import LONGEST, printed
 
 
 class Count(EventState):

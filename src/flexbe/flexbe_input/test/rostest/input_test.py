@@ -10,7 +10,7 @@ import rostest
 from flexbe_msgs.msg import BehaviorInputAction, BehaviorInputResult
 
 from flexbe_core import OperatableStateMachine
-from flexbe_core.engine.supervision.commands import Preempt
+from flexbe_core.engine.supervision import Preempt
 from flexbe_core.ros.session import own_session
 from flexbe_core.testing import wait_until
 from flexbe_states.input_state import InputState

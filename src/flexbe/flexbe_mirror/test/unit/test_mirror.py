@@ -2,8 +2,7 @@
 
 import pytest
 
-from flexbe_core.engine.checksum import checksum
-from flexbe_core.engine.status_code import StatusCode
+from flexbe_core.engine.events import StatusCode, checksum
 from flexbe_mirror.core.mirror import (
     ASK_AFTER_S,
     ASK_AGAIN_S,

@@ -3,8 +3,8 @@
 import pytest
 
 from flexbe_core import OperatableStateMachine
-from flexbe_core.engine.checksum import checksum
-from flexbe_core.engine.definitions.structure import structure_of
+from flexbe_core.engine.definitions import structure_of
+from flexbe_core.engine.events import checksum
 from flexbe_core.testing import ScriptedState
 from flexbe_mirror.core.tree import Part, StructureError, Tree
 

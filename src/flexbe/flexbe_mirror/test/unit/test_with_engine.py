@@ -14,15 +14,13 @@ import random
 import pytest
 
 from flexbe_core.core import ConcurrencyContainer, OperatableStateMachine, PriorityContainer
-from flexbe_core.engine.checksum import checksum
-from flexbe_core.engine.concurrency import Concurrency
-from flexbe_core.engine.definitions.structure import first_path, structure_of
+from flexbe_core.engine import supervision as commands
+from flexbe_core.engine.containers import Concurrency
+from flexbe_core.engine.definitions import first_path, structure_of
 from flexbe_core.engine.engine import Engine, ErrorPolicy
 from flexbe_core.engine.errors import BehaviorFailure
-from flexbe_core.engine.events import Left, Shown, Synced
+from flexbe_core.engine.events import Left, Shown, StatusCode, Synced, checksum
 from flexbe_core.engine.leaf import Leaf
-from flexbe_core.engine.status_code import StatusCode
-from flexbe_core.engine.supervision import commands
 from flexbe_core.testing import ScriptedState
 from flexbe_mirror.core.mirror import AskWhere, Mirror, Show
 from flexbe_mirror.core.tree import Part, Tree

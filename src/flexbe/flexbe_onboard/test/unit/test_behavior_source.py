@@ -5,7 +5,7 @@ import sys
 import pytest
 
 from flexbe_core import BehaviorLibrary
-from flexbe_core.engine.checksum import checksum
+from flexbe_core.engine.events import checksum
 from flexbe_onboard.core.modification import Modification
 from flexbe_onboard.edge.behavior_source import load_behavior
 from flexbe_onboard.edge.module_freshness import ModuleFreshness

@@ -13,7 +13,7 @@ from rosgraph_msgs.msg import Clock
 from std_msgs.msg import Bool, Empty, String
 
 from flexbe_core import OperatableStateMachine
-from flexbe_core.engine.supervision.commands import Preempt
+from flexbe_core.engine.supervision import Preempt
 from flexbe_core.ros.session import own_session
 from flexbe_core.testing import wait_until
 from flexbe_states.log_key_state import LogKeyState

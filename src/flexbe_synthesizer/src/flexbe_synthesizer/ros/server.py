@@ -19,7 +19,7 @@ from flexbe_msgs.msg import (
     SynthesisErrorCodes,
 )
 
-from flexbe_core.ros.steady_action_server import SteadyActionServer
+from flexbe_core.ros.master import SteadyActionServer
 from flexbe_synthesizer.core.export.instantiate import Instantiation
 from flexbe_synthesizer.edge.chart_memory import ChartMemory
 from flexbe_synthesizer.request import (

@@ -8,7 +8,7 @@ from collections.abc import Callable
 import actionlib
 from flexbe_msgs.msg import BehaviorInputAction, BehaviorInputResult
 
-from flexbe_core.ros.steady_action_server import SteadyActionServer
+from flexbe_core.ros.master import SteadyActionServer
 from remodel_console.core.world import InputRequest
 from remodel_console.errors import CommandError
 from remodel_console.ros import topics

@@ -7,8 +7,8 @@ from typing import ClassVar
 
 from flexbe_core.core.operatable_state_machine import OperatableStateMachine
 from flexbe_core.core.state import State
-from flexbe_core.engine.concurrency import Concurrency
-from flexbe_core.engine.definitions.definition import Condition, Kind
+from flexbe_core.engine.containers import Concurrency
+from flexbe_core.engine.definitions import Condition, Kind
 from flexbe_core.ros.session import run_session
 
 

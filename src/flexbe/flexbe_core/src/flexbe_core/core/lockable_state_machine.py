@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from flexbe_core.core.ros_state_machine import RosStateMachine
 from flexbe_core.core.state import State
-from flexbe_core.engine.definitions.definition import Definition
-from flexbe_core.engine.userdata.user_data import UserData
+from flexbe_core.engine.definitions import Definition
+from flexbe_core.engine.user_data import UserData
 from flexbe_core.ros.session import run_session
 
 

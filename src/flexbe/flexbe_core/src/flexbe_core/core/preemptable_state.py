@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import ClassVar
 
 from flexbe_core.core.lockable_state import LockableState
-from flexbe_core.engine.supervision.in_force import PREEMPTED
+from flexbe_core.engine.supervision import PREEMPTED
 
 
 class PreemptableState(LockableState):

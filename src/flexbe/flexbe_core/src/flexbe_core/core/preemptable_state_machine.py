@@ -10,9 +10,8 @@ from flexbe_core.core.lockable_state_machine import LockableStateMachine
 from flexbe_core.core.preemptable_state import PreemptableState
 from flexbe_core.core.state import State
 from flexbe_core.core.state_machine import StateMachine
-from flexbe_core.engine.supervision.commands import Preempt
-from flexbe_core.engine.supervision.in_force import PREEMPTED
-from flexbe_core.engine.userdata.user_data import UserData
+from flexbe_core.engine.supervision import PREEMPTED, Preempt
+from flexbe_core.engine.user_data import UserData
 from flexbe_core.ros.command_hub import HUB, STOPS
 from flexbe_core.ros.session import own_session
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import ClassVar
 
 from flexbe_core.core.operatable_state_machine import OperatableStateMachine
-from flexbe_core.engine.definitions.definition import Kind
+from flexbe_core.engine.definitions import Kind
 from flexbe_core.ros.session import Session
 
 

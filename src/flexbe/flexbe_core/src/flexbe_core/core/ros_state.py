@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 from flexbe_core.core.state import State
-from flexbe_core.engine.definitions.rate import Rate
-from flexbe_core.engine.userdata.user_data import UserData
+from flexbe_core.engine.definitions import Rate
+from flexbe_core.engine.user_data import UserData
 from flexbe_core.proxy.proxy_publisher import ProxyPublisher
 from flexbe_core.proxy.proxy_subscriber_cached import ProxySubscriberCached
 from flexbe_core.ros import breakpoints

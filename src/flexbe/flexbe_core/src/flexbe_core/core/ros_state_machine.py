@@ -9,7 +9,7 @@ import rospy
 
 from flexbe_core.core.state import State
 from flexbe_core.core.state_machine import StateMachine
-from flexbe_core.engine.definitions.structure import definitions_below
+from flexbe_core.engine.definitions import definitions_below
 from flexbe_core.proxy.proxy_publisher import ProxyPublisher
 from flexbe_core.proxy.proxy_subscriber_cached import ProxySubscriberCached
 from flexbe_core.ros.session import run_session

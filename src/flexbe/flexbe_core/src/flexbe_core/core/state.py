@@ -5,10 +5,9 @@ from __future__ import annotations
 from collections.abc import Iterable
 from typing import Any, ClassVar
 
-from flexbe_core.engine.definitions.definition import Kind
-from flexbe_core.engine.definitions.rate import Rate
+from flexbe_core.engine.definitions import Kind, Rate
 from flexbe_core.engine.errors import StateError
-from flexbe_core.engine.userdata.user_data import UserData
+from flexbe_core.engine.user_data import UserData
 
 
 class State:

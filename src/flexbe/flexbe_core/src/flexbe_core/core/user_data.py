@@ -1,5 +1,5 @@
 """Userdata, at its stock import path."""
 
-from flexbe_core.engine.userdata.user_data import UserData
+from flexbe_core.engine.user_data import UserData
 
 __all__ = ["UserData"]

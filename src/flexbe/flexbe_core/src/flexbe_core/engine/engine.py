@@ -20,22 +20,31 @@ from dataclasses import replace
 from enum import Enum
 from typing import TYPE_CHECKING, ClassVar
 
-from flexbe_core.engine.concurrency import Concurrency
-from flexbe_core.engine.definitions.definition import Definition, Kind
-from flexbe_core.engine.definitions.structure import first_state
+from flexbe_core.engine.containers import Concurrency, Machine, Priority, is_inside
+from flexbe_core.engine.definitions import Definition, Kind, first_path, first_state
 from flexbe_core.engine.events import Answered, Entered, Event, Left, Refused, Shown, Synced
-from flexbe_core.engine.following import arrival, shown, shown_path
 from flexbe_core.engine.leaf import Leaf
-from flexbe_core.engine.machine import Machine
 from flexbe_core.engine.migration import detach_state, migrating_state
 from flexbe_core.engine.node import NOW, Node
-from flexbe_core.engine.priority import Priority, is_inside
 from flexbe_core.engine.supervised_leaf import answer_at_breakpoint
-from flexbe_core.engine.supervision import commands
-from flexbe_core.engine.supervision.in_force import PREEMPTED, UNSUPERVISED, Supervision
+from flexbe_core.engine.supervision import (
+    PREEMPTED,
+    UNSUPERVISED,
+    Attach,
+    Command,
+    ForceOutcome,
+    Lock,
+    Pause,
+    Preempt,
+    Release,
+    SetAutonomy,
+    StateCommand,
+    Supervision,
+    Sync,
+)
 
 if TYPE_CHECKING:
-    from flexbe_core.engine.userdata.user_data import UserData
+    from flexbe_core.engine.user_data import UserData
 
 # Of a longer series of entries between two calls of take_events only the last is returned: no
 # operator can follow the others.
@@ -90,7 +99,7 @@ class Engine:
         self.root_path = path
         self.supervision = Supervision()
         self.priority: str | None = None
-        self.commands: deque[commands.StateCommand] = deque()
+        self.commands: deque[StateCommand] = deque()
         self.stopped: dict[str, Leaf] = {}
         self.events: list[Event] = []
         self.entries: deque[str] = deque(maxlen=ENTRIES_TO_FOLLOW + 1)
@@ -110,14 +119,14 @@ class Engine:
         self._pause_claim: tuple[str | None] | None = None
         self.root: Node = self.node_classes[type(root).__kind__](self, root, None, "")
 
-    def handle(self, command: commands.Command) -> None:
+    def handle(self, command: Command) -> None:
         """Put a command of an operator in force; the active state is executed at once."""
-        if isinstance(command, commands.Preempt):
+        if isinstance(command, Preempt):
             self.supervision = replace(self.supervision, preempt=True)
-        elif isinstance(command, commands.SetAutonomy):
+        elif isinstance(command, SetAutonomy):
             self.supervision = replace(self.supervision, autonomy_level=command.level)
             self.events.append(Answered("autonomy"))
-        elif isinstance(command, commands.Attach):
+        elif isinstance(command, Attach):
             # A request that was made before is repeated for the operator who attaches.
             self.supervision = replace(
                 self.supervision, autonomy_level=command.level, requested=None
@@ -126,19 +135,19 @@ class Engine:
             self.sync_pending = True
             for waiting in self.stopped.values():
                 waiting.requested, waiting.due = "", NOW
-        elif isinstance(command, commands.Sync):
+        elif isinstance(command, Sync):
             self._sync_asked = True
-        elif isinstance(command, commands.Release):
+        elif isinstance(command, Release):
             active = None if self.supervision.preempt else migrating_state(self)
             if command.offer(active):
                 detach_state(self)
-        elif isinstance(command, commands.StateCommand):
+        elif isinstance(command, StateCommand):
             self._take(command)
         leaf = self.root.leaf()
         if leaf is not None:
             leaf.due = NOW
 
-    def _take(self, command: commands.StateCommand) -> None:
+    def _take(self, command: StateCommand) -> None:
         """Keep a command for the active state; as in stock FlexBE, only if it is supervised.
 
         Otherwise an operator who asked for a hold gets a warning and no feedback: operator
@@ -146,13 +155,13 @@ class Engine:
         """
         if (
             self.stopped
-            and isinstance(command, commands.ForceOutcome)
+            and isinstance(command, ForceOutcome)
             and answer_at_breakpoint(self, command)
         ):
             return
         if self._is_supervised():
             self.commands.append(command)
-        elif isinstance(command, commands.Pause | commands.Lock):
+        elif isinstance(command, Pause | Lock):
             self.events.append(
                 Refused(
                     f"{type(command).__name__.lower()} has no effect: the behavior is not "
@@ -192,7 +201,7 @@ class Engine:
             BehaviorFailure: if a state could not continue and errors end the run.
             Exception: what a root raised that holds no errors.
         """
-        if self.supervision.preempt:  # the first row of decision.BEFORE, for all states at once
+        if self.supervision.preempt:  # the first row of BEFORE, for all states at once
             return self._preempt()
         tick = self._tick_supervised if self.root.definition._is_controlled else self.root.tick
         while True:
@@ -311,3 +320,45 @@ class Engine:
         if self._sync_asked:
             self.events.append(Answered("sync"))
         self.sync_pending = self._sync_asked = False
+
+
+# Which state mirrors show, and where they arrive when they follow an outcome.
+#
+# A mirror knows the structure of the behavior and one active state. It follows the outcomes of that
+# state through the structure, as in stock FlexBE. If it arrives at a state other than the active
+# one, the engine publishes a sync after the outcome: a concurrency container continues after its
+# first state has ended, or is ended by another of its states.
+
+
+def shown(node: Node) -> Node:
+    """Return the node of the active state below `node` that mirrors show.
+
+    Without one, return the innermost container that has been reached: it has not begun, or its
+    states have all ended and it is held for the operator.
+    """
+    while True:
+        inner = None
+        if isinstance(node, Concurrency):
+            inner = node.first_running()
+        elif isinstance(node, Machine):
+            inner = node.current
+        if inner is None:
+            return node
+        node = inner
+
+
+def shown_path(root: Node) -> str:
+    """Return the path that mirrors show; before a container begins, that of its first state."""
+    node = shown(root)
+    return node.path if node.active else first_path(node.definition, node.path)
+
+
+def arrival(node: Node, outcome: str) -> str:
+    """Return where a mirror arrives that follows an outcome; empty at the end of the behavior."""
+    while node.parent is not None:
+        container = node.parent.definition
+        target = container._transitions[node.label].get(outcome, outcome)
+        if target in container._labels:
+            return first_path(container._labels[target], f"{node.parent.path}/{target}")
+        node, outcome = node.parent, target
+    return ""

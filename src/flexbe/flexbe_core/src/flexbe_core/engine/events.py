@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import zlib
 from dataclasses import dataclass
+from enum import IntEnum
 
 # Outcome index that withdraws a request (flexbe_msgs/OutcomeRequest).
 NO_OUTCOME = 255
@@ -100,3 +102,25 @@ class Ended:
 
 
 Event = Entered | Left | Requested | Answered | Synced | Shown | Refused | Raised | Forced | Ended
+
+
+# The codes of FlexBE's wire protocol for what an engine does
+
+
+class StatusCode(IntEnum):
+    """Codes of flexbe_msgs/BEStatus that engines publish."""
+
+    STARTED = 0
+    FINISHED = 1
+    FAILED = 2
+    SWITCHING = 6
+    ERROR = 11
+    READY = 20
+
+
+# The checksum by which FlexBE's wire protocol names sources, library entries and paths
+
+
+def checksum(text: str) -> int:
+    """Return the Adler-32 sum of the UTF-8 bytes, cut to 31 bits so that it fits an int32 >= 0."""
+    return zlib.adler32(text.encode("utf-8")) & 0x7FFFFFFF

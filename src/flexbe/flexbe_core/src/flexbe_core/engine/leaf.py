@@ -11,16 +11,16 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from flexbe_core.engine import supervised_leaf
-from flexbe_core.engine.definitions.rate import Rate, is_over, period_s
+from flexbe_core.engine.definitions import Rate, is_over, period_s
 from flexbe_core.engine.errors import StateError
 from flexbe_core.engine.events import Ended, Raised
 from flexbe_core.engine.node import NEVER, NOW, Node
-from flexbe_core.engine.supervision.decision import Act
-from flexbe_core.engine.userdata.user_data import UserData
+from flexbe_core.engine.supervision import Act
+from flexbe_core.engine.user_data import UserData
 
 if TYPE_CHECKING:
-    from flexbe_core.engine.container import Container
-    from flexbe_core.engine.definitions.definition import Definition
+    from flexbe_core.engine.containers import Container
+    from flexbe_core.engine.definitions import Definition
     from flexbe_core.engine.engine import Engine
 
 

@@ -11,14 +11,14 @@ from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
-from flexbe_core.engine.container import Container
+from flexbe_core.engine.containers import Container
 from flexbe_core.engine.leaf import Leaf
-from flexbe_core.engine.userdata.user_data import UserData
+from flexbe_core.engine.user_data import UserData
 
 if TYPE_CHECKING:
-    from flexbe_core.engine.definitions.definition import Definition
+    from flexbe_core.engine.definitions import Definition
     from flexbe_core.engine.engine import Engine
-    from flexbe_core.engine.userdata.fingerprint import Value
+    from flexbe_core.engine.user_data import Value
 
 
 @dataclass(frozen=True)

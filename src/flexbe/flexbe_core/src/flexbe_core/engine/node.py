@@ -20,11 +20,11 @@ from collections.abc import Mapping
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
-    from flexbe_core.engine.container import Container
-    from flexbe_core.engine.definitions.definition import Definition
+    from flexbe_core.engine.containers import Container
+    from flexbe_core.engine.definitions import Definition
     from flexbe_core.engine.engine import Engine
     from flexbe_core.engine.leaf import Leaf
-    from flexbe_core.engine.userdata.user_data import UserData
+    from flexbe_core.engine.user_data import UserData
 
 # [s] Due times: at once, and only when woken.
 NOW = float("-inf")

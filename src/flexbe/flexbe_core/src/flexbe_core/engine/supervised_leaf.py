@@ -1,4 +1,4 @@
-"""Supervise a state: apply commands, and carry out what supervision.decision decides."""
+"""Supervise a state: apply commands, and carry out what supervision.py decides."""
 
 from __future__ import annotations
 
@@ -8,9 +8,17 @@ from typing import TYPE_CHECKING
 
 from flexbe_core.engine.events import NO_OUTCOME, Answered, Forced, Refused, Requested
 from flexbe_core.engine.node import NOW
-from flexbe_core.engine.supervision.apply_commands import ActiveState, apply_command
-from flexbe_core.engine.supervision.commands import ForceOutcome, StateCommand
-from flexbe_core.engine.supervision.decision import PENDING, Act, Moment, Pending, decide
+from flexbe_core.engine.supervision import (
+    PENDING,
+    Act,
+    ActiveState,
+    ForceOutcome,
+    Moment,
+    Pending,
+    StateCommand,
+    apply_command,
+    decide,
+)
 
 if TYPE_CHECKING:
     from flexbe_core.engine.engine import Engine

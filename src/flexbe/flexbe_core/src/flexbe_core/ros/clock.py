@@ -9,6 +9,8 @@ from collections.abc import Callable
 import rospy
 from rosgraph_msgs.msg import Clock
 
+from flexbe_core.engine.definitions import period_s
+
 # [s] Wall time after which a clock that does not advance has stopped.
 STOPPED_S = 5.0
 
@@ -98,3 +100,33 @@ class SimulatedAlarm:
         if current >= self._at or current < last:
             self._at = float("inf")
             self._ring()
+
+
+# The beat at which a single state is executed by hand: execute, sleep, execute, sleep
+
+
+class Beat:
+    """Sleeps to the next beat, whatever happened in between, as rospy.Rate does.
+
+    Attributes:
+        rate: the state's `_rate`; of another one, there is another beat.
+    """
+
+    def __init__(self, rate: object) -> None:
+        """Begin to beat now."""
+        self.rate = rate
+        self._last = now()
+
+    def remaining_s(self) -> float:
+        """Return how long [s] until the next beat; negative if it is late."""
+        at = now()
+        self._last = min(self._last, at)
+        return self._last + period_s(self.rate) - at
+
+    def sleep(self) -> None:
+        """Sleep until the next beat; one that is late by more than a period is left out."""
+        rospy.sleep(max(0.0, self.remaining_s()))
+        at = now()
+        self._last += period_s(self.rate)
+        if at - self._last > period_s(self.rate):
+            self._last = at

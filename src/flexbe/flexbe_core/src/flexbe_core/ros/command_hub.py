@@ -13,7 +13,7 @@ from typing import Any, Protocol
 
 from genpy import Message
 
-from flexbe_core.engine.supervision.commands import (
+from flexbe_core.engine.supervision import (
     Attach,
     Command,
     ForceOutcome,

@@ -11,7 +11,7 @@ import rospy
 from flexbe_core.engine.engine import Engine
 from flexbe_core.engine.events import Event
 from flexbe_core.engine.leaf import Leaf
-from flexbe_core.engine.supervision.commands import Command
+from flexbe_core.engine.supervision import Command
 from flexbe_core.ros import clock
 from flexbe_core.ros.waiting import Waiting, driven_by
 

@@ -12,12 +12,12 @@ from typing import TYPE_CHECKING, Any, ClassVar
 
 import rospy
 
-from flexbe_core.engine.container import Container
-from flexbe_core.engine.definitions.definition import Definition, Kind
+from flexbe_core.engine.containers import Container
+from flexbe_core.engine.definitions import Definition, Kind
 from flexbe_core.engine.engine import Engine, ErrorPolicy
 from flexbe_core.engine.leaf import Leaf
 from flexbe_core.engine.node import Node
-from flexbe_core.engine.supervision.commands import (
+from flexbe_core.engine.supervision import (
     Attach,
     Command,
     Preempt,
@@ -27,15 +27,14 @@ from flexbe_core.engine.supervision.commands import (
 )
 from flexbe_core.logger import Logger
 from flexbe_core.ros import breakpoints, clock
-from flexbe_core.ros.beat import Beat
+from flexbe_core.ros.clock import Beat
 from flexbe_core.ros.command_hub import HUB, STOPS
 from flexbe_core.ros.driver import Driver, Inbox
-from flexbe_core.ros.reporter import Reporter, advertise
-from flexbe_core.ros.visits import VISITS
+from flexbe_core.ros.reporter import VISITS, Reporter, advertise
 
 if TYPE_CHECKING:
     from flexbe_core.core.state import State
-    from flexbe_core.engine.userdata.user_data import UserData
+    from flexbe_core.engine.user_data import UserData
 
 
 class Session:

@@ -16,7 +16,7 @@ MIRROR_OUTCOME = "flexbe/mirror/outcome"
 ACTIVE_STATE = "flexbe/mirror/active_state"
 # Not stock FlexBE's: the autonomy level of the run, 255 without supervision.
 AUTONOMY_IN_FORCE = "flexbe/mirror/autonomy"
-# Not stock FlexBE's: what states find in the userdata and leave behind, see userdata/visit.py.
+# Not stock FlexBE's: what states find in the userdata and leave behind, see engine/visit.py.
 VISITS = "flexbe/mirror/visits"
 OUTCOME_REQUEST = "flexbe/outcome_request"
 CURRENT_STATE = "flexbe/debug/current_state"

@@ -18,7 +18,7 @@ import actionlib
 import rospy
 from flexbe_msgs.msg import BehaviorInputAction, BehaviorInputGoal, BehaviorInputResult
 
-from flexbe_core.ros.steady_action_server import SteadyActionServer
+from flexbe_core.ros.master import SteadyActionServer
 
 DEFAULT_OPERATOR_LIMIT_S = 10.0
 

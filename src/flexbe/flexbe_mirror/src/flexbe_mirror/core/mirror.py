@@ -17,7 +17,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from flexbe_core.engine.status_code import StatusCode
+from flexbe_core.engine.events import StatusCode
 from flexbe_mirror.core.tree import Tree
 
 # [s] The structure arrives by itself with a behavior that an operator starts; otherwise the mirror

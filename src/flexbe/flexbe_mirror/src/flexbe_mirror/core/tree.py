@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable
 from dataclasses import dataclass
 
-from flexbe_core.engine.checksum import checksum
+from flexbe_core.engine.events import checksum
 
 
 class StructureError(ValueError):

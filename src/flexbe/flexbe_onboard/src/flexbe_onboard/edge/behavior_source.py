@@ -11,7 +11,7 @@ from pathlib import Path
 from types import CodeType, ModuleType
 
 from flexbe_core import Behavior, BehaviorLibrary
-from flexbe_core.engine.checksum import checksum
+from flexbe_core.engine.events import checksum
 from flexbe_onboard.core.modification import Modification, modified
 from flexbe_onboard.edge.import_path import importing
 from flexbe_onboard.errors import StartError

@@ -11,7 +11,7 @@ from collections.abc import Callable
 
 import rospy
 
-from flexbe_core.edge.package_path import packages_exporting
+from flexbe_core.edge.packages import packages_exporting
 
 
 def importing(load: Callable[[], None]) -> None:

@@ -20,7 +20,7 @@ import rostopic
 
 from flexbe_core import Behavior
 from flexbe_core.core import State, UserData
-from flexbe_core.engine.supervision.in_force import UNSUPERVISED
+from flexbe_core.engine.supervision import UNSUPERVISED
 from flexbe_testing.core.case import (
     PASS,
     Case,

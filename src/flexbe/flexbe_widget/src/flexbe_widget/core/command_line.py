@@ -6,7 +6,7 @@ import argparse
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from flexbe_core.engine.supervision.in_force import UNSUPERVISED
+from flexbe_core.engine.supervision import UNSUPERVISED
 from flexbe_widget.core.exit_code import MEANINGS
 
 # [s] How long to wait for an engine that is there and free.

@@ -17,8 +17,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 from enum import Enum
 
-from flexbe_core.engine.status_code import StatusCode
-from flexbe_core.engine.supervision.in_force import PREEMPTED
+from flexbe_core.engine.events import StatusCode
+from flexbe_core.engine.supervision import PREEMPTED
 
 # [s] Wall time without a heartbeat (1 Hz) after which the engine counts as gone.
 SILENCE_S = 5.0

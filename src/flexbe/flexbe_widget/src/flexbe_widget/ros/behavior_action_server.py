@@ -36,9 +36,9 @@ from flexbe_msgs.msg import (
 )
 
 from flexbe_core import BehaviorLibrary
-from flexbe_core.engine.status_code import StatusCode
-from flexbe_core.engine.supervision.in_force import PREEMPTED
-from flexbe_core.ros.steady_action_server import SteadyActionServer
+from flexbe_core.engine.events import StatusCode
+from flexbe_core.engine.supervision import PREEMPTED
+from flexbe_core.ros.master import SteadyActionServer
 from flexbe_widget.core.run_watch import (
     ENGINE_LOST_TEXT,
     FAILED_TEXT,

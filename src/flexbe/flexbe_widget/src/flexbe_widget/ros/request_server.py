@@ -10,7 +10,7 @@ from flexbe_msgs.msg import BehaviorRequest, BEStatus, ContainerStructure
 from std_msgs.msg import String
 
 from flexbe_core import BehaviorLibrary, Logger
-from flexbe_core.engine.supervision.in_force import UNSUPERVISED
+from flexbe_core.engine.supervision import UNSUPERVISED
 from flexbe_widget.edge.value_file import yaml_text
 from flexbe_widget.errors import RequestError
 from flexbe_widget.ros.engine_link import EngineLink, Event

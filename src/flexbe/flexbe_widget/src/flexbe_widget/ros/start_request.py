@@ -8,8 +8,8 @@ from pathlib import Path
 from flexbe_msgs.msg import BehaviorSelection
 
 from flexbe_core import BehaviorLibrary
-from flexbe_core.engine.checksum import checksum
-from flexbe_core.engine.supervision.in_force import UNSUPERVISED
+from flexbe_core.engine.events import checksum
+from flexbe_core.engine.supervision import UNSUPERVISED
 from flexbe_widget.core.near_names import unknown_behavior
 from flexbe_widget.edge.value_file import resolved
 from flexbe_widget.errors import RequestError

@@ -10,7 +10,7 @@ from typing import Any
 
 import yaml
 
-from flexbe_core.engine.userdata.visit_text import Place
+from flexbe_core.engine.visit import Place
 
 _LONGEST = 20_000  # characters of a value that is recorded; a picture is larger
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import rospy
 from std_msgs.msg import String
 
-from flexbe_core.engine.userdata.visit_text import VisitText
+from flexbe_core.engine.visit import VisitText
 from remodel_console.ros import topics
 from remodel_console.values import RunValues
 

@@ -9,7 +9,7 @@ import actionlib
 import rospy
 from remodel_msgs.msg import ErrorCode, RunUseCaseAction, RunUseCaseGoal
 
-from flexbe_core.ros.steady_action_server import SteadyActionServer
+from flexbe_core.ros.master import SteadyActionServer
 from remodel_production.edge.database.cell_ownership import CellOwnership
 from remodel_production.errors import PlannerError
 from remodel_supervision.core.runs.events import Command, Commanded

@@ -1,1 +1,0 @@
-"""What the engine reads of a behavior's definition."""

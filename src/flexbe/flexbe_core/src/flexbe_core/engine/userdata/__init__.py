@@ -1,1 +1,0 @@
-"""Userdata, and the detection of changed inputs."""
