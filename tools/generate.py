@@ -22,7 +22,7 @@ from numbers_page import numbers_page  # noqa: E402
 from remodel_states.core.fault_tables import CONTRACT, FaultTables  # noqa: E402
 from remodel_states.core.state_source import state_modules  # noqa: E402
 from remodel_states.core.table_error import TableError  # noqa: E402
-from remodel_states.edge.table_files import abilities_in, faults_from  # noqa: E402
+from remodel_states.edge.exported_tables import abilities_in, faults_from  # noqa: E402
 
 MSGS = SRC / CONTRACT
 README = SRC / "remodel_states/README.md"

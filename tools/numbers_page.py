@@ -25,37 +25,37 @@ NUMBERS = {
     "Abilities": (
         (
             "a goal has ended this long after its `timeout` at the latest; ROS time",
-            f"{STATES}/core/contract_times.py",
+            f"{STATES}/core/contract.py",
             "GRACE_S",
         ),
         (
             "a cancelled goal has ended; wall time",
-            f"{STATES}/core/contract_times.py",
+            f"{STATES}/core/contract.py",
             "CANCEL_LIMIT_S",
         ),
         (
             "a goal that arrives later is rejected, and one older than its `timeout`; ROS time",
-            f"{STATES}/core/contract_times.py",
+            f"{STATES}/core/contract.py",
             "LATE_S",
         ),
         (
             "clocks of several machines may differ: goals may be older by this",
-            f"{STATES}/core/contract_times.py",
+            f"{STATES}/core/contract.py",
             "CLOCKS_DIFFER_S",
         ),
         (
             "a goal that takes longer has reported feedback; ROS time",
-            f"{STATES}/core/contract_times.py",
+            f"{STATES}/core/contract.py",
             "SILENT_LIMIT_S",
         ),
         (
             "`AbilityServer` repeats feedback while `wait` is called; wall time",
-            f"{STATES}/serving/running_goal.py",
+            f"{STATES}/serving.py",
             "_FEEDBACK_S",
         ),
         (
             "`AbilityServer` drops feedback that follows sooner; wall time",
-            f"{STATES}/serving/running_goal.py",
+            f"{STATES}/serving.py",
             "_QUIET_S",
         ),
         ("error codes of packages of your own", f"{STATES}/core/fault_tables.py", "OTHER_CODES"),
@@ -78,12 +78,12 @@ NUMBERS = {
         ),
         (
             "a state asks the supervisor again after HELD; wall time",
-            f"{STATES}/calling/record_keeping.py",
+            f"{STATES}/record_keeping.py",
             "_RETRY_S",
         ),
         (
             "a warning repeats that nothing moves without the supervisor; wall time",
-            f"{STATES}/calling/record_keeping.py",
+            f"{STATES}/record_keeping.py",
             "WARN_EVERY_S",
         ),
     ),

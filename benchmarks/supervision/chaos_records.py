@@ -15,7 +15,7 @@ from stack import TroubleError, wait_until
 from remodel_planner.commands.runs import replay
 from remodel_production.edge.database.production_database import ProductionDatabase
 from remodel_production.errors import LostError
-from remodel_states.testing.ledger import account
+from remodel_states.testing.world import account
 from remodel_states.testing.world_file import WorldFile
 from remodel_supervision.core.runs.events import (
     Command,

@@ -18,7 +18,7 @@ from remodel_msgs.srv import CommandRun, CommandTask, GetTasks
 
 from flexbe_core.ros.connections import drop_dead
 from remodel_production.edge.database.production_database import ProductionDatabase
-from remodel_states.testing.ledger import Account, account
+from remodel_states.testing.world import Account, account
 from remodel_states.testing.world_file import WorldFile
 from remodel_supervision.core.runs.events import Event
 from remodel_supervision.core.runs.state import RunState

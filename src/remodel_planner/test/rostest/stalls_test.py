@@ -20,7 +20,7 @@ from order_client import (
     wait_until,
 )
 
-from remodel_states.testing.ledger import Deed
+from remodel_states.testing.world import Deed
 from remodel_supervision.core.runs.events import Decided, Ending, TaskBegun
 
 OUTPUT = Path(sys.argv[1])

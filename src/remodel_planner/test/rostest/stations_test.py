@@ -12,7 +12,7 @@ from own_launch import OwnLaunch
 
 from remodel_production.edge.database.cell_ownership import live_owners
 from remodel_production.edge.database.production_database import ProductionDatabase
-from remodel_states.testing.ledger import Deed, account
+from remodel_states.testing.world import Deed, account
 from remodel_states.testing.world_file import WorldFile
 from remodel_supervision.core.runs.events import Blocked, Ending, Interrupted, RunEnded
 from remodel_supervision.edge.run_log import RunLog

@@ -11,7 +11,7 @@ from remodel_msgs.msg import (
 from remodel_msgs.srv import AnswerQuestion, CommandRun, GetRun, GetTasks, InjectFault, ListRuns
 from supervision_case import OUTPUT, SupervisionCase, call, planner
 
-from remodel_states.testing.ledger import account
+from remodel_states.testing.world import account
 from remodel_states.testing.world_file import WorldFile
 
 

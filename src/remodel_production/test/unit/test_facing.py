@@ -12,7 +12,7 @@ from remodel_production.core.board.wire_lengths import length_findings
 from remodel_production.core.imports.wireviz import import_wireviz
 from remodel_production.edge.catalogue_file import read_catalogue
 from remodel_production.edge.package_files import catalogue_file
-from remodel_states.core.cell.wire_rules import SPARE_M
+from remodel_states.core.cell import SPARE_M
 
 CATALOGUE = read_catalogue(catalogue_file())
 DESIGNS = Path(__file__).with_name("designs")

@@ -14,7 +14,7 @@ from remodel_skills.edge.cell_memory import CellMemory
 from remodel_skills.primitives.taking_up import take_up
 from remodel_skills.ros.job import Job
 from remodel_states.edge.exported_tables import read_abilities
-from remodel_states.serving.running_goal import RunningGoal
+from remodel_states.serving import RunningGoal
 from remodel_work.panel import BOARD, WireEnd
 
 OTHER = panel(name="other")

@@ -25,7 +25,7 @@ from remodel_skills.robot_context import RobotContext, Steps
 from remodel_skills.runner import occupy, run
 from remodel_skills.traffic import Traffic
 from remodel_states.core.codes import Code
-from remodel_states.core.goal_owner import NO_OWNER
+from remodel_states.core.contract import NO_OWNER
 from remodel_work.errors import AbilityError, PanelError
 from remodel_work.panel import Panel
 from remodel_work.placed_wires import PlacedWires

@@ -10,7 +10,7 @@ from scripted_device import ScriptedPlant
 from remodel_skills.cell import Cell
 from remodel_skills.edge.cell_memory import CellMemory
 from remodel_states.core.codes import Code
-from remodel_states.core.goal_owner import NO_OWNER
+from remodel_states.core.contract import NO_OWNER
 from remodel_work.edge.cell_file import read_cell
 from remodel_work.errors import AbilityError, MemoryFileError
 from remodel_work.geometry import Pose

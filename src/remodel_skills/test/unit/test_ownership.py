@@ -2,7 +2,7 @@ import pytest
 
 from remodel_skills.cell import check_owner
 from remodel_states.core.codes import Code
-from remodel_states.core.goal_owner import NO_OWNER, owner_of
+from remodel_states.core.contract import NO_OWNER, owner_of
 from remodel_work.errors import AbilityError
 
 

@@ -45,17 +45,17 @@ from remodel_msgs.srv import BeginOperationRequest
 from flexbe_core import EventState, Logger
 from flexbe_core.core import UserData
 from flexbe_core.proxy import ProxyActionClient, ProxyPublisher
-from remodel_states.calling.described import described
-from remodel_states.calling.record_keeping import (
+from remodel_states.core.contract import GRACE_S
+from remodel_states.core.ros_stopwatch import RosStopwatch
+from remodel_states.record_keeping import (
     Keeping,
     Permit,
     Request,
+    described,
     keeper,
     owned_id,
     recorder,
 )
-from remodel_states.core.contract_times import GRACE_S
-from remodel_states.core.ros_stopwatch import RosStopwatch
 
 RECORD_TOPIC = "remodel/ability_records"
 

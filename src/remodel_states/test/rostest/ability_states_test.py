@@ -32,10 +32,10 @@ from flexbe_core.core import UserData
 from flexbe_core.proxy import ProxyActionClient
 from flexbe_core.testing import wait_until
 from flexbe_synthesizer.core.library.state_source import read_state_class
-from remodel_states.calling import record_keeping
+from remodel_states import record_keeping
 from remodel_states.core.ability_tables import POSE as POSE_TYPE
 from remodel_states.core.ability_tables import POSES as POSES_TYPE
-from remodel_states.core.contract_times import GRACE_S, LATE_S
+from remodel_states.core.contract import GRACE_S, LATE_S
 from remodel_states.core.state_source import module_name
 from remodel_states.count_attempts_state import CountAttemptsState
 from remodel_states.edge.exported_tables import read_abilities

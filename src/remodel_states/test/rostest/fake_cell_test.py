@@ -18,7 +18,7 @@ from std_srvs.srv import Trigger
 
 from remodel_states.conformance.probe import Probe
 from remodel_states.conformance.trial import Trials
-from remodel_states.testing.ledger import Account, account
+from remodel_states.testing.world import Account, account
 from remodel_states.testing.world_file import WorldFile
 
 PANEL = Panel(

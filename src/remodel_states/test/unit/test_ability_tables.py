@@ -4,11 +4,10 @@ from pathlib import Path
 
 import pytest
 
-from remodel_states.core.ability_tables import abilities_from
-from remodel_states.core.action_file import action_from
+from remodel_states.core.ability_tables import abilities_from, action_from
 from remodel_states.core.state_source import module_name, state_source
 from remodel_states.core.table_error import TableError
-from remodel_states.edge.table_files import abilities_in, faults_from
+from remodel_states.edge.exported_tables import abilities_in, faults_from
 
 MSGS = Path(__file__).parents[3] / "remodel_msgs"
 CODES = ("FERRULE_MISSING",)

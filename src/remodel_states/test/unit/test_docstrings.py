@@ -5,7 +5,7 @@ import re
 from pathlib import Path
 
 from flexbe_testing.core.app.states import judge_state, read_state
-from remodel_states.core.contract_times import GRACE_S
+from remodel_states.core.contract import GRACE_S
 
 FILES = sorted((Path(__file__).parents[2] / "src" / "remodel_states").glob("*_state.py"))
 

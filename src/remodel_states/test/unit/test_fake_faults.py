@@ -6,10 +6,10 @@ import pytest
 from remodel_msgs.msg import ErrorCode
 
 from remodel_states.core.ability_error import AbilityError
-from remodel_states.core.goal_owner import owner_of
-from remodel_states.serving.ownership import admitted
+from remodel_states.core.contract import owner_of
+from remodel_states.serving import admitted
 from remodel_states.testing.faults import Cure, InjectedFault, at_goal, when_fed, when_mended
-from remodel_states.testing.ledger import Deed, Entry, account
+from remodel_states.testing.world import Deed, Entry, account
 
 CELL = "cell_1"
 

@@ -9,11 +9,10 @@ import pytest
 from remodel_msgs.msg import ErrorCode
 
 from remodel_states.core.ability_error import AbilityError
+from remodel_states.testing.cell_ability import RobotLock
 from remodel_states.testing.faults import Behaves, Cure, InjectedFault
-from remodel_states.testing.ledger import Deed, Entry
 from remodel_states.testing.operations import OPERATIONS, fail, perform
-from remodel_states.testing.robot_lock import RobotLock
-from remodel_states.testing.world import Hands, Panel, Seat, World
+from remodel_states.testing.world import Deed, Entry, Hands, Panel, Seat, World
 from remodel_states.testing.world_file import WorldFile
 
 CELL = "cell_1"

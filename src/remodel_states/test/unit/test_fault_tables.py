@@ -7,7 +7,7 @@ import pytest
 import yaml
 
 from remodel_states.core.table_error import TableError
-from remodel_states.edge.table_files import faults_from
+from remodel_states.edge.exported_tables import faults_from
 
 MSGS = Path(__file__).parents[3] / "remodel_msgs"
 OWN = {

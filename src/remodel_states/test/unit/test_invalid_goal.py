@@ -2,7 +2,7 @@
 
 import pytest
 
-from remodel_states.serving.invalid_goal import why_late
+from remodel_states.serving import why_late
 
 
 @pytest.mark.parametrize(

@@ -6,7 +6,7 @@ import pytest
 
 from remodel_states.commands.create_ability import main
 from remodel_states.commands.generate_states import main as generate_states
-from remodel_states.core.ability_package import package_files
+from remodel_states.core.state_source import package_files
 
 
 @pytest.mark.parametrize(

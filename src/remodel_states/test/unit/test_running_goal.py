@@ -3,7 +3,7 @@
 from remodel_msgs.msg import DiscardCableGoal, ErrorCode
 
 from remodel_states.edge.exported_tables import read_abilities
-from remodel_states.serving.running_goal import RunningGoal
+from remodel_states.serving import RunningGoal
 
 
 class Handle:

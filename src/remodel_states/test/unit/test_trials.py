@@ -3,7 +3,7 @@
 from remodel_msgs.msg import PlaceCableGoal, PlaceCableResult
 
 from remodel_states.conformance.clauses import CANCEL
-from remodel_states.conformance.exchange import Exchange, Result
+from remodel_states.conformance.rules import Exchange, Result
 from remodel_states.conformance.trial import Trials
 
 BEGINS_AT_S = 1.0

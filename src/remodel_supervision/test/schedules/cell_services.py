@@ -7,7 +7,7 @@ from collections.abc import Callable
 from remodel_msgs.msg import ErrorCode
 
 from remodel_states.core.ability_error import AbilityError
-from remodel_states.serving.ownership import admitted
+from remodel_states.serving import admitted
 from remodel_states.testing.world import World
 from schedules.node import Node
 from schedules.simulation import Simulation

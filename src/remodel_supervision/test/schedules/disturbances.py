@@ -6,7 +6,7 @@ from collections.abc import Callable, Sequence
 from functools import cache
 from random import Random
 
-from remodel_states.testing.fault_table import FaultTable
+from remodel_states.testing.cell_services import FaultTable
 from remodel_states.testing.faults import Cure
 from remodel_supervision.core.runs.events import Command
 from schedules.database import Memory

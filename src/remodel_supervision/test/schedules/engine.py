@@ -12,7 +12,7 @@ from remodel_msgs.msg import ErrorCode
 
 from flexbe_synthesizer.core.chart.model import Chart
 from flexbe_synthesizer.core.chart.model import Node as ChartNode
-from remodel_states.core.contract_times import GRACE_S
+from remodel_states.core.contract import GRACE_S
 from remodel_supervision.core.run import Operation
 from remodel_supervision.core.runs.gate import Permit
 from remodel_supervision.supervisors.ports import BehaviorEnd, EndKind

@@ -6,7 +6,7 @@ from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
 from remodel_states.core.codes import Code
-from remodel_states.testing.ledger import Deed, Entry
+from remodel_states.testing.world import Deed, Entry
 from remodel_supervision.core.runs.events import (
     Answered,
     Command,

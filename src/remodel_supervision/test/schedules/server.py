@@ -10,8 +10,8 @@ from dataclasses import dataclass, field
 from remodel_msgs.msg import ErrorCode
 
 from remodel_states.core.ability_error import AbilityError
-from remodel_states.core.goal_owner import owner_of
-from remodel_states.serving.ownership import admitted
+from remodel_states.core.contract import owner_of
+from remodel_states.serving import admitted
 from remodel_states.testing.faults import Behaves, InjectedFault, at_goal
 from remodel_states.testing.operations import operation_of, perform
 from remodel_supervision.core.run import Operation

@@ -5,10 +5,9 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 
-from remodel_states.serving.ownership import admitted
+from remodel_states.serving import admitted
 from remodel_states.testing.faults import Faults, when_fed, when_mended
-from remodel_states.testing.ledger import Deed, Entry
-from remodel_states.testing.world import Panel, World
+from remodel_states.testing.world import Deed, Entry, Panel, World
 from schedules.simulation import Simulation
 
 

@@ -11,8 +11,7 @@ from itertools import pairwise
 
 import numpy as np
 
-from remodel_states.core.cell.cell_limits import CellLimits
-from remodel_states.core.cell.wire_rules import objections
+from remodel_states.core.cell import CellLimits, objections
 from remodel_work.geometry import Pose, wrap_angle
 from remodel_work.panel import Component, Duct, Panel, PanelWire, WireEnd, unit_x
 from remodel_work.robot.arm import ToolPose

@@ -8,9 +8,7 @@ from collections.abc import Iterator, Sequence
 from dataclasses import fields, is_dataclass
 from itertools import pairwise
 
-from remodel_states.core.cell.cell_limits import CellLimits
-from remodel_states.core.cell.footprints import footprint, overlaps
-from remodel_states.core.cell.within import within
+from remodel_states.core.cell import CellLimits, footprint, overlaps, within
 from remodel_states.core.wires.wire_colours import WIRE_RGB, is_colour
 from remodel_work.board_rules import board_problems
 from remodel_work.geometry import Pose, wrap_angle

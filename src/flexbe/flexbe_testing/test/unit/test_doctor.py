@@ -17,8 +17,7 @@ from flexbe_core.engine.engine import Engine, ErrorPolicy
 from flexbe_core.testing import ScriptedState
 from flexbe_testing.core.doctor.module import Kind
 from flexbe_testing.core.doctor.rules import OVERRIDES
-from flexbe_testing.edge import doctor as diagnose
-from flexbe_testing.edge.doctor import attributes, names_of
+from flexbe_testing.edge.doctor import attributes, diagnose, names_of
 
 WORKSPACE = Path(__file__).parents[1] / "doctor_workspace"
 SRC = Path(__file__).parents[4]

@@ -6,7 +6,7 @@ from contextlib import suppress
 
 from remodel_planning.core.use_case.model import UseCase
 from remodel_production.errors import InstanceError
-from remodel_states.core.cell.cell_limits import CellLimits
+from remodel_states.core.cell import CellLimits
 from remodel_states.core.table_error import TableError
 from remodel_states.edge.cell_files import cell_names, read_cell_limits
 

@@ -13,7 +13,7 @@ from remodel_planning.edge.yaml_file import read_yaml
 from remodel_planning.errors import UseCaseError
 from remodel_production.edge.package_files import package_folder
 from remodel_production.errors import InstanceError
-from remodel_states.core.schema_problems import schema_problems
+from remodel_states.core.table_error import schema_problems
 
 # Folders with use cases of the user's own, before those of the package; separated as PATH is.
 VARIABLE = "REMODEL_USE_CASES"

@@ -8,7 +8,7 @@ import yaml
 from remodel_production.core.catalogue import Catalogue, catalogue_from
 from remodel_production.edge.package_files import package_folder
 from remodel_production.errors import CatalogueError, blamed
-from remodel_states.core.schema_problems import schema_problems
+from remodel_states.core.table_error import schema_problems
 from remodel_states.core.wires.wire_materials import MaterialError
 from remodel_states.edge.wire_material_file import read_wire_materials
 

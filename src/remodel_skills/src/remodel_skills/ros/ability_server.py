@@ -16,9 +16,8 @@ from remodel_skills.ros.owner import Owner
 from remodel_states.ability_server import AbilityServer
 from remodel_states.core.ability_tables import Ability
 from remodel_states.core.codes import Code
-from remodel_states.core.goal_owner import owner_of
-from remodel_states.core.robot_fields import ROBOT_FIELDS
-from remodel_states.serving.running_goal import RunningGoal
+from remodel_states.core.contract import ROBOT_FIELDS, owner_of
+from remodel_states.serving import RunningGoal
 from remodel_work.errors import AbilityError
 
 MAX_TIMEOUT_S = 3600.0

@@ -15,7 +15,7 @@ from remodel_skills.ros.results import result_fields
 from remodel_skills.runner import occupy
 from remodel_states.core.ability_error import AbilityError
 from remodel_states.core.codes import Code
-from remodel_states.serving.running_goal import RunningGoal
+from remodel_states.serving import RunningGoal
 from remodel_work.errors import MemoryFileError
 
 

@@ -24,7 +24,7 @@ from remodel_skills.ros.ability_server import CellAbilityServer
 from remodel_skills.ros.owner import Clock, Owner
 from remodel_skills.ros.pictures import Pictures
 from remodel_skills.ros.services import Services
-from remodel_states.core.ability_choice import chosen_abilities
+from remodel_states.core.ability_tables import chosen_abilities
 from remodel_states.edge.exported_tables import read_abilities
 from remodel_states.edge.wire_material_file import read_wire_materials
 from remodel_vision.ros.frames import FixedFrames

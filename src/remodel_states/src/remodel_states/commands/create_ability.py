@@ -10,9 +10,8 @@ from pathlib import Path
 from rospkg import RosPack
 
 from remodel_states.commands.generate_states import write_states
-from remodel_states.core.ability_package import name_problems, package_files
 from remodel_states.core.fault_tables import OTHER_CODES
-from remodel_states.core.state_source import snake_case
+from remodel_states.core.state_source import name_problems, package_files, snake_case
 from remodel_states.core.table_error import TableError
 from remodel_states.edge.exported_tables import read_abilities, read_faults
 from remodel_states.edge.new_package import read_templates, write_package

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from remodel_states.core.contract_times import CANCEL_LIMIT_S, GRACE_S, SILENT_LIMIT_S
+from remodel_states.core.contract import CANCEL_LIMIT_S, GRACE_S, SILENT_LIMIT_S
 
 CLAUSES = {
     "no-answer": "Every goal ends with a result.",

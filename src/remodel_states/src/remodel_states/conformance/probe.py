@@ -15,7 +15,7 @@ import rospy
 from actionlib_msgs.msg import GoalID, GoalStatus, GoalStatusArray
 from genpy import Message
 
-from remodel_states.conformance.exchange import Exchange, Feedback, Result
+from remodel_states.conformance.rules import Exchange, Feedback, Result
 
 # [s] Wall time between two checks of ROS time, which may be simulated.
 _CHECK_EVERY_S = 0.05

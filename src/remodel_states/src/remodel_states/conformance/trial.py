@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 import copy
+import json
 import subprocess
-from collections.abc import Callable, Collection, Iterator
-from dataclasses import dataclass
+from collections.abc import Callable, Collection, Iterator, Sequence
+from dataclasses import asdict, dataclass
 
 from genpy import Message
 from remodel_msgs.msg import ErrorCode
@@ -25,15 +26,14 @@ from remodel_states.conformance.clauses import (
     UNKNOWN_NAME,
     TrialKind,
 )
-from remodel_states.conformance.exchange import Exchange
 from remodel_states.conformance.goals import (
     goals_with_unknown_names,
     invalid_goals,
     names_left_empty,
 )
 from remodel_states.conformance.probe import Probe
-from remodel_states.conformance.rules import Rule, Violation
-from remodel_states.core.contract_times import GRACE_S, SILENT_LIMIT_S
+from remodel_states.conformance.rules import Exchange, Rule, Violation
+from remodel_states.core.contract import GRACE_S, SILENT_LIMIT_S
 
 # [s] ROS time in which a server refuses a goal, or is heard to work on it.
 ANSWER_LIMIT_S = 5.0
@@ -351,3 +351,29 @@ class Trials:
 
 def _unjudged(kind: TrialKind, reason: str) -> Trial:
     return Trial(kind.name, unjudged=reason)
+
+
+# Findings of a server's trials, in words and as JSON
+
+
+def line(trial: Trial) -> str:
+    """Return what a person reads about a trial."""
+    if trial.unjudged:
+        return f"not judged  {trial.name}: {trial.unjudged}"
+    if not trial.faults:
+        return f"ok          {trial.name}"
+    found = "".join(f"\n            [{fault.rule}] {fault.found}" for fault in trial.faults)
+    return f"BROKEN      {trial.name}{found}"
+
+
+def summary(trials: Sequence[Trial]) -> str:
+    """Return the last line: how many trials were kept, broken and not judged."""
+    broken = sum(bool(trial.faults) for trial in trials)
+    unjudged = sum(bool(trial.unjudged) for trial in trials)
+    return f"{len(trials) - broken - unjudged} kept, {broken} broken, {unjudged} not judged"
+
+
+def as_json(topic: str, action: str, trials: Sequence[Trial]) -> str:
+    """Return all trials as JSON."""
+    found = [asdict(trial) for trial in trials]
+    return json.dumps({"topic": topic, "action": action, "trials": found}, indent=2)

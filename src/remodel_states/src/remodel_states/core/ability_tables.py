@@ -6,11 +6,10 @@ form.
 
 from __future__ import annotations
 
+import re
 from collections.abc import Collection, Iterator, Mapping
 from dataclasses import dataclass, field
 from typing import Any
-
-from remodel_states.core.action_file import COMMON_GOAL, COMMON_RESULT, Action, Field
 
 # Types of goal fields that a parameter of a state can give: ROS type -> type in the docstring.
 PLAIN_TYPES = {"string": "string", "bool": "bool", "float64": "float", "uint8": "int"}
@@ -173,3 +172,90 @@ def _unknown(
     for name in names:
         if name not in known:
             yield f"{place}: {name} is not a field of the {part}; there are: {', '.join(known)}"
+
+
+# Read action files: the fields of goal and result, with their comments
+
+
+_FIELD = re.compile(r"^(?P<type>[^\s#]\S*)\s+(?P<name>[a-zA-Z]\w*)\s*(?:#\s*(?P<text>.*))?$")
+
+# Fields that every goal and every result has (Deliverable 5.1, 3.1).
+COMMON_GOAL = ("id", "timeout")
+COMMON_RESULT = ("id", "success", "message", "elapsed_time", "error_code", "error_message")
+
+
+@dataclass(frozen=True)
+class Field:
+    """A field of a message; `type` is that of the ROS message, `text` its comment."""
+
+    name: str
+    type: str
+    text: str
+
+
+@dataclass(frozen=True)
+class Action:
+    """An action.
+
+    Attributes:
+        title: what it does: the first comment of its file, without the name.
+        goal: fields, those of all goals included.
+        result: fields, those of all results included.
+    """
+
+    name: str
+    title: str
+    goal: tuple[Field, ...]
+    result: tuple[Field, ...]
+
+
+def action_from(name: str, text: str) -> Action:
+    """Return the action of a file's text."""
+    goal, result, *_ = (*text.split("\n---"), "")
+    title = next((line.lstrip("# ") for line in goal.splitlines() if line.startswith("#")), "")
+    return Action(name, title.removeprefix(f"{name}: "), _fields(goal), _fields(result))
+
+
+def _fields(text: str) -> tuple[Field, ...]:
+    found = filter(None, (_FIELD.match(line.strip()) for line in text.splitlines()))
+    return tuple(Field(m["name"], m["type"], (m["text"] or "").strip()) for m in found)
+
+
+# Which abilities a node serves, of those that there are
+
+
+def chosen_abilities(
+    known: Collection[str], abilities: object = "", others: object = ""
+) -> list[str]:
+    """Return the abilities to serve, in the order of `known`.
+
+    Args:
+        known: names of all abilities.
+        abilities: those to serve, a list or text such as "InsertCable, PickCable"; empty text: all,
+            empty list: none.
+        others: those of them not to serve, in the same form.
+
+    Raises:
+        ValueError: if a name is none of `known`.
+    """
+    wanted = list(known) if abilities == "" else _names("abilities", abilities, known)
+    without = _names("except", others, known)
+    return [name for name in known if name in wanted and name not in without]
+
+
+def _names(parameter: str, value: object, known: Collection[str]) -> list[str]:
+    if isinstance(value, str):
+        names = [name.strip() for name in value.split(",") if name.strip()]
+    elif isinstance(value, list | tuple):
+        names = [str(name) for name in value]
+    else:
+        raise ValueError(
+            f"parameter {parameter!r} is {value!r}; allowed: names of abilities, "
+            "separated by commas"
+        )
+    if unknown := sorted(set(names) - set(known)):
+        raise ValueError(
+            f"parameter {parameter!r} names no ability: {', '.join(unknown)}; "
+            f"there are {', '.join(known)}"
+        )
+    return names

@@ -15,9 +15,8 @@ from pathlib import Path
 
 import yaml
 
-from remodel_states.core.cell.cell_limits import SCHEMA, CellLimits
-from remodel_states.core.schema_problems import schema_problems
-from remodel_states.core.table_error import TableError
+from remodel_states.core.cell import SCHEMA, CellLimits
+from remodel_states.core.table_error import TableError, schema_problems
 from remodel_states.edge.exported_tables import exported_paths
 
 _FORM = {

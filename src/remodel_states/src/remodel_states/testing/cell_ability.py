@@ -2,26 +2,29 @@
 
 from __future__ import annotations
 
+import fcntl
+import math
 import os
 import signal
+import time
+from collections.abc import Mapping
 from dataclasses import dataclass
 from random import Random
+from typing import Any
 
 from genpy import Message
-from remodel_msgs.msg import ErrorCode
+from geometry_msgs.msg import Point, Pose, PoseStamped, Quaternion
+from remodel_msgs import msg as remodel_msgs
+from remodel_msgs.msg import CableObservation, ErrorCode, WireTruth
 
 from remodel_states.ability_server import AbilityServer, Done
 from remodel_states.core.ability_error import AbilityError
 from remodel_states.core.ability_tables import Ability
-from remodel_states.core.goal_owner import owner_of
-from remodel_states.serving.ownership import admitted
-from remodel_states.serving.robot import Robot
-from remodel_states.serving.running_goal import RunningGoal
-from remodel_states.testing.course import Course, CourseOfGoal
+from remodel_states.core.contract import owner_of
+from remodel_states.serving import Robot, RunningGoal, StoppedError, admitted
 from remodel_states.testing.faults import Behaves, InjectedFault, at_goal
 from remodel_states.testing.operations import Effect, operation_of, perform
-from remodel_states.testing.panel import result_fields
-from remodel_states.testing.robot_lock import RobotLock
+from remodel_states.testing.world import Panel, Place, World
 from remodel_states.testing.world_file import WorldFile
 
 
@@ -134,3 +137,175 @@ class CellAbility(AbilityServer):
             draft.world = effect.world
             draft.entries += effect.entries
         return effect
+
+
+# The course of a fake operation in time
+
+
+# [s] Wall time between two feedbacks.
+_FEEDBACK_S = 0.2
+
+
+@dataclass(frozen=True)
+class Course:
+    """When an operation takes effect, and when it ends: [s] wall time from its start."""
+
+    effect_s: float
+    end_s: float
+
+    @classmethod
+    def drawn(cls, random: Random, mean_s: float) -> Course:
+        """Draw a course: a little shorter or longer than usual, the effect anywhere in it."""
+        end_s = mean_s * random.uniform(0.5, 1.5)
+        return cls(random.uniform(0.0, end_s), end_s)
+
+
+class CourseOfGoal:
+    """The course of a goal that begins now; its timeout is taken as wall time too."""
+
+    def __init__(self, running: RunningGoal, course: Course) -> None:
+        """Begin."""
+        self._running = running
+        self._course = course
+        self._began = time.monotonic()
+
+    def wait_until(self, at_s: float) -> None:
+        """Wait until a time of the course [s], and report progress.
+
+        Raises:
+            StoppedError: if the goal is cancelled, or its timeout passes.
+        """
+        timeout_s = self._running.goal.timeout
+        until = self._began + min(at_s, timeout_s)
+        while (left := until - time.monotonic()) > 0:
+            self._wait(min(left, _FEEDBACK_S))
+            share = 100.0 * min(1.0, (time.monotonic() - self._began) / self._course.end_s)
+            self._running.report(f"by a fake: {share:.0f} %", share)
+        if at_s > timeout_s:
+            raise StoppedError(ErrorCode.TIMEOUT, f"not done within {timeout_s:g} s")
+
+    def hang(self) -> None:
+        """Wait for a cancel, whatever the timeout."""
+        self._wait(math.inf)
+
+    def _wait(self, seconds: float) -> None:
+        if self._running.is_cancelled_within(seconds):
+            raise StoppedError(ErrorCode.PREEMPTED, "cancelled; the arm stopped")
+
+
+# Between messages and the values of a fake cell's world
+
+
+def panel_from(message: remodel_msgs.Panel) -> Panel:
+    """Return the panel of a message.
+
+    Raises:
+        ValueError: with every name that is used and not there.
+    """
+    places, openings = {}, {}
+    for component in message.components:
+        pose = component.pose
+        places[component.id] = (pose.x, pose.y, 0.0, pose.theta)
+        for terminal in component.terminals:
+            openings[f"{component.id}/{terminal.id}"] = _opening(places[component.id], terminal)
+    wires = {
+        wire.id: (f"{wire.a_component}/{wire.a_terminal}", f"{wire.b_component}/{wire.b_terminal}")
+        for wire in message.wires
+    }
+    missing = [
+        f"wire {wire!r} goes to {terminal!r}, which is not there"
+        for wire, terminals in wires.items()
+        for terminal in terminals
+        if terminal not in openings
+    ]
+    if missing:
+        raise ValueError("; ".join(missing))
+    return Panel(
+        message.name,
+        wires,
+        {wire.id: wire.length for wire in message.wires},
+        places,
+        openings=openings,
+        channels=tuple(channel.id for channel in message.channels),
+        ducts={wire.id: tuple(wire.ducts) for wire in message.wires if wire.ducts},
+        serial=message.serial,
+    )
+
+
+def result_fields(found: Mapping[str, Any]) -> dict[str, Any]:
+    """Return what an ability found out as fields of its result message."""
+    fields = dict(found)
+    if "observation" in fields:
+        fields["observation"] = _observation(*fields["observation"])
+    return {n: _pose(value) if isinstance(value, tuple) else value for n, value in fields.items()}
+
+
+def truth_of(world: World, wire: str) -> WireTruth:
+    """Return where a wire is."""
+    truth = WireTruth(wire_id=wire, placed=world.is_placed(wire))
+    for end in "ab":
+        seat = world.seat(wire, end)
+        if seat is not None:
+            setattr(truth, f"{end}_at", seat.terminal)
+            setattr(truth, f"{end}_fixed", seat.fixed)
+    return truth
+
+
+def _opening(component: Place, terminal: remodel_msgs.Terminal) -> Place:
+    x, y, _, yaw = component
+    opening = terminal.mouth
+    return (
+        x + opening.x * math.cos(yaw) - opening.y * math.sin(yaw),
+        y + opening.x * math.sin(yaw) + opening.y * math.cos(yaw),
+        opening.z,
+        yaw + terminal.insertion_yaw,
+    )
+
+
+def _observation(cable_id: str, length_m: float, loose_ends: int) -> CableObservation:
+    tips = [_pose((0.0, 0.0, 0.0, 0.0)) for _ in range(loose_ends)]
+    return CableObservation(
+        cable_id=cable_id,
+        centreline=[],
+        tips=tips,
+        length=length_m,
+        confidence=1.0,
+        truncated=False,
+    )
+
+
+def _pose(place: Place) -> PoseStamped:
+    x, y, z, yaw = place
+    pose = PoseStamped(pose=Pose(Point(x, y, z), Quaternion(0, 0, math.sin(yaw / 2), 0)))
+    pose.pose.orientation.w = math.cos(yaw / 2)
+    pose.header.frame_id = "panel"
+    return pose
+
+
+# One goal at a time for a robot whose abilities are served by several processes
+
+
+class RobotLock:
+    """A lock on a file; the system frees it when the process that holds it dies."""
+
+    def __init__(self, path: str) -> None:
+        """Name the file; it is made when it is needed."""
+        self._path = path
+        self._file: int | None = None
+
+    def take(self) -> bool:
+        """Return whether the lock was free, and is now held."""
+        file = os.open(self._path, os.O_RDWR | os.O_CREAT, 0o644)
+        try:
+            fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        except BlockingIOError:
+            os.close(file)
+            return False
+        self._file = file
+        return True
+
+    def free(self) -> None:
+        """Release it, if it is held."""
+        file, self._file = self._file, None
+        if file is not None:
+            os.close(file)

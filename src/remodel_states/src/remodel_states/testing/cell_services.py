@@ -13,15 +13,12 @@ from sensor_msgs.msg import Image
 from std_srvs.srv import Trigger, TriggerRequest, TriggerResponse
 
 from remodel_states.core.ability_error import AbilityError
-from remodel_states.serving.ownership import admitted
-from remodel_states.testing.cell_ability import Site
-from remodel_states.testing.course import Course
-from remodel_states.testing.fault_table import FaultTable
-from remodel_states.testing.faults import when_fed, when_mended
-from remodel_states.testing.ledger import Deed, Entry
-from remodel_states.testing.panel import panel_from, truth_of
+from remodel_states.edge.exported_tables import read_faults
+from remodel_states.serving import admitted
+from remodel_states.testing.cell_ability import Course, RobotLock, Site, panel_from, truth_of
+from remodel_states.testing.faults import Cure, InjectedFault, fault_from, when_fed, when_mended
 from remodel_states.testing.requirements import check_demands
-from remodel_states.testing.robot_lock import RobotLock
+from remodel_states.testing.world import Deed, Entry
 
 CAMERAS = ("overhead", "wrist", "scene")
 
@@ -156,3 +153,34 @@ class CellServices:
                 new.name for old, new in zip(before, draft.faults, strict=True) if old != new
             ]
         return TriggerResponse(True, f"mended: {', '.join(changed) or 'nothing had shown'}")
+
+
+# The table of faults, as the fake cell reads it
+
+
+class FaultTable:
+    """What can go wrong, by name."""
+
+    def __init__(self) -> None:
+        """Read the tables of all packages."""
+        tables = read_faults()
+        self._rows, self._codes = tables.faults, tables.numbers
+
+    def fault(self, name: str, cure: str = "", **given: object) -> InjectedFault:
+        """Return a fault to be caused.
+
+        Args:
+            name: as in faults.yaml.
+            cure: name of a Cure; empty: it passes by itself.
+            given: other fields of the Fault, such as nth and wire.
+
+        Raises:
+            ValueError: if there is no such fault or cure, or a value is out of range.
+        """
+        if name not in self._rows:
+            raise ValueError(f"no fault {name!r}; there are: {', '.join(self._rows)}")
+        cures = [item.value for item in Cure]
+        if cure and cure not in cures:
+            raise ValueError(f"no cure {cure!r} of {name}; there are: {', '.join(cures)}")
+        chosen = {"cure": Cure(cure)} if cure else {}
+        return fault_from(self._rows[name], self._codes, **chosen, **given)

@@ -14,11 +14,10 @@ from genpy import Message
 from remodel_msgs.msg import ErrorCode
 
 from remodel_states.ability_server import AbilityServer
-from remodel_states.core.ability_choice import chosen_abilities
 from remodel_states.core.ability_error import AbilityError
-from remodel_states.core.ability_tables import Ability
+from remodel_states.core.ability_tables import Ability, chosen_abilities
 from remodel_states.edge.exported_tables import read_abilities
-from remodel_states.serving.running_goal import RunningGoal
+from remodel_states.serving import RunningGoal
 
 
 @dataclass(frozen=True)

@@ -14,11 +14,10 @@ from typing import Any
 from remodel_msgs.msg import ErrorCode
 
 from remodel_states.core.ability_error import AbilityError
-from remodel_states.core.robot_fields import ROBOT_FIELDS
+from remodel_states.core.contract import ROBOT_FIELDS
 from remodel_states.testing import requirements
-from remodel_states.testing.ledger import Deed, Entry
 from remodel_states.testing.requirements import Goal, terminal_of
-from remodel_states.testing.world import Place, Seat, World
+from remodel_states.testing.world import Deed, Entry, Place, Seat, World
 
 # What is measured where nothing is: [m] an end is deep, [N] it took, [m] between the pads, [N] a
 # wire pulls at the hand that leads it.

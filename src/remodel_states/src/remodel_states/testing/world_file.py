@@ -17,8 +17,7 @@ from msgspec.json import decode, encode
 
 from remodel_states.edge.write_ahead import write_ahead
 from remodel_states.testing.faults import Faults
-from remodel_states.testing.ledger import Deed, Entry
-from remodel_states.testing.world import Panel, World
+from remodel_states.testing.world import Deed, Entry, Panel, World
 
 # [s] Wall time to wait for another process's change.
 _BUSY_S = 10.0

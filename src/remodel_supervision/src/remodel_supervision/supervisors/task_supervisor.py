@@ -7,7 +7,7 @@ from collections.abc import Callable
 
 from remodel_production.errors import LostError, PlannerError
 from remodel_states.core.codes import Code
-from remodel_states.core.goal_owner import owner_of
+from remodel_states.core.contract import owner_of
 from remodel_supervision.core.run import Operation
 from remodel_supervision.core.runs.gate import FEEDER, Gate, Permit
 from remodel_supervision.core.runs.state import FINISHED, PERSON_FIRST, PREEMPTED, SERVER_GONE

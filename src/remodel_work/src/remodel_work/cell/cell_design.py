@@ -12,7 +12,7 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from itertools import combinations
 
-from remodel_states.core.cell.cell_limits import CellLimits
+from remodel_states.core.cell import CellLimits
 from remodel_work.camera import Lens, View, overhead_name
 from remodel_work.cell.feeding import Feeder
 from remodel_work.cell.magazine import LEAST_FREE_M, Magazine, held_length

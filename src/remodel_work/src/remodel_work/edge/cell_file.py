@@ -11,8 +11,8 @@ import numpy as np
 import rospkg
 import yaml
 
-from remodel_states.core.cell.cell_limits import CellLimits
-from remodel_states.core.schema_problems import schema_problems
+from remodel_states.core.cell import CellLimits
+from remodel_states.core.table_error import schema_problems
 from remodel_work.camera import Lens, View, looking_at, looking_down
 from remodel_work.cell.cell_design import (
     CellDesign,

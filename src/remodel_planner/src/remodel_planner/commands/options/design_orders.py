@@ -11,7 +11,7 @@ if TYPE_CHECKING:
     from remodel_planning.core.use_case.model import UseCase
     from remodel_production.core.board.panel import Panel
     from remodel_production.core.production import Order
-    from remodel_states.core.cell.cell_limits import CellLimits
+    from remodel_states.core.cell import CellLimits
 
 # Tasks by hand that fill a terminal's window, but leave the lines above them on it.
 _MOST_LISTED = 20

@@ -13,9 +13,7 @@ from remodel_planning.core.use_case.model import UseCase
 from remodel_production.core.board.panel import Panel, PanelWire
 from remodel_production.core.counted import counted
 from remodel_production.errors import OrderError
-from remodel_states.core.cell.cell_limits import CellLimits
-from remodel_states.core.cell.footprints import footprint, overlaps
-from remodel_states.core.cell.wire_rules import Passage, objections
+from remodel_states.core.cell import CellLimits, Passage, footprint, objections, overlaps
 from remodel_states.core.wires.wire_colours import WIRE_RGB, is_colour
 
 # Components that overlap; if there are more, all places are wrong.

@@ -6,7 +6,7 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 
 from flexbe_synthesizer.core.chart.model import Chart, State, walk_nodes
-from remodel_states.core.robot_fields import ROBOT_FIELDS
+from remodel_states.core.contract import ROBOT_FIELDS
 
 # Parameter of states that limits a force.
 _FORCE = "force_limit"

@@ -26,7 +26,7 @@ from dataclasses import dataclass, replace
 from remodel_production.core.board.connector_rows import row_of
 from remodel_production.core.catalogue import FormboardRules
 from remodel_production.core.production import Component, TerminalRef, Wire
-from remodel_states.core.cell.wire_rules import SPARE_M
+from remodel_states.core.cell import SPARE_M
 
 # Rounds of the majorization, and the least step that another round is worth [m].
 _ROUNDS = 2000

@@ -10,9 +10,9 @@ import rospy
 from actionlib_msgs.msg import GoalID, GoalStatus, GoalStatusArray
 
 from remodel_states.core.codes import Code
-from remodel_states.core.goal_owner import owner_of
+from remodel_states.core.contract import owner_of
 from remodel_states.edge.exported_tables import read_abilities
-from remodel_states.serving.ability_messages import message_class
+from remodel_states.serving import message_class
 from remodel_supervision.core.run import Operation
 from remodel_supervision.core.runs.state import PERSON_FIRST
 from remodel_supervision.supervisors.ports import Doing, server_of

@@ -1,22 +1,27 @@
-"""A goal that an ability server has accepted: its feedback, its limits and its end."""
+"""What ability servers are made of: running and invalid goals, and who may command a robot."""
 
 from __future__ import annotations
 
 import math
 import threading
 import time
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from typing import Any
 
 import rospy
 from actionlib import ServerGoalHandle
 from genpy import Message
 from remodel_msgs.msg import ErrorCode
+from roslib.message import get_message_class
 
 from remodel_states.core.ability_error import AbilityError
 from remodel_states.core.ability_tables import Ability
+from remodel_states.core.contract import CLOCKS_DIFFER_S, LATE_S
 from remodel_states.core.ros_stopwatch import RosStopwatch
-from remodel_states.serving.ability_messages import message_class
+from remodel_states.core.table_error import TableError
+
+# A goal that an ability server has accepted: its feedback, its limits and its end
+
 
 # [s] Wall time between two feedbacks at least, and while `wait` is called, at most.
 _QUIET_S = 0.1
@@ -167,3 +172,125 @@ class RunningGoal:
 def _stopwatch() -> RosStopwatch:
     """Return a stopwatch that starts now."""
     return RosStopwatch(lambda: rospy.Time.now().to_sec(), time.monotonic)
+
+
+# Goals that are invalid, whatever the ability
+
+
+def why_invalid(goal: Message) -> str:
+    """Return why a goal is invalid; empty if it is valid."""
+    if not goal.id:
+        return "id is empty; it must name the goal"
+    if not 0 < goal.timeout < math.inf:
+        return f"timeout must be a positive number, found {goal.timeout}"
+    for name in goal.__slots__:
+        if any(not math.isfinite(number) for number in _numbers(getattr(goal, name))):
+            return f"{name} holds NaN or infinity"
+    return ""
+
+
+def why_late(sent_s: float, now_s: float, timeout_s: float) -> str:
+    """Return why a goal has arrived too late to begin; empty if it has not.
+
+    Args:
+        sent_s: [s] ROS time of the goal's id; 0 if its client gave none.
+        now_s: [s] ROS time.
+        timeout_s: [s] of the goal.
+    """
+    late_s, most_s = now_s - sent_s, min(timeout_s, LATE_S) + CLOCKS_DIFFER_S
+    if not sent_s or late_s <= most_s:
+        return ""
+    return (
+        f"sent {late_s:.1f} s ago, so its client has given it up; allowed: {most_s:g} s. The "
+        "server was stalled, or the clocks of the two machines differ"
+    )
+
+
+def _numbers(value: object) -> Iterator[float]:
+    """Yield the floating-point numbers in a field of a message, however deep."""
+    if isinstance(value, float):
+        yield value
+    elif isinstance(value, list | tuple):
+        for item in value:
+            yield from _numbers(item)
+    elif isinstance(value, Message):
+        for name in value.__slots__:
+            yield from _numbers(getattr(value, name))
+
+
+# What the ability servers of one robot share
+
+
+class Robot:
+    """A robot does one goal at a time, over all its abilities, for the newest supervisor."""
+
+    def __init__(self, name: str = "the robot") -> None:
+        """Name it, for messages."""
+        self._name = name
+        self._lock = threading.Lock()
+        self._is_busy = False
+        self._owners: dict[str, int] = {}
+
+    def begin(self, owner: int) -> None:
+        """Begin a goal.
+
+        Args:
+            owner: token of the supervisor that sent it (`owner_of`); 0 is not checked.
+
+        Raises:
+            AbilityError: BUSY while it does another goal, STALE_OWNER after a newer supervisor.
+        """
+        with self._lock:
+            if self._is_busy:
+                text = f"{self._name} is doing another goal; wait for it or cancel it"
+                raise AbilityError(ErrorCode.BUSY, text)
+            self._owners = admitted(self._owners, self._name, owner)
+            self._is_busy = True
+
+    def end(self) -> None:
+        """End the goal."""
+        with self._lock:
+            self._is_busy = False
+
+
+# Which supervisor may command a cell: the one with the newest token.
+#
+# A token is a number that grows whenever a supervisor takes a cell over. It is in front of a goal's
+# id, such as "17:Connect/Insert#1", and a field of the cell's services. Who shows no token is not
+# checked.
+
+
+def admitted(owners: Mapping[str, int], cell: str, token: int) -> dict[str, int]:
+    """Return the newest token of each cell, after one was shown to a cell.
+
+    Raises:
+        AbilityError: STALE_OWNER if the cell has seen a newer one.
+    """
+    newest = owners.get(cell, 0)
+    if 0 < token < newest:
+        raise AbilityError(
+            ErrorCode.STALE_OWNER,
+            f"supervisor {token} no longer owns {cell}: supervisor {newest} does. Stop the older "
+            "one, or give each cell a name of its own",
+        )
+    return {**owners, cell: token} if token > newest else dict(owners)
+
+
+# The messages of an ability's action
+
+
+def message_class(ability: Ability, part: str) -> type[Message]:
+    """Return a class such as InsertCableResult.
+
+    Args:
+        ability: whose action it is.
+        part: "Action", "Goal", "Result", "Feedback", "ActionGoal" and so on.
+
+    Raises:
+        TableError: if the package of the ability is not built or sourced.
+    """
+    found = get_message_class(f"{ability.package}/{ability.name}{part}")
+    if found is None:
+        problem = f"{ability.name}: its messages are not built; build and source its workspace"
+        raise TableError(ability.package, [problem])
+    return found

@@ -1,1 +1,0 @@
-"""What a cell can do, in the words of its file."""
