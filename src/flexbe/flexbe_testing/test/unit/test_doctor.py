@@ -15,7 +15,7 @@ from flexbe_core import OperatableStateMachine
 from flexbe_core.core import UserData
 from flexbe_core.engine.engine import Engine, ErrorPolicy
 from flexbe_core.testing import ScriptedState
-from flexbe_testing.core.doctor.module import Kind
+from flexbe_testing.core.doctor.module import Kind, Severity
 from flexbe_testing.core.doctor.rules import OVERRIDES
 from flexbe_testing.edge.doctor import attributes, diagnose, names_of
 
@@ -54,6 +54,13 @@ def test_user_code_that_ends_its_process_costs_only_its_own_module(report):
     assert "took more than 3 s" in texts["endless_state.py"]
     assert "IndexError: list index out of range" in texts["raising_state.py"]
     assert "'Nowhere'" in texts["lost_sm.py"]
+
+
+def test_what_the_app_loses_of_a_behavior_is_one_note(report):
+    (note,) = [f for f in report.findings if f.file.endswith("lost_sm.py") and f.rule == "app"]
+    assert note.severity is Severity.NOTE
+    assert "no block with date and author before the class; " in note.text
+    assert "the App loses the transition of 'done' of '/Box/Wave' to 'Nowhere'" in note.text
 
 
 def test_a_text_says_what_was_found_and_what_to_do(report):

@@ -297,8 +297,8 @@ def check_app(module: Module, known: Known) -> Iterator[Finding]:
     for found in module.classes:
         if found.kind is Kind.BEHAVIOR:
             try:
-                for what in load_behavior(module.text, known).lost:
-                    text = f"when the App loads and saves it: {what}"
+                if lost := load_behavior(module.text, known).lost:
+                    text = f"the App would not keep all of it when it saves it: {'; '.join(lost)}"
                     yield module.finding(found.node, _RULE, Severity.NOTE, text)
             except AppLoadError as error:
                 text = f"the App cannot load it: {error}"

@@ -2,7 +2,7 @@ from flexbe_core import Autonomy, Behavior, OperatableStateMachine
 from healthy_states.waving_state import WavingState
 
 
-class LostSM(Behavior):  # doctor: construction
+class LostSM(Behavior):  # doctor: construction # doctor: app
     def __init__(self):
         super().__init__()
         self.name = "Lost"
