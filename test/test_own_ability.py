@@ -9,7 +9,7 @@ from pathlib import Path
 
 import pytest
 
-from flexbe_synthesizer.core.chart.error_names import ABOVE_BEHAVIOR, RECOVERABLE, SERIOUS
+from flexbe_synthesizer.core.chart.error_routes import ABOVE_BEHAVIOR, RECOVERABLE, SERIOUS
 from flexbe_synthesizer.edge.package_path import find_packages, read_library
 from remodel_states.commands.create_ability import main as create_ability
 from remodel_states.edge.exported_tables import read_faults

@@ -10,9 +10,8 @@ from pathlib import Path
 from flexbe_synthesizer.core.chart.chart_writer import write_chart
 from flexbe_synthesizer.core.machine.lift import lift
 from flexbe_synthesizer.core.machine.machine_reader import InexpressibleError, read_machine
-from flexbe_synthesizer.edge.atomic_write import write_all
+from flexbe_synthesizer.edge.files import read_regular_text, write_all
 from flexbe_synthesizer.edge.package_path import find_packages, read_library
-from flexbe_synthesizer.edge.regular_file import read_regular_text
 from flexbe_synthesizer.errors import OutputError, SynthesisError
 
 FINE, INEXPRESSIBLE, USAGE = 0, 1, 2

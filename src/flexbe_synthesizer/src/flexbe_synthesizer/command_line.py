@@ -13,18 +13,18 @@ from typing import TextIO
 from flexbe_synthesizer.core.chart.model import Chart
 from flexbe_synthesizer.core.chart.problem import errors_in
 from flexbe_synthesizer.core.export.draw import chart_to_dot
-from flexbe_synthesizer.core.library.library import Library
+from flexbe_synthesizer.core.library.signature import Library
 from flexbe_synthesizer.core.machine.expanded_labels import chart_steps
-from flexbe_synthesizer.edge.atomic_write import write_all
-from flexbe_synthesizer.edge.behavior_owner import expect_found
+from flexbe_synthesizer.edge.files import write_all
 from flexbe_synthesizer.edge.graphviz import FORMATS, render_dot
-from flexbe_synthesizer.edge.inventory import Inventory, read_inventory
 from flexbe_synthesizer.edge.output_package import (
     OutputPackage,
     enclosing_package,
+    expect_found,
     output_package,
     unwritten_package,
 )
+from flexbe_synthesizer.edge.package_path import Inventory, read_inventory
 from flexbe_synthesizer.edge.run_record import read_run
 from flexbe_synthesizer.errors import OutputError, SynthesisError
 from flexbe_synthesizer.synthesis import CheckedFiles, check_files, write_behaviors

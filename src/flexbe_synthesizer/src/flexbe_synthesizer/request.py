@@ -20,13 +20,10 @@ from flexbe_synthesizer.core.export.instantiate import (
     with_presets_written,
 )
 from flexbe_synthesizer.core.export.layout import lay_out
-from flexbe_synthesizer.core.library.library import Library
-from flexbe_synthesizer.core.library.signature import StateClass
-from flexbe_synthesizer.edge.behavior_owner import expect_found
-from flexbe_synthesizer.edge.chart_files import confined_to, find_chart
-from flexbe_synthesizer.edge.chart_memory import ChartMemory
-from flexbe_synthesizer.edge.inventory import read_inventory
-from flexbe_synthesizer.edge.output_package import package_for
+from flexbe_synthesizer.core.library.signature import Library, StateClass
+from flexbe_synthesizer.edge.chart_files import ChartMemory, confined_to, find_chart
+from flexbe_synthesizer.edge.output_package import expect_found, package_for
+from flexbe_synthesizer.edge.package_path import read_inventory
 from flexbe_synthesizer.errors import ChartFileError, ChartRefusedError, OutputError
 from flexbe_synthesizer.synthesis import CheckedFiles, check_files, started_at, write_behaviors
 

@@ -19,16 +19,13 @@ from flexbe_synthesizer.core.compile import Unit, check_units, compile_chart, ma
 from flexbe_synthesizer.core.export.certificate import certify, write_certificate
 from flexbe_synthesizer.core.export.layout import lay_out
 from flexbe_synthesizer.core.export.render_python import render_python
-from flexbe_synthesizer.core.library.library import Library
 from flexbe_synthesizer.core.library.manifest import write_manifest
+from flexbe_synthesizer.core.library.signature import Library
 from flexbe_synthesizer.core.machine.machine import Machine
-from flexbe_synthesizer.core.machine.manual_sections import ManualSectionError, read_manual_sections
-from flexbe_synthesizer.edge.atomic_write import write_all
-from flexbe_synthesizer.edge.behavior_owner import chart_place, expect_own
-from flexbe_synthesizer.edge.chart_files import read_charts
-from flexbe_synthesizer.edge.chart_memory import ChartMemory
-from flexbe_synthesizer.edge.output_package import OutputPackage
-from flexbe_synthesizer.edge.regular_file import read_regular
+from flexbe_synthesizer.core.machine.machine_reader import ManualSectionError, read_manual_sections
+from flexbe_synthesizer.edge.chart_files import ChartMemory, read_charts
+from flexbe_synthesizer.edge.files import read_regular, write_all
+from flexbe_synthesizer.edge.output_package import OutputPackage, chart_place, expect_own
 from flexbe_synthesizer.errors import OutputError
 
 

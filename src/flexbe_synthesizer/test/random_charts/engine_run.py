@@ -20,7 +20,7 @@ from flexbe_core.engine.events import Ended
 from flexbe_core.engine.supervision import UNSUPERVISED
 from flexbe_core.ros.session import own_session
 from flexbe_synthesizer.core.chart.problem import Problem, errors_in
-from flexbe_synthesizer.core.library.library import Library
+from flexbe_synthesizer.core.library.signature import Library
 from flexbe_synthesizer.edge.output_package import output_package
 from flexbe_synthesizer.edge.package_path import find_packages, read_library
 from flexbe_synthesizer.synthesis import check_files, write_behaviors

@@ -11,10 +11,13 @@ from hypothesis import strategies as st
 from flexbe_synthesizer.core.chart.model import Chart, Outcome, Param, State, Transition
 from flexbe_synthesizer.core.chart.problem import ProblemKind, errors_in
 from flexbe_synthesizer.core.check.check import check_chart
-from flexbe_synthesizer.core.check.visits import most_visits
-from flexbe_synthesizer.core.export.certificate import certify, read_chart_place, write_certificate
-from flexbe_synthesizer.core.library.library import Library
-from flexbe_synthesizer.core.library.signature import Parameter, StateClass
+from flexbe_synthesizer.core.export.certificate import (
+    certify,
+    most_visits,
+    read_chart_place,
+    write_certificate,
+)
+from flexbe_synthesizer.core.library.signature import Library, Parameter, StateClass
 
 LIBRARY = Library(
     states=(

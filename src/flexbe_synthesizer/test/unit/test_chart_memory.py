@@ -2,9 +2,9 @@ import shutil
 
 import pytest
 
-from flexbe_synthesizer.edge.chart_memory import ChartMemory
-from flexbe_synthesizer.edge.inventory import read_inventory
+from flexbe_synthesizer.edge.chart_files import ChartMemory
 from flexbe_synthesizer.edge.output_package import OutputPackage, output_package
+from flexbe_synthesizer.edge.package_path import read_inventory
 from flexbe_synthesizer.synthesis import check_files, write_behaviors
 
 OUTER, INNER = "wire_task.xml", "place_connector.xml"

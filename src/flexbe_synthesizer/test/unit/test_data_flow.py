@@ -16,8 +16,7 @@ from flexbe_synthesizer.core.chart.model import (
 )
 from flexbe_synthesizer.core.chart.problem import ProblemKind
 from flexbe_synthesizer.core.check.check import check_chart
-from flexbe_synthesizer.core.library.library import Library
-from flexbe_synthesizer.core.library.signature import Effect, Parameter, Port, StateClass
+from flexbe_synthesizer.core.library.signature import Effect, Library, Parameter, Port, StateClass
 
 
 def state_class(name, inputs=(), outputs=(), outcomes=("a", "b")):

@@ -7,8 +7,8 @@ import shutil
 import pytest
 
 from flexbe_synthesizer.edge import chart_files
-from flexbe_synthesizer.edge.atomic_write import write_all
 from flexbe_synthesizer.edge.chart_files import confined_to, find_chart, read_charts
+from flexbe_synthesizer.edge.files import write_all
 from flexbe_synthesizer.edge.output_package import enclosing_package, output_package
 from flexbe_synthesizer.edge.package_path import find_packages, read_library
 from flexbe_synthesizer.errors import ChartFileError, ChartRefusedError, OutputError

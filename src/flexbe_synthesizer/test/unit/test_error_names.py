@@ -4,13 +4,15 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from flexbe_synthesizer.core.chart.error_names import ListedCode, error_names, read_error_table
 from flexbe_synthesizer.core.chart.error_routes import (
+    ListedCode,
     codes_of_event,
     codes_of_routes,
+    error_names,
     format_codes,
     format_routes,
     parse_routes,
+    read_error_table,
     route_event,
 )
 from flexbe_synthesizer.core.chart.model import ErrorRoute

@@ -4,8 +4,7 @@ from itertools import count
 
 import pytest
 
-from flexbe_synthesizer.edge.inventory import read_inventory
-from flexbe_synthesizer.edge.package_path import find_packages, read_library
+from flexbe_synthesizer.edge.package_path import find_packages, read_inventory, read_library
 
 _STATE = "cell_states/src/cell_states/pause_state.py"
 _AGES = count(1)

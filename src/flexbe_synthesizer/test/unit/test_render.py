@@ -16,7 +16,7 @@ from flexbe_synthesizer.core.export.layout import lay_out
 from flexbe_synthesizer.core.export.render_python import render_python
 from flexbe_synthesizer.core.library.manifest import write_manifest
 from flexbe_synthesizer.core.machine.machine import Container, walk
-from flexbe_synthesizer.core.machine.manual_sections import ManualSectionError, read_manual_sections
+from flexbe_synthesizer.core.machine.machine_reader import ManualSectionError, read_manual_sections
 
 CHARTS = ["plain.xml", "place_connector.xml", "wire_task.xml", "two_arms.xml"]
 

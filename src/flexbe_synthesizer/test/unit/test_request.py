@@ -7,8 +7,7 @@ from pathlib import Path
 import pytest
 
 from flexbe_synthesizer.core.chart.problem import MOST_ERRORS
-from flexbe_synthesizer.edge.chart_files import LARGEST_FILE
-from flexbe_synthesizer.edge.chart_memory import ChartMemory
+from flexbe_synthesizer.edge.chart_files import LARGEST_FILE, ChartMemory
 from flexbe_synthesizer.request import (
     ErrorCode,
     Request,

@@ -4,7 +4,6 @@ import textwrap
 
 import pytest
 
-from flexbe_synthesizer.core.library.behavior_source import read_behavior_class
 from flexbe_synthesizer.core.library.manifest import Manifest, read_manifest, write_manifest
 from flexbe_synthesizer.core.library.signature import (
     Effect,
@@ -17,7 +16,7 @@ from flexbe_synthesizer.core.library.signature import (
     fits,
     is_type,
 )
-from flexbe_synthesizer.core.library.state_source import read_state_class
+from flexbe_synthesizer.core.library.sources import read_behavior_class, read_state_class
 
 MANIFEST = Manifest("Clean", "pkg", "clean_sm", "CleanSM")
 

@@ -31,7 +31,7 @@ from flexbe_core import Logger
 from flexbe_core.core import UserData
 from flexbe_core.proxy import ProxyActionClient
 from flexbe_core.testing import wait_until
-from flexbe_synthesizer.core.library.state_source import read_state_class
+from flexbe_synthesizer.core.library.sources import read_state_class
 from remodel_states import record_keeping
 from remodel_states.core.ability_tables import POSE as POSE_TYPE
 from remodel_states.core.ability_tables import POSES as POSES_TYPE

@@ -5,7 +5,7 @@ from __future__ import annotations
 import subprocess
 from pathlib import Path
 
-from flexbe_synthesizer.edge.atomic_write import write_all
+from flexbe_synthesizer.edge.files import write_all
 from flexbe_synthesizer.errors import DrawingError, OutputError
 
 FORMATS = (".svg", ".png")

@@ -10,6 +10,7 @@ import errno
 import importlib.util
 import os
 import sys
+import threading
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import lru_cache
@@ -19,14 +20,11 @@ from xml.etree import ElementTree
 
 import yaml
 
-from flexbe_synthesizer.core.chart.error_names import ListedCode, error_names, read_error_table
-from flexbe_synthesizer.core.library.behavior_source import read_behavior_class
-from flexbe_synthesizer.core.library.library import Library
+from flexbe_synthesizer.core.chart.error_routes import ListedCode, error_names, read_error_table
 from flexbe_synthesizer.core.library.manifest import Manifest, read_manifest
-from flexbe_synthesizer.core.library.signature import BehaviorClass, StateClass, Unreadable
-from flexbe_synthesizer.core.library.state_source import read_state_class
-from flexbe_synthesizer.edge.regular_file import read_regular, read_regular_text
-from flexbe_synthesizer.edge.stamps import Stamp, Stamps
+from flexbe_synthesizer.core.library.signature import BehaviorClass, Library, StateClass, Unreadable
+from flexbe_synthesizer.core.library.sources import read_behavior_class, read_state_class
+from flexbe_synthesizer.edge.files import Stamp, Stamps, read_regular, read_regular_text
 
 if TYPE_CHECKING:
     from functools import _lru_cache_wrapper
@@ -301,3 +299,50 @@ def _read_behavior(
         reason = f"its file cannot be read: {error}"
         return Unreadable(manifest.name, manifest.package, reason, manifest.class_name)
     return read_behavior_class(text, manifest)
+
+
+# What is installed on a ROS package path, read again only when some of it has changed
+
+
+_MOST_PATHS = 4  # whose packages are remembered; a process has one
+
+
+@dataclass(frozen=True)
+class Inventory:
+    """The packages on a ROS package path, what charts can name of them, and warnings."""
+
+    packages: tuple[Package, ...]
+    library: Library
+    warnings: tuple[str, ...]
+    path: tuple[Path, ...]
+
+    def rank(self, folder: Path) -> int:
+        """Return the place on the path of the folder of a package, which need not be there yet."""
+        around = (folder.resolve(), *folder.resolve().parents)
+        return next((i for i, entry in enumerate(self.path) if entry in around), len(self.path))
+
+
+_known: dict[str, tuple[Stamps, Inventory]] = {}
+_lock = threading.Lock()
+
+
+def read_inventory(package_path: str) -> Inventory:
+    """Return what is on a ROS package path: the same value for as long as nothing there changes.
+
+    Folders and files are compared by their stamps; what has changed within the last two seconds
+    is read again each time, since a second change could leave the same stamp.
+    """
+    with _lock:
+        known = _known.get(package_path)
+        if known is not None and known[0].still_hold():
+            return known[1]
+        seen = Stamps()
+        packages, path_warnings = find_packages(package_path, seen)
+        library, warnings = read_library(packages, seen)
+        path = tuple(Path(entry).resolve() for entry in package_path.split(os.pathsep) if entry)
+        found = Inventory(packages, library, (*path_warnings, *warnings), path)
+        _known.pop(package_path, None)
+        _known[package_path] = seen, found
+        while len(_known) > _MOST_PATHS:
+            del _known[next(iter(_known))]
+        return found

@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 from pathlib import Path
 
-from flexbe_synthesizer.edge.regular_file import read_regular_text
+from flexbe_synthesizer.edge.files import read_regular_text
 from flexbe_synthesizer.errors import DrawingError
 
 

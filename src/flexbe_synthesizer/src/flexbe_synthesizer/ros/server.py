@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+import os
 import queue
 import threading
 import time
 from dataclasses import asdict
+from pathlib import Path
 
 import actionlib
 import rospy
@@ -21,7 +23,8 @@ from flexbe_msgs.msg import (
 
 from flexbe_core.ros.master import SteadyActionServer
 from flexbe_synthesizer.core.export.instantiate import Instantiation
-from flexbe_synthesizer.edge.chart_memory import ChartMemory
+from flexbe_synthesizer.edge.chart_files import ChartMemory
+from flexbe_synthesizer.edge.package_path import find_packages
 from flexbe_synthesizer.request import (
     ErrorCode,
     Request,
@@ -132,3 +135,35 @@ def _message(state: Instantiation) -> StateInstantiation:
         for pairs in state.cond_transition
     ]
     return StateInstantiation(**fields)
+
+
+# Read the server's parameters
+
+
+def read_settings() -> Settings:
+    """Return the settings that the private parameters of this node give.
+
+    Raises:
+        ValueError: if the package to write to does not exist.
+    """
+    ros_package_path = os.environ.get("ROS_PACKAGE_PATH", "")
+    packages, _warnings = find_packages(ros_package_path)
+    folders = [Path(f) for f in rospy.get_param("~chart_folders", "").split(os.pathsep) if f]
+    if not folders:
+        folders = sorted(p.folder / "charts" for p in packages if p.has_behaviors)
+        folders.append(Path(rospy.get_param("~user_charts", "~/remodel_charts")).expanduser())
+    output = rospy.get_param("~output", "remodel_behaviors")
+    if os.sep in output:
+        return Settings(tuple(folders), Path(output), ros_package_path)
+    for package in packages:
+        if package.name == output:
+            return Settings(tuple(folders), package.folder, ros_package_path)
+    raise ValueError(
+        f"there is no package '{output}' on the ROS package path to write behaviors to; set "
+        "~output (launch argument output) to a package's name or folder"
+    )
+
+
+def read_time_limit() -> float:
+    """Return how long a request may take [s]."""
+    return float(rospy.get_param("~time_limit", 60.0))

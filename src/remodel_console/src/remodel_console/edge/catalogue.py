@@ -8,8 +8,8 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from flexbe_synthesizer.core.library.signature import BehaviorClass, StateClass
-from flexbe_synthesizer.edge.inventory import Inventory, read_inventory
-from flexbe_synthesizer.edge.regular_file import read_regular_text
+from flexbe_synthesizer.edge.files import read_regular_text
+from flexbe_synthesizer.edge.package_path import Inventory, read_inventory
 
 
 @dataclass(frozen=True)

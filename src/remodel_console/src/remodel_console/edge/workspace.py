@@ -12,27 +12,26 @@ from flexbe_synthesizer.core.chart.chart_writer import write_chart
 from flexbe_synthesizer.core.chart.model import Chart, State, walk_nodes
 from flexbe_synthesizer.core.chart.problem import ChartError, errors_in
 from flexbe_synthesizer.core.chart.xml_reader import decoded
-from flexbe_synthesizer.core.library.library import Library
 from flexbe_synthesizer.core.library.resolve import scopes
+from flexbe_synthesizer.core.library.signature import Library
 from flexbe_synthesizer.core.machine.lift import lift
 from flexbe_synthesizer.core.machine.machine_reader import read_machine
-from flexbe_synthesizer.edge.atomic_write import write_all
-from flexbe_synthesizer.edge.behavior_owner import expect_found
 from flexbe_synthesizer.edge.chart_files import (
+    ChartMemory,
     confined_to,
     find_chart,
     read_chart_file,
     read_charts,
 )
-from flexbe_synthesizer.edge.chart_memory import ChartMemory
-from flexbe_synthesizer.edge.inventory import Inventory, read_inventory
+from flexbe_synthesizer.edge.files import read_regular_text, write_all
 from flexbe_synthesizer.edge.output_package import (
     OutputPackage,
     enclosing_package,
+    expect_found,
     output_package,
     unwritten_package,
 )
-from flexbe_synthesizer.edge.regular_file import read_regular_text
+from flexbe_synthesizer.edge.package_path import Inventory, read_inventory
 from flexbe_synthesizer.errors import ChartFileError, OutputError, SynthesisError
 from flexbe_synthesizer.synthesis import CheckedFiles, check_files, write_behaviors
 from remodel_console.core.editor.draft import Draft, new_draft, read_draft

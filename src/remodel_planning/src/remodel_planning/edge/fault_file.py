@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any
 
-from flexbe_synthesizer.core.chart.error_names import ListedCode, error_names
+from flexbe_synthesizer.core.chart.error_routes import ListedCode, error_names
 from remodel_planning.core.use_case.fault import Do, Fault, FaultTable
 from remodel_planning.core.use_case.policy import response_from
 from remodel_production.errors import PlannerError

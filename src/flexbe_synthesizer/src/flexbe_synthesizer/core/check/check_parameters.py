@@ -17,7 +17,7 @@ from flexbe_synthesizer.core.library.signature import (
     fits,
 )
 from flexbe_synthesizer.core.library.use import arguments, label
-from flexbe_synthesizer.core.machine.predicates import PARAMETER, PREDICATES
+from flexbe_synthesizer.core.machine.machine import PARAMETER, PREDICATES
 
 
 def check_defaults(resolved: ResolvedChart) -> Iterator[Problem]:

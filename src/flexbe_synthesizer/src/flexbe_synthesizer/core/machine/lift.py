@@ -31,6 +31,7 @@ from flexbe_synthesizer.core.chart.model import (
 from flexbe_synthesizer.core.library.signature import Signature, state_signature
 from flexbe_synthesizer.core.machine.expanded_labels import chooser_label, counter_label
 from flexbe_synthesizer.core.machine.machine import (
+    PREDICATES,
     BehaviorUse,
     Child,
     Exit,
@@ -40,11 +41,11 @@ from flexbe_synthesizer.core.machine.machine import (
     Pair,
     StateUse,
     Value,
+    is_choice_by_code,
     python_value,
 )
 from flexbe_synthesizer.core.machine.machine import Container as Machinery
 from flexbe_synthesizer.core.machine.machine_reader import InexpressibleError
-from flexbe_synthesizer.core.machine.predicates import PREDICATES, is_choice_by_code
 
 _KINDS = {
     Kind.STATE_MACHINE: ContainerKind.SEQUENCE,

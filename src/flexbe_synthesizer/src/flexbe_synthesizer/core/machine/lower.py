@@ -34,6 +34,7 @@ from flexbe_synthesizer.core.machine.expanded_labels import (
     counter_label,
 )
 from flexbe_synthesizer.core.machine.machine import (
+    PREDICATES,
     BehaviorUse,
     Child,
     Condition,
@@ -43,8 +44,8 @@ from flexbe_synthesizer.core.machine.machine import (
     Pair,
     StateUse,
     Value,
+    choose_by_code,
 )
-from flexbe_synthesizer.core.machine.predicates import PREDICATES, choose_by_code
 
 _KINDS = {
     ContainerKind.SEQUENCE: Kind.STATE_MACHINE,

@@ -11,12 +11,18 @@ import re
 from collections.abc import Mapping, Sequence
 from xml.etree.ElementTree import Element
 
-from flexbe_synthesizer.core.chart.chart_parts import Part, chart_part
 from flexbe_synthesizer.core.chart.chart_reader import read_chart
-from flexbe_synthesizer.core.chart.chart_writer import escaped, write_chart
+from flexbe_synthesizer.core.chart.chart_writer import (
+    Part,
+    Style,
+    chart_part,
+    comment,
+    escaped,
+    expect_xml,
+    write_chart,
+)
 from flexbe_synthesizer.core.chart.error_routes import parse_routes, respelled
 from flexbe_synthesizer.core.chart.model import Chart
-from flexbe_synthesizer.core.rewrite.description_edit import description_edit
 from flexbe_synthesizer.core.rewrite.part_pairs import groups, in_group, kept_in_order, paired
 from flexbe_synthesizer.core.rewrite.text_edits import Edits, Place, style_of
 from flexbe_synthesizer.core.rewrite.xml_layout import Markup, XmlLayout
@@ -194,3 +200,56 @@ def _as_spelled(name: str, spelled: str, value: str, quote: str) -> str:
     if name == "ext:on_error" and text == value and "&" not in spelled:
         return respelled(spelled, parse_routes(value))  # it may stand on several lines
     return text
+
+
+# Change the comment that describes a chart, in place
+
+
+def description_edit(
+    layout: XmlLayout, style: Style, old: str, new: str
+) -> tuple[int, int, str] | None:
+    """Return the edit (start, end, text) that makes one description another; None: there is none.
+
+    Lines that are added go below those that are there, which stay as they are.
+    """
+    if old == new:
+        return None
+    span = layout.description
+    if span is None:
+        return _added(layout, style, new)
+    start, end = span
+    newline = layout.newline(end)
+    if not new:
+        next_line = layout.next_line(end)
+        if layout.begins_line(start) and next_line is not None:
+            return layout.line_start(start), next_line, ""
+        return start, end, ""
+    if old and new.startswith(f"{old}\n"):
+        text_end = start + len(layout.data[start : end - 3].rstrip())
+        margin = _margin(layout, start, text_end)
+        lines = new[len(old) + 1 :].split("\n")
+        text = "".join(f"{newline}{margin}{line}".rstrip() for line in lines)
+        return text_end, text_end, expect_xml(text)
+    margin = " " * (start - layout.line_start(start) + len("<!-- "))
+    return start, end, comment(new, newline + margin)
+
+
+def _added(layout: XmlLayout, style: Style, new: str) -> tuple[int, int, str]:
+    """Return the edit that adds a description where there is none."""
+    root = layout.root
+    newline, indent = layout.newline(root.head_end), ""
+    lead = ""
+    if layout.next_line(root.head_end) is not None:
+        indent = layout.indentation(root.start) + style.indent
+        lead = newline + indent
+    text = comment(new, newline + indent + " " * len("<!-- "))
+    return root.head_end, root.head_end, lead + text
+
+
+def _margin(layout: XmlLayout, start: int, text_end: int) -> str:
+    """Return the blanks before the lines of a comment, as far as all but the first have them."""
+    lines = layout.data[start:text_end].decode().split("\n")[1:]
+    blanks = [line[: len(line) - len(line.lstrip())] for line in lines if line.strip()]
+    if blanks:
+        return min(blanks, key=len)
+    return " " * (start - layout.line_start(start) + len("<!-- "))

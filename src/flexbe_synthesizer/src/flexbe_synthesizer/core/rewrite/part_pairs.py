@@ -6,7 +6,7 @@ from bisect import bisect_left
 from collections.abc import Callable, Hashable, Iterator, Sequence
 from itertools import takewhile
 
-from flexbe_synthesizer.core.chart.chart_parts import Part
+from flexbe_synthesizer.core.chart.chart_writer import Part
 
 _NODES = {"state", "behavior", "ext:container", "ext:concurrency", "ext:priority"}
 NODE = "node"

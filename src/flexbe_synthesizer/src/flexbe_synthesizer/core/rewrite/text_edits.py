@@ -8,8 +8,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 
-from flexbe_synthesizer.core.chart.chart_parts import Part
-from flexbe_synthesizer.core.chart.chart_writer import Style, attribute, part_lines
+from flexbe_synthesizer.core.chart.chart_writer import Part, Style, attribute, part_lines
 from flexbe_synthesizer.core.chart.grammar import EXTENSION
 from flexbe_synthesizer.core.rewrite.xml_layout import Markup, XmlLayout
 

@@ -9,8 +9,7 @@ from dataclasses import replace
 from flexbe_synthesizer.core.chart.literal import freeze
 from flexbe_synthesizer.core.chart.model import Autonomy, Chart
 from flexbe_synthesizer.core.export.instantiate import WRITER, Instantiation
-from flexbe_synthesizer.core.library.library import Library
-from flexbe_synthesizer.core.library.signature import BehaviorClass, StateClass
+from flexbe_synthesizer.core.library.signature import BehaviorClass, Library, StateClass
 from flexbe_synthesizer.core.machine.lift import lift
 from flexbe_synthesizer.core.machine.machine import (
     BehaviorUse,

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-from flexbe_synthesizer.core.chart.error_names import ABOVE_BEHAVIOR, SERIOUS
+from flexbe_synthesizer.core.chart.error_routes import ABOVE_BEHAVIOR, SERIOUS
 from flexbe_synthesizer.core.chart.model import (
     AnyNode,
     Chart,
