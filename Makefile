@@ -145,7 +145,6 @@ evaluate-abilities: build ## Measure the abilities over seeds, against their tar
 
 bench-console: build ## Load of the console at 50 transitions a second, 5 minutes, in docs/figures/console.jsonl (BENCH="--seconds 30 --pages 10")
 	@$(SOURCED) benchmarks/console/load.py --figures docs/figures/console.jsonl $(BENCH)
-	@$(SOURCED) benchmarks/console/attention.py
 	@$(SOURCED) benchmarks/console/load.py --unpainted --seconds 60 --figures docs/figures/console_sockets.jsonl
 
 docs: build/docs-venv/.ready ## Build the site of the documentation: build/site/index.html

@@ -2,14 +2,16 @@
 
 from __future__ import annotations
 
+import os
 import queue
 import time
 from collections.abc import Iterator
 from contextlib import suppress
+from dataclasses import dataclass
+from pathlib import Path
 
 import rospy
 from flexbe_msgs.msg import BEStatus
-from footprint import load, resident_mb
 from latencies import Bench, engine, process
 from rosgraph_msgs.msg import Clock
 from row import Row
@@ -92,3 +94,49 @@ def _a_day() -> Iterator[Row]:
         yield Row("simulated day: memory grown after its first hour", grown, "MB", 1.0)
         yield Row("simulated day: waits", waits, "")
         yield Row("simulated day: wall time", took_s, "s")
+
+
+# What the engine's process takes: memory, processor time and wake-ups, from outside, by /proc
+
+
+_PAGE_BYTES = os.sysconf("SC_PAGE_SIZE")
+_TICKS_PER_S = os.sysconf("SC_CLK_TCK")
+
+
+@dataclass(frozen=True)
+class Load:
+    """What a process did in a while.
+
+    Attributes:
+        cpu_percent: of one core.
+        wakeups_hz: how often one of its threads began to run.
+    """
+
+    cpu_percent: float
+    wakeups_hz: float
+
+
+def resident_mb(pid: int) -> float:
+    """Return the resident memory [MB]."""
+    return int(Path(f"/proc/{pid}/statm").read_text().split()[1]) * _PAGE_BYTES / 1e6
+
+
+def load(pid: int, seconds: float) -> Load:
+    """Watch a process for a while."""
+    cpu_s, wakeups = _cpu_s(pid), _wakeups(pid)
+    time.sleep(seconds)
+    return Load((_cpu_s(pid) - cpu_s) / seconds * 100, max(0, _wakeups(pid) - wakeups) / seconds)
+
+
+def _cpu_s(pid: int) -> float:
+    fields = Path(f"/proc/{pid}/stat").read_text().rpartition(")")[2].split()
+    return (int(fields[11]) + int(fields[12])) / _TICKS_PER_S
+
+
+def _wakeups(pid: int) -> int:
+    count = 0
+    for status in Path(f"/proc/{pid}/task").glob("*/status"):
+        for line in status.read_text().splitlines():
+            if line.startswith("voluntary_ctxt_switches"):
+                count += int(line.split()[1])
+    return count

@@ -11,13 +11,15 @@ from __future__ import annotations
 
 import argparse
 import json
+import math
 import sys
-from dataclasses import dataclass
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field
 from pathlib import Path
+from random import Random
 
+import cv2
 import numpy as np
-from made_up_cell import SCENARIOS, Scenario, ends, luck
-from yield_plot import draw
 
 from remodel_planning.core.use_case.bounds import Bounds
 from remodel_supervision.core.learning.learned_expectations import Call
@@ -120,6 +122,180 @@ def main() -> int:
     figures.write_text("".join(f"{json.dumps(row)}\n" for row in rows))
     print(f"\nplot: {options.plot}, figures: {figures}")
     return 0 if kept else 1
+
+
+# A cell in which the push force of an insertion matters, by made-up figures.
+#
+# In the simulated cell every force from 3 to 25 N seats an end, so that there is nothing to learn.
+# Here an end seats if the push is stronger than the terminal's resistance, and weaker than what the
+# grip holds and what bends the wire; all three vary from end to end.
+
+
+# [N] Means of the resistance by terminal and section [mm2], of what bends a wire, and of the grip.
+RESISTANCE_N = {
+    ("screw", 0.5): 3.0,
+    ("screw", 1.5): 5.0,
+    ("screw", 2.5): 6.5,
+    ("spring", 0.5): 4.5,
+    ("spring", 1.5): 6.5,
+    ("spring", 2.5): 8.0,
+}
+BENDING_N = {0.5: 9.0, 1.5: 25.0, 2.5: 40.0}
+STIFF_N = {0.5: 25.0, 1.5: 25.0, 2.5: 40.0}
+GRIP_N = 18.0
+
+# [N] Standard deviations of the three, and [1] how often an insertion succeeds besides.
+RESISTANCE_SPREAD_N, BENDING_SPREAD_N, GRIP_SPREAD_N = 1.2, 1.5, 2.0
+OTHERWISE = 0.99
+
+
+@dataclass(frozen=True)
+class End:
+    """An end of a wire to be inserted."""
+
+    terminal_type: str
+    section_mm2: float
+
+
+@dataclass(frozen=True)
+class Scenario:
+    """How a cell changes from wire to wire.
+
+    Attributes:
+        title: for the plot.
+        resistance: wire number, end -> mean [N].
+        grip: wire number -> mean [N].
+        bending: section [mm2] -> mean [N].
+    """
+
+    title: str
+    resistance: Callable[[int, End], float]
+    grip: Callable[[int], float]
+    bending: Mapping[float, float] = field(default_factory=lambda: BENDING_N)
+
+    def chance(self, wire: int, end: End, force_n: float) -> float:
+        """Return the probability that an end is seated by a force."""
+        margins = (
+            (force_n - self.resistance(wire, end)) / RESISTANCE_SPREAD_N,
+            (self.grip(wire) - force_n) / GRIP_SPREAD_N,
+            (self.bending[end.section_mm2] - force_n) / BENDING_SPREAD_N,
+        )
+        return OTHERWISE * math.prod(0.5 + 0.5 * math.erf(m / math.sqrt(2.0)) for m in margins)
+
+
+def _by_table(_: int, end: End) -> float:
+    return RESISTANCE_N[end.terminal_type, end.section_mm2]
+
+
+def _worn(wire: int) -> float:
+    """Pads that wear from wire 150 on, and are changed at 400."""
+    return GRIP_N - 9.0 * max(0.0, (wire - 150) / 250) if wire < 400 else GRIP_N
+
+
+def _other_batch(wire: int, end: End) -> float:
+    """Terminals of another maker from wire 300 on: those that needed force need less of it."""
+    return _by_table(wire, end) - (3.0 if wire >= 300 else 0.0)
+
+
+SCENARIOS = (
+    Scenario("a cell that stays as it is", _by_table, lambda _: GRIP_N),
+    Scenario("pads wear from wire 150, changed at 400", _by_table, _worn),
+    Scenario("easier terminals from wire 300", _other_batch, lambda _: GRIP_N),
+    Scenario("the frozen force is the best", lambda *_: 5.5, lambda _: 12.0, STIFF_N),
+)
+
+
+def ends(seed: int, wire: int) -> tuple[End, End]:
+    """Return the ends of a wire: of one section, each with its terminal."""
+    random = Random(f"wire {seed} {wire}")
+    section = random.choice((0.5, 1.5, 2.5))
+    return tuple(End(random.choice(("screw", "spring")), section) for _ in range(2))
+
+
+def luck(seed: int, wire: int, end: int, attempt: int) -> float:
+    """Return what decides one trial, 0 to 1: the same for all who try it."""
+    return Random(f"luck {seed} {wire} {end} {attempt}").random()
+
+
+# Draw first-pass yield over wires, learned against frozen. OpenCV draws: nothing to install
+
+
+# [wires] over which the yield is averaged, up to each wire.
+WINDOW = 60
+
+WIDTH, HEIGHT, LEFT, RIGHT, TOP, BOTTOM = 760, 420, 80, 20, 56, 60
+BLACK, GREY, BLUE, RED = (30, 30, 30), (220, 220, 220), (180, 110, 20), (40, 40, 210)
+LEAST = 0.2
+
+# title, (seeds, wires) of 0 and 1 with the frozen force, the same with the learned one.
+Panel = tuple[str, np.ndarray, np.ndarray]
+
+
+def draw(file: Path, panels: Sequence[Panel]) -> None:
+    """Write a picture with one plot for each panel, two in a row."""
+    pictures = [_plot(*panel) for panel in panels]
+    rows = [np.hstack(pictures[i : i + 2]) for i in range(0, len(pictures), 2)]
+    cv2.imwrite(str(file), np.vstack(rows))
+
+
+def _plot(title: str, frozen: np.ndarray, learned: np.ndarray) -> np.ndarray:
+    picture = np.full((HEIGHT, WIDTH, 3), 255, np.uint8)
+    wires = frozen.shape[1]
+    _axes(picture, wires)
+    _text(picture, title, (LEFT, 26))
+    for share, name, colour, at in (
+        (frozen, "frozen", BLUE, LEFT + 10),
+        (learned, "learned", RED, LEFT + 90),
+    ):
+        _text(picture, name, (at, HEIGHT - BOTTOM - 10), colour)
+        for seed in share:
+            _line(picture, _moving(seed), wires, _faint(colour), 1)
+        _line(picture, _moving(share.mean(axis=0)), wires, colour, 3)
+    return picture
+
+
+def _moving(values: np.ndarray) -> np.ndarray:
+    """Return the mean of the last WINDOW values at each, (n,) of (n,)."""
+    sums = np.concatenate([[0.0], np.cumsum(values)])
+    ends = np.arange(1, len(values) + 1)
+    starts = np.maximum(0, ends - WINDOW)
+    return (sums[ends] - sums[starts]) / (ends - starts)
+
+
+def _axes(picture: np.ndarray, wires: int) -> None:
+    for share in np.arange(LEAST, 1.01, 0.2):
+        y = _pixel(0, share, wires)[1]
+        cv2.line(picture, (LEFT, y), (WIDTH - RIGHT, y), GREY, 1)
+        _text(picture, f"{share:.0%}", (LEFT - 55, y + 5))
+    for wire in range(0, wires + 1, 100):
+        x = _pixel(wire, LEAST, wires)[0]
+        cv2.line(picture, (x, TOP), (x, HEIGHT - BOTTOM), GREY, 1)
+        _text(picture, str(wire), (x - 14, HEIGHT - BOTTOM + 20))
+    _text(picture, f"wire; first-pass yield of the {WINDOW} up to it", (LEFT, HEIGHT - 12))
+
+
+def _line(
+    picture: np.ndarray, values: np.ndarray, wires: int, colour: tuple[int, ...], width: int
+) -> None:
+    """Draw a curve from the first whole window on."""
+    points = [_pixel(i + 1, value, wires) for i, value in enumerate(values)][WINDOW - 1 :]
+    cv2.polylines(picture, [np.array(points)], False, colour, width, cv2.LINE_AA)
+
+
+def _pixel(wire: float, share: float, wires: int) -> tuple[int, int]:
+    x = LEFT + wire / wires * (WIDTH - LEFT - RIGHT)
+    up = (share - LEAST) / (1.0 - LEAST) * (HEIGHT - TOP - BOTTOM)
+    return round(x), round(HEIGHT - BOTTOM - up)
+
+
+def _faint(colour: tuple[int, int, int]) -> tuple[int, ...]:
+    return tuple(255 - (255 - part) // 3 for part in colour)
+
+
+def _text(
+    picture: np.ndarray, words: str, at: tuple[int, int], colour: tuple[int, ...] = BLACK
+) -> None:
+    cv2.putText(picture, words, at, cv2.FONT_HERSHEY_SIMPLEX, 0.5, colour, 1, cv2.LINE_AA)
 
 
 if __name__ == "__main__":

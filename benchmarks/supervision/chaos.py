@@ -35,10 +35,8 @@ from pathlib import Path
 from random import Random
 
 import figures
-from bystander import BystanderProcess
-from chaos_faults import NODES, WEIGHTS, Faults, Site
-from chaos_records import LIMIT_S, Records, Score, Struck
-from production_server import PostgresServer, Server, SqliteFile
+from chaos_faults import NODES, WEIGHTS, BystanderProcess, Faults, Site
+from chaos_records import LIMIT_S, PostgresServer, Records, Score, Server, SqliteFile, Struck
 from stack import ORDER, TroubleError, free_port, stack, wait_until
 
 from remodel_production.errors import LostError

@@ -2,24 +2,31 @@
 
 from __future__ import annotations
 
+import multiprocessing
 import os
 import signal
+import subprocess
 import time
 from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
 from concurrent.futures import TimeoutError as FutureTimeoutError
 from dataclasses import dataclass
+from multiprocessing.managers import BaseManager
 from pathlib import Path
 from random import Random
 
-from bystander import Answered, BystanderProcess
-from chaos_records import LIMIT_S, Records, Struck
-from production_server import Server
-from second_station import SecondStation
-from stack import ORDER, Stack, TroubleError, wait_until
+import rospy
+from chaos_records import LIMIT_S, Records, Server, Struck
+from remodel_msgs import msg
+from remodel_msgs.msg import RunUseCaseAction, RunUseCaseActionGoal, RunUseCaseGoal
+from remodel_msgs.srv import CommandRun, CommandTask
+from stack import ORDER, Program, Stack, TroubleError, free_port, wait_until
+from std_msgs.msg import Bool
 
+from remodel_states.edge.exported_tables import read_abilities
 from remodel_supervision.core.runs.events import Command, Commanded
 from remodel_supervision.core.runs.state import Stage
+from remodel_supervision.ros.action_server import ActionServer, Goal
 
 SUPERVISOR = "use_case_supervisor"
 _ENGINE, _ACTION_SERVER = "behavior", "behavior_action_server"
@@ -293,3 +300,175 @@ class Faults:
 
     def _struck(self, run: int, kind: str, since: int) -> Struck:
         return Struck(kind, since, self._records.resumed_s(run, since, kind))
+
+
+# What chaos.py needs of ROS, in a process of its own that ends with the ROS master it joined
+
+
+_BY = "chaos"
+
+
+@dataclass(frozen=True)
+class Answered:
+    """The supervisor's answer to a command.
+
+    Attributes:
+        granted: whether it is done.
+        text: why not.
+        at_s: [s] wall time of the answer, since 1970.
+    """
+
+    granted: bool
+    text: str
+    at_s: float
+
+
+class Bystander:
+    """Sends orders and commands, and notes every goal that any ability is sent."""
+
+    def __init__(self) -> None:
+        """Join ROS."""
+        rospy.init_node("chaos", anonymous=True, disable_signals=True)
+        self._server = ActionServer("remodel/run_use_case", RunUseCaseAction, "use_case_supervisor")
+        self._sent: Goal | None = None
+        self._goals: list[tuple[float, str]] = []
+        self._latched: rospy.Publisher | None = None
+        self._stop = rospy.Publisher("remodel/protective_stop", Bool, queue_size=1, latch=True)
+        for ability in read_abilities():
+            topic = f"remodel_abilities/{ability.lower()}/goal"
+            rospy.Subscriber(topic, getattr(msg, f"{ability}ActionGoal"), self._on_goal)
+
+    def order(self, order: str, tasks: int, limit_s: float) -> None:
+        """Have an order done again, once the supervisor is there; LostError if it is not."""
+        self._server.wait(limit_s)
+        goal = RunUseCaseGoal(id="chaos", order=order, tasks=tasks, again=True)
+        self._sent = self._server.send(goal)
+
+    def refusal(self) -> str:
+        """Return how the order's goal has ended; empty if it has not."""
+        return self._sent.ending if self._sent is not None and self._sent.wait(0.0) else ""
+
+    def command(self, name: str, task: str = "") -> Answered:
+        """Ask for a command; of a task if one is named."""
+        kind = CommandTask if task else CommandRun
+        service = rospy.ServiceProxy(f"remodel/use_case/{name}", kind)
+        try:
+            answer = service(task=task, by=_BY) if task else service(by=_BY)
+        except rospy.ServiceException as error:
+            return Answered(False, str(error), time.time())
+        return Answered(answer.success, answer.message, time.time())
+
+    def protective_stop(self, *, is_on: bool) -> None:
+        """Be a safety controller."""
+        self._stop.publish(Bool(is_on))
+
+    def latch_goal(self, order: str, tasks: int) -> None:
+        """Publish a goal that every supervisor gets that connects."""
+        topic = "remodel/run_use_case/goal"
+        self._latched = rospy.Publisher(topic, RunUseCaseActionGoal, queue_size=1, latch=True)
+        latched = RunUseCaseActionGoal(goal=RunUseCaseGoal(id="latched", order=order, tasks=tasks))
+        latched.header.stamp = latched.goal_id.stamp = rospy.Time.now()
+        latched.goal_id.id = f"latched {time.time()}"
+        self._latched.publish(latched)
+
+    def unlatch_goal(self) -> None:
+        """Publish it no more."""
+        if self._latched is not None:
+            self._latched.unregister()
+        self._latched = None
+
+    def goals_after(self, at_s: float) -> list[str]:
+        """Return the goals that were sent after a wall time [s] since 1970."""
+        return [goal for sent_s, goal in self._goals if sent_s > at_s]
+
+    def _on_goal(self, sent: object) -> None:
+        goal = sent.goal.id  # type: ignore[attr-defined]
+        self._goals.append((sent.header.stamp.to_sec(), goal))  # type: ignore[attr-defined]
+
+
+class _Manager(BaseManager):
+    pass
+
+
+_Manager.register("Bystander", Bystander)
+
+
+class BystanderProcess:
+    """The process; started again for each ROS master."""
+
+    def __init__(self) -> None:
+        """Start the first."""
+        self.restart()
+
+    def restart(self) -> None:
+        """Start one that joins the present ROS master; end the one before."""
+        self.end()
+        self._manager = _Manager(ctx=multiprocessing.get_context("spawn"))
+        self._manager.start()
+        self.now: Bystander = self._manager.Bystander()  # type: ignore[attr-defined]
+
+    def end(self) -> None:
+        """End it."""
+        if hasattr(self, "_manager"):
+            self._manager.shutdown()
+
+
+# A second station that claims the same cell: a ROS master and a supervisor of its own
+
+
+_LIMIT_S = 60.0
+_REFUSAL = "is owned by another station"
+
+
+class SecondStation:
+    """Runs beside the first; whatever it does to the cell is a violation."""
+
+    def __init__(self, folder: Path, database: str) -> None:
+        """Prepare it.
+
+        Args:
+            folder: of its logs; made.
+            database: URL of the first station's database.
+        """
+        folder.mkdir(parents=True)
+        self._database = database
+        self._log = folder / "supervisor.log"
+        port = str(free_port())
+        self._environment = {
+            **os.environ,
+            "ROS_MASTER_URI": f"http://127.0.0.1:{port}",
+            "ROS_LOG_DIR": str(folder),
+        }
+        environment = self._environment
+        self._master = Program(["roscore", "-p", port], folder / "master.log", environment)
+        line = ["rosrun", "remodel_planner", "planner", "use_case_supervisor", "--unattended"]
+        line += ["--database", database, "--output", str(folder)]
+        self._supervisor = Program(line, self._log, environment)
+
+    def start(self) -> None:
+        """Start it, and return when it has been refused the cell; TroubleError if it is not."""
+        self._master.start()
+        self._supervisor.start()
+        wait_until(lambda: _REFUSAL in self._log.read_text(), _LIMIT_S, "refusal of a station")
+
+    def order(self) -> None:
+        """Order something of it; TroubleError unless that is refused in words."""
+        line = ["rosrun", "remodel_planner", "planner", "run_order", ORDER, "--wires", "2"]
+        line += ["--database", self._database, "--output", str(self._log.parent)]
+        ordered = subprocess.run(
+            line,
+            env=self._environment,
+            capture_output=True,
+            text=True,
+            timeout=_LIMIT_S,
+            check=False,
+        )
+        if ordered.returncode != 3 or _REFUSAL not in ordered.stderr:
+            raise TroubleError(f"the second station takes an order: {ordered}")
+
+    def end(self) -> None:
+        """End it; TroubleError if it ever resumed a run."""
+        self._supervisor.end(signal.SIGINT)
+        self._master.end(signal.SIGINT)
+        if "resuming run" in self._log.read_text():
+            raise TroubleError(f"the second station resumed a run; see {self._log}")

@@ -21,8 +21,7 @@ from unittest.mock import patch
 
 import cv2
 import numpy as np
-from cable_curves import Array
-from renderer import Picture
+from renderer import Array, Picture
 from row import Row, report
 from run import BOTH, COUNTS, Task, cluttered
 from scenes import Kind, make_scene

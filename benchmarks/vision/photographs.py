@@ -20,7 +20,7 @@ from pathlib import Path
 
 import cv2
 import numpy as np
-from cable_curves import Array
+from renderer import Array
 from row import Row, report, start
 
 from remodel_vision.cables import DetectedCable, Detection, detect_cables

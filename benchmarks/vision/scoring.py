@@ -6,8 +6,7 @@ import itertools
 from dataclasses import dataclass
 
 import numpy as np
-from cable_curves import Array, CableCurve, TrueCrossing
-from renderer import paint_labels
+from renderer import Array, CableCurve, TrueCrossing, paint_labels
 from scenes import SIZE, Scene
 
 from remodel_vision.cables import CableEnding, DetectedCable, Detection
