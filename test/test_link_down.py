@@ -19,7 +19,7 @@ from remodel_msgs.msg import PickCableActionResult
 from std_msgs.msg import Empty
 
 from flexbe_core.testing import wait_until
-from flexbe_widget.core.exit_code import ExitCode
+from flexbe_widget.core.run_watch import ExitCode
 
 APART = ("unshare", "--user", "--map-root-user", "--net", "--pid", "--fork", "--kill-child")
 APART += ("--mount-proc",)

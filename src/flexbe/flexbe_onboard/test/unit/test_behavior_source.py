@@ -6,9 +6,8 @@ import pytest
 
 from flexbe_core import BehaviorLibrary
 from flexbe_core.engine.events import checksum
-from flexbe_onboard.core.modification import Modification
-from flexbe_onboard.edge.behavior_source import load_behavior
-from flexbe_onboard.edge.module_freshness import ModuleFreshness
+from flexbe_onboard.core.start_request import Modification
+from flexbe_onboard.edge.behavior_source import ModuleFreshness, load_behavior
 from flexbe_onboard.errors import StartError
 
 SOURCE = """\

@@ -2,8 +2,7 @@
 
 import pytest
 
-from flexbe_onboard.core.input_values import read_inputs, read_value
-from flexbe_onboard.core.modification import Modification, modified
+from flexbe_onboard.core.start_request import Modification, modified, read_inputs, read_value
 from flexbe_onboard.errors import StartError
 
 

@@ -16,7 +16,7 @@ from flexbe_msgs.msg import BehaviorRequest, BEStatus
 from std_msgs.msg import Empty
 
 from flexbe_core.testing import wait_until
-from flexbe_widget.core.exit_code import ExitCode
+from flexbe_widget.core.run_watch import ExitCode
 
 LAUNCHER = ["rosrun", "flexbe_widget", "be_launcher"]
 LIMIT_S = 90.0

@@ -3,7 +3,7 @@
 import pytest
 
 from flexbe_widget.core.log_evaluation import evaluate, table
-from flexbe_widget.edge.log_file import read_log
+from flexbe_widget.edge.files import read_log
 from flexbe_widget.errors import LogError
 
 SAY = "name: Say, state: LogState, path: /Say"

@@ -2,7 +2,7 @@
 
 import pytest
 
-from flexbe_widget.edge.value_file import resolved, yaml_text
+from flexbe_widget.edge.files import resolved, yaml_text
 from flexbe_widget.errors import RequestError
 
 

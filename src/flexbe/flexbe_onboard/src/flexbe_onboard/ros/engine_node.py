@@ -19,11 +19,13 @@ import os
 import threading
 import time
 import traceback
-from collections.abc import Sequence
+from collections.abc import Callable, Iterator, Sequence
 from enum import Enum
 
 import rospy
-from flexbe_msgs.msg import BehaviorSelection, BEStatus, CommandFeedback
+from flexbe_msgs.msg import BehaviorSelection, BEStatus, CommandFeedback, UserdataInfo
+from flexbe_msgs.srv import GetUserdata, GetUserdataRequest, GetUserdataResponse
+from std_msgs.msg import Empty
 
 from flexbe_core import Behavior, BehaviorLibrary, Logger
 from flexbe_core.engine.errors import BehaviorFailure, StateMachineError
@@ -34,15 +36,11 @@ from flexbe_core.ros import session
 from flexbe_core.ros.command_hub import HUB
 from flexbe_core.ros.topics import START_AT
 from flexbe_onboard.core.hang import HangPolicy
-from flexbe_onboard.core.input_values import read_inputs
-from flexbe_onboard.core.modification import Modification
-from flexbe_onboard.edge.behavior_source import load_behavior
-from flexbe_onboard.edge.module_freshness import ModuleFreshness
+from flexbe_onboard.core.start_request import Modification, read_inputs
+from flexbe_onboard.edge.behavior_source import ModuleFreshness, load_behavior
 from flexbe_onboard.errors import StartError
 from flexbe_onboard.ros.hang_watch import HangWatch
-from flexbe_onboard.ros.heartbeat import Heartbeat
 from flexbe_onboard.ros.options import Options
-from flexbe_onboard.ros.userdata_service import UserdataService
 
 # [s] Least wall time between STARTED and the status that ends the run: tools and tests read the
 # last status a hundred times per second, and must not miss a short run.
@@ -314,3 +312,58 @@ class EngineNode:
         if behavior is not None and worker is not None:
             behavior.preempt()
             worker.join(_STOP_LIMIT_S)
+
+
+# Serve the userdata of the running behavior
+
+
+class UserdataService:
+    """Serves flexbe/get_userdata."""
+
+    def __init__(self, running: Callable[[], Behavior | None]) -> None:
+        """Serve what `running` returns."""
+        self._running = running
+        rospy.Service("flexbe/get_userdata", GetUserdata, self._answer)
+
+    def _answer(self, request: GetUserdataRequest) -> GetUserdataResponse:
+        behavior = self._running()
+        if behavior is None:
+            return GetUserdataResponse(success=False, message="no behavior is running")
+        wanted = request.userdata_key
+        found = [info for info in _userdata(behavior) if wanted in ("", info.key)]
+        if not found:
+            text = f"{behavior.name} has no userdata" + (f" with key {wanted!r}" if wanted else "")
+            return GetUserdataResponse(success=False, message=text)
+        return GetUserdataResponse(True, f"{len(found)} values of {behavior.name}", found)
+
+
+def _userdata(behavior: Behavior) -> Iterator[UserdataInfo]:
+    for path, data in behavior.get_userdata().items():
+        state = f"{behavior.name}{path}/" if path else behavior.name
+        for key, value in data.items():
+            yield UserdataInfo(state, key, type(value).__name__, str(value))
+
+
+# Publish that the engine is alive
+
+
+# [s] Wall time; operators expect 1 Hz.
+_PERIOD_S = 1.0
+
+
+class Heartbeat:
+    """Publishes flexbe/heartbeat as long as the process lives."""
+
+    def __init__(self, at_each_beat: Callable[[], None]) -> None:
+        """Begin at once, and call `at_each_beat` too: an idle engine has one thread that wakes."""
+        self._at_each_beat = at_each_beat
+        self._publisher = rospy.Publisher("flexbe/heartbeat", Empty, queue_size=100)
+        self._ended = threading.Event()
+        rospy.on_shutdown(self._ended.set)
+        threading.Thread(target=self._beat, name="heartbeat", daemon=True).start()
+
+    def _beat(self) -> None:
+        self._publisher.publish()
+        while not self._ended.wait(_PERIOD_S):
+            self._publisher.publish()
+            self._at_each_beat()

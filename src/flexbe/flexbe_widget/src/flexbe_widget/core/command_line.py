@@ -1,4 +1,4 @@
-"""The command line of be_launcher."""
+"""The command lines of be_launcher and of breakpoint."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 from flexbe_core.engine.supervision import UNSUPERVISED
-from flexbe_widget.core.exit_code import MEANINGS
+from flexbe_widget.core.run_watch import MEANINGS
 
 # [s] How long to wait for an engine that is there and free.
 DEFAULT_WAIT_S = 10.0
@@ -141,3 +141,21 @@ def _seconds(word: str) -> float:
     if not 0 <= seconds < float("inf"):
         raise argparse.ArgumentTypeError(f"{word!r} is not a number of seconds")
     return seconds
+
+
+# The command line of breakpoint
+
+
+def read_breakpoints(words: Sequence[str]) -> list[str]:
+    """Return the paths of the states that are to be breakpoints.
+
+    Raises:
+        ValueError: if a word is not a path of a state.
+    """
+    wrong = [word for word in words if not word.startswith("/") or word.endswith("/")]
+    if wrong:
+        raise ValueError(
+            f"{', '.join(map(repr, wrong))}: a breakpoint is the path of a state, such as "
+            "/Container/State; the behavior's name is not part of it"
+        )
+    return list(dict.fromkeys(words))

@@ -9,8 +9,16 @@ from collections.abc import Collection
 
 from flexbe_msgs.msg import BehaviorLog, BehaviorSelection
 
-from flexbe_widget.core.exit_code import ExitCode, exit_code
-from flexbe_widget.core.run_watch import SILENCE_S, START_LIMIT_S, Ending, RunEnd, RunWatch, is_busy
+from flexbe_widget.core.run_watch import (
+    SILENCE_S,
+    START_LIMIT_S,
+    Ending,
+    ExitCode,
+    RunEnd,
+    RunWatch,
+    exit_code,
+    is_busy,
+)
 from flexbe_widget.ros.action_feedback import ActionFeedback, Progressed
 from flexbe_widget.ros.engine_link import EngineLink, Entered, Logged, Status
 

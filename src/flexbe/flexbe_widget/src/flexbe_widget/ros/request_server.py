@@ -11,7 +11,7 @@ from std_msgs.msg import String
 
 from flexbe_core import BehaviorLibrary, Logger
 from flexbe_core.engine.supervision import UNSUPERVISED
-from flexbe_widget.edge.value_file import yaml_text
+from flexbe_widget.edge.files import yaml_text
 from flexbe_widget.errors import RequestError
 from flexbe_widget.ros.engine_link import EngineLink, Event
 from flexbe_widget.ros.start_request import start_request

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+import difflib
+from collections.abc import Iterable, Sequence
 from pathlib import Path
 
 from flexbe_msgs.msg import BehaviorSelection
@@ -10,8 +11,7 @@ from flexbe_msgs.msg import BehaviorSelection
 from flexbe_core import BehaviorLibrary
 from flexbe_core.engine.events import checksum
 from flexbe_core.engine.supervision import UNSUPERVISED
-from flexbe_widget.core.near_names import unknown_behavior
-from flexbe_widget.edge.value_file import resolved
+from flexbe_widget.edge.files import resolved
 from flexbe_widget.errors import RequestError
 
 Pairs = Sequence[tuple[str, str]]
@@ -61,3 +61,28 @@ def start_request(
         input_keys=[key for key, _ in inputs],
         input_values=[resolved(value) for _, value in inputs],
     )
+
+
+# Suggest the names that were perhaps meant
+
+
+# How alike (0 to 1) a name must be to be offered.
+_ALIKE = 0.5
+
+
+def unknown_behavior(name: str, known: Sequence[str]) -> str:
+    """Return the message for a request for a behavior that does not exist."""
+    if not known:
+        return (
+            f"unknown behavior {name!r}: there are no behaviors on the ROS package path; "
+            "is the workspace sourced?"
+        )
+    by_lower = {candidate.lower(): candidate for candidate in known}
+    near = difflib.get_close_matches(name.lower(), list(by_lower), n=3, cutoff=_ALIKE)
+    if near:
+        return f"unknown behavior {name!r}; near it: {_quoted(by_lower[n] for n in near)}"
+    return f"unknown behavior {name!r}; there are: {_quoted(known)}"
+
+
+def _quoted(names: Iterable[str]) -> str:
+    return ", ".join(f"'{name}'" for name in names)

@@ -1,17 +1,21 @@
-"""Values that are kept in files.
-
-A file is named absolutely, from home (~/...), or from a ROS package (package/folder/file). Behind
-it, :key chooses an entry of a YAML file; :outer/inner an entry of an entry.
-"""
+"""The files of the tools: values that are kept, run logs, new packages."""
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from pathlib import Path
+from typing import Any
 
 import rospkg
 import yaml
 
-from flexbe_widget.errors import RequestError
+from flexbe_widget.errors import LogError, RepositoryError, RequestError
+
+# Values that are kept in files.
+#
+# A file is named absolutely, from home (~/...), or from a ROS package (package/folder/file). Behind
+# it, :key chooses an entry of a YAML file; :outer/inner an entry of an entry.
+
 
 _SCHEME = "file://"
 
@@ -88,3 +92,49 @@ def _dumped(value: object) -> str:
         return value
     text: str = yaml.safe_dump(value, default_flow_style=True)
     return text.removesuffix("...\n").strip()
+
+
+# Read the run log of a behavior
+
+
+def read_log(name: str) -> list[dict[str, Any]]:
+    """Return the lines of a run log; the last may be incomplete if its engine was killed.
+
+    Raises:
+        LogError: if it cannot be read, or is not a run log.
+    """
+    try:
+        texts = Path(name).expanduser().read_text(encoding="utf-8").splitlines()
+    except (OSError, UnicodeDecodeError) as error:
+        raise LogError(f"cannot read {name}: {error}") from error
+    lines = []
+    for number, text in enumerate(texts, 1):
+        try:
+            (line,) = yaml.safe_load(text)
+        except (yaml.YAMLError, ValueError, TypeError) as error:
+            if number == len(texts):
+                break
+            raise LogError(f"{name}:{number}: not a line of a run log: {text:.80}") from error
+        if isinstance(line, dict):
+            lines.append(line)
+    return lines
+
+
+# Write files that do not exist yet
+
+
+def write_new_files(folder: Path, files: Mapping[str, str]) -> None:
+    """Write files below a folder, all or none.
+
+    Raises:
+        RepositoryError: if one exists already, or cannot be written.
+    """
+    there = [path for path in files if (folder / path).exists()]
+    if there:
+        raise RepositoryError(f"{folder / there[0]} exists already; nothing was written")
+    try:
+        for path, text in files.items():
+            (folder / path).parent.mkdir(parents=True, exist_ok=True)
+            (folder / path).write_text(text, encoding="utf-8")
+    except OSError as error:
+        raise RepositoryError(f"cannot write into {folder}: {error}") from error

@@ -1,10 +1,43 @@
-"""Read input values, which arrive as the text of Python literals."""
+"""What a start request carries: changes of the source, and input values."""
 
 from __future__ import annotations
 
 import ast
 from collections.abc import Sequence
+from dataclasses import dataclass
 from typing import Any
+
+from flexbe_onboard.errors import StartError
+
+
+@dataclass(frozen=True)
+class Modification:
+    """A replacement of characters [begin, end) of the unmodified text."""
+
+    begin: int
+    end: int
+    content: str
+
+
+def modified(text: str, modifications: Sequence[Modification]) -> str:
+    """Return the text with all modifications.
+
+    Raises:
+        StartError: if they are not in ascending order, overlap or reach beyond the text.
+    """
+    parts, position = [], 0
+    for index, change in enumerate(modifications):
+        if not position <= change.begin <= change.end <= len(text):
+            raise StartError(
+                f"modification {index} replaces characters {change.begin} to {change.end}; it must "
+                f"begin at {position} or later, behind the one before, and end by {len(text)}"
+            )
+        parts += [text[position : change.begin], change.content]
+        position = change.end
+    return "".join([*parts, text[position:]])
+
+
+# Read input values, which arrive as the text of Python literals
 
 
 class AttributeDict(dict[str, Any]):
