@@ -1,8 +1,20 @@
 """What a test case says."""
 
+from __future__ import annotations
+
 import pytest
 
-from flexbe_testing.core.case import CaseError, Check, behavior_place, compare, read_case, value_of
+from flexbe_testing.core.case import (
+    Case,
+    CaseError,
+    Check,
+    behavior_place,
+    compare,
+    read_case,
+    value_of,
+)
+from flexbe_testing.edge.case_files import case_files, read_case_file
+from flexbe_testing.ros.tester import run_case
 
 
 def test_a_case_says_what_to_run_and_what_must_come_out():
@@ -64,3 +76,101 @@ def test_everything_that_differs_is_reported():
         Check("output_x", "output 'x' is 3; expected was 1"),
         Check("output_y", "output 'y' was not written; expected was 2"),
     )
+
+
+# Where test cases are
+
+
+@pytest.fixture
+def package(tmp_path, monkeypatch):
+    folder = tmp_path / "my_states"
+    (folder / "tests").mkdir(parents=True)
+    (folder / "package.xml").write_text(
+        "<package format='3'><name>my_states</name><version>0.0.1</version>"
+        "<description>d</description><maintainer email='a@b.cd'>a</maintainer>"
+        "<license>BSD</license></package>"
+    )
+    (folder / "tests" / "double.test").write_text("path: a.b\nclass: C\n")
+    (folder / "tests" / "run_all.test").write_text("<launch/>")
+    monkeypatch.setenv("ROS_PACKAGE_PATH", str(tmp_path))
+    return folder
+
+
+def test_without_names_all_cases_of_a_package_are_found_but_no_launch_file(package):
+    assert case_files([], "my_states") == [package / "tests" / "double.test"]
+
+
+@pytest.mark.parametrize("name", ["double", "double.test", "tests/double", "tests/double.test"])
+def test_cases_are_named_relative_to_the_package(package, name):
+    assert case_files([name], "my_states") == [package / "tests" / "double.test"]
+
+
+def test_absolute_paths_need_no_package(package):
+    path = str(package / "tests" / "double.test")
+    assert [str(file) for file in case_files([path], "")] == [path]
+
+
+def test_what_cannot_be_found_or_read_is_reported(package):
+    with pytest.raises(CaseError, match="there is no test case 'other'"):
+        case_files(["other"], "my_states")
+    with pytest.raises(CaseError, match="there is no ROS package 'nothing'"):
+        case_files([], "nothing")
+    broken = package / "tests" / "broken.test"
+    broken.write_text("{")
+    with pytest.raises(CaseError, match="cannot read it"):
+        read_case_file(broken)
+
+
+# Cases that need no running nodes
+
+
+STATES = "flexbe_states"
+
+
+def case(module, class_name, **keys):
+    return Case("it", f"{STATES}.{module}", class_name, **keys)
+
+
+def test_a_state_that_does_what_it_should():
+    verdict = run_case(
+        case(
+            "calculation_state",
+            "CalculationState",
+            params={"calculation": "lambda x: 2 * x"},
+            inputs={"input_value": 2},
+            outputs={"output_value": 4},
+            outcome="done",
+        )
+    )
+    assert verdict.complaints == ()
+
+
+def test_a_state_that_does_not():
+    (complaint,) = run_case(
+        case(
+            "check_condition_state",
+            "CheckConditionState",
+            params={"predicate": "lambda x: x > 3"},
+            inputs={"input_value": 2},
+            outcome="true",
+        )
+    ).complaints
+    assert complaint == "outcome is 'false'; expected was 'true'"
+
+
+def test_a_state_is_only_imported_if_that_is_all_that_is_asked():
+    assert run_case(case("wait_state", "WaitState", import_only=True)).is_good
+
+
+@pytest.mark.parametrize(
+    ("wrong", "text"),
+    [
+        (case("nothing_state", "A"), "cannot import flexbe_states.nothing_state"),
+        (case("wait_state", "A"), "has no class 'A'"),
+        (Case("it", "pathlib", "Path"), "is neither a state nor a behavior"),
+        (case("wait_state", "WaitState"), "missing 1 required positional argument"),
+        (case("wait_state", "WaitState", params={"wait_time": "!/t"}), "needs a bag"),
+    ],
+)
+def test_what_cannot_be_run_is_reported(wrong, text):
+    assert text in run_case(wrong).check("pass").complaint

@@ -10,7 +10,7 @@ from geometry_msgs.msg import Point
 from flexbe_testing.core.case import Case, CaseError
 from flexbe_testing.edge.case_files import case_files, load_case, read_case_file
 from flexbe_testing.ros import tester
-from flexbe_testing.ros.run_case import run_case
+from flexbe_testing.ros.tester import run_case
 
 FILES = sorted((Path(__file__).parents[1] / "stock_style").glob("*.test"))
 POINT = "!!python/object/new:geometry_msgs.msg._Point.Point"
