@@ -128,6 +128,7 @@ def _terminal(opening: PanelOpening, name: str) -> Terminal:
         depth=opening.depth,
         chamfer=opening.chamfer,
         retention_force=opening.retention,
+        insertion_force=opening.insertion,
         screw=Point(*(opening.screw or (0.0, 0.0, 0.0))),
     )
 
