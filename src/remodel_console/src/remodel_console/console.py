@@ -13,13 +13,14 @@ from typing import Protocol
 
 from flexbe_synthesizer.core.chart.model import Chart
 from remodel_console.core.access import Account, Door, Role, User
-from remodel_console.core.editor.drawing import opened
+from remodel_console.core.editor.drawing import drawn_paths, opened
 from remodel_console.core.inbox import Card, Option
 from remodel_console.core.run.decision import Decisions, decisions_of
 from remodel_console.core.run.order import FULL, Attach
 from remodel_console.core.run.run_view import Event, Phase
 from remodel_console.core.use_case.production import Statistics
 from remodel_console.core.use_case.record import Record, Summary
+from remodel_console.core.use_case.record_words import in_chart_terms
 from remodel_console.core.use_case.use_case import Choice
 from remodel_console.core.world import Part
 from remodel_console.desk import Desk
@@ -372,6 +373,24 @@ class Console:
             self.inputs.refuse(number)
         else:
             self.inputs.answer(number, literal)
+
+    def record(self, run: int) -> Record:
+        """Return the record of a run, its states in terms of the charts that are saved here.
+
+        Raises:
+            CommandError: if it cannot be read.
+        """
+        if self.recorder is None:
+            raise CommandError("no supervisor is running that has records")
+        record = self.recorder.record(run)
+        return in_chart_terms(record, self._drawn_paths)
+
+    def _drawn_paths(self, behavior: str) -> frozenset[str]:
+        """Return the paths of a behavior's chart; none if it is not saved here."""
+        try:
+            return drawn_paths(self.chart_to_watch(behavior))
+        except CommandError:
+            return frozenset()
 
     def chart_to_watch(self, name: str) -> Chart:
         """Return the saved chart of a behavior, with the behaviors in it drawn open.

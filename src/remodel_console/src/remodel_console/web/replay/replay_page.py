@@ -7,7 +7,6 @@ from nicegui import background_tasks, run, ui
 from remodel_console.core.cell.cell_state import CellState
 from remodel_console.core.cell.recording import Recording
 from remodel_console.core.cell.wire_history import recorded_wire_words
-from remodel_console.core.run.run_words import path_words
 from remodel_console.core.use_case.record import Entry, Moment, Record, Summary
 from remodel_console.core.use_case.record_words import KIND_WORDS, entry_words
 from remodel_console.core.world import ALL_PARTS, World
@@ -107,12 +106,9 @@ class ReplayPage(Page):
 
     async def _open(self, summary: Summary) -> None:
         """Read the record of a run, and show its beginning."""
-        recorder = self.console.recorder
-        if recorder is None:
-            return
         scenes, of_run = self.console.scenes, (summary.run, summary.order, summary.started_s)
         try:
-            record = await run.io_bound(recorder.record, summary.run)
+            record = await run.io_bound(self.console.record, summary.run)
         except CommandError as error:
             ui.notify(str(error), type="negative")
             return
@@ -151,7 +147,7 @@ class ReplayPage(Page):
         self._index = index
         self._cell.show()
         self._start.show(moment, self.console.live.world)
-        self._where.text = path_words(moment.state_path)
+        self._where.text = moment.state
         self._show_now(moment)
         self._values.move(offset_s)
         if moment.reasons != self._shown_reasons:
