@@ -228,7 +228,7 @@ class OverviewTest(BehaviorTestCase):
         page.get_by_role("button", name="Go to the first difference").click()
         expect(page.locator(".clock")).to_contain_text("entry 18 of 23")
         self.take_picture(page, "replay-compare")
-        page.locator(".compare").get_by_role("button", name="W1: /Greet").click()
+        page.locator(".compare").get_by_role("button", name="W1: Greet").click()
         expect(page.locator(".clock")).to_contain_text("entry 3 of 23")
         self.press(page, "Next reason (N)")
         self.press(page, "Next reason (N)")
@@ -246,6 +246,38 @@ class OverviewTest(BehaviorTestCase):
             return False
 
         self.wait_until(is_open, name)
+
+    def test_a_person_arranges_the_page_and_the_browser_keeps_it(self):
+        page = self.page
+        levels = page.locator(".part", has_text="Activity of each level")
+        failures = page.locator(".part", has=page.get_by_text("Failures", exact=True))
+        line = page.get_by_role("separator", name="Width of the activity")
+
+        def top(part):
+            return part.bounding_box()["y"]
+
+        def width():
+            return page.locator("aside.panel").bounding_box()["width"]
+
+        self.assertLess(top(levels), top(failures))
+        delivered = width()
+        for _ in range(5):
+            line.press("ArrowLeft")
+        self.wait_until(lambda: width() == delivered + 80)
+        self.press(page, "Layout")
+        page.get_by_role("button", name="Failures up").click()
+        self.wait_until(lambda: top(failures) < top(levels))
+        page.get_by_role("checkbox", name="Figures").click()
+        expect(page.locator(".part", has=page.locator(".figures"))).to_be_hidden()
+        page.reload()
+        expect(failures).to_be_visible()
+        self.assertLess(top(failures), top(levels))
+        self.assertEqual(width(), delivered + 80)
+        expect(page.locator(".part", has=page.locator(".figures"))).to_be_hidden()
+        self.press(page, "Layout")
+        expect(page.get_by_role("checkbox", name="Figures")).not_to_be_checked()
+        self.press(page, "As it was delivered")
+        self.wait_until(lambda: top(levels) < top(failures) and width() == delivered)
 
     def test_the_record_of_a_run_is_scrubbed_through(self):
         _records = FakeRecords()

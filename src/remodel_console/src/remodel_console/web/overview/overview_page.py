@@ -54,29 +54,37 @@ class OverviewPage(Page):
         self._wants_pictures = False
         ui.context.client.on_delete(lambda: self._want_pictures(False))
         with ui.element("div").classes("overview"):
+            self._arrangement.splitter("Width of the order", "order", is_column=True)
             with ui.element("section").classes("order").props('tabindex="0" aria-label="Order"'):
                 self._start_card = StartCard(self)
                 self._head_area = ui.element("div").classes("order-head")
                 skip, retry = partial(self._do_task, "skip"), partial(self._do_task, "retry")
                 self._tasks = TaskTable(skip, retry, is_operator=self.is_operator)
                 self._by_hand = HandList(self._tick, is_operator=self.is_operator)
+            part, splitter = self._arrangement.part, self._arrangement.splitter
             with ui.element("section").classes("watch").props('tabindex="0" aria-label="Cell"'):
-                self._cell = LiveCell(self.console)
-                with ui.element("div").classes("cameras"):
+                with part("Cell", "watch"):
+                    self._cell = LiveCell(self.console)
+                with part("Cameras", "watch"), ui.element("div").classes("cameras"):
                     self._cameras = {name: CameraView(*words) for name, *words in _CAMERAS}
-                self._figures = FigureCards()
+                with part("Figures", "watch"):
+                    self._figures = FigureCards()
+            splitter("Width of the activity", "panel", is_column=True)
             with ui.element("aside").classes("panel").props('tabindex="0" aria-label="Activity"'):
-                ui.label("Activity of each level").classes("heading")
-                self._levels = ui.element("div").classes("levels")
-                ui.label("Failures").classes("heading")
-                self._failures = ui.element("div").classes("failures wide")
+                with part("Levels", "panel"):
+                    ui.label("Activity of each level").classes("heading")
+                    self._levels = ui.element("div").classes("levels")
+                with part("Failures", "panel"):
+                    ui.label("Failures").classes("heading")
+                    self._failures = ui.element("div").classes("failures wide")
         self._parts = (self._tasks.area, self._figures.area, self._levels, self._failures)
 
     def show(self, world: World) -> None:
         """Show the parts that have changed."""
         self._cell.follow(world.use_case)
         self._cameras["scene"].set_visibility(not self._cell.is_available)
-        self._want_pictures(not self._cell.is_available)
+        wants = not self._cell.is_available and self._arrangement.is_shown("Cameras")
+        self._want_pictures(wants)
         for camera, view in self._cameras.items():
             picture = self.console.pictures.newest(camera)
             view.show(f"/picture/{camera}?number={picture.number}" if picture else "")
@@ -105,7 +113,7 @@ class OverviewPage(Page):
 
     def set_in_view(self, is_in_view: bool) -> None:
         """Draw the cell, and request pictures of it, only while the page is in view."""
-        self._cell.set_shown(is_in_view)
+        self._cell.set_shown(is_in_view and self._arrangement.is_shown("Cell"))
         if not is_in_view:
             self._want_pictures(False)
 

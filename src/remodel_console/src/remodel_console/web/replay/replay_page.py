@@ -58,18 +58,24 @@ class ReplayPage(Page):
                     )
                 self._comparison = ComparisonPanel(self.console, lambda i: self._scrubber.go(i))
             self._scrubber = Scrubber(self._show_moment, self._move)
+            part = self._arrangement.part
+            self._arrangement.splitter("Width of the moment", "panel", is_column=True)
             with ui.element("aside").classes("panel").props('tabindex="0" aria-label="Moment"'):
                 self._now = ui.element("div").classes("wide")
                 self._start = StartHere(self, self._recorded)
-                self._cell = CellPanel(self._scene, self.console.meshes, self._about_wire)
-                self._no_cell = ui.label(_NO_RECORDING).classes("soft")
+                with part("Cell", "panel"):
+                    self._cell = CellPanel(self._scene, self.console.meshes, self._about_wire)
+                    self._no_cell = ui.label(_NO_RECORDING).classes("soft")
                 self._no_cell.set_visibility(False)
-                self._picture = CameraView(
-                    "Last camera picture", "no picture was stored up to this time"
-                )
-                ui.label("Failures and decisions").classes("heading")
-                self._reasons = ui.element("div").classes("failures wide")
-                self._values = ValuePlots()
+                with part("Picture", "panel"):
+                    self._picture = CameraView(
+                        "Last camera picture", "no picture was stored up to this time"
+                    )
+                with part("Failures and decisions", "panel"):
+                    ui.label("Failures and decisions").classes("heading")
+                    self._reasons = ui.element("div").classes("failures wide")
+                with part("Values", "panel"):
+                    self._values = ValuePlots()
         self._has_supervisor = False
 
     def show(self, world: World) -> None:
@@ -82,7 +88,7 @@ class ReplayPage(Page):
 
     def set_in_view(self, is_in_view: bool) -> None:
         """Draw the cell only while the page is in view."""
-        self._cell.set_shown(is_in_view)
+        self._cell.set_shown(is_in_view and self._arrangement.is_shown("Cell"))
 
     def press(self, key: str, *, ctrl: bool) -> None:
         """Move in time."""
