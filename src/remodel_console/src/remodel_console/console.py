@@ -26,7 +26,7 @@ from remodel_console.core.world import Part
 from remodel_console.desk import Desk
 from remodel_console.edge.catalogue import Catalogue
 from remodel_console.edge.everything import Everything
-from remodel_console.edge.hand_ticks import HandTicks
+from remodel_console.edge.hand_wires import HandWires
 from remodel_console.edge.order_desk.order_drafts import OrderDraft, OrderDrafts
 from remodel_console.edge.scene_files import SceneFiles
 from remodel_console.edge.settings_file import SettingsFile
@@ -132,7 +132,7 @@ class Console:
         scene: the cell in three dimensions.
         meshes: of its robots, and of those in recordings.
         scenes: recordings of the cell in three dimensions.
-        ticks: the wires by hand that are placed.
+        hand_wires: the wires by hand, and which of them are placed.
         values: userdata that the states of the run have found and left behind.
         plots: values of the topics that are plotted.
         steering: commands to the engine.
@@ -157,7 +157,7 @@ class Console:
         settings: SettingsFile,
         scenes: SceneFiles,
         drafts: OrderDrafts,
-        ticks: HandTicks,
+        hand_wires: HandWires,
         database: str,
         everything: Everything,
         users: Users | None = None,
@@ -176,8 +176,9 @@ class Console:
         self.catalogue = catalogue
         self.settings = settings
         self.drafts = drafts
-        self.ticks = ticks
-        ticks.on_change = live.refresh
+        self.hand_wires = hand_wires
+        hand_wires.on_change = live.refresh
+        live.on_hand_wires = hand_wires.keep
         self._database = database
         self.everything = everything
         self._users = users

@@ -102,7 +102,7 @@ class OverviewTest(BehaviorTestCase):
         expect(page.locator(".ending")).to_contain_text(
             "2 of 6 tasks done, 2 skipped, 2 interrupted, 2 wires by hand."
         )
-        self.tick_off()
+        self.tick_off(supervisor)
         commands = [json.loads(line) for line in self.record.read_text().splitlines()]
         given = [(c["who"], c["command"], c["state"]) for c in commands]
         self.assertIn(("Ada", "answer question 1 about W4: I have fixed it", "done"), given)
@@ -184,8 +184,8 @@ class OverviewTest(BehaviorTestCase):
         expect(gone).to_have_count(0)
         expect(page.locator(".order .state")).to_have_text("running")
 
-    def tick_off(self):
-        """Tick a wire by hand off on the computer, and see that on a phone."""
+    def tick_off(self, supervisor):
+        """Tick a wire by hand off on the computer, and the other on a phone, after a restart."""
         page = self.page
         hand = page.locator(".by-hand")
         expect(hand).to_contain_text("By hand: 2 of 2 to be placed")
@@ -194,6 +194,11 @@ class OverviewTest(BehaviorTestCase):
         hand.get_by_text("W7, marker PE1").click()
         expect(hand).to_contain_text("By hand: 1 of 2 to be placed")
         self.take_picture(page, "overview-by-hand")
+        supervisor.state = None  # one that has started again, and knows of no product
+        supervisor.close("it reads its database")
+        expect(page.locator(".ending.bad")).to_contain_text("it reads its database")
+        supervisor.close("")
+        expect(hand).to_contain_text("SN-0042, built before. By hand: 1 of 2 to be placed")
         phone = self.open_page("/overview", width=390, height=844)
         expect(phone.locator(".by-hand")).to_contain_text("By hand: 1 of 2 to be placed")
         expect(phone.get_by_role("checkbox", name="W7, marker PE1")).to_be_checked()
