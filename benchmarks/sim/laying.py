@@ -3,7 +3,7 @@
 
 laying.py WIRE... [--first b] [--seed 1] [--cell two_arms_cabinet] [--panel FILE] [--laid 30]
 [--pictures DIR]; the workspace must be sourced. Each wire of the household board, or of a panel
-that `planner layout --panel FILE` wrote, is placed from its feed to its second clamp: robot_1
+that `remodel layout --panel FILE` wrote, is placed from its feed to its second clamp: robot_1
 inserts the first end and leads the wire (LayWire), robot_2 holds the other end and inserts it. A
 line is printed for each step: wall time, the cell's time since the feed, and what the cell
 measured; after the last one, how much faster than real time the wire was placed, where the ends sit
