@@ -2,7 +2,7 @@
 SHELL := /bin/bash
 .SHELLFLAGS := -euo pipefail -c
 .DEFAULT_GOAL := help
-.PHONY: help build demo cabinet harness console film test test-all install docker generate behaviors unit physics variants rostest lint xml bench-engine bench-planner bench-synthesis bench-console bench-drawing bench-sim bench-vision bench-learning bench-pause bench-replan bench-scale docs evaluate-abilities schedules chaos campaign clean
+.PHONY: help build demo cabinet harness console film cabinets test test-all install docker generate behaviors unit physics variants rostest lint xml bench-engine bench-planner bench-synthesis bench-console bench-drawing bench-sim bench-vision bench-learning bench-pause bench-replan bench-scale docs evaluate-abilities schedules chaos campaign clean
 
 # The workspace's own Python first, whatever else the shell has on its path; no other workspace.
 export PATH := $(CURDIR)/.venv/bin:/usr/local/sbin:/usr/local/bin:/usr/sbin:/usr/bin:/sbin:/bin
@@ -134,6 +134,9 @@ bench-synthesis: build ## CPU time of the synthesis by size of the chart, in doc
 bench-sim: build build/bench-venv/.ready ## Measure the simulated wire against theory, beside MuJoCo and Newton; figures in docs/figures/sim.jsonl
 	@$(SOURCED) benchmarks/sim/plots.py out/bench
 	@$(SOURCED) benchmarks/sim/run.py --peers build/bench-venv/bin/python docs/figures/sim.jsonl
+
+cabinets: build ## Import strangers' designs, and place six wires of each of ten of them in the simulated cell (BENCH="--wires 0", "FILE --seed 7")
+	@$(SOURCED) benchmarks/sim/cabinets.py $(BENCH)
 
 bench-vision: build ## Measure detecting cables and locating components on rendered scenes (BENCH="--scenes 50")
 	@$(SOURCED) benchmarks/vision/run.py $(BENCH)

@@ -60,7 +60,7 @@ ENTRY_POINTS = {
     "flexbe_core.testing",  # for the tests of state packages (README of flexbe_core)
     "flexbe_testing.ros.doctor_child",  # a program of its own
     "remodel_production.edge.database.migrations.*",  # loaded by Alembic
-    "remodel_planner.commands.*",  # named by commands/planner.py
+    "remodel_planner.commands.*",  # named by commands/remodel.py
 }
 # Module constants of the skills with numbers: none is of a tool, a wire, a terminal or a motion.
 NUMBERS_OF_SKILLS = {

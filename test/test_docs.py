@@ -25,7 +25,8 @@ LINK = re.compile(r"!?\[[^\]]*\]\(<?([^)\s>]+)>?(?: \"[^\"]*\")?\)")
 HEADING = re.compile(r"^#{1,6} +(.*?)\s*#*$", re.MULTILINE)
 # What a command may begin with, at the start of a line or behind a prompt, `&&`, `|`, `(` or `;`.
 STARTS = r"(?:^|\$ |&& |\| |\(|; )"
-ROSRUN = re.compile(rf"{STARTS}rosrun (?:--\S+ )*(\w+) (\w+)(?: (\w+))?", re.MULTILINE)
+ROSRUN = re.compile(rf"{STARTS}rosrun (?:--\S+ )*(\w+) (\w+)", re.MULTILINE)
+REMODEL = re.compile(rf"{STARTS}remodel (\w+)", re.MULTILINE)
 ROSLAUNCH = re.compile(rf"{STARTS}roslaunch (?:-\S+ \S+ )?(\w+) ([\w.]+\.launch)([^\n#`]*)", re.M)
 MAKE = re.compile(rf"{STARTS}make ([a-z][a-z-]*)", re.MULTILINE)
 SCRIPT = re.compile(r"(?<![\w./-])((?:benchmarks|tools)/[\w./-]+\.(?:py|sh))")
@@ -79,14 +80,16 @@ def broken_links(page):
 
 def broken_commands(page):
     text = shell_text(page)
-    for package, node, subcommand in ROSRUN.findall(text):
+    for package, node in ROSRUN.findall(text):
         folder = PACKAGES.get(package)
         if folder and not (folder / "nodes" / node).is_file():
             yield f"rosrun {package} {node}: no such node in {folder.relative_to(ROOT)}/nodes"
-        is_planner = (package, node) == ("remodel_planner", "planner") and subcommand.islower()
-        if is_planner and subcommand not in subcommands():
-            known = ", ".join(subcommands())
-            yield f"planner {subcommand}: no such subcommand; there are: {known}"
+    known = subcommands()
+    yield from (
+        f"remodel {name}: no such subcommand; there are: {', '.join(known)}"
+        for name in REMODEL.findall(text)
+        if name not in known and name.islower()
+    )
     for package, launch, arguments in ROSLAUNCH.findall(text):
         folder = PACKAGES.get(package)
         if folder is None:
@@ -111,7 +114,7 @@ def broken_commands(page):
 
 @cache
 def subcommands():
-    source = ROOT / "src/remodel_planner/src/remodel_planner/commands/planner.py"
+    source = ROOT / "src/remodel_planner/src/remodel_planner/commands/remodel.py"
     return re.findall(r"^    \"([\w-]+)\": \(", source.read_text(), re.MULTILINE)
 
 
@@ -135,7 +138,7 @@ def test_every_kind_of_mistake_is_found(tmp_path):
     page = tmp_path / "page.md"
     page.write_text(
         "# Two words\n[a](#two-words) [b](#three) [c](none.md)\n"
-        "```sh\nrosrun remodel_planner planer\nrosrun remodel_planner planner imprt x\n"
+        "```sh\nrosrun remodel_planner planer\nremodel imprt x\n"
         "roslaunch remodel_sim cel.launch\nroslaunch remodel_sim cell.launch gu:=true\n"
         "make tea\nbenchmarks/none.py\n```\n"
     )

@@ -21,11 +21,11 @@ DESIGN = "/usr/share/qelectrotech/examples/tableau_domestique.qet"
 ORDER = """
 . {prefix}/setup.bash
 export ROS_PACKAGE_PATH={out}/remodel_order_behaviors:$ROS_PACKAGE_PATH
-rosrun remodel_planner planner import {design} --order one
+remodel import {design} --order one
 roslaunch -p {port} remodel_planner order.launch \\
   output:={out} database:=$REMODEL_DATABASE >{out}/nodes.log 2>&1 &
 trap "kill -INT $!; wait $!" EXIT
-rosrun remodel_planner planner run_order one --wait 300 --wires 1 --output {out}
+remodel run one --wait 300 --wires 1 --output {out}
 """
 
 

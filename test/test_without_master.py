@@ -16,8 +16,8 @@ LIMIT_S = 40.0
 
 # Each command with the exit code that its help states for a missing master.
 COMMANDS = {
-    "run_order": (3, "remodel_planner planner run_order house --wait 1 --database {database}"),
-    "use_case_supervisor": (2, "remodel_planner planner use_case_supervisor --database {database}"),
+    "run_order": (3, "remodel_planner remodel run house --wait 1 --database {database}"),
+    "use_case_supervisor": (2, "remodel_planner use_case_supervisor --database {database}"),
     "conformance": (2, "remodel_states conformance remodel_abilities/detectcable DetectCable"),
     "uicommand": (2, "remodel_console uicommand --timeout 1 stop"),
     "engine_conformance": (4, "flexbe_testing engine_conformance"),

@@ -15,7 +15,7 @@ export ROS_MASTER_URI=http://127.0.0.1:$port ROS_IP=127.0.0.1 ROS_LOG_DIR=$out/l
 export REMODEL_DATABASE=sqlite:///$out/production.sqlite
 export ROS_PACKAGE_PATH=$out/remodel_order_behaviors:$ROS_PACKAGE_PATH
 
-rosrun remodel_planner planner import "$design" --order "$name" ${use_case:+--use-case "$use_case"}
+remodel import "$design" --order "$name" ${use_case:+--use-case "$use_case"}
 
 roslaunch -p "$port" remodel_planner order.launch output:="$out" database:="$REMODEL_DATABASE" "${@:5}" >"$out/nodes.log" 2>&1 &
 nodes=$!
@@ -26,4 +26,4 @@ stop_nodes() {
 trap stop_nodes EXIT
 
 echo "cell, synthesizer and engine are starting (log: out/$name/nodes.log)"
-rosrun remodel_planner planner run_order "$name" --wait 90 --wires "$wires" --use-case "$use_case" --output "$out"
+remodel run "$name" --wait 90 --wires "$wires" --use-case "$use_case" --output "$out"

@@ -36,7 +36,7 @@ def main() -> None:
             ["draw", "plan.json", *order, "--output", "plan.svg"],
         ):
             started = time.monotonic()
-            command = ["rosrun", "remodel_planner", "planner", *line]
+            command = ["remodel", *line]
             subprocess.run(command, cwd=folder, check=True, stdout=subprocess.DEVNULL, timeout=300)
             seconds = time.monotonic() - started
             total += seconds

@@ -3,7 +3,7 @@
 
 laying.py WIRE... [--first b] [--seed 1] [--cell two_arms_cabinet] [--panel FILE] [--laid 30]
 [--pictures DIR]; the workspace must be sourced. Each wire of the household board, or of a panel
-that `planner layout --panel FILE` wrote, is placed from its feed to its second clamp: robot_1
+that `remodel layout --panel FILE` wrote, is placed from its feed to its second clamp: robot_1
 inserts the first end and leads the wire (LayWire), robot_2 holds the other end and inserts it. A
 line is printed for each step: wall time, the cell's time since the feed, and what the cell
 measured; after the last one, how much faster than real time the wire was placed, where the ends sit
@@ -109,7 +109,7 @@ class Laying:
         _tell(f"{wall:6.1f} s  {cell:6.1f} s  {step}: {message}")
 
 
-def _first_ends(panel: Panel) -> dict[str, WireEnd]:
+def first_ends_of(panel: Panel) -> dict[str, WireEnd]:
     """Return the end of each wire in ducts that is inserted first, as the use case chooses it."""
     routes = {wire.id: wire.route for wire in panel.wires if wire.ducts}
     paths = {
@@ -119,7 +119,8 @@ def _first_ends(panel: Panel) -> dict[str, WireEnd]:
     return {name: WireEnd[end.name] for name, end in first_ends(paths).items()}
 
 
-def _photograph(cell: Cell, folder: Path, wire_id: str) -> None:
+def photograph(cell: Cell, folder: Path, wire_id: str) -> None:
+    """Write pictures of a wire from aside and from above into a folder."""
     for camera in ("scene", "overhead"):
         picture = cv2.cvtColor(cell.plant.photograph(camera).rgb, cv2.COLOR_RGB2BGR)
         cv2.imwrite(str(folder / f"{wire_id}_{camera}.png"), picture)
@@ -149,7 +150,7 @@ def main() -> int:
     plant.load(panel, before)
     cell = Cell(plant)
     laying = Laying(cell)
-    first = _first_ends(panel)
+    first = first_ends_of(panel)
     placed = 0
     for wire_id in options.wires:
         try:
@@ -166,7 +167,7 @@ def main() -> int:
             f"{in_ducts:.0%} of its route in ducts below the rims"
         )
         if options.pictures is not None:
-            _photograph(cell, options.pictures, wire_id)
+            photograph(cell, options.pictures, wire_id)
         if not truth.placed:
             break
     cell.close()

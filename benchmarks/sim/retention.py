@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from holds import clamp_pull_out, clip_forces, grip_pull_out
+from holds import clamp_pull_out, clip_forces, grip_pull_out, spring_forces
 from row import Row
 
 RATES_HZ = (240.0, 500.0)
@@ -27,6 +27,13 @@ def rows() -> Iterator[Row]:
         yield Row(what, max(errors), "%", most=15.0)
         errors = [100 * abs(clamp_pull_out(f, rate_hz) / f - 1) for f in RETENTIONS_N]
         what = f"clamp pull-out against its retention, 10 to 80 N, worst, {rate_hz:g} Hz"
+        yield Row(what, max(errors), "%", most=10.0)
+        pairs = [(spring_forces(f / 4, f, rate_hz), f) for f in RETENTIONS_N]
+        errors = [100 * abs(forces[0] / (f / 4) - 1) for forces, f in pairs]
+        what = f"spring clamp against its insertion force, 2.5 to 20 N, worst, {rate_hz:g} Hz"
+        yield Row(what, max(errors), "%", most=15.0)
+        errors = [100 * abs(forces[1] / f - 1) for forces, f in pairs]
+        what = f"spring clamp pull-out against its retention, 10 to 80 N, worst, {rate_hz:g} Hz"
         yield Row(what, max(errors), "%", most=10.0)
         errors = [100 * abs(clip_forces(f, d, rate_hz)[1] / f - 1) for f, d in CLIPS]
         what = f"clip pull-out against its retention, 5 to 20 N, worst, {rate_hz:g} Hz"

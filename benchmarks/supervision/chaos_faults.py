@@ -441,7 +441,7 @@ class SecondStation:
         }
         environment = self._environment
         self._master = Program(["roscore", "-p", port], folder / "master.log", environment)
-        line = ["rosrun", "remodel_planner", "planner", "use_case_supervisor", "--unattended"]
+        line = ["rosrun", "remodel_planner", "use_case_supervisor", "--unattended"]
         line += ["--database", database, "--output", str(folder)]
         self._supervisor = Program(line, self._log, environment)
 
@@ -453,7 +453,7 @@ class SecondStation:
 
     def order(self) -> None:
         """Order something of it; TroubleError unless that is refused in words."""
-        line = ["rosrun", "remodel_planner", "planner", "run_order", ORDER, "--wires", "2"]
+        line = ["remodel", "run", ORDER, "--wires", "2"]
         line += ["--database", self._database, "--output", str(self._log.parent)]
         ordered = subprocess.run(
             line,

@@ -69,7 +69,7 @@ def stack(
         "ROS_PACKAGE_PATH": f"{output}/remodel_order_behaviors:{os.environ['ROS_PACKAGE_PATH']}",
     }
     subprocess.run(
-        ["rosrun", "remodel_planner", "planner", "import", design, "--order", ORDER],
+        ["remodel", "import", design, "--order", ORDER],
         check=True,
         stdout=subprocess.DEVNULL,
     )

@@ -38,6 +38,19 @@ def moved_onto(panel, size, x, y):
     return dataclasses.replace(panel, name=name, size=(*size, panel.size[2]), wires=wires, **parts)
 
 
+def with_springs(panel, insertion_force):
+    """A panel whose terminals are spring clamps of this insertion force [N]."""
+
+    def sprung(terminal):
+        return dataclasses.replace(terminal, insertion_force=insertion_force)
+
+    components = tuple(
+        dataclasses.replace(each, terminals=tuple(map(sprung, each.terminals)))
+        for each in panel.components
+    )
+    return dataclasses.replace(panel, components=components)
+
+
 def component(name, marker, x, y, side, terminals=2, bore=0.0038):
     """A component whose openings are on the side of its row's channel: +1 near row, -1 far row."""
     yaw = math.pi if side > 0 else 0.0

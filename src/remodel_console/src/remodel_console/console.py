@@ -13,19 +13,20 @@ from typing import Protocol
 
 from flexbe_synthesizer.core.chart.model import Chart
 from remodel_console.core.access import Account, Door, Role, User
-from remodel_console.core.editor.drawing import opened
+from remodel_console.core.editor.drawing import drawn_paths, opened
 from remodel_console.core.inbox import Card, Option
 from remodel_console.core.run.decision import Decisions, decisions_of
 from remodel_console.core.run.order import FULL, Attach
 from remodel_console.core.run.run_view import Event, Phase
 from remodel_console.core.use_case.production import Statistics
 from remodel_console.core.use_case.record import Record, Summary
+from remodel_console.core.use_case.record_words import in_chart_terms
 from remodel_console.core.use_case.use_case import Choice
 from remodel_console.core.world import Part
 from remodel_console.desk import Desk
 from remodel_console.edge.catalogue import Catalogue
 from remodel_console.edge.everything import Everything
-from remodel_console.edge.hand_ticks import HandTicks
+from remodel_console.edge.hand_wires import HandWires
 from remodel_console.edge.order_desk.order_drafts import OrderDraft, OrderDrafts
 from remodel_console.edge.scene_files import SceneFiles
 from remodel_console.edge.settings_file import SettingsFile
@@ -131,7 +132,7 @@ class Console:
         scene: the cell in three dimensions.
         meshes: of its robots, and of those in recordings.
         scenes: recordings of the cell in three dimensions.
-        ticks: the wires by hand that are placed.
+        hand_wires: the wires by hand, and which of them are placed.
         values: userdata that the states of the run have found and left behind.
         plots: values of the topics that are plotted.
         steering: commands to the engine.
@@ -156,7 +157,7 @@ class Console:
         settings: SettingsFile,
         scenes: SceneFiles,
         drafts: OrderDrafts,
-        ticks: HandTicks,
+        hand_wires: HandWires,
         database: str,
         everything: Everything,
         users: Users | None = None,
@@ -175,8 +176,9 @@ class Console:
         self.catalogue = catalogue
         self.settings = settings
         self.drafts = drafts
-        self.ticks = ticks
-        ticks.on_change = live.refresh
+        self.hand_wires = hand_wires
+        hand_wires.on_change = live.refresh
+        live.on_hand_wires = hand_wires.keep
         self._database = database
         self.everything = everything
         self._users = users
@@ -372,6 +374,24 @@ class Console:
             self.inputs.refuse(number)
         else:
             self.inputs.answer(number, literal)
+
+    def record(self, run: int) -> Record:
+        """Return the record of a run, its states in terms of the charts that are saved here.
+
+        Raises:
+            CommandError: if it cannot be read.
+        """
+        if self.recorder is None:
+            raise CommandError("no supervisor is running that has records")
+        record = self.recorder.record(run)
+        return in_chart_terms(record, self._drawn_paths)
+
+    def _drawn_paths(self, behavior: str) -> frozenset[str]:
+        """Return the paths of a behavior's chart; none if it is not saved here."""
+        try:
+            return drawn_paths(self.chart_to_watch(behavior))
+        except CommandError:
+            return frozenset()
 
     def chart_to_watch(self, name: str) -> Chart:
         """Return the saved chart of a behavior, with the behaviors in it drawn open.

@@ -12,7 +12,7 @@ from typing import Protocol
 from remodel_console.core.run.decision import Decisions
 from remodel_console.core.run.log_line import LogLine
 from remodel_console.core.run.run_view import Event, Troubled, step
-from remodel_console.core.use_case.use_case import UseCase
+from remodel_console.core.use_case.use_case import HandWire, UseCase
 from remodel_console.core.world import (
     CellKind,
     InputRequest,
@@ -41,7 +41,11 @@ class LogKeeper(Protocol):
 
 
 class Live:
-    """Holds the newest world and the last lines of the log."""
+    """Holds the newest world and the last lines of the log.
+
+    Attributes:
+        on_hand_wires: gets the wires by hand of a product, by its serial number, as they arrive.
+    """
 
     def __init__(
         self, log: LogKeeper | None = None, clock: Callable[[], float] = time.time
@@ -54,6 +58,7 @@ class Live:
         self._lines: deque[LogLine] = deque(log.lines if log else (), maxlen=_KEPT_LINES)
         self._line_count = len(self._lines)
         self._wake: Callable[[], None] = lambda: None
+        self.on_hand_wires: Callable[[str, tuple[HandWire, ...]], None] = lambda *_: None
 
     @property
     def world(self) -> World:
@@ -120,6 +125,8 @@ class Live:
 
     def take_use_case(self, use_case: UseCase) -> None:
         """Take in the state of the use case supervisor."""
+        if use_case.serial and use_case.by_hand:
+            self.on_hand_wires(use_case.serial, use_case.by_hand)
         with self._lock:
             self._world = with_use_case(self._world, use_case, self._clock())
         self._wake()

@@ -22,7 +22,7 @@ from remodel_console.core.access import Door, is_local
 from remodel_console.desk import Desk
 from remodel_console.edge.catalogue import Catalogue
 from remodel_console.edge.everything import Everything
-from remodel_console.edge.hand_ticks import HandTicks
+from remodel_console.edge.hand_wires import HandWires
 from remodel_console.edge.journal import Journal
 from remodel_console.edge.log_file import LogFile
 from remodel_console.edge.order_desk.order_drafts import OrderDrafts
@@ -43,7 +43,7 @@ from remodel_console.web.server import serve
 _PORT = 8765
 _JOURNAL = "~/.ros/remodel_console/commands.jsonl"
 _SETTINGS = "~/.ros/remodel_console/settings.json"
-_TICKS = "by_hand.json"  # beside the settings
+_HAND_WIRES = "hand_wires.json"  # beside the settings
 _LOG = "~/.ros/remodel_console/log.jsonl"
 _EVERYTHING = "~/.ros/remodel_console/everything"
 _SCENES = "~/.ros/remodel_console/scenes"
@@ -61,7 +61,7 @@ def main(arguments: Sequence[str]) -> int:
             Journal(Path(options.record).expanduser()),
         )
         log, settings = LogFile(Path(options.log).expanduser()), _settings(options)
-        ticks = HandTicks(Path(options.settings).expanduser().with_name(_TICKS))
+        hand_wires = HandWires(Path(options.settings).expanduser().with_name(_HAND_WIRES))
     except (ValueError, OSError, CommandError) as error:
         sys.stderr.write(f"console: {error}\n")
         return 2
@@ -90,7 +90,7 @@ def main(arguments: Sequence[str]) -> int:
         catalogue=Catalogue(package_path),
         settings=settings,
         drafts=drafts,
-        ticks=ticks,
+        hand_wires=hand_wires,
         database=options.database,
         everything=everything,
         users=users,

@@ -102,7 +102,7 @@ class OverviewTest(BehaviorTestCase):
         expect(page.locator(".ending")).to_contain_text(
             "2 of 6 tasks done, 2 skipped, 2 interrupted, 2 wires by hand."
         )
-        self.tick_off()
+        self.tick_off(supervisor)
         commands = [json.loads(line) for line in self.record.read_text().splitlines()]
         given = [(c["who"], c["command"], c["state"]) for c in commands]
         self.assertIn(("Ada", "answer question 1 about W4: I have fixed it", "done"), given)
@@ -184,8 +184,8 @@ class OverviewTest(BehaviorTestCase):
         expect(gone).to_have_count(0)
         expect(page.locator(".order .state")).to_have_text("running")
 
-    def tick_off(self):
-        """Tick a wire by hand off on the computer, and see that on a phone."""
+    def tick_off(self, supervisor):
+        """Tick a wire by hand off on the computer, and the other on a phone, after a restart."""
         page = self.page
         hand = page.locator(".by-hand")
         expect(hand).to_contain_text("By hand: 2 of 2 to be placed")
@@ -194,6 +194,11 @@ class OverviewTest(BehaviorTestCase):
         hand.get_by_text("W7, marker PE1").click()
         expect(hand).to_contain_text("By hand: 1 of 2 to be placed")
         self.take_picture(page, "overview-by-hand")
+        supervisor.state = None  # one that has started again, and knows of no product
+        supervisor.close("it reads its database")
+        expect(page.locator(".ending.bad")).to_contain_text("it reads its database")
+        supervisor.close("")
+        expect(hand).to_contain_text("SN-0042, built before. By hand: 1 of 2 to be placed")
         phone = self.open_page("/overview", width=390, height=844)
         expect(phone.locator(".by-hand")).to_contain_text("By hand: 1 of 2 to be placed")
         expect(phone.get_by_role("checkbox", name="W7, marker PE1")).to_be_checked()
@@ -228,7 +233,7 @@ class OverviewTest(BehaviorTestCase):
         page.get_by_role("button", name="Go to the first difference").click()
         expect(page.locator(".clock")).to_contain_text("entry 18 of 23")
         self.take_picture(page, "replay-compare")
-        page.locator(".compare").get_by_role("button", name="W1: /Greet").click()
+        page.locator(".compare").get_by_role("button", name="W1: Greet").click()
         expect(page.locator(".clock")).to_contain_text("entry 3 of 23")
         self.press(page, "Next reason (N)")
         self.press(page, "Next reason (N)")
@@ -246,6 +251,38 @@ class OverviewTest(BehaviorTestCase):
             return False
 
         self.wait_until(is_open, name)
+
+    def test_a_person_arranges_the_page_and_the_browser_keeps_it(self):
+        page = self.page
+        levels = page.locator(".part", has_text="Activity of each level")
+        failures = page.locator(".part", has=page.get_by_text("Failures", exact=True))
+        line = page.get_by_role("separator", name="Width of the activity")
+
+        def top(part):
+            return part.bounding_box()["y"]
+
+        def width():
+            return page.locator("aside.panel").bounding_box()["width"]
+
+        self.assertLess(top(levels), top(failures))
+        delivered = width()
+        for _ in range(5):
+            line.press("ArrowLeft")
+        self.wait_until(lambda: width() == delivered + 80)
+        self.press(page, "Layout")
+        page.get_by_role("button", name="Failures up").click()
+        self.wait_until(lambda: top(failures) < top(levels))
+        page.get_by_role("checkbox", name="Figures").click()
+        expect(page.locator(".part", has=page.locator(".figures"))).to_be_hidden()
+        page.reload()
+        expect(failures).to_be_visible()
+        self.assertLess(top(failures), top(levels))
+        self.assertEqual(width(), delivered + 80)
+        expect(page.locator(".part", has=page.locator(".figures"))).to_be_hidden()
+        self.press(page, "Layout")
+        expect(page.get_by_role("checkbox", name="Figures")).not_to_be_checked()
+        self.press(page, "As it was delivered")
+        self.wait_until(lambda: top(levels) < top(failures) and width() == delivered)
 
     def test_the_record_of_a_run_is_scrubbed_through(self):
         _records = FakeRecords()

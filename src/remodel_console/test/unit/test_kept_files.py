@@ -5,7 +5,6 @@ import time
 from collections import deque
 from types import SimpleNamespace
 
-import pytest
 import rospy
 
 from flexbe_core.testing import wait_until
@@ -14,11 +13,9 @@ from remodel_console.core.cell.cell_state import CellState
 from remodel_console.core.run.log_line import LogLine
 from remodel_console.core.run.state_values import StateValues
 from remodel_console.desk import Desk
-from remodel_console.edge.hand_ticks import HandTicks
 from remodel_console.edge.journal import Journal
 from remodel_console.edge.log_file import LogFile
 from remodel_console.edge.scene_files import SceneFiles
-from remodel_console.errors import CommandError
 from remodel_console.live import Live
 from remodel_console.ros.cell.scene_recorder import SceneRecorder
 
@@ -88,31 +85,3 @@ def test_a_full_disk_ends_the_recording_of_one_run_only(tmp_path, full_disk, mon
     finally:
         end.set()
         next(t for t in threading.enumerate() if t.name == "scene recorder").join()
-
-
-def test_wires_by_hand_stay_ticked_off_product_by_product(tmp_path):
-    path, changes = tmp_path / "by_hand.json", []
-    ticks = HandTicks(path)
-    ticks.on_change = lambda: changes.append(ticks.of("house-0001"))
-    ticks.tick("house-0001", "W7", is_placed=True)
-    ticks.tick("house-0001", "W9", is_placed=True)
-    ticks.tick("house-0001", "W7", is_placed=False)
-    assert changes == [{"W7"}, {"W7", "W9"}, {"W9"}]
-    again = HandTicks(path)
-    assert (again.of("house-0001"), again.of("house-0002")) == ({"W9"}, frozenset())
-
-
-def test_a_tick_that_cannot_be_kept_is_refused(tmp_path):
-    ticks = HandTicks(tmp_path / "by_hand.json")
-    (tmp_path / "by_hand.new").mkdir()  # where the file is written before it replaces the old one
-    with pytest.raises(CommandError, match="the tick of wire W7 cannot be kept"):
-        ticks.tick("house-0001", "W7", is_placed=True)
-    assert ticks.of("house-0001") == frozenset()
-
-
-@pytest.mark.parametrize("text", ["no json", "[1]", '{"house-0001": 7}'])
-def test_a_broken_file_of_ticks_is_named(tmp_path, text):
-    path = tmp_path / "by_hand.json"
-    path.write_text(text)
-    with pytest.raises(ValueError, match=r"by_hand\.json: .*delete it"):
-        HandTicks(path)

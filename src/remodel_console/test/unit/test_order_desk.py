@@ -368,5 +368,5 @@ def test_a_command_reports_its_stages_and_keeps_its_errors(tmp_path):
 
 def test_a_command_is_ended_with_all_that_it_has_started(tmp_path):
     process = PlannerProcess(("sh", "-c", 'echo "stage 1/1: on" >&2; sleep 600 & wait', "sh"))
-    with pytest.raises(CommandError, match="`planner import` was ended"):
+    with pytest.raises(CommandError, match="`remodel import` was ended"):
         process.run(["import"], tmp_path, "", lambda stage: process.end_in(tmp_path))

@@ -3,6 +3,7 @@
 import pytest
 
 from remodel_console.core.use_case.record import Entry, Kind, Record, value_words
+from remodel_console.core.use_case.record_words import entry_words, in_chart_terms
 
 
 def entry(position, time_s, kind, **fields):
@@ -116,3 +117,21 @@ def test_lengths_are_shown_in_millimetres():
     record = Record((entry(1, 1.0, Kind.RESULT, values=(("depth_m", 0.0045),)),))
     assert value_words("depth_m") == "depth [mm]"
     assert list(record.series("depth_m")) == [(0.0, pytest.approx(4.5))]
+
+
+def test_states_of_a_record_go_by_their_names_in_the_chart():
+    def state(position, path):
+        return entry(position, 1.0, Kind.STATE, task="W1", behavior="place", state_path=path)
+
+    paths = ("/Place/Insert_attempts", "/Place/Insert", "/Place/Insert_error", "/Other")
+    record = Record(tuple(state(i, path) for i, path in enumerate(paths, start=1)))
+    named = in_chart_terms(record, lambda _: frozenset({"Place", "Place/Insert"}))
+    assert [entry_words(e) for e in named.entries] == [
+        "Place / Insert, before an attempt",
+        "Place / Insert",
+        "Place / Insert, after a failure",
+        "Other",
+    ]
+    assert named.moment(0).state == "Place / Insert, before an attempt"
+    unknown = in_chart_terms(record, lambda _: frozenset())
+    assert unknown.moment(0).state == "Place / Insert_attempts"

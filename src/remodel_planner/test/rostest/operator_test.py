@@ -33,7 +33,7 @@ class OperatorTest(BrowserTest):
         """Import an order, and have an operator asked at once about an end that jams."""
         (OUTPUT / "use_cases").mkdir(parents=True)
         cls.addClassCleanup(shutil.rmtree, OUTPUT, ignore_errors=True)
-        line = ["rosrun", "remodel_planner", "planner", "import", DESIGN, "--order", "house"]
+        line = ["remodel", "import", DESIGN, "--order", "house"]
         subprocess.run([*line, "--database", DATABASE], check=True, timeout=180)
         use_case = yaml.safe_load((use_case_folder() / "cabinet.yaml").read_text())
         use_case["recovery"]["responses"]["insertion_jammed"] = [{"do": "ask_operator"}]

@@ -50,7 +50,7 @@ def wait_until(holds: Callable[[], object], what: str, limit_s: float = LIMIT_S)
 
 def planner(*line: str, database: str) -> subprocess.CompletedProcess[str]:
     """Run a command of the planner to its end."""
-    command = ["rosrun", "remodel_planner", "planner", *line, "--database", database]
+    command = ["remodel", *line, "--database", database]
     return subprocess.run(command, capture_output=True, text=True, timeout=LIMIT_S, check=False)
 
 

@@ -132,6 +132,9 @@ require:
         row.click()
         expect(pick).to_have_value("[W1]")
         expect(row).to_have_attribute("aria-pressed", "true")
+        dialog.get_by_role("button", name="W3: ").click()
+        expect(dialog.get_by_role("alert")).to_contain_text("W3 is by hand: ")
+        expect(pick).to_have_value("[W1]")
         before.fill("{colour: BK}")
         terminal = dialog.locator("[data-terminal='K1:2']")
         terminal.click(force=True)  # its wire is drawn over it

@@ -38,8 +38,8 @@ class OwnLaunch:
         self._nodes = self._popen(["roslaunch", "-p", str(port), str(file), *given], "nodes.log")
 
     def order(self, database, *options, name="order.log"):
-        """Start `run_order`, and return its process; it prints to a file of the folder."""
-        line = ["rosrun", "remodel_planner", "planner", "run_order", ORDER, "--database", database]
+        """Start `remodel run`, and return its process; it prints to a file of the folder."""
+        line = ["remodel", "run", ORDER, "--database", database]
         return self._popen([*line, "--output", str(self._folder / "report"), *options], name)
 
     def printed(self, name="order.log"):

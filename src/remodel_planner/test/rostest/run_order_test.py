@@ -34,7 +34,7 @@ REFUSED = {
 
 def line(*words):
     """Return the words of a command of the planner."""
-    return ["rosrun", "remodel_planner", "planner", *words, "--database", DATABASE]
+    return ["remodel", *words, "--database", DATABASE]
 
 
 class RunOrderTest(unittest.TestCase):
@@ -49,7 +49,7 @@ class RunOrderTest(unittest.TestCase):
             subprocess.run(
                 line("import", str(design), "--order", name), check=True, timeout=LIMIT_S
             )
-            words = line("run_order", name, "--use-case", name, "--wait", str(LIMIT_S))
+            words = line("run", name, "--use-case", name, "--wait", str(LIMIT_S))
             run = subprocess.run(
                 words, capture_output=True, text=True, timeout=LIMIT_S, check=False, cwd=OUTPUT
             )
@@ -60,7 +60,7 @@ class RunOrderTest(unittest.TestCase):
 
     def test_wires_are_imported_planned_synthesized_placed_and_reported(self):
         subprocess.run(line("import", DESIGN, "--order", "house"), check=True, timeout=LIMIT_S)
-        words = line("run_order", "house", "--wires", "1", "--output", str(OUTPUT))
+        words = line("run", "house", "--wires", "1", "--output", str(OUTPUT))
         inserting = threading.Event()
         rospy.Subscriber(
             "remodel_abilities/insertcable/feedback",

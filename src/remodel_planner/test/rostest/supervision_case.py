@@ -27,7 +27,7 @@ LIMIT_S = 120.0
 
 def planner(*line):
     """Run a command of the planner to its end."""
-    line = ["rosrun", "remodel_planner", "planner", *line, "--database", DATABASE]
+    line = ["remodel", *line, "--database", DATABASE]
     return subprocess.run(line, capture_output=True, text=True, timeout=180, check=False)
 
 

@@ -50,7 +50,7 @@ class UseCasesCase(unittest.TestCase):
 
     def line(self, order, use_case, tasks):
         options = ("--use-case", use_case, "--wires", str(tasks), "--output", str(OUTPUT / order))
-        return ("run_order", order, *options)
+        return ("run", order, *options)
 
     def carries_its_order_out(self, name):
         self.carries_out(name, name, *SHIPPED[name])

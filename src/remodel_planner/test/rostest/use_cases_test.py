@@ -19,7 +19,7 @@ class UseCasesTest(UseCasesCase):
     def test_a_use_case_of_the_users_own_runs_and_a_resumed_run_keeps_it(self):
         self.add_order("own")
         orders = OrderClient(OUTPUT)
-        words = ["rosrun", "remodel_planner", "planner", *self.line("own", "own_cabinet", 9)]
+        words = ["remodel", *self.line("own", "own_cabinet", 9)]
         with subprocess.Popen(
             [*words, "--database", DATABASE], stdout=subprocess.PIPE, text=True
         ) as run:

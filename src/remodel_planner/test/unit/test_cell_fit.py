@@ -218,7 +218,7 @@ def test_of_many_wires_by_hand_the_first_are_printed_and_what_lists_all(tmp_path
     assert import_design.main([str(file), "--verbose", "--order", "again", *order[2:]]) == 0
     assert capsys.readouterr().out.count(": by hand, length is 0.35 m") == 30
     assert plan.main([*order, "--output", str(tmp_path / "plan.json"), "--time-limit", "0.1"]) == 0
-    assert "    and 10 more by hand (planner tasks lists them)\n" in capsys.readouterr().out
+    assert "    and 10 more by hand (remodel tasks lists them)\n" in capsys.readouterr().out
     assert tasks.main(order) == 0
     assert capsys.readouterr().out.count(": by hand, length is 0.35 m") == 30
 

@@ -550,7 +550,7 @@ def test_an_order_that_ended_is_reported_though_its_report_cannot_be_written(
     printed = capsys.readouterr()
     assert code == (0 if report.complete else 1)
     assert "explanation:" in printed.out
-    assert "run_order: the report cannot be written: [Errno" in printed.err
+    assert "run: the report cannot be written: [Errno" in printed.err
 
 
 def test_no_wires_is_wrong_usage(database, capsys):

@@ -1,4 +1,4 @@
-"""`planner expectations` prints what was learned from runs."""
+"""`remodel expectations` prints what was learned from runs."""
 
 import re
 

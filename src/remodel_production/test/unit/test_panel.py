@@ -188,3 +188,24 @@ def test_a_wire_between_two_sections_has_the_material_that_the_cell_knows():
 def test_classes_of_devices_are_found_by_part_and_kind():
     assert CATALOGUE.device_class(Role.DEVICE, "", "breaker").depth_m == 0.090
     assert CATALOGUE.device_class(Role.CONNECTOR, "", "plug").screw_m is None
+
+
+@pytest.mark.parametrize(
+    ("part", "kind", "is_push_in"),
+    [
+        ("PT 2,5", "terminal block", True),
+        ("2002-1301", "terminal block", True),
+        ("", "push-in terminal block", True),
+        ("UT 2,5", "terminal block", False),
+        ("PT100", "sensor", False),
+    ],
+)
+def test_push_in_terminal_blocks_let_ferrules_in_with_a_force_that_their_section_gives(
+    part, kind, is_push_in
+):
+    order = import_qet(HOUSEHOLD.read_bytes(), "house", HOUSEHOLD.name, CATALOGUE).order
+    blocks = tuple(replace(c, part_number=part, kind=kind) for c in order.components)
+    panel = panel_of(board_of(replace(order, components=blocks), CATALOGUE), CATALOGUE)
+    forces = {o.insertion for device in panel.devices for o in device.openings}
+    expected = {CATALOGUE.clamp(wire.section_mm2).insertion_n for wire in panel.wires}
+    assert forces == (expected if is_push_in else {0.0})

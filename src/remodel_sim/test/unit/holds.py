@@ -7,9 +7,10 @@ import numpy as np
 from panels import component, wire
 
 from remodel_sim.core.wires.wire_mechanics import Piece, chain, discretise
-from remodel_sim.physics.fixtures.clamps import close_clamp
+from remodel_sim.physics.fixtures.clamps import Socket, close_clamp
 from remodel_sim.physics.fixtures.clips import add_clip
 from remodel_sim.physics.fixtures.panel_scene import add_plate_surface
+from remodel_sim.physics.fixtures.springs import Springs
 from remodel_sim.physics.robot import HAND_30_N, Robot
 from remodel_sim.physics.wires.cable import SimulatedWire
 from remodel_sim.physics.world import CONTACT_DAMPING, CONTACT_STIFFNESS, World
@@ -30,6 +31,8 @@ WAIT_LIMIT_S = 5.0
 DRIVE_N_M = 4e3
 DRIVE_NS_M = 15.0
 DRIVE_M_S = 0.01
+# How far before the bottom an end is pushed into a spring clamp, and before that measured [m].
+ALMOST_M = 0.001
 GRASP_M = 0.045  # from the tip
 TOOL = ToolPose(0.50, 0.0, 0.10, math.pi / 2)
 
@@ -112,6 +115,51 @@ def clamp_pull_out(retention, rate_hz=240.0):
     held = pull_out(world, cable, WireEnd.A, -into, expected=retention)
     world.close()
     return held
+
+
+def spring_forces(insertion, retention, rate_hz=240.0):
+    """Push an end slowly into a spring clamp and pull it out; return the forces it took [N].
+
+    The first is the mean on its way below the blade, before it meets the bottom.
+    """
+    world = World(rate_hz)
+    world.bullet.setGravity(0, 0, 0)
+    block = component("X", 1, 0.0, 0.0, side=-1, terminals=1)
+    terminal = dataclasses.replace(
+        block.terminals[0], insertion_force=insertion, retention_force=retention
+    )
+    world_from_component = Pose.level(0.5, 0.0, 0.0)
+    body = add_static(world.bullet, component_boxes(block), world_from_component)
+    at = world_from_component @ terminal.component_from_socket
+    specimen = wire("W", ("X", "1"), ("Y", "1"), 0.30)
+    cable = SimulatedWire(world, discretise(specimen, world.time_step), "BU")
+    into = at.rotation[:, 0]
+    tip = at.position + 0.5 * terminal.depth * into
+    cable.lay(tip, math.atan2(-into[1], -into[0]), np.zeros(len(cable.model.spans)))
+    clamps = {}
+    Springs(world, cable, [WireEnd.A], [Socket(terminal, body, lambda: at)], clamps)
+    forces, link = [], cable.ferrule(WireEnd.A)
+    reached = start = float(cable.apex(WireEnd.A) @ into)
+    bottom = float(at.position @ into) + terminal.depth - ALMOST_M
+    for step in range(math.ceil(WAIT_LIMIT_S / world.time_step)):
+        here = float(cable.apex(WireEnd.A) @ into)
+        if here >= bottom:
+            break
+        speed, reached = (here - reached) / world.time_step, here
+        driven = start + DRIVE_M_S * step * world.time_step
+        force = DRIVE_N_M * (driven - here) + DRIVE_NS_M * (DRIVE_M_S - speed)
+        if clamps and here > bottom - ALMOST_M:
+            forces.append(force)
+        world.bullet.applyExternalForce(
+            *link, (force * into).tolist(), cable.link_pose(link)[0].tolist(),
+            world.bullet.WORLD_FRAME,
+        )  # fmt: skip
+        world.step()
+    for _ in range(round(0.5 * rate_hz)):
+        world.step()
+    held = pull_out(world, cable, WireEnd.A, -into, expected=retention)
+    world.close()
+    return float(np.mean(forces)), held
 
 
 def clip_forces(retention, diameter=0.003, rate_hz=240.0):

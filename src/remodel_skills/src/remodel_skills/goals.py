@@ -220,6 +220,14 @@ class InsertGoal:
                 f"end {self.end.value} of {self.cable_id!r} is connector {connector.id!r}; place "
                 "it with PlaceConnector",
             )
+        terminal = panel.component(self.component_id).terminal(self.terminal_id)
+        if self.force_limit <= terminal.insertion_force:
+            raise AbilityError(
+                Code.INVALID_GOAL,
+                f"force_limit is {self.force_limit:.1f} N; the spring of "
+                f"'{self.component_id}/{self.terminal_id}' lets a ferrule in with "
+                f"{terminal.insertion_force:.1f} N: allow more, so that it meets the bottom",
+            )
         check_free(self, self.end, panel, belief, parameters.terminal)
 
 

@@ -177,6 +177,7 @@ class FixtureParameters:
     duct_enough_share: float
     duct_least_share: float
     duct_walls_m: float
+    duct_short_share: float
     tuck_loop_m: float
     tuck_corner_m: float
     tuck_over_rim_m: float

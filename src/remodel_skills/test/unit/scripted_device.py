@@ -112,7 +112,7 @@ class ScriptedGripper:
         self.opened = self.stops_at
 
 
-def before_the_opening(feels):
+def before_the_opening(feels, panel=PANEL):
     """Return the context of a robot that holds end a of W1 in front of its opening, and its arm.
 
     `feels` returns what resists the tip at a depth in the opening [m], in newtons.
@@ -139,7 +139,7 @@ def before_the_opening(feels):
     belief = BeliefState("robot_1", PANDA_AT_ORIGIN)
     robots, traffic = {}, Traffic(PARAMETERS.motion.robots_apart_m)
     robots["robot_1"] = context = RobotContext(
-        *(device, cell, robot, PANEL, belief, robots, traffic, Observers()),
+        *(device, cell, robot, panel, belief, robots, traffic, Observers()),
         parameters=PARAMETERS,
     )
     belief.start_wire(Feed("W1", "A", 1), {})

@@ -69,6 +69,8 @@ def test_a_wire_over_the_rims_or_the_wall_is_out_of_its_ducts(height, aside, is_
         (0.110, 0.50, True),
         (0.190, 1.00, False),
         (0.210, 1.00, True),
+        (0.030, 0.05, True),  # a loop through the far wall, of a wire between facing rows
+        (0.020, 0.05, False),
     ],
 )
 def test_what_the_walls_force_out_of_a_short_route_is_allowed(outside_m, length_m, is_out):

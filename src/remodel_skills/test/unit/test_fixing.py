@@ -3,7 +3,8 @@
 from dataclasses import replace
 
 import pytest
-from scripted_device import PARAMETERS, SOCKET, TERMINAL, before_the_opening
+from panels import with_springs
+from scripted_device import PANEL, PARAMETERS, SOCKET, TERMINAL, before_the_opening
 
 from remodel_skills.abilities.fix_cable import fix_cable
 from remodel_skills.belief_state import EndState
@@ -28,9 +29,12 @@ class Clamp:
         return self.stops
 
 
-def fixed(*, stops):
+def fixed(*, stops, insertion_force=0.0):
     """Fix an end at its bottom, which a spring holds; return the context."""
-    context, arm = before_the_opening(lambda depth: -STIFF_N_M * max(0.0, TERMINAL.depth - depth))
+    context, arm = before_the_opening(
+        lambda depth: -STIFF_N_M * max(0.0, TERMINAL.depth - depth),
+        with_springs(PANEL, insertion_force),
+    )
     context.device = replace(context.device, fixture=Clamp(stops=stops))
     context.drive(tool_before(SOCKET, context.belief.grip, TERMINAL.depth))
     context.belief.engaged = SOCKET
@@ -43,6 +47,11 @@ def test_an_end_whose_clamp_stops_on_it_is_fixed_and_released():
     assert context.belief.ends[WireEnd.A] is EndState.FIXED
     assert context.belief.grip is None
     assert context.commanded.z >= PARAMETERS.motion.travel_z_m - 1e-6
+
+
+def test_a_spring_clamp_is_not_closed_but_pulled_at():
+    context = fixed(stops=False, insertion_force=8.0)
+    assert context.belief.ends[WireEnd.A] is EndState.FIXED
 
 
 def test_a_clamp_that_closes_on_nothing_is_not_seated():

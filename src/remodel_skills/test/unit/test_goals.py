@@ -2,7 +2,7 @@ import math
 
 import numpy as np
 import pytest
-from panels import panel
+from panels import panel, with_springs
 
 from remodel_skills import goals
 from remodel_skills.belief_state import NO_CHANNEL, BeliefState, EndState, Feed, Grip
@@ -24,6 +24,14 @@ def fed_belief():
     belief = BeliefState()
     belief.start_wire(Feed("W1", "A", 1), {})
     return belief
+
+
+def test_a_push_that_its_spring_clamp_would_stop_is_refused():
+    sprung = with_springs(panel(), 12.0)
+    with pytest.raises(AbilityError, match=r"lets a ferrule in with 12\.0 N") as caught:
+        insertion(force_limit=12.0).check(sprung, fed_belief(), PARAMETERS)
+    assert caught.value.code is Code.INVALID_GOAL
+    insertion(force_limit=12.5).check(sprung, fed_belief(), PARAMETERS)
 
 
 def holding(end):

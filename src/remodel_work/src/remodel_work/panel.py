@@ -44,7 +44,8 @@ class PanelTerminal:
     """A clamp: a square, chamfered opening; a header: a row of them; component frame.
 
     `mouth` is the middle of the opening or row, `bore` the width of an opening [m]. `screw` is the
-    middle of the head of the screw that closes it [m]; None where there is none.
+    middle of the head of the screw that closes it [m]; None where there is none. `insertion_force`
+    is that of a spring clamp [N]; 0 where a screw or a lever closes it.
     """
 
     id: str
@@ -57,11 +58,17 @@ class PanelTerminal:
     ways: int = 1
     pitch: float = 0.0
     screw: tuple[float, float, float] | None = None
+    insertion_force: float = 0.0
 
     @property
     def component_from_socket(self) -> Pose:
         """The opening's frame, in the middle of a row: x points into the terminal."""
         return Pose.level(*self.mouth, self.insertion_yaw)
+
+    @property
+    def closes_itself(self) -> bool:
+        """Whether a spring holds an end as soon as it is in."""
+        return self.insertion_force > 0.0
 
     @property
     def is_header(self) -> bool:

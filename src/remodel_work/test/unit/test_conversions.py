@@ -42,6 +42,12 @@ def test_a_terminal_has_a_screw_only_where_the_message_says_its_place():
     assert [t.screw for t in component.terminals] == [(0.03, 0.01, 0.045), None]
 
 
+def test_a_terminal_closes_by_itself_if_the_message_says_with_what_force():
+    clamps = [Terminal(id="1", insertion_force=12.0), Terminal(id="2")]
+    (component,) = panel_of(components=[Component(id="X1", terminals=clamps)]).components
+    assert [t.closes_itself for t in component.terminals] == [True, False]
+
+
 def test_a_wire_knows_its_route_its_ducts_and_where_it_is_presented():
     routed = Wire(
         id="W1",

@@ -53,6 +53,7 @@ class Bar:
         keys: Keys,
         dialog: Callable[[str], AbstractContextManager[ui.dialog]],
         on_hidden: Callable[[bool], None],
+        on_layout: Callable[[], None],
         *,
         user: User,
         signs_in: bool,
@@ -66,6 +67,7 @@ class Bar:
             keys: those of the page, for the list.
             dialog: opens a dialog of a name.
             on_hidden: gets whether the page is in the background, whenever that changes.
+            on_layout: opens what arranges the page.
             user: of the page; without a name, one can be typed.
             signs_in: a user who has a name has signed in here, and can sign out.
             is_operator: the user may give the page's commands.
@@ -100,6 +102,7 @@ class Bar:
                 if signs_in:
                     _icon("logout", "Sign out", lambda: ui.navigate.to(LEAVE))
             _icon("notifications", "Notifications", self._ask_notifications)
+            self._layout = _icon("dashboard_customize", "Layout", on_layout)
             _icon("contrast", "Dark or light", self._toggle_dark)
             _icon("keyboard", "Keys (?)", self.show_keys)
 
@@ -107,6 +110,10 @@ class Bar:
     def is_dark(self) -> bool:
         """Return whether the dark theme is shown."""
         return bool(self._dark.value)
+
+    def offer_layout(self, *, is_offered: bool) -> None:
+        """Show the button that arranges the page only where there is something to arrange."""
+        self._layout.set_visibility(is_offered)
 
     def show_waiting(self, cards: tuple[Card, ...]) -> None:
         """Draw attention to what waits for a person."""
@@ -129,11 +136,11 @@ class Bar:
 
     def _set_single_keys(self, on: bool) -> None:
         self.has_single_keys = on
-        _set_cookie(KEYS_COOKIE, "on" if on else "off")
+        set_cookie(KEYS_COOKIE, "on" if on else "off")
 
     def _toggle_dark(self) -> None:
         self._dark.value = not self._dark.value
-        _set_cookie(DARK_COOKIE, _DEEDS[bool(self._dark.value)])
+        set_cookie(DARK_COOKIE, _DEEDS[bool(self._dark.value)])
 
     def _ask_name(self) -> None:
         with self._dialog("Operator") as dialog:
@@ -144,7 +151,7 @@ class Bar:
             def take() -> None:
                 self.name = tidy_name(entry.value or "")
                 self._who.text = self.name or "Your name"
-                _set_cookie(NAME_COOKIE, self.name)
+                set_cookie(NAME_COOKIE, self.name)
                 dialog.close()
 
             entry.on("keydown.enter", take)
@@ -158,21 +165,21 @@ class Bar:
 
             def take() -> None:
                 self._notify, self._sound = bool(notify.value), bool(sound.value)
-                _set_cookie(NOTIFY_COOKIE, "on" if self._notify else "off")
-                _set_cookie(SOUND_COOKIE, "on" if self._sound else "off")
+                set_cookie(NOTIFY_COOKIE, "on" if self._notify else "off")
+                set_cookie(SOUND_COOKIE, "on" if self._sound else "off")
                 self._attention.configure(notify=self._notify, sound=self._sound)
 
             notify.on_value_change(take)
             sound.on_value_change(take)
 
 
-def _icon(icon: str, title: str, deed: Callable[[], None]) -> None:
-    ui.button(icon=icon, on_click=deed, color=None).props(
-        f'flat dense round title="{title}" aria-label="{title}"'
-    )
+def _icon(icon: str, title: str, deed: Callable[[], None]) -> ui.button:
+    button = ui.button(icon=icon, on_click=deed, color=None)
+    return button.props(f'flat dense round title="{title}" aria-label="{title}"')
 
 
-def _set_cookie(name: str, value: str) -> None:
+def set_cookie(name: str, value: str) -> None:
+    """Have the browser keep a setting for a year."""
     ui.run_javascript(
         f"document.cookie = '{name}=' + encodeURIComponent({json.dumps(value)}) "
         f"+ '; path=/; max-age={_YEAR_S}; SameSite=Strict'"

@@ -18,6 +18,7 @@ from remodel_console.core.commands import Command, Verb
 from remodel_console.core.inbox import Card, Kind, Option, cards
 from remodel_console.core.world import Part, World
 from remodel_console.session import Session
+from remodel_console.web.arrangement import Arrangement
 from remodel_console.web.bar import Bar
 from remodel_console.web.broadcast import Broadcast
 from remodel_console.web.guard import user_of
@@ -55,12 +56,16 @@ class Page:
         ui.page_title(f"{title} · REMODEL")
         ui.run_javascript("watchConnection()")
         ui.colors(primary=_ACCENT)
+        self._arrangement = Arrangement(
+            title, request.cookies, self.dialog, lambda: self.set_in_view(not self._is_hidden)
+        )
         self._bar = Bar(
             title,
             request.cookies,
             (*self.KEYS, _CONFIRM),
             self.dialog,
             self._set_hidden,
+            self._arrangement.ask,
             user=self._user,
             signs_in=not console.door.user_header,
             is_operator=self.is_operator,
@@ -73,6 +78,7 @@ class Page:
             ui.label(title)
         with ui.element("div").classes("page"):
             self.build()
+        self._bar.offer_layout(is_offered=bool(self._arrangement))
         typed_in = ["input", "select", "textarea"]
         ui.keyboard(on_key=self._on_key, repeating=False, ignore=typed_in)
         broadcast.add(ui.context.client, self._show)

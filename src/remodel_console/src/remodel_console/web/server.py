@@ -31,6 +31,7 @@ _HEAD = (
     '<link rel="stylesheet" href="/console/console.css">'
     '<script src="/console/connection.js"></script>'
     '<script src="/console/menus.js"></script>'
+    '<script src="/console/splitters.js"></script>'
 )
 _PNG = b"\x89PNG"  # how such a file begins
 # A drawing has names out of a file; whatever they are, it runs no script.

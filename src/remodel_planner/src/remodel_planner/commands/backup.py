@@ -1,4 +1,4 @@
-"""`planner backup FILE`: back the production database up while it is in use."""
+"""`remodel backup FILE`: back the production database up while it is in use."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from remodel_production.edge.database.database_backup import back_up
 def main(arguments: list[str] | None = None) -> int:
     """Write the backup, and return the exit code."""
     parser = argparse.ArgumentParser(
-        prog="planner backup",
+        prog="remodel backup",
         description="Back the production database up as it is at one moment; it may be in use. "
         "PostgreSQL needs pg_dump.",
         epilog="Exit code: 0 done, 1 refused or failed, 2 wrong usage.",

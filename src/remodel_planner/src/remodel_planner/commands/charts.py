@@ -1,4 +1,4 @@
-"""`planner charts ORDER PLAN.json`: make a state chart of each task of a plan."""
+"""`remodel charts ORDER PLAN.json`: make a state chart of each task of a plan."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ from remodel_planning.edge.chart_folder import keep_chart
 def main(arguments: list[str] | None = None) -> int:
     """Write the charts, print one line a task, and return the exit code."""
     parser = argparse.ArgumentParser(
-        prog="planner charts",
+        prog="remodel charts",
         description="Write the state chart of each task, in the order of a plan. A chart that is "
         "there already, unchanged, is left alone.",
         epilog="Exit code: 0 written, 1 the plan is not valid, or refused (a file is malformed "

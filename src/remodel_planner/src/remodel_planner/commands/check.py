@@ -1,4 +1,4 @@
-"""`planner check INSTANCE.json PLAN.json`: check a plan."""
+"""`remodel check INSTANCE.json PLAN.json`: check a plan."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ from remodel_planning.core.plan.checker import Verdict, check
 def main(arguments: list[str] | None = None) -> int:
     """Check the plan, print the verdict as JSON, and return the exit code."""
     parser = argparse.ArgumentParser(
-        prog="planner check",
+        prog="remodel check",
         description="Check a plan against its problem with code that the search does not share.",
         epilog="Exit code: 0 valid, 1 not valid, or refused (a file is malformed), 2 wrong usage.",
     )

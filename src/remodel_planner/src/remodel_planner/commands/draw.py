@@ -1,4 +1,4 @@
-"""`planner draw INSTANCE.json PLAN.json`: draw a plan."""
+"""`remodel draw INSTANCE.json PLAN.json`: draw a plan."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ from remodel_production.edge.text_file import write_text
 def main(arguments: list[str] | None = None) -> int:
     """Write the drawing, and return the exit code."""
     parser = argparse.ArgumentParser(
-        prog="planner draw",
+        prog="remodel draw",
         description="Draw what each arm does when, and the panel with its wires in their order.",
         epilog="Exit code: 0 drawn, 1 the plan is not valid, or refused (a file is malformed "
         "or cannot be written), 2 wrong usage.",

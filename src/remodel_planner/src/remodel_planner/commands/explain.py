@@ -1,4 +1,4 @@
-"""`planner explain INSTANCE.json PLAN.json`: explain a plan, or a run."""
+"""`remodel explain INSTANCE.json PLAN.json`: explain a plan, or a run."""
 
 from __future__ import annotations
 
@@ -32,11 +32,11 @@ def main(arguments: list[str] | None = None) -> int:
 
         return explain_run.main(words)
     parser = argparse.ArgumentParser(
-        prog="planner explain",
+        prog="remodel explain",
         description="Print what a plan costs, which preferences it violates, why, and what "
         "satisfying each of them would cost.",
-        usage="planner explain RUN [--database URL]\n"
-        "       planner explain [OPTIONS] [INSTANCE] PLAN",
+        usage="remodel explain RUN [--database URL]\n"
+        "       remodel explain [OPTIONS] [INSTANCE] PLAN",
         epilog="With the number of a run, print what was done in it, what failed, what was decided "
         "and why. Exit code: 0 explained, 1 the plan is not valid, or refused (a file is "
         "malformed), 2 wrong usage.",

@@ -1,4 +1,4 @@
-"""`planner export INSTANCE --format pddl`: write a problem for other planners."""
+"""`remodel export INSTANCE --format pddl`: write a problem for other planners."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ _NUMERIC = "planbench"
 def main(arguments: list[str] | None = None) -> int:
     """Write the files, name them, and return the exit code."""
     parser = argparse.ArgumentParser(
-        prog="planner export",
+        prog="remodel export",
         description="Write a problem, and a plan of it if one is given. As PDDL with action costs "
         "or as HDDL, a problem of one arm: domain.FORMAT, problem.FORMAT, plan.txt; costs of plans "
         "are equal, to the unit. As planbench, any problem in the form of docs/planning.md: "

@@ -1,4 +1,4 @@
-"""`planner import FILE`: read a design file into the production database."""
+"""`remodel import FILE`: read a design file into the production database."""
 
 from __future__ import annotations
 
@@ -55,7 +55,7 @@ from remodel_production.errors import DesignError, PlannerError, blamed
 def main(arguments: list[str] | None = None) -> int:
     """Import, report what was read, assumed and left out, and return the exit code."""
     parser = argparse.ArgumentParser(
-        prog="planner import",
+        prog="remodel import",
         description="Read a design file into the production database: a QElectroTech project, a "
         "KBL, VEC or WireViz harness, a from-to list (CSV or XLSX), or a file of an importer "
         "plug-in's format.",

@@ -1,4 +1,4 @@
-"""`planner layout ORDER`: draw where an order's components and wires are, or write its panel."""
+"""`remodel layout ORDER`: draw where an order's components and wires are, or write its panel."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ from remodel_supervision.ros.peers.board_message import board_message, panel_tex
 def main(arguments: list[str] | None = None) -> int:
     """Write the drawing, and return the exit code."""
     parser = argparse.ArgumentParser(
-        prog="planner layout",
+        prog="remodel layout",
         description="Draw the board of an order: components, ducts or bundles, clips and wires; or "
         "write it as the panel that a cell builds.",
         epilog="Exit code: 0 written, 1 no such order or a file cannot be written, 2 wrong usage.",

@@ -1,4 +1,4 @@
-"""`planner plan INSTANCE.json`: plan the wiring of a panel."""
+"""`remodel plan INSTANCE.json`: plan the wiring of a panel."""
 
 from __future__ import annotations
 
@@ -40,7 +40,7 @@ from remodel_production.errors import InfeasibleError
 def main(arguments: list[str] | None = None) -> int:
     """Plan, check the plan, write it, and return the exit code."""
     parser = argparse.ArgumentParser(
-        prog="planner plan",
+        prog="remodel plan",
         description="Plan the wiring of a panel with one or two arms. The first plan is written at "
         "once and replaced by better ones only when the time is over, the target is reached, or "
         "the command gets SIGINT or SIGTERM.",
@@ -137,7 +137,7 @@ def _plan(options: argparse.Namespace) -> None:
         if len(cable.parts) > 1:
             print(cable)
     if triage is not None:
-        print_triage(triage, "planner tasks")
+        print_triage(triage, "remodel tasks")
 
 
 def _ending(result: Result, limits: Limits) -> str:

@@ -1,4 +1,4 @@
-"""`planner product SERIAL`: export what was done to a product."""
+"""`remodel product SERIAL`: export what was done to a product."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ from remodel_supervision.edge.run_log import RunLog
 def main(arguments: list[str] | None = None) -> int:
     """Write the record of a product, and return the exit code."""
     parser = argparse.ArgumentParser(
-        prog="planner product",
+        prog="remodel product",
         description="Export what was done to a product: each operation with its run, attempt, "
         "goal, parameters, measurements and result, and each answer of an operator. "
         "docs/production-database.md explains the columns.",

@@ -1,4 +1,4 @@
-"""`planner restore FILE`: put a backup in the place of the production database."""
+"""`remodel restore FILE`: put a backup in the place of the production database."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from remodel_production.edge.database.database_backup import restore
 def main(arguments: list[str] | None = None) -> int:
     """Restore the backup, and return the exit code."""
     parser = argparse.ArgumentParser(
-        prog="planner restore",
+        prog="remodel restore",
         description="Verify a backup of the production database, and put it in its place. It is "
         "refused while a supervisor owns a cell of that database. PostgreSQL needs psql.",
         epilog="Exit code: 0 done, 1 refused or failed, 2 wrong usage.",

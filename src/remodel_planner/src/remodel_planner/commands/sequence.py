@@ -1,4 +1,4 @@
-"""`planner sequence INSTANCE.dzn`: order the insertions of a cable tree."""
+"""`remodel sequence INSTANCE.dzn`: order the insertions of a cable tree."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ _STATUS = {
 def main(arguments: list[str] | None = None) -> int:
     """Search, check what is found, print it, and return the exit code."""
     parser = argparse.ArgumentParser(
-        prog="planner sequence",
+        prog="remodel sequence",
         description="Find the order in which the ends of a harness's cables are inserted (Cable "
         "Tree Wiring). SIGINT or SIGTERM stops the search and prints the best order so far.",
         epilog="Exit code: 0 found, or proved that there is none; 1 refused (the file is "

@@ -1,4 +1,4 @@
-"""`planner tasks ORDER`: print how the tasks of an order decompose."""
+"""`remodel tasks ORDER`: print how the tasks of an order decompose."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from remodel_planning.core.decomposition.outline import outline_of_order
 def main(arguments: list[str] | None = None) -> int:
     """Print the decompositions, and return the exit code."""
     parser = argparse.ArgumentParser(
-        prog="planner tasks",
+        prog="remodel tasks",
         description="Print the actions of each task of an order, how long they are expected to "
         "take, which methods were rejected, and why.",
         epilog="Exit code: 0 printed, 1 refused (a file is malformed, or no method does a task), "

@@ -52,11 +52,13 @@ class ClampSize:
         pitch_m: [m] from clamp to clamp.
         chamfer_m: [m] by which the opening is wider at its front, on each side.
         retention_n: [N] that a closed clamp withstands.
+        insertion_n: [N] with which a spring clamp lets a ferrule in.
     """
 
     pitch_m: float
     chamfer_m: float
     retention_n: float
+    insertion_n: float
 
 
 @dataclass(frozen=True)
@@ -91,7 +93,8 @@ class DeviceClass:
         depth_m: across the rail.
         height_m: above the plate.
         opening_m: height of the openings above the plate.
-        screw_m: how far behind its opening the screw of a clamp is; None: it closes by itself.
+        screw_m: how far behind its opening the screw of a clamp is; None: it has none.
+        has_springs: whether its clamps are springs that hold a ferrule as it enters.
     """
 
     role: Role
@@ -101,6 +104,7 @@ class DeviceClass:
     height_m: float
     opening_m: float
     screw_m: float | None
+    has_springs: bool = False
 
 
 @dataclass(frozen=True)
@@ -327,6 +331,7 @@ def catalogue_from(data: Mapping[str, Any], materials: WireMaterials) -> Catalog
             height_m=float(row["height"]),
             opening_m=float(row["opening"]),
             screw_m=float(row["screw"]) if "screw" in row else None,
+            has_springs=row.get("spring", False),
         )
         for row in data["devices"]
     )
@@ -356,6 +361,7 @@ def catalogue_from(data: Mapping[str, Any], materials: WireMaterials) -> Catalog
                 pitch_m=float(row["pitch"]),
                 chamfer_m=float(row["chamfer"]),
                 retention_n=float(row["retention"]),
+                insertion_n=float(row["insertion"]),
             )
             for section, row in data["clamps"]["sections"].items()
         },

@@ -1,4 +1,4 @@
-"""The wire that is being placed, with the clamps and latches that hold it."""
+"""The wire that is being placed, with the clamps, springs and latches that hold it."""
 
 from __future__ import annotations
 
@@ -7,8 +7,9 @@ from dataclasses import dataclass, field
 
 from remodel_sim.core.wires.hanging_loop import HeldEnd, hanging_loop
 from remodel_sim.core.wires.wire_mechanics import discretise
-from remodel_sim.physics.fixtures.clamps import Clamp
-from remodel_sim.physics.fixtures.latches import Header, Latch
+from remodel_sim.physics.fixtures.clamps import Holding, Socket
+from remodel_sim.physics.fixtures.latches import Latch
+from remodel_sim.physics.fixtures.springs import Springs
 from remodel_sim.physics.wires.cable import SimulatedWire
 from remodel_sim.physics.world import World
 from remodel_work.connector_shape import connector_solids
@@ -23,8 +24,9 @@ class LiveWire:
 
     wire: PanelWire
     cable: SimulatedWire
-    clamps: dict[WireEnd, Clamp] = field(default_factory=dict)
+    clamps: dict[WireEnd, Holding] = field(default_factory=dict)
     latches: tuple[Latch, ...] = ()
+    springs: Springs | None = None
 
     @property
     def fixed(self) -> frozenset[WireEnd]:
@@ -36,19 +38,27 @@ class LiveWire:
         """The wire as it would be parked now."""
         return ParkedWire(self.cable.nodes(), self.fixed)
 
-    def watch_headers(
-        self, world: World, headers_of: Callable[[Connector], Sequence[Header]]
+    def watch(
+        self,
+        world: World,
+        headers_of: Callable[[Connector], Sequence[Socket]],
+        springs: Sequence[Socket],
     ) -> None:
-        """Monitor the headers that the wire's connectors fit into, so that they latch."""
+        """Monitor what holds an end as it enters: headers that its connectors fit into, springs."""
         self.latches = tuple(
             Latch(world, self.cable, connector, headers_of(connector), clamps=self.clamps)
             for connector in self.wire.connectors
         )
+        ends = [end for end in WireEnd if self.wire.connector_at(end) is None]
+        if springs and ends:
+            self.springs = Springs(world, self.cable, ends, springs, self.clamps)
 
     def remove(self) -> None:
         """Take the wire out of the world."""
         for latch in self.latches:
             latch.remove()
+        if self.springs is not None:
+            self.springs.remove()
         for clamp in self.clamps.values():
             clamp.release_constraint()
         self.cable.remove()

@@ -20,8 +20,7 @@ from remodel_sim.core.wires.wire_mechanics import discretise
 from remodel_sim.physics import cameras
 from remodel_sim.physics.device import SimulatedArm, SimulatedCamera, SimulatedGripper
 from remodel_sim.physics.feeder import lay
-from remodel_sim.physics.fixtures.clamps import close_clamp
-from remodel_sim.physics.fixtures.latches import Header
+from remodel_sim.physics.fixtures.clamps import Socket, close_clamp
 from remodel_sim.physics.fixtures.panel_scene import PanelScene
 from remodel_sim.physics.live_wire import LiveWire, bent_cable
 from remodel_sim.physics.magazine import present
@@ -40,7 +39,7 @@ from remodel_work.edge.cell_file import read_cell
 from remodel_work.errors import PanelError
 from remodel_work.geometry import Array, Pose
 from remodel_work.openings import TerminalKey
-from remodel_work.panel import Channel, Connector, Panel, PanelWire, WireEnd
+from remodel_work.panel import Channel, Connector, Panel, PanelTerminal, PanelWire, WireEnd
 from remodel_work.placed_wires import ParkedWire
 from remodel_work.robot.arm import ToolPose
 
@@ -228,7 +227,7 @@ class SimulatedPlant:
             )
         self.live = LiveWire(wire, cable)
         self._let_rest()
-        self.live.watch_headers(self.world, self._headers)
+        self.live.watch(self.world, self._headers, self._springs())
         return presentation
 
     def _lay(self, wire: PanelWire, channel_id: str) -> tuple[SimulatedWire, Presentation]:
@@ -269,7 +268,7 @@ class SimulatedPlant:
         self._build(tools)
         wire = self.panel.wire(wire_id)
         self.live = LiveWire(wire, bent_cable(self.world, wire, parked.nodes))
-        self.live.watch_headers(self.world, self._headers)
+        self.live.watch(self.world, self._headers, self._springs())
         for latch in self.live.latches:
             latch.hold()
         for end in sorted(parked.fixed - self.live.fixed, key=lambda end: end.value):
@@ -315,17 +314,24 @@ class SimulatedPlant:
             self.live.remove()
             self.live = None
 
-    def _headers(self, connector: Connector) -> list[Header]:
+    def _headers(self, connector: Connector) -> list[Socket]:
         """Return the headers that a connector fits into."""
+        return self._sockets(connector.fits)
+
+    def _springs(self) -> list[Socket]:
+        """Return the terminals that hold an end as it enters."""
+        return self._sockets(lambda terminal: terminal.closes_itself)
+
+    def _sockets(self, is_wanted: Callable[[PanelTerminal], bool]) -> list[Socket]:
         return [
-            Header(
+            Socket(
                 terminal,
                 self._scene.body_of(component.id),
                 partial(self.world_from_socket, component.id, terminal.id),
             )
             for component in self.panel.components
             for terminal in component.terminals
-            if connector.fits(terminal)
+            if is_wanted(terminal)
         ]
 
     def move_fork(self, x: float, y: float) -> None:

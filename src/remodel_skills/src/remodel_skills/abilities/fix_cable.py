@@ -1,5 +1,7 @@
 """FixCable: close the terminal on the inserted end, do a pull test, and release it.
 
+A spring clamp closed by itself as the end entered: there the pull test alone decides.
+
 Fixed at both ends, a wire stays where it lies: then it is tucked in where it stands out of its
 ducts, and observed from above: whether it lies in its forks and ducts, and whether its first end
 is still in its terminal.
@@ -58,12 +60,13 @@ def fix_cable(context: RobotContext, goal: FixGoal) -> Steps[CableFixed]:
     where = f"'{goal.component_id}/{goal.terminal_id}'"
     context.report(f"closing {where}", 0.1)
     end = belief.grip.end if belief.grip is not None else None
-    closed = context.device.fixture.close_clamp(*key)
+    terminal = context.panel.component(goal.component_id).terminal(goal.terminal_id)
+    closed = terminal.closes_itself or context.device.fixture.close_clamp(*key)
     yield from wait(context, context.parameters.motion.still_s)
     if end is None or not closed:
         raise AbilityError(
             Code.NOT_SEATED,
-            f"the screw of {where} met nothing: the end is not deep enough; extract, locate "
+            f"the clamp of {where} met nothing: the end is not deep enough; extract, locate "
             "again, insert again",
         )
     context.report(f"pulling with {goal.pull_test_force:.0f} N", 0.3)

@@ -151,7 +151,7 @@ def _fix(world: World, cell: str, goal: Goal) -> Effect:
     if world.seat(goal.cable_id, end) != Seat(terminal, False):
         raise AbilityError(
             ErrorCode.NOT_SEATED,
-            f"the screw of {terminal!r} met nothing: end {end} is not in it; insert it first",
+            f"the clamp of {terminal!r} met nothing: end {end} is not in it; insert it first",
         )
     after = _release(world, cell, goal).with_seat(goal.cable_id, end, Seat(terminal, True))
     entry = Entry(Deed.FIX, cell, goal.cable_id, end, terminal=terminal, goal=goal.id)

@@ -308,7 +308,7 @@ def _require_same_use_case(connection: Connection, event: RunBegun) -> None:
     if before != event.use_case:
         raise OrderError(
             f"product {event.serial} was begun by use case {before}, asked for {event.use_case}: "
-            f"continue it by {before}, or wire the next product of the order (run_order --again)"
+            f"continue it by {before}, or wire the next product of the order (remodel run --again)"
         )
 
 

@@ -68,5 +68,5 @@ def _remedy(error: RefusedError, use_case: str) -> str:
         return ""
     return (
         f"\nNothing has moved. Correct the design or use case {use_case}, or choose another cell "
-        "or use case (run_order --use-case)."
+        "or use case (remodel run --use-case)."
     )

@@ -166,6 +166,7 @@ def _component_from(message: object) -> Component:
             ways=max(1, t.ways),
             pitch=t.pitch,
             screw=_unless_all_0(_point(t.screw)),
+            insertion_force=t.insertion_force,
         )
         for t in message.terminals
     )

@@ -78,6 +78,12 @@ class Triage:
     outside: tuple[ByHand, ...] = ()
 
     @property
+    def hand_reasons(self) -> dict[str, str]:
+        """Return why no robot places a wire, by the name of each such wire."""
+        tasks = (*self.by_hand, *self.outside)
+        return {wire: each.reason for each in tasks for wire in each.wires or (each.task,)}
+
+    @property
     def is_long(self) -> bool:
         """Return whether a plan takes minutes: a person says whether it is wanted."""
         return len(self.robot) > _PLANNED_AT_ONCE

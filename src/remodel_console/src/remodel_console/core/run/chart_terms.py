@@ -18,6 +18,7 @@ from flexbe_synthesizer.core.machine.expanded_labels import (
     chooser_label,
     counter_label,
 )
+from remodel_console.core.editor.drawing import drawn_path
 from remodel_console.core.run.structure import Structure
 
 # Events that say that a state, or a behavior, did not do what it should.
@@ -80,6 +81,25 @@ _WHERE = {
     Helper.CHOOSER: ", after a failure",
     Helper.TIMER: ", its time limit",
 }
+
+
+def recorded_state(engine_path: str, drawn: frozenset[str]) -> ChartState:
+    """Return which state of a chart is meant in the record of a run, which has no structure.
+
+    Args:
+        engine_path: as the engine published it, `/Place/Insert_attempts`.
+        drawn: the paths of the chart, `Place/Insert`; without any, the names stay as they are.
+    """
+    path = drawn_path(engine_path, drawn)
+    if not path:
+        return ChartState(engine_path.strip("/"))
+    label, own = engine_path.rpartition("/")[2], path.rpartition("/")[2]
+    helpers = {
+        counter_label(own): Helper.COUNTER,
+        chooser_label(own): Helper.CHOOSER,
+        TIMER: Helper.TIMER,
+    }
+    return ChartState(path, None if label == own else helpers.get(label))
 
 
 def chart_state(engine_path: str, structure: Structure | None) -> ChartState:

@@ -36,6 +36,8 @@ class Entry:
     Attributes:
         position: in the record, from 1 and without gaps.
         time_s: 0 if it is not known.
+        state_path: as the engine has it.
+        state: the same in terms of the chart, as a person reads it.
     """
 
     position: int
@@ -44,6 +46,7 @@ class Entry:
     task: str = ""
     behavior: str = ""
     state_path: str = ""
+    state: str = ""
     ability: str = ""
     fault: str = ""
     error_code: int = 0
@@ -77,6 +80,7 @@ class Moment:
         task: under way; empty between tasks.
         behavior: that ran last in the task; empty if none did.
         state_path: its state that was active, or has failed; empty if none was.
+        state: the same in terms of the chart, as a person reads it.
         passed: states that the task's behavior had entered by then, the active one too.
         feedback: the last feedback of an ability in this state; None without one.
         picture: position of the last picture; 0 if there was none.
@@ -87,6 +91,7 @@ class Moment:
     task: str
     behavior: str
     state_path: str
+    state: str
     passed: tuple[str, ...]
     feedback: Entry | None
     picture: int
@@ -149,24 +154,24 @@ class Record:
 
     def moment(self, index: int) -> Moment:
         """Return what was so after the entry of an index."""
-        task, behavior, path, picture = "", "", "", 0
+        task, behavior, path, state, picture = "", "", "", "", 0
         passed: list[str] = []
         feedback: Entry | None = None
         for entry in self.entries[: index + 1]:
             if entry.task and entry.task != task:
-                task, path, passed, feedback = entry.task, "", [], None
-                behavior = ""
+                task, passed, feedback = entry.task, [], None
+                behavior, path, state = "", "", ""
             if entry.kind is Kind.TASK and not entry.task:
                 task = ""
             if entry.kind is Kind.STATE:
-                path, feedback = entry.state_path, None
+                path, state, feedback = entry.state_path, entry.state, None
                 behavior = entry.behavior or behavior
                 if path and path not in passed:
                     passed.append(path)
             elif entry.kind in (Kind.FEEDBACK, Kind.RESULT):
                 feedback = entry
             elif entry.kind is Kind.FAILURE:
-                path = entry.state_path or path
+                path, state = (entry.state_path, entry.state) if entry.state_path else (path, state)
             picture = entry.position if entry.has_picture else picture
         reasons = tuple(e for e in reversed(self.entries[: index + 1]) if e.kind in REASONS)
         now = self.entries[index]
@@ -175,6 +180,7 @@ class Record:
             task,
             behavior=behavior,
             state_path=path,
+            state=state,
             passed=tuple(passed),
             feedback=feedback,
             picture=picture,

@@ -2,7 +2,12 @@
 
 from __future__ import annotations
 
-from remodel_console.core.use_case.record import Entry, Kind
+from collections.abc import Callable
+from dataclasses import replace
+from functools import cache
+
+from remodel_console.core.run.chart_terms import recorded_state
+from remodel_console.core.use_case.record import Entry, Kind, Record
 from remodel_console.core.use_case.use_case import decision_words, fault_words
 
 KIND_WORDS = {
@@ -18,10 +23,24 @@ KIND_WORDS = {
 }
 
 
+def in_chart_terms(record: Record, paths_of: Callable[[str], frozenset[str]]) -> Record:
+    """Return a record whose entries name states of the charts; `paths_of` a behavior's chart."""
+    paths_of = cache(paths_of)
+    named, behavior = [], ""
+    for entry in record.entries:
+        behavior = entry.behavior or behavior
+        if entry.state_path:
+            state = recorded_state(entry.state_path, paths_of(behavior)).words
+            named.append(replace(entry, state=state))
+        else:
+            named.append(entry)
+    return Record(tuple(named))
+
+
 def entry_words(entry: Entry) -> str:
     """Return an entry as an operator reads it."""
     if entry.kind is Kind.STATE:
-        return entry.state_path or "the behavior has ended"
+        return entry.state or entry.state_path or "the behavior has ended"
     if entry.kind is Kind.FAILURE:
         return f"{fault_words(entry.fault)}: {entry.text}".removesuffix(": ")
     if entry.kind is Kind.DECISION:

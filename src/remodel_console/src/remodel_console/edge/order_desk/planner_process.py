@@ -14,7 +14,7 @@ from pathlib import Path
 from remodel_console.errors import CommandError
 
 # The planner yields to the cell, which may be working on the same computer.
-_COMMAND = ("nice", "-n", "10", "rosrun", "remodel_planner", "planner")
+_COMMAND = ("nice", "-n", "10", "remodel")
 _LIMIT_S = 900.0  # of wall time; the largest harnesses take a minute
 _STAGE = "stage "  # what a line on the standard error begins with that says what a command does
 DATABASE_VARIABLE = "REMODEL_DATABASE"  # other users see a command line, but no environment

@@ -15,7 +15,7 @@ class ClickedBoard(Element, component="../static/board.js"):
         """Show the drawing of an address.
 
         Args:
-            address: of the SVG of `planner layout`.
+            address: of the SVG of `remodel layout`.
             clicked: gets the name of a wire, or the names of all wires of a terminal.
         """
         super().__init__()

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Awaitable, Callable, Sequence
+from collections.abc import Awaitable, Callable, Iterable, Mapping, Sequence
 from functools import partial
 
 from nicegui import ui
@@ -30,15 +30,17 @@ _HINT = "Click wires, or terminals for all their wires, to fill in '{}'; click a
 class EntryDialog:
     """Asks for one entry; clicks on the board go to the field of wires that had the focus last."""
 
-    def __init__(self, page: Page, change: Change, board: str) -> None:
+    def __init__(self, page: Page, change: Change, board: str, by_hand: Mapping[str, str]) -> None:
         """Open it.
 
         Args:
             page: that it is on.
             change: changes the preferences.
             board: address of the drawing; empty if there is none.
+            by_hand: why no robot places a wire: it has no place in a plan.
         """
         self._change = change
+        self._by_hand = by_hand
         self._inputs: dict[str, ui.input] = {}
         self._aimed = ""
         self._board: ClickedBoard | None = None
@@ -103,11 +105,21 @@ class EntryDialog:
         entry = self._inputs.get(self._aimed)
         if entry is None:  # a click that was under way when another kind was chosen
             return
+        placed = [wire for wire in wires if wire not in self._by_hand]
+        self._problem.text = self._hand_words(wires)
+        if not placed:
+            return
         try:
-            entry.value = with_clicked(entry.value or "", wires)
-            self._problem.text = ""
+            entry.value = with_clicked(entry.value or "", placed)
         except CommandError as error:
             self._problem.text = f"{self._aimed}: {error}"
+
+    def _hand_words(self, wires: Iterable[str]) -> str:
+        """Return why wires have no place in a plan; empty if all have one."""
+        found = [
+            f"{wire} is by hand: {self._by_hand[wire]}" for wire in wires if wire in self._by_hand
+        ]
+        return "; ".join(found)
 
     async def _add(self) -> None:
         kind = KINDS[self._kind.value]
@@ -116,6 +128,11 @@ class EntryDialog:
             entry = new_entry(kind, self._name.value or "", texts)
         except CommandError as error:
             self._problem.text = str(error)
+            return
+        named = [wire for field in WIRE_FIELDS for wire in chosen_wires(texts.get(field, "")) or ()]
+        by_hand = self._hand_words(named)
+        if by_hand:
+            self._problem.text = by_hand
             return
         answer = await self._change(
             f"add the preference '{entry['name']}'",

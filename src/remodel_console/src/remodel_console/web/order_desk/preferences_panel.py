@@ -54,7 +54,8 @@ class PreferencesPanel:
             if others:
                 ui.label(f"Also: {', '.join(others)} (Edit all as YAML shows them)").classes("soft")
             with ui.row().classes("controls"):
-                ask = partial(EntryDialog, self._page, self._change, board)
+                by_hand = now.imported.triage.hand_reasons if now.imported.triage else {}
+                ask = partial(EntryDialog, self._page, self._change, board, by_hand)
                 self._page.button("Add an entry", ask, icon="add", look="quiet")
                 edit = partial(self._ask_document, now.preferences)
                 self._page.button("Edit all as YAML", edit, icon="edit", look="quiet")

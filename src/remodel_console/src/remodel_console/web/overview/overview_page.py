@@ -11,6 +11,7 @@ from remodel_console.console import Supervisor
 from remodel_console.core.answer import DONE
 from remodel_console.core.use_case.production import figures
 from remodel_console.core.use_case.use_case import (
+    HandWire,
     Phase,
     UseCase,
     decision_words,
@@ -47,6 +48,8 @@ class OverviewPage(Page):
     def build(self) -> None:
         """Build the order on the left, the cameras in the middle, what happens on the right."""
         self._use_case: UseCase | None = None
+        self._shown: object = None
+        self._hand: tuple[str, tuple[HandWire, ...]] = "", ()
         self._ticked: frozenset[str] = frozenset()
         self._gone = ""
         self._pending: list[str] = []
@@ -54,40 +57,54 @@ class OverviewPage(Page):
         self._wants_pictures = False
         ui.context.client.on_delete(lambda: self._want_pictures(False))
         with ui.element("div").classes("overview"):
+            self._arrangement.splitter("Width of the order", "order", is_column=True)
             with ui.element("section").classes("order").props('tabindex="0" aria-label="Order"'):
                 self._start_card = StartCard(self)
                 self._head_area = ui.element("div").classes("order-head")
                 skip, retry = partial(self._do_task, "skip"), partial(self._do_task, "retry")
                 self._tasks = TaskTable(skip, retry, is_operator=self.is_operator)
                 self._by_hand = HandList(self._tick, is_operator=self.is_operator)
+            part, splitter = self._arrangement.part, self._arrangement.splitter
             with ui.element("section").classes("watch").props('tabindex="0" aria-label="Cell"'):
-                self._cell = LiveCell(self.console)
-                with ui.element("div").classes("cameras"):
+                with part("Cell", "watch"):
+                    self._cell = LiveCell(self.console)
+                with part("Cameras", "watch"), ui.element("div").classes("cameras"):
                     self._cameras = {name: CameraView(*words) for name, *words in _CAMERAS}
-                self._figures = FigureCards()
+                with part("Figures", "watch"):
+                    self._figures = FigureCards()
+            splitter("Width of the activity", "panel", is_column=True)
             with ui.element("aside").classes("panel").props('tabindex="0" aria-label="Activity"'):
-                ui.label("Activity of each level").classes("heading")
-                self._levels = ui.element("div").classes("levels")
-                ui.label("Failures").classes("heading")
-                self._failures = ui.element("div").classes("failures wide")
+                with part("Levels", "panel"):
+                    ui.label("Activity of each level").classes("heading")
+                    self._levels = ui.element("div").classes("levels")
+                with part("Failures", "panel"):
+                    ui.label("Failures").classes("heading")
+                    self._failures = ui.element("div").classes("failures wide")
         self._parts = (self._tasks.area, self._figures.area, self._levels, self._failures)
 
     def show(self, world: World) -> None:
         """Show the parts that have changed."""
         self._cell.follow(world.use_case)
         self._cameras["scene"].set_visibility(not self._cell.is_available)
-        self._want_pictures(not self._cell.is_available)
+        wants = not self._cell.is_available and self._arrangement.is_shown("Cameras")
+        self._want_pictures(wants)
         for camera, view in self._cameras.items():
             picture = self.console.pictures.newest(camera)
             view.show(f"/picture/{camera}?number={picture.number}" if picture else "")
         self._head_area.set_visibility(self._start_card.show(world))
         now = world.use_case or UseCase(Phase.IDLE)
-        ticked = self.console.ticks.of(now.serial)
+        if now.by_hand:
+            self._hand = now.serial, now.by_hand
+        elif now.serial or not all(self._hand):
+            self._hand = self.console.hand_wires.left()
+        product, wires = self._hand  # stays when all are ticked off: a tick may be taken back
+        ticked = self.console.hand_wires.ticked(product)
         words = supervisor_words(world, time_words)
-        shown = (now, ticked, words)
-        if shown == (self._use_case, self._ticked, self._gone):
+        shown = (now, product, ticked, words)
+        if shown == self._shown:
             return
-        before, (self._use_case, self._ticked, self._gone) = self._use_case, shown
+        before, self._shown = self._use_case, shown
+        self._use_case, self._ticked, self._gone = now, ticked, words
         is_current = world.outdated_s is None
         for part in self._parts:
             part.classes(
@@ -95,7 +112,7 @@ class OverviewPage(Page):
             )
         self._show_head()
         self._tasks.show(now.tasks, is_under_way=now.is_under_way and is_current)
-        self._by_hand.show(now.by_hand, ticked)
+        self._by_hand.show(wires, ticked, product, is_before=product != now.serial)
         self._show_levels(now)
         if before is None or before.failures != now.failures:
             self._show_failures(now)
@@ -105,7 +122,7 @@ class OverviewPage(Page):
 
     def set_in_view(self, is_in_view: bool) -> None:
         """Draw the cell, and request pictures of it, only while the page is in view."""
-        self._cell.set_shown(is_in_view)
+        self._cell.set_shown(is_in_view and self._arrangement.is_shown("Cell"))
         if not is_in_view:
             self._want_pictures(False)
 
@@ -255,16 +272,14 @@ class OverviewPage(Page):
 
         self.ask("Stop the run safely? Finished tasks stay done.", "Stop the run", stop)
 
-    async def _tick(self, wire: str, is_placed: bool) -> None:
-        """Tick a wire by hand off, or take its tick back."""
-        product = self._use_case.serial if self._use_case else ""
+    async def _tick(self, product: str, wire: str, is_placed: bool) -> bool:
+        """Tick a wire by hand off, or take its tick back; returns whether that is kept."""
         what = f"wire {wire} of {product} is placed by hand"
         answer = await self.give(
             what if is_placed else f"take back: {what}",
-            lambda: self.console.ticks.tick(product, wire, is_placed=is_placed),
+            lambda: self.console.hand_wires.tick(product, wire, is_placed=is_placed),
         )
-        if answer.state != DONE and self._use_case and not self._head_area.is_deleted:
-            self._by_hand.show(self._use_case.by_hand, self._ticked)
+        return answer.state == DONE
 
     async def _do_task(self, word: str, task: str) -> None:
         def deed(supervisor: Supervisor, by: str) -> str:

@@ -65,15 +65,15 @@ class ComparisonPanel:
     async def _compare(self) -> None:
         self._first = None
         self._area.clear()
-        recorder, other, opened = self._console.recorder, self._other, self._open
-        is_chosen = bool(other) and recorder is not None and opened is not None
+        other, opened = self._other, self._open
+        is_chosen = bool(other) and opened is not None
         self._area.set_visibility(is_chosen)
         self._jump.set_visibility(False)
         self._words.text = ""
-        if not is_chosen or recorder is None or opened is None:
+        if not is_chosen or opened is None:
             return
         try:
-            record = await run.io_bound(recorder.record, other)
+            record = await run.io_bound(self._console.record, other)
         except CommandError as error:
             self._words.text = str(error)
             return

@@ -7,7 +7,6 @@ from nicegui import background_tasks, run, ui
 from remodel_console.core.cell.cell_state import CellState
 from remodel_console.core.cell.recording import Recording
 from remodel_console.core.cell.wire_history import recorded_wire_words
-from remodel_console.core.run.run_words import path_words
 from remodel_console.core.use_case.record import Entry, Moment, Record, Summary
 from remodel_console.core.use_case.record_words import KIND_WORDS, entry_words
 from remodel_console.core.world import ALL_PARTS, World
@@ -59,18 +58,24 @@ class ReplayPage(Page):
                     )
                 self._comparison = ComparisonPanel(self.console, lambda i: self._scrubber.go(i))
             self._scrubber = Scrubber(self._show_moment, self._move)
+            part = self._arrangement.part
+            self._arrangement.splitter("Width of the moment", "panel", is_column=True)
             with ui.element("aside").classes("panel").props('tabindex="0" aria-label="Moment"'):
                 self._now = ui.element("div").classes("wide")
                 self._start = StartHere(self, self._recorded)
-                self._cell = CellPanel(self._scene, self.console.meshes, self._about_wire)
-                self._no_cell = ui.label(_NO_RECORDING).classes("soft")
+                with part("Cell", "panel"):
+                    self._cell = CellPanel(self._scene, self.console.meshes, self._about_wire)
+                    self._no_cell = ui.label(_NO_RECORDING).classes("soft")
                 self._no_cell.set_visibility(False)
-                self._picture = CameraView(
-                    "Last camera picture", "no picture was stored up to this time"
-                )
-                ui.label("Failures and decisions").classes("heading")
-                self._reasons = ui.element("div").classes("failures wide")
-                self._values = ValuePlots()
+                with part("Picture", "panel"):
+                    self._picture = CameraView(
+                        "Last camera picture", "no picture was stored up to this time"
+                    )
+                with part("Failures and decisions", "panel"):
+                    ui.label("Failures and decisions").classes("heading")
+                    self._reasons = ui.element("div").classes("failures wide")
+                with part("Values", "panel"):
+                    self._values = ValuePlots()
         self._has_supervisor = False
 
     def show(self, world: World) -> None:
@@ -83,7 +88,7 @@ class ReplayPage(Page):
 
     def set_in_view(self, is_in_view: bool) -> None:
         """Draw the cell only while the page is in view."""
-        self._cell.set_shown(is_in_view)
+        self._cell.set_shown(is_in_view and self._arrangement.is_shown("Cell"))
 
     def press(self, key: str, *, ctrl: bool) -> None:
         """Move in time."""
@@ -107,12 +112,9 @@ class ReplayPage(Page):
 
     async def _open(self, summary: Summary) -> None:
         """Read the record of a run, and show its beginning."""
-        recorder = self.console.recorder
-        if recorder is None:
-            return
         scenes, of_run = self.console.scenes, (summary.run, summary.order, summary.started_s)
         try:
-            record = await run.io_bound(recorder.record, summary.run)
+            record = await run.io_bound(self.console.record, summary.run)
         except CommandError as error:
             ui.notify(str(error), type="negative")
             return
@@ -151,7 +153,7 @@ class ReplayPage(Page):
         self._index = index
         self._cell.show()
         self._start.show(moment, self.console.live.world)
-        self._where.text = path_words(moment.state_path)
+        self._where.text = moment.state
         self._show_now(moment)
         self._values.move(offset_s)
         if moment.reasons != self._shown_reasons:

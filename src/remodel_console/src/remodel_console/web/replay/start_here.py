@@ -13,7 +13,6 @@ from remodel_console.core.cell.difference import differences
 from remodel_console.core.commands import Command, Verb
 from remodel_console.core.run.order import FULL, Pairs, Start
 from remodel_console.core.run.run_view import Phase
-from remodel_console.core.run.run_words import path_words
 from remodel_console.core.run.state_values import Value
 from remodel_console.core.use_case.record import Moment
 from remodel_console.core.world import World
@@ -89,8 +88,7 @@ class StartHere:
             return
         recorded = self._recorded()
         with page.dialog() as dialog:
-            where = path_words(moment.state_path)
-            ui.label(f"Start '{installed.name}' at {where}").classes("title")
+            ui.label(f"Start '{installed.name}' at {moment.state}").classes("title")
             is_reset = self._cell(dialog, recorded)
             ui.label("Values").classes("heading")
             ui.label(_RESTORED if recorded.values else _UNKNOWN).classes("soft")

@@ -52,12 +52,18 @@ class RuntimePage(Page):
                     "Choose a behavior on the right to draw its state machine here.",
                     lambda path: self._state_panel.pick(path),
                 )
+            part, splitter = self._arrangement.part, self._arrangement.splitter
+            splitter("Width of the commands", "panel", is_column=True)
             self._panel = RunPanel(self, self.order)
             with self._panel.area:
-                self._state_panel = StatePanel(self)
+                with part("State", "panel"):
+                    self._state_panel = StatePanel(self)
                 self._state_panel.drawing = self._drawing
-                self._plots = PlotPanel(self)
-                self._cell = LiveCell(self.console)
+                with part("Plots", "panel"):
+                    self._plots = PlotPanel(self)
+                with part("Cell", "panel"):
+                    self._cell = LiveCell(self.console)
+            splitter("Height of the log", "log", is_column=False)
             with ui.element("section").classes("log-area"):
                 self._log = LogPane()
 
@@ -101,8 +107,8 @@ class RuntimePage(Page):
     def set_in_view(self, is_in_view: bool) -> None:
         """Draw the cell and the plots only while the page is in view."""
         self._is_in_view = is_in_view
-        self._cell.set_shown(is_in_view)
-        self._plots.set_shown(is_in_view)
+        self._cell.set_shown(is_in_view and self._arrangement.is_shown("Cell"))
+        self._plots.set_shown(is_in_view and self._arrangement.is_shown("Plots"))
 
     def press_with_alt(self, key: str) -> None:
         """Command the running behavior."""

@@ -1,4 +1,4 @@
-"""`planner expectations USE_CASE`: print what was learned from runs about abilities."""
+"""`remodel expectations USE_CASE`: print what was learned from runs about abilities."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ from remodel_supervision.edge.recorded_lessons import ability_calls
 def main(arguments: list[str] | None = None) -> int:
     """Print a line for each ability and section, and return the exit code."""
     parser = argparse.ArgumentParser(
-        prog="planner expectations",
+        prog="remodel expectations",
         description="Print how long abilities are expected to take and how often to succeed, as "
         "the use case states it and as learned from recorded runs, and with which parameters; with "
         "the 90 % interval of the belief.",

@@ -1,4 +1,4 @@
-"""`planner explain RUN`: explain a recorded run."""
+"""`remodel explain RUN`: explain a recorded run."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from remodel_supervision.edge.run_log import kept_run
 def main(arguments: list[str]) -> int:
     """Print the explanation of the run, and return the exit code."""
     parser = argparse.ArgumentParser(
-        prog="planner explain",
+        prog="remodel explain",
         description="Print what was done in a recorded run, what failed, what was decided and why.",
         epilog="Exit code: 0 printed, 2 wrong usage, 3 no such run or database.",
     )

@@ -1,4 +1,4 @@
-"""`planner replay RUN`: play a recorded run back, and compare."""
+"""`remodel replay RUN`: play a recorded run back, and compare."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ from remodel_supervision.edge.run_log import KeptEvent, kept_run
 def main(arguments: list[str] | None = None) -> int:
     """Print each event with what came next, and return the exit code."""
     parser = argparse.ArgumentParser(
-        prog="planner replay",
+        prog="remodel replay",
         description="Play a recorded run back: every event with the states that were entered and "
         "what came next, and whether all of it follows from what was before.",
         epilog="Exit code: 0 played back identically, 1 something differs, or no such run or "

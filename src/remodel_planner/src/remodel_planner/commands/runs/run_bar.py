@@ -1,4 +1,4 @@
-"""The bar below the lines of `run_order`: how far the run is, and what it is doing."""
+"""The bar below the lines of `remodel run`: how far the run is, and what it is doing."""
 
 from __future__ import annotations
 

@@ -67,7 +67,7 @@ class RunFollower:
         self._order = order
         self._wires = {wire.name: wire for wire in order.wires}
         self._server = ActionServer(
-            "remodel/run_use_case", RunUseCaseAction, "remodel_planner planner use_case_supervisor"
+            "remodel/run_use_case", RunUseCaseAction, "remodel_planner use_case_supervisor"
         )
         self._published: UseCaseState | None = None
         self._heard_s = time.monotonic()
@@ -96,7 +96,7 @@ class RunFollower:
             CellError: if the supervisor refuses, or dies and does not respawn.
         """
         request = RunUseCaseGoal(
-            id=f"run_order {uuid.uuid4().hex[:8]}",
+            id=f"run {uuid.uuid4().hex[:8]}",
             order=self._order.name,
             use_case=use_case,
             tasks=tasks,

@@ -1,4 +1,4 @@
-"""`planner run_order ORDER`: place an order's wires, and report."""
+"""`remodel run ORDER`: place an order's wires, and report."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ from remodel_supervision.edge.run_log import RunLog
 def main(arguments: list[str] | None = None) -> int:
     """Place the wires, print one line per attempt, write the report, return the exit code."""
     parser = argparse.ArgumentParser(
-        prog="planner run_order",
+        prog="remodel run",
         description="Let the use case supervisor place the wires of an order, and report.",
         epilog="Exit code: 0 all wires placed, 1 not all, or no such order, 2 wrong usage, 3 ROS "
         "master, cell, engine, synthesizer or supervisor is not running or refuses, 130 "
@@ -67,13 +67,13 @@ def main(arguments: list[str] | None = None) -> int:
         stored = database.order(options.order)
         order = stored.in_cabinet()
     except PlannerError as error:
-        print(f"run_order: {error}", file=sys.stderr)
+        print(f"run: {error}", file=sys.stderr)
         return 1
     try:
         require_master(options.wait)
         join_interruptibly("run_order")
     except NoMasterError as error:
-        print(f"run_order: {error}", file=sys.stderr)
+        print(f"run: {error}", file=sys.stderr)
         return 3
     except KeyboardInterrupt:
         return 130
@@ -81,10 +81,10 @@ def main(arguments: list[str] | None = None) -> int:
     try:
         state = follower.run(options.wires, use_case=options.use_case, again=options.again)
     except PlannerError as error:
-        print(f"run_order: {error}", file=sys.stderr)
+        print(f"run: {error}", file=sys.stderr)
         return 3
     except KeyboardInterrupt:
-        print("run_order: interrupted; the supervisor continues the order", file=sys.stderr)
+        print("run: interrupted; the supervisor continues the order", file=sys.stderr)
         return 130
     finally:
         database.close()
@@ -93,14 +93,12 @@ def main(arguments: list[str] | None = None) -> int:
     try:
         print(f"report: {write_report(report, options.output)}")
     except OSError as error:
-        print(f"run_order: the report cannot be written: {error}", file=sys.stderr)
-    explanation = (
-        f"rosrun remodel_planner planner explain {follower.number} --database {options.database}"
-    )
+        print(f"run: the report cannot be written: {error}", file=sys.stderr)
+    explanation = f"remodel explain {follower.number} --database {options.database}"
     print(f"explanation: {explanation}")
     if report.stopped:
         short = abridged(report.stopped)
-        print(f"run_order: {short}", file=sys.stderr)
+        print(f"run: {short}", file=sys.stderr)
         if short != report.stopped:
             print(f"all problems: {explanation}", file=sys.stderr)
         return 3

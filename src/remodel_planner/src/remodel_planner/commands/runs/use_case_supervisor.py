@@ -1,4 +1,4 @@
-"""`planner use_case_supervisor`: carry out orders, across restarts."""
+"""`rosrun remodel_planner use_case_supervisor`: carry out orders, across restarts."""
 
 from __future__ import annotations
 
@@ -37,7 +37,7 @@ from remodel_supervision.supervisors.work import Peers
 def main(arguments: list[str] | None = None) -> int:
     """Serve until ROS shuts this node down, and return the exit code."""
     parser = argparse.ArgumentParser(
-        prog="planner use_case_supervisor",
+        prog="use_case_supervisor",
         description="Carry out orders of the production database: action remodel/run_use_case.",
         epilog="Exit code: 0 ended, 2 wrong usage, no such database or no ROS master, "
         "130 interrupted before it served.",

@@ -54,6 +54,7 @@ class PanelOpening:
     A width, depth, chamfer and force of 0 are not known.
 
     Attributes:
+        insertion: force with which a spring clamp lets a ferrule in [N]; 0 if a screw closes it.
         screw: middle of the head of its screw; None if it has none.
     """
 
@@ -64,6 +65,7 @@ class PanelOpening:
     depth: float
     chamfer: float
     retention: float
+    insertion: float
     screw: Vector | None
 
 
@@ -250,14 +252,15 @@ class _Maker:
         if part.screw_m is not None:
             behind = -part.screw_m if is_top else part.screw_m
             screw = _rounded((up + behind, aside, part.height_m))
-        clamp = (0.0, 0.0, 0.0, 0.0)
+        clamp = (0.0, 0.0, 0.0, 0.0, 0.0)
         if section:
             # A person places a wire beyond the table; its clamp has the size of the nearest one.
             material = self._catalogue.nearest_material(section)
             bore = material.diameter + self._catalogue.clamp_play_m
             depth = material.ferrule_length + self._catalogue.clamp_beyond_ferrule_m
             size = self._catalogue.clamp(section)
-            clamp = (_number(bore), _number(depth), size.chamfer_m, size.retention_n)
+            insertion = size.insertion_n if part.has_springs else 0.0
+            clamp = (_number(bore), _number(depth), size.chamfer_m, size.retention_n, insertion)
         return PanelOpening(
             terminal.name,
             _rounded((up, aside, part.opening_m)),

@@ -49,8 +49,7 @@ def reported() -> Iterator[None]:
 def record_lost(what: str) -> RecordLostError:
     """Return the error about a production database that, for instance, "has no run 12"."""
     return RecordLostError(
-        f"the production database {what}; restore a backup "
-        "(rosrun remodel_planner planner restore FILE)"
+        f"the production database {what}; restore a backup (remodel restore FILE)"
     )
 
 

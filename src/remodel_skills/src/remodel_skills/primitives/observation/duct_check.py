@@ -53,9 +53,12 @@ class Inspection:
     def most_outside_m(self, fixture: FixtureParameters) -> float:
         """Return along how much of its route it may lie outside [m].
 
-        A share of a long route; on a short one, what the walls force out of the ducts.
+        A share of a long route; on a short one, what the walls force out of the ducts, but no
+        more than would leave a part of it in them: slack bulges out through the far wall.
         """
-        return max((1.0 - fixture.duct_least_share) * self.length_m, fixture.duct_walls_m)
+        long_m = (1.0 - fixture.duct_least_share) * self.length_m
+        short_m = (1.0 - fixture.duct_short_share) * self.length_m
+        return max(long_m, min(fixture.duct_walls_m, short_m))
 
 
 def inspect_ducts(context: RobotContext) -> Steps[Inspection | None]:

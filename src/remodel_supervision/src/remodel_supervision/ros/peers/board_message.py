@@ -57,7 +57,7 @@ def board_message(panel: Panel, order: WorkOrder, by_hand: Collection[str] = ())
 def panel_text(message: PanelMsg) -> str:
     """Return the YAML text of a panel's message, without the fields that are 0 or empty."""
     title = (
-        f"# The panel of order {message.name}, as `planner layout` writes it: remodel_msgs/Panel\n"
+        f"# The panel of order {message.name}, as `remodel layout` writes it: remodel_msgs/Panel\n"
         "# in the text form of the message; metres, radians, panel frame.\n"
     )
     return title + yaml.dump(
@@ -128,6 +128,7 @@ def _terminal(opening: PanelOpening, name: str) -> Terminal:
         depth=opening.depth,
         chamfer=opening.chamfer,
         retention_force=opening.retention,
+        insertion_force=opening.insertion,
         screw=Point(*(opening.screw or (0.0, 0.0, 0.0))),
     )
 

@@ -152,7 +152,7 @@ def _whole_order(board: Board, use_case: UseCase) -> WorkOrder:
         raise OrderError(
             f"order {order.name} cannot be run by use case {use_case.name}: its tasks, such as "
             f"{min(others)}, are no wires of the design; run it by a use case of wires "
-            "(designs: {tasks: wires}), or plan it with `planner plan`"
+            "(designs: {tasks: wires}), or plan it with `remodel plan`"
         )
     return order
 

@@ -1,15 +1,12 @@
-"""`rosrun remodel_planner planner SUBCOMMAND`: every command of the planner under one name."""
+"""`remodel SUBCOMMAND`: every command of the project under one name, which is on the PATH."""
 
 from __future__ import annotations
 
 import sys
 from importlib import import_module
-from typing import NoReturn
-
-from remodel_planner.commands.options.entry import run
 
 # Where each command is, and what it does.
-_COMMANDS = {
+COMMANDS = {
     "import": (
         "remodel_planner.commands.import_design",
         "read a design file into the production database",
@@ -29,13 +26,9 @@ _COMMANDS = {
         "remodel_planner.commands.sequence",
         "find the order of insertions of a cable tree",
     ),
-    "run_order": (
+    "run": (
         "remodel_planner.commands.runs.run_order",
         "place the wires of an order in the cell",
-    ),
-    "use_case_supervisor": (
-        "remodel_planner.commands.runs.use_case_supervisor",
-        "carry out orders of the production database (a node)",
     ),
     "replay": ("remodel_planner.commands.runs.replay", "play a recorded run back"),
     "expectations": (
@@ -55,38 +48,28 @@ def main(arguments: list[str] | None = None) -> int:
         print(_usage(), file=sys.stdout if words else sys.stderr)
         return 0 if words else 2
     name, *rest = words
-    if name not in _COMMANDS:
-        known = ", ".join(_COMMANDS)
-        print(f"planner: no subcommand {name}; there are: {known}", file=sys.stderr)
+    if name not in COMMANDS:
+        known = ", ".join(COMMANDS)
+        print(f"remodel: no subcommand {name}; there are: {known}", file=sys.stderr)
         return 2
     return _run(name, rest)
-
-
-def alias(name: str) -> NoReturn:
-    """Run a subcommand by its name of the release before, and exit with its code."""
-    print(
-        f"rosrun remodel_planner {name}: the name is now `rosrun remodel_planner planner {name}`; "
-        "this one goes with the next release",
-        file=sys.stderr,
-    )
-    run(lambda: _run(name, sys.argv[1:]))
 
 
 def _run(name: str, words: list[str]) -> int:
     """Run a subcommand as if it were the program: nodes read the program's arguments, too."""
     sys.argv = [name, *words]
-    return int(import_module(_COMMANDS[name][0]).main())
+    return int(import_module(COMMANDS[name][0]).main())
 
 
 def _usage() -> str:
-    width = max(map(len, _COMMANDS))
-    lines = (f"  {name:{width}}  {what}" for name, (_, what) in _COMMANDS.items())
+    width = max(map(len, COMMANDS))
+    lines = (f"  {name:{width}}  {what}" for name, (_, what) in COMMANDS.items())
     return "\n".join(
         (
-            "usage: planner SUBCOMMAND ...",
+            "usage: remodel SUBCOMMAND ...",
             "",
             *lines,
             "",
-            "`planner SUBCOMMAND --help` prints options and exit codes.",
+            "`remodel SUBCOMMAND --help` prints options and exit codes.",
         )
     )
