@@ -14,16 +14,15 @@ from sensor_msgs.msg import Image
 
 from remodel_console.edge.jpeg import as_jpeg
 from remodel_planning.core.use_case.fault import Do
+from remodel_run.progress import Answer, HandWire
 from remodel_supervision.core.run import Operation
 from remodel_supervision.core.runs.events import (
-    Answer,
     Answered,
     Asked,
     Command,
     Commanded,
     Decided,
     Ending,
-    HandWire,
     Interrupted,
     OperationEnded,
     Part,

@@ -9,9 +9,9 @@ from house import HOUSE, owner_of
 
 from remodel_planner.commands import product
 from remodel_production.edge.database.production_database import ProductionDatabase
+from remodel_run.progress import Answer
 from remodel_supervision.core.run import Operation
 from remodel_supervision.core.runs.events import (
-    Answer,
     Answered,
     Asked,
     Ending,

@@ -7,11 +7,11 @@ from remodel_planner.commands import explain
 from remodel_planner.commands.runs import replay
 from remodel_planning.core.use_case.fault import Do
 from remodel_planning.edge.fault_file import read_faults
-from remodel_production.core.counted import counted
 from remodel_production.edge.database.production_database import ProductionDatabase
+from remodel_run.progress import Answer
+from remodel_run.whole_task import counted
 from remodel_supervision.core.run import Operation
 from remodel_supervision.core.runs.events import (
-    Answer,
     Answered,
     Asked,
     AsLeft,

@@ -9,9 +9,9 @@ from remodel_msgs.msg import TaskState, UseCaseChanges, UseCaseState
 from remodel_msgs.srv import GetTasksRequest
 
 from remodel_planning.core.use_case.fault import Do
+from remodel_run.progress import Answer
 from remodel_supervision.core.run import Operation
 from remodel_supervision.core.runs.events import (
-    Answer,
     Asked,
     Command,
     Commanded,

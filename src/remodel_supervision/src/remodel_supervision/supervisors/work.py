@@ -6,7 +6,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 
 from remodel_planning.core.use_case.fault import FaultTable
-from remodel_supervision.core.runs.events import HandWire
+from remodel_run.progress import HandWire
 from remodel_supervision.edge.work_planner import WorkPlanner
 from remodel_supervision.supervisors.ports import (
     Abilities,

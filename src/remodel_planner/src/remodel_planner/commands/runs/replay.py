@@ -8,7 +8,7 @@ from flexbe_synthesizer.core.chart.chart_reader import parse_chart
 from remodel_planner.commands.options.database_option import add_database_option
 from remodel_planner.commands.options.entry import refuses
 from remodel_planning.edge.fault_file import read_error_names
-from remodel_production.core.counted import counted
+from remodel_run.whole_task import counted
 from remodel_supervision.core.runs.attempts import attempts_of
 from remodel_supervision.core.runs.event_form import kind_of
 from remodel_supervision.core.runs.events import OperationEnded

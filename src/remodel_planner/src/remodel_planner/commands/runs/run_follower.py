@@ -13,8 +13,8 @@ from remodel_msgs.srv import GetTasks
 from remodel_planner.commands.runs.run_bar import RunBar
 from remodel_planner.core.reports.run_report import attempt_result, failure_line
 from remodel_planning.core.use_case.fault import Do
-from remodel_production.core.counted import counted
 from remodel_production.core.production import Order, Wire
+from remodel_run.whole_task import counted
 from remodel_supervision.core.run import Execution
 from remodel_supervision.core.runs.attempts import Attempt, Attempts
 from remodel_supervision.core.runs.events import Event, Planned, RunBegun

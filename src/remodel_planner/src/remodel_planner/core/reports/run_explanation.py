@@ -7,6 +7,7 @@ from datetime import datetime
 
 from remodel_planner.core.reports.run_report import failure_line
 from remodel_planning.core.use_case.fault import FaultTable
+from remodel_run.progress import sums_words
 from remodel_supervision.core.run import Execution
 from remodel_supervision.core.runs.attempts import INTERRUPTED, attempts_of
 from remodel_supervision.core.runs.events import (
@@ -31,7 +32,7 @@ from remodel_supervision.core.runs.events import (
 )
 from remodel_supervision.core.runs.fold import state_after
 from remodel_supervision.core.runs.state import Stage
-from remodel_supervision.core.runs.sums import sums_of, sums_words
+from remodel_supervision.core.runs.sums import sums_of
 
 
 def explain_run(

@@ -13,12 +13,12 @@ from jinja2 import Environment, StrictUndefined
 
 from remodel_planner.core.reports.net_list import Connection, Verdict, share_in_ducts
 from remodel_production.core.production import Order, Wire
-from remodel_production.core.whole_task import WholeTask
+from remodel_run.progress import Sums
+from remodel_run.whole_task import WholeTask
 from remodel_states.core.wires.wire_colours import hex_colours
 from remodel_supervision.core.run import Execution, Operation
 from remodel_supervision.core.runs.attempts import Attempt
 from remodel_supervision.core.runs.events import Part
-from remodel_supervision.core.runs.sums import Sums
 
 INSERTION = "InsertCable"
 

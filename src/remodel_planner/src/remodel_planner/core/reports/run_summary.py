@@ -7,8 +7,8 @@ from collections.abc import Iterator
 
 from remodel_planner.core.reports.net_list import Verdict
 from remodel_planner.core.reports.run_report import Report
-from remodel_production.core.counted import counted
-from remodel_supervision.core.runs.sums import sums_words
+from remodel_run.progress import sums_words
+from remodel_run.whole_task import counted
 
 # Differences from the design that are listed; the report has all of them.
 _LISTED = 8

@@ -6,8 +6,8 @@ from collections import Counter
 from dataclasses import replace
 
 from remodel_production.core.catalogue import Catalogue
-from remodel_production.core.counted import counted
 from remodel_production.core.imports.shared.account import Imported
+from remodel_run.whole_task import counted
 from remodel_states.core.wires.wire_materials import MaterialError
 
 

@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 from remodel_planning.core.use_case.fault import FaultTable
+from remodel_run.progress import Answer
 from remodel_supervision.core.recovery.decide import counted_deeds
-from remodel_supervision.core.runs.events import Answer, Asked
+from remodel_supervision.core.runs.events import Asked
 from remodel_supervision.core.runs.state import RunState
 
 

@@ -11,7 +11,8 @@ from dataclasses import dataclass, field
 from enum import Enum
 
 from remodel_planning.core.use_case.fault import Do
-from remodel_production.core.whole_task import WholeTask, whole_tasks
+from remodel_run.progress import Answer, HandWire
+from remodel_run.whole_task import WholeTask, whole_tasks
 from remodel_supervision.core.run import Operation
 
 # Who decides, when no operator does.
@@ -69,38 +70,6 @@ class Command(Enum):
     STOP = "stop"
     SKIP = "skip"
     RETRY = "retry"
-
-
-class Answer(Enum):
-    """What an operator may answer to a question; remodel_msgs/OperatorQuestion explains each."""
-
-    RETRY = "retry"
-    FIXED = "fixed"
-    MARK_DONE = "mark_done"
-    SKIP = "skip"
-    REPLAN = "replan"
-    STOP = "stop"
-
-
-@dataclass(frozen=True)
-class HandWire:
-    """A wire of the order that no robot of the cell places: a person does.
-
-    Attributes:
-        marker: number of the wire on its markers; empty if the design gives none.
-        a: terminal of end a, such as "Q1/B1".
-        length_m: [m]; 0 if it has no route on the board.
-        reason: why no robot places it, for a person.
-    """
-
-    name: str
-    marker: str
-    a: str
-    b: str
-    colour: str
-    section_mm2: float
-    length_m: float
-    reason: str
 
 
 @dataclass(frozen=True)

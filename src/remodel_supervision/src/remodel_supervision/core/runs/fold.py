@@ -7,11 +7,11 @@ from dataclasses import replace
 from functools import singledispatch
 
 from remodel_planning.core.use_case.fault import Do
+from remodel_run.progress import Answer
 from remodel_states.core.codes import Code
 from remodel_supervision.core.run import EMPTYING, NOTHING_TO_LAY_DOWN, Operation
 from remodel_supervision.core.runs.events import (
     POLICY,
-    Answer,
     Answered,
     Asked,
     AsLeft,

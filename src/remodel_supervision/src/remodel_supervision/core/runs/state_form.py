@@ -13,8 +13,9 @@ from functools import cache
 
 import msgspec
 
+from remodel_run.progress import HandWire
 from remodel_supervision.core.run import Operation
-from remodel_supervision.core.runs.events import Asked, Decided, HandWire, RunEnded
+from remodel_supervision.core.runs.events import Asked, Decided, RunEnded
 from remodel_supervision.core.runs.state import RunState, Stage, TaskProgress
 
 # To be increased when the fold gives other values to the same fields.

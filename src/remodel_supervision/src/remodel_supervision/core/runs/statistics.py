@@ -6,9 +6,11 @@ from collections import Counter, defaultdict
 from collections.abc import Iterable
 from dataclasses import dataclass
 
+from remodel_run.progress import Count, Sums
+from remodel_run.record import Statistics
 from remodel_supervision.core.runs.events import Event, OperationEnded
 from remodel_supervision.core.runs.state import RunState
-from remodel_supervision.core.runs.sums import Count, Sums, count_of, sums_of
+from remodel_supervision.core.runs.sums import count_of, sums_of
 
 _INSERTION = "InsertCable"
 
@@ -33,25 +35,6 @@ class RunStatistics:
     insertions: Counter[str]
     failures: Counter[str]
     done_s: dict[str, float]
-
-
-@dataclass(frozen=True)
-class Statistics:
-    """Of several runs.
-
-    Attributes:
-        sums: (run, its sums) of the runs that have ended a task, oldest first.
-        yields: (run, share of first passes) of the same runs.
-        utilisations: (run, share of time) of the same runs.
-        terminals: (terminal, insertions, failures), those with most failures first.
-        wires: (wire, mean time [s]), the slowest first.
-    """
-
-    sums: tuple[tuple[int, Sums], ...]
-    yields: tuple[tuple[int, float], ...]
-    utilisations: tuple[tuple[int, float], ...]
-    terminals: tuple[tuple[str, int, int], ...]
-    wires: tuple[tuple[str, float], ...]
 
 
 def statistics_of_run(run: int, state: RunState, events: Iterable[Event]) -> RunStatistics:

@@ -8,66 +8,12 @@ neither a first pass nor none, and takes no time here. Wires by hand are no task
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Iterator, Set
-from dataclasses import dataclass
-from enum import Enum
+from collections.abc import Set
 
-from remodel_production.core.counted import counted
+from remodel_run.progress import Count, Sums
+from remodel_run.whole_task import counted
 from remodel_supervision.core.runs.events import RunBegun
 from remodel_supervision.core.runs.state import RunState, Stage, TaskProgress
-
-
-class Count(Enum):
-    """What a task counts for; the values are those of remodel_msgs/TaskState.
-
-    DONE_BEFORE: done by an earlier run of the product, or by another cell. DONE: by this run.
-    SKIPPED: ended, but not done. INTERRUPTED: begun by this run, which has ended before it. OPEN:
-    it waits, or is under way.
-    """
-
-    DONE_BEFORE = "done_before"
-    DONE = "done"
-    SKIPPED = "skipped"
-    INTERRUPTED = "interrupted"
-    OPEN = "open"
-
-
-@dataclass(frozen=True)
-class Sums:
-    """The sums of a run, as of remodel_msgs/RunSums; a cable with its cores is one task.
-
-    Attributes:
-        tasks: of the run: the sum of the five counts after it.
-        by_hand: wires of the order that are left to a person.
-        tried: tasks, each core of a cable its own, that this run began and that have ended.
-        first_passes: of those: done at once, and no operation of them failed.
-        recovered: of those: done though an operation, or an attempt, had failed.
-        done_s: [s] ROS time that the done ones took.
-        taken_s: [s] ROS time that all behaviors of the run took.
-    """
-
-    tasks: int = 0
-    done_before: int = 0
-    done: int = 0
-    skipped: int = 0
-    interrupted: int = 0
-    open: int = 0
-    by_hand: int = 0
-    tried: int = 0
-    first_passes: int = 0
-    recovered: int = 0
-    done_s: float = 0.0
-    taken_s: float = 0.0
-
-    @property
-    def done_in_all(self) -> int:
-        """The number of tasks that are done, by whichever run."""
-        return self.done_before + self.done
-
-    @property
-    def first_pass_yield(self) -> float | None:
-        """The share of first passes among the tasks that were tried, 0 to 1; None without any."""
-        return self.first_passes / self.tried if self.tried else None
 
 
 def count_of(task: TaskProgress, state: RunState) -> Count:
@@ -107,14 +53,6 @@ def sums_of(state: RunState) -> Sums:
     )
 
 
-def sums_words(sums: Sums) -> str:
-    """Return what became of the tasks, for a person; what there is none of is left out."""
-    before = f", {sums.done_before} of them before" if sums.done_before else ""
-    return f"{sums.done_in_all} of {counted(sums.tasks, 'task')} done{before}" + "".join(
-        f", {text}" for text in _others(sums)
-    )
-
-
 def begun_words(event: RunBegun) -> str:
     """Return how many tasks a run begins with, for a person."""
     done = frozenset(event.done)
@@ -125,15 +63,6 @@ def begun_words(event: RunBegun) -> str:
         + (f", {before} of them done before" if before else "")
         + (f", {counted(by_hand, 'wire')} by hand" if by_hand else "")
     )
-
-
-def _others(sums: Sums) -> Iterator[str]:
-    if sums.skipped:
-        yield f"{sums.skipped} skipped"
-    if sums.interrupted:
-        yield f"{sums.interrupted} interrupted"
-    if sums.by_hand:
-        yield f"{counted(sums.by_hand, 'wire')} by hand"
 
 
 def _of_cable(found: Set[Count], *, has_ended: bool) -> Count:

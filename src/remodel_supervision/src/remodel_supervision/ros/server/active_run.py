@@ -8,9 +8,10 @@ import actionlib
 import rospy
 from remodel_msgs.msg import ErrorCode, RunUseCaseFeedback, RunUseCaseGoal, RunUseCaseResult
 
+from remodel_run.progress import sums_words
 from remodel_supervision.core.runs.events import Ending
 from remodel_supervision.core.runs.state import RunState, Stage
-from remodel_supervision.core.runs.sums import sums_of, sums_words
+from remodel_supervision.core.runs.sums import sums_of
 from remodel_supervision.ros.server.run_messages import RunView, levels
 from remodel_supervision.supervisors.use_case_supervisor import UseCaseSupervisor
 

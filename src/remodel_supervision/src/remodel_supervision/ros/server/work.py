@@ -23,8 +23,8 @@ from remodel_production.edge.catalogue_file import read_catalogue
 from remodel_production.edge.database.production_database import ProductionDatabase
 from remodel_production.edge.package_files import catalogue_file
 from remodel_production.errors import OrderError
+from remodel_run.progress import HandWire
 from remodel_supervision.core.learning.experience import Experience
-from remodel_supervision.core.runs.events import HandWire
 from remodel_supervision.edge.escalation_hook import EscalationHook
 from remodel_supervision.edge.recorded_lessons import ability_calls
 from remodel_supervision.edge.task_leases import TaskLeases

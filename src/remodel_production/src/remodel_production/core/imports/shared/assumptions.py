@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 from remodel_production.core.catalogue import Catalogue
-from remodel_production.core.imports.shared.account import UNKNOWN_COLOUR
 from remodel_production.core.imports.shared.colours import colour_code, colour_without_shade
 from remodel_production.core.imports.shared.units import section_mm2
+from remodel_run.findings import UNKNOWN_COLOUR
 
 
 class Assumptions:

@@ -15,7 +15,6 @@ from collections.abc import Iterator
 from lxml import etree
 
 from remodel_production.core.catalogue import Catalogue
-from remodel_production.core.counted import counted
 from remodel_production.core.imports.kbl_routes import ordered_route
 from remodel_production.core.imports.kbl_tree import KblTree, children, text_of
 from remodel_production.core.imports.shared.account import Account, Imported, LeftOut
@@ -43,6 +42,7 @@ from remodel_production.core.production import (
     sealed_kind,
 )
 from remodel_production.errors import DesignError
+from remodel_run.whole_task import counted
 
 ROOT = "VecContent"
 _TYPE = "{http://www.w3.org/2001/XMLSchema-instance}type"

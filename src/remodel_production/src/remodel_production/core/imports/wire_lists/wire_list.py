@@ -9,7 +9,6 @@ from dataclasses import replace
 from itertools import islice
 
 from remodel_production.core.catalogue import Catalogue
-from remodel_production.core.counted import counted
 from remodel_production.core.imports.shared.account import Account, Imported, LeftOut
 from remodel_production.core.imports.shared.assembly import (
     Connection,
@@ -52,6 +51,7 @@ from remodel_production.core.production import (
     sealed_kind,
 )
 from remodel_production.errors import DesignError
+from remodel_run.whole_task import counted
 
 # What stands in a column of seals for none.
 _NONE = frozenset({"", "-", "--", "0", "no", "none", "nein", "non", "n/a", "na"})

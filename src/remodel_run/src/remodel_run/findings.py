@@ -1,63 +1,114 @@
-"""What the planner's commands print with `--json`, as values."""
+"""What the planner finds about an order; its commands print these values with `--json`."""
 
 from __future__ import annotations
 
-import json
 from dataclasses import dataclass, field
 from functools import cached_property
-from typing import Any, TypeVar
+from typing import Any
 
-import msgspec
+from remodel_run.whole_task import WholeTask
 
-from remodel_console.errors import CommandError
-
-T = TypeVar("T")
+# What the line of a colour that is not known says, for which the default is taken.
+UNKNOWN_COLOUR = "is no known colour"
 _PLANNED_AT_ONCE = 3000  # tasks, which are planned in 10 s of CPU time
 
 
 @dataclass(frozen=True)
 class LeftOut:
-    """Something of a file that is not in the order, and why."""
+    """Something of the file that is not in the order, and why."""
 
     source: str
     reason: str
 
+    def __str__(self) -> str:
+        """Return the line for a person."""
+        return f"{self.source}: left out, {self.reason}"
+
 
 @dataclass(frozen=True)
 class Account:
-    """What an import read, assumed and left out; see remodel_production's `Account`."""
+    """What an import read, assumed and left out.
+
+    Attributes:
+        unit: what the format calls a connection, in the plural.
+        connections: number of connections in the file. Each became a wire, was joined with others
+            into wires, or was left out.
+        joined: number of connections that were joined into wires.
+        wires_joined: number of wires that those became.
+        assumptions: one line for each thing that the file does not say.
+        left_out: the other connections.
+        ignored: what is no connection, and is not in the order.
+        unused_columns: of a list, and sheets of a workbook, that the order has nothing of.
+    """
 
     unit: str
     connections: int
-    assumptions: tuple[str, ...] = ()
-    left_out: tuple[LeftOut, ...] = ()
+    assumptions: tuple[str, ...]
+    left_out: tuple[LeftOut, ...]
     ignored: tuple[LeftOut, ...] = ()
     joined: int = 0
     wires_joined: int = 0
     unused_columns: tuple[LeftOut, ...] = ()
 
+    @property
+    def unknown_colours(self) -> tuple[str, ...]:
+        """The assumptions for which a colour that is not known got the default."""
+        return tuple(line for line in self.assumptions if UNKNOWN_COLOUR in line)
+
+    @property
+    def notes(self) -> tuple[str, ...]:
+        """Assumptions and what was left out, a line each."""
+        omitted = (*self.left_out, *self.ignored, *self.unused_columns)
+        return (*self.assumptions, *map(str, omitted))
+
 
 @dataclass(frozen=True)
 class ByHand:
-    """A task that no robot does, and why, with the file and key that decides."""
+    """A task that no robot does, and why.
+
+    Attributes:
+        wires: as of a `WholeTask`.
+        kind: of the reason, which several tasks may have in common; empty: it is theirs alone.
+    """
 
     task: str
+    wires: tuple[str, ...]
     reason: str
-    wires: tuple[str, ...] = ()
+    kind: str = ""
 
     @property
     def words(self) -> str:
-        """Return the task, and the cores of a cable."""
+        """The task, and the cores of a cable."""
         return f"{self.task}: {', '.join(self.wires)}" if len(self.wires) > 1 else self.task
+
+    def __str__(self) -> str:
+        """Return the line for a person."""
+        return f"{WholeTask(self.task, self.wires)}: by hand, {self.reason}"
 
 
 @dataclass(frozen=True)
 class OtherMethod:
-    """Tasks that are done by another method than the preferred one, and why not by that."""
+    """Tasks that are done by another method than the preferred one.
+
+    Attributes:
+        method: the key and the file that states it, such as `methods.pick.thick in cabinet.yaml`.
+        tasks: names of tasks as they are counted.
+        reason: why the first of them is not done by the preferred method.
+    """
 
     method: str
     tasks: tuple[str, ...]
     reason: str
+
+    def __str__(self) -> str:
+        """Return the line for a person."""
+        first, *others = self.tasks
+        which = (
+            f"{len(self.tasks)} by {self.method}, such as {first}"
+            if others
+            else (f"{first} by {self.method}")
+        )
+        return f"{which}: not {self.reason}"
 
 
 @dataclass(frozen=True)
@@ -216,18 +267,3 @@ class NoPlan:
 
     error: str
     conflicts: tuple[tuple[Conflicting, ...], ...] = ()
-
-
-def read_findings(text: str, kind: type[T]) -> T:
-    """Return what a command has printed.
-
-    Raises:
-        CommandError: if it is something else, such as of another version.
-    """
-    try:
-        return msgspec.convert(json.loads(text), kind)
-    except (ValueError, msgspec.ValidationError) as error:
-        raise CommandError(
-            f"the planner's answer cannot be read ({error}): are the console and remodel_planner "
-            "of one version?"
-        ) from error

@@ -42,3 +42,8 @@ def whole_tasks(wires: Iterable[tuple[str, str]]) -> tuple[WholeTask, ...]:
         WholeTask(cable if len(cores) > 1 else cores[0], tuple(cores))
         for (cable, _), cores in found.items()
     )
+
+
+def counted(number: int, noun: str) -> str:
+    """Return a number with its noun, such as "1 wire" or "2 wires"."""
+    return f"{number} {noun}{'' if number == 1 else 's'}"

@@ -1,6 +1,6 @@
 """What is counted as a task."""
 
-from remodel_production.core.whole_task import whole_tasks
+from remodel_run.whole_task import whole_tasks
 
 
 def test_the_cores_of_a_cable_are_one_task_at_the_place_of_the_first():
