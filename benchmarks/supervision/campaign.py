@@ -54,8 +54,8 @@ from remodel_planning.edge.use_case_files import VARIABLE, use_case_folder, use_
 from remodel_production.core.production import TerminalRef
 from remodel_production.edge.database.production_database import ProductionDatabase
 from remodel_states.edge.exported_tables import read_faults
+from remodel_supervision.core.runs.event_table import state_after
 from remodel_supervision.core.runs.events import Event
-from remodel_supervision.core.runs.fold import state_after
 from remodel_supervision.core.runs.state import Stage
 from remodel_supervision.edge.run_log import RunLog
 from remodel_supervision.ros.action_server import ActionServer

@@ -15,8 +15,8 @@ from trial import Trial
 from verdict import cell_s
 
 from remodel_states.testing.world_file import WorldFile
+from remodel_supervision.core.runs.event_table import state_after
 from remodel_supervision.core.runs.events import Event, TaskBegun
-from remodel_supervision.core.runs.fold import state_after
 from remodel_supervision.edge.run_log import RunLog
 from remodel_supervision.ros.peers.cell import Cell
 

@@ -16,6 +16,7 @@ from remodel_console.edge.jpeg import as_jpeg
 from remodel_planning.core.use_case.fault import Do
 from remodel_run.progress import Answer, HandWire
 from remodel_supervision.core.run import Operation
+from remodel_supervision.core.runs.event_table import state_after
 from remodel_supervision.core.runs.events import (
     Answered,
     Asked,
@@ -33,7 +34,6 @@ from remodel_supervision.core.runs.events import (
     TaskBegun,
     TaskEnded,
 )
-from remodel_supervision.core.runs.fold import state_after
 from remodel_supervision.core.runs.state import FINISHED
 from remodel_supervision.core.runs.statistics import joined, statistics_of_run
 from remodel_supervision.ros.server.run_messages import sums_message

@@ -18,7 +18,7 @@ from remodel_console.ros.record_link import summary_of
 from remodel_console.ros.run_values import snapshot_of, use_case_of
 from remodel_planner.core.reports.run_report import report_data
 from remodel_run.progress import Count, HandWire, sums_words
-from remodel_supervision.core.runs.attempts import attempts_of
+from remodel_supervision.core.runs.event_table import attempts_of
 from remodel_supervision.core.runs.events import (
     AsLeft,
     Command,

@@ -14,8 +14,8 @@ from remodel_production.edge.database.production_database import ProductionDatab
 from remodel_production.errors import LostError
 from remodel_supervision.core.learning.experience import Experience
 from remodel_supervision.core.run import Operation
+from remodel_supervision.core.runs.event_table import state_after
 from remodel_supervision.core.runs.events import Commanded, RunBegun
-from remodel_supervision.core.runs.fold import state_after
 from remodel_supervision.core.runs.gate import Permit
 from remodel_supervision.edge.recorded_lessons import ability_calls
 from remodel_supervision.edge.run_log import RunLog

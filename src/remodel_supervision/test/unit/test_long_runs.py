@@ -12,8 +12,8 @@ from sqlalchemy import text
 from remodel_production.edge.database.production_database import ProductionDatabase
 from remodel_production.errors import RecordLostError
 from remodel_supervision.core.runs import state_form
+from remodel_supervision.core.runs.event_table import state_after
 from remodel_supervision.core.runs.events import Interrupted
-from remodel_supervision.core.runs.fold import state_after
 from remodel_supervision.core.runs.state import RunState, Stage
 from remodel_supervision.core.runs.state_form import snapshot_of, state_from
 from remodel_supervision.edge import run_log

@@ -16,8 +16,8 @@ from remodel_states.core.codes import Code
 from remodel_supervision.core.recovery.judge import decide_recovery
 from remodel_supervision.core.recovery.question import question_about
 from remodel_supervision.core.run import Operation
-from remodel_supervision.core.runs.attempts import attempts_of
 from remodel_supervision.core.runs.event_form import data_of, event_from, kind_of
+from remodel_supervision.core.runs.event_table import attempts_of, state_after
 from remodel_supervision.core.runs.events import (
     Answered,
     AsLeft,
@@ -41,7 +41,6 @@ from remodel_supervision.core.runs.events import (
     TaskEnded,
     TaskReturned,
 )
-from remodel_supervision.core.runs.fold import state_after
 from remodel_supervision.core.runs.state import (
     INTERRUPTION_LIMIT,
     PERSON_FIRST,

@@ -15,7 +15,7 @@ from remodel_run.progress import Answer
 from remodel_states.core.codes import Code
 from remodel_supervision.core.learning.learned_responses import TriedResponse
 from remodel_supervision.core.run import Operation
-from remodel_supervision.core.runs.attempts import attempts_of
+from remodel_supervision.core.runs.event_table import attempts_of
 from remodel_supervision.core.runs.events import (
     Answered,
     Command,

@@ -27,8 +27,8 @@ from remodel_production.edge.database.production_models import (
 )
 from remodel_production.errors import OrderError, OwnerError, PlannerError
 from remodel_supervision.core.learning.learned_responses import TriedResponse
+from remodel_supervision.core.runs.event_table import apply_event, state_after
 from remodel_supervision.core.runs.events import Event, PanelLoaded, RunBegun
-from remodel_supervision.core.runs.fold import apply_event, state_after
 from remodel_supervision.core.runs.state import RunState
 from remodel_supervision.core.runs.state_form import snapshot_of, state_from
 from remodel_supervision.edge.event_rows import KeptEvent, add_event, events_between, now

@@ -17,8 +17,8 @@ from remodel_production.core.production import Order, Wire
 from remodel_run.whole_task import counted
 from remodel_supervision.core.run import Execution
 from remodel_supervision.core.runs.attempts import Attempt, Attempts
+from remodel_supervision.core.runs.event_table import count_event, state_after
 from remodel_supervision.core.runs.events import Event, Planned, RunBegun
-from remodel_supervision.core.runs.fold import state_after
 from remodel_supervision.core.runs.state import RunState, Stage
 from remodel_supervision.core.runs.steady_clock import SteadyClock
 from remodel_supervision.core.runs.sums import begun_words
@@ -160,7 +160,7 @@ class RunFollower:
         events = [each.event for each in kept]
         lines = [line for event in events for line in _event_lines(event)]
         for event in events:
-            self._ended.add(event)
+            count_event(event, self._ended)
         state = self._state = state_after(events, self._state)
         attempts = self._ended.ended
         if attempts and state.current and state.tasks[state.current].stage is Stage.FAILED:

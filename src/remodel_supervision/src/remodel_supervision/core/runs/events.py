@@ -179,6 +179,11 @@ class OperationEnded:
     task: str
     operation: Operation
 
+    @property
+    def at_s(self) -> float:
+        """[s] ROS time at which it ended."""
+        return self.operation.ended_s
+
 
 @dataclass(frozen=True)
 class StopReported:

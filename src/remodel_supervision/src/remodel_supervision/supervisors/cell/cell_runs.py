@@ -6,8 +6,8 @@ from collections.abc import Collection
 from typing import Protocol
 
 from remodel_production.errors import LostError, OwnerError, PlannerError, RecordLostError
+from remodel_supervision.core.runs.event_table import state_after
 from remodel_supervision.core.runs.events import RunBegun
-from remodel_supervision.core.runs.fold import state_after
 from remodel_supervision.core.runs.state import RunState
 from remodel_supervision.edge.run_log import RunLog
 from remodel_supervision.errors import CellError, LeavingError

@@ -1,10 +1,11 @@
-"""What is known of a run after some events. Pure: the same events give the same state."""
+"""How each event changes what is known of a run. Pure: the same events give the same state.
+
+`event_table.py` says which event changes it how.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Iterable
 from dataclasses import replace
-from functools import singledispatch
 
 from remodel_planning.core.use_case.fault import Do
 from remodel_run.progress import Answer
@@ -13,23 +14,17 @@ from remodel_supervision.core.run import EMPTYING, NOTHING_TO_LAY_DOWN, Operatio
 from remodel_supervision.core.runs.events import (
     POLICY,
     Answered,
-    Asked,
     AsLeft,
-    Blocked,
     Command,
     Commanded,
     Decided,
     Escalated,
-    Event,
     FeedRefused,
     Interrupted,
     OperationEnded,
-    PanelLoaded,
     Part,
     PartRequested,
-    Planned,
     RunBegun,
-    RunEnded,
     Settled,
     StopReported,
     TaskBegun,
@@ -53,26 +48,8 @@ from remodel_supervision.core.runs.state import (
 )
 
 
-def state_after(events: Iterable[Event], state: RunState | None = None) -> RunState:
-    """Return what is known after some events."""
-    state = state or RunState()
-    for event in events:
-        state = apply_event(event, state)
-    return state
-
-
-def apply_event(event: Event, state: RunState) -> RunState:
-    """Return the state after an event."""
-    return replace(_apply(event, state), events=state.events + 1)
-
-
-@singledispatch
-def _apply(event: Event, state: RunState) -> RunState:
-    raise TypeError(f"no event: {event!r}")
-
-
-@_apply.register
-def _apply_run_begun(event: RunBegun, state: RunState) -> RunState:
+def run_begun(event: RunBegun, state: RunState) -> RunState:
+    """Return the state in which the order of the tasks is to be decided."""
     tasks = {name: TaskProgress(name) for name in event.tasks}
     tasks |= {name: TaskProgress(name, Stage.DONE, by_other=True) for name in event.done}
     return replace(
@@ -91,19 +68,14 @@ def _apply_run_begun(event: RunBegun, state: RunState) -> RunState:
     )
 
 
-@_apply.register
-def _apply_panel_loaded(_: PanelLoaded, state: RunState) -> RunState:
-    return replace(state, keep_panel=True)
-
-
-@_apply.register
-def _apply_part_requested(event: PartRequested, state: RunState) -> RunState:
+def part_requested(event: PartRequested, state: RunState) -> RunState:
+    """Return the state in which a piece of the task may be in the cell."""
     task = replace(state.tasks[event.task], stage=Stage.READY, piece=True)
     return replace(_under_way(state, task), fed=event.task)
 
 
-@_apply.register
-def _apply_feed_refused(event: FeedRefused, state: RunState) -> RunState:
+def feed_refused(event: FeedRefused, state: RunState) -> RunState:
+    """Return the state in which the task has failed without a behavior."""
     task = state.tasks[event.task]
     refused = Operation(
         "", "FeedWire", "refused", event.code, text=event.text, ended_s=event.at_s, elapsed_s=0.0
@@ -120,13 +92,8 @@ def _apply_feed_refused(event: FeedRefused, state: RunState) -> RunState:
     return state.with_task(task, failures=state.failures + 1)
 
 
-@_apply.register
-def _apply_planned(event: Planned, state: RunState) -> RunState:
-    return replace(state, waiting=event.tasks, to_plan="")
-
-
-@_apply.register
-def _apply_task_begun(event: TaskBegun, state: RunState) -> RunState:
+def task_begun(event: TaskBegun, state: RunState) -> RunState:
+    """Return the state in which a behavior of the task runs."""
     task = replace(
         state.tasks[event.task],
         stage=Stage.RUNNING,
@@ -141,16 +108,16 @@ def _apply_task_begun(event: TaskBegun, state: RunState) -> RunState:
     return _under_way(state, task)
 
 
-@_apply.register
-def _apply_operation_ended(event: OperationEnded, state: RunState) -> RunState:
+def operation_ended(event: OperationEnded, state: RunState) -> RunState:
+    """Return the state with one operation more."""
     task, operation = state.tasks[event.task], event.operation
     operations = (*task.operations, operation)
     failures = task.failures + operation.has_failed
     return state.with_task(replace(task, operations=operations, failures=failures))
 
 
-@_apply.register
-def _apply_stop_reported(event: StopReported, state: RunState) -> RunState:
+def stop_reported(event: StopReported, state: RunState) -> RunState:
+    """Return the state in which a person is to answer before anything moves."""
     task = replace(state.tasks[event.task], stopped_by=event.operation)
     if task.stage is Stage.RUNNING:
         return state.with_task(task)  # its behavior is stopped first
@@ -158,8 +125,8 @@ def _apply_stop_reported(event: StopReported, state: RunState) -> RunState:
     return _for_a_person(replace(state, question=None), task)
 
 
-@_apply.register
-def _apply_task_ended(event: TaskEnded, state: RunState) -> RunState:
+def task_ended(event: TaskEnded, state: RunState) -> RunState:
+    """Return the state after a behavior that ended by itself."""
     task = state.tasks[event.task]
     took_s = max(0.0, event.at_s - task.began_s)
     task = replace(task, outcome=event.outcome, cell_s=task.cell_s + took_s)
@@ -184,8 +151,8 @@ def _apply_task_ended(event: TaskEnded, state: RunState) -> RunState:
     return _failed(state, task)
 
 
-@_apply.register
-def _apply_interrupted(event: Interrupted, state: RunState) -> RunState:
+def interrupted(event: Interrupted, state: RunState) -> RunState:
+    """Return the state in which the progress of the task under way is unverified."""
     state = replace(state, interruptions=state.interruptions + 1)
     if not state.current or state.tasks[state.current].stage is not Stage.RUNNING:
         return state
@@ -211,8 +178,8 @@ def _apply_interrupted(event: Interrupted, state: RunState) -> RunState:
     return state.with_task(replace(task, stage=Stage.READY, part=Part.CLEAR, then=then))
 
 
-@_apply.register
-def _apply_settled(event: Settled, state: RunState) -> RunState:
+def settled(event: Settled, state: RunState) -> RunState:
+    """Return the state in which the progress of a task is known, or why it is not."""
     task = replace(state.tasks[event.task], connected=event.connected, unseen=event.unseen)
     is_connected = not event.left and not event.unseen
     if is_connected and not task.misplaced:
@@ -229,19 +196,14 @@ def _apply_settled(event: Settled, state: RunState) -> RunState:
     return state.with_task(replace(task, stage=Stage.READY, part=part))
 
 
-@_apply.register
-def _apply_decided(event: Decided, state: RunState) -> RunState:
+def decided(event: Decided, state: RunState) -> RunState:
+    """Return the state in which a decision is to be acted on."""
     task = state.tasks[event.task]
     return _act(event.do, state, replace(task, decisions=(*task.decisions, event)), event.because)
 
 
-@_apply.register
-def _apply_asked(event: Asked, state: RunState) -> RunState:
-    return replace(state, question=event, questions=event.number)
-
-
-@_apply.register
-def _apply_answered(event: Answered, state: RunState) -> RunState:
+def answered(event: Answered, state: RunState) -> RunState:
+    """Return the state in which an answer is to be acted on."""
     if state.question is None:
         return state
     task = replace(state.tasks[state.question.task], stuck_hand=0, stopped_by=None)
@@ -254,8 +216,8 @@ def _apply_answered(event: Answered, state: RunState) -> RunState:
     return _act(_ANSWERED[event.choice], state, task, because)
 
 
-@_apply.register
-def _apply_escalated(event: Escalated, state: RunState) -> RunState:
+def escalated(event: Escalated, state: RunState) -> RunState:
+    """Return the state in which a question is not waited for any more."""
     if state.question is None or state.question.number != event.number:
         return state
     because = f"question {event.number} was not answered in time"
@@ -263,8 +225,8 @@ def _apply_escalated(event: Escalated, state: RunState) -> RunState:
     return _act(event.do, replace(state, question=None), task, because)
 
 
-@_apply.register
-def _apply_commanded(event: Commanded, state: RunState) -> RunState:
+def commanded(event: Commanded, state: RunState) -> RunState:
+    """Return the state after a command."""
     match event.command:
         case Command.PAUSE:
             return replace(state, paused=True)
@@ -311,8 +273,8 @@ def _then_of_skipped(state: RunState, task: TaskProgress) -> Do | None:
     return Do.SET_ASIDE if task.name in state.skipped else task.then
 
 
-@_apply.register
-def _apply_task_elsewhere(event: TaskElsewhere, state: RunState) -> RunState:
+def task_elsewhere(event: TaskElsewhere, state: RunState) -> RunState:
+    """Return the state in which a task is another cell's."""
     task = state.tasks[event.task]
     stop = state.stop
     if task.stopped_by or (task.stage is Stage.RUNNING and task.needs_person):
@@ -321,22 +283,12 @@ def _apply_task_elsewhere(event: TaskElsewhere, state: RunState) -> RunState:
     return _leave(state, task, stop=stop)
 
 
-@_apply.register
-def _apply_task_returned(event: TaskReturned, state: RunState) -> RunState:
+def task_returned(event: TaskReturned, state: RunState) -> RunState:
+    """Return the state in which a task of another cell is this one's to inspect."""
     task = replace(state.tasks[event.task], stage=Stage.UNVERIFIED, part=Part.AGAIN, piece=True)
     task = replace(task, by_other=False)
     waiting = tuple(name for name in state.waiting if name != task.name)
     return state.with_task(task, waiting=(*waiting, task.name))
-
-
-@_apply.register
-def _apply_blocked(event: Blocked, state: RunState) -> RunState:
-    return replace(state, stop=event.because)
-
-
-@_apply.register
-def _apply_run_ended(event: RunEnded, state: RunState) -> RunState:
-    return replace(state, ended=event)
 
 
 _ANSWERED = {
