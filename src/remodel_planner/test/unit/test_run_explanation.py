@@ -134,7 +134,7 @@ def test_a_run_is_explained_cause_by_cause(keep, url, capsys):
         "        asked for: force_limit 8.0",
         "        found: depth 0.004, peak_force 8.2",
         "    it was insertion_jammed. " + FAULTS["insertion_jammed"].symptoms,
-        "    so: ask operator, since nothing else fits",
+        "    The cell asks you, because nothing else fits.",
         "W1: asked: W1 failed (retry, skip)",
         "ann: answered: retry",
         "W1: inspected: end a connected; 3 steps left",

@@ -12,8 +12,8 @@ from remodel_msgs.srv import GetTasks
 
 from remodel_planner.commands.runs.run_bar import RunBar
 from remodel_planner.core.reports.run_report import attempt_result, failure_line
-from remodel_planning.core.use_case.fault import Do
 from remodel_production.core.production import Order, Wire
+from remodel_run.record import decision_words
 from remodel_run.whole_task import counted
 from remodel_supervision.core.run import Execution
 from remodel_supervision.core.runs.attempts import Attempt, Attempts
@@ -33,19 +33,6 @@ _START_LIMIT_S = 60.0
 # [s] wall time between two reads of what has happened; and that a supervisor may be silent.
 _READ_S = 0.2
 _SILENCE_LIMIT_S = 60.0
-
-# What is done about a failed task, for a person.
-_RESPONSES = {
-    Do.RETRY: "inspecting, then doing what is left",
-    Do.RETRY_WITH: "trying again with other parameters",
-    Do.LOOK_AGAIN: "inspecting from another viewpoint",
-    Do.OTHER_METHOD: "trying another method",
-    Do.NEW_PART: "feeding a new wire",
-    Do.REPLAN: "its turn comes later",
-    Do.SET_ASIDE: "skipped",
-    Do.ASK_OPERATOR: "asking the operator",
-    Do.STOP: "stopping",
-}
 
 
 class RunFollower:
@@ -226,7 +213,8 @@ def attempt_line(attempt: Attempt, wires: dict[str, Wire]) -> str:
     if execution.attempt > 1:
         result += f" at attempt {execution.attempt}"
     if attempt.decision:
-        result += f", {_RESPONSES[attempt.decision.do]} ({attempt.decision.because})"
+        decision = attempt.decision
+        result += f", the cell {decision_words(decision.do.value)} ({decision.because})"
     wire = wires.get(execution.wire)
     about = (
         f"  {wire.a!s:>12} to {wire.b!s:<14} {wire.colour} {wire.section_mm2:g} mm2" if wire else ""

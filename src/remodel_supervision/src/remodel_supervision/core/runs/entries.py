@@ -10,17 +10,9 @@ from collections.abc import Iterable, Iterator
 from remodel_run.record import Entry, Kind
 from remodel_run.whole_task import counted
 from remodel_supervision.core.run import Operation
+from remodel_supervision.core.runs import events
 from remodel_supervision.core.runs.attempts import Attempts
-from remodel_supervision.core.runs.events import (
-    AsLeft,
-    Decided,
-    Interrupted,
-    Settled,
-    StopReported,
-    TaskBegun,
-    TaskElsewhere,
-    TaskEnded,
-)
+from remodel_supervision.core.runs.events import AsLeft
 from remodel_supervision.core.runs.picture_name import seen_by
 
 # Units of what operations measure, by the name of the result's field.
@@ -54,14 +46,14 @@ def of_operator(task: str, text: str, by: str = "") -> list[Entry]:
     return [Entry(0, 0.0, Kind.OPERATOR, task, text=text, because=by)]
 
 
-def task_begun(event: TaskBegun, _: Attempts) -> list[Entry]:
+def task_begun(event: events.TaskBegun, _: Attempts) -> list[Entry]:
     """Return the beginning of a behavior, with what learning chose for it."""
     learned = [f"{each.parameter} {each.value:g} at {each.step}" for each in event.chosen]
     text = ", ".join([f"attempt {event.attempt}: {event.part.value}", *learned])
     return [Entry(0, 0.0, Kind.TASK, event.task, behavior=event.behavior, text=text)]
 
 
-def task_ended(event: TaskEnded, so_far: Attempts) -> list[Entry]:
+def task_ended(event: events.TaskEnded, so_far: Attempts) -> list[Entry]:
     """Return what a behavior did, with its pictures, in the order of time, and how it ended."""
     behavior = so_far.behavior
     pictures = (_picture(event.task, behavior, name) for name in event.pictures)
@@ -70,17 +62,17 @@ def task_ended(event: TaskEnded, so_far: Attempts) -> list[Entry]:
     return [*entries, left, *of_task(event.task, event.outcome)]
 
 
-def interrupted(event: Interrupted, so_far: Attempts) -> list[Entry]:
+def interrupted(event: events.Interrupted, so_far: Attempts) -> list[Entry]:
     """Return what the behavior that was cut off had done."""
     return [*_operations(so_far), *of_run(f"interrupted: {event.because}")]
 
 
-def stop_reported(event: StopReported, so_far: Attempts) -> list[Entry]:
+def stop_reported(event: events.StopReported, so_far: Attempts) -> list[Entry]:
     """Return the operation that was reported late."""
     return list(_operation(event.task, so_far.behavior, event.operation))
 
 
-def settled(event: Settled, _: Attempts) -> list[Entry]:
+def settled(event: events.Settled, _: Attempts) -> list[Entry]:
     """Return what an inspection found."""
     if event.unseen:
         return of_task(event.task, f"the inspection failed: {event.unseen}", event.code)
@@ -90,7 +82,7 @@ def settled(event: Settled, _: Attempts) -> list[Entry]:
     return of_task(event.task, f"inspected: {seen}; {left}", event.code)
 
 
-def decided(event: Decided, _: Attempts) -> list[Entry]:
+def decided(event: events.Decided, _: Attempts) -> list[Entry]:
     """Return a failure, and what was decided about it."""
     failure = Entry(
         0,
@@ -106,7 +98,7 @@ def decided(event: Decided, _: Attempts) -> list[Entry]:
     return [failure, *of_decision(event.task, event.do.value, event.because, event.change)]
 
 
-def task_elsewhere(event: TaskElsewhere, _: Attempts) -> list[Entry]:
+def task_elsewhere(event: events.TaskElsewhere, _: Attempts) -> list[Entry]:
     """Return what another cell has done with a task."""
     cell = f"cell {event.cell}" if event.cell else "another cell"
     return of_task(event.task, f"{cell} {_AS_LEFT[event.as_left]}")

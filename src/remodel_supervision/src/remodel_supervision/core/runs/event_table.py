@@ -11,33 +11,10 @@ from dataclasses import dataclass, replace
 from typing import Any, TypeVar
 
 from remodel_run.record import Entry
-from remodel_supervision.core.runs import entries, transitions
+from remodel_supervision.core.runs import entries, events, transitions
 from remodel_supervision.core.runs.attempts import Attempt, Attempts
 from remodel_supervision.core.runs.entries import of_decision, of_operator, of_run, of_task
-from remodel_supervision.core.runs.events import (
-    Answered,
-    Asked,
-    Blocked,
-    Commanded,
-    Decided,
-    Escalated,
-    Event,
-    FeedRefused,
-    Interrupted,
-    OperationEnded,
-    PanelLoaded,
-    Part,
-    PartRequested,
-    Planned,
-    RunBegun,
-    RunEnded,
-    Settled,
-    StopReported,
-    TaskBegun,
-    TaskElsewhere,
-    TaskEnded,
-    TaskReturned,
-)
+from remodel_supervision.core.runs.events import Event, Part
 from remodel_supervision.core.runs.state import RunState, Stage
 from remodel_supervision.core.runs.step import (
     Ask,
@@ -81,29 +58,29 @@ def _row(
     return kind, Meaning(change, reads, differs, counts)
 
 
-def _is_first(_: RunBegun, state: RunState) -> str:
+def _is_first(_: events.RunBegun, state: RunState) -> str:
     return "" if state == RunState() else "a run begins once"
 
 
-def _is_under_way(event: OperationEnded | TaskEnded, state: RunState) -> str:
+def _is_under_way(event: events.OperationEnded | events.TaskEnded, state: RunState) -> str:
     task = state.tasks.get(event.task)
     is_running = task is not None and task.stage is Stage.RUNNING
     return "" if is_running else f"{event.task} was not under way"
 
 
-def _is_requested(event: FeedRefused, state: RunState) -> str:
+def _is_requested(event: events.FeedRefused, state: RunState) -> str:
     task = state.tasks.get(event.task)
     is_requested = task is not None and task.name == state.current and task.piece
     return "" if is_requested else f"no piece of {event.task} was asked for"
 
 
-def _is_open(event: Escalated, state: RunState) -> str:
+def _is_open(event: events.Escalated, state: RunState) -> str:
     asked = state.question
     is_open = asked is not None and (asked.number, asked.task) == (event.number, event.task)
     return "" if is_open else f"question {event.number} was not open"
 
 
-def _is_a_choice(event: Answered, state: RunState) -> str:
+def _is_a_choice(event: events.Answered, state: RunState) -> str:
     asked = state.question
     fits = asked is not None and asked.number == event.number and event.choice in asked.choices
     return "" if fits else f"question {event.number} was not open, or has no such answer"
@@ -119,7 +96,7 @@ def _is_next(fits: Callable[[E, Any], bool]) -> Callable[[E, RunState], str]:
     return differs
 
 
-def _is_to_be_inspected(event: Settled, state: RunState) -> str:
+def _is_to_be_inspected(event: events.Settled, state: RunState) -> str:
     # An inspection during which a client paused the run is kept.
     step = next_step(replace(state, paused=False))
     return "" if step == Settle(event.task) else f"next was {step}"
@@ -128,30 +105,30 @@ def _is_to_be_inspected(event: Settled, state: RunState) -> str:
 TABLE: Mapping[type, Meaning] = dict(
     (
         _row(
-            RunBegun,
+            events.RunBegun,
             transitions.run_begun,
             lambda e, _: of_run(f"begun: {begun_words(e)}"),
             _is_first,
         ),
         _row(
-            PanelLoaded,
+            events.PanelLoaded,
             lambda _, state: replace(state, keep_panel=True),
             lambda e, _: of_run(f"panel of {e.serial or 'the order'} loaded"),
         ),
         _row(
-            Planned,
+            events.Planned,
             lambda e, state: replace(state, waiting=e.tasks, to_plan=""),
             lambda e, _: of_decision("", f"planned: {' '.join(e.tasks)}", e.because),
             _is_next(lambda _, step: isinstance(step, Plan)),
         ),
         _row(
-            PartRequested,
+            events.PartRequested,
             transitions.part_requested,
             lambda e, _: of_task(e.task, "a new piece is presented"),
             _is_next(lambda e, step: step == Execute(e.task, Part.WHOLE)),
         ),
         _row(
-            FeedRefused,
+            events.FeedRefused,
             transitions.feed_refused,
             lambda e, _: of_task(
                 e.task, f"no piece was presented: error {e.code}: {e.text}", e.code
@@ -159,32 +136,49 @@ TABLE: Mapping[type, Meaning] = dict(
             _is_requested,
         ),
         _row(
-            TaskBegun,
+            events.TaskBegun,
             transitions.task_begun,
             entries.task_begun,
             _is_next(lambda e, step: step == Execute(e.task, e.part)),
             Attempts.begin,
         ),
         _row(
-            OperationEnded,
+            events.OperationEnded,
             transitions.operation_ended,
             lambda *_: (),  # it comes when its behavior has ended, beside the pictures
             _is_under_way,
             Attempts.operate,
         ),
-        _row(StopReported, transitions.stop_reported, entries.stop_reported),
-        _row(TaskEnded, transitions.task_ended, entries.task_ended, _is_under_way, Attempts.end),
-        _row(Interrupted, transitions.interrupted, entries.interrupted, counts=Attempts.interrupt),
-        _row(Settled, transitions.settled, entries.settled, _is_to_be_inspected, Attempts.settle),
+        _row(events.StopReported, transitions.stop_reported, entries.stop_reported),
         _row(
-            Decided,
+            events.TaskEnded,
+            transitions.task_ended,
+            entries.task_ended,
+            _is_under_way,
+            Attempts.end,
+        ),
+        _row(
+            events.Interrupted,
+            transitions.interrupted,
+            entries.interrupted,
+            counts=Attempts.interrupt,
+        ),
+        _row(
+            events.Settled,
+            transitions.settled,
+            entries.settled,
+            _is_to_be_inspected,
+            Attempts.settle,
+        ),
+        _row(
+            events.Decided,
             transitions.decided,
             entries.decided,
             _is_next(lambda e, step: step == Decide(e.task)),
             Attempts.decide,
         ),
         _row(
-            Asked,
+            events.Asked,
             lambda e, state: replace(state, question=e, questions=e.number),
             lambda e, _: of_operator(
                 e.task, f"asked: {e.text} ({', '.join(each.value for each in e.choices)})"
@@ -192,37 +186,37 @@ TABLE: Mapping[type, Meaning] = dict(
             _is_next(lambda e, step: step == Ask(e.task)),
         ),
         _row(
-            Answered,
+            events.Answered,
             transitions.answered,
             lambda e, _: of_operator("", f"answered: {e.choice.value}", e.by),
             _is_a_choice,
         ),
         _row(
-            Escalated,
+            events.Escalated,
             transitions.escalated,
             lambda e, _: of_operator(e.task, f"not answered in time: {e.do.value}"),
             _is_open,
         ),
         _row(
-            Commanded,
+            events.Commanded,
             transitions.commanded,
             lambda e, _: of_operator(e.task, e.command.value, e.by),
         ),
-        _row(TaskElsewhere, transitions.task_elsewhere, entries.task_elsewhere),
+        _row(events.TaskElsewhere, transitions.task_elsewhere, entries.task_elsewhere),
         _row(
-            TaskReturned,
+            events.TaskReturned,
             transitions.task_returned,
             lambda e, _: of_task(
                 e.task, f"taken over from cell {e.cell}, which began it and went silent"
             ),
         ),
         _row(
-            Blocked,
+            events.Blocked,
             lambda e, state: replace(state, stop=e.because),
             lambda e, _: of_run(f"cannot go on: {e.because}"),
         ),
         _row(
-            RunEnded,
+            events.RunEnded,
             lambda e, state: replace(state, ended=e),
             lambda e, _: of_run(f"ended {e.ending.value}", e.because),
             _is_next(lambda e, step: isinstance(step, EndRun) and step.ending is e.ending),

@@ -11,27 +11,8 @@ from remodel_planning.core.use_case.fault import Do
 from remodel_run.progress import Answer
 from remodel_states.core.codes import Code
 from remodel_supervision.core.run import EMPTYING, NOTHING_TO_LAY_DOWN, Operation
-from remodel_supervision.core.runs.events import (
-    POLICY,
-    Answered,
-    AsLeft,
-    Command,
-    Commanded,
-    Decided,
-    Escalated,
-    FeedRefused,
-    Interrupted,
-    OperationEnded,
-    Part,
-    PartRequested,
-    RunBegun,
-    Settled,
-    StopReported,
-    TaskBegun,
-    TaskElsewhere,
-    TaskEnded,
-    TaskReturned,
-)
+from remodel_supervision.core.runs import events
+from remodel_supervision.core.runs.events import POLICY, AsLeft, Command, Part
 from remodel_supervision.core.runs.state import (
     FINISHED,
     INTERRUPTION_LIMIT,
@@ -48,7 +29,7 @@ from remodel_supervision.core.runs.state import (
 )
 
 
-def run_begun(event: RunBegun, state: RunState) -> RunState:
+def run_begun(event: events.RunBegun, state: RunState) -> RunState:
     """Return the state in which the order of the tasks is to be decided."""
     tasks = {name: TaskProgress(name) for name in event.tasks}
     tasks |= {name: TaskProgress(name, Stage.DONE, by_other=True) for name in event.done}
@@ -68,13 +49,13 @@ def run_begun(event: RunBegun, state: RunState) -> RunState:
     )
 
 
-def part_requested(event: PartRequested, state: RunState) -> RunState:
+def part_requested(event: events.PartRequested, state: RunState) -> RunState:
     """Return the state in which a piece of the task may be in the cell."""
     task = replace(state.tasks[event.task], stage=Stage.READY, piece=True)
     return replace(_under_way(state, task), fed=event.task)
 
 
-def feed_refused(event: FeedRefused, state: RunState) -> RunState:
+def feed_refused(event: events.FeedRefused, state: RunState) -> RunState:
     """Return the state in which the task has failed without a behavior."""
     task = state.tasks[event.task]
     refused = Operation(
@@ -92,7 +73,7 @@ def feed_refused(event: FeedRefused, state: RunState) -> RunState:
     return state.with_task(task, failures=state.failures + 1)
 
 
-def task_begun(event: TaskBegun, state: RunState) -> RunState:
+def task_begun(event: events.TaskBegun, state: RunState) -> RunState:
     """Return the state in which a behavior of the task runs."""
     task = replace(
         state.tasks[event.task],
@@ -108,7 +89,7 @@ def task_begun(event: TaskBegun, state: RunState) -> RunState:
     return _under_way(state, task)
 
 
-def operation_ended(event: OperationEnded, state: RunState) -> RunState:
+def operation_ended(event: events.OperationEnded, state: RunState) -> RunState:
     """Return the state with one operation more."""
     task, operation = state.tasks[event.task], event.operation
     operations = (*task.operations, operation)
@@ -116,7 +97,7 @@ def operation_ended(event: OperationEnded, state: RunState) -> RunState:
     return state.with_task(replace(task, operations=operations, failures=failures))
 
 
-def stop_reported(event: StopReported, state: RunState) -> RunState:
+def stop_reported(event: events.StopReported, state: RunState) -> RunState:
     """Return the state in which a person is to answer before anything moves."""
     task = replace(state.tasks[event.task], stopped_by=event.operation)
     if task.stage is Stage.RUNNING:
@@ -125,7 +106,7 @@ def stop_reported(event: StopReported, state: RunState) -> RunState:
     return _for_a_person(replace(state, question=None), task)
 
 
-def task_ended(event: TaskEnded, state: RunState) -> RunState:
+def task_ended(event: events.TaskEnded, state: RunState) -> RunState:
     """Return the state after a behavior that ended by itself."""
     task = state.tasks[event.task]
     took_s = max(0.0, event.at_s - task.began_s)
@@ -151,7 +132,7 @@ def task_ended(event: TaskEnded, state: RunState) -> RunState:
     return _failed(state, task)
 
 
-def interrupted(event: Interrupted, state: RunState) -> RunState:
+def interrupted(event: events.Interrupted, state: RunState) -> RunState:
     """Return the state in which the progress of the task under way is unverified."""
     state = replace(state, interruptions=state.interruptions + 1)
     if not state.current or state.tasks[state.current].stage is not Stage.RUNNING:
@@ -178,7 +159,7 @@ def interrupted(event: Interrupted, state: RunState) -> RunState:
     return state.with_task(replace(task, stage=Stage.READY, part=Part.CLEAR, then=then))
 
 
-def settled(event: Settled, state: RunState) -> RunState:
+def settled(event: events.Settled, state: RunState) -> RunState:
     """Return the state in which the progress of a task is known, or why it is not."""
     task = replace(state.tasks[event.task], connected=event.connected, unseen=event.unseen)
     is_connected = not event.left and not event.unseen
@@ -196,13 +177,13 @@ def settled(event: Settled, state: RunState) -> RunState:
     return state.with_task(replace(task, stage=Stage.READY, part=part))
 
 
-def decided(event: Decided, state: RunState) -> RunState:
+def decided(event: events.Decided, state: RunState) -> RunState:
     """Return the state in which a decision is to be acted on."""
     task = state.tasks[event.task]
     return _act(event.do, state, replace(task, decisions=(*task.decisions, event)), event.because)
 
 
-def answered(event: Answered, state: RunState) -> RunState:
+def answered(event: events.Answered, state: RunState) -> RunState:
     """Return the state in which an answer is to be acted on."""
     if state.question is None:
         return state
@@ -216,7 +197,7 @@ def answered(event: Answered, state: RunState) -> RunState:
     return _act(_ANSWERED[event.choice], state, task, because)
 
 
-def escalated(event: Escalated, state: RunState) -> RunState:
+def escalated(event: events.Escalated, state: RunState) -> RunState:
     """Return the state in which a question is not waited for any more."""
     if state.question is None or state.question.number != event.number:
         return state
@@ -225,7 +206,7 @@ def escalated(event: Escalated, state: RunState) -> RunState:
     return _act(event.do, replace(state, question=None), task, because)
 
 
-def commanded(event: Commanded, state: RunState) -> RunState:
+def commanded(event: events.Commanded, state: RunState) -> RunState:
     """Return the state after a command."""
     match event.command:
         case Command.PAUSE:
@@ -273,7 +254,7 @@ def _then_of_skipped(state: RunState, task: TaskProgress) -> Do | None:
     return Do.SET_ASIDE if task.name in state.skipped else task.then
 
 
-def task_elsewhere(event: TaskElsewhere, state: RunState) -> RunState:
+def task_elsewhere(event: events.TaskElsewhere, state: RunState) -> RunState:
     """Return the state in which a task is another cell's."""
     task = state.tasks[event.task]
     stop = state.stop
@@ -283,7 +264,7 @@ def task_elsewhere(event: TaskElsewhere, state: RunState) -> RunState:
     return _leave(state, task, stop=stop)
 
 
-def task_returned(event: TaskReturned, state: RunState) -> RunState:
+def task_returned(event: events.TaskReturned, state: RunState) -> RunState:
     """Return the state in which a task of another cell is this one's to inspect."""
     task = replace(state.tasks[event.task], stage=Stage.UNVERIFIED, part=Part.AGAIN, piece=True)
     task = replace(task, by_other=False)
