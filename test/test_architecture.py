@@ -45,7 +45,7 @@ LAYERS = {
         *("decomposition", "task_charts"),
     ],
     "remodel_supervision": ["errors", "core", "edge", "supervisors", "ros"],
-    "remodel_supervision.core": ["run", "trace", "runs", "recovery", "learning"],
+    "remodel_supervision.core": ["run", "runs", "recovery", "learning"],
     "flexbe_synthesizer.core": [
         *("chart", "rewrite", "library", "machine", "check", "export", "compile"),
     ],

@@ -35,7 +35,7 @@ from remodel_supervision.core.runs.events import (
     TaskEnded,
 )
 from remodel_supervision.core.runs.state import FINISHED
-from remodel_supervision.core.runs.statistics import joined, statistics_of_run
+from remodel_supervision.core.runs.sums import joined, statistics_of_run
 from remodel_supervision.ros.server.run_messages import sums_message
 from remodel_supervision.ros.server.state_publisher import STATE, RunView, StatePublisher
 from remodel_supervision.supervisors.ports import Doing

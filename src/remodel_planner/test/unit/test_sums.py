@@ -28,9 +28,14 @@ from remodel_supervision.core.runs.events import (
     TaskElsewhere,
 )
 from remodel_supervision.core.runs.state import Stage
-from remodel_supervision.core.runs.statistics import joined, statistics_of_run
 from remodel_supervision.core.runs.step import EndRun
-from remodel_supervision.core.runs.sums import begun_words, count_of, sums_of
+from remodel_supervision.core.runs.sums import (
+    begun_words,
+    count_of,
+    joined,
+    statistics_of_run,
+    sums_of,
+)
 from remodel_supervision.edge.run_log import RunHead
 from remodel_supervision.ros.server.record_server import summary_message
 from remodel_supervision.ros.server.run_messages import (

@@ -23,10 +23,9 @@ from remodel_supervision.edge.task_leases import TaskLeases
 from remodel_supervision.edge.work_planner import WorkPlanner
 from remodel_supervision.errors import LeavingError
 from remodel_supervision.ros.peers.board_message import board_message
-from remodel_supervision.supervisors.ports import BehaviorEnd, EndKind, server_of
+from remodel_supervision.supervisors.ports import BehaviorEnd, EndKind, Peers, Work, server_of
 from remodel_supervision.supervisors.run_record import RunRecord
 from remodel_supervision.supervisors.use_case_supervisor import UseCaseSupervisor
-from remodel_supervision.supervisors.work import Peers, Work
 
 FAULTS = read_faults()
 

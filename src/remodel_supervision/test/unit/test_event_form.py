@@ -8,7 +8,6 @@ import pytest
 
 from remodel_production.errors import OrderError
 from remodel_supervision.core.run import Operation
-from remodel_supervision.core.runs.event_form import data_of, event_from, kind_of
 from remodel_supervision.core.runs.event_table import TABLE
 from remodel_supervision.core.runs.events import (
     Event,
@@ -16,6 +15,9 @@ from remodel_supervision.core.runs.events import (
     OperationEnded,
     Planned,
     RunBegun,
+    data_of,
+    event_from,
+    kind_of,
 )
 
 # One line for each kind, as a development version wrote it before msgspec was used.

@@ -15,7 +15,7 @@ from remodel_production.edge.database import production_database
 from remodel_production.edge.database.cell_ownership import database_time_s
 from remodel_production.edge.database.production_database import ProductionDatabase
 from remodel_production.errors import LostError, OrderError, OwnerError, RecordLostError
-from remodel_supervision.core.learning.learned_responses import TriedResponse
+from remodel_supervision.core.learning.experience import TriedResponse
 from remodel_supervision.core.run import Operation
 from remodel_supervision.core.runs.event_table import state_after
 from remodel_supervision.core.runs.events import (

@@ -13,7 +13,7 @@ from remodel_supervision.core.runs.events import (
     TaskEnded,
 )
 from remodel_supervision.core.runs.state import FINISHED
-from remodel_supervision.core.runs.statistics import joined, statistics_of_run
+from remodel_supervision.core.runs.sums import joined, statistics_of_run
 
 
 def operation(task, terminal, code, ability="InsertCable", ended_s=0.0, elapsed_s=0.0):

@@ -16,7 +16,6 @@ from remodel_states.core.codes import Code
 from remodel_supervision.core.recovery.judge import decide_recovery
 from remodel_supervision.core.recovery.question import question_about
 from remodel_supervision.core.run import Operation
-from remodel_supervision.core.runs.event_form import data_of, event_from, kind_of
 from remodel_supervision.core.runs.event_table import attempts_of, state_after
 from remodel_supervision.core.runs.events import (
     Answered,
@@ -40,6 +39,9 @@ from remodel_supervision.core.runs.events import (
     TaskElsewhere,
     TaskEnded,
     TaskReturned,
+    data_of,
+    event_from,
+    kind_of,
 )
 from remodel_supervision.core.runs.state import (
     INTERRUPTION_LIMIT,

@@ -13,7 +13,7 @@ from remodel_production.edge.database.production_database import ProductionDatab
 from remodel_production.errors import LostError, OwnerError
 from remodel_run.progress import Answer
 from remodel_states.core.codes import Code
-from remodel_supervision.core.learning.learned_responses import TriedResponse
+from remodel_supervision.core.learning.experience import TriedResponse
 from remodel_supervision.core.run import Operation
 from remodel_supervision.core.runs.event_table import attempts_of
 from remodel_supervision.core.runs.events import (

@@ -27,8 +27,7 @@ from remodel_production.core.board.board import board_of
 from remodel_production.core.production import Component, Order, Side, Terminal, TerminalRef, Wire
 from remodel_production.edge.catalogue_file import read_catalogue
 from remodel_production.edge.package_files import catalogue_file
-from remodel_supervision.core.learning.experience import Experience
-from remodel_supervision.core.learning.learned_expectations import Call
+from remodel_supervision.core.learning.experience import Call, Experience
 from remodel_supervision.core.runs.events import Decided, Part
 from remodel_supervision.edge import work_planner
 from remodel_supervision.edge.work_planner import WorkPlanner

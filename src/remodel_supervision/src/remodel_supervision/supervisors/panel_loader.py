@@ -6,9 +6,8 @@ from remodel_states.core.codes import Code
 from remodel_supervision.core.runs.events import PanelLoaded
 from remodel_supervision.errors import RefusedError
 from remodel_supervision.supervisors.gate_keeper import SUPERVISOR, GateKeeper
-from remodel_supervision.supervisors.ports import Cell
+from remodel_supervision.supervisors.ports import Cell, Work
 from remodel_supervision.supervisors.run_record import RunRecord
-from remodel_supervision.supervisors.work import Work
 
 
 class PanelLoader:

@@ -16,15 +16,13 @@ from remodel_supervision.core.runs.events import (
     TaskBegun,
     TaskEnded,
 )
-from remodel_supervision.core.runs.gate import FEEDER
-from remodel_supervision.core.runs.gate_decision import cut_short_event, is_cut_short
+from remodel_supervision.core.runs.gate import FEEDER, cut_short_event, is_cut_short
 from remodel_supervision.core.runs.state import FINISHED, PREEMPTED
 from remodel_supervision.core.runs.step import Execute
 from remodel_supervision.errors import LeavingError, RefusedError
 from remodel_supervision.supervisors.gate_keeper import GateKeeper
-from remodel_supervision.supervisors.ports import EventLoop
+from remodel_supervision.supervisors.ports import EventLoop, Peers, Work
 from remodel_supervision.supervisors.run_record import RunRecord
-from remodel_supervision.supervisors.work import Peers, Work
 
 
 class TaskExecutor:

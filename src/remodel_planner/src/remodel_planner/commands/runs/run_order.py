@@ -16,7 +16,7 @@ from remodel_planner.core.reports.run_summary import summary_lines
 from remodel_planner.edge.report_files import write_report
 from remodel_production.edge.database.production_database import ProductionDatabase
 from remodel_production.errors import PlannerError
-from remodel_supervision.core.runs.abridged import abridged
+from remodel_supervision.core.runs.step import abridged
 from remodel_supervision.edge.run_log import RunLog
 
 

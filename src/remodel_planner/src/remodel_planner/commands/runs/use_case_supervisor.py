@@ -31,7 +31,7 @@ from remodel_supervision.ros.peers.pictures import CellPictures
 from remodel_supervision.ros.server.record_server import RecordServer
 from remodel_supervision.ros.server.run_server import RunServer
 from remodel_supervision.ros.server.work import WorkMaker
-from remodel_supervision.supervisors.work import Peers
+from remodel_supervision.supervisors.ports import Peers
 
 
 def main(arguments: list[str] | None = None) -> int:

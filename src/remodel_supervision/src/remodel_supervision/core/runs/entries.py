@@ -5,6 +5,7 @@ Positions and times are added by `entries_of`, which reads the table of events.
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterable, Iterator
 
 from remodel_run.record import Entry, Kind
@@ -13,7 +14,26 @@ from remodel_supervision.core.run import Operation
 from remodel_supervision.core.runs import events
 from remodel_supervision.core.runs.attempts import Attempts
 from remodel_supervision.core.runs.events import AsLeft
-from remodel_supervision.core.runs.picture_name import seen_by
+
+_NAME = re.compile(r".*_(?P<stamp>\d+\.\d{3})_(?P<camera>[a-z]+)\.jpg")
+
+
+def picture_name(label: str, stamp_s: float, camera: str) -> str:
+    """Return a file name."""
+    return f"{label}_{stamp_s:.3f}_{camera}.jpg"
+
+
+def seen_by(name: str) -> tuple[str, float]:
+    """Return the camera and the time [s] of a picture, by its file's name.
+
+    Raises:
+        ValueError: if it is no such name.
+    """
+    found = _NAME.fullmatch(name)
+    if found is None:
+        raise ValueError(f"{name!r} is no name of a run's picture")
+    return found["camera"], float(found["stamp"])
+
 
 # Units of what operations measure, by the name of the result's field.
 _UNITS = {"depth": "m", "peak_force": "n", "slip": "m", "residual": "m", "travelled": "m"}

@@ -25,8 +25,7 @@ from remodel_run.record import Entry
 from remodel_supervision.core.runs.event_table import entries_of, state_after
 from remodel_supervision.core.runs.events import Ending
 from remodel_supervision.core.runs.state import RunState
-from remodel_supervision.core.runs.statistics import RunStatistics, joined, statistics_of_run
-from remodel_supervision.core.runs.sums import sums_of
+from remodel_supervision.core.runs.sums import RunStatistics, joined, statistics_of_run, sums_of
 from remodel_supervision.edge.run_log import KeptEvent, RunHead, RunLog
 from remodel_supervision.ros.server.run_messages import sums_message
 

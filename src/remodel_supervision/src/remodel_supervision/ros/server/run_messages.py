@@ -18,10 +18,9 @@ from remodel_msgs.msg import (
 
 from remodel_run import progress
 from remodel_run.progress import Phase, Sums, TaskPhase
-from remodel_supervision.core.runs.abridged import abridged
 from remodel_supervision.core.runs.events import Decided
 from remodel_supervision.core.runs.state import RunState, Stage
-from remodel_supervision.core.runs.step import Plan, Settle, Wait, next_step
+from remodel_supervision.core.runs.step import Plan, Settle, Wait, abridged, next_step
 from remodel_supervision.core.runs.sums import count_of, sums_of
 from remodel_supervision.supervisors.ports import Doing
 

@@ -30,7 +30,7 @@ from remodel_supervision.edge.recorded_lessons import ability_calls
 from remodel_supervision.edge.task_leases import TaskLeases
 from remodel_supervision.edge.work_planner import WorkPlanner
 from remodel_supervision.ros.peers.board_message import board_message
-from remodel_supervision.supervisors.work import Work
+from remodel_supervision.supervisors.ports import Work
 
 
 @dataclass

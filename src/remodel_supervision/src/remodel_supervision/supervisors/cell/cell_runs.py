@@ -14,10 +14,9 @@ from remodel_supervision.errors import CellError, LeavingError
 from remodel_supervision.supervisors.cell.owned_cell import ACQUIRE_EVERY_S, OwnedCell
 from remodel_supervision.supervisors.cell.run_commands import RunCommands
 from remodel_supervision.supervisors.cell.unresumed_run import UnresumedRun
-from remodel_supervision.supervisors.ports import EventLoop
+from remodel_supervision.supervisors.ports import EventLoop, Peers, Work
 from remodel_supervision.supervisors.run_record import RunRecord
 from remodel_supervision.supervisors.use_case_supervisor import UseCaseSupervisor
-from remodel_supervision.supervisors.work import Peers, Work
 
 # Why no goal is taken at first.
 STARTING = "the supervisor is starting; send the order again in a moment"

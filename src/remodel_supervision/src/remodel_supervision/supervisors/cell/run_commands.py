@@ -6,8 +6,8 @@ from collections.abc import Callable, Collection
 
 from remodel_supervision.core.runs.events import Command, Commanded
 from remodel_supervision.supervisors.cell.unresumed_run import UnresumedRun
-from remodel_supervision.supervisors.commands import PendingReplies, Reply
 from remodel_supervision.supervisors.ports import Abilities, EventLoop
+from remodel_supervision.supervisors.run_control import PendingReplies, Reply
 from remodel_supervision.supervisors.use_case_supervisor import UseCaseSupervisor
 
 # [s] wall time between two checks whether what was cancelled rests.

@@ -5,8 +5,8 @@ from __future__ import annotations
 from remodel_production.errors import PlannerError
 from remodel_supervision.core.runs.events import Blocked, Command, Commanded, Ending, RunEnded
 from remodel_supervision.core.runs.state import RunState
-from remodel_supervision.supervisors.commands import Reply
 from remodel_supervision.supervisors.ports import Log
+from remodel_supervision.supervisors.run_control import Reply
 
 
 class UnresumedRun:
