@@ -25,6 +25,7 @@ from pathlib import Path
 from types import SimpleNamespace
 
 from laying import Laying, first_ends_of, photograph
+from remodel_production.edge.catalogue_file import read_catalogue
 
 from remodel_planner.commands.options.design_orders import DesignOrder, design_order
 from remodel_planning.core.decomposition.cell_fit import misfits
@@ -32,7 +33,6 @@ from remodel_planning.core.orders.board_order import board_order
 from remodel_production.core.board.board import board_of
 from remodel_production.core.imports.formats import format_of, import_design
 from remodel_production.core.production import Order
-from remodel_production.edge.catalogue_file import read_catalogue
 from remodel_production.edge.design_files import read_mappings
 from remodel_production.edge.importer_plug_ins import design_formats
 from remodel_production.edge.package_files import catalogue_file

@@ -13,9 +13,9 @@ from remodel_planner.core.reports.run_report import (
     Report,
     render_html,
     report_data,
+    summary_lines,
     timeline,
 )
-from remodel_planner.core.reports.run_summary import summary_lines
 from remodel_production.core.production import Component, Order, TerminalRef, Wire
 from remodel_run.progress import Sums
 from remodel_run.whole_task import whole_tasks

@@ -43,7 +43,7 @@ from remodel_production.core.production import (
     Wire,
     sealed_kind,
 )
-from remodel_production.edge.catalogue_file import read_catalogue
+from remodel_production.edge.package_files import read_catalogue
 from remodel_production.errors import InfeasibleError, InstanceError, OrderError
 from remodel_run.findings import ByHand
 

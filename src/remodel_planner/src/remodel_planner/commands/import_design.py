@@ -11,7 +11,7 @@ from dataclasses import replace
 from functools import partial
 from pathlib import Path
 
-from remodel_planner.commands.options.database_option import add_database_option
+from remodel_planner.commands.options.common import add_database_option, refuses, stages
 from remodel_planner.commands.options.design_orders import (
     DesignOrder,
     add_design_options,
@@ -19,13 +19,11 @@ from remodel_planner.commands.options.design_orders import (
     print_triage,
 )
 from remodel_planner.commands.options.documents import add_json_option, print_json, triage_of
-from remodel_planner.commands.options.entry import refuses
 from remodel_planner.commands.options.problem_files import build_of, built
-from remodel_planner.commands.options.stages import stages
 from remodel_planning.core.decomposition.cell_fit import misfits, summary
 from remodel_planning.edge.cell_takes import known_cells, named_cell
+from remodel_planning.edge.document_files import read_yaml
 from remodel_planning.edge.use_case_files import use_case_names
-from remodel_planning.edge.yaml_file import read_yaml
 from remodel_production.core.board.board import board_of
 from remodel_production.core.board.cabinet import laid_out
 from remodel_production.core.board.wire_lengths import cut_longer, length_findings
@@ -36,12 +34,10 @@ from remodel_production.core.imports.shared.account import Imported
 from remodel_production.core.imports.shared.modules import ALL, Asked
 from remodel_production.core.imports.wire_lists.wire_list import mapping_draft
 from remodel_production.core.production import Order
-from remodel_production.edge.ability_files import read_abilities
-from remodel_production.edge.catalogue_file import read_catalogue
 from remodel_production.edge.database.production_database import ProductionDatabase
 from remodel_production.edge.design_files import read_design, read_mappings, read_placement
 from remodel_production.edge.importer_plug_ins import design_formats
-from remodel_production.edge.package_files import catalogue_file
+from remodel_production.edge.package_files import catalogue_file, read_abilities, read_catalogue
 from remodel_production.errors import DesignError, PlannerError, blamed
 from remodel_run import findings
 from remodel_run.whole_task import counted

@@ -7,6 +7,14 @@ import math
 import time
 from pathlib import Path
 
+from remodel_planner.commands.options.common import (
+    moves,
+    refuses,
+    seconds,
+    seed,
+    stages,
+    stop_on_signals,
+)
 from remodel_planner.commands.options.design_orders import print_triage
 from remodel_planner.commands.options.documents import (
     add_json_option,
@@ -15,22 +23,18 @@ from remodel_planner.commands.options.documents import (
     print_json,
     triage_of,
 )
-from remodel_planner.commands.options.entry import refuses
-from remodel_planner.commands.options.limits import moves, seconds, seed
 from remodel_planner.commands.options.problem_files import (
     ConflictError,
     add_problem_options,
     read_problem,
 )
-from remodel_planner.commands.options.stages import stages
-from remodel_planner.commands.options.stop_signals import stop_on_signals
 from remodel_planning.core.plan.cable_tasks import cable_tasks
 from remodel_planning.core.problem.conflict import keeping, requirements_in
 from remodel_planning.core.problem.plan_form import plan_data
 from remodel_planning.core.search.planned import Planned
 from remodel_planning.core.search.tables import tables_of
 from remodel_planning.edge.anytime_planner import AnytimePlanner, Limits, Result
-from remodel_planning.edge.json_file import write_json
+from remodel_planning.edge.document_files import write_json
 from remodel_planning.edge.order_planner import plan_problem, require_valid
 from remodel_planning.edge.search_kernel import Kernel
 from remodel_production.errors import InfeasibleError

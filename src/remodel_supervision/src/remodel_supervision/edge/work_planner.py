@@ -23,11 +23,11 @@ from remodel_planning.core.task_charts.planned_tasks import (
     planned_tasks,
     with_other_method,
 )
-from remodel_planning.core.task_charts.state_path import step_of
+from remodel_planning.core.task_charts.task_chart import step_of
 from remodel_planning.core.use_case.fault import Do
 from remodel_planning.core.use_case.model import UseCase
 from remodel_planning.edge.order_planner import plan_problem, replan_problem
-from remodel_production.edge.ability_files import read_abilities
+from remodel_production.edge.package_files import read_abilities
 from remodel_supervision.core.learning.experience import Call, Experience, numbers_from
 from remodel_supervision.core.recovery.decide import (
     VIEW,

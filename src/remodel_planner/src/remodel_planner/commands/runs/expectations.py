@@ -6,8 +6,7 @@ import argparse
 from collections import Counter
 from contextlib import closing
 
-from remodel_planner.commands.options.database_option import add_database_option
-from remodel_planner.commands.options.entry import refuses
+from remodel_planner.commands.options.common import add_database_option, refuses
 from remodel_planning.core.use_case.bounds import frozen_setting
 from remodel_planning.core.use_case.model import UseCase
 from remodel_planning.edge.use_case_files import find_use_case

@@ -5,8 +5,7 @@ from __future__ import annotations
 import argparse
 
 from flexbe_synthesizer.core.chart.chart_reader import parse_chart
-from remodel_planner.commands.options.database_option import add_database_option
-from remodel_planner.commands.options.entry import refuses
+from remodel_planner.commands.options.common import add_database_option, refuses
 from remodel_planning.edge.fault_file import read_error_names
 from remodel_run.whole_task import counted
 from remodel_supervision.core.runs.event_table import attempts_of

@@ -12,7 +12,7 @@ import rosgraph
 import rospy
 
 from flexbe_core.ros.master import NoMasterError, join, require_master, spin
-from remodel_planner.commands.options.database_option import add_database_option
+from remodel_planner.commands.options.common import add_database_option
 from remodel_planning.edge.fault_file import read_faults
 from remodel_planning.edge.use_case_files import find_use_case
 from remodel_production.edge.database.cell_ownership import CellOwnership

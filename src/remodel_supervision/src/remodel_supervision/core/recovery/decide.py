@@ -15,8 +15,7 @@ from flexbe_synthesizer.core.chart.model import (
     Param,
     State,
 )
-from remodel_planning.core.task_charts.state_path import step_of
-from remodel_planning.core.task_charts.task_chart import marked
+from remodel_planning.core.task_charts.task_chart import marked, step_of
 from remodel_planning.core.use_case.fault import Do, Fault, Response
 from remodel_planning.core.use_case.policy import Limits, Policy
 

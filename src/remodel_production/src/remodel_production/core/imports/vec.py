@@ -28,8 +28,7 @@ from remodel_production.core.imports.shared.assumptions import Assumptions
 from remodel_production.core.imports.shared.modules import ALL, Asked, ModuleChoice
 from remodel_production.core.imports.shared.units import number
 from remodel_production.core.imports.shared.xml_tree import line_of
-from remodel_production.core.imports.vec.geometry import node_positions
-from remodel_production.core.imports.vec.modules import vec_modules
+from remodel_production.core.imports.vec_parts import node_positions, vec_modules
 from remodel_production.core.production import (
     TWISTED,
     Cable,
