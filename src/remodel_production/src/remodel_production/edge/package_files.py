@@ -9,8 +9,8 @@ from pathlib import Path
 import rospkg
 import yaml
 
-from remodel_production.core.ability import Ability, AbilityParameter
 from remodel_production.core.catalogue import Catalogue, catalogue_from
+from remodel_production.core.production import Ability, AbilityParameter
 from remodel_production.errors import CatalogueError, PlannerError, blamed
 from remodel_states.core.schema_problems import schema_problems
 from remodel_states.core.table_error import TableError

@@ -7,9 +7,7 @@ run_control.py          does what operators and safety controllers ask of a run,
                         is allowed, and answered
 gate_keeper.py          closes and opens the gate
 leases.py               claims tasks, keeps the lease of the one under way
-panel_loader.py         has the cell build the product's panel
-task_executor.py        runs the behaviors of tasks, and records what they do
-task_inspector.py       inspects what of a task is done
+task_executor.py        has the cell build the panel, runs behaviors, inspects what is done
 task_supervisor.py      runs one behavior, grants its operations, keeps what they did
 reconnection.py         stops what runs, and waits for what was lost
 failure_judge.py        decides about failures, asks operators

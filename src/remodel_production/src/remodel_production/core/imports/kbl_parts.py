@@ -9,8 +9,8 @@ from lxml import etree
 
 from remodel_production.core.imports.kbl_tree import KblTree, children, text_of
 from remodel_production.core.imports.shared.account import LeftOut
+from remodel_production.core.imports.shared.assumptions import names_splice
 from remodel_production.core.imports.shared.modules import Asked, Composite, ModuleChoice
-from remodel_production.core.imports.shared.splices import names_splice
 from remodel_production.core.imports.shared.units import number
 from remodel_production.core.imports.shared.variant_codes import VariantCondition
 from remodel_production.core.imports.shared.xml_tree import line_of, local_name

@@ -12,8 +12,7 @@ from remodel_supervision.core.runs.state import RunState
 from remodel_supervision.edge.run_log import RunLog
 from remodel_supervision.errors import CellError, LeavingError
 from remodel_supervision.supervisors.cell.owned_cell import ACQUIRE_EVERY_S, OwnedCell
-from remodel_supervision.supervisors.cell.run_commands import RunCommands
-from remodel_supervision.supervisors.cell.unresumed_run import UnresumedRun
+from remodel_supervision.supervisors.cell.run_commands import RunCommands, UnresumedRun
 from remodel_supervision.supervisors.ports import EventLoop, Peers, Work
 from remodel_supervision.supervisors.run_record import RunRecord
 from remodel_supervision.supervisors.use_case_supervisor import UseCaseSupervisor

@@ -15,8 +15,7 @@ from remodel_production.core.imports.shared.assembly import (
     Device,
     assemble,
 )
-from remodel_production.core.imports.shared.assumptions import Assumptions
-from remodel_production.core.imports.shared.splices import names_splice
+from remodel_production.core.imports.shared.assumptions import Assumptions, names_splice
 from remodel_production.core.imports.shared.spreadsheet import DATE, FORMULA
 from remodel_production.core.imports.shared.units import length_m, number
 from remodel_production.core.imports.wire_lists.contents import (
