@@ -25,7 +25,6 @@ from pathlib import Path
 from types import SimpleNamespace
 
 from laying import Laying, first_ends_of, photograph
-from remodel_production.edge.catalogue_file import read_catalogue
 
 from remodel_planner.commands.options.design_orders import DesignOrder, design_order
 from remodel_planning.core.decomposition.cell_fit import misfits
@@ -35,7 +34,7 @@ from remodel_production.core.imports.formats import format_of, import_design
 from remodel_production.core.production import Order
 from remodel_production.edge.design_files import read_mappings
 from remodel_production.edge.importer_plug_ins import design_formats
-from remodel_production.edge.package_files import catalogue_file
+from remodel_production.edge.package_files import catalogue_file, read_catalogue
 from remodel_production.errors import PlannerError
 from remodel_sim.physics.plant import SimulatedPlant
 from remodel_sim.physics.truth import ground_truth
