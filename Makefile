@@ -92,7 +92,7 @@ rostest: $(BUILD) ## Tests of running nodes, each file on a roscore of its own (
 lint: .venv/.ready xml ## Style, types of the pure cores, and XML
 	@ruff format --check .
 	@ruff check .
-	@mypy --exclude '/ros/' src/*/src/*/core src/remodel_work/src/remodel_work src/remodel_vision/src/remodel_vision src/remodel_skills/src/remodel_skills src/remodel_supervision/src/remodel_supervision/supervisors src/flexbe/flexbe_core/src/flexbe_core/engine
+	@mypy --exclude '/ros/' src/*/src/*/core src/remodel_run/src/remodel_run src/remodel_work/src/remodel_work src/remodel_vision/src/remodel_vision src/remodel_skills/src/remodel_skills src/remodel_supervision/src/remodel_supervision/supervisors src/flexbe/flexbe_core/src/flexbe_core/engine
 
 xml: .venv/.ready # part of lint, and of a commit
 	@find src '(' -name '*.xml' -o -name '*.launch' -o -name '*.xsd' -o -path '*/rostest/*.test' ')' -print0 | \

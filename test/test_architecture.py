@@ -34,7 +34,7 @@ CORES |= {
     "remodel_states": "core",
 }
 # Packages that are pure but for these rooms.
-PURE = {"remodel_work", "remodel_vision", "remodel_skills"}
+PURE = {"remodel_run", "remodel_work", "remodel_vision", "remodel_skills"}
 ROS_ROOMS = {"ros", "commands"}
 # The rooms of a core, each above the rooms that it may import.
 LAYERS = {
@@ -45,7 +45,7 @@ LAYERS = {
         *("decomposition", "task_charts"),
     ],
     "remodel_supervision": ["errors", "core", "edge", "supervisors", "ros"],
-    "remodel_supervision.core": ["run", "trace", "runs", "recovery", "learning"],
+    "remodel_supervision.core": ["run", "runs", "recovery", "learning"],
     "flexbe_synthesizer.core": [
         *("chart", "rewrite", "library", "machine", "check", "export", "compile"),
     ],
@@ -94,11 +94,18 @@ MAY_IMPORT = {
         "remodel_skills",
     },
     "remodel_robot": set(),
-    "remodel_production": {"remodel_states"},
-    "remodel_planning": {"remodel_production", "flexbe_synthesizer", "remodel_states"},
+    "remodel_run": set(),
+    "remodel_production": {"remodel_run", "remodel_states"},
+    "remodel_planning": {
+        "remodel_run",
+        "remodel_production",
+        "flexbe_synthesizer",
+        "remodel_states",
+    },
     "remodel_cable_tree": {"remodel_production", "remodel_planning"},
     "remodel_pddl": {"remodel_production", "remodel_planning"},
     "remodel_supervision": {
+        "remodel_run",
         "remodel_production",
         "remodel_planning",
         "flexbe_core",
@@ -106,6 +113,7 @@ MAY_IMPORT = {
         "remodel_states",
     },
     "remodel_planner": {
+        "remodel_run",
         "remodel_production",
         "remodel_planning",
         "remodel_cable_tree",
@@ -115,7 +123,7 @@ MAY_IMPORT = {
         "flexbe_synthesizer",
         "remodel_states",
     },
-    "remodel_console": {"flexbe_core", "flexbe_synthesizer"},
+    "remodel_console": {"flexbe_core", "flexbe_synthesizer", "remodel_run"},
 }
 
 

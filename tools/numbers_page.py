@@ -137,7 +137,7 @@ NUMBERS = {
         ),
         (
             "a command of an operator is answered, whatever still moves; wall time",
-            f"{SUPERVISION}/supervisors/commands.py",
+            f"{SUPERVISION}/supervisors/run_control.py",
             "REST_LIMIT_S",
         ),
         (

@@ -22,8 +22,7 @@ import cv2
 import numpy as np
 
 from remodel_planning.core.use_case.bounds import Bounds
-from remodel_supervision.core.learning.learned_expectations import Call
-from remodel_supervision.core.learning.learned_parameters import LearnedParameters
+from remodel_supervision.core.learning.experience import Call, LearnedParameters
 from remodel_supervision.core.learning.parameter_choice import GuardRail
 
 ABILITY, FORCE = "InsertCable", "force_limit"

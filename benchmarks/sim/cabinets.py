@@ -32,10 +32,9 @@ from remodel_planning.core.orders.board_order import board_order
 from remodel_production.core.board.board import board_of
 from remodel_production.core.imports.formats import format_of, import_design
 from remodel_production.core.production import Order
-from remodel_production.edge.catalogue_file import read_catalogue
 from remodel_production.edge.design_files import read_mappings
 from remodel_production.edge.importer_plug_ins import design_formats
-from remodel_production.edge.package_files import catalogue_file
+from remodel_production.edge.package_files import catalogue_file, read_catalogue
 from remodel_production.errors import PlannerError
 from remodel_sim.physics.plant import SimulatedPlant
 from remodel_sim.physics.truth import ground_truth

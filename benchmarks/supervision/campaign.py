@@ -63,8 +63,8 @@ from remodel_production.core.production import TerminalRef
 from remodel_production.edge.database.production_database import ProductionDatabase
 from remodel_states.edge.exported_tables import read_faults
 from remodel_states.testing.world_file import WorldFile
+from remodel_supervision.core.runs.event_table import state_after
 from remodel_supervision.core.runs.events import Event, TaskBegun
-from remodel_supervision.core.runs.fold import state_after
 from remodel_supervision.core.runs.state import Stage
 from remodel_supervision.edge.run_log import RunLog
 from remodel_supervision.ros.action_server import ActionServer

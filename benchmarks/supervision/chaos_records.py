@@ -32,8 +32,8 @@ from remodel_supervision.core.runs.events import (
     TaskBegun,
 )
 from remodel_supervision.core.runs.state import RunState, Stage
-from remodel_supervision.edge.event_rows import KeptEvent
 from remodel_supervision.edge.run_log import RunLog
+from remodel_supervision.edge.run_rows import KeptEvent
 
 T = TypeVar("T")
 

@@ -27,7 +27,7 @@ from remodel_production.core.production import Order
 from remodel_production.edge.database.cell_ownership import CellOwnership, Owned
 from remodel_production.edge.database.database_backup import back_up
 from remodel_production.edge.database.production_database import ProductionDatabase
-from remodel_supervision.core.runs.fold import state_after
+from remodel_supervision.core.runs.event_table import state_after
 from remodel_supervision.core.runs.state import RunState
 from remodel_supervision.edge.run_log import RunLog
 

@@ -18,10 +18,7 @@ from remodel_console.core.inbox import Card, Option
 from remodel_console.core.run.decision import Decisions, decisions_of
 from remodel_console.core.run.order import FULL, Attach
 from remodel_console.core.run.run_view import Event, Phase
-from remodel_console.core.use_case.production import Statistics
-from remodel_console.core.use_case.record import Record, Summary
-from remodel_console.core.use_case.record_words import in_chart_terms
-from remodel_console.core.use_case.use_case import Choice
+from remodel_console.core.use_case.record import Record, Summary, in_chart_terms
 from remodel_console.core.world import Part
 from remodel_console.desk import Desk
 from remodel_console.edge.catalogue import Catalogue
@@ -40,6 +37,8 @@ from remodel_console.session import Session
 from remodel_console.sessions import Sessions
 from remodel_console.steering import Steering
 from remodel_console.values import RunValues
+from remodel_run.progress import Answer
+from remodel_run.record import Statistics
 
 _LOG = logging.getLogger(__name__)
 
@@ -84,7 +83,7 @@ class Supervisor(Protocol):
     def retry(self, task: str, by: str) -> str:
         """Have a task done again."""
 
-    def answer(self, question: int, choice: Choice, by: str) -> str:
+    def answer(self, question: int, choice: Answer, by: str) -> str:
         """Answer a question by its number."""
 
 

@@ -12,7 +12,7 @@ from typing import Protocol
 from remodel_console.core.run.decision import Decisions
 from remodel_console.core.run.log_line import LogLine
 from remodel_console.core.run.run_view import Event, Troubled, step
-from remodel_console.core.use_case.use_case import HandWire, UseCase
+from remodel_console.core.use_case.use_case import UseCase
 from remodel_console.core.world import (
     CellKind,
     InputRequest,
@@ -21,6 +21,7 @@ from remodel_console.core.world import (
     with_supervisor,
     with_use_case,
 )
+from remodel_run.progress import HandWire
 
 _TROUBLE = ("warning", "error")
 _KEPT_LINES = 500  # of the log; a page that opens shows them

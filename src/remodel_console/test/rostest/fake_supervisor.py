@@ -14,16 +14,16 @@ from sensor_msgs.msg import Image
 
 from remodel_console.edge.jpeg import as_jpeg
 from remodel_planning.core.use_case.fault import Do
+from remodel_run.progress import Answer, HandWire
 from remodel_supervision.core.run import Operation
+from remodel_supervision.core.runs.event_table import state_after
 from remodel_supervision.core.runs.events import (
-    Answer,
     Answered,
     Asked,
     Command,
     Commanded,
     Decided,
     Ending,
-    HandWire,
     Interrupted,
     OperationEnded,
     Part,
@@ -34,9 +34,8 @@ from remodel_supervision.core.runs.events import (
     TaskBegun,
     TaskEnded,
 )
-from remodel_supervision.core.runs.fold import state_after
 from remodel_supervision.core.runs.state import FINISHED
-from remodel_supervision.core.runs.statistics import joined, statistics_of_run
+from remodel_supervision.core.runs.sums import joined, statistics_of_run
 from remodel_supervision.ros.server.run_messages import sums_message
 from remodel_supervision.ros.server.state_publisher import STATE, RunView, StatePublisher
 from remodel_supervision.supervisors.ports import Doing

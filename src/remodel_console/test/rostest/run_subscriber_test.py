@@ -12,8 +12,8 @@ import rostest
 sys.path.insert(0, str(Path(__file__).parent))
 from fake_supervisor import FakeSupervisor
 
-from remodel_console.core.use_case.use_case import Phase, TaskPhase
 from remodel_console.ros.run_subscriber import RunSubscriber
+from remodel_run.progress import Phase, TaskPhase
 from remodel_supervision.core.runs.events import (
     Command,
     Commanded,

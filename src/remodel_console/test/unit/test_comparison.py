@@ -1,7 +1,8 @@
 """Two recorded runs side by side."""
 
 from remodel_console.core.use_case.comparison import compare
-from remodel_console.core.use_case.record import Entry, Kind, Record
+from remodel_console.core.use_case.record import Record
+from remodel_run.record import Entry, Kind
 
 
 def record(*steps):

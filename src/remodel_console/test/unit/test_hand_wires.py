@@ -2,9 +2,9 @@
 
 import pytest
 
-from remodel_console.core.use_case.use_case import HandWire
 from remodel_console.edge.hand_wires import HandWires
 from remodel_console.errors import CommandError
+from remodel_run.progress import HandWire
 
 
 def wire(name):

@@ -9,9 +9,10 @@ from remodel_console.core.run.decision import decisions_of
 from remodel_console.core.run.order import TakeOutcome
 from remodel_console.core.run.run_view import Asked, Phase, RunView
 from remodel_console.core.run.structure import Level, Structure
-from remodel_console.core.use_case.use_case import Choice, Question, UseCase
-from remodel_console.core.use_case.use_case import Phase as OrderPhase
+from remodel_console.core.use_case.use_case import Question, UseCase
 from remodel_console.core.world import InputRequest, World
+from remodel_run.progress import Answer
+from remodel_run.progress import Phase as OrderPhase
 
 CHART = b"""<statemachine xmlns:ext="urn:remodel:statechart:ext:1" name="C" initial="Box">
 <datamodel><outcome name="done"/></datamodel>
@@ -72,7 +73,7 @@ def test_a_transition_is_confirmed_and_unknown_outcomes_are_not_offered():
 
 
 def test_all_that_waits_stands_together_the_question_of_the_cell_first():
-    question = Question(4, "W4", "The wire jams.", (Choice.RETRY, Choice.STOP))
+    question = Question(4, "W4", "The wire jams.", (Answer.RETRY, Answer.STOP))
     use_case = UseCase(OrderPhase.ASKING, question=question)
     world = world_with(b"", level=3, structure=TREE)
     world = replace(world, use_case=use_case, inputs=(InputRequest(1, "Which pin?"),))

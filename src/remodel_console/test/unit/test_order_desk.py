@@ -8,7 +8,6 @@ import pytest
 import yaml
 
 from remodel_console.core.order_desk.columns import NOT_USED, ListColumns
-from remodel_console.core.order_desk.findings import NoPlan, Plan, read_findings
 from remodel_console.core.order_desk.gantt import (
     gantt_height,
     gantt_plot,
@@ -31,9 +30,10 @@ from remodel_console.core.order_desk.preferences import (
     without_entry,
     write_document,
 )
-from remodel_console.edge.order_desk.order_drafts import OrderDrafts, plain_file_name
+from remodel_console.edge.order_desk.order_drafts import OrderDrafts, plain_file_name, read_findings
 from remodel_console.edge.order_desk.planner_process import Finished, PlannerProcess
 from remodel_console.errors import CommandError
+from remodel_run.findings import NoPlan, Plan
 
 BEFORE = next(kind for kind in KINDS if kind.fields == ("pick", "before", "weight"))
 TEXTS = {"pick": "{colour: [BU, 'BK']}", "before": "all", "weight": "3"}
@@ -327,12 +327,13 @@ def test_what_a_draft_does_is_shown_and_cancelled_at_once(tmp_path):
 
 @pytest.mark.parametrize(("tasks", "is_planned"), [(3000, True), (3001, False)])
 def test_a_long_order_is_planned_only_when_a_person_says_so(tmp_path, tasks, is_planned):
+    account = {"unit": "lines", "connections": tasks, "assumptions": [], "left_out": []}
     imported = {
         "order": "a",
         "title": "a",
         "counts": {"wires": tasks},
         "wires_in_cabinet": tasks,
-        "account": {"unit": "lines", "connections": tasks},
+        "account": account,
         "lengths": {},
         "triage": {"use_case": "cabinet", "robot": [f"W{n}" for n in range(tasks)]},
     }

@@ -2,8 +2,8 @@
 
 import pytest
 
-from remodel_console.core.use_case.record import Entry, Kind, Record, value_words
-from remodel_console.core.use_case.record_words import entry_words, in_chart_terms
+from remodel_console.core.use_case.record import Record, in_chart_terms, value_words
+from remodel_run.record import Entry, Kind, entry_words
 
 
 def entry(position, time_s, kind, **fields):

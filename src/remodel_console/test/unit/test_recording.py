@@ -11,8 +11,9 @@ from remodel_console.core.cell.recording import Recording, change_between, frame
 from remodel_console.core.cell.robot_model import read_robot
 from remodel_console.core.cell.wire_history import force_words, recorded_wire_words
 from remodel_console.core.run.state_values import StateValues, Value
-from remodel_console.core.use_case.record import Entry, Kind, Record
+from remodel_console.core.use_case.record import Record
 from remodel_console.edge.scene_files import SceneFiles
+from remodel_run.record import Entry, Kind
 
 URDF = '<robot name="r"><link name="base"/></robot>'
 ROBOT = Robot(read_robot(URDF), "left_", (1.0, 0.0, 0.0), description=URDF)

@@ -6,7 +6,8 @@ from random import Random
 import pytest
 
 from remodel_console.core.use_case.task_copy import Changes, Snapshot, TaskCopy
-from remodel_console.core.use_case.use_case import Failure, Task, TaskPhase
+from remodel_console.core.use_case.use_case import Failure, Task
+from remodel_run.progress import TaskPhase
 
 SERIES = 17
 

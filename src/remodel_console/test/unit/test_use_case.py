@@ -18,22 +18,15 @@ from remodel_console.core.plot import (
 from remodel_console.core.run.run_view import Phase as RunPhase
 from remodel_console.core.run.run_view import RunView
 from remodel_console.core.use_case.production import figures
-from remodel_console.core.use_case.sums import Count, Sums, sums_words
 from remodel_console.core.use_case.use_case import (
     SHOWN_TASKS,
     CableTask,
-    Choice,
     Failure,
-    HandWire,
     Level,
-    Phase,
     Question,
     Task,
-    TaskPhase,
     UseCase,
-    decision_words,
     duration_words,
-    fault_words,
     hand_words,
     level_rows,
     shown_tasks,
@@ -45,6 +38,8 @@ from remodel_console.edge.jpeg import as_jpeg
 from remodel_console.errors import PictureError
 from remodel_console.live import Live
 from remodel_console.pictures import Pictures
+from remodel_run.progress import Answer, Count, HandWire, Phase, Sums, TaskPhase, sums_words
+from remodel_run.record import decision_words, fault_words
 
 
 def task(name, phase, *, passed=False, taken_s=0.0, expected_s=0.0):
@@ -199,10 +194,10 @@ def test_a_protective_stop_says_by_whom_it_was_requested_and_where_it_is_release
 
 
 def test_the_time_left_to_answer_a_question():
-    question = Question(1, "W4", "It jams.", (Choice.RETRY,), asked_s=100.0, timeout_s=600.0)
+    question = Question(1, "W4", "It jams.", (Answer.RETRY,), asked_s=100.0, timeout_s=600.0)
     assert question.left_s(now_s=130.0) == 570.0
     assert question.left_s(now_s=900.0) == 0.0
-    assert Question(1, "W4", "It jams.", (Choice.RETRY,)).left_s(now_s=130.0) is None
+    assert Question(1, "W4", "It jams.", (Answer.RETRY,)).left_s(now_s=130.0) is None
 
 
 def test_all_tasks_of_a_small_order_are_shown():
@@ -240,7 +235,7 @@ def test_durations_in_words(time_s, words):
 
 
 def test_all_choices_and_phases_have_words():
-    assert all(choice.words and choice.meaning for choice in Choice)
+    assert all(choice.words and choice.meaning for choice in Answer)
     assert all(phase.words for phase in Phase)
     assert decision_words("retry") == "tries again"
     assert decision_words("dance_about") == "dance about"
@@ -315,7 +310,7 @@ def test_what_a_supervisor_published_stays_and_is_out_of_date_when_it_is_gone():
     times = iter([10.0, 11.0, 12.0, 13.0, 14.0, 15.0, 16.0, 17.0])
     live = Live(clock=lambda: next(times))
     live.set_master(True)
-    asking = replace(RUN, run=12, question=Question(1, "W4", "It jams.", (Choice.RETRY,)))
+    asking = replace(RUN, run=12, question=Question(1, "W4", "It jams.", (Answer.RETRY,)))
 
     def words():
         return supervisor_words(live.world, lambda since_s: f"12:03:{since_s:.0f}")

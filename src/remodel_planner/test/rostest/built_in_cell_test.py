@@ -23,9 +23,8 @@ from remodel_planning.core.orders.board_order import board_order
 from remodel_planning.edge.use_case_files import find_use_case
 from remodel_production.core.board.board import board_of
 from remodel_production.core.board.panel import panel_of
-from remodel_production.edge.catalogue_file import read_catalogue
 from remodel_production.edge.database.production_database import ProductionDatabase
-from remodel_production.edge.package_files import catalogue_file
+from remodel_production.edge.package_files import catalogue_file, read_catalogue
 from remodel_skills.edge.cell_memory import CellMemory
 from remodel_states.edge.wire_material_file import read_wire_materials
 from remodel_supervision.ros.peers.board_message import board_message

@@ -63,7 +63,7 @@ class SupervisionTest(SupervisionCase):
         self.assertFalse(handle.get_result().success)
         self.assertIn("ann stopped it", self.last().message)
         printed = planner("explain", str(self.last().run))
-        self.assertIn("ann answered skip to question 1", printed.stdout)
+        self.assertIn("ann: answered: skip", printed.stdout)
 
 
 if __name__ == "__main__":

@@ -13,9 +13,8 @@ from remodel_planning.core.decomposition.cell_fit import misfits
 from remodel_planning.core.orders.board_order import board_order
 from remodel_planning.edge.fault_file import read_faults
 from remodel_production.core.board.board import board_of
-from remodel_production.edge.catalogue_file import read_catalogue
 from remodel_production.edge.database.production_database import ProductionDatabase
-from remodel_production.edge.package_files import catalogue_file
+from remodel_production.edge.package_files import catalogue_file, read_catalogue
 from remodel_production.errors import OrderError
 from remodel_states.edge.cell_files import read_cell_limits
 from remodel_states.edge.wire_material_file import read_wire_materials

@@ -13,8 +13,8 @@ from remodel_planner.commands import backup, restore
 from remodel_production.edge.database import database_backup
 from remodel_production.edge.database.cell_ownership import CellOwnership
 from remodel_production.edge.database.production_database import ProductionDatabase
+from remodel_supervision.core.runs.event_table import state_after
 from remodel_supervision.core.runs.events import Interrupted, RunBegun
-from remodel_supervision.core.runs.fold import state_after
 from remodel_supervision.edge.run_log import RunLog
 
 BEGUN = RunBegun("house", "cabinet", "cell", ("W1", "W2"))

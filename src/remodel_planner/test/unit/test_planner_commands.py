@@ -62,7 +62,7 @@ def test_plan_is_written_and_valid(instance, capsys):
 @pytest.mark.parametrize("command", ["plan", "sequence"])
 def test_without_the_compiled_kernel_a_command_is_refused_in_a_sentence(instance, command):
     program = (
-        "import sys; from remodel_planner.commands.options.entry import run; "
+        "import sys; from remodel_planner.commands.options.common import run; "
         f"from remodel_planner.commands.{command} import main; run(main)"
     )
     output = f"--output={instance.with_name('plan.json')}"
@@ -292,7 +292,7 @@ def test_an_order_is_planned_checked_explained_and_charted(tmp_path, capsys):
 @pytest.mark.parametrize("arguments", [["check", "--help"], ["tasks", str(CABINET)]])
 def test_a_closed_pipe_ends_a_command_quietly(arguments):
     program = (
-        "import sys; from remodel_planner.commands.options.entry import run; "
+        "import sys; from remodel_planner.commands.options.common import run; "
         f"from remodel_planner.commands.{arguments[0]} import main; run(main)"
     )
     reader, writer = os.pipe()

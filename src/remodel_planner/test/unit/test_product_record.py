@@ -9,9 +9,10 @@ from house import HOUSE, owner_of
 
 from remodel_planner.commands import product
 from remodel_production.edge.database.production_database import ProductionDatabase
+from remodel_run.progress import Answer
 from remodel_supervision.core.run import Operation
+from remodel_supervision.core.runs.event_table import state_after
 from remodel_supervision.core.runs.events import (
-    Answer,
     Answered,
     Asked,
     Ending,
@@ -23,7 +24,6 @@ from remodel_supervision.core.runs.events import (
     TaskBegun,
     TaskEnded,
 )
-from remodel_supervision.core.runs.fold import state_after
 from remodel_supervision.edge.run_log import RunLog
 
 AT_B = (("component_id", "Q2"), ("terminal_id", "T1"))

@@ -1,9 +1,10 @@
 """A run's record as a console gets it."""
 
-from remodel_msgs.msg import RunEntry
 from test_run_explanation import RUN
 
+from remodel_run.record import Kind
 from remodel_supervision.core.run import Operation
+from remodel_supervision.core.runs.event_table import entries_of
 from remodel_supervision.core.runs.events import (
     OperationEnded,
     Part,
@@ -11,7 +12,7 @@ from remodel_supervision.core.runs.events import (
     TaskBegun,
     TaskEnded,
 )
-from remodel_supervision.ros.server.run_entries import entries_of
+from remodel_supervision.ros.server.record_server import entry_message
 
 BEGUN = RunBegun("house", "cabinet", "cell", ("W1", "W2"))
 
@@ -44,22 +45,24 @@ def test_a_behavior_is_published_in_the_order_of_time_with_what_was_measured():
             TaskEnded("W1", "finished", 10.0, True, path=(), pictures=(picture,)),
         )
     )
-    kinds = [(entry.kind, entry.stamp.to_sec()) for entry in entries]
+    kinds = [(entry.kind, entry.time_s) for entry in entries]
     assert kinds == [
-        (RunEntry.RUN, 0.0),
-        (RunEntry.TASK, 4.0),
-        (RunEntry.STATE, 5.0),
-        (RunEntry.PICTURE, 6.0),
-        (RunEntry.RESULT, 9.0),
-        (RunEntry.STATE, 10.0),
-        (RunEntry.TASK, 10.0),
+        (Kind.RUN, 0.0),
+        (Kind.TASK, 4.0),
+        (Kind.STATE, 5.0),
+        (Kind.PICTURE, 6.0),
+        (Kind.RESULT, 9.0),
+        (Kind.STATE, 10.0),
+        (Kind.TASK, 10.0),
     ]
     assert entries[3].text == "wrist"
-    result = entries[4]
-    assert (result.names, result.values) == (["depth_m", "peak_force_n"], [0.0139, 5.5])
+    assert entries[4].values == (("depth_m", 0.0139), ("peak_force_n", 5.5))
+    message = entry_message(entries[4])
+    assert (message.kind, message.stamp.to_sec()) == ("result", 9.0)
+    assert (message.names, message.values) == (["depth_m", "peak_force_n"], [0.0139, 5.5])
 
 
 def test_failures_come_with_their_decision():
     kinds = [entry.kind for entry in entries_of((BEGUN, *RUN))]
-    assert kinds[kinds.index(RunEntry.FAILURE) + 1] == RunEntry.DECISION
-    assert kinds.count(RunEntry.OPERATOR) == 4
+    assert kinds[kinds.index(Kind.FAILURE) + 1] == Kind.DECISION
+    assert kinds.count(Kind.OPERATOR) == 4

@@ -7,11 +7,12 @@ from remodel_planner.commands import explain
 from remodel_planner.commands.runs import replay
 from remodel_planning.core.use_case.fault import Do
 from remodel_planning.edge.fault_file import read_faults
-from remodel_production.core.counted import counted
 from remodel_production.edge.database.production_database import ProductionDatabase
+from remodel_run.progress import Answer
+from remodel_run.whole_task import counted
 from remodel_supervision.core.run import Operation
+from remodel_supervision.core.runs.event_table import state_after
 from remodel_supervision.core.runs.events import (
-    Answer,
     Answered,
     Asked,
     AsLeft,
@@ -30,7 +31,6 @@ from remodel_supervision.core.runs.events import (
     TaskElsewhere,
     TaskEnded,
 )
-from remodel_supervision.core.runs.fold import state_after
 from remodel_supervision.edge.run_log import RunLog
 
 FAULTS = read_faults()
@@ -128,15 +128,15 @@ def test_a_run_is_explained_cause_by_cause(keep, url, capsys):
     assert head.startswith("run 1 of order house in cell cell, begun ")
     assert head.endswith(" UTC: 2 tasks, 3 behaviors")
     assert lines == [
-        "planned, since the run begins: W1 W2",
+        "The cell planned: W1 W2, because the run begins.",
         "W1, attempt 1: Place Wire W1 ended failed after 8.5 s and 1 operation",
         "    /Insert: InsertCable, error 301: stuck at 4 mm",
         "        asked for: force_limit 8.0",
         "        found: depth 0.004, peak_force 8.2",
         "    it was insertion_jammed. " + FAULTS["insertion_jammed"].symptoms,
-        "    so: ask operator, since nothing else fits",
-        "question 1: W1 failed (retry, skip)",
-        "ann answered retry to question 1",
+        "    The cell asks you, because nothing else fits.",
+        "W1: asked: W1 failed (retry, skip)",
+        "ann: answered: retry",
         "W1: inspected: end a connected; 3 steps left",
         "W1, attempt 2: Place Wire W1 ended interrupted after 0.0 s and 0 operations",
         "interrupted: the engine is gone",
@@ -145,9 +145,9 @@ def test_a_run_is_explained_cause_by_cause(keep, url, capsys):
         "        asked for: force_limit 8.0",
         "        found: depth 0.004, peak_force 8.2",
         "W1: inspected: end a and end b connected; it is done",
-        "ann asked for: pause",
-        "ann asked for: resume",
-        "W2: cell other has left it set aside",
+        "ann: pause",
+        "ann: resume",
+        "W2: cell other has skipped it",
         "ended incomplete: set aside: W2",
         "1 of 2 tasks done, 1 skipped; not done: W2",
     ]

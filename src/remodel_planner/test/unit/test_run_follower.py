@@ -14,8 +14,8 @@ from remodel_planner.commands.runs.run_follower import RunFollower, attempt_line
 from remodel_production.edge.database.production_database import ProductionDatabase
 from remodel_supervision.core.run import Execution
 from remodel_supervision.core.runs.attempts import Attempt
+from remodel_supervision.core.runs.event_table import state_after
 from remodel_supervision.core.runs.events import Ending, Part, RunBegun, RunEnded
-from remodel_supervision.core.runs.fold import state_after
 from remodel_supervision.edge.run_log import RunLog
 from remodel_supervision.errors import CellError
 

@@ -13,13 +13,13 @@ from remodel_planner.core.reports.run_report import (
     Report,
     render_html,
     report_data,
+    summary_lines,
     timeline,
 )
-from remodel_planner.core.reports.run_summary import summary_lines
 from remodel_production.core.production import Component, Order, TerminalRef, Wire
-from remodel_production.core.whole_task import whole_tasks
+from remodel_run.progress import Sums
+from remodel_run.whole_task import whole_tasks
 from remodel_supervision.core.run import Execution, Operation
-from remodel_supervision.core.runs.sums import Sums
 
 TEMPLATE = (Path(__file__).parents[2] / "templates" / "report.html.j2").read_text()
 COLOURS = {"InsertCable": "#ffb703"}

@@ -13,25 +13,29 @@ from test_run_report import report
 from test_supervision import Run, live
 
 from remodel_console.core.use_case.production import figures
-from remodel_console.core.use_case.sums import Count as ShownCount
 from remodel_console.core.use_case.task_copy import TaskCopy
 from remodel_console.ros.record_link import summary_of
 from remodel_console.ros.run_values import snapshot_of, use_case_of
 from remodel_planner.core.reports.run_report import report_data
-from remodel_supervision.core.runs.attempts import attempts_of
+from remodel_run.progress import Count, HandWire, sums_words
+from remodel_supervision.core.runs.event_table import attempts_of
 from remodel_supervision.core.runs.events import (
     AsLeft,
     Command,
     Commanded,
-    HandWire,
     Interrupted,
     RunEnded,
     TaskElsewhere,
 )
 from remodel_supervision.core.runs.state import Stage
-from remodel_supervision.core.runs.statistics import joined, statistics_of_run
 from remodel_supervision.core.runs.step import EndRun
-from remodel_supervision.core.runs.sums import Count, begun_words, count_of, sums_of, sums_words
+from remodel_supervision.core.runs.sums import (
+    begun_words,
+    count_of,
+    joined,
+    statistics_of_run,
+    sums_of,
+)
 from remodel_supervision.edge.run_log import RunHead
 from remodel_supervision.ros.server.record_server import summary_message
 from remodel_supervision.ros.server.run_messages import (
@@ -94,7 +98,7 @@ def require_same_sums(run):
     assert len(found.cycles_s) == sums.first_passes + sums.recovered
     if found.yields:
         assert found.yields[-1] == use_case.sums.first_pass_yield == sums.first_pass_yield
-    assert not [t for t in use_case.tasks if t.counts_as is ShownCount.DONE_BEFORE and t.expected_s]
+    assert not [t for t in use_case.tasks if t.counts_as is Count.DONE_BEFORE and t.expected_s]
     # Replay
     head = RunHead(1, "house", "cell", datetime(2026, 1, 1), state.ended is not None)
     assert summary_of(summary_message(head, state)).sums == use_case.sums
@@ -147,7 +151,10 @@ def test_a_run_that_is_continued_counts_only_what_it_does_itself():
     assert run.next.because == (
         "all tasks of the cell are done; still to be placed by hand: 3 wires, W9, W10, W11"
     )
-    assert sums_words(sums_of(run.state)) == "3 of 3 tasks done, 2 of them before, 3 wires by hand"
+    assert (
+        sums_words(sums_of(run.state))
+        == "3 of 3 tasks done, 2 of them before this run, 3 wires by hand"
+    )
 
 
 def test_what_a_run_began_and_did_not_end_is_interrupted():

@@ -14,7 +14,6 @@ from flexbe_synthesizer.edge.package_path import find_packages, read_library
 from remodel_planning.core.decomposition.preparation import prepare
 from remodel_planning.core.decomposition.triage import triaged
 from remodel_planning.core.orders.board_order import board_order, kind_of
-from remodel_planning.core.orders.work_order import ByHand
 from remodel_planning.core.problem.defects import require_sound
 from remodel_planning.core.problem.problem import End
 from remodel_planning.core.task_charts.planned_tasks import planned_tasks
@@ -44,8 +43,9 @@ from remodel_production.core.production import (
     Wire,
     sealed_kind,
 )
-from remodel_production.edge.catalogue_file import read_catalogue
+from remodel_production.edge.package_files import read_catalogue
 from remodel_production.errors import InfeasibleError, InstanceError, OrderError
+from remodel_run.findings import ByHand
 
 CONFIG = Path(__file__).parents[3] / "remodel_production" / "config"
 DESIGNS = Path(__file__).parents[3] / "remodel_production/test/unit/designs"

@@ -19,8 +19,8 @@ from remodel_production.core.imports.formats import built_in_formats, format_of,
 from remodel_production.core.imports.kbl_routes import ordered_route
 from remodel_production.core.imports.wire_lists.mapping import mapping_from
 from remodel_production.core.production import Segment, TerminalRef
-from remodel_production.edge.catalogue_file import read_catalogue
 from remodel_production.edge.database.production_database import ProductionDatabase
+from remodel_production.edge.package_files import read_catalogue
 from remodel_production.errors import DesignError
 
 CONFIG = Path(__file__).parents[3] / "remodel_production" / "config"

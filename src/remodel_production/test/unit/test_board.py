@@ -30,7 +30,7 @@ from remodel_production.core.production import (
     TerminalRef,
     Wire,
 )
-from remodel_production.edge.catalogue_file import read_catalogue
+from remodel_production.edge.package_files import read_catalogue
 
 CATALOGUE = read_catalogue(Path(__file__).parents[2] / "config" / "catalogue.yaml")
 EXAMPLES = Path("/usr/share/qelectrotech/examples")

@@ -10,8 +10,7 @@ from remodel_production.core.board.board import board_of
 from remodel_production.core.board.panel import panel_of
 from remodel_production.core.board.wire_lengths import length_findings
 from remodel_production.core.imports.wireviz import import_wireviz
-from remodel_production.edge.catalogue_file import read_catalogue
-from remodel_production.edge.package_files import catalogue_file
+from remodel_production.edge.package_files import catalogue_file, read_catalogue
 from remodel_states.core.cell import SPARE_M
 
 CATALOGUE = read_catalogue(catalogue_file())

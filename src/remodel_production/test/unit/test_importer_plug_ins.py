@@ -7,9 +7,8 @@ import pytest
 
 from remodel_production.core.imports.formats import format_of, import_design
 from remodel_production.core.imports.shared.modules import Asked
-from remodel_production.edge.catalogue_file import read_catalogue
 from remodel_production.edge.importer_plug_ins import design_formats
-from remodel_production.edge.package_files import catalogue_file
+from remodel_production.edge.package_files import catalogue_file, read_catalogue
 from remodel_production.errors import DesignError
 
 PLUG_IN = """

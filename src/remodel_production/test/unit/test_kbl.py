@@ -10,7 +10,7 @@ from remodel_production.core.imports.kbl import import_kbl
 from remodel_production.core.imports.kbl_routes import ordered_route
 from remodel_production.core.imports.shared.modules import Asked
 from remodel_production.core.production import Clip, Role, Segment
-from remodel_production.edge.catalogue_file import read_catalogue
+from remodel_production.edge.package_files import read_catalogue
 from remodel_production.errors import DesignError
 
 CATALOGUE = read_catalogue(Path(__file__).parents[2] / "config" / "catalogue.yaml")

@@ -5,8 +5,9 @@ from concurrent.futures import ThreadPoolExecutor
 import pytest
 from sqlalchemy import create_engine, text
 
-from remodel_production.core.ability import Ability, AbilityParameter
 from remodel_production.core.production import (
+    Ability,
+    AbilityParameter,
     Cable,
     Clip,
     Component,

@@ -18,7 +18,7 @@ from remodel_production.core.production import (
     Terminal,
     TerminalRef,
 )
-from remodel_production.edge.catalogue_file import read_catalogue
+from remodel_production.edge.package_files import read_catalogue
 
 CATALOGUE = replace(
     read_catalogue(Path(__file__).parents[2] / "config" / "catalogue.yaml"),

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 
 from remodel_states.core.codes import Code
 from remodel_states.testing.world import Deed, Entry
+from remodel_supervision.core.runs.event_table import state_after
 from remodel_supervision.core.runs.events import (
     Answered,
     Command,
@@ -21,7 +22,6 @@ from remodel_supervision.core.runs.events import (
     StopReported,
     TaskBegun,
 )
-from remodel_supervision.core.runs.fold import state_after
 from remodel_supervision.core.runs.state import PERSON_FIRST, RunState, Stage
 from remodel_supervision.edge.run_log import RunLog
 from schedules.simulation import Simulation

@@ -15,8 +15,8 @@ from remodel_supervision.edge.task_leases import TaskLeases
 from remodel_supervision.supervisors.cell.cell_runs import CellRuns
 from remodel_supervision.supervisors.cell.owned_cell import OwnedCell
 from remodel_supervision.supervisors.cell.run_commands import RunCommands
+from remodel_supervision.supervisors.ports import Peers, Work
 from remodel_supervision.supervisors.use_case_supervisor import UseCaseSupervisor
-from remodel_supervision.supervisors.work import Peers, Work
 from schedules.database import FailingDatabase
 from schedules.planner import ORDER, SimulatedPlanner, plant
 from schedules.ports import (

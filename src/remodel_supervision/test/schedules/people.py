@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from remodel_supervision.core.runs.events import Answer, Answered, Command, Commanded
+from remodel_run.progress import Answer
+from remodel_supervision.core.runs.events import Answered, Command, Commanded
 from remodel_supervision.core.runs.state import RunState
 from schedules.invariants import Invariants
 from schedules.simulation import Simulation

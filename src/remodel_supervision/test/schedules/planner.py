@@ -20,7 +20,7 @@ from remodel_planning.edge.use_case_files import use_case_for
 from remodel_production.core.board.board import board_of
 from remodel_production.core.board.panel import panel_of as board_panel
 from remodel_production.core.production import Component, Order, Side, Terminal, TerminalRef, Wire
-from remodel_production.edge.catalogue_file import read_catalogue
+from remodel_production.edge.package_files import read_catalogue
 from remodel_states.testing.cell_ability import panel_from
 from remodel_states.testing.world import Panel
 from remodel_supervision.core.learning.experience import Experience

@@ -9,7 +9,7 @@ from sqlalchemy import select
 from flexbe_synthesizer.core.chart.chart_writer import write_chart
 from flexbe_synthesizer.core.chart.model import Chart
 from remodel_production.edge.database.production_models import RunRow, TaskRow, WireRow
-from remodel_supervision.core.runs.attempts import attempts_of
+from remodel_supervision.core.runs.event_table import attempts_of
 from remodel_supervision.core.runs.events import Event
 from remodel_supervision.core.runs.replay import path_difference, replayed
 from remodel_supervision.core.runs.state import RunState, Stage

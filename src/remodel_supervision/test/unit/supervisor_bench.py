@@ -14,8 +14,8 @@ from remodel_production.edge.database.production_database import ProductionDatab
 from remodel_production.errors import LostError
 from remodel_supervision.core.learning.experience import Experience
 from remodel_supervision.core.run import Operation
+from remodel_supervision.core.runs.event_table import state_after
 from remodel_supervision.core.runs.events import Commanded, RunBegun
-from remodel_supervision.core.runs.fold import state_after
 from remodel_supervision.core.runs.gate import Permit
 from remodel_supervision.edge.recorded_lessons import ability_calls
 from remodel_supervision.edge.run_log import RunLog
@@ -23,10 +23,9 @@ from remodel_supervision.edge.task_leases import TaskLeases
 from remodel_supervision.edge.work_planner import WorkPlanner
 from remodel_supervision.errors import LeavingError
 from remodel_supervision.ros.peers.board_message import board_message
-from remodel_supervision.supervisors.ports import BehaviorEnd, EndKind, server_of
+from remodel_supervision.supervisors.ports import BehaviorEnd, EndKind, Peers, Work, server_of
 from remodel_supervision.supervisors.run_record import RunRecord
 from remodel_supervision.supervisors.use_case_supervisor import UseCaseSupervisor
-from remodel_supervision.supervisors.work import Peers, Work
 
 FAULTS = read_faults()
 

@@ -1,6 +1,6 @@
 """Calls of an ability that teach which force is best."""
 
-from remodel_supervision.core.learning.learned_expectations import Call
+from remodel_supervision.core.learning.experience import Call
 
 
 def forced(force_limit, error_code=0, section_mm2=2.5):

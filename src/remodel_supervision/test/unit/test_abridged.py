@@ -1,6 +1,6 @@
 """A long list of problems is cut, and says how many are left out."""
 
-from remodel_supervision.core.runs.abridged import abridged
+from remodel_supervision.core.runs.step import abridged
 
 
 def refusal(count):

@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import pytest
 
-from remodel_supervision.core.runs.attempts import attempts_of
+from remodel_supervision.core.runs.event_table import attempts_of
 from remodel_supervision.core.runs.events import Part, TaskBegun, TaskEnded
 
 BEGUN = TaskBegun("W1", 1, Part.WHOLE, "Place Wire W1", chart="", at_s=1.0)

@@ -8,13 +8,16 @@ import pytest
 
 from remodel_production.errors import OrderError
 from remodel_supervision.core.run import Operation
-from remodel_supervision.core.runs.event_form import data_of, event_from, kind_of
+from remodel_supervision.core.runs.event_table import TABLE
 from remodel_supervision.core.runs.events import (
     Event,
     FeedRefused,
     OperationEnded,
     Planned,
     RunBegun,
+    data_of,
+    event_from,
+    kind_of,
 )
 
 # One line for each kind, as a development version wrote it before msgspec was used.
@@ -23,6 +26,10 @@ RECORDED = Path(__file__).with_name("recorded_events.jsonl").read_text().splitli
 
 def test_every_kind_was_recorded():
     assert [json.loads(line)[0] for line in RECORDED] == [k.__name__ for k in get_args(Event)]
+
+
+def test_every_kind_has_its_row_in_the_table():
+    assert set(TABLE) == set(get_args(Event))
 
 
 @pytest.mark.parametrize("line", RECORDED, ids=lambda line: json.loads(line)[0])

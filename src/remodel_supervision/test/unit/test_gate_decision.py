@@ -14,7 +14,7 @@ from remodel_supervision.core.runs.events import (
     StopReported,
     TaskElsewhere,
 )
-from remodel_supervision.core.runs.gate_decision import (
+from remodel_supervision.core.runs.gate import (
     Circumstances,
     cut_short_event,
     decide_halt,

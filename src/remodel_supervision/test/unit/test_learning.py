@@ -10,22 +10,18 @@ from remodel_planning.core.use_case.bounds import Bounds, frozen_setting, nearer
 from remodel_planning.core.use_case.context import context_of, terminal_features
 from remodel_planning.core.use_case.fault import Do
 from remodel_planning.edge.use_case_files import find_use_case
-from remodel_supervision.core.learning.belief import Belief
-from remodel_supervision.core.learning.duration_model import DurationModel
-from remodel_supervision.core.learning.experience import Experience
-from remodel_supervision.core.learning.learned_expectations import (
+from remodel_supervision.core.learning.belief import Belief, DurationModel, SuccessModel
+from remodel_supervision.core.learning.experience import (
     Call,
+    Experience,
     LearnedExpectations,
-    numbers_from,
-)
-from remodel_supervision.core.learning.learned_parameters import LearnedParameters
-from remodel_supervision.core.learning.learned_responses import (
+    LearnedParameters,
     LearnedResponses,
     TriedResponse,
+    numbers_from,
     tried_responses,
 )
 from remodel_supervision.core.learning.parameter_choice import GuardRail, ParameterChoice
-from remodel_supervision.core.learning.success_model import SuccessModel
 
 THIN = ("InsertCable", "clamp", "0.5")
 THICK = ("InsertCable", "clamp", "2.5")

@@ -11,11 +11,10 @@ from sqlalchemy import text
 
 from remodel_production.edge.database.production_database import ProductionDatabase
 from remodel_production.errors import RecordLostError
-from remodel_supervision.core.runs import state_form
+from remodel_supervision.core.runs import state as run_state
+from remodel_supervision.core.runs.event_table import state_after
 from remodel_supervision.core.runs.events import Interrupted
-from remodel_supervision.core.runs.fold import state_after
-from remodel_supervision.core.runs.state import RunState, Stage
-from remodel_supervision.core.runs.state_form import snapshot_of, state_from
+from remodel_supervision.core.runs.state import RunState, Stage, snapshot_of, state_from
 from remodel_supervision.edge import run_log
 from remodel_supervision.edge.run_log import RunLog
 
@@ -85,7 +84,7 @@ def test_a_run_is_resumed_from_its_snapshot_and_what_came_after(kept):
 
 
 def test_a_snapshot_of_another_version_is_not_read(kept, monkeypatch):
-    monkeypatch.setattr(state_form, "_form", lambda: "2-another")
+    monkeypatch.setattr(run_state, "_form", lambda: "2-another")
     assert kept.log.state(kept.run) == kept.state
     state = kept.log.append(kept.run, Interrupted("killed"), kept.state, kept.owner)
     assert kept.log.state(kept.run) == state
@@ -106,11 +105,11 @@ def test_what_a_snapshot_says_is_checked():
 
 
 def test_another_process_reads_a_snapshot():
-    code = "from remodel_supervision.core.runs import state_form as f; print(f._form())"
+    code = "from remodel_supervision.core.runs import state as f; print(f._form())"
     other = subprocess.run(
         [sys.executable, "-c", code], check=True, capture_output=True, text=True, timeout=60
     )
-    assert other.stdout.strip() == state_form._form()
+    assert other.stdout.strip() == run_state._form()
 
 
 def test_the_benchmark_measures(monkeypatch, capsys, long_run):

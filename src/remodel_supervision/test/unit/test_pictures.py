@@ -6,7 +6,7 @@ import pytest
 import rospy
 from sensor_msgs.msg import Image
 
-from remodel_supervision.core.runs.picture_name import picture_name, seen_by
+from remodel_supervision.core.runs.entries import picture_name, seen_by
 from remodel_supervision.ros.peers.pictures import CellPictures
 
 

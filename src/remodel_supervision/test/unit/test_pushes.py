@@ -22,13 +22,11 @@ from remodel_planning.edge.fault_file import read_error_names, read_faults
 from remodel_planning.edge.use_case_files import find_use_case, read_use_case
 from remodel_states.core.codes import Code
 from remodel_supervision.core.learning.experience import Experience
-from remodel_supervision.core.recovery.decide import decide
-from remodel_supervision.core.recovery.failure import Failure, Spent
+from remodel_supervision.core.recovery.decide import Failure, Spent, decide
 from remodel_supervision.core.run import Operation
 from remodel_supervision.core.runs.events import Decided, Part
 from remodel_supervision.core.runs.gate import Gate, Permit
-from remodel_supervision.edge.nested_charts import nested_charts
-from remodel_supervision.edge.package_files import behavior_charts
+from remodel_supervision.edge.known_behaviors import behavior_charts, nested_charts
 from remodel_supervision.edge.work_planner import WorkPlanner
 from remodel_supervision.supervisors.ports import BehaviorEnd, EndKind
 from remodel_supervision.supervisors.task_supervisor import TaskSupervisor

@@ -13,8 +13,7 @@ from remodel_planning.core.use_case.policy import Limits, Policy, policy_from
 from remodel_planning.edge.fault_file import read_faults
 from remodel_planning.errors import UseCaseError
 from remodel_production.errors import PlannerError
-from remodel_supervision.core.recovery.decide import decide
-from remodel_supervision.core.recovery.failure import Failure, Spent
+from remodel_supervision.core.recovery.decide import Failure, Spent, decide
 
 FAULTS = read_faults()
 LITTLE = Spent(task_attempts=1, task_s=10.0, run_failures=1, run_s=100.0)

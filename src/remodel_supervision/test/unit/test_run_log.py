@@ -15,8 +15,9 @@ from remodel_production.edge.database import production_database
 from remodel_production.edge.database.cell_ownership import database_time_s
 from remodel_production.edge.database.production_database import ProductionDatabase
 from remodel_production.errors import LostError, OrderError, OwnerError, RecordLostError
-from remodel_supervision.core.learning.learned_responses import TriedResponse
+from remodel_supervision.core.learning.experience import TriedResponse
 from remodel_supervision.core.run import Operation
+from remodel_supervision.core.runs.event_table import state_after
 from remodel_supervision.core.runs.events import (
     AsLeft,
     Command,
@@ -34,7 +35,6 @@ from remodel_supervision.core.runs.events import (
     TaskElsewhere,
     TaskEnded,
 )
-from remodel_supervision.core.runs.fold import state_after
 from remodel_supervision.edge.recorded_lessons import ability_calls
 from remodel_supervision.edge.run_log import RunLog
 from remodel_supervision.edge.task_leases import Holding, TaskLeases

@@ -9,9 +9,10 @@ from remodel_msgs.msg import TaskState, UseCaseChanges, UseCaseState
 from remodel_msgs.srv import GetTasksRequest
 
 from remodel_planning.core.use_case.fault import Do
+from remodel_run.progress import Answer
 from remodel_supervision.core.run import Operation
+from remodel_supervision.core.runs.event_table import state_after
 from remodel_supervision.core.runs.events import (
-    Answer,
     Asked,
     Command,
     Commanded,
@@ -25,7 +26,6 @@ from remodel_supervision.core.runs.events import (
     TaskBegun,
     TaskEnded,
 )
-from remodel_supervision.core.runs.fold import state_after
 from remodel_supervision.core.runs.state import FINISHED
 from remodel_supervision.ros.server import state_publisher
 from remodel_supervision.ros.server.state_publisher import RunView, StatePublisher

@@ -3,6 +3,7 @@
 import pytest
 
 from remodel_supervision.core.run import Operation
+from remodel_supervision.core.runs.event_table import state_after
 from remodel_supervision.core.runs.events import (
     OperationEnded,
     Part,
@@ -11,9 +12,8 @@ from remodel_supervision.core.runs.events import (
     TaskBegun,
     TaskEnded,
 )
-from remodel_supervision.core.runs.fold import state_after
 from remodel_supervision.core.runs.state import FINISHED
-from remodel_supervision.core.runs.statistics import joined, statistics_of_run
+from remodel_supervision.core.runs.sums import joined, statistics_of_run
 
 
 def operation(task, terminal, code, ability="InsertCable", ended_s=0.0, elapsed_s=0.0):

@@ -11,14 +11,13 @@ from hypothesis import given
 from remodel_planning.core.use_case.fault import Do, Response
 from remodel_planning.core.use_case.policy import Limits, Policy
 from remodel_planning.edge.fault_file import read_faults
+from remodel_run.progress import Answer
 from remodel_states.core.codes import Code
 from remodel_supervision.core.recovery.judge import decide_recovery
 from remodel_supervision.core.recovery.question import question_about
 from remodel_supervision.core.run import Operation
-from remodel_supervision.core.runs.attempts import attempts_of
-from remodel_supervision.core.runs.event_form import data_of, event_from, kind_of
+from remodel_supervision.core.runs.event_table import attempts_of, state_after
 from remodel_supervision.core.runs.events import (
-    Answer,
     Answered,
     AsLeft,
     Blocked,
@@ -40,8 +39,10 @@ from remodel_supervision.core.runs.events import (
     TaskElsewhere,
     TaskEnded,
     TaskReturned,
+    data_of,
+    event_from,
+    kind_of,
 )
-from remodel_supervision.core.runs.fold import state_after
 from remodel_supervision.core.runs.state import (
     INTERRUPTION_LIMIT,
     PERSON_FIRST,

@@ -39,9 +39,9 @@ from remodel_planning.edge.fault_file import read_error_names
 from remodel_planning.edge.order_planner import plan_problem
 from remodel_planning.edge.use_case_files import find_use_case, read_use_case
 from remodel_planning.errors import UseCaseError
-from remodel_production.edge.ability_files import read_abilities
+from remodel_production.edge.package_files import read_abilities
 from remodel_production.errors import InstanceError
-from remodel_supervision.core.recovery.changed_parameters import Adjustable, with_parameters
+from remodel_supervision.core.recovery.decide import Adjustable, with_parameters
 
 PACKAGE = Path(__file__).parents[3] / "remodel_planning"
 EXAMPLES = [

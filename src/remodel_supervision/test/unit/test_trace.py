@@ -2,7 +2,7 @@
 
 from flexbe_synthesizer.core.chart.chart_reader import parse_chart
 from remodel_supervision.core.run import Operation
-from remodel_supervision.core.trace import trace
+from remodel_supervision.core.runs.replay import trace
 
 INNER = parse_chart(
     """<statemachine xmlns:ext="urn:remodel:statechart:ext:1" name="Inner" initial="Look">

@@ -11,12 +11,12 @@ from remodel_planning.core.use_case.fault import Do, Response
 from remodel_planning.core.use_case.policy import Policy, QuestionLimit
 from remodel_production.edge.database.production_database import ProductionDatabase
 from remodel_production.errors import LostError, OwnerError
+from remodel_run.progress import Answer
 from remodel_states.core.codes import Code
-from remodel_supervision.core.learning.learned_responses import TriedResponse
+from remodel_supervision.core.learning.experience import TriedResponse
 from remodel_supervision.core.run import Operation
-from remodel_supervision.core.runs.attempts import attempts_of
+from remodel_supervision.core.runs.event_table import attempts_of
 from remodel_supervision.core.runs.events import (
-    Answer,
     Answered,
     Command,
     Commanded,

@@ -25,10 +25,8 @@ from remodel_planning.edge.search_kernel import Kernel, KernelSearch
 from remodel_planning.edge.use_case_files import read_use_case
 from remodel_production.core.board.board import board_of
 from remodel_production.core.production import Component, Order, Side, Terminal, TerminalRef, Wire
-from remodel_production.edge.catalogue_file import read_catalogue
-from remodel_production.edge.package_files import catalogue_file
-from remodel_supervision.core.learning.experience import Experience
-from remodel_supervision.core.learning.learned_expectations import Call
+from remodel_production.edge.package_files import catalogue_file, read_catalogue
+from remodel_supervision.core.learning.experience import Call, Experience
 from remodel_supervision.core.runs.events import Decided, Part
 from remodel_supervision.edge import work_planner
 from remodel_supervision.edge.work_planner import WorkPlanner

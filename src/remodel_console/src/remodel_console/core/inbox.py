@@ -13,8 +13,9 @@ from enum import Enum
 from remodel_console.core.run.decision import Decision
 from remodel_console.core.run.order import TakeOutcome
 from remodel_console.core.run.run_view import Phase, RunView
-from remodel_console.core.use_case.use_case import Choice, Question
+from remodel_console.core.use_case.use_case import Question
 from remodel_console.core.world import World
+from remodel_run.progress import Answer
 
 _ATTACHING = "No operator supervises this run: your answer attaches to it, at full autonomy."
 
@@ -34,7 +35,7 @@ class Option:
 
     words: str
     meaning: str
-    act: Choice | TakeOutcome
+    act: Answer | TakeOutcome
 
 
 @dataclass(frozen=True)

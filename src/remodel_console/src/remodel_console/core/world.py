@@ -8,8 +8,8 @@ from enum import Enum
 
 from remodel_console.core.run.decision import Decisions
 from remodel_console.core.run.run_view import Phase, RunView
-from remodel_console.core.use_case.use_case import Phase as UseCasePhase
 from remodel_console.core.use_case.use_case import UseCase
+from remodel_run.progress import Phase as UseCasePhase
 
 
 class Part(Enum):

@@ -12,9 +12,9 @@ from pathlib import Path
 
 import msgspec
 
-from remodel_console.core.use_case.use_case import HandWire
 from remodel_console.edge.private_file import write_private
 from remodel_console.errors import CommandError
+from remodel_run.progress import HandWire
 
 _KEPT = 1000  # products, the latest
 

@@ -6,19 +6,9 @@ from dataclasses import fields
 
 from remodel_msgs import msg, srv
 
-from remodel_console.core.use_case.sums import Count, Sums
 from remodel_console.core.use_case.task_copy import Changes, Snapshot, TaskCopy
-from remodel_console.core.use_case.use_case import (
-    Choice,
-    Failure,
-    HandWire,
-    Level,
-    Phase,
-    Question,
-    Task,
-    TaskPhase,
-    UseCase,
-)
+from remodel_console.core.use_case.use_case import Failure, Level, Question, Task, UseCase
+from remodel_run.progress import Answer, Count, HandWire, Phase, Sums, TaskPhase
 
 
 def use_case_of(message: msg.UseCaseState, copy: TaskCopy) -> UseCase:
@@ -88,7 +78,7 @@ def _hand_wire(message: msg.HandWire) -> HandWire:
 
 
 def _question(message: msg.OperatorQuestion) -> Question:
-    known = {choice.value: choice for choice in Choice}
+    known = {choice.value: choice for choice in Answer}
     return Question(
         number=message.number,
         task=message.task,

@@ -12,11 +12,12 @@ from remodel_msgs import srv
 from remodel_msgs.msg import RunUseCaseAction, RunUseCaseGoal
 
 from flexbe_core.ros.connections import is_heard
-from remodel_console.core.use_case.use_case import Choice, UseCase
+from remodel_console.core.use_case.use_case import UseCase
 from remodel_console.errors import CommandError
 from remodel_console.ros import topics
 from remodel_console.ros.call_service import LIMIT_S, call_service
 from remodel_console.ros.run_subscriber import RunSubscriber
+from remodel_run.progress import Answer
 
 _ACCEPTED_S = 8.0  # in which a supervisor accepts or rejects an order; wall time
 _STANDSTILL_S = 900.0  # in which all motion ends: what holds a run is answered when nothing moves
@@ -99,7 +100,7 @@ class UseCaseLink:
         """Have a task done again; see `_command`."""
         return self._command("retry", srv.CommandTask, srv.CommandTaskRequest(task, by))
 
-    def answer(self, question: int, choice: Choice, by: str) -> str:
+    def answer(self, question: int, choice: Answer, by: str) -> str:
         """Answer a question by its number; see `_command`."""
         request = srv.AnswerQuestionRequest(question, choice.value, by)
         return self._command("answer", srv.AnswerQuestion, request)

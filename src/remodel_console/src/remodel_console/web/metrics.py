@@ -12,9 +12,9 @@ from starlette.responses import Response
 
 from remodel_console.core.inbox import cards
 from remodel_console.core.run import run_view
-from remodel_console.core.use_case.sums import Count
-from remodel_console.core.use_case.use_case import Phase, UseCase
+from remodel_console.core.use_case.use_case import UseCase
 from remodel_console.core.world import Part, World
+from remodel_run.progress import Count, Phase
 
 
 class _Figures(Collector):

@@ -5,7 +5,7 @@ from __future__ import annotations
 import argparse
 from pathlib import Path
 
-from remodel_planner.commands.options.entry import refuses
+from remodel_planner.commands.options.common import refuses
 from remodel_planner.commands.options.problem_files import (
     add_problem_options,
     read_order,

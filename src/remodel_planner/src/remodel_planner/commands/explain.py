@@ -8,7 +8,7 @@ from pathlib import Path
 
 import numpy as np
 
-from remodel_planner.commands.options.entry import refuses
+from remodel_planner.commands.options.common import refuses
 from remodel_planner.commands.options.problem_files import (
     add_problem_options,
     read_plan,

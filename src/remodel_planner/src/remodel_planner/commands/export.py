@@ -8,7 +8,7 @@ from pathlib import Path
 
 from remodel_pddl.core import hddl, pddl
 from remodel_pddl.core.symbolic import steps_of, symbols_of
-from remodel_planner.commands.options.entry import refuses
+from remodel_planner.commands.options.common import refuses
 from remodel_planner.commands.options.problem_files import (
     add_problem_options,
     read_plan,

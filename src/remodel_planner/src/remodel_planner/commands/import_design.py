@@ -11,44 +11,36 @@ from dataclasses import replace
 from functools import partial
 from pathlib import Path
 
-from remodel_planner.commands.options.database_option import add_database_option
+from remodel_planner.commands.options.common import add_database_option, refuses, stages
 from remodel_planner.commands.options.design_orders import (
     DesignOrder,
     add_design_options,
     design_order,
     print_triage,
 )
-from remodel_planner.commands.options.documents import (
-    Document,
-    add_json_option,
-    order_document,
-    triage_document,
-)
-from remodel_planner.commands.options.entry import refuses
+from remodel_planner.commands.options.documents import add_json_option, print_json, triage_of
 from remodel_planner.commands.options.problem_files import build_of, built
-from remodel_planner.commands.options.stages import stages
 from remodel_planning.core.decomposition.cell_fit import misfits, summary
 from remodel_planning.edge.cell_takes import known_cells, named_cell
+from remodel_planning.edge.document_files import read_yaml
 from remodel_planning.edge.use_case_files import use_case_names
-from remodel_planning.edge.yaml_file import read_yaml
 from remodel_production.core.board.board import board_of
 from remodel_production.core.board.cabinet import laid_out
 from remodel_production.core.board.wire_lengths import cut_longer, length_findings
 from remodel_production.core.catalogue import Catalogue
-from remodel_production.core.counted import counted
 from remodel_production.core.imports.design_format import DesignFormat
 from remodel_production.core.imports.formats import WIRE_LIST, format_of, import_design
 from remodel_production.core.imports.shared.account import Imported
 from remodel_production.core.imports.shared.modules import ALL, Asked
 from remodel_production.core.imports.wire_lists.wire_list import mapping_draft
 from remodel_production.core.production import Order
-from remodel_production.edge.ability_files import read_abilities
-from remodel_production.edge.catalogue_file import read_catalogue
 from remodel_production.edge.database.production_database import ProductionDatabase
 from remodel_production.edge.design_files import read_design, read_mappings, read_placement
 from remodel_production.edge.importer_plug_ins import design_formats
-from remodel_production.edge.package_files import catalogue_file
+from remodel_production.edge.package_files import catalogue_file, read_abilities, read_catalogue
 from remodel_production.errors import DesignError, PlannerError, blamed
+from remodel_run import findings
+from remodel_run.whole_task import counted
 
 
 @refuses("import")
@@ -141,7 +133,7 @@ def main(arguments: list[str] | None = None) -> int:
         except PlannerError as error:
             design = error
     if options.json:
-        print(json.dumps(_document(imported, lengths, design)))
+        print_json(_findings(imported, lengths, design))
         return 0
     _report(imported, verbose=options.verbose)
     _report_lengths(lengths, verbose=options.verbose)
@@ -199,10 +191,10 @@ def _preferences(options: argparse.Namespace, order: Order) -> object:
     return document
 
 
-def _report_lengths(lengths: tuple[tuple[str, ...], ...], *, verbose: bool) -> None:
+def _report_lengths(lengths: findings.Lengths, *, verbose: bool) -> None:
     """Print which lengths do not fit the board, or are not what is needed."""
     for lines, what in zip(
-        lengths,
+        (lengths.too_short, lengths.too_long, lengths.rings, lengths.cut_longer),
         (
             (
                 "wire",
@@ -239,38 +231,39 @@ def _report_lengths(lengths: tuple[tuple[str, ...], ...], *, verbose: bool) -> N
             print("\n".join(f"    {line}" for line in lines))
 
 
-def _length_findings(
-    imported: Imported, order: Order, catalogue: Catalogue
-) -> tuple[tuple[str, ...], ...]:
+def _length_findings(imported: Imported, order: Order, catalogue: Catalogue) -> findings.Lengths:
     """Return what is to say of the lengths of wires, and of bundles; lines of each kind."""
     stated = {wire.name for wire in imported.order.wires if wire.length_m is not None}
     board = board_of(order, catalogue)
-    return *length_findings(board, stated), cut_longer(board, stated, catalogue.cabinet)
+    cut = cut_longer(board, stated, catalogue.cabinet)
+    return findings.Lengths(*length_findings(board, stated), cut)
 
 
-def _document(
-    imported: Imported, lengths: tuple[tuple[str, ...], ...], design: DesignOrder | PlannerError
-) -> Document:
+def _findings(
+    imported: Imported, lengths: findings.Lengths, design: DesignOrder | PlannerError
+) -> findings.Imported:
     """Return what is printed with --json."""
-    short, long, rings, cut = lengths
-    document = order_document(imported.order, imported.account)
-    document["lengths"] = {
-        "too_short": short,
-        "too_long": long,
-        "rings": rings,
-        "cut_longer": cut,
-    }
-    document["use_cases"] = use_case_names()
-    if isinstance(design, PlannerError):
-        return {**document, "nothing_to_plan": str(design)}
-    document["triage"] = triage_document(design.work)
-    if design.takes is not None:
-        document["cell"] = {
-            "name": design.takes.cell,
-            "summary": summary(design.work, design.panel, design.takes, known_cells()),
-            "misfits": misfits(design.panel, design.takes),
-        }
-    return document
+    order, cell = imported.order, None
+    planned = None if isinstance(design, PlannerError) else design
+    if planned is not None and planned.takes is not None:
+        cell = findings.CellFit(
+            planned.takes.cell,
+            summary(planned.work, planned.panel, planned.takes, known_cells()),
+            tuple(misfits(planned.panel, planned.takes)),
+        )
+    things = ("components", "wires", "cables", "segments", "clips")
+    return findings.Imported(
+        order.name,
+        order.title,
+        {name: len(getattr(order, name)) for name in things},
+        wires_in_cabinet=len(order.in_cabinet().wires),
+        account=imported.account,
+        lengths=lengths,
+        use_cases=tuple(use_case_names()),
+        triage=triage_of(planned.work) if planned is not None else None,
+        nothing_to_plan=str(design) if planned is None else "",
+        cell=cell,
+    )
 
 
 def _report_triage(design: DesignOrder | PlannerError, *, verbose: bool) -> None:

@@ -3,34 +3,38 @@
 from __future__ import annotations
 
 import argparse
-import json
 import math
 import time
 from pathlib import Path
 
+from remodel_planner.commands.options.common import (
+    moves,
+    refuses,
+    seconds,
+    seed,
+    stages,
+    stop_on_signals,
+)
 from remodel_planner.commands.options.design_orders import print_triage
 from remodel_planner.commands.options.documents import (
     add_json_option,
-    conflict_document,
-    plan_document,
-    triage_document,
+    conflict_findings,
+    plan_findings,
+    print_json,
+    triage_of,
 )
-from remodel_planner.commands.options.entry import refuses
-from remodel_planner.commands.options.limits import moves, seconds, seed
 from remodel_planner.commands.options.problem_files import (
     ConflictError,
     add_problem_options,
     read_problem,
 )
-from remodel_planner.commands.options.stages import stages
-from remodel_planner.commands.options.stop_signals import stop_on_signals
 from remodel_planning.core.plan.cable_tasks import cable_tasks
 from remodel_planning.core.problem.conflict import keeping, requirements_in
 from remodel_planning.core.problem.plan_form import plan_data
 from remodel_planning.core.search.planned import Planned
 from remodel_planning.core.search.tables import tables_of
 from remodel_planning.edge.anytime_planner import AnytimePlanner, Limits, Result
-from remodel_planning.edge.json_file import write_json
+from remodel_planning.edge.document_files import write_json
 from remodel_planning.edge.order_planner import plan_problem, require_valid
 from remodel_planning.edge.search_kernel import Kernel
 from remodel_production.errors import InfeasibleError
@@ -72,7 +76,7 @@ def main(arguments: list[str] | None = None) -> int:
         _plan(options)
     except ConflictError as error:
         if options.json:
-            print(json.dumps(conflict_document(str(error), error.conflicts)))
+            print_json(conflict_findings(str(error), error.conflicts))
         if options.relax and error.conflicts:
             print(f"plan: {error}")
             _relax(error, options)
@@ -125,10 +129,8 @@ def _plan(options: argparse.Namespace) -> None:
         _write(best, options.output)
     triage = files.prepared.order if files.prepared is not None else None
     if options.json:
-        document = {**plan_document(best, files.preferred), "search": _ending(result, limits)}
-        if triage is not None:
-            document["triage"] = triage_document(triage)
-        print(json.dumps(document))
+        found = triage_of(triage) if triage is not None else None
+        print_json(plan_findings(best, files.preferred, _ending(result, limits), found))
         return
     print(f"{problem.name}: cost {best.cost} (makespan {best.makespan}, penalty {best.penalty})")
     print(f"first plan: cost {first.cost} after {first_ms:.1f} ms")

@@ -8,8 +8,7 @@ from collections.abc import Iterator
 from contextlib import closing
 from pathlib import Path
 
-from remodel_planner.commands.options.database_option import add_database_option
-from remodel_planner.commands.options.entry import refuses
+from remodel_planner.commands.options.common import add_database_option, refuses
 from remodel_planner.core.reports.product_record import (
     ProductEntry,
     as_csv,

@@ -5,8 +5,7 @@ from __future__ import annotations
 import argparse
 from pathlib import Path
 
-from remodel_planner.commands.options.database_option import add_database_option
-from remodel_planner.commands.options.entry import refuses
+from remodel_planner.commands.options.common import add_database_option, refuses
 from remodel_production.edge.database.database_backup import restore
 
 

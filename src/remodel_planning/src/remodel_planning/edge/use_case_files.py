@@ -9,7 +9,7 @@ from pathlib import Path
 from remodel_planning.core.use_case.designs import DesignKind
 from remodel_planning.core.use_case.model import UseCase
 from remodel_planning.core.use_case.reading import use_case_from
-from remodel_planning.edge.yaml_file import read_yaml
+from remodel_planning.edge.document_files import read_yaml
 from remodel_planning.errors import UseCaseError
 from remodel_production.edge.package_files import package_folder
 from remodel_production.errors import InstanceError

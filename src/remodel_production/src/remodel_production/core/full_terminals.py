@@ -12,8 +12,8 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 
 from remodel_production.core.catalogue import Catalogue
-from remodel_production.core.counted import counted
 from remodel_production.core.production import Component, Order, Role, TerminalRef
+from remodel_run.whole_task import counted
 
 
 @dataclass(frozen=True)

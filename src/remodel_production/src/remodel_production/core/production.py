@@ -19,6 +19,25 @@ from dataclasses import dataclass, replace
 from enum import Enum
 from functools import cached_property
 
+
+@dataclass(frozen=True)
+class AbilityParameter:
+    """A field of an ability's goal; `type` is that of the ROS message."""
+
+    name: str
+    type: str
+    description: str
+
+
+@dataclass(frozen=True)
+class Ability:
+    """Something that the cell can do; `name` is that of its action."""
+
+    name: str
+    description: str
+    parameters: tuple[AbilityParameter, ...]
+
+
 Vector = tuple[float, float, float]
 
 # Kind of what holds twisted wires together without a sheath.

@@ -2,13 +2,29 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from functools import lru_cache
 from pathlib import Path
 
 import rospkg
 from lxml import etree
 
+from flexbe_synthesizer.core.chart.chart_reader import parse_chart
+from flexbe_synthesizer.core.chart.model import Chart
 from flexbe_synthesizer.core.chart.names import behavior_file
+
+
+def behavior_charts() -> Path:
+    """Return the folder of the charts that remodel_behaviors ships."""
+    return Path(rospkg.RosPack().get_path("remodel_behaviors")) / "charts"
+
+
+def nested_charts() -> Mapping[str, Chart]:
+    """Return the charts, by name."""
+    path = behavior_charts() / "place_connector.xml"
+    chart = parse_chart(path.read_text(encoding="utf-8"), str(path))
+    return {chart.name: chart}
+
 
 _EXPORT = "export/flexbe_behaviors"
 _PARSER = etree.XMLParser(resolve_entities=False, no_network=True)

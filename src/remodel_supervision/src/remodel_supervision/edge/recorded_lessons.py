@@ -24,8 +24,12 @@ from remodel_production.edge.database.production_models import (
     TerminalRow,
     WireRow,
 )
-from remodel_supervision.core.learning.learned_expectations import Call, numbers_from
-from remodel_supervision.core.learning.learned_responses import TriedResponse, tried_responses
+from remodel_supervision.core.learning.experience import (
+    Call,
+    TriedResponse,
+    numbers_from,
+    tried_responses,
+)
 
 # How many records are decoded at once.
 _READ_AT_ONCE = 1000

@@ -26,14 +26,12 @@ from remodel_production.edge.database.production_models import (
     WireRow,
 )
 from remodel_production.errors import OrderError, OwnerError, PlannerError
-from remodel_supervision.core.learning.learned_responses import TriedResponse
+from remodel_supervision.core.learning.experience import TriedResponse
+from remodel_supervision.core.runs.event_table import apply_event, state_after
 from remodel_supervision.core.runs.events import Event, PanelLoaded, RunBegun
-from remodel_supervision.core.runs.fold import apply_event, state_after
-from remodel_supervision.core.runs.state import RunState
-from remodel_supervision.core.runs.state_form import snapshot_of, state_from
-from remodel_supervision.edge.event_rows import KeptEvent, add_event, events_between, now
+from remodel_supervision.core.runs.state import RunState, snapshot_of, state_from
 from remodel_supervision.edge.recorded_lessons import recorded_responses
-from remodel_supervision.edge.run_rows import project
+from remodel_supervision.edge.run_rows import KeptEvent, add_event, events_between, now, project
 
 # After how many events the state of a run is kept, and how many are read at once.
 SNAPSHOT_EVERY = 500

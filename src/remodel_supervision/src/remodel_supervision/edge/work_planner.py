@@ -23,22 +23,21 @@ from remodel_planning.core.task_charts.planned_tasks import (
     planned_tasks,
     with_other_method,
 )
-from remodel_planning.core.task_charts.state_path import step_of
+from remodel_planning.core.task_charts.task_chart import step_of
 from remodel_planning.core.use_case.fault import Do
 from remodel_planning.core.use_case.model import UseCase
 from remodel_planning.edge.order_planner import plan_problem, replan_problem
-from remodel_production.edge.ability_files import read_abilities
-from remodel_supervision.core.learning.experience import Experience
-from remodel_supervision.core.learning.learned_expectations import Call, numbers_from
-from remodel_supervision.core.recovery.changed_parameters import (
+from remodel_production.edge.package_files import read_abilities
+from remodel_supervision.core.learning.experience import Call, Experience, numbers_from
+from remodel_supervision.core.recovery.decide import (
+    VIEW,
     Adjustable,
     observing_from,
     with_parameters,
 )
-from remodel_supervision.core.recovery.decide import VIEW
 from remodel_supervision.core.run import Operation
 from remodel_supervision.core.runs.events import Chosen, Decided, Part
-from remodel_supervision.edge.nested_charts import nested_charts
+from remodel_supervision.edge.known_behaviors import nested_charts
 
 # [s] wall time that the search gets when the rest of an order is planned again: what it starts from
 # is the result of a longer search, and the robot waits. Beyond so many wires it gets less in

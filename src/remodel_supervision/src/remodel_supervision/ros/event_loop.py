@@ -14,7 +14,7 @@ import rospy
 from remodel_production.errors import LostError
 from remodel_supervision.core.runs.steady_clock import SteadyClock
 from remodel_supervision.errors import LeavingError
-from remodel_supervision.supervisors.commands import Reply
+from remodel_supervision.supervisors.run_control import Reply
 
 T = TypeVar("T")
 

@@ -1,19 +1,16 @@
 """The two supervisors, over ports: no ROS, no threads, no disk.
 
-ports.py                what they need of the world, as protocols
-work.py                 what a run is about, and the processes that it needs
+ports.py                what they need of the world, as protocols, and what a run is about
 use_case_supervisor.py  takes a run to its end: does what core/runs derives from the events
 run_record.py           keeps the events of a run
-run_control.py          does what operators and safety controllers ask of a run
+run_control.py          does what operators and safety controllers ask of a run, and says when it
+                        is allowed, and answered
 gate_keeper.py          closes and opens the gate
 leases.py               claims tasks, keeps the lease of the one under way
-panel_loader.py         has the cell build the product's panel
-task_executor.py        runs the behaviors of tasks, and records what they do
-task_inspector.py       inspects what of a task is done
+task_executor.py        has the cell build the panel, runs behaviors, inspects what is done
 task_supervisor.py      runs one behavior, grants its operations, keeps what they did
 reconnection.py         stops what runs, and waits for what was lost
 failure_judge.py        decides about failures, asks operators
-commands.py             which commands are allowed, and when they are answered
 cell/                   the runs of one cell, one after the other
 
 Everything happens on one thread, in `EventLoop.run_until`: records, permissions, commands and

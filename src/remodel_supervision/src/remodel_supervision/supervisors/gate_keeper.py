@@ -4,8 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
-from remodel_supervision.core.runs.gate import Gate, Permit
-from remodel_supervision.core.runs.gate_decision import Circumstances, decide_halt, decide_hold
+from remodel_supervision.core.runs.gate import Circumstances, Gate, Permit, decide_halt, decide_hold
 from remodel_supervision.errors import HaltedError
 from remodel_supervision.supervisors.leases import LeaseKeeper
 from remodel_supervision.supervisors.ports import EventLoop

@@ -7,9 +7,8 @@ from collections.abc import Callable
 from remodel_production.errors import LostError
 from remodel_supervision.core.runs.events import Blocked, Interrupted
 from remodel_supervision.supervisors.gate_keeper import GateKeeper
-from remodel_supervision.supervisors.ports import EventLoop
+from remodel_supervision.supervisors.ports import EventLoop, Peers
 from remodel_supervision.supervisors.run_record import RETRY_S, RunRecord
-from remodel_supervision.supervisors.work import Peers
 
 # [s] wall time after which something that is gone counts as lost.
 _GRACE_S = 0.2

@@ -7,10 +7,10 @@ from dataclasses import replace
 from typing import TypeVar
 
 from remodel_production.errors import LostError
-from remodel_supervision.core.learning.learned_responses import TriedResponse
+from remodel_supervision.core.learning.experience import TriedResponse
 from remodel_supervision.core.run import Operation
 from remodel_supervision.core.runs.events import Event
-from remodel_supervision.core.runs.gate_decision import late_stop_event
+from remodel_supervision.core.runs.gate import late_stop_event
 from remodel_supervision.core.runs.state import RunState
 from remodel_supervision.core.runs.step import Step, next_step
 from remodel_supervision.errors import HaltedError

@@ -1,4 +1,4 @@
-"""Presents the piece of a task, runs a behavior of it, and records what both did."""
+"""Has the cell do what a step of a run asks for: build the panel, run a behavior, or inspect."""
 
 from __future__ import annotations
 
@@ -6,25 +6,167 @@ from collections.abc import Callable
 
 from flexbe_synthesizer.core.chart.chart_writer import write_chart
 from flexbe_synthesizer.core.chart.model import Chart
+from remodel_planning.core.problem.problem import End
+from remodel_states.core.codes import Code
 from remodel_supervision.core.run import Operation
 from remodel_supervision.core.runs.events import (
     Chosen,
     FeedRefused,
     OperationEnded,
+    PanelLoaded,
     Part,
     PartRequested,
+    Settled,
     TaskBegun,
     TaskEnded,
 )
-from remodel_supervision.core.runs.gate import FEEDER
-from remodel_supervision.core.runs.gate_decision import cut_short_event, is_cut_short
+from remodel_supervision.core.runs.gate import FEEDER, cut_short_event, is_cut_short
 from remodel_supervision.core.runs.state import FINISHED, PREEMPTED
-from remodel_supervision.core.runs.step import Execute
-from remodel_supervision.errors import LeavingError, RefusedError
-from remodel_supervision.supervisors.gate_keeper import GateKeeper
-from remodel_supervision.supervisors.ports import EventLoop
+from remodel_supervision.core.runs.step import Execute, Settle
+from remodel_supervision.edge.work_planner import WorkPlanner
+from remodel_supervision.errors import HaltedError, LeavingError, RefusedError
+from remodel_supervision.supervisors.gate_keeper import SUPERVISOR, GateKeeper
+from remodel_supervision.supervisors.ports import (
+    Cell,
+    EventLoop,
+    Inspection,
+    Peers,
+    UnseenError,
+    Work,
+)
 from remodel_supervision.supervisors.run_record import RunRecord
-from remodel_supervision.supervisors.work import Peers, Work
+
+
+class PanelLoader:
+    """Loads the panel of one run."""
+
+    def __init__(self, record: RunRecord, work: Work, cell: Cell, gates: GateKeeper) -> None:
+        """Begin without a panel.
+
+        Args:
+            record: of the run.
+            work: what the run is about.
+            cell: that builds the panel.
+            gates: let it be built.
+        """
+        self._record = record
+        self._work = work
+        self._cell = cell
+        self._gates = gates
+        # Where the cell answered that has the panel; another address is another process.
+        self._loaded_at = ""
+
+    def load(self) -> None:
+        """Have the cell build the panel, unless this cell process has it.
+
+        Raises:
+            RefusedError: if the cell cannot build it, or cannot do what the order asks for.
+        """
+        if self._work.panel is None or self._cell.address() == self._loaded_at:
+            return
+        state = self._record.state
+        # A cell that began later may have built it first, and placed wires on it.
+        keep = state.keep_panel or self._record.insist(self._work.leases.begun_elsewhere)
+        self._gates.enter(SUPERVISOR, "loading the panel")
+        try:
+            self._cell.load(
+                self._work.panel,
+                state.serial,
+                self._record.owner,
+                demands=self._work.planner.demands,
+                keep=keep,
+            )
+        except RefusedError as error:
+            raise RefusedError(error.code, f"{error}{_remedy(error, state.use_case)}") from error
+        finally:
+            self._gates.gate.end(SUPERVISOR)
+        self._record.append(PanelLoaded(state.serial))
+        self._loaded_at = self._cell.address()
+
+    def forget(self) -> None:
+        """Assume that no cell has the panel: the one that had it may have been lost."""
+        self._loaded_at = ""
+
+
+def _remedy(error: RefusedError, use_case: str) -> str:
+    """Return what a person can do about a panel that does not fit the cell."""
+    if error.code != Code.INVALID_GOAL:
+        return ""
+    return (
+        f"\nNothing has moved. Correct the design or use case {use_case}, or choose another cell "
+        "or use case (remodel run --use-case)."
+    )
+
+
+class TaskInspector:
+    """Inspects tasks whose progress is unverified, and records what is connected."""
+
+    def __init__(
+        self,
+        record: RunRecord,
+        planner: WorkPlanner,
+        inspection: Inspection,
+        gates: GateKeeper,
+    ) -> None:
+        """Take the run's record, and what inspects.
+
+        Args:
+            record: of the run.
+            planner: of its order.
+            inspection: the ability.
+            gates: let it move.
+        """
+        self._record = record
+        self._planner = planner
+        self._inspection = inspection
+        self._gates = gates
+
+    def inspect(self, name: str) -> None:
+        """Inspect a task, and record which of its ends are connected, or why that is not visible.
+
+        Raises:
+            HaltedError: if the gate is closed.
+            LostError: if the ability is lost; it counts as moving until everything is stopped.
+        """
+        self._gates.update()
+        gate = self._gates.gate
+        decisions = self._record.state.tasks[name].decisions
+        planned = self._planner.task(name, decisions)
+        connected: list[str] = []
+        self._gates.enter(SUPERVISOR, f"inspecting {name}")
+        try:
+            for end in End:
+                terminal = planned.decomposition.task.terminals[end]
+                component = planned.component_of[terminal]
+                if self._is_connected(name, end, component, terminal):
+                    connected.append(end.letter)
+            gate.end(SUPERVISOR)
+        except HaltedError:
+            gate.end(SUPERVISOR)
+            raise
+        except UnseenError as error:
+            gate.end(SUPERVISOR)
+            if gate.halt:
+                raise HaltedError(gate.halt) from error
+            self._keep(Settled(name, tuple(connected), 1, error.code, unseen=str(error)))
+            self._gates.tasks.note_stop(error.goal_id)
+            return
+        left = self._planner.task(name, decisions, connected).left(connected)
+        self._keep(Settled(name, tuple(connected), len(left)))
+
+    def _is_connected(self, name: str, end: End, component: str, terminal: str) -> bool:
+        if self._gates.gate.halt:
+            raise HaltedError(self._gates.gate.halt)
+        return self._inspection.is_connected(
+            self._record.owner,
+            name,
+            end.letter,
+            component,
+            terminal=terminal.removeprefix(f"{component}:"),
+        )
+
+    def _keep(self, settled: Settled) -> None:
+        self._record.append_if_next(Settle(settled.task), settled, while_paused=True)
 
 
 class TaskExecutor:

@@ -30,19 +30,15 @@ from remodel_supervision.core.runs.step import (
     next_step,
 )
 from remodel_supervision.errors import CellError, HaltedError, RefusedError
-from remodel_supervision.supervisors.commands import Reply
 from remodel_supervision.supervisors.failure_judge import FailureJudge
 from remodel_supervision.supervisors.gate_keeper import GateKeeper
 from remodel_supervision.supervisors.leases import LeaseKeeper
-from remodel_supervision.supervisors.panel_loader import PanelLoader
-from remodel_supervision.supervisors.ports import EventLoop
+from remodel_supervision.supervisors.ports import EventLoop, Peers, Work
 from remodel_supervision.supervisors.reconnection import Reconnection
-from remodel_supervision.supervisors.run_control import RunControl
+from remodel_supervision.supervisors.run_control import Reply, RunControl
 from remodel_supervision.supervisors.run_record import RunRecord
-from remodel_supervision.supervisors.task_executor import TaskExecutor
-from remodel_supervision.supervisors.task_inspector import TaskInspector
+from remodel_supervision.supervisors.task_executor import PanelLoader, TaskExecutor, TaskInspector
 from remodel_supervision.supervisors.task_supervisor import TaskSupervisor
-from remodel_supervision.supervisors.work import Peers, Work
 
 # [s] wall time between two checks of what no node reports: other cells' tasks, the run's time.
 _CHECK_S = 0.2

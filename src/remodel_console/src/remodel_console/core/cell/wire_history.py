@@ -2,14 +2,9 @@
 
 from __future__ import annotations
 
-from remodel_console.core.use_case.record import Kind, Record, value_words
-from remodel_console.core.use_case.record_words import entry_words
-from remodel_console.core.use_case.use_case import (
-    UseCase,
-    decision_words,
-    duration_words,
-    fault_words,
-)
+from remodel_console.core.use_case.record import Record, value_words
+from remodel_console.core.use_case.use_case import UseCase, duration_words
+from remodel_run.record import Kind, decision_words, entry_words, fault_words
 
 
 def wire_words(wire: str, use_case: UseCase | None) -> tuple[str, ...]:

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from itertools import groupby
 from typing import Any
 
-from remodel_console.core.order_desk.findings import Plan
+from remodel_run.findings import Plan
 
 # Kinds of action as the planner names them, and what an operator reads.
 ACTION_WORDS = {

@@ -12,8 +12,8 @@ from dataclasses import dataclass
 from difflib import SequenceMatcher
 from itertools import zip_longest
 
-from remodel_console.core.use_case.record import Entry, Kind, Record
-from remodel_console.core.use_case.record_words import entry_words
+from remodel_console.core.use_case.record import Record
+from remodel_run.record import Entry, Kind, entry_words
 
 _KINDS = (Kind.TASK, Kind.STATE, Kind.FAILURE, Kind.DECISION, Kind.OPERATOR)
 

@@ -5,8 +5,9 @@ from __future__ import annotations
 from collections import Counter
 from dataclasses import dataclass, field
 
-from remodel_console.core.use_case.sums import Count, Sums
-from remodel_console.core.use_case.use_case import UseCase, fault_words
+from remodel_console.core.use_case.use_case import UseCase
+from remodel_run.progress import Count, Sums
+from remodel_run.record import fault_words
 
 
 @dataclass(frozen=True)
@@ -28,25 +29,6 @@ class Figures:
     done: tuple[str, ...] = ()
     cycles_s: tuple[float, ...] = ()
     recoveries: tuple[tuple[str, int], ...] = ()
-
-
-@dataclass(frozen=True)
-class Statistics:
-    """Across the recorded runs of one order, or of all.
-
-    Attributes:
-        sums: (number of the run, its sums), the oldest first.
-        yields: (number of the run, share of first passes).
-        utilisations: (number of the run, share of its time in which an ability was executed).
-        terminals: (terminal, insertions, failures), those with most failures first.
-        wires: (wire, mean time that it took [s]), the slowest first.
-    """
-
-    sums: tuple[tuple[int, Sums], ...] = ()
-    yields: tuple[tuple[int, float], ...] = ()
-    utilisations: tuple[tuple[int, float], ...] = ()
-    terminals: tuple[tuple[str, int, int], ...] = ()
-    wires: tuple[tuple[str, float], ...] = ()
 
 
 def figures(use_case: UseCase) -> Figures:

@@ -3,57 +3,16 @@
 from __future__ import annotations
 
 from bisect import bisect_right
-from collections.abc import Iterator
-from dataclasses import dataclass
-from enum import Enum
-from functools import cached_property
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass, replace
+from functools import cache, cached_property
 from itertools import accumulate
 
-from remodel_console.core.use_case.sums import Sums
-
-
-class Kind(Enum):
-    """The kind of an entry; the values are those of remodel_msgs/RunEntry."""
-
-    RUN = "run"
-    TASK = "task"
-    STATE = "state"
-    FEEDBACK = "feedback"
-    RESULT = "result"
-    FAILURE = "failure"
-    DECISION = "decision"
-    OPERATOR = "operator"
-    PICTURE = "picture"
-
+from remodel_console.core.run.chart_terms import recorded_state
+from remodel_run.progress import Sums
+from remodel_run.record import Entry, Kind
 
 REASONS = (Kind.FAILURE, Kind.DECISION, Kind.OPERATOR)  # what shows why a run took its course
-
-
-@dataclass(frozen=True)
-class Entry:
-    """One thing that happened, at a ROS time [s]; `values` are named with their units.
-
-    Attributes:
-        position: in the record, from 1 and without gaps.
-        time_s: 0 if it is not known.
-        state_path: as the engine has it.
-        state: the same in terms of the chart, as a person reads it.
-    """
-
-    position: int
-    time_s: float
-    kind: Kind
-    task: str = ""
-    behavior: str = ""
-    state_path: str = ""
-    state: str = ""
-    ability: str = ""
-    fault: str = ""
-    error_code: int = 0
-    text: str = ""
-    because: str = ""
-    values: tuple[tuple[str, float], ...] = ()
-    has_picture: bool = False
 
 
 @dataclass(frozen=True)
@@ -232,3 +191,17 @@ def _rank(name: str) -> int:
     """Return where a value stands by its unit."""
     unit = name.rpartition("_")[2]
     return list(_UNITS).index(unit) if unit in _UNITS else len(_UNITS)
+
+
+def in_chart_terms(record: Record, paths_of: Callable[[str], frozenset[str]]) -> Record:
+    """Return a record whose entries name states of the charts; `paths_of` a behavior's chart."""
+    paths_of = cache(paths_of)
+    named, behavior = [], ""
+    for entry in record.entries:
+        behavior = entry.behavior or behavior
+        if entry.state_path:
+            state = recorded_state(entry.state_path, paths_of(behavior)).words
+            named.append(replace(entry, state=state))
+        else:
+            named.append(entry)
+    return Record(tuple(named))

@@ -6,7 +6,8 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 
-from remodel_console.core.use_case.use_case import Failure, HandWire, Task, TaskPhase
+from remodel_console.core.use_case.use_case import Failure, Task
+from remodel_run.progress import HandWire, TaskPhase
 
 _ENDED = (TaskPhase.DONE, TaskPhase.SET_ASIDE)
 _KEPT_EARLY = 1000  # changes; far more than arrive while all tasks are fetched

@@ -4,53 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Collection, Iterator, Sequence
 from dataclasses import dataclass, field
-from enum import Enum
 
-from remodel_console.core.use_case.sums import Count, Sums
-
-
-class Phase(Enum):
-    """What the supervisor does; the values are those of remodel_msgs/UseCaseState."""
-
-    IDLE = "idle"
-    STARTING = "starting"
-    PLANNING = "planning"
-    RUNNING = "running"
-    SETTLING = "settling"
-    PAUSING = "pausing"
-    PAUSED = "paused"
-    PROTECTIVE_STOP = "protective_stop"
-    ASKING = "asking"
-    ENDED = "ended"
-
-    @property
-    def words(self) -> str:
-        """Return what an operator reads."""
-        return _PHASE_WORDS[self]
-
-
-_PHASE_WORDS = {
-    Phase.IDLE: "idle",
-    Phase.STARTING: "starting",
-    Phase.PLANNING: "planning",
-    Phase.RUNNING: "running",
-    Phase.SETTLING: "inspecting the interrupted task",
-    Phase.PAUSING: "pausing…",
-    Phase.PAUSED: "paused",
-    Phase.PROTECTIVE_STOP: "protective stop",
-    Phase.ASKING: "waiting for you",
-    Phase.ENDED: "ended",
-}
-
-
-class TaskPhase(Enum):
-    """How far a task is; the values are those of remodel_msgs/TaskState."""
-
-    WAITING = "waiting"
-    RUNNING = "running"
-    DONE = "done"
-    SET_ASIDE = "set_aside"
-
+from remodel_run.progress import Answer, Count, HandWire, Phase, Sums, TaskPhase
+from remodel_run.whole_task import whole_tasks
 
 _PHASES = {
     TaskPhase.WAITING: "waiting",
@@ -59,37 +15,6 @@ _PHASES = {
     TaskPhase.SET_ASIDE: "skipped",
 }
 _COUNT_WORDS = {Count.DONE_BEFORE: "done before", Count.INTERRUPTED: "interrupted"}
-
-
-class Choice(Enum):
-    """An answer to a question; the values are those of remodel_msgs/OperatorQuestion."""
-
-    RETRY = "retry"
-    FIXED = "fixed"
-    MARK_DONE = "mark_done"
-    SKIP = "skip"
-    REPLAN = "replan"
-    STOP = "stop"
-
-    @property
-    def words(self) -> str:
-        """Return the label of its button."""
-        return _CHOICE_WORDS[self][0]
-
-    @property
-    def meaning(self) -> str:
-        """Return what it does."""
-        return _CHOICE_WORDS[self][1]
-
-
-_CHOICE_WORDS = {
-    Choice.RETRY: ("Try again", "The cell repeats what is left of the task."),
-    Choice.FIXED: ("I have fixed it", "The cell checks, then continues with what is left."),
-    Choice.MARK_DONE: ("The task is done", "You confirm it: the cell does not check."),
-    Choice.SKIP: ("Skip the task", "The task stays undone; the run continues with the others."),
-    Choice.REPLAN: ("Do it later", "The cell replans the rest of the order."),
-    Choice.STOP: ("Stop the run", "The run ends safely."),
-}
 
 
 @dataclass(frozen=True)
@@ -121,33 +46,6 @@ class Task:
     def words(self) -> str:
         """Return what an operator reads of how far it is."""
         return _COUNT_WORDS.get(self.counts_as) or _PHASES[self.phase]
-
-
-@dataclass(frozen=True)
-class HandWire:
-    """A wire of the order that no robot of the cell places: a person does.
-
-    Attributes:
-        marker: its number on its markers; empty if the design gives none.
-        a: terminal of end a; `b` of end b.
-        length_m: 0 if it is not known [m].
-        reason: why no robot places it.
-    """
-
-    name: str
-    marker: str
-    a: str
-    b: str
-    colour: str
-    section_mm2: float
-    length_m: float
-    reason: str
-
-    @property
-    def words(self) -> str:
-        """Return where it goes, what it is and how long."""
-        length = f", {1000 * self.length_m:.0f} mm" if self.length_m else ""
-        return f"{self.a} to {self.b}, {self.colour}, {self.section_mm2:g} mm²{length}"
 
 
 def hand_words(wires: Sequence[HandWire], ticked: Collection[str]) -> str:
@@ -203,12 +101,11 @@ class CableTask:
 
 def with_cables(tasks: Sequence[Task]) -> Iterator[CableTask | Task]:
     """Yield tasks in their order, each cable before its cores, at the place of the first."""
-    groups: dict[tuple[str, str], list[Task]] = {}
-    for task in tasks:
-        groups.setdefault((task.cable, "" if task.cable else task.name), []).append(task)
-    for (cable, _), cores in groups.items():
-        if cable and len(cores) > 1:
-            yield CableTask(tuple(cores))
+    named = {task.name: task for task in tasks}
+    for whole in whole_tasks((task.name, task.cable) for task in tasks):
+        cores = tuple(named[name] for name in whole.wires)
+        if whole.is_cable:
+            yield CableTask(cores)
         yield from cores
 
 
@@ -248,7 +145,7 @@ class Question:
     number: int
     task: str
     text: str
-    choices: tuple[Choice, ...]
+    choices: tuple[Answer, ...]
     asked_s: float = 0.0
     timeout_s: float = 0.0
 
@@ -374,29 +271,6 @@ def level_rows(use_case: UseCase) -> Iterator[tuple[str, Level | None]]:
     known = {level.level: level for level in use_case.levels}
     for level, word in _LEVEL_WORDS.items():
         yield word, known.get(level)
-
-
-_DECISION_WORDS = {
-    "retry": "tries again",
-    "retry_with": "tries again with changed parameters",
-    "look_again": "looks again from another view",
-    "other_method": "uses another method",
-    "new_part": "starts again with a new part",
-    "replan": "replans the rest; the task comes later",
-    "set_aside": "skips the task and continues",
-    "ask_operator": "asks you",
-    "stop": "stops safely",
-}
-
-
-def decision_words(decision: str) -> str:
-    """Return what a decision means; one that is not known stays as it is."""
-    return _DECISION_WORDS.get(decision, decision.replace("_", " "))
-
-
-def fault_words(fault: str) -> str:
-    """Return a fault's name as a person writes it."""
-    return fault.replace("_", " ").capitalize() or "Unknown fault"
 
 
 def duration_words(time_s: float) -> str:

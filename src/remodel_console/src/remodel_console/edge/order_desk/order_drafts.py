@@ -6,6 +6,7 @@ says so. It outlives the page that it was made on.
 
 from __future__ import annotations
 
+import json
 import secrets
 import shutil
 import threading
@@ -14,10 +15,11 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass, field, replace
 from pathlib import Path
-from typing import Protocol
+from typing import Protocol, TypeVar
+
+import msgspec
 
 from remodel_console.core.order_desk.columns import ListColumns
-from remodel_console.core.order_desk.findings import Imported, NoPlan, Plan, read_findings
 from remodel_console.core.order_desk.preferences import (
     Document,
     has_entries,
@@ -26,7 +28,9 @@ from remodel_console.core.order_desk.preferences import (
 )
 from remodel_console.edge.order_desk.planner_process import Finished
 from remodel_console.errors import CommandError
+from remodel_run.findings import Imported, NoPlan, Plan
 
+T = TypeVar("T")
 _MOST_KEPT = 30  # each may have 100 MB
 # Files of a draft; no design file has a name that begins with a dot.
 _OWN = ".draft"
@@ -380,3 +384,18 @@ def _own_words(finished: Finished) -> str:
     for command in ("import", "plan", "layout", "explain"):
         words = words.removeprefix(f"{command}: ")
     return words
+
+
+def read_findings(text: str, kind: type[T]) -> T:
+    """Return what a command has printed.
+
+    Raises:
+        CommandError: if it is something else, such as of another version.
+    """
+    try:
+        return msgspec.convert(json.loads(text), kind)
+    except (ValueError, msgspec.ValidationError) as error:
+        raise CommandError(
+            f"the planner's answer cannot be read ({error}): are the console and remodel_planner "
+            "of one version?"
+        ) from error

@@ -7,8 +7,8 @@ from collections.abc import Iterable, Sequence
 
 from nicegui import ui
 
-from remodel_console.core.order_desk.findings import Account, CellFit, Imported, Triage
 from remodel_console.web.page import card, scrollable, table
+from remodel_run.findings import Account, CellFit, Imported, Triage
 
 _LISTED = 500  # lines; the planner's `import --verbose` prints all
 

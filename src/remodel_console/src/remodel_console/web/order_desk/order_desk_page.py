@@ -9,7 +9,6 @@ from functools import partial
 from nicegui import ui
 
 from remodel_console.core.answer import DONE, CommandResult
-from remodel_console.core.order_desk.findings import CellFit, Triage
 from remodel_console.core.order_desk.preferences import Document
 from remodel_console.core.world import ALL_PARTS, World
 from remodel_console.edge.order_desk.order_drafts import LISTS, DraftState, OrderDraft
@@ -23,6 +22,7 @@ from remodel_console.web.order_desk.drop_zone import DropZone
 from remodel_console.web.order_desk.plan_panel import show_plan
 from remodel_console.web.order_desk.preferences_panel import PreferencesPanel
 from remodel_console.web.page import Page, card
+from remodel_run.findings import CellFit, Triage
 
 ADDRESS = "/order_desk"
 FILE_ADDRESS = f"{ADDRESS}/file"

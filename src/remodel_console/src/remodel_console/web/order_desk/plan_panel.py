@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from nicegui import ui
 
-from remodel_console.core.order_desk.findings import NoPlan, Plan
 from remodel_console.core.order_desk.gantt import (
     gantt_height,
     gantt_plot,
@@ -16,6 +15,7 @@ from remodel_console.core.use_case.use_case import duration_words
 from remodel_console.edge.order_desk.order_drafts import DraftState
 from remodel_console.web.page import card, scrollable, table
 from remodel_console.web.plot import Plot
+from remodel_run.findings import NoPlan, Plan
 
 _LISTED = 300  # tasks
 

@@ -9,7 +9,6 @@ from typing import Any
 from nicegui import ui
 
 from remodel_console.core.answer import DONE
-from remodel_console.core.order_desk.findings import Plan
 from remodel_console.core.order_desk.preferences import (
     Document,
     entries,
@@ -22,6 +21,7 @@ from remodel_console.edge.order_desk.order_drafts import DraftState
 from remodel_console.errors import CommandError
 from remodel_console.web.order_desk.entry_dialog import LIST_TITLES, Change, EntryDialog
 from remodel_console.web.page import Page, card
+from remodel_run.findings import Plan
 
 
 class PreferencesPanel:

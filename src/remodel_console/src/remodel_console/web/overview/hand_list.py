@@ -6,7 +6,8 @@ from collections.abc import Awaitable, Callable
 
 from nicegui import ui
 
-from remodel_console.core.use_case.use_case import HandWire, hand_words
+from remodel_console.core.use_case.use_case import hand_words
+from remodel_run.progress import HandWire
 
 Tick = Callable[[str, str, bool], Awaitable[bool]]
 

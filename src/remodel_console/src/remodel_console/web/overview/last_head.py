@@ -6,8 +6,8 @@ import time
 
 from nicegui import ui
 
-from remodel_console.core.use_case.sums import sums_words
 from remodel_console.core.use_case.use_case import UseCase
+from remodel_run.progress import sums_words
 
 
 class LastHead:

@@ -7,10 +7,10 @@ from typing import Protocol
 
 from nicegui import run, ui
 
-from remodel_console.core.use_case.sums import sums_words
-from remodel_console.core.use_case.use_case import Phase, UseCase
+from remodel_console.core.use_case.use_case import UseCase
 from remodel_console.errors import CommandError
 from remodel_console.web.page import Page
+from remodel_run.progress import Phase, sums_words
 
 
 class StartOrder(Protocol):

@@ -10,15 +10,7 @@ from nicegui import background_tasks, ui
 from remodel_console.console import Supervisor
 from remodel_console.core.answer import DONE
 from remodel_console.core.use_case.production import figures
-from remodel_console.core.use_case.use_case import (
-    HandWire,
-    Phase,
-    UseCase,
-    decision_words,
-    duration_words,
-    fault_words,
-    level_rows,
-)
+from remodel_console.core.use_case.use_case import UseCase, duration_words, level_rows
 from remodel_console.core.world import ALL_PARTS, World, supervisor_words
 from remodel_console.web.cell.camera_view import CameraView
 from remodel_console.web.cell.live_cell import LiveCell
@@ -30,6 +22,8 @@ from remodel_console.web.overview.run_head import PAUSING, RunHead
 from remodel_console.web.overview.start_card import StartCard
 from remodel_console.web.overview.task_table import TaskTable
 from remodel_console.web.page import Page
+from remodel_run.progress import HandWire, Phase
+from remodel_run.record import decision_words, fault_words
 
 _CAMERAS = (
     ("overhead", "From above", "no picture yet; the cell's next observation sends one"),

@@ -6,8 +6,8 @@ from collections.abc import Callable, Iterable
 
 from nicegui import ui
 
-from remodel_console.core.use_case.sums import sums_words
-from remodel_console.core.use_case.use_case import Phase, UseCase, duration_words, stop_words
+from remodel_console.core.use_case.use_case import UseCase, duration_words, stop_words
+from remodel_run.progress import Phase, sums_words
 
 # What the page shows until a pause is answered.
 PAUSING = "pausing"

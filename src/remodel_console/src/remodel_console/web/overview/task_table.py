@@ -7,15 +7,14 @@ from functools import partial
 
 from nicegui import ui
 
-from remodel_console.core.use_case.sums import Count
 from remodel_console.core.use_case.use_case import (
     CableTask,
     Task,
-    TaskPhase,
     duration_words,
     shown_tasks,
     with_cables,
 )
+from remodel_run.progress import Count, TaskPhase
 
 _OPEN = (TaskPhase.WAITING, TaskPhase.RUNNING)
 

@@ -7,8 +7,7 @@ from nicegui import background_tasks, run, ui
 from remodel_console.core.cell.cell_state import CellState
 from remodel_console.core.cell.recording import Recording
 from remodel_console.core.cell.wire_history import recorded_wire_words
-from remodel_console.core.use_case.record import Entry, Moment, Record, Summary
-from remodel_console.core.use_case.record_words import KIND_WORDS, entry_words
+from remodel_console.core.use_case.record import Moment, Record, Summary
 from remodel_console.core.world import ALL_PARTS, World
 from remodel_console.errors import CommandError
 from remodel_console.scene import Scene
@@ -21,6 +20,7 @@ from remodel_console.web.replay.run_list import RunList
 from remodel_console.web.replay.scrubber import Scrubber
 from remodel_console.web.replay.start_here import Recorded, StartHere
 from remodel_console.web.replay.value_plots import ValuePlots
+from remodel_run.record import Entry, entry_words
 
 _NO_RECORDING = "No console recorded the cell in three dimensions during this run."
 _SHOWN_REASONS = 20  # the latest until the moment
@@ -172,9 +172,9 @@ class ReplayPage(Page):
         with self._now:
             ui.label(f"Task {moment.task}" if moment.task else "Between tasks").classes("title")
             entry, feedback = moment.entry, moment.feedback
-            ui.label(f"{KIND_WORDS[entry.kind]}: {entry_words(entry)}").classes("entry-words")
+            ui.label(f"{entry.kind.value}: {entry_words(entry)}").classes("entry-words")
             if feedback is not None and feedback is not entry:
-                ui.label(f"{KIND_WORDS[feedback.kind]}: {entry_words(feedback)}").classes("soft")
+                ui.label(f"{feedback.kind.value}: {entry_words(feedback)}").classes("soft")
 
     def _show_reasons(self, reasons: tuple[Entry, ...]) -> None:
         self._reasons.clear()

@@ -10,9 +10,9 @@ from nicegui import run, ui
 
 from remodel_console.console import Console
 from remodel_console.core.use_case.record import Summary
-from remodel_console.core.use_case.sums import sums_words
 from remodel_console.core.use_case.use_case import duration_words
 from remodel_console.errors import CommandError
+from remodel_run.progress import sums_words
 
 _UNKNOWN = "Runs are listed here once the supervisor is running."
 _NONE = "No run is recorded yet. Each order that is started becomes one."

@@ -7,7 +7,8 @@ from functools import partial
 
 from nicegui import ui
 
-from remodel_console.core.use_case.record import REASONS, Kind, Record
+from remodel_console.core.use_case.record import REASONS, Record
+from remodel_run.record import Kind
 
 _FRAME_S = 0.25  # between two moments while it plays
 _STEP_S = 0.1  # of the slider

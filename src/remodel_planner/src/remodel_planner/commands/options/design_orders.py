@@ -71,8 +71,7 @@ def design_order(stored: Order, options: argparse.Namespace) -> DesignOrder:
     from remodel_planning.edge.use_case_files import use_case_for
     from remodel_production.core.board.board import board_of
     from remodel_production.core.board.panel import panel_of
-    from remodel_production.edge.catalogue_file import read_catalogue
-    from remodel_production.edge.package_files import catalogue_file
+    from remodel_production.edge.package_files import catalogue_file, read_catalogue
 
     catalogue = read_catalogue(catalogue_file())
     board = board_of(stored, catalogue)

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from remodel_planner.commands.options.database_option import add_database_option
+from remodel_planner.commands.options.common import add_database_option
 from remodel_planner.commands.options.design_orders import add_design_options, design_order
 from remodel_planning.core.orders.order_format import is_order
 from remodel_planning.core.problem.conflict import (
@@ -24,8 +24,7 @@ from remodel_planning.core.problem.instance import problem_from
 from remodel_planning.core.problem.plan_form import plan_from
 from remodel_planning.core.problem.preferences import Preferred, apply_preferences
 from remodel_planning.core.problem.problem import Plan, Problem
-from remodel_planning.edge.json_file import read_json
-from remodel_planning.edge.yaml_file import read_yaml
+from remodel_planning.edge.document_files import read_json, read_yaml
 from remodel_production.errors import InfeasibleError, InstanceError, blamed
 
 # What decomposes tasks takes longer to load than a problem to plan, and problems do not need it.

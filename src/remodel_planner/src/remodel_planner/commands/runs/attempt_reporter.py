@@ -12,9 +12,9 @@ from remodel_planning.edge.fault_file import read_error_names
 from remodel_production.core.production import Wire
 from remodel_supervision.core.run import Operation
 from remodel_supervision.core.runs.attempts import Attempt
-from remodel_supervision.core.runs.picture_name import seen_by
-from remodel_supervision.core.trace import Trace, trace
-from remodel_supervision.edge.nested_charts import nested_charts
+from remodel_supervision.core.runs.entries import seen_by
+from remodel_supervision.core.runs.replay import Trace, trace
+from remodel_supervision.edge.known_behaviors import nested_charts
 
 
 class AttemptReporter:

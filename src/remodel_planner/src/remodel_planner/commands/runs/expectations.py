@@ -6,14 +6,17 @@ import argparse
 from collections import Counter
 from contextlib import closing
 
-from remodel_planner.commands.options.database_option import add_database_option
-from remodel_planner.commands.options.entry import refuses
+from remodel_planner.commands.options.common import add_database_option, refuses
 from remodel_planning.core.use_case.bounds import frozen_setting
 from remodel_planning.core.use_case.model import UseCase
 from remodel_planning.edge.use_case_files import find_use_case
 from remodel_production.edge.database.production_database import ProductionDatabase
-from remodel_supervision.core.learning.learned_expectations import Call, LearnedExpectations
-from remodel_supervision.core.learning.learned_parameters import LearnedParameters, setting_of
+from remodel_supervision.core.learning.experience import (
+    Call,
+    LearnedExpectations,
+    LearnedParameters,
+    setting_of,
+)
 from remodel_supervision.edge.recorded_lessons import ability_calls
 
 

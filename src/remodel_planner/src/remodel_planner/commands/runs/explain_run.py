@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import argparse
 
-from remodel_planner.commands.options.database_option import add_database_option
+from remodel_planner.commands.options.common import add_database_option
 from remodel_planner.core.reports.run_explanation import explain_run
 from remodel_planning.edge.fault_file import read_faults
 from remodel_supervision.edge.run_log import kept_run

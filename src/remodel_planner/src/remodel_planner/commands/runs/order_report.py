@@ -19,12 +19,12 @@ from remodel_production.core.board.board import Board, board_of
 from remodel_production.core.board.panel import panel_of
 from remodel_production.core.catalogue import Catalogue
 from remodel_production.core.production import Order
-from remodel_production.edge.catalogue_file import read_catalogue
-from remodel_production.edge.package_files import catalogue_file
+from remodel_production.edge.package_files import catalogue_file, read_catalogue
 from remodel_production.errors import PlannerError
+from remodel_run.progress import Count
 from remodel_supervision.core.runs.events import Ending, Part
 from remodel_supervision.core.runs.state import RunState
-from remodel_supervision.core.runs.sums import Count, count_of, sums_of
+from remodel_supervision.core.runs.sums import count_of, sums_of
 from remodel_supervision.ros.peers.cell import running_cell
 
 

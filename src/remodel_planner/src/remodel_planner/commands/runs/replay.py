@@ -5,16 +5,14 @@ from __future__ import annotations
 import argparse
 
 from flexbe_synthesizer.core.chart.chart_reader import parse_chart
-from remodel_planner.commands.options.database_option import add_database_option
-from remodel_planner.commands.options.entry import refuses
+from remodel_planner.commands.options.common import add_database_option, refuses
 from remodel_planning.edge.fault_file import read_error_names
-from remodel_production.core.counted import counted
-from remodel_supervision.core.runs.attempts import attempts_of
-from remodel_supervision.core.runs.event_form import kind_of
-from remodel_supervision.core.runs.events import OperationEnded
+from remodel_run.whole_task import counted
+from remodel_supervision.core.runs.event_table import attempts_of
+from remodel_supervision.core.runs.events import OperationEnded, kind_of
 from remodel_supervision.core.runs.replay import path_difference, replayed
 from remodel_supervision.core.runs.step import description_of, next_step
-from remodel_supervision.edge.nested_charts import nested_charts
+from remodel_supervision.edge.known_behaviors import nested_charts
 from remodel_supervision.edge.run_log import KeptEvent, kept_run
 
 

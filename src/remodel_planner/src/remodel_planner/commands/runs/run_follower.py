@@ -12,13 +12,13 @@ from remodel_msgs.srv import GetTasks
 
 from remodel_planner.commands.runs.run_bar import RunBar
 from remodel_planner.core.reports.run_report import attempt_result, failure_line
-from remodel_planning.core.use_case.fault import Do
-from remodel_production.core.counted import counted
 from remodel_production.core.production import Order, Wire
+from remodel_run.record import decision_words
+from remodel_run.whole_task import counted
 from remodel_supervision.core.run import Execution
 from remodel_supervision.core.runs.attempts import Attempt, Attempts
+from remodel_supervision.core.runs.event_table import count_event, state_after
 from remodel_supervision.core.runs.events import Event, Planned, RunBegun
-from remodel_supervision.core.runs.fold import state_after
 from remodel_supervision.core.runs.state import RunState, Stage
 from remodel_supervision.core.runs.steady_clock import SteadyClock
 from remodel_supervision.core.runs.sums import begun_words
@@ -33,19 +33,6 @@ _START_LIMIT_S = 60.0
 # [s] wall time between two reads of what has happened; and that a supervisor may be silent.
 _READ_S = 0.2
 _SILENCE_LIMIT_S = 60.0
-
-# What is done about a failed task, for a person.
-_RESPONSES = {
-    Do.RETRY: "inspecting, then doing what is left",
-    Do.RETRY_WITH: "trying again with other parameters",
-    Do.LOOK_AGAIN: "inspecting from another viewpoint",
-    Do.OTHER_METHOD: "trying another method",
-    Do.NEW_PART: "feeding a new wire",
-    Do.REPLAN: "its turn comes later",
-    Do.SET_ASIDE: "skipped",
-    Do.ASK_OPERATOR: "asking the operator",
-    Do.STOP: "stopping",
-}
 
 
 class RunFollower:
@@ -160,7 +147,7 @@ class RunFollower:
         events = [each.event for each in kept]
         lines = [line for event in events for line in _event_lines(event)]
         for event in events:
-            self._ended.add(event)
+            count_event(event, self._ended)
         state = self._state = state_after(events, self._state)
         attempts = self._ended.ended
         if attempts and state.current and state.tasks[state.current].stage is Stage.FAILED:
@@ -226,7 +213,8 @@ def attempt_line(attempt: Attempt, wires: dict[str, Wire]) -> str:
     if execution.attempt > 1:
         result += f" at attempt {execution.attempt}"
     if attempt.decision:
-        result += f", {_RESPONSES[attempt.decision.do]} ({attempt.decision.because})"
+        decision = attempt.decision
+        result += f", the cell {decision_words(decision.do.value)} ({decision.because})"
     wire = wires.get(execution.wire)
     about = (
         f"  {wire.a!s:>12} to {wire.b!s:<14} {wire.colour} {wire.section_mm2:g} mm2" if wire else ""

@@ -9,14 +9,14 @@ from pathlib import Path
 import rospy
 
 from flexbe_core.ros.master import START_LIMIT_S, NoMasterError, join_interruptibly, require_master
-from remodel_planner.commands.options.database_option import add_database_option
+from remodel_planner.commands.options.common import add_database_option
 from remodel_planner.commands.runs.order_report import order_report
 from remodel_planner.commands.runs.run_follower import RunFollower
-from remodel_planner.core.reports.run_summary import summary_lines
+from remodel_planner.core.reports.run_report import summary_lines
 from remodel_planner.edge.report_files import write_report
 from remodel_production.edge.database.production_database import ProductionDatabase
 from remodel_production.errors import PlannerError
-from remodel_supervision.core.runs.abridged import abridged
+from remodel_supervision.core.runs.step import abridged
 from remodel_supervision.edge.run_log import RunLog
 
 

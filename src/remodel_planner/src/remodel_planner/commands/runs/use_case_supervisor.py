@@ -12,7 +12,7 @@ import rosgraph
 import rospy
 
 from flexbe_core.ros.master import NoMasterError, join, require_master, spin
-from remodel_planner.commands.options.database_option import add_database_option
+from remodel_planner.commands.options.common import add_database_option
 from remodel_planning.edge.fault_file import read_faults
 from remodel_planning.edge.use_case_files import find_use_case
 from remodel_production.edge.database.cell_ownership import CellOwnership
@@ -31,7 +31,7 @@ from remodel_supervision.ros.peers.pictures import CellPictures
 from remodel_supervision.ros.server.record_server import RecordServer
 from remodel_supervision.ros.server.run_server import RunServer
 from remodel_supervision.ros.server.work import WorkMaker
-from remodel_supervision.supervisors.work import Peers
+from remodel_supervision.supervisors.ports import Peers
 
 
 def main(arguments: list[str] | None = None) -> int:

@@ -7,66 +7,58 @@ from datetime import datetime
 
 from remodel_planner.core.reports.run_report import failure_line
 from remodel_planning.core.use_case.fault import FaultTable
+from remodel_run.progress import sums_words
+from remodel_run.record import entry_words
+from remodel_run.whole_task import counted
 from remodel_supervision.core.run import Execution
-from remodel_supervision.core.runs.attempts import INTERRUPTED, attempts_of
-from remodel_supervision.core.runs.events import (
-    Answered,
-    Asked,
-    AsLeft,
-    Blocked,
-    Commanded,
-    Decided,
-    Escalated,
-    Event,
-    FeedRefused,
-    Interrupted,
-    Planned,
-    RunEnded,
-    Settled,
-    StopReported,
-    TaskBegun,
-    TaskElsewhere,
-    TaskEnded,
-    TaskReturned,
-)
-from remodel_supervision.core.runs.fold import state_after
+from remodel_supervision.core.runs import events
+from remodel_supervision.core.runs.attempts import INTERRUPTED
+from remodel_supervision.core.runs.event_table import attempts_of, entries_of, state_after
+from remodel_supervision.core.runs.events import Event
 from remodel_supervision.core.runs.state import Stage
-from remodel_supervision.core.runs.sums import sums_of, sums_words
+from remodel_supervision.core.runs.sums import sums_of
+
+# What goes as it should needs no explanation.
+_ROUTINE = (events.RunBegun, events.PanelLoaded, events.PartRequested, events.OperationEnded)
 
 
 def explain_run(
-    number: int, begun: datetime, events: Sequence[Event], faults: FaultTable
+    number: int, begun: datetime, happened: Sequence[Event], faults: FaultTable
 ) -> Iterator[str]:
     """Yield the explanation of a run, line by line.
 
     Args:
         number: of the run.
         begun: wall time, UTC.
-        events: of the run, in order.
+        happened: of the run, in order.
         faults: with their symptoms.
     """
-    state = state_after(events)
+    state = state_after(happened)
     sums = sums_of(state)
-    attempts = list(attempts_of(events))
+    attempts = list(attempts_of(happened))
     yield (
         f"run {number} of order {state.order} in cell {state.cell}, begun "
-        f"{begun:%Y-%m-%d %H:%M:%S} UTC: {_count(sums.tasks, 'task')}, "
-        f"{_count(len(attempts), 'behavior')}"
+        f"{begun:%Y-%m-%d %H:%M:%S} UTC: {counted(sums.tasks, 'task')}, "
+        f"{counted(len(attempts), 'behavior')}"
     )
-    for event in events:
-        if isinstance(event, TaskEnded):
+    for event in happened:
+        if isinstance(event, events.TaskEnded):
             yield from _ended(attempts.pop(0).execution)
-        elif isinstance(event, Interrupted):
+        elif isinstance(event, events.Interrupted):
             if attempts and attempts[0].execution.outcome == INTERRUPTED:
                 yield from _ended(attempts.pop(0).execution)
-            yield f"interrupted: {event.because}"
-        elif isinstance(event, Decided):
+            yield from _lines(event)
+        elif isinstance(event, events.Decided):
             symptoms = faults[event.fault].symptoms if event.fault in faults.names else ""
             yield f"    it was {event.fault}. {symptoms}".rstrip()
-            yield f"    so: {event.do.value.replace('_', ' ')}, since {event.because}"
+            _, decision = entries_of([event])
+            yield f"    {entry_words(decision)}"
             for name, value in event.change:
                 yield f"    with {name} {value:g}"
-        else:
+        elif isinstance(event, events.StopReported):
+            operation = event.operation
+            yield f"{event.task}: {operation.state_path} had ended: {failure_line(operation)}"
+        elif not _is_routine(event):
             yield from _lines(event)
     left = [name for name, task in state.tasks.items() if task.stage is not Stage.DONE]
     end = f"not done: {' '.join(left)}" if left else "all are done"
@@ -77,7 +69,7 @@ def _ended(execution: Execution) -> Iterator[str]:
     yield (
         f"{execution.wire}, attempt {execution.attempt}: {execution.behavior} ended "
         f"{execution.outcome} after {execution.cell_s:.1f} s and "
-        f"{_count(len(execution.operations), 'operation')}"
+        f"{counted(len(execution.operations), 'operation')}"
     )
     for failure in execution.failures:
         yield f"    {failure.state_path}: {failure_line(failure)}"
@@ -88,57 +80,15 @@ def _ended(execution: Execution) -> Iterator[str]:
         yield "    the behavior recovered by itself"
 
 
+def _is_routine(event: Event) -> bool:
+    has_learned = isinstance(event, events.TaskBegun) and event.chosen
+    return isinstance(event, (*_ROUTINE, events.TaskBegun)) and not has_learned
+
+
 def _lines(event: Event) -> Iterator[str]:
-    """Yield the lines about an event that stands alone; of most, none."""
-    match event:
-        case Planned():
-            yield f"planned, since {event.because}: {' '.join(event.tasks)}"
-        case TaskBegun():
-            for chosen in event.chosen:
-                yield (
-                    f"{event.task}, attempt {event.attempt}: {chosen.step} with "
-                    f"{chosen.parameter} {chosen.value:g}, chosen by learning"
-                )
-        case Settled():
-            yield _inspection(event)
-        case StopReported():
-            operation = event.operation
-            yield f"{event.task}: {operation.state_path} had ended: {failure_line(operation)}"
-        case Asked():
-            choices = ", ".join(choice.value for choice in event.choices)
-            yield f"question {event.number}: {event.text} ({choices})"
-        case Answered():
-            yield f"{event.by} answered {event.choice.value} to question {event.number}"
-        case Escalated():
-            response = event.do.value.replace("_", " ")
-            yield f"no answer to question {event.number} in time: {response}"
-        case FeedRefused():
-            yield f"{event.task}: no piece was presented: error {event.code}: {event.text}"
-        case Commanded():
-            command = event.command.value.replace("_", " ")
-            yield f"{event.by} asked for: {command} {event.task}".rstrip()
-        case TaskElsewhere():
-            cell = f"cell {event.cell}" if event.cell else "another cell"
-            is_running = event.as_left is AsLeft.RUNNING
-            how = "has it" if is_running else f"has left it {event.as_left.value}"
-            yield f"{event.task}: {cell} {how}"
-        case TaskReturned():
-            yield f"{event.task}: taken over from cell {event.cell}, which began it and went silent"
-        case Blocked():
-            yield f"it cannot go on: {event.because}"
-        case RunEnded():
-            # What ended a run early is reported in full where it happened.
-            because, *_ = event.because.split("\n")
-            yield f"ended {event.ending.value}: {because}"
-
-
-def _inspection(event: Settled) -> str:
-    if event.unseen:
-        return f"{event.task}: the inspection failed: {event.unseen}"
-    seen = f"end {' and end '.join(event.connected)} connected" if event.connected else "no end in"
-    left = f"{_count(event.left, 'step')} left" if event.left else "it is done"
-    return f"{event.task}: inspected: {seen}; {left}"
-
-
-def _count(number: int, what: str) -> str:
-    return f"{number} {what}{'' if number == 1 else 's'}"
+    """Yield what the record says about an event that stands alone."""
+    for entry in entries_of([event]):
+        words = entry_words(entry)
+        if isinstance(event, events.RunEnded):  # in full where it happened
+            words, *_ = words.split("\n")
+        yield f"{entry.task}: {words}" if entry.task else words

@@ -6,19 +6,20 @@ The page stands alone (pictures and drawings are in it), so that it can be maile
 from __future__ import annotations
 
 import base64
-from collections.abc import Mapping
+from collections import Counter
+from collections.abc import Iterator, Mapping
 from dataclasses import asdict, dataclass, field
 
 from jinja2 import Environment, StrictUndefined
 
 from remodel_planner.core.reports.net_list import Connection, Verdict, share_in_ducts
 from remodel_production.core.production import Order, Wire
-from remodel_production.core.whole_task import WholeTask
+from remodel_run.progress import Sums, sums_words
+from remodel_run.whole_task import WholeTask, counted
 from remodel_states.core.wires.wire_colours import hex_colours
 from remodel_supervision.core.run import Execution, Operation
 from remodel_supervision.core.runs.attempts import Attempt
 from remodel_supervision.core.runs.events import Part
-from remodel_supervision.core.runs.sums import Sums
 
 INSERTION = "InsertCable"
 
@@ -372,3 +373,58 @@ def attempt_result(attempt: Attempt) -> str:
 def failure_line(operation: Operation) -> str:
     """Return what failed and why, in one line."""
     return f"{operation.ability}, error {operation.error_code}: {operation.text}"
+
+
+# Differences from the design that are listed; the report has all of them.
+_LISTED = 8
+
+
+def summary_lines(report: Report) -> Iterator[str]:
+    """Yield the lines."""
+    before = f" ({len(report.before)} of them before)" if report.before else ""
+    if report.has_cables or report.done < report.sums.tasks:
+        yield sums_words(report.sums)
+    yield (
+        f"{report.placed} of {counted(report.planned, 'wire')} placed{before}, "
+        f"{report.first_pass} without a failed operation; "
+        f"{counted(report.failures, 'failed operation')}; "
+        f"{report.cell_s:.0f} s in the cell, {report.wall_s:.0f} s on the clock"
+    )
+    seated, ends = report.insertions
+    if ends:
+        yield (
+            f"{seated} of {counted(ends, 'end')} seated by the first insertion; "
+            f"{counted(report.recovered, 'wire')} recovered"
+        )
+    if report.real_time_factor is not None:
+        yield (
+            f"{report.simulated_s:.0f} s simulated in {report.wall_s:.0f} s, "
+            f"real-time factor {report.real_time_factor:.2f}"
+        )
+    yield from _built_lines(report)
+    if report.sums.by_hand:
+        yield f"by hand: {counted(report.sums.by_hand, 'wire')}, listed in the report"
+
+
+def _built_lines(report: Report) -> Iterator[str]:
+    if report.unread:
+        yield f"net list: not read back: {report.unread}"
+        return
+    if not report.nets:
+        return
+    counts = Counter(net.verdict for net in report.nets)
+    others = "".join(
+        f", {counts[verdict]} {verdict.value}"
+        for verdict in (Verdict.WRONG, Verdict.MISSING)
+        if counts[verdict]
+    )
+    right = counts[Verdict.AS_DESIGNED]
+    yield f"net list: {right} of {counted(len(report.nets), 'wire')} as designed{others}"
+    differences = report.differences
+    for net in differences[:_LISTED]:
+        designed = " to ".join(map(str, net.designed))
+        yield f"  {net.wire} {net.verdict.value}: designed {designed}, {net.difference}"
+    if len(differences) > _LISTED:
+        yield f"  and {len(differences) - _LISTED} more"
+    if report.in_ducts is not None:
+        yield f"routes: below the rims at {report.in_ducts:.1%} of their length in ducts"

@@ -11,8 +11,8 @@ from remodel_planning.core.orders.work_order import WorkOrder
 from remodel_planning.core.use_case.designs import DesignTasks
 from remodel_planning.core.use_case.model import UseCase
 from remodel_production.core.board.panel import Panel, PanelWire
-from remodel_production.core.counted import counted
 from remodel_production.errors import OrderError
+from remodel_run.whole_task import counted
 from remodel_states.core.cell import CellLimits, Passage, footprint, objections, overlaps
 from remodel_states.core.wires.wire_colours import WIRE_RGB, is_colour
 

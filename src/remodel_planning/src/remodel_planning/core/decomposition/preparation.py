@@ -8,7 +8,6 @@ from functools import cached_property
 
 from remodel_planning.core.decomposition.decomposed import Decomposition, Limits
 from remodel_planning.core.decomposition.decomposition import Decomposer
-from remodel_planning.core.decomposition.requirements import limits_of
 from remodel_planning.core.decomposition.wiring_problem import (
     TaskPlan,
     decompose_order,
@@ -17,13 +16,46 @@ from remodel_planning.core.decomposition.wiring_problem import (
     wiring_problem,
 )
 from remodel_planning.core.orders.work_order import WorkOrder
+from remodel_planning.core.problem.choices import choose
 from remodel_planning.core.problem.defects import require_sound
 from remodel_planning.core.problem.modes import Mode
 from remodel_planning.core.problem.part import part_of
-from remodel_planning.core.problem.preferences import FORMAT, Preferred, apply_preferences
+from remodel_planning.core.problem.preferences import (
+    FORMAT,
+    Preferred,
+    apply_preferences,
+    document_fields,
+    requirements,
+)
+from remodel_planning.core.problem.problem import Problem
 from remodel_planning.core.use_case.expectation import Expectations
 from remodel_planning.core.use_case.model import UseCase
 from remodel_production.errors import blamed
+
+
+def limits_of(problem: Problem, document: object, situations: frozenset[str]) -> Limits:
+    """Return the limits that a preferences document sets, in the present situations.
+
+    Args:
+        problem: of the tasks decomposed without limits, by which wires are chosen.
+        document: parsed.
+        situations: in which requirements with a `while` count.
+
+    Raises:
+        InstanceError: naming the first entry that is malformed or speaks of what is not there.
+    """
+    force_n: dict[str, tuple[float, str]] = {}
+    segments: dict[str, str] = {}
+    for item in requirements(document_fields(document)):
+        if item.has("while") and item.text("while") not in situations:
+            continue
+        if item.has("force_n"):
+            limit = (float(item.number("force_n", least=1)), item.text("name"))
+            for wire in choose(problem, item, "insert"):
+                force_n[wire.name] = min(limit, force_n.get(wire.name, limit))
+        elif item.has("avoid_segment"):
+            segments[item.text("avoid_segment")] = item.text("name")
+    return Limits(force_n, segments)
 
 
 @dataclass(frozen=True)

@@ -14,10 +14,11 @@ from types import MappingProxyType
 from remodel_planning.core.condition import Features, Value
 from remodel_planning.core.decomposition.decomposed import Decomposition
 from remodel_planning.core.decomposition.wiring_problem import decompose_task, decomposer_of
-from remodel_planning.core.orders.work_order import ByHand, OtherMethod, Task, WorkOrder
+from remodel_planning.core.orders.work_order import Task, WorkOrder
 from remodel_planning.core.use_case.model import INSERTED, Method, UseCase
-from remodel_production.core.whole_task import whole_tasks
 from remodel_production.errors import InstanceError
+from remodel_run.findings import ByHand, OtherMethod
+from remodel_run.whole_task import whole_tasks
 
 
 @dataclass(frozen=True)

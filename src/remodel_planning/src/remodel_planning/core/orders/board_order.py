@@ -17,14 +17,7 @@ from remodel_planning.core.condition import Value
 from remodel_planning.core.orders.branch_order import branch_order
 from remodel_planning.core.orders.laying_order import first_ends, laying_turns
 from remodel_planning.core.orders.surroundings import Surroundings, in_mm
-from remodel_planning.core.orders.work_order import (
-    Access,
-    ByHand,
-    Route,
-    RouteClip,
-    Task,
-    WorkOrder,
-)
+from remodel_planning.core.orders.work_order import Access, Route, RouteClip, Task, WorkOrder
 from remodel_planning.core.problem.problem import End, PlannedTerminal
 from remodel_planning.core.use_case.designs import LONGER_LEG, DesignKind, DesignTasks
 from remodel_planning.core.use_case.model import UseCase, declared
@@ -33,6 +26,7 @@ from remodel_production.core.board.board import Board
 from remodel_production.core.imports.shared.assembly import unique_name
 from remodel_production.core.production import Component, Order, Role, Terminal, TerminalRef, Wire
 from remodel_production.errors import OrderError
+from remodel_run.findings import ByHand
 
 LAYING_TURN = "laying_turn"
 

@@ -24,7 +24,8 @@ from remodel_planning.core.problem.problem import (
     Under,
 )
 from remodel_planning.core.use_case.context import terminal_features
-from remodel_production.core.whole_task import WholeTask, whole_tasks
+from remodel_run.findings import ByHand, OtherMethod
+from remodel_run.whole_task import WholeTask, whole_tasks
 
 # Of the length of a direction, for what rounding leaves.
 _UNIT_TOLERANCE = 1e-3
@@ -149,50 +150,6 @@ class Access:
     def features(self) -> Features:
         """What an end's success may depend on, as far as it is known."""
         return terminal_features(self.kind, self.approach)
-
-
-@dataclass(frozen=True)
-class ByHand:
-    """A task that no robot does, and why.
-
-    Attributes:
-        wires: as of a `WholeTask`.
-        kind: of the reason, which several tasks may have in common; empty: it is theirs alone.
-    """
-
-    task: str
-    wires: tuple[str, ...]
-    reason: str
-    kind: str = ""
-
-    def __str__(self) -> str:
-        """Return the line for a person."""
-        return f"{WholeTask(self.task, self.wires)}: by hand, {self.reason}"
-
-
-@dataclass(frozen=True)
-class OtherMethod:
-    """Tasks that are done by another method than the preferred one.
-
-    Attributes:
-        method: the key and the file that states it, such as `methods.pick.thick in cabinet.yaml`.
-        tasks: names of tasks as they are counted.
-        reason: why the first of them is not done by the preferred method.
-    """
-
-    method: str
-    tasks: tuple[str, ...]
-    reason: str
-
-    def __str__(self) -> str:
-        """Return the line for a person."""
-        first, *others = self.tasks
-        which = (
-            f"{len(self.tasks)} by {self.method}, such as {first}"
-            if others
-            else (f"{first} by {self.method}")
-        )
-        return f"{which}: not {self.reason}"
 
 
 @dataclass(frozen=True)

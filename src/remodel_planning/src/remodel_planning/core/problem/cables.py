@@ -7,7 +7,7 @@ from dataclasses import replace
 
 from remodel_planning.core.problem.order import wire_order
 from remodel_planning.core.problem.problem import Problem, Ranking, Stage
-from remodel_production.core.whole_task import whole_tasks
+from remodel_run.whole_task import whole_tasks
 
 # The name of the preference for cables that are begun.
 _BEGUN = "a cable that is begun is finished first"

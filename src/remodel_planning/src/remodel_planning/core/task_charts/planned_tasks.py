@@ -12,8 +12,7 @@ from remodel_planning.core.decomposition.preparation import Prepared
 from remodel_planning.core.plan.listing import listing_of
 from remodel_planning.core.problem.modes import Mode
 from remodel_planning.core.problem.problem import Plan
-from remodel_planning.core.task_charts.state_path import step_of
-from remodel_planning.core.task_charts.task_chart import emptying, in_turn, task_chart
+from remodel_planning.core.task_charts.task_chart import emptying, in_turn, step_of, task_chart
 from remodel_planning.core.use_case.model import Action, Macro, UseCase
 from remodel_planning.errors import UseCaseError
 from remodel_production.errors import InstanceError

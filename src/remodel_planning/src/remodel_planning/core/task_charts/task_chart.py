@@ -36,6 +36,12 @@ from remodel_planning.core.use_case.model import Action, Macro, UseCase
 from remodel_planning.core.use_case.plain_name import plain_name
 from remodel_planning.errors import UseCaseError
 
+
+def step_of(state_path: str) -> str:
+    """Return the title of the step of a task that a state is of: the first name in its path."""
+    return state_path.strip("/").split("/")[0]
+
+
 # The outcomes of a task that did what it should, and of one that did not.
 FINISHED = "finished"
 FAILED = "failed"

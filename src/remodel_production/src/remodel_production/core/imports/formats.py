@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from collections import Counter
 from collections.abc import Sequence
 from dataclasses import replace
 
@@ -20,13 +21,34 @@ from remodel_production.core.imports.shared.spreadsheet import (
 from remodel_production.core.imports.shared.text_encoding import decode
 from remodel_production.core.imports.shared.xml_tree import local_name, parse_xml
 from remodel_production.core.imports.terminal_access import with_access
-from remodel_production.core.imports.vec.vec import ROOT, import_vec
+from remodel_production.core.imports.vec import ROOT, import_vec
 from remodel_production.core.imports.wire_lists.mapping import WireListMapping
 from remodel_production.core.imports.wire_lists.table import has_headings, without_ends
 from remodel_production.core.imports.wire_lists.wire_list import import_wire_list
-from remodel_production.core.imports.wire_properties import with_wire_properties
 from remodel_production.core.imports.wireviz import import_wireviz, join_files
 from remodel_production.errors import DesignError
+from remodel_run.whole_task import counted
+from remodel_states.core.wires.wire_materials import MaterialError
+
+
+def with_wire_properties(imported: Imported, catalogue: Catalogue) -> Imported:
+    """Return the import with a line for each section of which what wires are like is calculated."""
+    sections = Counter(wire.section_mm2 for wire in imported.order.wires)
+    lines = []
+    for section, count in sorted(sections.items()):
+        wires = f"{counted(count, 'wire')} of {section:g} mm2"
+        try:
+            origin = catalogue.materials.origin("", section)
+        except MaterialError as error:
+            lines.append(f"{wires}: {error}")
+        else:
+            lines += [f"{wires}: properties {origin}"] if origin else []
+    order, account = imported.order, imported.account
+    return Imported(
+        replace(order, notes=(*order.notes, *lines)),
+        replace(account, assumptions=(*account.assumptions, *lines)),
+    )
+
 
 WIRE_LIST = "csv"
 

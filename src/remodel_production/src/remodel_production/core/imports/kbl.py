@@ -16,14 +16,13 @@ from itertools import pairwise
 from lxml import etree
 
 from remodel_production.core.catalogue import Catalogue
-from remodel_production.core.counted import counted
-from remodel_production.core.imports.kbl_parts.modules import kbl_modules
-from remodel_production.core.imports.kbl_parts.other_parts import (
+from remodel_production.core.imports.kbl_parts import (
     is_splice,
+    kbl_modules,
+    placed_pose,
     twisted_groups,
     unused_parts,
 )
-from remodel_production.core.imports.kbl_pose import placed_pose
 from remodel_production.core.imports.kbl_routes import Topology, ends_of, ordered_route
 from remodel_production.core.imports.kbl_tree import KblTree, children, shown, text_of
 from remodel_production.core.imports.shared.account import Account, Imported, LeftOut
@@ -48,6 +47,7 @@ from remodel_production.core.production import (
     sealed_kind,
 )
 from remodel_production.errors import DesignError
+from remodel_run.whole_task import counted
 
 _VERSIONS = ("2.3", "2.4", "2.5")
 _WIRES = ("general_wire_occurrence", "wire_occurrence", "special_wire_occurrence")

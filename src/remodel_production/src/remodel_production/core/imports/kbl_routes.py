@@ -7,7 +7,7 @@ from collections.abc import Collection, Sequence
 
 from lxml import etree
 
-from remodel_production.core.imports.kbl_pose import placed_pose
+from remodel_production.core.imports.kbl_parts import placed_pose
 from remodel_production.core.imports.kbl_tree import KblTree, children, shown, text_of
 from remodel_production.core.imports.shared.assembly import unique_name
 from remodel_production.core.imports.shared.assumptions import Assumptions

@@ -26,8 +26,7 @@ from remodel_production.core.catalogue import Catalogue
 from remodel_production.core.imports.design_format import JoinedFile
 from remodel_production.core.imports.shared.account import Account, Imported, LeftOut
 from remodel_production.core.imports.shared.assembly import Connection, Device, assemble
-from remodel_production.core.imports.shared.assumptions import Assumptions
-from remodel_production.core.imports.shared.splices import names_splice
+from remodel_production.core.imports.shared.assumptions import Assumptions, names_splice
 from remodel_production.core.imports.shared.text_encoding import decode
 from remodel_production.core.imports.shared.units import length_m
 from remodel_production.core.imports.shared.yaml_tree import Value, parse_yaml

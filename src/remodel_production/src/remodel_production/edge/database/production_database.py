@@ -18,8 +18,7 @@ from sqlalchemy.engine import Connection, Engine, Row, make_url
 from sqlalchemy.exc import DisconnectionError, SQLAlchemyError
 from sqlalchemy.pool import QueuePool
 
-from remodel_production.core.ability import Ability, AbilityParameter
-from remodel_production.core.production import Order
+from remodel_production.core.production import Ability, AbilityParameter, Order
 from remodel_production.edge.database.database_errors import record_lost, reported
 from remodel_production.edge.database.database_versions import NEWEST, upgrade, version_of
 from remodel_production.edge.database.preference_rows import (

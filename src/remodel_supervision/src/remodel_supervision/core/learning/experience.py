@@ -1,23 +1,262 @@
-"""What recorded runs have taught, for one use case; it follows what happens on line.
-
-Durations and successes are learned always: they decide the order of tasks and which method is
-cheaper. Parameters, such as forces, are chosen only on request, and responses are skipped only on
-request: otherwise the robot does with each wire exactly what its use case and the table of
-faults state.
-"""
+"""What all runs have taught: expectations, parameters and responses, from recorded calls."""
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterable, Mapping
-from dataclasses import replace
+import math
+from collections.abc import Collection, Iterable, Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from random import Random
 
-from remodel_planning.core.condition import Features
-from remodel_planning.core.use_case.bounds import Bounds
+from remodel_planning.core.condition import Features, Value
+from remodel_planning.core.use_case.bounds import (
+    Bounds,
+    Setting,
+    frozen_setting,
+    nearer_settings,
+    settings,
+)
+from remodel_planning.core.use_case.context import context_of
+from remodel_planning.core.use_case.expectation import Expectation, FrozenExpectations
 from remodel_planning.core.use_case.fault import Do
 from remodel_planning.core.use_case.model import UseCase
-from remodel_supervision.core.learning.learned_expectations import Call, LearnedExpectations
-from remodel_supervision.core.learning.learned_parameters import LearnedParameters
-from remodel_supervision.core.learning.learned_responses import LearnedResponses, TriedResponse
+from remodel_states.core.codes import Code
+from remodel_supervision.core.learning.belief import Belief, DurationModel, SuccessModel
+from remodel_supervision.core.learning.parameter_choice import (
+    DEFAULT_GUARD,
+    GuardRail,
+    ParameterChoice,
+)
+
+# The codes of calls that show nothing about an ability.
+UNINFORMATIVE = frozenset({Code.PREEMPTED, Code.INVALID_GOAL, Code.SERVER_LOST, Code.BUSY})
+
+
+@dataclass(frozen=True)
+class Call:
+    """A recorded call of an ability.
+
+    Attributes:
+        features: of the task that it was part of.
+        error_code: Code, 0 for none.
+        elapsed_s: [s] ROS time.
+        parameters: numbers of its goal, by name.
+    """
+
+    ability: str
+    features: Mapping[str, Value]
+    error_code: int
+    elapsed_s: float
+    parameters: Mapping[str, float] = field(default_factory=dict)
+
+    @property
+    def is_informative(self) -> bool:
+        """Whether anything about the ability can be learned from it."""
+        return self.error_code not in UNINFORMATIVE
+
+
+class LearnedExpectations:
+    """Expectations that begin with the stated ones and follow what is recorded."""
+
+    def __init__(self, stated: FrozenExpectations, calls: Iterable[Call] = ()) -> None:
+        """Take in recorded calls, in their order."""
+        self._stated = stated
+        self._success = SuccessModel()
+        self._duration = DurationModel()
+        self.calls = 0
+        for call in calls:
+            self.learn(call)
+
+    def learn(self, call: Call) -> None:
+        """Take in a call; ignored are uninformative ones, and those of unstated abilities."""
+        if call.ability not in self._stated.stated or not call.is_informative:
+            return
+        self.calls += 1
+        context = context_of(call.ability, call.features)
+        self._success.learn(context, call.error_code == 0)
+        stated_s = self._stated.expect(call.ability, call.features).duration_s
+        if stated_s > 0 and call.error_code == 0:
+            self._duration.learn(context, call.elapsed_s / stated_s)
+
+    def expect(self, ability: str, features: Features) -> Expectation:
+        """Return what is expected of a call of the ability for a task with these features."""
+        stated = self._stated.expect(ability, features)
+        context = context_of(ability, features)
+        share = self._duration.belief(context, 1.0).mean_s
+        return Expectation(stated.duration_s * share, self.belief(ability, features).mean)
+
+    def belief(self, ability: str, features: Features) -> Belief:
+        """Return what is believed about the success of an ability."""
+        stated = self._stated.expect(ability, features)
+        return self._success.belief(context_of(ability, features), stated.success)
+
+
+def numbers_from(parameters: Iterable[tuple[str, str]]) -> dict[str, float]:
+    """Return those of an operation's parameters, name and value as text, that are numbers."""
+    numbers = {}
+    for name, value in parameters:
+        try:
+            numbers[name] = float(value)
+        except ValueError:
+            continue
+    return numbers
+
+
+# An ability, and the bounds of its parameters.
+_Key = tuple[str, tuple[tuple[str, Bounds], ...]]
+
+# [digits] To which values are compared; records write them as text.
+_DIGITS = 9
+
+
+class LearnedParameters:
+    """What is known about the parameters of all abilities."""
+
+    def __init__(self, calls: Iterable[Call] = (), guard: GuardRail = DEFAULT_GUARD) -> None:
+        """Take in recorded calls, in their order."""
+        self._guard = guard
+        self._calls: dict[str, list[Call]] = {}
+        self._choices: dict[_Key, ParameterChoice[Setting]] = {}
+        for call in calls:
+            self.learn(call)
+
+    def learn(self, call: Call) -> None:
+        """Take in a call; uninformative ones are ignored."""
+        if not call.is_informative:
+            return
+        self._calls.setdefault(call.ability, []).append(call)
+        for (ability, bounds), choice in self._choices.items():
+            if ability == call.ability:
+                _learn(choice, dict(bounds), call)
+
+    def choose(
+        self, ability: str, features: Features, bounds: Mapping[str, Bounds], seed: int | str
+    ) -> dict[str, float]:
+        """Return the parameters for the next call of an ability.
+
+        Args:
+            ability: such as "InsertCable".
+            features: of the task, see context.py.
+            bounds: parameter -> its bounds; all parameters are chosen together.
+            seed: of what is left to chance, such as run, task and attempt.
+
+        Raises:
+            ValueError: if the bounds allow more settings than can be distinguished.
+        """
+        context = context_of(ability, features)
+        random = Random(f"{seed} {context}")
+        return dict(self._choice(ability, bounds).choose(context, random))
+
+    def beliefs(
+        self, ability: str, features: Features, bounds: Mapping[str, Bounds]
+    ) -> dict[Setting, Belief]:
+        """Return what is believed about the success of each setting."""
+        return self._choice(ability, bounds).beliefs(context_of(ability, features))
+
+    def _choice(self, ability: str, bounds: Mapping[str, Bounds]) -> ParameterChoice[Setting]:
+        key = (ability, tuple(sorted(bounds.items())))
+        if key not in self._choices:
+            choice = ParameterChoice(
+                settings(bounds), frozen_setting(bounds), self._guard, nearer_settings(bounds)
+            )
+            for call in self._calls.get(ability, ()):
+                _learn(choice, bounds, call)
+            self._choices[key] = choice
+        return self._choices[key]
+
+
+def setting_of(bounds: Mapping[str, Bounds], call: Call) -> Setting | None:
+    """Return the setting that a call was made with; None if it was none of those to be tried."""
+    setting = []
+    for name in sorted(bounds):
+        given = call.parameters.get(name, math.nan)
+        tried = [v for v in bounds[name].values if round(v - given, _DIGITS) == 0.0]
+        if not tried:
+            return None
+        setting.append((name, tried[0]))
+    return tuple(setting)
+
+
+def _learn(choice: ParameterChoice[Setting], bounds: Mapping[str, Bounds], call: Call) -> None:
+    setting = setting_of(bounds, call)
+    if setting is not None:
+        choice.learn(context_of(call.ability, call.features), setting, call.error_code == 0)
+
+
+# [1] A response that surely helps less often costs more time than it saves.
+LEAST_HELP = 0.2
+
+# [1], [responses] What is assumed of one that nothing is known about, and the weight of that.
+_UNKNOWN, _UNKNOWN_WEIGHT = 0.5, 2.0
+
+# [responses] to the same fault over which each is remembered.
+_MEMORY = 100.0
+
+
+@dataclass(frozen=True)
+class TriedResponse:
+    """A response that was given to a fault.
+
+    Attributes:
+        fault: its name.
+        do: the response.
+        helped: whether the task went on without this fault.
+    """
+
+    fault: str
+    do: Do
+    helped: bool
+
+
+def tried_responses(
+    decisions: Sequence[tuple[str, Do]], finished: bool
+) -> tuple[TriedResponse, ...]:
+    """Return the responses that the decisions about one task were.
+
+    Args:
+        decisions: fault and response, in their order; what follows one shows whether it helped.
+        finished: whether the task was done after the last one; if not, it is still under way, and
+            whether it helped is unknown.
+    """
+    later = [fault for fault, _ in decisions[1:]]
+    responses = [
+        TriedResponse(fault, do, following != fault)
+        for (fault, do), following in zip(decisions, later, strict=False)
+    ]
+    if decisions and finished:
+        responses.append(TriedResponse(*decisions[-1], helped=True))
+    return tuple(response for response in responses if not response.do.is_lasting)
+
+
+class LearnedResponses:
+    """What is known about all faults and responses."""
+
+    def __init__(self, responses: Iterable[TriedResponse] = ()) -> None:
+        """Take in responses, in their order."""
+        self._models = {do: SuccessModel(_MEMORY) for do in Do if not do.is_lasting}
+        for response in responses:
+            self.learn(response)
+
+    def learn(self, response: TriedResponse) -> None:
+        """Take in a response; lasting ones are ignored."""
+        if response.do not in self._models:
+            return
+        for do, model in self._models.items():
+            if do is response.do:
+                model.learn((response.fault,), response.helped)
+            else:
+                model.age((response.fault,))
+
+    def belief(self, fault: str, do: Do) -> Belief:
+        """Return what is believed about how often a response that is not lasting helps."""
+        return self._models[do].belief((fault,), _UNKNOWN, _UNKNOWN_WEIGHT)
+
+    def promising(self, fault: str, possible: Collection[Do]) -> frozenset[Do]:
+        """Return those of the possible responses to a fault that are worth trying."""
+        return frozenset(
+            do
+            for do in possible
+            if do.is_lasting or self.belief(fault, do).interval()[1] >= LEAST_HELP
+        )
 
 
 class Experience:

@@ -25,8 +25,7 @@ from types import MappingProxyType
 from typing import Generic, TypeVar
 
 from remodel_planning.core.use_case.context import Context
-from remodel_supervision.core.learning.belief import Belief
-from remodel_supervision.core.learning.success_model import SuccessModel
+from remodel_supervision.core.learning.belief import Belief, SuccessModel
 
 S = TypeVar("S", bound=Hashable)
 

@@ -3,12 +3,69 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Collection, Iterable, Sequence
-from dataclasses import dataclass
+from collections.abc import Collection, Iterable, Mapping, Sequence
+from dataclasses import dataclass, replace
 
-from remodel_planning.core.use_case.fault import Do, Response
+from flexbe_synthesizer.core.chart.model import (
+    AnyNode,
+    Behavior,
+    Chart,
+    Container,
+    ContainerKind,
+    Param,
+    State,
+)
+from remodel_planning.core.task_charts.task_chart import marked, step_of
+from remodel_planning.core.use_case.fault import Do, Fault, Response
 from remodel_planning.core.use_case.policy import Limits, Policy
-from remodel_supervision.core.recovery.failure import Failure, Spent
+
+
+@dataclass(frozen=True)
+class Failure:
+    """A task's behavior ended without success.
+
+    Attributes:
+        task: name of the task, such as "W1".
+        fault: what it was.
+        code: remodel_msgs/ErrorCode of the operation that decided it; 0 if no operation failed.
+        ability: of that operation; empty without one.
+        state_path: of the state that asked for it; empty without one.
+        text: what the ability, or the engine, said.
+        at_s: [s] ROS time.
+        parameters: of the operation's goal and, where it has none of that name, of those before it
+            in the same step of the task: name -> value, as text.
+        bounds: parameter -> what it must not exceed here, whatever the policy allows.
+        evidence: where to look it up: pictures and records, by name.
+    """
+
+    task: str
+    fault: Fault
+    code: int
+    ability: str
+    state_path: str
+    text: str
+    at_s: float
+    parameters: tuple[tuple[str, str], ...] = ()
+    bounds: tuple[tuple[str, float], ...] = ()
+    evidence: tuple[str, ...] = ()
+
+
+@dataclass(frozen=True)
+class Spent:
+    """What a task, and the run that it belongs to, have spent so far.
+
+    Attributes:
+        task_attempts: how often the task was begun.
+        task_s: [s] ROS time that these took.
+        run_failures: failures of all tasks of the run.
+        run_s: [s] ROS time since the run began.
+    """
+
+    task_attempts: int
+    task_s: float
+    run_failures: int
+    run_s: float
+
 
 # Field of the goals of abilities that observe: 0 is the usual viewpoint, 1 and up are others.
 VIEW = "view"
@@ -177,3 +234,97 @@ def _changed(response: Response, failure: Failure, done: int) -> tuple[tuple[str
         if new > value:
             changed.append((name, new))
     return tuple(changed)
+
+
+_INTEGERS = ("int", "uint")
+
+
+@dataclass(frozen=True)
+class Adjustable:
+    """Whose parameters can be changed.
+
+    Attributes:
+        parameters: ability -> its goal's parameters by name, with their ROS types.
+        nested: charts of the behaviors that tasks nest, by name.
+    """
+
+    parameters: Mapping[str, Mapping[str, str]]
+    nested: Mapping[str, Chart]
+
+
+def with_parameters(
+    chart: Chart, state_path: str, values: Mapping[str, float], adjustable: Adjustable
+) -> Chart:
+    """Return a task's chart with other parameters of the node that has failed.
+
+    A behavior nested there becomes a container with the same states, under the same names.
+
+    Args:
+        chart: of the task.
+        state_path: of the state that failed.
+        values: parameter -> value.
+        adjustable: see Adjustable.
+    """
+    failed = step_of(state_path)
+    nodes = tuple(
+        _with_values(node, values, adjustable) if node.id == failed else node
+        for node in chart.nodes
+    )
+    return marked(replace(chart, nodes=nodes))
+
+
+def observing_from(chart: Chart, view: int, adjustable: Adjustable) -> Chart:
+    """Return a task's chart in which everything is observed from another viewpoint.
+
+    All observations change, not only those of the step that failed: a step often fails by what
+    another one before it has seen. Behaviors that nest observations become containers.
+
+    Args:
+        chart: of the task.
+        view: 0 the usual viewpoint, 1 and up others.
+        adjustable: see Adjustable.
+    """
+    nodes = tuple(_with_values(node, {VIEW: view}, adjustable) for node in chart.nodes)
+    return marked(replace(chart, nodes=nodes))
+
+
+def _with_values(node: AnyNode, values: Mapping[str, float], adjustable: Adjustable) -> AnyNode:
+    if isinstance(node, State):
+        taken = adjustable.parameters.get(node.type.removesuffix("State"), {})
+        new = tuple(
+            Param(name, _literal(value, taken[name]))
+            for name, value in values.items()
+            if name in taken
+        )
+        kept = tuple(p for p in node.params if p.name not in {param.name for param in new})
+        return replace(node, params=(*kept, *new))
+    if isinstance(node, Behavior) and node.type in adjustable.nested:
+        inner = adjustable.nested[node.type]
+        nodes = tuple(_with_values(each, values, adjustable) for each in inner.nodes)
+        if nodes == inner.nodes:
+            return node
+        body = replace(
+            inner,
+            name=node.id,
+            description="",
+            inputs=tuple(replace(each, default=None) for each in inner.inputs),
+            nodes=nodes,
+        )
+        return Container(
+            node.id,
+            ContainerKind.SEQUENCE.value,
+            node.transitions,
+            attempts=node.attempts,
+            timeout_s=node.timeout_s,
+            on_error=node.on_error,
+            body=body,
+        )
+    if isinstance(node, Container):
+        inside = tuple(_with_values(each, values, adjustable) for each in node.body.nodes)
+        return replace(node, body=replace(node.body, nodes=inside))
+    return node
+
+
+def _literal(value: float, ros_type: str) -> float:
+    """Return a value as a field of a ROS type takes it: whole numbers where it takes no others."""
+    return int(value) if ros_type.startswith(_INTEGERS) else value

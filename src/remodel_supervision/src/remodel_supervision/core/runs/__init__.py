@@ -1,14 +1,15 @@
 """A run of an order as a sequence of events: its state and the next step follow from them alone.
 
-events.py      what happens in a run
-event_form.py  events as plain data, for the database
-state.py       what is known of a run
-fold.py        what is known after some events
-sums.py        what each task counts for, and the sums of a run
-step.py        what comes next, for a state
-attempts.py    the behaviors of a run, from its events
-picture_name.py  names of a run's pictures
-gate.py        the one gate through which everything passes that moves
-gate_decision.py  what the gate is to do and why
-replay.py      a recorded run played back, and compared
+events.py       what happens in a run, and events as plain data, for the database
+state.py        what is known of a run, and its snapshot
+sums.py         what each task counts for, the sums of a run, and statistics of several
+step.py         what comes next, for a state
+transitions.py  how each event changes the state
+attempts.py     the behaviors of a run
+entries.py      how events read to a person
+event_table.py  what each event means: the table of all three, and the views that follow from it
+changes.py      what clients that keep a copy of a run are sent
+gate.py         the one gate through which everything passes that moves
+replay.py       a recorded run played back, and compared
+steady_clock.py ROS time without the jumps of /clock
 """

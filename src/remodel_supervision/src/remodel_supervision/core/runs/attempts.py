@@ -2,13 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
 from dataclasses import dataclass, replace
 
 from remodel_supervision.core.run import Execution, Operation
 from remodel_supervision.core.runs.events import (
     Decided,
-    Event,
     Interrupted,
     OperationEnded,
     Part,
@@ -44,84 +42,95 @@ class Attempt:
 
 
 class Attempts:
-    """The behaviors of a run that have ended, gathered event by event."""
+    """The behaviors of a run, gathered event by event (`event_table.py` says by which).
+
+    Attributes:
+        begun: the behavior that runs; None between behaviors.
+        behavior: name of the one that was begun last.
+        operations: of that one.
+    """
 
     def __init__(self) -> None:
         """Begin without any."""
         self._ended: list[Attempt] = []
-        self._begun: TaskBegun | None = None
-        self._operations: list[Operation] = []
+        self.begun: TaskBegun | None = None
+        self.behavior = ""
+        self.operations: list[Operation] = []
 
     @property
     def ended(self) -> tuple[Attempt, ...]:
         """Return those that have ended, in order."""
         return tuple(self._ended)
 
-    def add(self, event: Event) -> None:
-        """Take in the next event of the run."""
-        ended, begun = self._ended, self._begun
-        match event:
-            case TaskBegun():
-                self._begun, self._operations = event, []
-            case OperationEnded():
-                self._operations.append(event.operation)
-            case TaskEnded() if begun is not None:
-                if not begun.part.is_attempt and event.placed:
-                    _note_placed(ended, event.task)
-                is_discarded = begun.part is Part.DISCARD and event.outcome == FINISHED
-                if is_discarded or event.denied:
-                    _note_not_placed(ended, event.task)
-                execution = _execution(
-                    begun, event.outcome, event.placed, event.at_s, operations=self._operations
-                )
-                ended.append(
-                    Attempt(execution, begun.part, begun.chart, event.path, pictures=event.pictures)
-                )
-                self._begun = None
-            case Interrupted() if begun is not None:
-                at_s = max([begun.at_s, *(operation.ended_s for operation in self._operations)])
-                execution = _execution(begun, INTERRUPTED, False, at_s, operations=self._operations)
-                ended.append(Attempt(execution, begun.part, begun.chart, because=event.because))
-                self._begun = None
-            case Settled() if not event.left and not event.unseen:
-                _note_placed(ended, event.task)
-            case Decided() if ended and ended[-1].execution.wire == event.task:
-                ended[-1] = replace(ended[-1], decision=event)
+    def begin(self, event: TaskBegun) -> None:
+        """Take in the beginning of a behavior."""
+        self.begun, self.behavior, self.operations = event, event.behavior, []
 
+    def operate(self, event: OperationEnded) -> None:
+        """Take in an operation of the behavior that runs."""
+        self.operations.append(event.operation)
 
-def attempts_of(events: Iterable[Event]) -> tuple[Attempt, ...]:
-    """Return the behaviors of a run that have ended, in order."""
-    attempts = Attempts()
-    for event in events:
-        attempts.add(event)
-    return attempts.ended
+    def end(self, event: TaskEnded) -> None:
+        """Take in how the behavior ended by itself, and what that says of earlier ones."""
+        begun, self.begun = self.begun, None
+        if begun is None:
+            return
+        if not begun.part.is_attempt and event.placed:
+            self._note_placed(event.task)
+        is_discarded = begun.part is Part.DISCARD and event.outcome == FINISHED
+        if is_discarded or event.denied:
+            self._note_not_placed(event.task)
+        execution = self._execution(begun, event.outcome, event.at_s, placed=event.placed)
+        attempt = Attempt(execution, begun.part, begun.chart, event.path, pictures=event.pictures)
+        self._ended.append(attempt)
 
+    def interrupt(self, event: Interrupted) -> None:
+        """Take in that the behavior that runs, if one does, was cut off after an operation."""
+        begun, self.begun = self.begun, None
+        if begun is None:
+            return
+        at_s = max([begun.at_s, *(operation.ended_s for operation in self.operations)])
+        execution = self._execution(begun, INTERRUPTED, at_s, placed=False)
+        self._ended.append(Attempt(execution, begun.part, begun.chart, because=event.because))
 
-def _note_placed(ended: list[Attempt], task: str) -> None:
-    """Note that the last attempt at a task, if it was interrupted, had placed its part."""
-    at_task = [n for n, a in enumerate(ended) if a.execution.wire == task and a.part.is_attempt]
-    if at_task and ended[at_task[-1]].because:
-        attempt = ended[at_task[-1]]
-        ended[at_task[-1]] = replace(attempt, execution=replace(attempt.execution, placed=True))
+    def settle(self, event: Settled) -> None:
+        """Take in what an inspection has seen."""
+        if not event.left and not event.unseen:
+            self._note_placed(event.task)
 
+    def decide(self, event: Decided) -> None:
+        """Take in what was decided about the last behavior."""
+        if self._ended and self._ended[-1].execution.wire == event.task:
+            self._ended[-1] = replace(self._ended[-1], decision=event)
 
-def _note_not_placed(ended: list[Attempt], task: str) -> None:
-    """Note that a task is not placed: what was, though its behavior failed, is so no longer."""
-    for n, attempt in enumerate(ended):
-        if attempt.execution.wire == task and attempt.execution.placed:
-            ended[n] = replace(attempt, execution=replace(attempt.execution, placed=False))
+    def _note_placed(self, task: str) -> None:
+        """Note that the last attempt at a task, if it was interrupted, had placed its part."""
+        at_task = [
+            n
+            for n, each in enumerate(self._ended)
+            if each.execution.wire == task and each.part.is_attempt
+        ]
+        if at_task and self._ended[at_task[-1]].because:
+            self._set_placed(at_task[-1], placed=True)
 
+    def _note_not_placed(self, task: str) -> None:
+        """Note that a task is not placed: what was, though its behavior failed, is so no longer."""
+        for n, attempt in enumerate(self._ended):
+            if attempt.execution.wire == task and attempt.execution.placed:
+                self._set_placed(n, placed=False)
 
-def _execution(
-    begun: TaskBegun, outcome: str, placed: bool, at_s: float, operations: list[Operation]
-) -> Execution:
-    return Execution(
-        begun.task,
-        begun.behavior,
-        begun.attempt,
-        outcome,
-        placed=placed,
-        started_s=begun.at_s,
-        ended_s=at_s,
-        operations=tuple(operations),
-    )
+    def _set_placed(self, n: int, *, placed: bool) -> None:
+        attempt = self._ended[n]
+        self._ended[n] = replace(attempt, execution=replace(attempt.execution, placed=placed))
+
+    def _execution(self, begun: TaskBegun, outcome: str, at_s: float, *, placed: bool) -> Execution:
+        return Execution(
+            begun.task,
+            begun.behavior,
+            begun.attempt,
+            outcome,
+            placed=placed,
+            started_s=begun.at_s,
+            ended_s=at_s,
+            operations=tuple(self.operations),
+        )

@@ -6,12 +6,17 @@ are killed goes on from the last one. Tasks, behaviors and ends are named; times
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
 from enum import Enum
+from typing import cast, get_args
+
+import msgspec
 
 from remodel_planning.core.use_case.fault import Do
-from remodel_production.core.whole_task import WholeTask, whole_tasks
+from remodel_production.errors import OrderError
+from remodel_run.progress import Answer, HandWire
+from remodel_run.whole_task import WholeTask, whole_tasks
 from remodel_supervision.core.run import Operation
 
 # Who decides, when no operator does.
@@ -69,38 +74,6 @@ class Command(Enum):
     STOP = "stop"
     SKIP = "skip"
     RETRY = "retry"
-
-
-class Answer(Enum):
-    """What an operator may answer to a question; remodel_msgs/OperatorQuestion explains each."""
-
-    RETRY = "retry"
-    FIXED = "fixed"
-    MARK_DONE = "mark_done"
-    SKIP = "skip"
-    REPLAN = "replan"
-    STOP = "stop"
-
-
-@dataclass(frozen=True)
-class HandWire:
-    """A wire of the order that no robot of the cell places: a person does.
-
-    Attributes:
-        marker: number of the wire on its markers; empty if the design gives none.
-        a: terminal of end a, such as "Q1/B1".
-        length_m: [m]; 0 if it has no route on the board.
-        reason: why no robot places it, for a person.
-    """
-
-    name: str
-    marker: str
-    a: str
-    b: str
-    colour: str
-    section_mm2: float
-    length_m: float
-    reason: str
 
 
 @dataclass(frozen=True)
@@ -209,6 +182,11 @@ class OperationEnded:
 
     task: str
     operation: Operation
+
+    @property
+    def at_s(self) -> float:
+        """[s] ROS time at which it ended."""
+        return self.operation.ended_s
 
 
 @dataclass(frozen=True)
@@ -403,3 +381,49 @@ Event = (
     | Blocked
     | RunEnded
 )
+
+
+_KINDS = {kind.__name__: kind for kind in get_args(Event)}
+
+
+def kind_of(event: Event) -> str:
+    """Return the name of an event's kind."""
+    return type(event).__name__
+
+
+def data_of(event: Event) -> dict[str, object]:
+    """Return an event's fields as plain data, for JSON: enumerations as their values."""
+    return cast("dict[str, object]", msgspec.to_builtins(event))
+
+
+def event_from(kind: str, data: Mapping[str, object]) -> Event:
+    """Return the event that `data_of` has turned into plain data.
+
+    Fields with a default may be left out.
+
+    Raises:
+        OrderError: if there is no such kind, or a field is missing, unknown or of another type.
+    """
+    if kind not in _KINDS:
+        raise OrderError(f"there is no event {kind!r}; there are {', '.join(_KINDS)}")
+    try:
+        event = cast("Event", msgspec.convert(data, _KINDS[kind]))
+    except msgspec.ValidationError as error:
+        raise OrderError(f"event {kind} is malformed: {error}") from error
+    # msgspec ignores names that are no field of a dataclass.
+    if unknown := list(_unknown(data, msgspec.to_builtins(event))):
+        raise OrderError(f"event {kind} is malformed: unknown field {', '.join(unknown)}")
+    return event
+
+
+def _unknown(data: object, known: object) -> Iterator[str]:
+    """Yield the names of mappings in plain data that the same data of an event does not have."""
+    if isinstance(data, Mapping) and isinstance(known, Mapping):
+        for name, value in data.items():
+            if name in known:
+                yield from _unknown(value, known[name])
+            else:
+                yield name
+    elif isinstance(data, list) and isinstance(known, list | tuple):
+        for value, same in zip(data, known, strict=True):
+            yield from _unknown(value, same)

@@ -6,65 +6,95 @@ with; it must lead to the same outcome, over the states that the engine said it 
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
-from flexbe_synthesizer.core.chart.model import Chart
+from flexbe_synthesizer.core.chart.error_routes import FAILED_EVENT, codes_of_routes, route_event
+from flexbe_synthesizer.core.chart.model import Behavior, Chart, Container
+from remodel_supervision.core.run import Operation
 from remodel_supervision.core.runs.attempts import INTERRUPTED, Attempt
-from remodel_supervision.core.runs.events import (
-    Answered,
-    Asked,
-    Blocked,
-    Commanded,
-    Decided,
-    Escalated,
-    Event,
-    FeedRefused,
-    Interrupted,
-    OperationEnded,
-    PanelLoaded,
-    Part,
-    PartRequested,
-    Planned,
-    RunBegun,
-    RunEnded,
-    Settled,
-    StopReported,
-    TaskBegun,
-    TaskElsewhere,
-    TaskEnded,
-    TaskReturned,
-)
-from remodel_supervision.core.runs.fold import apply_event
-from remodel_supervision.core.runs.state import (
-    PERSON_FIRST,
-    PREEMPTED,
-    SERVER_GONE,
-    RunState,
-    Stage,
-)
-from remodel_supervision.core.runs.step import (
-    Ask,
-    Decide,
-    EndRun,
-    Execute,
-    Plan,
-    Settle,
-    Step,
-    next_step,
-)
-from remodel_supervision.core.trace import trace
+from remodel_supervision.core.runs.event_table import apply_event, difference
+from remodel_supervision.core.runs.events import Event
+from remodel_supervision.core.runs.state import PERSON_FIRST, PREEMPTED, SERVER_GONE, RunState
 
-# What may happen at any time, whatever comes next.
-_ANY_TIME = (
-    Interrupted,
-    StopReported,
-    Commanded,
-    Blocked,
-    TaskElsewhere,
-    TaskReturned,
-    PanelLoaded,
-)
+
+@dataclass(frozen=True)
+class Trace:
+    """A run through one chart.
+
+    Attributes:
+        chart: that was run.
+        path: of its container in the behavior; empty for the behavior itself.
+        steps: (state id, event) in the order taken.
+        outcome: in which it ended; None if it was stopped, or the records end before.
+        children: traces of nested behaviors, in the order taken.
+    """
+
+    chart: Chart
+    path: str
+    steps: tuple[tuple[str, str], ...]
+    outcome: str | None
+    children: tuple[Trace, ...]
+
+
+def trace(
+    chart: Chart,
+    operations: tuple[Operation, ...],
+    charts: Mapping[str, Chart],
+    error_names: Mapping[str, tuple[int, ...]],
+) -> Trace:
+    """Return the run that the operations of a behavior made through its chart.
+
+    Args:
+        chart: of the behavior.
+        operations: of all its ability states, in order.
+        charts: of the behaviors nested in it, by type.
+        error_names: error codes by the names that `ext:on_error` uses.
+    """
+    return _follow(chart, "", iter(operations), charts, error_names=error_names)
+
+
+def _follow(
+    chart: Chart,
+    path: str,
+    operations: Iterator[Operation],
+    charts: Mapping[str, Chart],
+    error_names: Mapping[str, tuple[int, ...]],
+) -> Trace:
+    nodes = {node.id: node for node in chart.nodes}
+    visits: Counter[str] = Counter()
+    steps: list[tuple[str, str]] = []
+    children: list[Trace] = []
+    current = chart.initial
+    while current in nodes:
+        node = nodes[current]
+        visits[current] += 1
+        event: str | None
+        operation = None
+        if node.attempts is not None and visits[current] > node.attempts:
+            event = "exhausted"
+        elif isinstance(node, Behavior | Container):
+            inner = node.body if isinstance(node, Container) else charts[node.type]
+            child = _follow(inner, f"{path}/{node.id}", operations, charts, error_names=error_names)
+            children.append(child)
+            event = child.outcome
+        else:
+            operation = next(operations, None)
+            ran = operation is not None and operation.state_path == f"{path}/{node.id}"
+            event = operation.outcome if operation is not None and ran else None
+        targets = {transition.event: transition.target for transition in node.transitions}
+        if event == FAILED_EVENT and operation is not None:
+            routed = codes_of_routes(node.on_error, error_names)
+            for route, codes in zip(node.on_error, routed, strict=True):
+                if operation.error_code in codes:
+                    event = route_event(route)
+                    targets[event] = route.target
+        if not event or event not in targets:
+            return Trace(chart, path, tuple(steps), None, children=tuple(children))
+        steps.append((current, event))
+        current = targets[event]
+    return Trace(chart, path, tuple(steps), current, children=tuple(children))
 
 
 @dataclass(frozen=True)
@@ -86,7 +116,7 @@ def replayed(events: Sequence[Event]) -> Iterator[Frame]:
     """Yield the events of a run with the states after them."""
     state = RunState()
     for event in events:
-        differs = _difference(event, state)
+        differs = difference(event, state)
         state = apply_event(event, state)
         yield Frame(event, state, differs)
 
@@ -124,48 +154,3 @@ def path_difference(
 
 def _path_text(entered: list[str], asked: list[str]) -> str:
     return f"the engine entered {entered}, operations are of {asked}"
-
-
-def _difference(event: Event, state: RunState) -> str:
-    if isinstance(event, RunBegun):
-        return "" if state == RunState() else "a run begins once"
-    if isinstance(event, _ANY_TIME):
-        return ""
-    if isinstance(event, OperationEnded | TaskEnded):
-        task = state.tasks.get(event.task)
-        running = task is not None and task.stage is Stage.RUNNING
-        return "" if running else f"{event.task} was not under way"
-    if isinstance(event, FeedRefused):
-        task = state.tasks.get(event.task)
-        requested = task is not None and task.name == state.current and task.piece
-        return "" if requested else f"no piece of {event.task} was asked for"
-    if isinstance(event, Escalated):
-        asked = state.question
-        is_open = asked is not None and (asked.number, asked.task) == (event.number, event.task)
-        return "" if is_open else f"question {event.number} was not open"
-    if isinstance(event, Answered):
-        asked = state.question
-        fits = asked is not None and asked.number == event.number and event.choice in asked.choices
-        return "" if fits else f"question {event.number} was not open, or has no such answer"
-    # An inspection during which a client paused the run is kept.
-    step = next_step(replace(state, paused=False) if isinstance(event, Settled) else state)
-    return "" if _fits(event, step) else f"next was {step}"
-
-
-def _fits(event: Event, step: Step | None) -> bool:
-    match event, step:
-        case Planned(), Plan():
-            return True
-        case PartRequested(), Execute():
-            return (event.task, Part.WHOLE) == (step.task, step.part)
-        case TaskBegun(), Execute():
-            return (event.task, event.part) == (step.task, step.part)
-        case Settled(), Settle():
-            return event.task == step.task
-        case Decided(), Decide():
-            return event.task == step.task
-        case Asked(), Ask():
-            return event.task == step.task
-        case RunEnded(), EndRun():
-            return event.ending is step.ending
-    return False

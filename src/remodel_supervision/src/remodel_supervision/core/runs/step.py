@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from remodel_production.core.counted import counted
+from remodel_run.whole_task import counted
 from remodel_supervision.core.runs.events import Ending, Part
 from remodel_supervision.core.runs.state import RunState, Stage
 
@@ -155,3 +155,21 @@ def _about(state: RunState, name: str) -> Step:
     if task.stage is Stage.UNVERIFIED:
         return Settle(name)
     return Execute(name, task.part)
+
+
+_ITEM = "  - "
+
+# How many problems are shown; those of one cause often come in rows.
+SHOWN = 3
+
+
+def abridged(text: str, shown: int = SHOWN) -> str:
+    """Return a text whose list of problems (lines that begin with `  - `) is cut after some."""
+    lines = text.splitlines()
+    items = [index for index, line in enumerate(lines) if line.startswith(_ITEM)]
+    cut = items[shown:]
+    if len(cut) < 2:
+        return text
+    kept = [line for index, line in enumerate(lines) if index not in cut[1:]]
+    kept[cut[0]] = f"{_ITEM}and {len(cut)} more"
+    return "\n".join(kept)

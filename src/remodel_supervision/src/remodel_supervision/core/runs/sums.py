@@ -7,67 +7,15 @@ neither a first pass nor none, and takes no time here. Wires by hand are no task
 
 from __future__ import annotations
 
-from collections import Counter
-from collections.abc import Iterator, Set
+from collections import Counter, defaultdict
+from collections.abc import Iterable, Set
 from dataclasses import dataclass
-from enum import Enum
 
-from remodel_production.core.counted import counted
-from remodel_supervision.core.runs.events import RunBegun
+from remodel_run.progress import Count, Sums
+from remodel_run.record import Statistics
+from remodel_run.whole_task import counted
+from remodel_supervision.core.runs.events import Event, OperationEnded, RunBegun
 from remodel_supervision.core.runs.state import RunState, Stage, TaskProgress
-
-
-class Count(Enum):
-    """What a task counts for; the values are those of remodel_msgs/TaskState.
-
-    DONE_BEFORE: done by an earlier run of the product, or by another cell. DONE: by this run.
-    SKIPPED: ended, but not done. INTERRUPTED: begun by this run, which has ended before it. OPEN:
-    it waits, or is under way.
-    """
-
-    DONE_BEFORE = "done_before"
-    DONE = "done"
-    SKIPPED = "skipped"
-    INTERRUPTED = "interrupted"
-    OPEN = "open"
-
-
-@dataclass(frozen=True)
-class Sums:
-    """The sums of a run, as of remodel_msgs/RunSums; a cable with its cores is one task.
-
-    Attributes:
-        tasks: of the run: the sum of the five counts after it.
-        by_hand: wires of the order that are left to a person.
-        tried: tasks, each core of a cable its own, that this run began and that have ended.
-        first_passes: of those: done at once, and no operation of them failed.
-        recovered: of those: done though an operation, or an attempt, had failed.
-        done_s: [s] ROS time that the done ones took.
-        taken_s: [s] ROS time that all behaviors of the run took.
-    """
-
-    tasks: int = 0
-    done_before: int = 0
-    done: int = 0
-    skipped: int = 0
-    interrupted: int = 0
-    open: int = 0
-    by_hand: int = 0
-    tried: int = 0
-    first_passes: int = 0
-    recovered: int = 0
-    done_s: float = 0.0
-    taken_s: float = 0.0
-
-    @property
-    def done_in_all(self) -> int:
-        """The number of tasks that are done, by whichever run."""
-        return self.done_before + self.done
-
-    @property
-    def first_pass_yield(self) -> float | None:
-        """The share of first passes among the tasks that were tried, 0 to 1; None without any."""
-        return self.first_passes / self.tried if self.tried else None
 
 
 def count_of(task: TaskProgress, state: RunState) -> Count:
@@ -107,14 +55,6 @@ def sums_of(state: RunState) -> Sums:
     )
 
 
-def sums_words(sums: Sums) -> str:
-    """Return what became of the tasks, for a person; what there is none of is left out."""
-    before = f", {sums.done_before} of them before" if sums.done_before else ""
-    return f"{sums.done_in_all} of {counted(sums.tasks, 'task')} done{before}" + "".join(
-        f", {text}" for text in _others(sums)
-    )
-
-
 def begun_words(event: RunBegun) -> str:
     """Return how many tasks a run begins with, for a person."""
     done = frozenset(event.done)
@@ -125,15 +65,6 @@ def begun_words(event: RunBegun) -> str:
         + (f", {before} of them done before" if before else "")
         + (f", {counted(by_hand, 'wire')} by hand" if by_hand else "")
     )
-
-
-def _others(sums: Sums) -> Iterator[str]:
-    if sums.skipped:
-        yield f"{sums.skipped} skipped"
-    if sums.interrupted:
-        yield f"{sums.interrupted} interrupted"
-    if sums.by_hand:
-        yield f"{counted(sums.by_hand, 'wire')} by hand"
 
 
 def _of_cable(found: Set[Count], *, has_ended: bool) -> Count:
@@ -148,3 +79,105 @@ def _of_cable(found: Set[Count], *, has_ended: bool) -> Count:
     if Count.INTERRUPTED in found or (has_ended and is_begun):
         return Count.INTERRUPTED
     return Count.OPEN
+
+
+_INSERTION = "InsertCable"
+
+
+@dataclass(frozen=True)
+class RunStatistics:
+    """What a run adds to the statistics.
+
+    Attributes:
+        run: its number.
+        sums: of its tasks.
+        utilisation: share of the time from the first operation to the end of the last in which an
+            ability was executed, 0 to 1; 0 without operations.
+        insertions: of each "component/terminal": operations that inserted an end there.
+        failures: those of them that ended with an error.
+        done_s: of each task that it has done: [s] ROS time that it took.
+    """
+
+    run: int
+    sums: Sums
+    utilisation: float
+    insertions: Counter[str]
+    failures: Counter[str]
+    done_s: dict[str, float]
+
+
+def statistics_of_run(run: int, state: RunState, events: Iterable[Event]) -> RunStatistics:
+    """Return what a run adds.
+
+    Args:
+        run: its number.
+        state: after its events.
+        events: of the run, in order.
+    """
+    insertions: Counter[str] = Counter()
+    failures: Counter[str] = Counter()
+    spans: list[tuple[float, float]] = []
+    for event in events:
+        if isinstance(event, OperationEnded):
+            operation = event.operation
+            spans.append((operation.ended_s - operation.elapsed_s, operation.ended_s))
+        if not isinstance(event, OperationEnded) or event.operation.ability != _INSERTION:
+            continue
+        given = dict(event.operation.parameters)
+        terminal = f"{given.get('component_id', '?')}/{given.get('terminal_id', '?')}"
+        insertions[terminal] += 1
+        failures[terminal] += event.operation.has_failed
+    return RunStatistics(
+        run,
+        sums=sums_of(state),
+        utilisation=_busy_share(spans),
+        insertions=insertions,
+        failures=failures,
+        done_s={
+            task.name: task.cell_s
+            for task in state.tasks.values()
+            if count_of(task, state) is Count.DONE
+        },
+    )
+
+
+def joined(runs: Iterable[RunStatistics]) -> Statistics:
+    """Return the statistics of several runs."""
+    insertions: Counter[str] = Counter()
+    failures: Counter[str] = Counter()
+    times: defaultdict[str, list[float]] = defaultdict(list)
+    sums, yields, utilisations = [], [], []
+    for each in sorted(runs, key=lambda one: one.run):
+        insertions.update(each.insertions)
+        failures.update(each.failures)
+        for wire, time_s in each.done_s.items():
+            times[wire].append(time_s)
+        share = each.sums.first_pass_yield
+        if share is not None:
+            sums.append((each.run, each.sums))
+            yields.append((each.run, share))
+            utilisations.append((each.run, each.utilisation))
+    means = [(wire, sum(found) / len(found)) for wire, found in times.items()]
+    return Statistics(
+        tuple(sums),
+        tuple(yields),
+        tuple(utilisations),
+        tuple(
+            (terminal, insertions[terminal], failures[terminal])
+            for terminal in sorted(insertions, key=lambda name: (-failures[name], name))
+        ),
+        tuple(sorted(means, key=lambda mean: (-mean[1], mean[0]))),
+    )
+
+
+def _busy_share(spans: Iterable[tuple[float, float]]) -> float:
+    """Return which share of the time between the first and the last of them spans cover."""
+    ordered = sorted(spans)
+    if not ordered:
+        return 0.0
+    busy_s, until_s = 0.0, ordered[0][0]
+    for start_s, end_s in ordered:
+        busy_s += max(0.0, end_s - max(start_s, until_s))
+        until_s = max(until_s, end_s)
+    whole_s = until_s - ordered[0][0]
+    return busy_s / whole_s if whole_s > 0.0 else 0.0

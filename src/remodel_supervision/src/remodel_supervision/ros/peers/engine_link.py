@@ -3,17 +3,53 @@
 from __future__ import annotations
 
 import time
+from collections.abc import Callable
 
 import rospy
 from actionlib_msgs.msg import GoalStatus
 from flexbe_msgs.msg import BehaviorExecutionAction, BehaviorExecutionGoal, BEStatus
+from rospy import AnyMsg
 from std_msgs.msg import Empty, String
 
 from remodel_production.errors import LostError
 from remodel_supervision.ros.action_server import ActionServer, Goal
 from remodel_supervision.ros.event_loop import RosEventLoop
-from remodel_supervision.ros.peers.peer import Peer
 from remodel_supervision.supervisors.ports import BehaviorEnd, EndKind
+
+
+class Peer:
+    """A node that publishes a topic."""
+
+    def __init__(
+        self,
+        title: str,
+        topic: str,
+        kind: type = AnyMsg,
+        on_message: Callable[[object], None] | None = None,
+    ) -> None:
+        """Subscribe to its topic.
+
+        Args:
+            title: of the node, for errors.
+            topic: that it alone publishes.
+            kind: of the topic's messages.
+            on_message: called with each message.
+        """
+        self._title = title
+        self._subscriber = rospy.Subscriber(topic, kind, on_message or (lambda _: None))
+
+    @property
+    def is_there(self) -> bool:
+        """Whether it is connected."""
+        return self._subscriber.get_num_connections() > 0
+
+    @property
+    def trouble(self) -> str:
+        """Why the node counts as gone; empty if it is connected."""
+        if self.is_there:
+            return ""
+        return f"{self._title} is gone: nothing publishes {self._subscriber.resolved_name}"
+
 
 ACTION = "flexbe/execute_behavior"
 

@@ -10,7 +10,7 @@ import numpy as np
 import rospy
 from sensor_msgs.msg import Image
 
-from remodel_supervision.core.runs.picture_name import picture_name
+from remodel_supervision.core.runs.entries import picture_name
 from remodel_supervision.ros.peers.cell import Cell
 
 CAMERAS = ("overhead", "wrist")

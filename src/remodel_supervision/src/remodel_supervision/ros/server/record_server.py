@@ -21,13 +21,12 @@ from sensor_msgs.msg import CompressedImage
 
 from remodel_production.edge.database.production_database import ProductionDatabase
 from remodel_production.errors import PlannerError
+from remodel_run.record import Entry
+from remodel_supervision.core.runs.event_table import entries_of, state_after
 from remodel_supervision.core.runs.events import Ending
-from remodel_supervision.core.runs.fold import state_after
 from remodel_supervision.core.runs.state import RunState
-from remodel_supervision.core.runs.statistics import RunStatistics, joined, statistics_of_run
-from remodel_supervision.core.runs.sums import sums_of
+from remodel_supervision.core.runs.sums import RunStatistics, joined, statistics_of_run, sums_of
 from remodel_supervision.edge.run_log import KeptEvent, RunHead, RunLog
-from remodel_supervision.ros.server.run_entries import entries_of
 from remodel_supervision.ros.server.run_messages import sums_message
 
 # How many entries one answer has at most, and how many with pictures.
@@ -118,7 +117,7 @@ class RecordServer:
             return self._entries[run]
         kept: tuple[KeptEvent, ...] = tuple(self._log.events(run))
         events = [each.event for each in kept]
-        entries = entries_of(events)
+        entries = [entry_message(entry) for entry in entries_of(events)]
         if state_after(events).ended is not None:
             self._entries = {run: entries}
         return entries
@@ -144,4 +143,24 @@ def summary_message(head: RunHead, state: RunState) -> RunSummary:
         success=state.ended is not None and state.ended.ending is Ending.COMPLETE,
         message=state.ended.because if state.ended else "",
         sums=sums_message(sums_of(state)),
+    )
+
+
+def entry_message(entry: Entry) -> RunEntry:
+    """Return an entry of a run's record, without its picture."""
+    return RunEntry(
+        position=entry.position,
+        stamp=rospy.Time.from_sec(entry.time_s),
+        kind=entry.kind.value,
+        task=entry.task,
+        behavior=entry.behavior,
+        state_path=entry.state_path,
+        ability=entry.ability,
+        fault=entry.fault,
+        error_code=entry.error_code,
+        text=entry.text,
+        because=entry.because,
+        names=[name for name, _ in entry.values],
+        values=[value for _, value in entry.values],
+        has_picture=entry.has_picture,
     )

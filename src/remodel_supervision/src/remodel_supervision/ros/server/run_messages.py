@@ -16,19 +16,19 @@ from remodel_msgs.msg import (
     UseCaseState,
 )
 
-from remodel_supervision.core.runs import events
-from remodel_supervision.core.runs.abridged import abridged
+from remodel_run import progress
+from remodel_run.progress import Phase, Sums, TaskPhase
 from remodel_supervision.core.runs.events import Decided
 from remodel_supervision.core.runs.state import RunState, Stage
-from remodel_supervision.core.runs.step import Plan, Settle, Wait, next_step
-from remodel_supervision.core.runs.sums import Sums, count_of, sums_of
+from remodel_supervision.core.runs.step import Plan, Settle, Wait, abridged, next_step
+from remodel_supervision.core.runs.sums import count_of, sums_of
 from remodel_supervision.supervisors.ports import Doing
 
-_STATES = {
-    Stage.WAITING: TaskState.WAITING,
-    Stage.ELSEWHERE: TaskState.WAITING,
-    Stage.DONE: TaskState.DONE,
-    Stage.SET_ASIDE: TaskState.SET_ASIDE,
+_TASK_PHASES = {
+    Stage.WAITING: TaskPhase.WAITING,
+    Stage.ELSEWHERE: TaskPhase.WAITING,
+    Stage.DONE: TaskPhase.DONE,
+    Stage.SET_ASIDE: TaskPhase.SET_ASIDE,
 }
 
 
@@ -64,7 +64,7 @@ def state_message(view: RunView) -> UseCaseState:
     """Return the state of a run, without stamp, series and number of its changes."""
     state = view.state
     return UseCaseState(
-        phase=_phase(view),
+        phase=_phase(view).value,
         message=abridged(state.ended.because) if state.ended else view.doing,
         cell=state.cell,
         run=view.run,
@@ -103,12 +103,12 @@ def levels(view: RunView) -> list[LevelState]:
 def task_message(view: RunView, name: str) -> TaskState:
     """Return the state of a task."""
     task = view.state.tasks[name]
-    under_way = TaskState.RUNNING if name == view.state.current else TaskState.WAITING
+    under_way = TaskPhase.RUNNING if name == view.state.current else TaskPhase.WAITING
     return TaskState(
         name=name,
         description=view.descriptions.get(name, ""),
         cable=view.state.cables.get(name, ""),
-        state=_STATES.get(task.stage, under_way),
+        state=_TASK_PHASES.get(task.stage, under_way).value,
         counts_as=count_of(task, view.state).value,
         attempts=task.attempts,
         first_pass=task.first_pass,
@@ -122,7 +122,7 @@ def sums_message(sums: Sums) -> RunSums:
     return RunSums(**asdict(sums))
 
 
-def hand_wire_message(wire: events.HandWire) -> HandWire:
+def hand_wire_message(wire: progress.HandWire) -> HandWire:
     """Return a wire that is left to a person."""
     return HandWire(
         name=wire.name,
@@ -164,24 +164,24 @@ def _question(view: RunView) -> OperatorQuestion:
     )
 
 
-def _phase(view: RunView) -> str:
+def _phase(view: RunView) -> Phase:
     state = view.state
     if state.ended is not None:
-        return UseCaseState.ENDED
+        return Phase.ENDED
     if state.protective:
-        return UseCaseState.PROTECTIVE_STOP
+        return Phase.PROTECTIVE_STOP
     if state.question is not None:
-        return UseCaseState.ASKING
+        return Phase.ASKING
     if state.paused:
-        return UseCaseState.PAUSING if view.moving else UseCaseState.PAUSED
+        return Phase.PAUSING if view.moving else Phase.PAUSED
     task = state.tasks.get(state.current)
     if task is not None and task.stage is Stage.RUNNING:
-        return UseCaseState.RUNNING
+        return Phase.RUNNING
     match next_step(state):
         case Plan():
-            return UseCaseState.PLANNING
+            return Phase.PLANNING
         case Settle():
-            return UseCaseState.SETTLING
+            return Phase.SETTLING
         case Wait():
-            return UseCaseState.PAUSED
-    return UseCaseState.RUNNING
+            return Phase.PAUSED
+    return Phase.RUNNING

@@ -16,13 +16,12 @@ from remodel_supervision.core.runs.events import Command, Commanded
 from remodel_supervision.edge.run_log import RunLog
 from remodel_supervision.errors import CellError
 from remodel_supervision.ros.event_loop import RosEventLoop
-from remodel_supervision.ros.server.active_run import refusal
-from remodel_supervision.ros.server.run_publication import RunPublication
+from remodel_supervision.ros.server.run_publication import RunPublication, refusal
 from remodel_supervision.ros.server.run_services import RunServices
 from remodel_supervision.ros.server.work import WorkMaker
 from remodel_supervision.supervisors.cell.cell_runs import CellRuns
 from remodel_supervision.supervisors.cell.owned_cell import OwnedCell
-from remodel_supervision.supervisors.work import Peers
+from remodel_supervision.supervisors.ports import Peers
 
 ACTION = "remodel/run_use_case"
 

@@ -22,13 +22,14 @@ from remodel_msgs.srv import (
 )
 from std_msgs.msg import Bool
 
+from remodel_run.progress import Answer
 from remodel_supervision.core.run import Operation
-from remodel_supervision.core.runs.events import Answer, Answered, Command, Commanded
+from remodel_supervision.core.runs.events import Answered, Command, Commanded
 from remodel_supervision.core.runs.gate import Permit
 from remodel_supervision.ros.event_loop import RosEventLoop
 from remodel_supervision.supervisors.cell.run_commands import RunCommands
-from remodel_supervision.supervisors.commands import Reply
 from remodel_supervision.supervisors.ports import Abilities
+from remodel_supervision.supervisors.run_control import Reply
 
 RECORDER = "remodel/keep_record"
 RECORDER_PARAMETER = "remodel/recorder"

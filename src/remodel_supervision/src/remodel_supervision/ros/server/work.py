@@ -19,18 +19,17 @@ from remodel_planning.edge.cell_takes import cell_takes, known_cells
 from remodel_planning.edge.use_case_files import use_case_for
 from remodel_production.core.board.board import Board, board_of
 from remodel_production.core.board.panel import panel_of
-from remodel_production.edge.catalogue_file import read_catalogue
 from remodel_production.edge.database.production_database import ProductionDatabase
-from remodel_production.edge.package_files import catalogue_file
+from remodel_production.edge.package_files import catalogue_file, read_catalogue
 from remodel_production.errors import OrderError
+from remodel_run.progress import HandWire
 from remodel_supervision.core.learning.experience import Experience
-from remodel_supervision.core.runs.events import HandWire
 from remodel_supervision.edge.escalation_hook import EscalationHook
 from remodel_supervision.edge.recorded_lessons import ability_calls
 from remodel_supervision.edge.task_leases import TaskLeases
 from remodel_supervision.edge.work_planner import WorkPlanner
 from remodel_supervision.ros.peers.board_message import board_message
-from remodel_supervision.supervisors.work import Work
+from remodel_supervision.supervisors.ports import Work
 
 
 @dataclass

@@ -2,6 +2,6 @@
 
 owned_cell.py      acquires the cell, and renews the lease on it
 cell_runs.py       resumes the run that was cut short, and supervises the runs that goals ask for
-run_commands.py    passes commands to the run under way, holds the cell between runs
-unresumed_run.py   a run that cannot be resumed
+run_commands.py    passes commands to the run under way, or to one that cannot be resumed; holds the
+                   cell between runs
 """

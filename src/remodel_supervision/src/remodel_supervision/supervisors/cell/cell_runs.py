@@ -6,18 +6,16 @@ from collections.abc import Collection
 from typing import Protocol
 
 from remodel_production.errors import LostError, OwnerError, PlannerError, RecordLostError
+from remodel_supervision.core.runs.event_table import state_after
 from remodel_supervision.core.runs.events import RunBegun
-from remodel_supervision.core.runs.fold import state_after
 from remodel_supervision.core.runs.state import RunState
 from remodel_supervision.edge.run_log import RunLog
 from remodel_supervision.errors import CellError, LeavingError
 from remodel_supervision.supervisors.cell.owned_cell import ACQUIRE_EVERY_S, OwnedCell
-from remodel_supervision.supervisors.cell.run_commands import RunCommands
-from remodel_supervision.supervisors.cell.unresumed_run import UnresumedRun
-from remodel_supervision.supervisors.ports import EventLoop
+from remodel_supervision.supervisors.cell.run_commands import RunCommands, UnresumedRun
+from remodel_supervision.supervisors.ports import EventLoop, Peers, Work
 from remodel_supervision.supervisors.run_record import RunRecord
 from remodel_supervision.supervisors.use_case_supervisor import UseCaseSupervisor
-from remodel_supervision.supervisors.work import Peers, Work
 
 # Why no goal is taken at first.
 STARTING = "the supervisor is starting; send the order again in a moment"

@@ -1,11 +1,20 @@
-"""Fill in what a connection does not say, and keep account of it."""
+"""What designs leave unsaid, or say in words: lines about assumptions; names of splices."""
 
 from __future__ import annotations
 
+import re
+
 from remodel_production.core.catalogue import Catalogue
-from remodel_production.core.imports.shared.account import UNKNOWN_COLOUR
 from remodel_production.core.imports.shared.colours import colour_code, colour_without_shade
 from remodel_production.core.imports.shared.units import section_mm2
+from remodel_run.findings import UNKNOWN_COLOUR
+
+_SPLICE = re.compile(r"splice|splei(?:ss|ß)|[ée]pissure|giunzione|empalme", re.IGNORECASE)
+
+
+def names_splice(*texts: str) -> bool:
+    """Return whether one of some texts names a splice, in one of five languages."""
+    return any(_SPLICE.search(text) for text in texts)
 
 
 class Assumptions:

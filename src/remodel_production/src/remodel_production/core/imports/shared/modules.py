@@ -11,9 +11,9 @@ from dataclasses import dataclass
 
 from lxml import etree
 
-from remodel_production.core.counted import counted
 from remodel_production.core.imports.shared.variant_codes import VariantCondition
 from remodel_production.errors import DesignError
+from remodel_run.whole_task import counted
 
 _SHOWN = 20
 

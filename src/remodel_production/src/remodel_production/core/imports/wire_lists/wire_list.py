@@ -9,15 +9,13 @@ from dataclasses import replace
 from itertools import islice
 
 from remodel_production.core.catalogue import Catalogue
-from remodel_production.core.counted import counted
 from remodel_production.core.imports.shared.account import Account, Imported, LeftOut
 from remodel_production.core.imports.shared.assembly import (
     Connection,
     Device,
     assemble,
 )
-from remodel_production.core.imports.shared.assumptions import Assumptions
-from remodel_production.core.imports.shared.splices import names_splice
+from remodel_production.core.imports.shared.assumptions import Assumptions, names_splice
 from remodel_production.core.imports.shared.spreadsheet import DATE, FORMULA
 from remodel_production.core.imports.shared.units import length_m, number
 from remodel_production.core.imports.wire_lists.contents import (
@@ -52,6 +50,7 @@ from remodel_production.core.production import (
     sealed_kind,
 )
 from remodel_production.errors import DesignError
+from remodel_run.whole_task import counted
 
 # What stands in a column of seals for none.
 _NONE = frozenset({"", "-", "--", "0", "no", "none", "nein", "non", "n/a", "na"})

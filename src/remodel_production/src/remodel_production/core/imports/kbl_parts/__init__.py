@@ -1,1 +1,0 @@
-"""What a KBL harness has besides its wires and their connectors."""

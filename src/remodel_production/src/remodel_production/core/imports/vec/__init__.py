@@ -1,1 +1,0 @@
-"""Import harnesses of the Vehicle Electric Container."""
