@@ -167,7 +167,7 @@ def test_a_list_with_wires_that_no_robot_places_is_accepted_without_them(
     said = capsys.readouterr().out
     assert (
         f"  cell {CELL}: 1 wire for robots, 3 by hand (1 shorter than 0.42 m, 1 whose "
-        "section_mm2 is above 4, 1 longer than 3 m); the board fits\n"
+        "section_mm2 is above 10, 1 longer than 3 m); the board fits\n"
     ) in said
     assert (
         f"1: by hand, length is 0.35 m, 0.07 m too little; allowed: 0.42 to 3 m (cell {CELL})\n"
@@ -268,7 +268,7 @@ def test_a_users_own_cell_decides(tmp_path, database, capsys):
     )
     assert import_design.main([str(file), "--database", database, "--cell", str(cell)]) == 0
     said = capsys.readouterr().out
-    assert "  cell mine: 3 wires for robots, 1 by hand (1 whose section_mm2 is above 4)" in said
+    assert "  cell mine: 3 wires for robots, 1 by hand (1 whose section_mm2 is above 10)" in said
     assert "; the board does not fit: the plate's size in x is 0." in said
     assert "2 devices are on the plate, 1 too many; allowed: 1: a cell without labels" in said
     cell.write_text("name: mine\n")

@@ -1,5 +1,7 @@
 """How pulls end, by what the wrist feels: on a scripted device, in milliseconds."""
 
+from contextlib import nullcontext
+
 import pytest
 from scripted_device import PARAMETERS, SOCKET, TERMINAL, before_the_opening
 
@@ -41,6 +43,23 @@ def test_an_end_in_a_closed_clamp_passes_the_pull_test():
     assert slip < PARAMETERS.terminal.max_slip_m / 3
     assert context.commanded == start, "the hand went back"
     assert max(map(abs, arm.forces)) <= 1.15 * PULL_N + 0.5
+
+
+WIRE_N = 6.0  # a thick wire, bent behind the hand
+
+
+@pytest.mark.parametrize(
+    ("feels", "is_held"), [(held(2e5), True), (sliding(3.0), False)], ids=["held", "slides"]
+)
+def test_what_the_wire_behind_the_hand_pulls_with_is_no_pull_at_its_clamp(feels, is_held):
+    context, arm = at_the_bottom(lambda depth: feels(depth) - WIRE_N)
+    for _ in range(20):
+        arm.tick()
+    with nullcontext() if is_held else pytest.raises(AbilityError):
+        run(arm.tick, pull_test(context, SOCKET, PULL_N, "X1/1"))
+    at_the_clamp = -min(arm.forces) - WIRE_N
+    assert at_the_clamp <= 1.15 * PULL_N + 0.5
+    assert at_the_clamp >= (PULL_N - 1.0 if is_held else 0.0)
 
 
 @pytest.mark.parametrize(

@@ -101,8 +101,8 @@ class CellLimits:
 
 # A wall that is no longer is a post of a fork: it holds no wire bent [m].
 FORK_LENGTH_M = 0.020
-# A slot lets a wire through that is thinner by this [m].
-SLOT_PLAY_M = 0.0003
+# A slot lets a wire through that is thinner by this: the least that was tried (docs/simulation.md) [m].
+SLOT_PLAY_M = 0.0014
 # A wire that is let down into forks is so much longer than the line between its openings: shorter,
 # its second end does not come in front of its opening; longer, it bows out between the forks [m].
 SPARE_M = (0.028, 0.060)

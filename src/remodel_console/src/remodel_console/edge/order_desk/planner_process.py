@@ -97,7 +97,7 @@ class PlannerProcess:
         if is_late.is_set():
             raise CommandError(f"the planner has not finished within {_LIMIT_S:.0f} s")
         if process.returncode < 0 or process.returncode == 128 + signal.SIGTERM:
-            raise CommandError(f"`planner {words[0]}` was ended")
+            raise CommandError(f"`remodel {words[0]}` was ended")
         return Finished(process.returncode, printed, "".join(errors).strip())
 
     def end_in(self, folder: Path) -> None:
