@@ -15,7 +15,7 @@ SEED ?= 1
 # The simulated drivers that a robot's file names, in place of the cell with the skills in its process.
 DRIVERS = $(if $(ROBOT),robot:=$(ROBOT) drivers:=true)
 CABINET := /usr/share/qelectrotech/examples/tableau_domestique.qet
-HARNESS := src/remodel_planning/examples/harness.yml
+HARNESS := src/remodel_tasks/examples/harness.yml
 PREFIX ?= install
 SOURCED := set +u; . devel/setup.sh; set -u;
 RESULTS := build/test_results

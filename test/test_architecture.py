@@ -25,7 +25,7 @@ OUTSIDE |= {"rospkg", "sqlalchemy"}
 CORES = {"flexbe_core": "engine", "flexbe_synthesizer": "core", "remodel_console": "core"}
 CORES |= {
     "remodel_production": "core",
-    "remodel_planning": "core",
+    "remodel_tasks": "core",
     "remodel_cable_tree": "core",
     "remodel_pddl": "core",
     "remodel_supervision": "core",
@@ -39,8 +39,8 @@ ROS_ROOMS = {"ros", "commands"}
 # The rooms of a core, each above the rooms that it may import.
 LAYERS = {
     "remodel_production": ["errors", "core", "edge"],
-    "remodel_planning": ["errors", "core", "edge"],
-    "remodel_planning.core": [
+    "remodel_tasks": ["errors", "core", "edge"],
+    "remodel_tasks.core": [
         *("condition", "cycle", "problem", "search", "plan", "use_case", "orders"),
         *("decomposition", "task_charts"),
     ],
@@ -96,18 +96,18 @@ MAY_IMPORT = {
     "remodel_robot": set(),
     "remodel_run": set(),
     "remodel_production": {"remodel_run", "remodel_states"},
-    "remodel_planning": {
+    "remodel_tasks": {
         "remodel_run",
         "remodel_production",
         "flexbe_synthesizer",
         "remodel_states",
     },
-    "remodel_cable_tree": {"remodel_production", "remodel_planning"},
-    "remodel_pddl": {"remodel_production", "remodel_planning"},
+    "remodel_cable_tree": {"remodel_production", "remodel_tasks"},
+    "remodel_pddl": {"remodel_production", "remodel_tasks"},
     "remodel_supervision": {
         "remodel_run",
         "remodel_production",
-        "remodel_planning",
+        "remodel_tasks",
         "flexbe_core",
         "flexbe_synthesizer",
         "remodel_states",
@@ -115,7 +115,7 @@ MAY_IMPORT = {
     "remodel_planner": {
         "remodel_run",
         "remodel_production",
-        "remodel_planning",
+        "remodel_tasks",
         "remodel_cable_tree",
         "remodel_pddl",
         "remodel_supervision",

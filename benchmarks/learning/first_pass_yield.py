@@ -21,9 +21,9 @@ from random import Random
 import cv2
 import numpy as np
 
-from remodel_planning.core.use_case.bounds import Bounds
 from remodel_supervision.core.learning.experience import Call, LearnedParameters
 from remodel_supervision.core.learning.parameter_choice import GuardRail
+from remodel_tasks.core.use_case.bounds import Bounds
 
 ABILITY, FORCE = "InsertCable", "force_limit"
 # [N] What states push with, and what is safe.

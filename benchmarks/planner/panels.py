@@ -27,16 +27,16 @@ from pathlib import Path
 
 import numpy as np
 
-from remodel_planning.core.plan.checker import check
-from remodel_planning.core.problem.instance import problem_from
-from remodel_planning.core.problem.modes import Mode
-from remodel_planning.core.problem.problem import ActionKind, End, Problem, Stage
-from remodel_planning.core.search.planned import Planned
-from remodel_planning.core.search.tables import Tables, tables_of
-from remodel_planning.edge.anytime_planner import AnytimePlanner, Limits
-from remodel_planning.edge.search_kernel import Kernel
+from remodel_tasks.core.plan.checker import check
+from remodel_tasks.core.problem.instance import problem_from
+from remodel_tasks.core.problem.modes import Mode
+from remodel_tasks.core.problem.problem import ActionKind, End, Problem, Stage
+from remodel_tasks.core.search.planned import Planned
+from remodel_tasks.core.search.tables import Tables, tables_of
+from remodel_tasks.edge.anytime_planner import AnytimePlanner, Limits
+from remodel_tasks.edge.search_kernel import Kernel
 
-sys.path.insert(0, str(Path(__file__).parents[2] / "src/remodel_planning/test"))
+sys.path.insert(0, str(Path(__file__).parents[2] / "src/remodel_tasks/test"))
 
 from failures import after_jam, after_move, remaining_order
 from random_panel import random_panel

@@ -18,10 +18,10 @@ from pathlib import Path
 
 from remodel_pddl.core import hddl, pddl
 from remodel_pddl.core.symbolic import steps_of, symbols_of
-from remodel_planning.core.problem.instance import problem_from
-from remodel_planning.edge.order_planner import plan_problem
+from remodel_tasks.core.problem.instance import problem_from
+from remodel_tasks.edge.order_planner import plan_problem
 
-sys.path.insert(0, str(Path(__file__).parents[2] / "src/remodel_planning/test"))
+sys.path.insert(0, str(Path(__file__).parents[2] / "src/remodel_tasks/test"))
 
 from random_panel import random_panel
 

@@ -27,8 +27,6 @@ from types import SimpleNamespace
 from laying import Laying, first_ends_of, photograph
 
 from remodel_planner.commands.options.design_orders import DesignOrder, design_order
-from remodel_planning.core.decomposition.cell_fit import misfits
-from remodel_planning.core.orders.board_order import board_order
 from remodel_production.core.board.board import board_of
 from remodel_production.core.imports.formats import format_of, import_design
 from remodel_production.core.production import Order
@@ -41,6 +39,8 @@ from remodel_sim.physics.truth import ground_truth
 from remodel_skills.cell import Cell
 from remodel_states.edge.wire_material_file import read_wire_materials
 from remodel_supervision.ros.peers.board_message import board_message
+from remodel_tasks.core.decomposition.cell_fit import misfits
+from remodel_tasks.core.orders.board_order import board_order
 from remodel_work.edge.cell_file import read_cell
 from remodel_work.errors import AbilityError
 from remodel_work.panel import Panel, PanelWire
@@ -50,7 +50,7 @@ ROOT = Path(__file__).parents[2]
 DESIGNS = (
     *sorted(Path("/usr/share/qelectrotech/examples").glob("*.qet")),
     ROOT / "benchmarks/sim/short_wires.csv",
-    ROOT / "src/remodel_planning/examples/harness.yml",
+    ROOT / "src/remodel_tasks/examples/harness.yml",
 )
 CELLS = ("two_arms_cabinet", "large_cabinet")
 FORMBOARD_CELL = "two_arms_formboard"

@@ -7,8 +7,8 @@ from collections.abc import Callable, Mapping
 
 from flexbe_synthesizer.core.chart.error_routes import codes_of_routes
 from flexbe_synthesizer.core.chart.model import Chart, State
-from remodel_planning.edge.fault_file import read_error_names
 from remodel_supervision.edge.known_behaviors import nested_charts
+from remodel_tasks.edge.fault_file import read_error_names
 
 EXHAUSTED, FAILED, REFUSED = "exhausted", "failed", "command_error"
 # What a state returns: FAILED or REFUSED with the error code, else the empty event of success.

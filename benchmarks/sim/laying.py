@@ -23,7 +23,6 @@ from typing import TypeVar
 import cv2
 from laid_board import laid_wires
 
-from remodel_planning.core.orders.laying_order import first_ends
 from remodel_sim.physics.plant import SimulatedPlant
 from remodel_sim.physics.truth import ground_truth, share_in_ducts
 from remodel_skills import goals
@@ -36,6 +35,7 @@ from remodel_skills.abilities.pick_cable import pick_cable
 from remodel_skills.cell import Cell
 from remodel_skills.robot_context import RobotContext, Steps
 from remodel_states.edge.wire_material_file import read_wire_materials
+from remodel_tasks.core.orders.laying_order import first_ends
 from remodel_work.edge.cell_file import read_cell
 from remodel_work.errors import AbilityError
 from remodel_work.panel import Panel, WireEnd

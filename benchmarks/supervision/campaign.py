@@ -57,8 +57,6 @@ from trial import (
 )
 
 from remodel_planner.commands.runs import explain_run, replay
-from remodel_planning.core.use_case.designs import DesignKind
-from remodel_planning.edge.use_case_files import VARIABLE, use_case_folder, use_case_for
 from remodel_production.core.production import TerminalRef
 from remodel_production.edge.database.production_database import ProductionDatabase
 from remodel_states.edge.exported_tables import read_faults
@@ -69,6 +67,8 @@ from remodel_supervision.core.runs.state import Stage
 from remodel_supervision.edge.run_log import RunLog
 from remodel_supervision.ros.action_server import ActionServer
 from remodel_supervision.ros.peers.cell import Cell
+from remodel_tasks.core.use_case.designs import DesignKind
+from remodel_tasks.edge.use_case_files import VARIABLE, use_case_folder, use_case_for
 
 # How the policies are called; the first is that of the table of faults.
 TABLE, RETRY = "table", "retry three times"

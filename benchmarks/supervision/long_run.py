@@ -6,7 +6,6 @@ import hashlib
 from collections.abc import Iterator, Sequence
 from pathlib import Path
 
-from remodel_planning.core.use_case.fault import Do
 from remodel_production.core.production import Component, Order, Side, Terminal, TerminalRef, Wire
 from remodel_supervision.core.run import Operation
 from remodel_supervision.core.runs.events import (
@@ -20,6 +19,7 @@ from remodel_supervision.core.runs.events import (
     TaskBegun,
     TaskEnded,
 )
+from remodel_tasks.core.use_case.fault import Do
 
 # How many terminals a component has, and at which wires one insertion jams.
 _TERMINALS = 20

@@ -9,7 +9,6 @@ from random import Random
 from statistics import median
 from typing import Any
 
-from remodel_planning.core.use_case.fault import Do
 from remodel_production.core.production import TerminalRef
 from remodel_supervision.core.run import Operation
 from remodel_supervision.core.runs.events import (
@@ -22,6 +21,7 @@ from remodel_supervision.core.runs.events import (
     TaskEnded,
 )
 from remodel_supervision.core.runs.state import PERSON_FIRST
+from remodel_tasks.core.use_case.fault import Do
 
 # How often an ability is asked for in a wire that goes well.
 GOALS_OF_A_WIRE = {

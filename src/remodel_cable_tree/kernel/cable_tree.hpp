@@ -7,7 +7,7 @@
 #include <cstdint>
 #include <vector>
 
-#include <remodel_planning/random.hpp>
+#include <remodel_tasks/random.hpp>
 
 namespace remodel {
 

@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "cable_tree.hpp"
-#include <remodel_planning/random.hpp>
+#include <remodel_tasks/random.hpp>
 
 namespace remodel {
 

@@ -13,7 +13,6 @@ from remodel_msgs import msg, srv
 from sensor_msgs.msg import Image
 
 from remodel_console.edge.jpeg import as_jpeg
-from remodel_planning.core.use_case.fault import Do
 from remodel_run.progress import Answer, HandWire
 from remodel_supervision.core.run import Operation
 from remodel_supervision.core.runs.event_table import state_after
@@ -39,6 +38,7 @@ from remodel_supervision.core.runs.sums import joined, statistics_of_run
 from remodel_supervision.ros.server.run_messages import sums_message
 from remodel_supervision.ros.server.state_publisher import STATE, RunView, StatePublisher
 from remodel_supervision.supervisors.ports import Doing
+from remodel_tasks.core.use_case.fault import Do
 
 WIRES = (
     ("W1", "Q1/1 to X3/2, BU, 1.5 mm2"),

@@ -19,8 +19,6 @@ from remodel_msgs.srv import LoadPanel
 
 from remodel_planner.commands.runs.built_in_cell import picture_of_cabinet, wires_in_cell
 from remodel_planner.core.reports.net_list import net_list, share_in_ducts
-from remodel_planning.core.orders.board_order import board_order
-from remodel_planning.edge.use_case_files import find_use_case
 from remodel_production.core.board.board import board_of
 from remodel_production.core.board.panel import panel_of
 from remodel_production.edge.database.production_database import ProductionDatabase
@@ -28,6 +26,8 @@ from remodel_production.edge.package_files import catalogue_file, read_catalogue
 from remodel_skills.edge.cell_memory import CellMemory
 from remodel_states.edge.wire_material_file import read_wire_materials
 from remodel_supervision.ros.peers.board_message import board_message
+from remodel_tasks.core.orders.board_order import board_order
+from remodel_tasks.edge.use_case_files import find_use_case
 from remodel_work.panel import BOARD, WireEnd
 from remodel_work.placed_wires import ParkedWire, PlacedWires
 from remodel_work.ros.panel_message import panel_from

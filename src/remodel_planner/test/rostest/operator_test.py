@@ -17,8 +17,8 @@ from remodel_msgs.msg import UseCaseState
 from remodel_msgs.srv import GetGroundTruth, InjectFault
 
 from remodel_console.testing.browser_test import WEBGL_WITHOUT_GPU, BrowserTest
-from remodel_planning.edge.use_case_files import use_case_folder
 from remodel_production.edge.database.production_database import ProductionDatabase
+from remodel_tasks.edge.use_case_files import use_case_folder
 
 OUTPUT = Path(sys.argv[1])
 DATABASE = f"sqlite:///{OUTPUT}/production.sqlite"

@@ -9,12 +9,12 @@ import rospy
 import yaml
 from order_client import DESIGN, planner
 
-from remodel_planning.edge.use_case_files import use_case_folder
+from remodel_tasks.edge.use_case_files import use_case_folder
 
 OUTPUT = Path(sys.argv[1])
 DATABASE = f"sqlite:///{OUTPUT}/production.sqlite"
 DESIGNS = Path(__file__).parents[3] / "remodel_production/test/unit/designs"
-HARNESS = Path(__file__).parents[3] / "remodel_planning/examples/harness.yml"
+HARNESS = Path(__file__).parents[3] / "remodel_tasks/examples/harness.yml"
 
 # A design for each shipped use case, and how many of its wires are asked for.
 SHIPPED = {

@@ -7,8 +7,8 @@ import yaml
 from order_client import OrderClient, planner
 from use_cases_case import DATABASE, DESIGNS, OUTPUT, SHIPPED, UseCasesCase
 
-from remodel_planning.edge.use_case_files import use_case_folder
 from remodel_supervision.core.runs.events import Ending
+from remodel_tasks.edge.use_case_files import use_case_folder
 
 
 def far(own):

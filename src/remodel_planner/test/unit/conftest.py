@@ -5,7 +5,7 @@ from pathlib import Path
 
 sys.path.insert(0, str(Path(__file__).parents[3] / "remodel_planner/test/unit"))
 sys.path.insert(0, str(Path(__file__).parents[3] / "remodel_production/test"))
-sys.path.insert(0, str(Path(__file__).parents[3] / "remodel_planning/test"))
+sys.path.insert(0, str(Path(__file__).parents[3] / "remodel_tasks/test"))
 sys.path.insert(0, str(Path(__file__).parents[3] / "remodel_supervision/test/unit"))
 
 from databases import postgres_url, url  # noqa: F401 - fixtures

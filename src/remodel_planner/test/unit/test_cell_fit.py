@@ -9,9 +9,6 @@ import pytest
 
 from remodel_planner.commands import import_design, plan, tasks
 from remodel_planner.commands.options.design_orders import design_order
-from remodel_planning.core.decomposition.cell_fit import misfits
-from remodel_planning.core.orders.board_order import board_order
-from remodel_planning.edge.fault_file import read_faults
 from remodel_production.core.board.board import board_of
 from remodel_production.edge.database.production_database import ProductionDatabase
 from remodel_production.edge.package_files import catalogue_file, read_catalogue
@@ -20,6 +17,9 @@ from remodel_states.edge.cell_files import read_cell_limits
 from remodel_states.edge.wire_material_file import read_wire_materials
 from remodel_supervision.ros.peers.board_message import board_message
 from remodel_supervision.ros.server.work import WorkMaker
+from remodel_tasks.core.decomposition.cell_fit import misfits
+from remodel_tasks.core.orders.board_order import board_order
+from remodel_tasks.edge.fault_file import read_faults
 from remodel_work.cell.magazine import find_wire_problems
 from remodel_work.edge.cell_file import read_cell
 from remodel_work.layout import find_problems
@@ -29,7 +29,7 @@ PROJECTS = sorted(Path("/usr/share/qelectrotech/examples").glob("*.qet"))
 PACKAGES = Path(__file__).parents[3]
 LARGE_CELL = "large_cabinet"
 HARNESSES = (
-    PACKAGES / "remodel_planning/examples/harness.yml",
+    PACKAGES / "remodel_tasks/examples/harness.yml",
     PACKAGES / "remodel_production/test/unit/designs/harness.yml",
     PACKAGES / "remodel_production/test/unit/designs/loom.kbl",
     PACKAGES / "remodel_production/test/unit/designs/loom.vec",

@@ -23,15 +23,15 @@ from remodel_planner.commands import (
 )
 from remodel_planner.commands.runs import run_order
 from remodel_planner.core.reports.run_report import Report
-from remodel_planning.edge.fault_file import read_faults
-from remodel_planning.edge.use_case_files import use_case_folder
 from remodel_production.edge.database.production_database import ProductionDatabase
 from remodel_production.errors import OrderError
 from remodel_supervision.ros.server.work import WorkMaker
+from remodel_tasks.edge.fault_file import read_faults
+from remodel_tasks.edge.use_case_files import use_case_folder
 
 DESIGNS = Path(__file__).parents[3] / "remodel_production/test/unit/designs"
 PANELS = Path(__file__).parents[3] / "remodel_sim/config"
-HARNESS = Path(__file__).parents[3] / "remodel_planning/examples/harness.yml"
+HARNESS = Path(__file__).parents[3] / "remodel_tasks/examples/harness.yml"
 DESIGN = Path("/usr/share/qelectrotech/examples/tableau_domestique.qet")
 
 

@@ -19,11 +19,11 @@ from remodel_planner.commands import explain as explain_command
 from remodel_planner.commands import plan as plan_command
 from remodel_planner.commands import sequence as sequence_command
 from remodel_planner.commands import tasks as tasks_command
-from remodel_planning.core.problem.instance import problem_from
-from remodel_planning.core.search import annealing
-from remodel_planning.core.search.tables import tables_of
-from remodel_planning.edge.anytime_planner import exchange
-from remodel_planning.edge.search_kernel import Kernel
+from remodel_tasks.core.problem.instance import problem_from
+from remodel_tasks.core.search import annealing
+from remodel_tasks.core.search.tables import tables_of
+from remodel_tasks.edge.anytime_planner import exchange
+from remodel_tasks.edge.search_kernel import Kernel
 
 DATA = Path(__file__).parents[3] / "remodel_cable_tree/test/unit/data"
 WAIT_S = 20.0
@@ -258,7 +258,7 @@ def test_plans_that_are_not_valid_are_not_worked_on(instance, capsys, command):
     assert not drawing.exists()
 
 
-CABINET = Path(__file__).parents[3] / "remodel_planning" / "examples" / "cabinet.yaml"
+CABINET = Path(__file__).parents[3] / "remodel_tasks" / "examples" / "cabinet.yaml"
 
 
 def test_tasks_of_an_order_are_printed(instance, capsys):
@@ -309,7 +309,7 @@ def test_a_closed_pipe_ends_a_command_quietly(arguments):
     assert (done.returncode, done.stderr) == (141, "")
 
 
-EXAMPLES = Path(__file__).parents[3] / "remodel_planning" / "examples"
+EXAMPLES = Path(__file__).parents[3] / "remodel_tasks" / "examples"
 
 
 def test_a_plan_with_five_broken_preferences_is_explained_in_words(tmp_path, capsys):

@@ -5,8 +5,6 @@ from house import HOUSE, owner_of
 
 from remodel_planner.commands import explain
 from remodel_planner.commands.runs import replay
-from remodel_planning.core.use_case.fault import Do
-from remodel_planning.edge.fault_file import read_faults
 from remodel_production.edge.database.production_database import ProductionDatabase
 from remodel_run.progress import Answer
 from remodel_run.whole_task import counted
@@ -32,6 +30,8 @@ from remodel_supervision.core.runs.events import (
     TaskEnded,
 )
 from remodel_supervision.edge.run_log import RunLog
+from remodel_tasks.core.use_case.fault import Do
+from remodel_tasks.edge.fault_file import read_faults
 
 FAULTS = read_faults()
 CHART = """<statemachine name="Place Wire" initial="Insert">

@@ -15,7 +15,7 @@ from remodel_states.core.cell import SPARE_M
 
 CATALOGUE = read_catalogue(catalogue_file())
 DESIGNS = Path(__file__).with_name("designs")
-HARNESS = DESIGNS.parents[3] / "remodel_planning/examples/harness.yml"
+HARNESS = DESIGNS.parents[3] / "remodel_tasks/examples/harness.yml"
 BODY_PAST_M = 0.006
 
 

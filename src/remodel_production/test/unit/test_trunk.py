@@ -16,7 +16,7 @@ from remodel_production.edge.package_files import catalogue_file, read_catalogue
 
 CATALOGUE = read_catalogue(catalogue_file())
 RULES = CATALOGUE.formboard
-EXAMPLE = Path(__file__).parents[3] / "remodel_planning" / "examples" / "harness.yml"
+EXAMPLE = Path(__file__).parents[3] / "remodel_tasks" / "examples" / "harness.yml"
 
 
 def harness():

@@ -8,15 +8,6 @@ from functools import cache
 from pathlib import Path
 
 from flexbe_synthesizer.core.chart.model import Chart, Outcome, Param, State, Transition
-from remodel_planning.core.orders.board_order import board_order, kind_of
-from remodel_planning.core.orders.work_order import WorkOrder
-from remodel_planning.core.problem.problem import End
-from remodel_planning.core.task_charts.demands import Demands
-from remodel_planning.core.task_charts.planned_tasks import PlannedTask
-from remodel_planning.core.use_case.fault import Do, FaultTable
-from remodel_planning.core.use_case.policy import Limits, Policy
-from remodel_planning.edge.fault_file import read_faults
-from remodel_planning.edge.use_case_files import use_case_for
 from remodel_production.core.board.board import board_of
 from remodel_production.core.board.panel import panel_of as board_panel
 from remodel_production.core.production import Component, Order, Side, Terminal, TerminalRef, Wire
@@ -28,6 +19,15 @@ from remodel_supervision.core.run import Operation
 from remodel_supervision.core.runs.events import Chosen, Decided, Part
 from remodel_supervision.edge.work_planner import WorkPlanner
 from remodel_supervision.ros.peers.board_message import board_message
+from remodel_tasks.core.orders.board_order import board_order, kind_of
+from remodel_tasks.core.orders.work_order import WorkOrder
+from remodel_tasks.core.problem.problem import End
+from remodel_tasks.core.task_charts.demands import Demands
+from remodel_tasks.core.task_charts.planned_tasks import PlannedTask
+from remodel_tasks.core.use_case.fault import Do, FaultTable
+from remodel_tasks.core.use_case.policy import Limits, Policy
+from remodel_tasks.edge.fault_file import read_faults
+from remodel_tasks.edge.use_case_files import use_case_for
 
 WIRES = 5
 ORDER = Order(

@@ -9,13 +9,13 @@ from typing import Any
 from remodel_msgs.msg import ErrorCode
 
 from flexbe_synthesizer.core.chart.model import Chart
-from remodel_planning.core.task_charts.demands import Demands
 from remodel_production.errors import LostError
 from remodel_states.core.codes import Code
 from remodel_supervision.core.run import Operation
 from remodel_supervision.core.runs.state import PERSON_FIRST
 from remodel_supervision.errors import RefusedError
 from remodel_supervision.supervisors.ports import BehaviorEnd, Doing, EndKind, UnseenError
+from remodel_tasks.core.task_charts.demands import Demands
 from schedules.cell_services import CellServices
 from schedules.engine import Engine
 from schedules.node import Node

@@ -5,10 +5,6 @@ from types import SimpleNamespace
 
 from house import BOARD, CATALOGUE, house_order, owner_of
 
-from remodel_planning.core.orders.board_order import kind_of
-from remodel_planning.core.use_case.policy import Policy
-from remodel_planning.edge.fault_file import read_faults
-from remodel_planning.edge.use_case_files import use_case_for
 from remodel_production.core.board.panel import panel_of
 from remodel_production.edge.database.production_database import ProductionDatabase
 from remodel_production.errors import LostError
@@ -26,6 +22,10 @@ from remodel_supervision.ros.peers.board_message import board_message
 from remodel_supervision.supervisors.ports import BehaviorEnd, EndKind, Peers, Work, server_of
 from remodel_supervision.supervisors.run_record import RunRecord
 from remodel_supervision.supervisors.use_case_supervisor import UseCaseSupervisor
+from remodel_tasks.core.orders.board_order import kind_of
+from remodel_tasks.core.use_case.policy import Policy
+from remodel_tasks.edge.fault_file import read_faults
+from remodel_tasks.edge.use_case_files import use_case_for
 
 FAULTS = read_faults()
 

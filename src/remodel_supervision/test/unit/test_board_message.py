@@ -7,8 +7,6 @@ import yaml
 from genpy.message import fill_message_args
 from remodel_msgs.msg import Panel
 
-from remodel_planning.core.orders.board_order import board_order
-from remodel_planning.edge.use_case_files import find_use_case
 from remodel_production.core.board.board import board_of
 from remodel_production.core.board.panel import panel_of
 from remodel_production.core.imports.kbl import import_kbl
@@ -16,6 +14,8 @@ from remodel_production.core.imports.qet import import_qet
 from remodel_production.edge.package_files import catalogue_file, read_catalogue
 from remodel_states.core.wires.wire_materials import PROPERTIES
 from remodel_supervision.ros.peers.board_message import board_message, panel_text
+from remodel_tasks.core.orders.board_order import board_order
+from remodel_tasks.edge.use_case_files import find_use_case
 
 CATALOGUE = read_catalogue(catalogue_file())
 EXAMPLES = Path("/usr/share/qelectrotech/examples")

@@ -6,10 +6,6 @@ from random import Random
 import pytest
 from taught import TAUGHT, forced
 
-from remodel_planning.core.use_case.bounds import Bounds, frozen_setting, nearer_settings, settings
-from remodel_planning.core.use_case.context import context_of, terminal_features
-from remodel_planning.core.use_case.fault import Do
-from remodel_planning.edge.use_case_files import find_use_case
 from remodel_supervision.core.learning.belief import Belief, DurationModel, SuccessModel
 from remodel_supervision.core.learning.experience import (
     Call,
@@ -22,6 +18,10 @@ from remodel_supervision.core.learning.experience import (
     tried_responses,
 )
 from remodel_supervision.core.learning.parameter_choice import GuardRail, ParameterChoice
+from remodel_tasks.core.use_case.bounds import Bounds, frozen_setting, nearer_settings, settings
+from remodel_tasks.core.use_case.context import context_of, terminal_features
+from remodel_tasks.core.use_case.fault import Do
+from remodel_tasks.edge.use_case_files import find_use_case
 
 THIN = ("InsertCable", "clamp", "0.5")
 THICK = ("InsertCable", "clamp", "2.5")

@@ -14,12 +14,6 @@ from supervisor_bench import FakeAbilities, FakeEngine, FakeLoop
 from flexbe_synthesizer.core.chart.chart_reader import parse_chart
 from flexbe_synthesizer.core.chart.error_routes import codes_of_routes
 from flexbe_synthesizer.core.chart.model import Behavior, Container
-from remodel_planning.core.orders.work_order import order_from
-from remodel_planning.core.task_charts.task_chart import emptying
-from remodel_planning.core.use_case.fault import Do
-from remodel_planning.core.use_case.policy import Policy
-from remodel_planning.edge.fault_file import read_error_names, read_faults
-from remodel_planning.edge.use_case_files import find_use_case, read_use_case
 from remodel_states.core.codes import Code
 from remodel_supervision.core.learning.experience import Experience
 from remodel_supervision.core.recovery.decide import Failure, Spent, decide
@@ -30,8 +24,14 @@ from remodel_supervision.edge.known_behaviors import behavior_charts, nested_cha
 from remodel_supervision.edge.work_planner import WorkPlanner
 from remodel_supervision.supervisors.ports import BehaviorEnd, EndKind
 from remodel_supervision.supervisors.task_supervisor import TaskSupervisor
+from remodel_tasks.core.orders.work_order import order_from
+from remodel_tasks.core.task_charts.task_chart import emptying
+from remodel_tasks.core.use_case.fault import Do
+from remodel_tasks.core.use_case.policy import Policy
+from remodel_tasks.edge.fault_file import read_error_names, read_faults
+from remodel_tasks.edge.use_case_files import find_use_case, read_use_case
 
-PACKAGE = Path(__file__).parents[3] / "remodel_planning"
+PACKAGE = Path(__file__).parents[3] / "remodel_tasks"
 FAULTS = read_faults()
 NESTED = nested_charts()
 SHIPPED = [

@@ -8,12 +8,12 @@ import hypothesis.strategies as st
 import pytest
 from hypothesis import given
 
-from remodel_planning.core.use_case.fault import Change, Do, Response
-from remodel_planning.core.use_case.policy import Limits, Policy, policy_from
-from remodel_planning.edge.fault_file import read_faults
-from remodel_planning.errors import UseCaseError
 from remodel_production.errors import PlannerError
 from remodel_supervision.core.recovery.decide import Failure, Spent, decide
+from remodel_tasks.core.use_case.fault import Change, Do, Response
+from remodel_tasks.core.use_case.policy import Limits, Policy, policy_from
+from remodel_tasks.edge.fault_file import read_faults
+from remodel_tasks.errors import UseCaseError
 
 FAULTS = read_faults()
 LITTLE = Spent(task_attempts=1, task_s=10.0, run_failures=1, run_s=100.0)

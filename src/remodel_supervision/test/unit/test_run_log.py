@@ -9,7 +9,6 @@ import pytest
 from house import HOUSE, owner_of
 from sqlalchemy import create_engine, text
 
-from remodel_planning.core.use_case.fault import Do
 from remodel_production.core.production import Component, Order, Side, Terminal, TerminalRef, Wire
 from remodel_production.edge.database import production_database
 from remodel_production.edge.database.cell_ownership import database_time_s
@@ -38,6 +37,7 @@ from remodel_supervision.core.runs.events import (
 from remodel_supervision.edge.recorded_lessons import ability_calls
 from remodel_supervision.edge.run_log import RunLog
 from remodel_supervision.edge.task_leases import Holding, TaskLeases
+from remodel_tasks.core.use_case.fault import Do
 
 BEGUN = RunBegun("house", "cabinet", "cell", ("W1", "W2"))
 JAM = Operation(

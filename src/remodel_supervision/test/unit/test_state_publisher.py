@@ -8,7 +8,6 @@ import rospy
 from remodel_msgs.msg import TaskState, UseCaseChanges, UseCaseState
 from remodel_msgs.srv import GetTasksRequest
 
-from remodel_planning.core.use_case.fault import Do
 from remodel_run.progress import Answer
 from remodel_supervision.core.run import Operation
 from remodel_supervision.core.runs.event_table import state_after
@@ -30,6 +29,7 @@ from remodel_supervision.core.runs.state import FINISHED
 from remodel_supervision.ros.server import state_publisher
 from remodel_supervision.ros.server.state_publisher import RunView, StatePublisher
 from remodel_supervision.supervisors.ports import Doing
+from remodel_tasks.core.use_case.fault import Do
 
 
 class FakeTopic:

@@ -8,9 +8,6 @@ import hypothesis.strategies as st
 import pytest
 from hypothesis import given
 
-from remodel_planning.core.use_case.fault import Do, Response
-from remodel_planning.core.use_case.policy import Limits, Policy
-from remodel_planning.edge.fault_file import read_faults
 from remodel_run.progress import Answer
 from remodel_states.core.codes import Code
 from remodel_supervision.core.recovery.judge import decide_recovery
@@ -59,6 +56,9 @@ from remodel_supervision.core.runs.step import (
     Wait,
     next_step,
 )
+from remodel_tasks.core.use_case.fault import Do, Response
+from remodel_tasks.core.use_case.policy import Limits, Policy
+from remodel_tasks.edge.fault_file import read_faults
 
 FAULTS = read_faults()
 POSSIBLE = frozenset(Do) - {Do.OTHER_METHOD, Do.RETRY_WITH}

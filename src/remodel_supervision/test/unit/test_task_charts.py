@@ -22,28 +22,28 @@ from flexbe_synthesizer.core.export.render_python import render_python
 from flexbe_synthesizer.core.library.signature import chart_behavior
 from flexbe_synthesizer.edge.package_path import find_packages, read_library
 from flexbe_testing.edge.app_packages import read_packages
-from remodel_planning.core.decomposition.preparation import prepare
-from remodel_planning.core.decomposition.wiring_problem import decompose_order
-from remodel_planning.core.orders.work_order import order_from
-from remodel_planning.core.problem.problem import End
-from remodel_planning.core.task_charts.escalation import escalating
-from remodel_planning.core.task_charts.planned_tasks import planned_tasks
-from remodel_planning.core.task_charts.task_chart import (
+from remodel_production.edge.package_files import read_abilities
+from remodel_production.errors import InstanceError
+from remodel_supervision.core.recovery.decide import Adjustable, with_parameters
+from remodel_tasks.core.decomposition.preparation import prepare
+from remodel_tasks.core.decomposition.wiring_problem import decompose_order
+from remodel_tasks.core.orders.work_order import order_from
+from remodel_tasks.core.problem.problem import End
+from remodel_tasks.core.task_charts.escalation import escalating
+from remodel_tasks.core.task_charts.planned_tasks import planned_tasks
+from remodel_tasks.core.task_charts.task_chart import (
     behavior_name,
     content_mark,
     emptying,
     task_chart,
 )
-from remodel_planning.edge.chart_folder import keep_chart
-from remodel_planning.edge.fault_file import read_error_names
-from remodel_planning.edge.order_planner import plan_problem
-from remodel_planning.edge.use_case_files import find_use_case, read_use_case
-from remodel_planning.errors import UseCaseError
-from remodel_production.edge.package_files import read_abilities
-from remodel_production.errors import InstanceError
-from remodel_supervision.core.recovery.decide import Adjustable, with_parameters
+from remodel_tasks.edge.chart_folder import keep_chart
+from remodel_tasks.edge.fault_file import read_error_names
+from remodel_tasks.edge.order_planner import plan_problem
+from remodel_tasks.edge.use_case_files import find_use_case, read_use_case
+from remodel_tasks.errors import UseCaseError
 
-PACKAGE = Path(__file__).parents[3] / "remodel_planning"
+PACKAGE = Path(__file__).parents[3] / "remodel_tasks"
 EXAMPLES = [
     PACKAGE / "examples" / f"{name}.yaml"
     for name in ("automotive_harness", "branched_harness", "cabinet", "dialysis_hoses")

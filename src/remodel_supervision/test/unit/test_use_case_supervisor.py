@@ -7,8 +7,6 @@ from house import owner_of
 from sqlalchemy import text
 from supervisor_bench import Bench
 
-from remodel_planning.core.use_case.fault import Do, Response
-from remodel_planning.core.use_case.policy import Policy, QuestionLimit
 from remodel_production.edge.database.production_database import ProductionDatabase
 from remodel_production.errors import LostError, OwnerError
 from remodel_run.progress import Answer
@@ -40,6 +38,8 @@ from remodel_supervision.core.runs.state import Stage, cause_of
 from remodel_supervision.edge.task_leases import Holding, TaskLeases
 from remodel_supervision.errors import LeavingError, RefusedError
 from remodel_supervision.supervisors.ports import BehaviorEnd, EndKind, UnseenError
+from remodel_tasks.core.use_case.fault import Do, Response
+from remodel_tasks.core.use_case.policy import Policy, QuestionLimit
 
 JAM, LOST = Code.INSERTION_JAMMED, Code.SERVER_LOST
 SLIPPED, MISSING = Code.SLIPPED_IN_GRIP, Code.COMPONENT_MISSING

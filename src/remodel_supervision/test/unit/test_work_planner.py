@@ -10,19 +10,6 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from remodel_planning.core.decomposition.decomposition import Decomposer
-from remodel_planning.core.decomposition.preparation import prepare
-from remodel_planning.core.orders.board_order import board_order
-from remodel_planning.core.problem.modes import Mode
-from remodel_planning.core.problem.part import defer, part_of
-from remodel_planning.core.problem.preferences import FORMAT
-from remodel_planning.core.problem.problem import Under
-from remodel_planning.core.search.tables import tables_of
-from remodel_planning.core.use_case.bounds import Bounds
-from remodel_planning.core.use_case.fault import Do
-from remodel_planning.edge.anytime_planner import AnytimePlanner
-from remodel_planning.edge.search_kernel import Kernel, KernelSearch
-from remodel_planning.edge.use_case_files import read_use_case
 from remodel_production.core.board.board import board_of
 from remodel_production.core.production import Component, Order, Side, Terminal, TerminalRef, Wire
 from remodel_production.edge.package_files import catalogue_file, read_catalogue
@@ -30,10 +17,21 @@ from remodel_supervision.core.learning.experience import Call, Experience
 from remodel_supervision.core.runs.events import Decided, Part
 from remodel_supervision.edge import work_planner
 from remodel_supervision.edge.work_planner import WorkPlanner
+from remodel_tasks.core.decomposition.decomposition import Decomposer
+from remodel_tasks.core.decomposition.preparation import prepare
+from remodel_tasks.core.orders.board_order import board_order
+from remodel_tasks.core.problem.modes import Mode
+from remodel_tasks.core.problem.part import defer, part_of
+from remodel_tasks.core.problem.preferences import FORMAT
+from remodel_tasks.core.problem.problem import Under
+from remodel_tasks.core.search.tables import tables_of
+from remodel_tasks.core.use_case.bounds import Bounds
+from remodel_tasks.core.use_case.fault import Do
+from remodel_tasks.edge.anytime_planner import AnytimePlanner
+from remodel_tasks.edge.search_kernel import Kernel, KernelSearch
+from remodel_tasks.edge.use_case_files import read_use_case
 
-GRIPPERS = read_use_case(
-    Path(__file__).parents[3] / "remodel_planning/test/use_cases/grippers.yaml"
-)
+GRIPPERS = read_use_case(Path(__file__).parents[3] / "remodel_tasks/test/use_cases/grippers.yaml")
 LEARNING = replace(GRIPPERS, learned={"InsertCable": {"force_limit": Bounds(40.0, 32.0, 48.0, 5)}})
 CATALOGUE = read_catalogue(catalogue_file())
 WIRES = 40

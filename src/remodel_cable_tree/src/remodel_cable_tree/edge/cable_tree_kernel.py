@@ -12,7 +12,7 @@ import numpy as np
 
 from remodel_cable_tree.core.problem import CableTree
 from remodel_cable_tree.core.rounds import Recipe
-from remodel_planning.edge.kernel_library import declare, load_library
+from remodel_tasks.edge.kernel_library import declare, load_library
 
 _COUNTS = ("ends", "cables", "atomics", "disjunctives", "softs", "directs")
 _ARRAYS = ("atomic", "disjunctive", "soft", "direct")

@@ -17,7 +17,7 @@ from remodel_cable_tree.core.order import cost_of
 from remodel_cable_tree.core.problem import CableTree
 from remodel_cable_tree.core.rounds import Round, rounds
 from remodel_cable_tree.edge.cable_tree_kernel import Feasibility, KernelCableTree
-from remodel_planning.core.problem.conflict import smallest_conflict
+from remodel_tasks.core.problem.conflict import smallest_conflict
 
 _LEAST_SEARCHES = 2
 # Of one seed, so that neighbouring seeds do not search alike.

@@ -18,7 +18,8 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from itertools import chain
 
-from remodel_planning.core.problem.problem import (
+from remodel_production.errors import InstanceError
+from remodel_tasks.core.problem.problem import (
     Action,
     ActionKind,
     End,
@@ -28,7 +29,6 @@ from remodel_planning.core.problem.problem import (
     Problem,
     Stage,
 )
-from remodel_production.errors import InstanceError
 
 NOTHING = "nothing"
 START, STATION = "at-start", "at-station"

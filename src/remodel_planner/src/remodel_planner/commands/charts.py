@@ -11,9 +11,9 @@ from remodel_planner.commands.options.problem_files import (
     read_order,
     read_plan,
 )
-from remodel_planning.core.plan.checker import check
-from remodel_planning.core.task_charts.planned_tasks import planned_tasks
-from remodel_planning.edge.chart_folder import keep_chart
+from remodel_tasks.core.plan.checker import check
+from remodel_tasks.core.task_charts.planned_tasks import planned_tasks
+from remodel_tasks.edge.chart_folder import keep_chart
 
 
 @refuses("charts")

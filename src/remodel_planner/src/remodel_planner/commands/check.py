@@ -12,7 +12,7 @@ from remodel_planner.commands.options.problem_files import (
     read_plan,
     read_problem,
 )
-from remodel_planning.core.plan.checker import Verdict, check
+from remodel_tasks.core.plan.checker import Verdict, check
 
 
 @refuses("check")

@@ -14,13 +14,13 @@ from remodel_planner.commands.options.problem_files import (
     read_plan,
     read_problem,
 )
-from remodel_planning.core.plan.checker import check
-from remodel_planning.core.plan.explanation import explain
-from remodel_planning.core.plan.listing import Listing, listing_of
-from remodel_planning.core.problem.problem import Plan, Problem
-from remodel_planning.core.search.tables import tables_of
-from remodel_planning.edge.anytime_planner import AnytimePlanner
-from remodel_planning.edge.search_kernel import Kernel
+from remodel_tasks.core.plan.checker import check
+from remodel_tasks.core.plan.explanation import explain
+from remodel_tasks.core.plan.listing import Listing, listing_of
+from remodel_tasks.core.problem.problem import Plan, Problem
+from remodel_tasks.core.search.tables import tables_of
+from remodel_tasks.edge.anytime_planner import AnytimePlanner
+from remodel_tasks.edge.search_kernel import Kernel
 
 
 @refuses("explain")

@@ -20,10 +20,6 @@ from remodel_planner.commands.options.design_orders import (
 )
 from remodel_planner.commands.options.documents import add_json_option, print_json, triage_of
 from remodel_planner.commands.options.problem_files import build_of, built
-from remodel_planning.core.decomposition.cell_fit import misfits, summary
-from remodel_planning.edge.cell_takes import known_cells, named_cell
-from remodel_planning.edge.document_files import read_yaml
-from remodel_planning.edge.use_case_files import use_case_names
 from remodel_production.core.board.board import board_of
 from remodel_production.core.board.cabinet import laid_out
 from remodel_production.core.board.wire_lengths import cut_longer, length_findings
@@ -41,6 +37,10 @@ from remodel_production.edge.package_files import catalogue_file, read_abilities
 from remodel_production.errors import DesignError, PlannerError, blamed
 from remodel_run import findings
 from remodel_run.whole_task import counted
+from remodel_tasks.core.decomposition.cell_fit import misfits, summary
+from remodel_tasks.edge.cell_takes import known_cells, named_cell
+from remodel_tasks.edge.document_files import read_yaml
+from remodel_tasks.edge.use_case_files import use_case_names
 
 
 @refuses("import")

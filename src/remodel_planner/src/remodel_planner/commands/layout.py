@@ -7,10 +7,6 @@ from contextlib import closing
 from pathlib import Path
 
 from remodel_planner.commands.options.common import add_database_option, refuses
-from remodel_planning.core.decomposition.cell_fit import fitted
-from remodel_planning.core.orders.board_order import board_order, kind_of
-from remodel_planning.edge.cell_takes import cell_takes
-from remodel_planning.edge.use_case_files import use_case_for
 from remodel_production.core.board.board import board_of
 from remodel_production.core.board.drawing import draw_board
 from remodel_production.core.board.panel import panel_of
@@ -19,6 +15,10 @@ from remodel_production.edge.package_files import catalogue_file, read_catalogue
 from remodel_production.edge.text_file import write_text
 from remodel_run.whole_task import counted
 from remodel_supervision.ros.peers.board_message import board_message, panel_text
+from remodel_tasks.core.decomposition.cell_fit import fitted
+from remodel_tasks.core.orders.board_order import board_order, kind_of
+from remodel_tasks.edge.cell_takes import cell_takes
+from remodel_tasks.edge.use_case_files import use_case_for
 
 
 @refuses("layout")

@@ -28,16 +28,16 @@ from remodel_planner.commands.options.problem_files import (
     add_problem_options,
     read_problem,
 )
-from remodel_planning.core.plan.cable_tasks import cable_tasks
-from remodel_planning.core.problem.conflict import keeping, requirements_in
-from remodel_planning.core.problem.plan_form import plan_data
-from remodel_planning.core.search.planned import Planned
-from remodel_planning.core.search.tables import tables_of
-from remodel_planning.edge.anytime_planner import AnytimePlanner, Limits, Result
-from remodel_planning.edge.document_files import write_json
-from remodel_planning.edge.order_planner import plan_problem, require_valid
-from remodel_planning.edge.search_kernel import Kernel
 from remodel_production.errors import InfeasibleError
+from remodel_tasks.core.plan.cable_tasks import cable_tasks
+from remodel_tasks.core.problem.conflict import keeping, requirements_in
+from remodel_tasks.core.problem.plan_form import plan_data
+from remodel_tasks.core.search.planned import Planned
+from remodel_tasks.core.search.tables import tables_of
+from remodel_tasks.edge.anytime_planner import AnytimePlanner, Limits, Result
+from remodel_tasks.edge.document_files import write_json
+from remodel_tasks.edge.order_planner import plan_problem, require_valid
+from remodel_tasks.edge.search_kernel import Kernel
 
 
 @refuses("plan")

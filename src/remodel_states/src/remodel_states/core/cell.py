@@ -101,7 +101,8 @@ class CellLimits:
 
 # A wall that is no longer is a post of a fork: it holds no wire bent [m].
 FORK_LENGTH_M = 0.020
-# A slot lets a wire through that is thinner by this: the least that was tried (docs/simulation.md) [m].
+# A slot lets a wire through that is thinner by this, the least that was tried (docs/simulation.md,
+# "Wires led into ducts") [m].
 SLOT_PLAY_M = 0.0014
 # A wire that is let down into forks is so much longer than the line between its openings: shorter,
 # its second end does not come in front of its opening; longer, it bows out between the forks [m].

@@ -8,10 +8,6 @@ from itertools import groupby
 from sqlalchemy import and_, select
 from sqlalchemy.engine import Connection
 
-from remodel_planning.core.condition import Value
-from remodel_planning.core.task_charts.task_chart import FINISHED
-from remodel_planning.core.use_case.context import terminal_features
-from remodel_planning.core.use_case.fault import Do
 from remodel_production.core.production import terminal_type
 from remodel_production.edge.database.production_database import ProductionDatabase
 from remodel_production.edge.database.production_models import (
@@ -30,6 +26,10 @@ from remodel_supervision.core.learning.experience import (
     numbers_from,
     tried_responses,
 )
+from remodel_tasks.core.condition import Value
+from remodel_tasks.core.task_charts.task_chart import FINISHED
+from remodel_tasks.core.use_case.context import terminal_features
+from remodel_tasks.core.use_case.fault import Do
 
 # How many records are decoded at once.
 _READ_AT_ONCE = 1000

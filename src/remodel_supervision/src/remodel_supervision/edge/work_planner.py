@@ -8,25 +8,6 @@ from itertools import chain
 
 from flexbe_synthesizer.core.chart.model import Chart
 from flexbe_synthesizer.synthesis import garbage_kept
-from remodel_planning.core.decomposition.preparation import Prepared, prepare
-from remodel_planning.core.orders.work_order import WorkOrder
-from remodel_planning.core.plan.listing import listing_of
-from remodel_planning.core.problem.cables import gathered, with_first
-from remodel_planning.core.problem.modes import Mode
-from remodel_planning.core.problem.part import defer
-from remodel_planning.core.task_charts.demands import Demands, demands_of
-from remodel_planning.core.task_charts.escalation import escalating
-from remodel_planning.core.task_charts.planned_tasks import (
-    PlannedTask,
-    continuing_from,
-    planned_task,
-    planned_tasks,
-    with_other_method,
-)
-from remodel_planning.core.task_charts.task_chart import step_of
-from remodel_planning.core.use_case.fault import Do
-from remodel_planning.core.use_case.model import UseCase
-from remodel_planning.edge.order_planner import plan_problem, replan_problem
 from remodel_production.edge.package_files import read_abilities
 from remodel_supervision.core.learning.experience import Call, Experience, numbers_from
 from remodel_supervision.core.recovery.decide import (
@@ -38,6 +19,25 @@ from remodel_supervision.core.recovery.decide import (
 from remodel_supervision.core.run import Operation
 from remodel_supervision.core.runs.events import Chosen, Decided, Part
 from remodel_supervision.edge.known_behaviors import nested_charts
+from remodel_tasks.core.decomposition.preparation import Prepared, prepare
+from remodel_tasks.core.orders.work_order import WorkOrder
+from remodel_tasks.core.plan.listing import listing_of
+from remodel_tasks.core.problem.cables import gathered, with_first
+from remodel_tasks.core.problem.modes import Mode
+from remodel_tasks.core.problem.part import defer
+from remodel_tasks.core.task_charts.demands import Demands, demands_of
+from remodel_tasks.core.task_charts.escalation import escalating
+from remodel_tasks.core.task_charts.planned_tasks import (
+    PlannedTask,
+    continuing_from,
+    planned_task,
+    planned_tasks,
+    with_other_method,
+)
+from remodel_tasks.core.task_charts.task_chart import step_of
+from remodel_tasks.core.use_case.fault import Do
+from remodel_tasks.core.use_case.model import UseCase
+from remodel_tasks.edge.order_planner import plan_problem, replan_problem
 
 # [s] wall time that the search gets when the rest of an order is planned again: what it starts from
 # is the result of a longer search, and the robot waits. Beyond so many wires it gets less in

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
-from remodel_planning.core.use_case.fault import Do
 from remodel_supervision.core.recovery.judge import decide_recovery, failure_of
 from remodel_supervision.core.recovery.question import NoticeKind, QuestionNotice, question_about
 from remodel_supervision.core.runs.events import Asked, Escalated
@@ -13,6 +12,7 @@ from remodel_supervision.core.runs.state import SERVER_TROUBLE
 from remodel_supervision.core.runs.step import Ask, Decide
 from remodel_supervision.supervisors.ports import Abilities, EventLoop, Work
 from remodel_supervision.supervisors.run_record import RunRecord
+from remodel_tasks.core.use_case.fault import Do
 
 # [s] wall time that a server which is gone gets to start again before the policy has its turn.
 _GONE_LIMIT_S = 20.0

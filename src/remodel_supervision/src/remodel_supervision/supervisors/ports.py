@@ -8,8 +8,6 @@ from enum import Enum
 from typing import Protocol
 
 from flexbe_synthesizer.core.chart.model import Chart
-from remodel_planning.core.task_charts.demands import Demands
-from remodel_planning.core.use_case.fault import FaultTable
 from remodel_run.progress import HandWire
 from remodel_supervision.core.learning.experience import TriedResponse
 from remodel_supervision.core.run import Operation
@@ -17,6 +15,8 @@ from remodel_supervision.core.runs.events import Event
 from remodel_supervision.core.runs.state import RunState
 from remodel_supervision.edge.task_leases import Claim
 from remodel_supervision.edge.work_planner import WorkPlanner
+from remodel_tasks.core.task_charts.demands import Demands
+from remodel_tasks.core.use_case.fault import FaultTable
 
 
 class Timer(Protocol):

@@ -6,7 +6,6 @@ from collections.abc import Callable
 
 from flexbe_synthesizer.core.chart.chart_writer import write_chart
 from flexbe_synthesizer.core.chart.model import Chart
-from remodel_planning.core.problem.problem import End
 from remodel_states.core.codes import Code
 from remodel_supervision.core.run import Operation
 from remodel_supervision.core.runs.events import (
@@ -35,6 +34,7 @@ from remodel_supervision.supervisors.ports import (
     Work,
 )
 from remodel_supervision.supervisors.run_record import RunRecord
+from remodel_tasks.core.problem.problem import End
 
 
 class PanelLoader:

@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Callable
 from contextlib import suppress
 
-from remodel_planning.errors import UseCaseError
 from remodel_production.errors import InstanceError, LostError
 from remodel_supervision.core.runs.events import (
     Answered,
@@ -39,6 +38,7 @@ from remodel_supervision.supervisors.run_control import Reply, RunControl
 from remodel_supervision.supervisors.run_record import RunRecord
 from remodel_supervision.supervisors.task_executor import PanelLoader, TaskExecutor, TaskInspector
 from remodel_supervision.supervisors.task_supervisor import TaskSupervisor
+from remodel_tasks.errors import UseCaseError
 
 # [s] wall time between two checks of what no node reports: other cells' tasks, the run's time.
 _CHECK_S = 0.2

@@ -7,11 +7,11 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
-    from remodel_planning.core.orders.work_order import WorkOrder
-    from remodel_planning.core.use_case.model import UseCase
     from remodel_production.core.board.panel import Panel
     from remodel_production.core.production import Order
     from remodel_states.core.cell import CellLimits
+    from remodel_tasks.core.orders.work_order import WorkOrder
+    from remodel_tasks.core.use_case.model import UseCase
 
 # Tasks by hand that fill a terminal's window, but leave the lines above them on it.
 _MOST_LISTED = 20
@@ -65,13 +65,13 @@ def design_order(stored: Order, options: argparse.Namespace) -> DesignOrder:
         PlannerError: if the use case takes no designs, or there is no such cell.
     """
     # They take longer to load than most problems to plan, and the commands of files need none.
-    from remodel_planning.core.decomposition.cell_fit import fitted
-    from remodel_planning.core.orders.board_order import board_order, kind_of
-    from remodel_planning.edge.cell_takes import cell_takes
-    from remodel_planning.edge.use_case_files import use_case_for
     from remodel_production.core.board.board import board_of
     from remodel_production.core.board.panel import panel_of
     from remodel_production.edge.package_files import catalogue_file, read_catalogue
+    from remodel_tasks.core.decomposition.cell_fit import fitted
+    from remodel_tasks.core.orders.board_order import board_order, kind_of
+    from remodel_tasks.edge.cell_takes import cell_takes
+    from remodel_tasks.edge.use_case_files import use_case_for
 
     catalogue = read_catalogue(catalogue_file())
     board = board_of(stored, catalogue)

@@ -11,26 +11,26 @@ from typing import TYPE_CHECKING
 
 from remodel_planner.commands.options.common import add_database_option
 from remodel_planner.commands.options.design_orders import add_design_options, design_order
-from remodel_planning.core.orders.order_format import is_order
-from remodel_planning.core.problem.conflict import (
+from remodel_production.errors import InfeasibleError, InstanceError, blamed
+from remodel_tasks.core.orders.order_format import is_order
+from remodel_tasks.core.problem.conflict import (
     Documents,
     Requirement,
     conflicts_of,
     keeping,
     requirements_in,
 )
-from remodel_planning.core.problem.defects import require_sound
-from remodel_planning.core.problem.instance import problem_from
-from remodel_planning.core.problem.plan_form import plan_from
-from remodel_planning.core.problem.preferences import Preferred, apply_preferences
-from remodel_planning.core.problem.problem import Plan, Problem
-from remodel_planning.edge.document_files import read_json, read_yaml
-from remodel_production.errors import InfeasibleError, InstanceError, blamed
+from remodel_tasks.core.problem.defects import require_sound
+from remodel_tasks.core.problem.instance import problem_from
+from remodel_tasks.core.problem.plan_form import plan_from
+from remodel_tasks.core.problem.preferences import Preferred, apply_preferences
+from remodel_tasks.core.problem.problem import Plan, Problem
+from remodel_tasks.edge.document_files import read_json, read_yaml
 
 # What decomposes tasks takes longer to load than a problem to plan, and problems do not need it.
 if TYPE_CHECKING:
-    from remodel_planning.core.decomposition.preparation import Prepared
     from remodel_production.core.production import Order
+    from remodel_tasks.core.decomposition.preparation import Prepared
 
 _YAML = (".yaml", ".yml")
 
@@ -215,7 +215,7 @@ def build_of(order: Order, options: argparse.Namespace, situations: frozenset[st
     Raises:
         PlannerError: if nothing of the order can be planned.
     """
-    from remodel_planning.core.decomposition.preparation import prepare
+    from remodel_tasks.core.decomposition.preparation import prepare
 
     with blamed(f"order {order.name}"):
         design = design_order(order, options)
@@ -232,9 +232,9 @@ def _read_file(file: Path, situations: frozenset[str]) -> Build:
     """Return what makes the problem that a file states, or that its order makes."""
     data = read_document(file)
     if is_order(data):
-        from remodel_planning.core.decomposition.preparation import prepare
-        from remodel_planning.core.orders.work_order import order_from
-        from remodel_planning.edge.use_case_files import find_use_case
+        from remodel_tasks.core.decomposition.preparation import prepare
+        from remodel_tasks.core.orders.work_order import order_from
+        from remodel_tasks.edge.use_case_files import find_use_case
 
         with blamed(file):
             order = order_from(data)

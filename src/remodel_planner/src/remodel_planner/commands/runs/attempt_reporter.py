@@ -8,13 +8,13 @@ from flexbe_synthesizer.core.chart.chart_reader import parse_chart
 from flexbe_synthesizer.core.export.draw import chart_to_dot
 from flexbe_synthesizer.edge.graphviz import dot_picture
 from remodel_planner.core.reports.run_report import AttemptReport, Drawing, Picture, attempt_result
-from remodel_planning.edge.fault_file import read_error_names
 from remodel_production.core.production import Wire
 from remodel_supervision.core.run import Operation
 from remodel_supervision.core.runs.attempts import Attempt
 from remodel_supervision.core.runs.entries import seen_by
 from remodel_supervision.core.runs.replay import Trace, trace
 from remodel_supervision.edge.known_behaviors import nested_charts
+from remodel_tasks.edge.fault_file import read_error_names
 
 
 class AttemptReporter:

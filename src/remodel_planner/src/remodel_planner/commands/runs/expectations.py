@@ -7,9 +7,6 @@ from collections import Counter
 from contextlib import closing
 
 from remodel_planner.commands.options.common import add_database_option, refuses
-from remodel_planning.core.use_case.bounds import frozen_setting
-from remodel_planning.core.use_case.model import UseCase
-from remodel_planning.edge.use_case_files import find_use_case
 from remodel_production.edge.database.production_database import ProductionDatabase
 from remodel_supervision.core.learning.experience import (
     Call,
@@ -18,6 +15,9 @@ from remodel_supervision.core.learning.experience import (
     setting_of,
 )
 from remodel_supervision.edge.recorded_lessons import ability_calls
+from remodel_tasks.core.use_case.bounds import frozen_setting
+from remodel_tasks.core.use_case.model import UseCase
+from remodel_tasks.edge.use_case_files import find_use_case
 
 
 @refuses("expectations")

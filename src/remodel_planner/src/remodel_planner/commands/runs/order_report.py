@@ -11,10 +11,6 @@ from remodel_planner.commands.runs.built_in_cell import picture_of_cabinet, wire
 from remodel_planner.commands.runs.run_follower import RunFollower
 from remodel_planner.core.reports.net_list import net_list
 from remodel_planner.core.reports.run_report import Report
-from remodel_planning.core.decomposition.cell_fit import fitted
-from remodel_planning.core.orders.board_order import board_order, leaving_plate
-from remodel_planning.edge.cell_takes import cell_takes
-from remodel_planning.edge.use_case_files import find_use_case
 from remodel_production.core.board.board import Board, board_of
 from remodel_production.core.board.panel import panel_of
 from remodel_production.core.catalogue import Catalogue
@@ -26,6 +22,10 @@ from remodel_supervision.core.runs.events import Ending, Part
 from remodel_supervision.core.runs.state import RunState
 from remodel_supervision.core.runs.sums import count_of, sums_of
 from remodel_supervision.ros.peers.cell import running_cell
+from remodel_tasks.core.decomposition.cell_fit import fitted
+from remodel_tasks.core.orders.board_order import board_order, leaving_plate
+from remodel_tasks.edge.cell_takes import cell_takes
+from remodel_tasks.edge.use_case_files import find_use_case
 
 
 def order_report(stored: Order, follower: RunFollower, state: RunState, folder: Path) -> Report:

@@ -6,7 +6,6 @@ import argparse
 
 from flexbe_synthesizer.core.chart.chart_reader import parse_chart
 from remodel_planner.commands.options.common import add_database_option, refuses
-from remodel_planning.edge.fault_file import read_error_names
 from remodel_run.whole_task import counted
 from remodel_supervision.core.runs.event_table import attempts_of
 from remodel_supervision.core.runs.events import OperationEnded, kind_of
@@ -14,6 +13,7 @@ from remodel_supervision.core.runs.replay import path_difference, replayed
 from remodel_supervision.core.runs.step import description_of, next_step
 from remodel_supervision.edge.known_behaviors import nested_charts
 from remodel_supervision.edge.run_log import KeptEvent, kept_run
+from remodel_tasks.edge.fault_file import read_error_names
 
 
 @refuses("replay")

@@ -13,8 +13,6 @@ import rospy
 
 from flexbe_core.ros.master import NoMasterError, join, require_master, spin
 from remodel_planner.commands.options.common import add_database_option
-from remodel_planning.edge.fault_file import read_faults
-from remodel_planning.edge.use_case_files import find_use_case
 from remodel_production.edge.database.cell_ownership import CellOwnership
 from remodel_production.edge.database.production_database import ProductionDatabase
 from remodel_production.errors import PlannerError
@@ -32,6 +30,8 @@ from remodel_supervision.ros.server.record_server import RecordServer
 from remodel_supervision.ros.server.run_server import RunServer
 from remodel_supervision.ros.server.work import WorkMaker
 from remodel_supervision.supervisors.ports import Peers
+from remodel_tasks.edge.fault_file import read_faults
+from remodel_tasks.edge.use_case_files import find_use_case
 
 
 def main(arguments: list[str] | None = None) -> int:

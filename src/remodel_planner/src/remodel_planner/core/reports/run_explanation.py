@@ -6,7 +6,6 @@ from collections.abc import Iterator, Sequence
 from datetime import datetime
 
 from remodel_planner.core.reports.run_report import failure_line
-from remodel_planning.core.use_case.fault import FaultTable
 from remodel_run.progress import sums_words
 from remodel_run.record import entry_words
 from remodel_run.whole_task import counted
@@ -17,6 +16,7 @@ from remodel_supervision.core.runs.event_table import attempts_of, entries_of, s
 from remodel_supervision.core.runs.events import Event
 from remodel_supervision.core.runs.state import Stage
 from remodel_supervision.core.runs.sums import sums_of
+from remodel_tasks.core.use_case.fault import FaultTable
 
 # What goes as it should needs no explanation.
 _ROUTINE = (events.RunBegun, events.PanelLoaded, events.PartRequested, events.OperationEnded)

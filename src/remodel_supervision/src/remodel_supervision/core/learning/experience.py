@@ -7,18 +7,6 @@ from collections.abc import Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from random import Random
 
-from remodel_planning.core.condition import Features, Value
-from remodel_planning.core.use_case.bounds import (
-    Bounds,
-    Setting,
-    frozen_setting,
-    nearer_settings,
-    settings,
-)
-from remodel_planning.core.use_case.context import context_of
-from remodel_planning.core.use_case.expectation import Expectation, FrozenExpectations
-from remodel_planning.core.use_case.fault import Do
-from remodel_planning.core.use_case.model import UseCase
 from remodel_states.core.codes import Code
 from remodel_supervision.core.learning.belief import Belief, DurationModel, SuccessModel
 from remodel_supervision.core.learning.parameter_choice import (
@@ -26,6 +14,18 @@ from remodel_supervision.core.learning.parameter_choice import (
     GuardRail,
     ParameterChoice,
 )
+from remodel_tasks.core.condition import Features, Value
+from remodel_tasks.core.use_case.bounds import (
+    Bounds,
+    Setting,
+    frozen_setting,
+    nearer_settings,
+    settings,
+)
+from remodel_tasks.core.use_case.context import context_of
+from remodel_tasks.core.use_case.expectation import Expectation, FrozenExpectations
+from remodel_tasks.core.use_case.fault import Do
+from remodel_tasks.core.use_case.model import UseCase
 
 # The codes of calls that show nothing about an ability.
 UNINFORMATIVE = frozenset({Code.PREEMPTED, Code.INVALID_GOAL, Code.SERVER_LOST, Code.BUSY})

@@ -24,8 +24,8 @@ from random import Random
 from types import MappingProxyType
 from typing import Generic, TypeVar
 
-from remodel_planning.core.use_case.context import Context
 from remodel_supervision.core.learning.belief import Belief, SuccessModel
+from remodel_tasks.core.use_case.context import Context
 
 S = TypeVar("S", bound=Hashable)
 

@@ -15,9 +15,9 @@ from flexbe_synthesizer.core.chart.model import (
     Param,
     State,
 )
-from remodel_planning.core.task_charts.task_chart import marked, step_of
-from remodel_planning.core.use_case.fault import Do, Fault, Response
-from remodel_planning.core.use_case.policy import Limits, Policy
+from remodel_tasks.core.task_charts.task_chart import marked, step_of
+from remodel_tasks.core.use_case.fault import Do, Fault, Response
+from remodel_tasks.core.use_case.policy import Limits, Policy
 
 
 @dataclass(frozen=True)

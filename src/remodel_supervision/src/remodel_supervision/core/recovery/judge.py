@@ -6,9 +6,6 @@ from collections.abc import Collection, Mapping, Sequence
 from itertools import pairwise
 from types import MappingProxyType
 
-from remodel_planning.core.task_charts.task_chart import step_of
-from remodel_planning.core.use_case.fault import Do, FaultTable
-from remodel_planning.core.use_case.policy import Policy
 from remodel_supervision.core.recovery.decide import Failure, Spent, decide
 from remodel_supervision.core.run import Operation
 from remodel_supervision.core.runs.events import POLICY, Decided
@@ -20,6 +17,9 @@ from remodel_supervision.core.runs.state import (
     TaskProgress,
     cause_of,
 )
+from remodel_tasks.core.task_charts.task_chart import step_of
+from remodel_tasks.core.use_case.fault import Do, FaultTable
+from remodel_tasks.core.use_case.policy import Policy
 
 NO_BOUNDS: Mapping[str, float] = MappingProxyType({})
 

@@ -5,11 +5,11 @@ from __future__ import annotations
 from dataclasses import asdict, dataclass
 from enum import Enum
 
-from remodel_planning.core.use_case.fault import FaultTable
 from remodel_run.progress import Answer
 from remodel_supervision.core.recovery.decide import counted_deeds
 from remodel_supervision.core.runs.events import Asked
 from remodel_supervision.core.runs.state import RunState
+from remodel_tasks.core.use_case.fault import FaultTable
 
 
 def question_about(

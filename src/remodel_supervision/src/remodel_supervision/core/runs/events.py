@@ -13,11 +13,11 @@ from typing import cast, get_args
 
 import msgspec
 
-from remodel_planning.core.use_case.fault import Do
 from remodel_production.errors import OrderError
 from remodel_run.progress import Answer, HandWire
 from remodel_run.whole_task import WholeTask, whole_tasks
 from remodel_supervision.core.run import Operation
+from remodel_tasks.core.use_case.fault import Do
 
 # Who decides, when no operator does.
 POLICY = "policy"

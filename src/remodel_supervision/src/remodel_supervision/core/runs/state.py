@@ -12,12 +12,12 @@ from itertools import takewhile
 
 import msgspec
 
-from remodel_planning.core.use_case.fault import Do
 from remodel_run.progress import HandWire
 from remodel_run.whole_task import WholeTask, whole_tasks
 from remodel_states.core.codes import Code
 from remodel_supervision.core.run import EMPTYING, NOTHING_TO_LAY_DOWN, Operation
 from remodel_supervision.core.runs.events import Asked, Decided, Part, RunEnded
+from remodel_tasks.core.use_case.fault import Do
 
 # How often a task may be interrupted before that counts as its failure, and how often in a row the
 # hand may fail to be emptied before nothing more is tried without a person.

@@ -7,7 +7,6 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-from remodel_planning.core.use_case.fault import Do
 from remodel_run.progress import Answer
 from remodel_states.core.codes import Code
 from remodel_supervision.core.run import EMPTYING, NOTHING_TO_LAY_DOWN, Operation
@@ -27,6 +26,7 @@ from remodel_supervision.core.runs.state import (
     cause_of,
     last_of_each_hand,
 )
+from remodel_tasks.core.use_case.fault import Do
 
 
 def run_begun(event: events.RunBegun, state: RunState) -> RunState:

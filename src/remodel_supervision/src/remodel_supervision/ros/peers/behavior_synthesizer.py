@@ -13,12 +13,12 @@ from flexbe_msgs.msg import (
 )
 
 from flexbe_synthesizer.core.chart.model import Chart
-from remodel_planning.core.task_charts.task_chart import content_mark
-from remodel_planning.edge.chart_folder import keep_chart
 from remodel_supervision.edge.known_behaviors import describes
 from remodel_supervision.errors import CellError
 from remodel_supervision.ros.action_server import ActionServer
 from remodel_supervision.ros.event_loop import RosEventLoop
+from remodel_tasks.core.task_charts.task_chart import content_mark
+from remodel_tasks.edge.chart_folder import keep_chart
 
 ACTION = "flexbe/synthesize"
 

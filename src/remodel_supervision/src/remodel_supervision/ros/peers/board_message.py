@@ -11,7 +11,6 @@ from geometry_msgs.msg import Point, Pose2D, Vector3
 from remodel_msgs.msg import Clip, Component, Duct, Rail, Terminal, Wire
 from remodel_msgs.msg import Panel as PanelMsg
 
-from remodel_planning.core.orders.work_order import WorkOrder
 from remodel_production.core.board.panel import (
     Panel,
     PanelClip,
@@ -23,6 +22,7 @@ from remodel_production.core.board.panel import (
 )
 from remodel_production.core.production import TerminalRef
 from remodel_states.core.wires.wire_materials import PROPERTIES
+from remodel_tasks.core.orders.work_order import WorkOrder
 
 # Columns of a panel's text.
 _TEXT_WIDTH = 150

@@ -13,9 +13,9 @@ from remodel_msgs.msg import Panel
 from remodel_msgs.srv import FeedWire, GetGroundTruth, LoadPanel, TakePicture
 from sensor_msgs.msg import Image
 
-from remodel_planning.core.task_charts.demands import Demands
 from remodel_production.errors import LostError
 from remodel_supervision.errors import RefusedError
+from remodel_tasks.core.task_charts.demands import Demands
 
 # [s] wall time between two checks whether a service is there.
 _CHECK_S = 0.1

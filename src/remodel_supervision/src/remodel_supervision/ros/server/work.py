@@ -7,16 +7,6 @@ from dataclasses import dataclass, field, replace
 
 from remodel_msgs.msg import Panel, Wire
 
-from remodel_planning.core.decomposition.cell_fit import fitted, require_fit
-from remodel_planning.core.orders.board_order import board_order, kind_of
-from remodel_planning.core.orders.work_order import Task, WorkOrder
-from remodel_planning.core.problem.preferences import about_wires
-from remodel_planning.core.problem.problem import End
-from remodel_planning.core.task_charts.task_values import poses
-from remodel_planning.core.use_case.fault import FaultTable
-from remodel_planning.core.use_case.model import UseCase
-from remodel_planning.edge.cell_takes import cell_takes, known_cells
-from remodel_planning.edge.use_case_files import use_case_for
 from remodel_production.core.board.board import Board, board_of
 from remodel_production.core.board.panel import panel_of
 from remodel_production.edge.database.production_database import ProductionDatabase
@@ -30,6 +20,16 @@ from remodel_supervision.edge.task_leases import TaskLeases
 from remodel_supervision.edge.work_planner import WorkPlanner
 from remodel_supervision.ros.peers.board_message import board_message
 from remodel_supervision.supervisors.ports import Work
+from remodel_tasks.core.decomposition.cell_fit import fitted, require_fit
+from remodel_tasks.core.orders.board_order import board_order, kind_of
+from remodel_tasks.core.orders.work_order import Task, WorkOrder
+from remodel_tasks.core.problem.preferences import about_wires
+from remodel_tasks.core.problem.problem import End
+from remodel_tasks.core.task_charts.task_values import poses
+from remodel_tasks.core.use_case.fault import FaultTable
+from remodel_tasks.core.use_case.model import UseCase
+from remodel_tasks.edge.cell_takes import cell_takes, known_cells
+from remodel_tasks.edge.use_case_files import use_case_for
 
 
 @dataclass

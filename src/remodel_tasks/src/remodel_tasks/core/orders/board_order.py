@@ -1,0 +1,228 @@
+"""A laid-out design as an order of a use case, which says what its tasks are: wires, or branches.
+
+Lengths are in mm in the board's frame. Of what the design says, a task states what the use case has
+a characteristic for: `section_mm2`, `colour`, `cable`, `core`, `seal`, `twisted`, `length_mm`,
+`left_end_mm` (the least x of its ends) and `laying_turn` (`laying_order.py`) of a wire, `role` and
+`part_number` of a component. Cores of a cable, and the wires of a twisted group, have one slot of
+the magazine and one preferred arm, and where no arm reaches all their ends, each of them may be
+handed over.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+from remodel_production.core.board.board import Board
+from remodel_production.core.imports.shared.assembly import unique_name
+from remodel_production.core.production import Component, Order, Role, Terminal, TerminalRef, Wire
+from remodel_production.errors import OrderError
+from remodel_run.findings import ByHand
+from remodel_tasks.core.condition import Value
+from remodel_tasks.core.orders.branch_order import branch_order
+from remodel_tasks.core.orders.laying_order import first_ends, laying_turns
+from remodel_tasks.core.orders.surroundings import Surroundings, in_mm
+from remodel_tasks.core.orders.work_order import Access, Route, RouteClip, Task, WorkOrder
+from remodel_tasks.core.problem.problem import End, PlannedTerminal
+from remodel_tasks.core.use_case.designs import LONGER_LEG, DesignKind, DesignTasks
+from remodel_tasks.core.use_case.model import UseCase, declared
+from remodel_tasks.core.use_case.plain_name import take_name
+
+LAYING_TURN = "laying_turn"
+
+
+def kind_of(board: Board) -> DesignKind:
+    """Return what a board is for: a harness has segments of its own, or connectors alone."""
+    has_devices = any(device.component.role is Role.DEVICE for device in board.devices)
+    return DesignKind.CABINET if board.is_cabinet and has_devices else DesignKind.HARNESS
+
+
+def leaving_plate(order: Order) -> tuple[ByHand, ...]:
+    """Return the wires of an order that leave the plate, and are by hand."""
+    return tuple(
+        ByHand(wire, (wire,), f"it leaves the plate, {end}")
+        for wire, end in order.leaving().items()
+    )
+
+
+def board_order(board: Board, use_case: UseCase, arms: int) -> WorkOrder:
+    """Return the order that does all tasks of a use case that lie on a board.
+
+    Args:
+        board: of any size.
+        use_case: by which the tasks are done.
+        arms: 1 or 2.
+
+    Raises:
+        OrderError: if the use case takes no designs, or not this one.
+    """
+    name, designs = board.order.name, use_case.designs
+    if designs is None:
+        raise OrderError(
+            f"use case {use_case.name} takes no imported designs: it says nothing under `designs` "
+            "(docs/use-cases.md); choose another one by --use-case"
+        )
+    outside = leaving_plate(board.order)
+    if not board.routes:
+        placed = Surroundings([(0, 0)], designs, arms).arms
+        return WorkOrder(name, use_case.name, placed, {}, terminals=(), tasks=(), outside=outside)
+    if designs.tasks is DesignTasks.BRANCHES:
+        return branch_order(board, use_case, designs, arms)
+    points = (in_mm(point) for route in board.routes.values() for point in route)
+    wiring = _Wiring(board, use_case, Surroundings(points, designs, arms)).order()
+    return replace(wiring, outside=outside)
+
+
+class _Wiring:
+    """Makes the order of the wires of one board."""
+
+    def __init__(self, board: Board, use_case: UseCase, surroundings: Surroundings) -> None:
+        self._board = board
+        self._use_case = use_case
+        self._around = surroundings
+        self._wires = [wire for wire in board.order.wires if wire.name in board.routes]
+        self._paths = {w.name: tuple(map(in_mm, board.routes[w.name])) for w in self._wires}
+        self._first = self._first_ends()
+        self._turns = self._laying_turns()
+        self._cores: dict[str, list[Wire]] = {}
+        for wire in self._wires:
+            if wire.cable:
+                self._cores.setdefault(wire.cable, []).append(wire)
+        self._names = self._terminal_names()
+        self._sealed = {
+            TerminalRef(component.name, terminal.name): terminal.is_sealed
+            for component in board.order.components
+            for terminal in component.terminals
+        }
+        self._twisted = {c.name for c in board.order.cables if "twisted" in c.kind.lower()}
+        taken: set[str] = set()
+        self._task_names = {wire.name: take_name(wire.name, taken) for wire in self._wires}
+
+    def order(self) -> WorkOrder:
+        slots = self._slots()
+        used = {ref.component for ref in self._names}
+        components = [d.component for d in self._board.devices if d.component.name in used]
+        return WorkOrder(
+            name=self._board.order.name,
+            use_case=self._use_case.name,
+            arms=self._around.arms,
+            components={component.name: self._said(component) for component in components},
+            terminals=tuple(
+                PlannedTerminal(name, ref.component, in_mm(self._board.openings[ref]))
+                for ref, name in self._names.items()
+            ),
+            tasks=tuple(self._task(wire, slots[wire.name]) for wire in self._wires),
+            access={
+                self._names[ref]: _access(component, terminal)
+                for component in components
+                for terminal in component.terminals
+                if (ref := TerminalRef(component.name, terminal.name)) in self._names
+            },
+        )
+
+    def _first_ends(self) -> dict[str, End]:
+        """Return the end of each wire that is inserted first, unless the planner chooses."""
+        first = None if self._use_case.designs is None else self._use_case.designs.first
+        if first is None:
+            return {}
+        if first == LONGER_LEG:
+            return first_ends(self._paths)
+        return dict.fromkeys(self._paths, End[first.upper()])
+
+    def _laying_turns(self) -> dict[str, int]:
+        """Return the turns in which wires are led into ducts, if the use case asks for them."""
+        if not self._first or LAYING_TURN not in self._use_case.task_characteristics:
+            return {}
+        return laying_turns(self._paths, self._first)
+
+    def _terminal_names(self) -> dict[TerminalRef, str]:
+        """Return a name for each terminal; those that read the same stay apart."""
+        names: dict[TerminalRef, str] = {}
+        taken: set[str] = set()
+        for wire in self._wires:
+            for ref in (wire.a, wire.b):
+                names[ref] = unique_name(str(ref), taken)
+                taken.add(names[ref])
+        return names
+
+    def _slots(self) -> dict[str, int]:
+        """Return x of each wire's slot [mm]; wires and cables are sorted by their middles."""
+        ranked = sorted(self._wires, key=lambda wire: (sum(self._middle(wire)), wire.cable))
+        in_slot = {wire.name: (wire.cable, "" if wire.cable else wire.name) for wire in ranked}
+        place = {thing: i for i, thing in enumerate(dict.fromkeys(in_slot.values()))}
+        left, pitch = self._around.left, (self._around.right - self._around.left) / len(place)
+        return {name: round(left + (place[it] + 0.5) * pitch) for name, it in in_slot.items()}
+
+    def _middle(self, wire: Wire) -> tuple[int, ...]:
+        """Return the mean x of the ends [mm] of a wire, or of all cores of its cable."""
+        ends = [self._ends_x(core) for core in self._cores_with(wire)]
+        return tuple(round(sum(xs) / len(ends)) for xs in zip(*ends, strict=True))
+
+    def _cores_with(self, wire: Wire) -> Sequence[Wire]:
+        """Return all cores of a wire's cable; the wire alone if it is no core."""
+        return self._cores.get(wire.cable, (wire,))
+
+    def _ends_x(self, wire: Wire) -> tuple[int, int]:
+        a, b = (in_mm(self._board.openings[ref])[0] for ref in (wire.a, wire.b))
+        return a, b
+
+    def _task(self, wire: Wire, slot_x: int) -> Task:
+        order, arms = self._board.order, self._around.arms
+        of_cable = [x for core in self._cores_with(wire) for x in self._ends_x(core)]
+        able = [arm.reach_mm for arm in self._around.able(*of_cable)]
+        # A wire that no arm can place alone, or whose cable none can, is handed over; either arm
+        # may pick it.
+        low = min((reach[0] for reach in able), default=arms[-1].reach_mm[0])
+        high = max((reach[1] for reach in able), default=arms[0].reach_mm[1])
+        path = self._paths[wire.name]
+        clips = order.clips_of(wire) if wire.route else ()
+        nearer = self._around.nearer(*self._middle(wire))
+        return Task(
+            name=self._task_names[wire.name],
+            terminals=(self._names[wire.a], self._names[wire.b]),
+            slot_mm=(min(high, max(low, slot_x)), self._around.slot_y),
+            characteristics=self._stated(wire),
+            routes=(
+                Route(
+                    path,
+                    tuple(
+                        RouteClip(clip.name, in_mm(self._board.clips[clip.name])) for clip in clips
+                    ),
+                    tuple(sorted(set(wire.route))),
+                ),
+            ),
+            first=self._first.get(wire.name),
+            meeting_mm=None if able else self._around.meeting(path),
+            preferred_arm=nearer.name if nearer else None,
+            by_hand=self._board.full.get(wire.name, ""),
+        )
+
+    def _stated(self, wire: Wire) -> dict[str, Value]:
+        said: dict[str, Value] = {
+            "section_mm2": wire.section_mm2,
+            "colour": wire.colour,
+            "cable": wire.cable,
+            "core": wire.core,
+            "seal": any(self._sealed[ref] for ref in (wire.a, wire.b)),
+            "twisted": wire.cable in self._twisted,
+            "length_mm": round(1e3 * self._board.length_of(wire)),
+            "left_end_mm": min(self._ends_x(wire)),
+            LAYING_TURN: self._turns.get(wire.name, 0),
+        }
+        return declared(said, self._use_case.task_characteristics)
+
+    def _said(self, component: Component) -> dict[str, Value]:
+        said: dict[str, Value] = {
+            "role": component.role.value,
+            "part_number": component.part_number,
+        }
+        return declared(said, self._use_case.component_characteristics)
+
+
+def _access(component: Component, terminal: Terminal) -> Access:
+    return Access(
+        terminal.insertion_force_limit_n,
+        terminal.clearance_m,
+        terminal.approach,
+        component.type_of(terminal),
+    )
