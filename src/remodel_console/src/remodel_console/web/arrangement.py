@@ -63,7 +63,7 @@ class Arrangement:
         """
         line = (
             ui.element("div")
-            .classes(f"splitter {size}")
+            .classes(f"splitter of-{size}")
             .props(
                 f'role="separator" tabindex="0" aria-valuenow="0" '
                 f'aria-orientation="{"vertical" if is_column else "horizontal"}"'
