@@ -58,6 +58,9 @@ class AccessibilityThemesTest(AccessibilityCase):
         page.set_viewport_size({"width": 1280, "height": 800})
         self.press(page, "Keys (?)")
         broken += self.broken(page, "keys", ".q-dialog dl.keys", "dark")
+        page.keyboard.press("Escape")
+        self.press(page, "Layout")
+        broken += self.broken(page, "layout", ".q-dialog .layout-row", "dark")
         self.assertEqual([], broken, "\n".join(broken))
 
     def broken_on_the_order_desk(self):
