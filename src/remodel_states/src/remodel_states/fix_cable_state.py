@@ -7,7 +7,7 @@ from remodel_states.ability_call import AbilityCall
 
 
 class FixCableState(EventState):
-    """Close the terminal on the inserted end, test it by a pull, and release it; check the whole wire when both ends are fixed.
+    """Close the terminal on the inserted end, unless its spring did as it entered, test it by a pull, and release it; check the whole wire when both ends are fixed.
 
     -- robot_name  string  Arm that does it, such as "robot_1".
     -- pull_test_force  float  [N] >= 0: the pull that the end must withstand; 0: no test.
