@@ -23,20 +23,16 @@ from remodel_console.core.world import Part
 from remodel_console.desk import Desk
 from remodel_console.edge.catalogue import Catalogue
 from remodel_console.edge.everything import Everything
-from remodel_console.edge.hand_wires import HandWires
+from remodel_console.edge.kept_files import HandWires, SettingsFile
 from remodel_console.edge.order_desk.order_drafts import OrderDraft, OrderDrafts
 from remodel_console.edge.scene_files import SceneFiles
-from remodel_console.edge.settings_file import SettingsFile
 from remodel_console.edge.workspace import GENERATED, Workspace
 from remodel_console.errors import CommandError
 from remodel_console.live import Live
-from remodel_console.pictures import Pictures
-from remodel_console.plots import TopicPlots
-from remodel_console.scene import Meshes, Scene
 from remodel_console.session import Session
 from remodel_console.sessions import Sessions
 from remodel_console.steering import Steering
-from remodel_console.values import RunValues
+from remodel_console.watched import Meshes, Pictures, RunValues, Scene, TopicPlots
 from remodel_run.progress import Answer
 from remodel_run.record import Statistics
 

@@ -22,14 +22,12 @@ from remodel_console.core.access import Door, is_local
 from remodel_console.desk import Desk
 from remodel_console.edge.catalogue import Catalogue
 from remodel_console.edge.everything import Everything
-from remodel_console.edge.hand_wires import HandWires
-from remodel_console.edge.journal import Journal
+from remodel_console.edge.kept_files import HandWires, Journal, SettingsFile
 from remodel_console.edge.log_file import LogFile
 from remodel_console.edge.order_desk.order_drafts import OrderDrafts
 from remodel_console.edge.order_desk.planner_process import DATABASE_VARIABLE, PlannerProcess
 from remodel_console.edge.parse_lock import lock_parsing
 from remodel_console.edge.scene_files import SceneFiles
-from remodel_console.edge.settings_file import SettingsFile
 from remodel_console.edge.users_file import UsersFile
 from remodel_console.edge.workspace import OUTPUT, Workspace
 from remodel_console.errors import CommandError

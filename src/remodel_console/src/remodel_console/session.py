@@ -23,8 +23,8 @@ from remodel_console.core.editor.editing import (
     read_path,
     with_container,
 )
+from remodel_console.core.editor.inspection import ServerRequest
 from remodel_console.core.editor.server_states import chart_from_states
-from remodel_console.core.editor.synthesis_request import ServerRequest
 from remodel_console.core.settings import Settings
 from remodel_console.edge.workspace import Workspace
 from remodel_console.errors import ChartErrorsError, CommandError

@@ -8,7 +8,7 @@ from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 
 from flexbe_synthesizer.core.export.instantiate import Instantiation
-from remodel_console.core.editor.synthesis_request import ServerRequest
+from remodel_console.core.editor.inspection import ServerRequest
 from remodel_console.session import Session
 
 Ask = Callable[[ServerRequest], tuple[Instantiation, ...]]

@@ -15,7 +15,7 @@ sys.path.insert(0, str(Path(__file__).parent))
 from console_case import ConsoleCase
 
 from remodel_console.core.answer import DONE, FAILED
-from remodel_console.ros.ask import ask
+from remodel_console.ros.call_service import ask
 from remodel_console.testing.browser_test import LIMIT_S
 
 OBSERVE = """() => {

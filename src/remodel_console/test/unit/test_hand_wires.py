@@ -2,7 +2,7 @@
 
 import pytest
 
-from remodel_console.edge.hand_wires import HandWires
+from remodel_console.edge.kept_files import HandWires
 from remodel_console.errors import CommandError
 from remodel_run.progress import HandWire
 

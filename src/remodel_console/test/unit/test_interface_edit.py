@@ -8,8 +8,13 @@ from flexbe_synthesizer.core.chart.chart_reader import parse_chart
 from flexbe_synthesizer.core.chart.chart_writer import write_chart
 from flexbe_synthesizer.core.chart.model import Connection, ContainerKind, ErrorRoute, Input, When
 from remodel_console.core.editor import chart_edit
-from remodel_console.core.editor.concurrency_edit import kind_at, with_condition, with_kind
-from remodel_console.core.editor.interface_edit import with_input, with_output
+from remodel_console.core.editor.chart_edit import (
+    kind_at,
+    with_condition,
+    with_input,
+    with_kind,
+    with_output,
+)
 from remodel_console.errors import CommandError
 
 ERRAND = parse_chart((Path(__file__).parents[1] / "charts" / "errand.xml").read_bytes())

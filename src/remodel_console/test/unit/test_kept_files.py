@@ -13,7 +13,7 @@ from remodel_console.core.cell.cell_state import CellState
 from remodel_console.core.run.log_line import LogLine
 from remodel_console.core.run.state_values import StateValues
 from remodel_console.desk import Desk
-from remodel_console.edge.journal import Journal
+from remodel_console.edge.kept_files import Journal
 from remodel_console.edge.log_file import LogFile
 from remodel_console.edge.scene_files import SceneFiles
 from remodel_console.live import Live

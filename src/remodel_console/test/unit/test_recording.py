@@ -5,9 +5,17 @@ from dataclasses import replace
 
 import pytest
 
-from remodel_console.core.cell.cell_state import CellState, Line, Robot, Solid
-from remodel_console.core.cell.difference import differences
-from remodel_console.core.cell.recording import Recording, change_between, frame_text, state_after
+from remodel_console.core.cell.cell_state import (
+    CellState,
+    Line,
+    Recording,
+    Robot,
+    Solid,
+    change_between,
+    differences,
+    frame_text,
+    state_after,
+)
 from remodel_console.core.cell.robot_model import read_robot
 from remodel_console.core.cell.wire_history import force_words, recorded_wire_words
 from remodel_console.core.run.state_values import StateValues, Value

@@ -25,10 +25,14 @@ from flexbe_synthesizer.core.chart.model import (
 from flexbe_synthesizer.core.chart.problem import errors_in
 from remodel_console.core.commands import read_command
 from remodel_console.core.editor import chart_edit
-from remodel_console.core.editor.concurrency_edit import with_condition, with_kind
+from remodel_console.core.editor.chart_edit import (
+    with_condition,
+    with_input,
+    with_kind,
+    with_output,
+)
+from remodel_console.core.editor.copying import grouped
 from remodel_console.core.editor.editing import change_at, container_at, node_paths
-from remodel_console.core.editor.grouping import grouped
-from remodel_console.core.editor.interface_edit import with_input, with_output
 from remodel_console.edge.inspect_chart import inspect_text
 from remodel_console.edge.workspace import Workspace
 from remodel_console.errors import CommandError, FileChangedError

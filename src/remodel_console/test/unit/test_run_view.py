@@ -4,7 +4,7 @@ from functools import reduce
 
 import pytest
 
-from remodel_console.core.run.chart_terms import chart_state
+from remodel_console.core.run.chart_terms import Level, Structure, chart_state
 from remodel_console.core.run.run_view import (
     Acknowledged,
     Asked,
@@ -17,10 +17,9 @@ from remodel_console.core.run.run_view import (
     Phase,
     RunView,
     Troubled,
+    state_words,
     step,
 )
-from remodel_console.core.run.run_words import state_words
-from remodel_console.core.run.structure import Level, Structure
 
 READY, STARTED = EngineStatus(20, 0), EngineStatus(0, 7)
 TREE = Structure(

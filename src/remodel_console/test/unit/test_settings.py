@@ -6,7 +6,7 @@ import stat
 import pytest
 
 from remodel_console.core.settings import Settings, difference, read_settings, write_settings
-from remodel_console.edge.settings_file import SettingsFile
+from remodel_console.edge.kept_files import SettingsFile
 from remodel_console.errors import CommandError
 
 FULL = Settings(

@@ -15,7 +15,7 @@ from remodel_console.core.run.state_values import (
     literal_of,
     values_around,
 )
-from remodel_console.values import RunValues
+from remodel_console.watched import RunValues
 
 KNOWN = {
     ("", "cable_id"): ("str", "W1"),

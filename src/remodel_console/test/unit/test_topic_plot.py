@@ -13,7 +13,7 @@ from remodel_console.core.run.topic_plot import (
     number_in,
     split_plot,
 )
-from remodel_console.plots import TopicPlots
+from remodel_console.watched import TopicPlots
 
 MESSAGES = {
     "std_msgs/Header": [("seq", "uint32"), ("stamp", "time"), ("frame_id", "string")],

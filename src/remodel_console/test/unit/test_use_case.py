@@ -37,7 +37,7 @@ from remodel_console.core.world import CellKind, Part, World, notices, superviso
 from remodel_console.edge.jpeg import as_jpeg
 from remodel_console.errors import PictureError
 from remodel_console.live import Live
-from remodel_console.pictures import Pictures
+from remodel_console.watched import Pictures
 from remodel_run.progress import Answer, Count, HandWire, Phase, Sums, TaskPhase, sums_words
 from remodel_run.record import decision_words, fault_words
 

@@ -14,7 +14,7 @@ import argon2
 from itsdangerous import BadData, URLSafeTimedSerializer
 
 from remodel_console.core.access import Account, Role, User, require_user_name
-from remodel_console.edge.private_file import private, write_private
+from remodel_console.edge.kept_files import private, write_private
 
 LEAST_PASSWORD = 8  # letters
 _SIGNED_IN_S = 7 * 24 * 3600  # after which a user signs in again

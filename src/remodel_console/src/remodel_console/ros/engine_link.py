@@ -23,6 +23,7 @@ from std_msgs.msg import Bool, Empty, Int32, String, UInt8
 from flexbe_core.ros.connections import is_heard
 from flexbe_core.ros.topics import START_AT
 from remodel_console.core.run import order as orders
+from remodel_console.core.run.chart_terms import Level, Structure
 from remodel_console.core.run.log_line import LogLine
 from remodel_console.core.run.run_view import (
     Acknowledged,
@@ -34,9 +35,8 @@ from remodel_console.core.run.run_view import (
     Left,
     LevelSeen,
 )
-from remodel_console.core.run.structure import Level, Structure
 from remodel_console.errors import CommandError
-from remodel_console.ros import topics
+from remodel_console.ros import topic_values as topics
 
 _POLL_S = 0.2  # between two checks whether the engine is running
 _READ_EVERY_S = 1.0  # between two checks of the breakpoints, a parameter

@@ -18,7 +18,7 @@ from flexbe_msgs.msg import (
 
 from flexbe_core.ros.connections import senders
 from flexbe_synthesizer.core.export.instantiate import Instantiation
-from remodel_console.core.editor.synthesis_request import ServerRequest
+from remodel_console.core.editor.inspection import ServerRequest
 from remodel_console.errors import CommandError
 
 _FOUND_S = 5.0  # in which a server is found; wall time, as a person waits

@@ -9,8 +9,7 @@ from nicegui import run, ui
 
 from flexbe_synthesizer.core.chart.model import Chart
 from remodel_console.console import Console
-from remodel_console.core.editor.collapse import collapsed
-from remodel_console.core.editor.drawing import drawn_path, drawn_paths, engine_paths
+from remodel_console.core.editor.drawing import collapsed, drawn_path, drawn_paths, engine_paths
 from remodel_console.core.editor.editing import Path
 from remodel_console.core.editor.graph import Json, chart_graph
 from remodel_console.errors import CommandError

@@ -11,7 +11,7 @@ from starlette.requests import Request
 from starlette.responses import FileResponse, RedirectResponse, Response
 
 from remodel_console.console import Console
-from remodel_console.edge.mesh_file import stl_of
+from remodel_console.edge.scene_files import stl_of
 from remodel_console.errors import CommandError
 from remodel_console.web.broadcast import Broadcast
 from remodel_console.web.configuration_page import ConfigurationPage
@@ -19,7 +19,7 @@ from remodel_console.web.editor.editing_page import SESSION, released
 from remodel_console.web.editor.editor_page import EditorPage
 from remodel_console.web.guard import Guard, Users
 from remodel_console.web.metrics import metrics_of
-from remodel_console.web.order_desk.design_upload import take_design
+from remodel_console.web.order_desk.drop_zone import take_design
 from remodel_console.web.order_desk.order_desk_page import ADDRESS, FILE_ADDRESS, OrderDeskPage
 from remodel_console.web.overview.overview_page import OverviewPage
 from remodel_console.web.replay.replay_page import ReplayPage

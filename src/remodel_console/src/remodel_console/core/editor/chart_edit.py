@@ -1,28 +1,31 @@
-"""Changes that an operator makes to the contents of a chart or container, as pure functions.
-
-A change may leave errors, as an unfinished edit does; the checks report them and prevent saving.
-"""
+"""Changes of a chart that a person makes: of states, arrows, concurrency, inputs and outputs."""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
 from dataclasses import replace
+from typing import TypeVar
 
 from flexbe_synthesizer.core.chart import names
 from flexbe_synthesizer.core.chart.error_routes import ROUTES_RULE, parse_routes
-from flexbe_synthesizer.core.chart.literal import parse_literal
+from flexbe_synthesizer.core.chart.literal import as_declared, parse_literal
 from flexbe_synthesizer.core.chart.model import (
     AnyNode,
     Autonomy,
     Chart,
+    Condition,
     Connection,
     Container,
     ContainerKind,
+    Input,
     Outcome,
+    Output,
     Param,
     State,
     Transition,
+    When,
 )
+from flexbe_synthesizer.core.library.signature import is_type
 from remodel_console.core.editor.editing import Path, container_at
 from remodel_console.errors import CommandError
 
@@ -255,3 +258,137 @@ def _changed(scope: Chart, node_id: str, change: Callable[[AnyNode], AnyNode]) -
 
 def _with_transitions(node: AnyNode, transitions: tuple[Transition, ...]) -> AnyNode:
     return replace(node, transitions=transitions)
+
+
+KIND_WORDS = {
+    ContainerKind.SEQUENCE: "sequential",
+    ContainerKind.CONCURRENCY: "concurrent",
+    ContainerKind.PRIORITY: "sequential, with priority over everything else",
+}
+
+
+def kind_at(chart: Chart, path: Path) -> ContainerKind:
+    """Return how what is in a container runs; the chart itself runs one after another."""
+    node = node_at(chart, path)
+    return node.runs if isinstance(node, Container) else ContainerKind.SEQUENCE
+
+
+def with_kind(scope: Chart, node_id: str, kind: ContainerKind) -> Chart:
+    """Return the scope with a container that runs otherwise.
+
+    What runs all at once has no first state and no transitions, and what does not, no conditions.
+    """
+    nodes = tuple(
+        replace(node, type=kind.value, body=_fitted(node.body, kind))
+        if isinstance(node, Container) and node.id == node_id
+        else node
+        for node in scope.nodes
+    )
+    return replace(scope, nodes=nodes)
+
+
+def _fitted(body: Chart, kind: ContainerKind) -> Chart:
+    if kind is ContainerKind.CONCURRENCY:
+        nodes = tuple(replace(node, transitions=()) for node in body.nodes)
+        return replace(body, initial="", nodes=nodes)
+    first = body.initial or next((node.id for node in body.nodes), "")
+    return replace(body, initial=first, conditions=())
+
+
+def with_condition(
+    body: Chart, place: int, outcome: str, pairs: tuple[tuple[str, str], ...]
+) -> Chart:
+    """Return a container's content with a condition changed, added or removed.
+
+    Args:
+        body: content of a container that runs all at once.
+        place: index of the condition; that behind the last adds one.
+        outcome: that it ends with; empty removes the condition.
+        pairs: (state, event)s that all must have happened.
+    """
+    conditions = list(body.conditions)
+    conditions[place : place + 1] = (
+        [Condition(outcome, tuple(When(*pair) for pair in pairs))] if outcome else []
+    )
+    return replace(body, conditions=tuple(conditions))
+
+
+Port = TypeVar("Port", Input, Output)
+
+
+def with_input(scope: Chart, place: int, name: str, kind: str, default: str) -> Chart:
+    """Return the scope with one of its inputs changed, added or removed.
+
+    Args:
+        scope: chart or content of a container.
+        place: index of the input; that behind the last adds one.
+        name: its key; empty removes it, and what it fed.
+        kind: its type; empty: any.
+        default: the literal that it is if the caller gives none; empty: it must be given.
+
+    Raises:
+        CommandError: if the name or the type cannot be used.
+    """
+    value = as_declared(default, kind) if default else None
+    port = Input(name, kind or None, value) if name else None
+    flows = _followed(scope, _ends_of_input, scope.inputs[place : place + 1], port)
+    return replace(scope, inputs=_put(scope.inputs, place, port), connections=flows)
+
+
+def with_output(scope: Chart, place: int, name: str, kind: str) -> Chart:
+    """Return the scope with one of its outputs changed, added or removed; see `with_input`."""
+    port = Output(name, kind or None) if name else None
+    flows = _followed(scope, _ends_of_output, scope.outputs[place : place + 1], port)
+    return replace(scope, outputs=_put(scope.outputs, place, port), connections=flows)
+
+
+def _put(ports: tuple[Port, ...], place: int, port: Port | None) -> tuple[Port, ...]:
+    """Return the ports with another one at a place, or none."""
+    if port is not None:
+        _expect_usable(port, {other.name for i, other in enumerate(ports) if i != place})
+    changed = list(ports)
+    changed[place : place + 1] = [] if port is None else [port]
+    return tuple(changed)
+
+
+def _expect_usable(port: Input | Output, taken: set[str]) -> None:
+    if not names.is_key(port.name):
+        raise CommandError(f"'{port.name}' is no key: letters, digits and '_', no digit first")
+    if port.name in taken:
+        raise CommandError(f"there is a value '{port.name}' already")
+    if port.type is not None and not is_type(port.type):
+        raise CommandError(
+            f"'{port.type}' is no type; there are bool, int, float, string, list, dict, and ROS "
+            "messages such as geometry_msgs/PoseStamped"
+        )
+
+
+def _ends_of_input(flow: Connection, scope: str, old: str, new: str) -> Connection | None:
+    """Return a connection with an input of the scope renamed; None if it names another."""
+    return (
+        replace(flow, output=new) if (flow.output_state_id, flow.output) == (scope, old) else None
+    )
+
+
+def _ends_of_output(flow: Connection, scope: str, old: str, new: str) -> Connection | None:
+    """Return a connection with an output of the scope renamed; None if it names another."""
+    return replace(flow, input=new) if (flow.input_state_id, flow.input) == (scope, old) else None
+
+
+def _followed(
+    scope: Chart,
+    rename: Callable[[Connection, str, str, str], Connection | None],
+    old: tuple[Input | Output, ...],
+    port: Input | Output | None,
+) -> tuple[Connection, ...]:
+    """Return the connections of a scope that follow a port's new name, or go with it."""
+    if not old:
+        return scope.connections
+    found = []
+    for flow in scope.connections:
+        renamed = rename(flow, scope.name, old[0].name, port.name if port else "")
+        if renamed is None:
+            found.append(flow)
+        elif port is not None:
+            found.append(renamed)
+    return tuple(found)

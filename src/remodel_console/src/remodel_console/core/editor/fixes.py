@@ -22,9 +22,9 @@ from flexbe_synthesizer.core.chart.model import (
 from flexbe_synthesizer.core.chart.problem import Problem, ProblemKind, Severity
 from flexbe_synthesizer.core.export.draw import is_failure_name
 from remodel_console.core.editor import chart_edit
+from remodel_console.core.editor.chart_edit import with_input
 from remodel_console.core.editor.editing import Path, change_at, container_at
 from remodel_console.core.editor.inspection import Inspection
-from remodel_console.core.editor.interface_edit import with_input
 
 Change: TypeAlias = Callable[[Chart], Chart]
 _MOST_FIXES = 3  # of one problem; more are no help to choose

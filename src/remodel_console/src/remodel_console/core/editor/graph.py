@@ -20,9 +20,8 @@ from flexbe_synthesizer.core.chart.model import (
     ContainerKind,
 )
 from flexbe_synthesizer.core.export.draw import is_failure_name
-from remodel_console.core.editor.chart_edit import feed_of
-from remodel_console.core.editor.collapse import CLOSED
-from remodel_console.core.editor.concurrency_edit import KIND_WORDS
+from remodel_console.core.editor.chart_edit import KIND_WORDS, feed_of
+from remodel_console.core.editor.drawing import CLOSED
 from remodel_console.core.editor.inspection import Inspection
 
 Json: TypeAlias = dict[str, Any]

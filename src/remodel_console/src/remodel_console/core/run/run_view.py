@@ -1,11 +1,4 @@
-"""What the console knows about the running behavior, computed from the engine's messages.
-
-    AWAY --a heartbeat--> IDLE <--READY, FINISHED, FAILED, ERROR-- RUNNING
-      ^                    +------------STARTED------------------>   |
-      +------------------- the engine is gone ----------------------+
-
-Nothing else changes the phase, so that a page which opens late, twice, or again shows the same.
-"""
+"""The running behavior as the console knows it, and what a page says about it."""
 
 from __future__ import annotations
 
@@ -15,9 +8,8 @@ from typing import TypeAlias
 
 from flexbe_synthesizer.core.chart.names import FAILED
 from flexbe_synthesizer.core.machine.expanded_labels import OTHER
-from remodel_console.core.run.chart_terms import FAILURES, ChartState, chart_state
+from remodel_console.core.run.chart_terms import FAILURES, ChartState, Structure, chart_state
 from remodel_console.core.run.order import UNATTENDED
-from remodel_console.core.run.structure import Structure
 
 _WITHDRAWN = 255  # the outcome of a request that takes the previous one back
 
@@ -425,3 +417,30 @@ def _on_acknowledged(view: RunView, event: Acknowledged) -> RunView:
         if len(about) == 1:  # else `Left` names the one
             return _back(_without_ask(view, about[0]), view, about[0])
     return view
+
+
+def state_words(view: RunView, *, waits: bool) -> str:
+    """Return the state of the run; `waits`: for a value, a decision or a confirmation."""
+    if view.phase is Phase.AWAY:
+        return "no engine"
+    if view.is_starting:
+        return f"starting: {view.waits_for}" if view.waits_for else "starting"
+    if view.phase is Phase.IDLE:
+        return "idle"
+    if waits or view.asked is not None:
+        return "waiting for you"
+    if view.is_paused:
+        return "paused"
+    if view.held is not None:
+        return "locked"
+    return "running" if view.is_supervised else "running unattended"
+
+
+def count_words(view: RunView) -> str:
+    """Return how many states the run has entered."""
+    return f"{view.entries} state{'s' * (view.entries != 1)} entered"
+
+
+def path_words(path: str) -> str:
+    """Return the path of a state as a person reads it."""
+    return " / ".join(filter(None, path.split("/")))

@@ -1,9 +1,4 @@
-"""The cell's robots, wires and components, followed while a page shows or a run records them.
-
-Robots come from the parameter `cell/robots` (description as URDF, prefix of the joints), their
-places from /tf_static, their joints from /joint_states; wires and components are the markers of
-`cell/markers`. While the scene is not wanted, nothing is subscribed to, so the cell sends nothing.
-"""
+"""The cell's description, and what moves in it; its values, and putting it back."""
 
 from __future__ import annotations
 
@@ -14,13 +9,18 @@ from dataclasses import replace
 import rospy
 from geometry_msgs.msg import Point, Quaternion, Transform
 from sensor_msgs.msg import JointState
+from std_msgs.msg import String
+from std_srvs.srv import Trigger, TriggerRequest
 from tf2_msgs.msg import TFMessage
 from visualization_msgs.msg import Marker, MarkerArray
 
+from flexbe_core.engine.visit import VisitText
 from remodel_console.core.cell.cell_state import CellState, Line, Robot, Solid
 from remodel_console.core.cell.robot_model import read_robot
-from remodel_console.ros import topics
-from remodel_console.scene import Scene
+from remodel_console.errors import CommandError
+from remodel_console.ros import topic_values as topics
+from remodel_console.ros.call_service import call_service
+from remodel_console.watched import RunValues, Scene
 
 _POLL_S = 0.2
 _DESCRIBED_EVERY_S = 2.0  # between two checks whether another cell describes itself
@@ -131,3 +131,46 @@ def _colour(marker: Marker) -> str:
     colour = marker.color
     red, green, blue = (round(255 * v) for v in (colour.r, colour.g, colour.b))
     return f"#{red:02x}{green:02x}{blue:02x}"
+
+
+class ValuesLink:
+    """Subscribes to the visits of states."""
+
+    def __init__(self, values: RunValues) -> None:
+        """Keep `values` up to date."""
+        self._values = values
+        self._is_asking = False
+        self._subscriber = self._subscribe()
+
+    def _subscribe(self) -> rospy.Subscriber:
+        """Subscribe; the engine sends all values first."""
+        return rospy.Subscriber(topics.VISITS, String, self._take, tcp_nodelay=True)
+
+    def _take(self, message: String) -> None:
+        try:
+            visit = VisitText.from_json(message.data)
+        except (ValueError, TypeError, KeyError) as error:
+            rospy.logwarn_once("%s has messages of another version: %s", topics.VISITS, error)
+            return
+        if self._values.take(visit):
+            self._is_asking = False
+        elif not self._is_asking:  # messages were lost
+            self._is_asking = True
+            self._subscriber.unregister()
+            self._subscriber = self._subscribe()
+
+
+RESET = f"{topics.CELL}/reset"  # a service that only simulated cells have
+_LIMIT_S = 60.0  # wall time; a large panel takes some
+
+
+def reset_cell() -> str:
+    """Have the cell rebuild its panel without wires, and return its answer.
+
+    Raises:
+        CommandError: if it does not answer, or refuses.
+    """
+    answer = call_service(RESET, Trigger, TriggerRequest(), _LIMIT_S)
+    if not answer.success:
+        raise CommandError(f"the cell is not reset: {answer.message}")
+    return str(answer.message)

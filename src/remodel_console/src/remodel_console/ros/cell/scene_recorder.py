@@ -11,12 +11,11 @@ from typing import TextIO
 
 import rospy
 
-from remodel_console.core.cell.cell_state import CellState
-from remodel_console.core.cell.recording import change_between, frame_text
+from remodel_console.core.cell.cell_state import CellState, change_between, frame_text
 from remodel_console.core.run.state_values import StateValues
 from remodel_console.core.use_case.use_case import UseCase
 from remodel_console.edge.scene_files import SceneFiles
-from remodel_console.scene import Scene
+from remodel_console.watched import Scene
 
 _POLL_S = 0.02  # wall time
 _PERIOD_S = 0.1  # between two frames, ROS time

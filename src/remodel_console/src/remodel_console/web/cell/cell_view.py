@@ -1,4 +1,4 @@
-"""The cell in three dimensions on a page."""
+"""The cell on a page, in three dimensions and in pictures."""
 
 from __future__ import annotations
 
@@ -6,13 +6,36 @@ import time
 from collections.abc import Callable
 
 import nicegui.elements.scene  # noqa: F401 - registers three.js for browsers
-from nicegui import ui
+from nicegui import background_tasks, run, ui
 from nicegui.element import Element
 from nicegui.events import GenericEventArguments
 
+from remodel_console.console import Console
 from remodel_console.core.cell.cell_state import CellState
 from remodel_console.core.cell.robot_model import RobotModel, Shape
-from remodel_console.scene import Meshes, Scene
+from remodel_console.core.cell.wire_history import force_words, wire_words
+from remodel_console.core.use_case.record import Record
+from remodel_console.core.use_case.use_case import UseCase
+from remodel_console.errors import CommandError
+from remodel_console.watched import Meshes, Scene
+
+
+class CameraView(Element, component="../static/camera.js"):
+    """Shows a picture; the browser fetches it, so that pages are not slowed down."""
+
+    def __init__(self, label: str, none: str) -> None:
+        """Show nothing yet under a label; `none` stands where no picture is."""
+        super().__init__()
+        self._address = ""
+        self._props["label"] = label
+        self._props["none"] = none
+
+    def show(self, address: str) -> None:
+        """Show the picture of an address; an empty one: none."""
+        if address != self._address:
+            self._address = address
+            self.run_method("show", address)
+
 
 _EVERY_S = 0.05  # between two updates: 20 Hz
 _LOST_S = 2.0  # after which a page that has not painted is sent the next update nevertheless
@@ -128,3 +151,103 @@ def _robot(model: RobotModel, known: Meshes) -> dict[str, object]:
 
 def _text(event: GenericEventArguments) -> str:
     return event.args if isinstance(event.args, str) else ""
+
+
+Words = Callable[[str], tuple[str, ...]]
+
+
+class CellPanel:
+    """Shows a cell; a wire is chosen by a click on it, or from a list."""
+
+    def __init__(self, scene: Scene, meshes: Meshes, words: Words) -> None:
+        """Build it; it is hidden as long as the cell does not describe itself.
+
+        Args:
+            scene: the cell.
+            meshes: of its robots.
+            words: returns lines about a wire.
+        """
+        self._scene = scene
+        self._words_of = words
+        self._wires: tuple[str, ...] = ()
+        self._words: tuple[str, ...] = ()
+        with ui.element("div").classes("cell-panel wide") as self._area:
+            self._view = CellView(scene, meshes, self._choose)
+            with ui.row().classes("cell-wire"):
+                self._wire = ui.select([], label="Wire", clearable=True)
+                self._wire.props("outlined dense").on_value_change(self._show_words)
+                self._facts = ui.element("div").classes("wire-facts").props('role="status"')
+        self._area.set_visibility(False)
+
+    @property
+    def is_available(self) -> bool:
+        """Return whether the cell can be drawn here."""
+        return self._view.is_available
+
+    def set_shown(self, is_shown: bool) -> None:
+        """Stop while the page is in the background, and go on."""
+        self._view.set_shown(is_shown)
+
+    def show(self) -> None:
+        """Show the wires that there are now, and what is known of the one that is chosen."""
+        self._area.set_visibility(self.is_available)
+        wires = tuple(sorted(self._scene.now.wires))
+        if wires != self._wires:
+            self._wires = wires
+            value = self._wire.value if self._wire.value in wires else None
+            self._wire.set_options(list(wires), value=value)
+        self._show_words()
+
+    def _choose(self, wire: str) -> None:
+        if wire in self._wires:
+            self._wire.value = wire
+
+    def _show_words(self) -> None:
+        words = self._words_of(str(self._wire.value)) if self._wire.value else ()
+        if words == self._words:
+            return
+        self._words = words
+        self._facts.clear()
+        with self._facts:
+            for text in words:
+                ui.label(text)
+
+
+class LiveCell(CellPanel):
+    """Shows the live cell, and the forces of a wire from the record of the run."""
+
+    def __init__(self, console: Console) -> None:
+        """Build it."""
+        super().__init__(console.scene, console.meshes, self._about)
+        self._console = console
+        self._use_case: UseCase | None = None
+        self._record = Record(())
+        self._read_for: object = None
+
+    def follow(self, use_case: UseCase | None) -> None:
+        """Show the wires, and what has become known of the one that is chosen."""
+        self._use_case = use_case
+        self.show()
+
+    def _about(self, wire: str) -> tuple[str, ...]:
+        use_case = self._use_case
+        words = wire_words(wire, use_case)
+        if use_case is None or not use_case.run:
+            return words
+        task = next((one for one in use_case.tasks if one.name == wire), None)
+        cause = (use_case.run, task, len(use_case.failures))
+        if task is not None and cause != self._read_for:
+            self._read_for = cause
+            background_tasks.create(self._read(use_case.run))
+        return (*words, *force_words(self._record, wire))
+
+    async def _read(self, number: int) -> None:
+        """Read the record of the run, when something of the wire has changed in it."""
+        recorder = self._console.recorder
+        if recorder is None:
+            return
+        try:
+            self._record = await run.io_bound(recorder.record, number) or self._record
+        except CommandError:
+            return  # the supervisor has ended meanwhile; the forces stay as they were
+        self.show()

@@ -7,7 +7,7 @@ from functools import partial
 from nicegui import ui
 
 from flexbe_synthesizer.core.chart.model import Chart, Container, ContainerKind
-from remodel_console.core.editor.concurrency_edit import KIND_WORDS, with_condition, with_kind
+from remodel_console.core.editor.chart_edit import KIND_WORDS, with_condition, with_kind
 from remodel_console.core.editor.editing import Path
 from remodel_console.web.editor.editing_page import EditingPage
 

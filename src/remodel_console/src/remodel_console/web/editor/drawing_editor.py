@@ -1,4 +1,4 @@
-"""What a person does in the drawing of the editor, as changes of the chart."""
+"""The drawing in the editor, and its clipboard."""
 
 from __future__ import annotations
 
@@ -7,11 +7,58 @@ from dataclasses import replace
 from functools import partial
 from typing import TypeAlias
 
+from nicegui import ui
+
 from flexbe_synthesizer.core.chart.model import Chart, Point
 from remodel_console.core.editor import chart_edit
+from remodel_console.core.editor.copying import Copied, copied, pasted
 from remodel_console.core.editor.editing import Path, read_path
 from remodel_console.web.canvas import Places
 from remodel_console.web.editor.editing_page import EditingPage
+
+
+class Clipboard:
+    """The states that were copied last on a page."""
+
+    def __init__(self, page: EditingPage) -> None:
+        """Begin empty."""
+        self._page = page
+        self._copied = Copied()
+
+    def copy(self) -> None:
+        """Copy the selected states."""
+        page = self._page
+        if page.chart is None or not page.selection:
+            ui.notify("Select the states to copy first.", type="warning")
+            return
+        self._copied = copied(page.chart, page.selection)
+        ui.notify(f"Copied {_names(self._copied)}.")
+
+    async def cut(self) -> None:
+        """Copy the selected states, and delete them."""
+        self.copy()
+        await self._page.delete()
+
+    async def paste(self) -> None:
+        """Add the copied states to the selected container, or to that of the selected state."""
+        page = self._page
+        if page.chart is None or not self._copied.nodes:
+            ui.notify("Copy states first.", type="warning")
+            return
+        path, ids = page.paste_path(self._copied), []
+
+        def change(scope: Chart) -> Chart:
+            changed, new = pasted(scope, self._copied)
+            ids[:] = new
+            return changed
+
+        if await page.change(f"paste {_names(self._copied)}", path, change):
+            page.select(*((*path, node_id) for node_id in ids))
+
+
+def _names(what: Copied) -> str:
+    return ", ".join(f"'{node.id}'" for node in what.nodes)
+
 
 Add: TypeAlias = Callable[[str, Path, Point | None], Awaitable[None]]
 

@@ -13,14 +13,13 @@ from flexbe_synthesizer.core.chart.names import behavior_file, is_behavior_name,
 from remodel_console.core.answer import DONE, FAILED
 from remodel_console.core.commands import Command, Verb
 from remodel_console.core.editor import chart_edit
-from remodel_console.core.editor.copying import outermost
+from remodel_console.core.editor.copying import grouped, outermost
 from remodel_console.core.editor.editing import Path, connected, container_at, matches, unplaced
-from remodel_console.core.editor.grouping import grouped
 from remodel_console.errors import FileChangedError
 from remodel_console.session import Session
 from remodel_console.sessions import Left
-from remodel_console.web.editor.changes_panel import changes_html
 from remodel_console.web.editor.editing_page import SESSION, EditingPage
+from remodel_console.web.editor.result_panels import changes_html
 
 
 class EditorTools:

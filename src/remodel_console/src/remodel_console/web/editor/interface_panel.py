@@ -9,8 +9,8 @@ from nicegui import ui
 
 from flexbe_synthesizer.core.chart.literal import format_literal
 from flexbe_synthesizer.core.chart.model import Chart, Input
+from remodel_console.core.editor.chart_edit import with_input, with_output
 from remodel_console.core.editor.editing import Path
-from remodel_console.core.editor.interface_edit import with_input, with_output
 
 # The row is left, and not only one of its fields for the next.
 _LEFT = "(event) => { if (!event.currentTarget.contains(event.relatedTarget)) emit(); }"

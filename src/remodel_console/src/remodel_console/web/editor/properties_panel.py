@@ -19,7 +19,7 @@ from flexbe_synthesizer.core.chart.model import (
     State,
 )
 from remodel_console.core.editor import chart_edit
-from remodel_console.core.editor.concurrency_edit import kind_at
+from remodel_console.core.editor.chart_edit import kind_at
 from remodel_console.core.editor.editing import Path
 from remodel_console.web.editor.container_panel import ContainerPanel
 from remodel_console.web.editor.editing_page import EditingPage

@@ -12,14 +12,17 @@ from remodel_console.core.answer import DONE
 from remodel_console.core.use_case.production import figures
 from remodel_console.core.use_case.use_case import UseCase, duration_words, level_rows
 from remodel_console.core.world import ALL_PARTS, World, supervisor_words
-from remodel_console.web.cell.camera_view import CameraView
-from remodel_console.web.cell.live_cell import LiveCell
+from remodel_console.web.cell.cell_view import CameraView, LiveCell
 from remodel_console.web.overview.figure_cards import FigureCards
 from remodel_console.web.overview.hand_list import HandList
-from remodel_console.web.overview.last_head import LastHead, time_words
-from remodel_console.web.overview.order_form import OrderForm
-from remodel_console.web.overview.run_head import PAUSING, RunHead
-from remodel_console.web.overview.start_card import StartCard
+from remodel_console.web.overview.heads import (
+    PAUSING,
+    LastHead,
+    OrderForm,
+    RunHead,
+    StartCard,
+    time_words,
+)
 from remodel_console.web.overview.task_table import TaskTable
 from remodel_console.web.page import Page
 from remodel_run.progress import HandWire, Phase

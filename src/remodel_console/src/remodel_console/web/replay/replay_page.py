@@ -4,22 +4,19 @@ from __future__ import annotations
 
 from nicegui import background_tasks, run, ui
 
-from remodel_console.core.cell.cell_state import CellState
-from remodel_console.core.cell.recording import Recording
+from remodel_console.core.cell.cell_state import CellState, Recording
 from remodel_console.core.cell.wire_history import recorded_wire_words
 from remodel_console.core.use_case.record import Moment, Record, Summary
 from remodel_console.core.world import ALL_PARTS, World
 from remodel_console.errors import CommandError
-from remodel_console.scene import Scene
+from remodel_console.watched import Scene
 from remodel_console.web.behavior_drawing import BehaviorDrawing
-from remodel_console.web.cell.camera_view import CameraView
-from remodel_console.web.cell.cell_panel import CellPanel
+from remodel_console.web.cell.cell_view import CameraView, CellPanel
 from remodel_console.web.page import Page
-from remodel_console.web.replay.comparison_panel import ComparisonPanel
+from remodel_console.web.replay.comparison_panel import ComparisonPanel, ValuePlots
 from remodel_console.web.replay.run_list import RunList
 from remodel_console.web.replay.scrubber import Scrubber
 from remodel_console.web.replay.start_here import Recorded, StartHere
-from remodel_console.web.replay.value_plots import ValuePlots
 from remodel_run.record import Entry, entry_words
 
 _NO_RECORDING = "No console recorded the cell in three dimensions during this run."

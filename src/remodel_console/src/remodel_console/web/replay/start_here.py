@@ -8,8 +8,7 @@ from dataclasses import dataclass
 from nicegui import ui
 
 from remodel_console.core.answer import DONE
-from remodel_console.core.cell.cell_state import CellState
-from remodel_console.core.cell.difference import differences
+from remodel_console.core.cell.cell_state import CellState, differences
 from remodel_console.core.commands import Command, Verb
 from remodel_console.core.run.order import FULL, Pairs, Start
 from remodel_console.core.run.run_view import Phase

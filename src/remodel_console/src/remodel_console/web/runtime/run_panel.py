@@ -22,8 +22,7 @@ from remodel_console.core.run.order import (
     Switch,
     TakeOutcome,
 )
-from remodel_console.core.run.run_view import Phase, RunView
-from remodel_console.core.run.run_words import count_words
+from remodel_console.core.run.run_view import Phase, RunView, count_words
 from remodel_console.errors import CommandError
 from remodel_console.web.page import Page, table
 from remodel_console.web.runtime.start_form import StartForm

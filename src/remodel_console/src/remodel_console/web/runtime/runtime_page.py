@@ -6,11 +6,10 @@ from nicegui import background_tasks, ui
 
 from remodel_console.core.inbox import Kind
 from remodel_console.core.run.order import Hold, Order, Pause, Release, Repeat, Resume, Switch
-from remodel_console.core.run.run_view import Phase, RunView
-from remodel_console.core.run.run_words import state_words
+from remodel_console.core.run.run_view import Phase, RunView, state_words
 from remodel_console.core.world import World
 from remodel_console.web.behavior_drawing import BehaviorDrawing
-from remodel_console.web.cell.live_cell import LiveCell
+from remodel_console.web.cell.cell_view import LiveCell
 from remodel_console.web.log_pane import LogPane
 from remodel_console.web.page import Page
 from remodel_console.web.runtime.plot_panel import PlotPanel

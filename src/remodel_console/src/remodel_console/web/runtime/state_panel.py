@@ -4,8 +4,7 @@ from __future__ import annotations
 
 from nicegui import ui
 
-from remodel_console.core.run.run_view import Phase, RunView
-from remodel_console.core.run.run_words import path_words
+from remodel_console.core.run.run_view import Phase, RunView, path_words
 from remodel_console.core.run.state_values import Row
 from remodel_console.core.world import World
 from remodel_console.web.behavior_drawing import BehaviorDrawing
