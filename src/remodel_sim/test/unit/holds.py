@@ -7,10 +7,9 @@ import numpy as np
 from panels import component, wire
 
 from remodel_sim.core.wires.wire_mechanics import Piece, chain, discretise
-from remodel_sim.physics.fixtures.clamps import Socket, close_clamp
+from remodel_sim.physics.fixtures.clamps import Socket, Springs, close_clamp
 from remodel_sim.physics.fixtures.clips import add_clip
 from remodel_sim.physics.fixtures.panel_scene import add_plate_surface
-from remodel_sim.physics.fixtures.springs import Springs
 from remodel_sim.physics.robot import HAND_30_N, Robot
 from remodel_sim.physics.wires.cable import SimulatedWire
 from remodel_sim.physics.world import CONTACT_DAMPING, CONTACT_STIFFNESS, World

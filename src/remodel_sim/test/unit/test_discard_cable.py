@@ -15,7 +15,7 @@ from remodel_skills.edge.cell_memory import CellMemory
 from remodel_skills.edge.parameter_files import read_parameters
 from remodel_skills.goals import DiscardGoal
 from remodel_skills.primitives import carrying
-from remodel_skills.primitives.taking_up import take_up
+from remodel_skills.primitives.picking_up import take_up
 from remodel_states.core.codes import Code
 from remodel_work.errors import AbilityError
 from remodel_work.panel import WireEnd

@@ -9,8 +9,8 @@ from remodel_sim.physics.truth import ground_truth
 from remodel_skills.abilities.discard_cable import discard_cable
 from remodel_states.core.codes import Code
 from remodel_work.errors import AbilityError
-from remodel_work.openings import opening_of
 from remodel_work.panel import WireEnd, unit_x
+from remodel_work.routes import opening_of
 
 pytestmark = pytest.mark.physics
 

@@ -5,8 +5,7 @@ import numpy as np
 import place_wire as do
 import pytest
 
-from remodel_sim.core.errors import FaultError
-from remodel_sim.core.faults import check_fault
+from remodel_sim.core.faults import FaultError, check_fault
 from remodel_work.errors import AbilityError
 from remodel_work.panel import WireEnd
 

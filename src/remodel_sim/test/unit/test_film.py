@@ -2,7 +2,7 @@ import cv2
 import numpy as np
 import pytest
 
-from remodel_sim.core.errors import FilmError
+from remodel_sim.core.faults import FilmError
 from remodel_sim.edge.film import Film
 
 

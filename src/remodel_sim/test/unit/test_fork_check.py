@@ -9,7 +9,7 @@ from remodel_sim.physics.plant import SimulatedPlant
 from remodel_sim.physics.truth import share_in_ducts
 from remodel_skills.belief_state import NO_CHANNEL, Feed
 from remodel_skills.cell import Cell
-from remodel_skills.primitives.observation.fork_check import check_forks
+from remodel_skills.primitives.observation.checks import check_forks
 from remodel_work.edge.cell_file import read_cell
 from remodel_work.errors import AbilityError
 from remodel_work.panel import WireEnd

@@ -24,10 +24,10 @@ from remodel_skills.abilities.pick_cable import pick_cable
 from remodel_skills.abilities.place_cable import place_cable
 from remodel_skills.cell import Cell
 from remodel_skills.edge.parameter_files import read_parameters
-from remodel_skills.primitives.ducts import leading
-from remodel_skills.primitives.ducts.tucking import tuck_in
-from remodel_skills.primitives.observation.duct_check import check_ducts, inspect_ducts
-from remodel_skills.primitives.taking_up import take_up
+from remodel_skills.primitives import in_ducts as leading
+from remodel_skills.primitives.in_ducts import tuck_in
+from remodel_skills.primitives.observation.checks import check_ducts, inspect_ducts
+from remodel_skills.primitives.picking_up import take_up
 from remodel_states.core.codes import Code
 from remodel_work.component_shape import Box
 from remodel_work.edge.bullet import add_static

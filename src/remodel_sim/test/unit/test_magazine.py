@@ -7,7 +7,7 @@ import pytest
 from dense_board import board_wire, dense_panel
 from place_wire import ROBOT, do, fix, insert, lay_down, locate
 
-from remodel_sim.physics.magazine import present
+from remodel_sim.physics.feeder import present
 from remodel_sim.physics.plant import SimulatedPlant
 from remodel_sim.physics.world import World
 from remodel_skills import goals
@@ -15,7 +15,7 @@ from remodel_skills.abilities.detect_cable import detect_cable
 from remodel_skills.abilities.discard_cable import discard_cable
 from remodel_skills.abilities.pick_cable import pick_cable
 from remodel_skills.cell import Cell
-from remodel_work.cell.magazine import Magazine
+from remodel_work.cell.feeding import Magazine
 from remodel_work.edge.cell_file import read_cell
 from remodel_work.geometry import Pose
 from remodel_work.panel import WireEnd

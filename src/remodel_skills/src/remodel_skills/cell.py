@@ -23,7 +23,7 @@ from remodel_skills.goals import find_demand_problems
 from remodel_skills.observers import Observers
 from remodel_skills.robot_context import RobotContext, Steps
 from remodel_skills.runner import occupy, run
-from remodel_skills.traffic import Traffic
+from remodel_skills.space import Traffic
 from remodel_states.core.codes import Code
 from remodel_states.core.contract import NO_OWNER
 from remodel_work.errors import AbilityError, PanelError

@@ -16,10 +16,10 @@ from remodel_states.core.codes import Code
 from remodel_work.errors import AbilityError
 from remodel_work.geometry import PANEL, WORLD, Pose, wrap_angle
 from remodel_work.layout import GRASP_DISTANCE_M, STANDOFF_M
-from remodel_work.openings import TerminalKey, nearest_terminal, opening_of
 from remodel_work.panel import Panel, WireEnd, unit_x
 from remodel_work.robot.arm import ToolPose
 from remodel_work.robot.kinematics import Kinematics
+from remodel_work.routes import TerminalKey, nearest_terminal, opening_of
 
 
 def require(condition: bool, message: str) -> None:

@@ -8,14 +8,12 @@ from dataclasses import dataclass
 from typing import Protocol, TypeVar
 
 from remodel_skills.belief_state import BeliefState
-from remodel_skills.collision import CollisionCheck
 from remodel_skills.device import Device
 from remodel_skills.force_control import ForceLoop
 from remodel_skills.observers import Cameras, Observers
 from remodel_skills.parameters import Parameters
 from remodel_skills.scene import Scene
-from remodel_skills.space import Space
-from remodel_skills.traffic import Traffic
+from remodel_skills.space import CollisionCheck, Space, Traffic
 from remodel_work.cell.cell_design import CellDesign, RobotDesign
 from remodel_work.geometry import Array
 from remodel_work.panel import Panel, PanelWire

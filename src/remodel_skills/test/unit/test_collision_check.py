@@ -10,12 +10,12 @@ from scripted_device import ScriptedPlant
 
 from remodel_skills.belief_state import Feed, Grip
 from remodel_skills.cell import Cell
-from remodel_skills.collision import HeldTip
 from remodel_skills.edge.collision_check import BulletCollisionCheck
 from remodel_skills.edge.parameter_files import read_parameters
 from remodel_skills.motion import Line
 from remodel_skills.primitives.motions import move_to, straight_line
 from remodel_skills.primitives.pushing import tool_before
+from remodel_skills.space import HeldTip
 from remodel_states.core.codes import Code
 from remodel_work.component_shape import Box
 from remodel_work.edge.cell_file import read_cell

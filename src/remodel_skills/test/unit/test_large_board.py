@@ -14,9 +14,8 @@ from remodel_skills.belief_state import NO_CHANNEL, BeliefState, Feed
 from remodel_skills.cell import Cell
 from remodel_skills.goals import LocateGoal
 from remodel_skills.observers import Cameras, Observers
-from remodel_skills.primitives.observation.duct_check import inspect_ducts
-from remodel_vision.board.new_points import new_length
-from remodel_vision.board.standing import standing_wires
+from remodel_skills.primitives.observation.checks import inspect_ducts
+from remodel_vision.board.standing import new_length, standing_wires
 from remodel_vision.panel_pose import register_panel
 from remodel_work.camera import Picture, are_nearest, best_view
 from remodel_work.edge.cell_file import read_cell

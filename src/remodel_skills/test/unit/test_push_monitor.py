@@ -3,7 +3,7 @@
 import pytest
 from scripted_device import PARAMETERS
 
-from remodel_skills.push_monitor import PushMonitor
+from remodel_skills.primitives.pushing import PushMonitor
 
 FREE = (0.6, 0.7, 0.7)
 HANGING = (9.1, 19.7, 7.7, 5.0)

@@ -4,7 +4,7 @@ import numpy as np
 from scripted_device import PARAMETERS
 
 from remodel_skills.motion import Line
-from remodel_skills.traffic import Traffic
+from remodel_skills.space import Traffic
 from remodel_work.robot.arm import PANDA_AT_ORIGIN, Arm, ToolPose
 from remodel_work.robot.arm_volume import volume_of
 

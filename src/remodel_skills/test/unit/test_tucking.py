@@ -10,8 +10,7 @@ import pytest
 from laid_wires import LEGS, OVER_RIM_M, ROUTE, WIRE, laid, led, raised
 from scripted_device import PARAMETERS, TICK_S
 
-from remodel_skills.primitives.ducts.leading import let_go
-from remodel_skills.primitives.ducts.tucking import tuck_in
+from remodel_skills.primitives.in_ducts import let_go, tuck_in
 from remodel_states.fix_cable_state import FixCableState
 
 FIXTURE, MOTION, TOOL = PARAMETERS.fixture, PARAMETERS.motion, PARAMETERS.tool

@@ -1,10 +1,8 @@
-"""Which pixels show a wire's insulation, which a ferrule.
-
-A lit surface of colour c shows as s c with a shade s; pixels are compared with the nearest shade of
-each colour that may be there, not with the colour itself.
-"""
+"""Colours of pixels."""
 
 from __future__ import annotations
+
+from typing import Any
 
 import cv2
 import numpy as np
@@ -13,6 +11,9 @@ import numpy.typing as npt
 from remodel_states.core.wires.wire_colours import Rgb, rgbs_of
 from remodel_work.geometry import Array
 from remodel_work.wire_colours import PLATE_RGB
+
+Pixels = npt.NDArray[Any]
+
 
 Mask = npt.NDArray[np.uint8]
 

@@ -15,7 +15,7 @@ import cv2
 import numpy as np
 import numpy.typing as npt
 
-from remodel_vision.pixels import Pixels
+from remodel_vision.colour import Pixels
 from remodel_work.camera import Picture
 from remodel_work.component_shape import LABEL_CELLS, label_corners, marker_cells
 from remodel_work.geometry import Array, Pose

@@ -9,7 +9,7 @@ from functools import partial
 import numpy as np
 
 from remodel_states.core.codes import Code
-from remodel_vision.cables.curves.polyline import arc_lengths
+from remodel_vision.cables.lines import arc_lengths
 from remodel_vision.colour import wire_likelihood
 from remodel_vision.ferrules import Ferrule, find_ferrules
 from remodel_vision.wire_lines import WireLines, follow, joined

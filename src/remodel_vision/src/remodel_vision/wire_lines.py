@@ -15,7 +15,7 @@ import numpy as np
 
 from remodel_states.core.wires.wire_colours import rgbs_of
 from remodel_vision.cables import detect_cables
-from remodel_vision.cables.curves.polyline import across_gap, arc_lengths
+from remodel_vision.cables.lines import across_gap, arc_lengths
 from remodel_work.camera import Picture
 from remodel_work.geometry import Array
 from remodel_work.panel import PanelWire

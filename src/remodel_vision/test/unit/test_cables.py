@@ -8,10 +8,9 @@ import numpy as np
 import pytest
 
 from remodel_vision.cables import CableEnding, detect_cables
-from remodel_vision.cables.curves.polyline import arc_lengths, at_distance
-from remodel_vision.cables.curves.spline import basis, fit
-from remodel_vision.cables.strands.pairing import StrandEnd, best_pairs, join_prices
-from remodel_vision.cables.strands.skeleton import find_strands, thin
+from remodel_vision.cables.lines import arc_lengths, at_distance, basis, fit
+from remodel_vision.cables.strands.joining import StrandEnd, best_pairs, join_prices
+from remodel_vision.cables.strands.network import find_strands, thin
 from remodel_vision.cables.warnings import evidence_warnings
 
 RED, BLUE, TABLE = (190, 30, 30), (30, 60, 190), (150, 140, 120)

@@ -6,8 +6,8 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 
 from remodel_work.geometry import Array
-from remodel_work.openings import TerminalKey
 from remodel_work.panel import WireEnd
+from remodel_work.routes import TerminalKey
 
 
 @dataclass(frozen=True, eq=False)

@@ -1,9 +1,9 @@
-"""Which fixtures of the panel a wire runs through where it is laid."""
+"""Where wires go on a panel: openings, slots, and their routes."""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from itertools import pairwise
 
@@ -12,6 +12,92 @@ import numpy.typing as npt
 
 from remodel_work.geometry import Array, Pose, wrap_angle
 from remodel_work.panel import Duct, Panel, PanelClip
+
+# Component and terminal.
+TerminalKey = tuple[str, str]
+
+
+def opening_of(terminal: TerminalKey, panel: Panel, seen: Mapping[str, Pose]) -> Pose:
+    """Return the frame of a terminal's opening in the world, x into the terminal.
+
+    Args:
+        terminal: whose opening.
+        panel: the panel as drawn.
+        seen: frames of components in the world, as they were last seen.
+    """
+    component_id, terminal_id = terminal
+    component = panel.component(component_id)
+    drawn = panel.world_from_panel @ component.panel_from_component
+    stands = seen.get(component_id, drawn)
+    return stands @ component.terminal(terminal_id).component_from_socket
+
+
+def nearest_terminal(point: Array, panel: Panel, seen: Mapping[str, Pose]) -> TerminalKey:
+    """Return the terminal whose opening is nearest to a point (3,) [m], world frame."""
+
+    def away(terminal: TerminalKey) -> float:
+        opening = opening_of(terminal, panel, seen)
+        return float(np.linalg.norm(opening.position - point))
+
+    return min(_terminals(panel), key=away)
+
+
+def _terminals(panel: Panel) -> Iterator[TerminalKey]:
+    for component in panel.components:
+        for terminal in component.terminals:
+            yield component.id, terminal.id
+
+
+# A duct's wall that stands so near before an opening is the one that its wire passes [m].
+BEFORE_M = 0.060
+# A wall stands across an opening's axis if their directions differ from a right angle by less.
+ACROSS_RAD = math.radians(20.0)
+
+
+@dataclass(frozen=True)
+class Slot:
+    """A slot in a duct's wall, seen from an opening.
+
+    Attributes:
+        aside: from the opening's axis, along the opening's y [m].
+        before: from the opening, against its axis [m].
+    """
+
+    aside: float
+    before: float
+
+    @property
+    def slant(self) -> float:
+        """Yaw of a wire that runs straight from the slot to the opening, from its axis [rad]."""
+        return -math.atan2(self.aside, self.before)
+
+
+def slot_before(panel: Panel, opening: Pose) -> Slot | None:
+    """Return the slot nearest to an opening's axis; None where no slotted duct stands before it.
+
+    Args:
+        panel: with its ducts.
+        opening: its frame, x into the terminal, panel frame.
+    """
+    found = [slot for duct in panel.ducts if (slot := _slot_of(duct, opening)) is not None]
+    return min(found, key=lambda slot: abs(slot.aside), default=None)
+
+
+def _slot_of(duct: Duct, opening: Pose) -> Slot | None:
+    if not duct.slot_pitch:
+        return None
+    into_duct = duct.panel_from_duct.inverse() @ opening
+    out = -into_duct.rotation[:, 0]
+    along, across, _ = (float(v) for v in into_duct.position)
+    if abs(out[0]) > math.sin(ACROSS_RAD) or across * out[1] >= 0:
+        return None
+    away = abs(across) - duct.width / 2
+    if not 0 <= away <= BEFORE_M or abs(along) > duct.length / 2:
+        return None
+    slot = round(along / duct.slot_pitch) * duct.slot_pitch
+    aside = np.array([slot - along, 0.0, 0.0])
+    return Slot(float(aside @ into_duct.rotation[:, 1]), away)
+
 
 # A clip whose middle is so near to a wire's line, and that points so nearly along it, is its clip.
 CLIP_ASIDE_M = 0.010

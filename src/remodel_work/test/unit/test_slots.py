@@ -8,7 +8,7 @@ from panels import panel
 
 from remodel_work.geometry import Pose
 from remodel_work.panel import Duct
-from remodel_work.slots import slot_before
+from remodel_work.routes import slot_before
 
 # Along y; its wall at x 0.02 has slots at y 0, 12.5 mm, ...
 DUCT = Duct("D1", (0.0, 0.0, math.pi / 2), 0.40, 0.040, 0.060, slot_pitch=0.0125, slot_width=0.007)

@@ -1,4 +1,4 @@
-"""Faults by their physical causes: the table of kinds, and the check of requests."""
+"""Faults that are caused on purpose, and their limits."""
 
 from __future__ import annotations
 
@@ -7,8 +7,16 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from types import MappingProxyType
 
-from remodel_sim.core.errors import FaultError
+from remodel_work.errors import CellError
 from remodel_work.geometry import Pose
+
+
+class FaultError(CellError):
+    """A fault that cannot be caused as it is asked for."""
+
+
+class FilmError(CellError):
+    """A run cannot be filmed."""
 
 
 @dataclass(frozen=True)

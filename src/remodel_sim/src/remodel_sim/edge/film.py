@@ -8,7 +8,7 @@ import cv2
 import numpy as np
 import numpy.typing as npt
 
-from remodel_sim.core.errors import FilmError
+from remodel_sim.core.faults import FilmError
 
 Image = npt.NDArray[np.uint8]
 

@@ -1,4 +1,4 @@
-"""The feeder: lays a wire into a channel and sets the fork."""
+"""What presents wires: the feeder and the magazine."""
 
 from __future__ import annotations
 
@@ -6,18 +6,32 @@ import math
 
 import numpy as np
 
+from remodel_sim.core.wires.hanging_loop import HeldEnd
 from remodel_sim.core.wires.wire_mechanics import GRAVITY, discretise
+from remodel_sim.physics.fixtures.clips import add_clip
+from remodel_sim.physics.live_wire import hanging_cable
 from remodel_sim.physics.wires.cable import SimulatedWire
 from remodel_sim.physics.world import MASS_SCALE, World
-from remodel_work.cell.feeding import Feeder, Laying, plan_laying
+from remodel_work.cell.feeding import (
+    Feeder,
+    Laying,
+    Magazine,
+    Presentation,
+    disturbed,
+    fork_clips,
+    held_length,
+    plan_laying,
+    plan_presentation,
+    stop_box,
+)
 from remodel_work.component_shape import Box
 from remodel_work.connector_shape import connector_solids
 from remodel_work.edge.bullet import add_static
 from remodel_work.geometry import Pose
-from remodel_work.panel import Channel, Panel, PanelWire
+from remodel_work.panel import Channel, Panel, PanelWire, WireEnd
 
 FORK_RGB = (0.16, 0.45, 0.30)
-REST_S = 0.3
+LAID_REST_S = 0.3
 # Laid this far above the plate, the wire comes to rest without a push [m].
 DROP_M = 2e-4
 
@@ -44,7 +58,7 @@ def lay(
     yaw = laying.direction * math.pi / 2
     cable.lay(np.array([*laying.tip_a, above + wire.radius + DROP_M]), yaw, laying.curvature)
     fall_s = math.sqrt(2 * above * MASS_SCALE / GRAVITY)
-    for _ in range(round((fall_s + REST_S) / world.time_step)):
+    for _ in range(round((fall_s + LAID_REST_S) / world.time_step)):
         world.step()
     return cable, laying, fork
 
@@ -55,3 +69,58 @@ def _make_fork(world: World, feeder: Feeder, wire: PanelWire, laying: Laying, he
     posts = [Box((side * (inner + post / 2), 0, height / 2), size, FORK_RGB) for side in (-1, 1)]
     pose = Pose.level(float(laying.fork[0]), float(laying.fork[1]), 0.0)
     return add_static(world.bullet, posts, pose)
+
+
+# The ends are held until the loop has come to rest in the clips, with this force.
+SETTLING_S = 0.5
+HOLDING_N = 20.0
+# Then they come to rest themselves.
+HUNG_REST_S = 0.5
+
+
+def present(
+    world: World, magazine: Magazine, panel: Panel, wire: PanelWire, noise: np.random.Generator
+) -> tuple[SimulatedWire, Presentation, dict[WireEnd, tuple[int, ...]]]:
+    """Put a wire into the magazine's clips.
+
+    Returns:
+        The wire, where its ends should be, and the clips that hold each end.
+    """
+    presentation = plan_presentation(magazine, panel, wire)
+    tips = disturbed(presentation.tips, noise, is_short=magazine.is_short(wire.length))
+    clips: dict[WireEnd, tuple[int, ...]] = {}
+    for end, tip in tips.items():
+        clips[end] = tuple(add_clip(world, clip, pose) for clip, pose in fork_clips(wire, tip))
+        add_static(world.bullet, [stop_box(wire)], tip)
+    a, b = (HeldEnd(tips[end].position, tips[end].rotation[:, 0], held_length()) for end in WireEnd)
+    cable = hanging_cable(world, wire, a, b)
+    holders = [_hold(world, cable, end) for end in WireEnd]
+    _rest(world, SETTLING_S)
+    for holder in holders:
+        world.bullet.removeConstraint(holder)
+    _rest(world, HUNG_REST_S)
+    return cable, presentation, clips
+
+
+def _hold(world: World, cable: SimulatedWire, end: WireEnd) -> int:
+    """Hold an end where it is; return the constraint."""
+    link = cable.ferrule(end)
+    position, quaternion = cable.link_pose(link)
+    constraint = world.bullet.createConstraint(
+        *link,
+        childBodyUniqueId=-1,
+        childLinkIndex=-1,
+        jointType=world.bullet.JOINT_FIXED,
+        jointAxis=[0, 0, 0],
+        parentFramePosition=[0, 0, 0],
+        childFramePosition=position.tolist(),
+        parentFrameOrientation=[0, 0, 0, 1],
+        childFrameOrientation=quaternion.tolist(),
+    )
+    world.bullet.changeConstraint(constraint, maxForce=HOLDING_N)
+    return int(constraint)
+
+
+def _rest(world: World, seconds: float) -> None:
+    for _ in range(round(seconds / world.time_step)):
+        world.step()

@@ -7,9 +7,7 @@ from dataclasses import dataclass, field
 
 from remodel_sim.core.wires.hanging_loop import HeldEnd, hanging_loop
 from remodel_sim.core.wires.wire_mechanics import discretise
-from remodel_sim.physics.fixtures.clamps import Holding, Socket
-from remodel_sim.physics.fixtures.latches import Latch
-from remodel_sim.physics.fixtures.springs import Springs
+from remodel_sim.physics.fixtures.clamps import Holding, Latch, Socket, Springs
 from remodel_sim.physics.wires.cable import SimulatedWire
 from remodel_sim.physics.world import World
 from remodel_work.connector_shape import connector_solids

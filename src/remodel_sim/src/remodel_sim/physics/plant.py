@@ -14,16 +14,14 @@ from types import MappingProxyType
 import numpy as np
 import numpy.typing as npt
 
-from remodel_sim.core.errors import FaultError
-from remodel_sim.core.faults import Disturbances, Stray, check_fault
+from remodel_sim.core.faults import Disturbances, FaultError, Stray, check_fault
 from remodel_sim.core.wires.wire_mechanics import discretise
 from remodel_sim.physics import cameras
 from remodel_sim.physics.device import SimulatedArm, SimulatedCamera, SimulatedGripper
-from remodel_sim.physics.feeder import lay
+from remodel_sim.physics.feeder import lay, present
 from remodel_sim.physics.fixtures.clamps import Socket, close_clamp
 from remodel_sim.physics.fixtures.panel_scene import PanelScene
 from remodel_sim.physics.live_wire import LiveWire, bent_cable
-from remodel_sim.physics.magazine import present
 from remodel_sim.physics.robot import Robot
 from remodel_sim.physics.wires.cable import SimulatedWire
 from remodel_sim.physics.wires.parked_wire import add_solid, draw_parked
@@ -31,17 +29,17 @@ from remodel_sim.physics.world import CONTACT_DAMPING, CONTACT_STIFFNESS, World
 from remodel_skills.device import Device, PlacedEnds
 from remodel_work.camera import Picture, View
 from remodel_work.cell.cell_design import CellDesign, WristCamera
+from remodel_work.cell.feeding import Presentation
 from remodel_work.cell.held_panel import find_panel_problems, held_panel
-from remodel_work.cell.presentation import Presentation
 from remodel_work.component_shape import Box
 from remodel_work.edge.bullet import add_static
 from remodel_work.edge.cell_file import read_cell
 from remodel_work.errors import PanelError
 from remodel_work.geometry import Array, Pose
-from remodel_work.openings import TerminalKey
 from remodel_work.panel import Channel, Connector, Panel, PanelTerminal, PanelWire, WireEnd
 from remodel_work.placed_wires import ParkedWire
 from remodel_work.robot.arm import ToolPose
+from remodel_work.routes import TerminalKey
 
 FILM_WIDTH_PX = 640
 # Commands to the arms and checks of their sensors [1/s].

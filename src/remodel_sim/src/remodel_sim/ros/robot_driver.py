@@ -20,14 +20,18 @@ from trajectory_msgs.msg import JointTrajectory
 from flexbe_core.ros.master import join, spin
 from remodel_sim.core.setpoints import SAME_S, Setpoints
 from remodel_sim.physics.plant import SimulatedPlant
-from remodel_sim.ros.markers import Markers
-from remodel_sim.ros.publishers import RobotState
+from remodel_sim.ros.node import SimClock
+from remodel_sim.ros.publishers import Markers, RobotState
 from remodel_sim.ros.services import Services
-from remodel_sim.ros.sim_clock import SimClock
 from remodel_states.core.wires.wire_materials import WireMaterials
 from remodel_states.edge.wire_material_file import read_wire_materials
-from remodel_vision.ros.frames import FixedFrames, optical_frame
-from remodel_vision.ros.image_message import camera_info, depth_image, image
+from remodel_vision.ros.image_message import (
+    FixedFrames,
+    camera_info,
+    depth_image,
+    image,
+    optical_frame,
+)
 from remodel_work.camera import Picture
 from remodel_work.cell.cell_design import RobotDesign
 from remodel_work.edge.cell_file import read_cell

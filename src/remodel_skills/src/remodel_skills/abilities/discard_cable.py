@@ -13,19 +13,18 @@ from remodel_skills.abilities.locate_gearbox_component import locate_gearbox_com
 from remodel_skills.goal_checks import Message
 from remodel_skills.goals import DiscardGoal, ExtractGoal, LocateGoal
 from remodel_skills.primitives.carrying import drop_into_bin, lift_out
-from remodel_skills.primitives.ducts.leading import let_go
 from remodel_skills.primitives.grasping import holds, pick_end
+from remodel_skills.primitives.in_ducts import let_go
 from remodel_skills.primitives.observation.observing import loose_ends
-from remodel_skills.primitives.picking_up import pick_up
-from remodel_skills.primitives.taking_up import take_up
+from remodel_skills.primitives.picking_up import pick_up, take_up
 from remodel_skills.robot_context import RobotContext, Steps
 from remodel_states.core.codes import Code
-from remodel_work.cell.scrap_bin import bin_of
+from remodel_work.cell.feeding import bin_of
 from remodel_work.errors import AbilityError
 from remodel_work.geometry import Pose
-from remodel_work.openings import TerminalKey, nearest_terminal, opening_of
 from remodel_work.panel import WireEnd
 from remodel_work.robot.arm import ToolPose
+from remodel_work.routes import TerminalKey, nearest_terminal, opening_of
 
 
 @dataclass(frozen=True)

@@ -11,18 +11,18 @@ from remodel_skills.abilities.ability import ability
 from remodel_skills.belief_state import EndState, Grip
 from remodel_skills.goal_checks import Message, pose_from
 from remodel_skills.goals import ExtractGoal
-from remodel_skills.primitives.ducts.leading import let_go
 from remodel_skills.primitives.grasping import (
     close_on_wire,
     grasp_distance,
     holds,
     opening_beside_neighbours,
 )
+from remodel_skills.primitives.in_ducts import let_go
 from remodel_skills.primitives.laying import lay_down, let_down, tip_of
 from remodel_skills.primitives.motions import choose_flip, clear_hand, move_to, swing_to
+from remodel_skills.primitives.picking_up import take_up
 from remodel_skills.primitives.pulling import pull_out
 from remodel_skills.primitives.pushing import tool_before
-from remodel_skills.primitives.taking_up import take_up
 from remodel_skills.robot_context import RobotContext, Steps
 from remodel_states.core.codes import Code
 from remodel_work.errors import AbilityError

@@ -15,12 +15,10 @@ from remodel_skills.abilities.ability import ability
 from remodel_skills.belief_state import EndState
 from remodel_skills.goal_checks import Message
 from remodel_skills.goals import FixGoal
-from remodel_skills.primitives.ducts.tucking import tuck_in
 from remodel_skills.primitives.grasping import check_grip, release_fixed
+from remodel_skills.primitives.in_ducts import tuck_in
 from remodel_skills.primitives.motions import wait
-from remodel_skills.primitives.observation.duct_check import check_ducts
-from remodel_skills.primitives.observation.end_check import check_end
-from remodel_skills.primitives.observation.fork_check import check_forks
+from remodel_skills.primitives.observation.checks import check_ducts, check_end, check_forks
 from remodel_skills.primitives.pulling import pull_test
 from remodel_skills.primitives.pushing import yielding_in
 from remodel_skills.robot_context import RobotContext, Steps

@@ -7,13 +7,13 @@ from dataclasses import dataclass
 from remodel_skills.abilities.ability import ability
 from remodel_skills.goal_checks import Message, parse_end, pose_from
 from remodel_skills.goals import InsertGoal
-from remodel_skills.primitives.ducts.leading import let_go
 from remodel_skills.primitives.grasping import check_grip, pick_end
+from remodel_skills.primitives.in_ducts import let_go
 from remodel_skills.primitives.motions import disengage
 from remodel_skills.primitives.pushing import bring_before, find_in, judge_alignment, judge_depth
 from remodel_skills.robot_context import RobotContext, Steps
 from remodel_work.geometry import Pose
-from remodel_work.openings import opening_of
+from remodel_work.routes import opening_of
 
 
 @dataclass(frozen=True)

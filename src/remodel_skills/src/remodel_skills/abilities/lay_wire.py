@@ -22,15 +22,6 @@ from remodel_skills.belief_state import EndState
 from remodel_skills.goal_checks import Message
 from remodel_skills.goals import LayGoal
 from remodel_skills.parameters import FixtureParameters
-from remodel_skills.primitives.ducts.leading import (
-    AMONG_WIRES,
-    behind_hand,
-    eyelet_yaw,
-    keep_in_duct,
-    keeps_room,
-    lowest,
-    withdraw,
-)
 from remodel_skills.primitives.force_motion import ForceMotion
 from remodel_skills.primitives.grasping import check_grip, inside_terminal
 from remodel_skills.primitives.holding import (
@@ -40,8 +31,17 @@ from remodel_skills.primitives.holding import (
     slack_hold,
     steep_hold,
 )
+from remodel_skills.primitives.in_ducts import (
+    AMONG_WIRES,
+    behind_hand,
+    eyelet_yaw,
+    keep_in_duct,
+    keeps_room,
+    lowest,
+    withdraw,
+)
 from remodel_skills.primitives.motions import move_to, wait
-from remodel_skills.primitives.observation.route_check import observe_board
+from remodel_skills.primitives.observation.checks import observe_board
 from remodel_skills.primitives.observation.views import clear_sight
 from remodel_skills.primitives.together import move_together
 from remodel_skills.robot_context import RobotContext, Steps
@@ -53,7 +53,7 @@ from remodel_work.errors import AbilityError
 from remodel_work.geometry import Array, Pose, wrap_angle
 from remodel_work.panel import Duct, WireEnd, unit_x
 from remodel_work.robot.arm import ToolPose
-from remodel_work.slots import slot_before
+from remodel_work.routes import slot_before
 
 
 @dataclass(frozen=True)

@@ -22,7 +22,7 @@ from remodel_skills.robot_context import RobotContext, Steps
 from remodel_states.core.codes import Code
 from remodel_work.errors import AbilityError
 from remodel_work.geometry import Pose
-from remodel_work.openings import opening_of
+from remodel_work.routes import opening_of
 
 
 @dataclass(frozen=True)

@@ -16,8 +16,8 @@ from remodel_skills.primitives.forks import let_into_forks
 from remodel_skills.primitives.grasping import check_grip
 from remodel_skills.primitives.laying import lay_down
 from remodel_skills.primitives.motions import disengage, held_tool
-from remodel_skills.primitives.observation.route_check import (
-    check_ducts,
+from remodel_skills.primitives.observation.checks import (
+    check_path_in_ducts,
     clip_fault,
     duct_places,
     judge_clips,
@@ -27,9 +27,8 @@ from remodel_skills.robot_context import RobotContext, Steps
 from remodel_states.core.codes import Code
 from remodel_work.errors import AbilityError
 from remodel_work.geometry import Array, Pose
-from remodel_work.openings import opening_of
 from remodel_work.panel import PanelClip
-from remodel_work.routes import clips_along, world_from_clip
+from remodel_work.routes import clips_along, opening_of, world_from_clip
 
 
 @dataclass(frozen=True)
@@ -72,7 +71,7 @@ def route_wire(context: RobotContext, goal: RouteGoal) -> Steps[WireRouted]:
         yield from _carry_along(context, goal)
     count = len(goal.path)
     try:
-        yield from check_ducts(context, goal.path)
+        yield from check_path_in_ducts(context, goal.path)
     except AbilityError as error:
         error.found["reached"] = count
         raise

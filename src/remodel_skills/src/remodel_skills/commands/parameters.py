@@ -6,8 +6,7 @@ import argparse
 import sys
 from collections.abc import Sequence
 
-from remodel_skills.edge.parameter_files import VARIABLE, read_parameters
-from remodel_skills.edge.parameter_table import Parameter, ParameterError
+from remodel_skills.edge.parameter_files import VARIABLE, Parameter, ParameterError, read_parameters
 
 
 def main(words: Sequence[str]) -> int:

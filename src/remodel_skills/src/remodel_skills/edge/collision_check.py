@@ -14,7 +14,7 @@ from typing import Any
 
 import numpy as np
 
-from remodel_skills.collision import HeldTip, Touch
+from remodel_skills.space import HeldTip, Touch
 from remodel_work.edge.bullet import add_static, connect
 from remodel_work.edge.robot_description import FINGERS, HAND, robot_description
 from remodel_work.geometry import Pose, turn_between

@@ -10,12 +10,12 @@ import numpy as np
 
 from remodel_skills.primitives.grasping import check_grip
 from remodel_skills.primitives.motions import move_to, nearest_hand_yaw, rise, wait
-from remodel_skills.primitives.taking_up import end_wire
+from remodel_skills.primitives.picking_up import end_wire
 from remodel_skills.robot_context import RobotContext, Steps
 from remodel_states.core.codes import Code
-from remodel_vision.board.new_points import new_length
+from remodel_vision.board.standing import new_length
 from remodel_work.camera import Picture
-from remodel_work.cell.scrap_bin import bin_of
+from remodel_work.cell.feeding import bin_of
 from remodel_work.errors import AbilityError
 from remodel_work.geometry import Array
 from remodel_work.panel import WireEnd

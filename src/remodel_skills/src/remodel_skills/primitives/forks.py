@@ -30,9 +30,9 @@ from remodel_states.core.codes import Code
 from remodel_work.errors import AbilityError
 from remodel_work.geometry import Array, wrap_angle
 from remodel_work.layout import STANDOFF_M
-from remodel_work.openings import opening_of
 from remodel_work.panel import Duct
 from remodel_work.robot.arm import ToolPose
+from remodel_work.routes import opening_of
 
 
 def let_into_forks(context: RobotContext, forks: Iterable[Duct]) -> Steps[None]:

@@ -9,9 +9,9 @@ from itertools import pairwise
 
 import numpy as np
 
-from remodel_skills.collision import Touch
 from remodel_skills.motion import PEAK_OVER_MEAN, Line
 from remodel_skills.robot_context import RobotContext, Steps
+from remodel_skills.space import Touch
 from remodel_states.core.codes import Code
 from remodel_work.errors import AbilityError
 from remodel_work.geometry import Array, Pose, wrap_angle

@@ -11,8 +11,8 @@ from remodel_states.core.codes import Code
 from remodel_work.errors import AbilityError
 from remodel_work.geometry import Pose
 from remodel_work.layout import STANDOFF_M
-from remodel_work.openings import TerminalKey, nearest_terminal
 from remodel_work.panel import unit_x
+from remodel_work.routes import TerminalKey, nearest_terminal
 
 
 def pull_out(context: RobotContext, socket: Pose, most_n: float) -> Steps[float]:

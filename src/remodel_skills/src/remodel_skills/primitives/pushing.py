@@ -10,14 +10,13 @@ import numpy as np
 
 from remodel_skills.belief_state import Grip
 from remodel_skills.force_control import Yielding
-from remodel_skills.parameters import Parameters, TerminalParameters
+from remodel_skills.parameters import Parameters, TerminalParameters, WireParameters
 from remodel_skills.primitives.force_motion import ForceMotion
 from remodel_skills.primitives.holding import bring_together, free_length, holder_of
 from remodel_skills.primitives.laying import carry_over
 from remodel_skills.primitives.motions import move_to, wait
 from remodel_skills.primitives.observation.observing import observe_held_tip
 from remodel_skills.primitives.together import move_together
-from remodel_skills.push_monitor import PushMonitor
 from remodel_skills.robot_context import RobotContext, Steps
 from remodel_states.core.codes import Code
 from remodel_work.errors import AbilityError
@@ -25,7 +24,42 @@ from remodel_work.geometry import Array, Pose, wrap_angle
 from remodel_work.layout import STANDOFF_M
 from remodel_work.panel import PanelTerminal, unit_x
 from remodel_work.robot.arm import ToolPose
-from remodel_work.slots import slot_before
+from remodel_work.routes import slot_before
+
+
+@dataclass(frozen=True)
+class PushMonitor:
+    """The forces of a push so far, along it [N].
+
+    Attributes:
+        buckles: whether what is pushed may give way.
+        wire: the forces that show it.
+        peak: the largest.
+        peak_before: the largest before it came near the bottom.
+        now: the last.
+    """
+
+    buckles: bool
+    wire: WireParameters
+    peak: float = 0.0
+    peak_before: float = 0.0
+    now: float = 0.0
+
+    def then(self, force: float, *, near_bottom: bool) -> PushMonitor:
+        """Return the forces with one more."""
+        peak = max(self.peak, force)
+        before = self.peak_before if near_bottom else peak
+        return replace(self, peak=peak, peak_before=before, now=force)
+
+    @property
+    def gave_way(self) -> bool:
+        """Whether the wire buckles at the bottom."""
+        free = self.buckles and self.peak_before < self.wire.free_way_n
+        return (
+            free
+            and self.peak >= self.wire.gives_way_from_n
+            and self.now < self.peak - self.wire.gives_way_by_n
+        )
 
 
 @dataclass(frozen=True)

@@ -27,7 +27,7 @@ from remodel_skills.ros.services import Services
 from remodel_states.core.ability_tables import chosen_abilities
 from remodel_states.edge.exported_tables import read_abilities
 from remodel_states.edge.wire_material_file import read_wire_materials
-from remodel_vision.ros.frames import FixedFrames
+from remodel_vision.ros.image_message import FixedFrames
 from remodel_work.errors import CellError
 from remodel_work.panel import Panel, WireEnd
 from remodel_work.ros.panel_message import read_panel

@@ -8,8 +8,7 @@ import numpy as np
 import rospy
 from sensor_msgs.msg import CameraInfo, Image
 
-from remodel_vision.ros.frames import optical_frame
-from remodel_vision.ros.image_message import camera_info, image
+from remodel_vision.ros.image_message import camera_info, image, optical_frame
 from remodel_work.camera import Picture
 from remodel_work.cell.cell_design import CellDesign
 

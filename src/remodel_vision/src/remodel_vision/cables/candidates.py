@@ -8,23 +8,21 @@ from dataclasses import dataclass, replace
 import cv2
 import numpy as np
 
-from remodel_vision.cables.curves.polyline import arc_lengths
-from remodel_vision.cables.curves.robust_statistics import median_colour
-from remodel_vision.cables.curves.spline import fit
 from remodel_vision.cables.edges.confidence import Evidence, confidence, weigh
-from remodel_vision.cables.edges.refining import Refined, refine
+from remodel_vision.cables.edges.cross_sections import Refined, refine
 from remodel_vision.cables.ends import AXIS_FROM, find_end
+from remodel_vision.cables.lines import arc_lengths, fit, median_colour
 from remodel_vision.cables.model import CableEnding, DetectedCable, Tip
 from remodel_vision.cables.strands.foreground import Foreground
-from remodel_vision.cables.strands.hypotheses import (
+from remodel_vision.cables.strands.joining import (
     HALF_WIDTHS,
     colour_foreground,
     local_foreground,
+    rough_cables,
 )
-from remodel_vision.cables.strands.joining import rough_cables
-from remodel_vision.cables.strands.prior import Prior
+from remodel_vision.cables.strands.network import Prior
 from remodel_vision.cables.warnings import SURE, over_foreign_objects, surrounding_terms
-from remodel_vision.pixels import Pixels
+from remodel_vision.colour import Pixels
 from remodel_work.geometry import Array
 
 # Knots of the splines are this far apart: a cable bends no sharper [widths], [px].

@@ -12,9 +12,9 @@ import math
 import cv2
 import numpy as np
 
-from remodel_vision.cables.curves.robust_statistics import limited
+from remodel_vision.cables.lines import limited
 from remodel_vision.cables.model import Crossing, DetectedCable
-from remodel_vision.pixels import Pixels
+from remodel_vision.colour import Pixels
 from remodel_work.geometry import Array
 
 # Every so many points of a centreline are intersected.

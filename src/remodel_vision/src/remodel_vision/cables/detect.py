@@ -26,7 +26,7 @@ from remodel_vision.cables.model import (
     Detection,
 )
 from remodel_vision.cables.strands.foreground import Foreground, find_foreground
-from remodel_vision.cables.strands.prior import Prior, checked_prior
+from remodel_vision.cables.strands.network import Prior, checked_prior
 from remodel_vision.cables.warnings import (
     CLUTTERED,
     NOTHING,
@@ -36,7 +36,7 @@ from remodel_vision.cables.warnings import (
     exposure_warnings,
     remainder_warnings,
 )
-from remodel_vision.pixels import Pixels
+from remodel_vision.colour import Pixels
 
 # The foreground is found in a picture of about so many columns; in the finer one where cables are
 # this thin in the first [px].

@@ -7,9 +7,9 @@ import math
 import cv2
 import numpy as np
 
-from remodel_vision.cables.curves.polyline import arc_lengths, parabola
+from remodel_vision.cables.lines import arc_lengths, parabola
 from remodel_vision.cables.model import CableEnding, DetectedCable, Tip
-from remodel_vision.pixels import Pixels
+from remodel_vision.colour import Pixels
 from remodel_work.geometry import Array
 
 # The axis at an end is fitted to this part of the centreline, counted from the end: nearer to it

@@ -10,11 +10,11 @@ from dataclasses import dataclass
 import cv2
 import numpy as np
 
-from remodel_vision.cables.curves.robust_statistics import median
 from remodel_vision.cables.ends import goes_on, in_shadow
+from remodel_vision.cables.lines import median
 from remodel_vision.cables.model import CableEnding, DetectedCable
 from remodel_vision.cables.strands.foreground import Foreground
-from remodel_vision.pixels import Pixels
+from remodel_vision.colour import Pixels
 
 NOTHING = "nothing in the picture looks like a cable"
 CLUTTERED = "the picture is too cluttered; clear the table, or take it from nearer"

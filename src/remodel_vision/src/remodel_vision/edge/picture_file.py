@@ -8,7 +8,7 @@ from pathlib import Path
 import cv2
 import numpy as np
 
-from remodel_vision.pixels import Pixels
+from remodel_vision.colour import Pixels
 
 # ITU-T T.81, B.1.1: a marker is FF and a byte that is neither 0 nor the number of a restart.
 JPEG_MARKER = re.compile(rb"\xff+([^\x00\xd0-\xd7\xff])", re.DOTALL)

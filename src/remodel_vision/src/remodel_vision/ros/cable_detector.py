@@ -11,7 +11,7 @@ from sensor_msgs.msg import Image
 
 from flexbe_core.ros.master import join, spin
 from remodel_vision.cables import Crossing, DetectedCable, Detection, detect_cables
-from remodel_vision.cables.sketch import sketch
+from remodel_vision.cables.model import sketch
 from remodel_vision.ros.image_message import image, read_image
 
 

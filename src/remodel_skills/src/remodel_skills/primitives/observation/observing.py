@@ -12,7 +12,7 @@ from remodel_skills.primitives.motions import clear_hand, move_to, park, swing_t
 from remodel_skills.primitives.observation.views import views_around
 from remodel_skills.robot_context import RobotContext, Steps
 from remodel_states.core.codes import Code
-from remodel_vision.cables.curves.polyline import arc_lengths, at_distance
+from remodel_vision.cables.lines import arc_lengths, at_distance
 from remodel_vision.drawing import BLUE, ORANGE, Drawing
 from remodel_vision.wire_ends import EndObservation, TipObservation, find_ends, line_from
 from remodel_vision.wire_lines import WireLines

@@ -14,9 +14,9 @@ from dataclasses import dataclass
 import cv2
 import numpy as np
 
-from remodel_vision.cables.curves.robust_statistics import limited, median
-from remodel_vision.cables.strands.prior import Prior
-from remodel_vision.pixels import Pixels
+from remodel_vision.cables.lines import limited, median
+from remodel_vision.cables.strands.network import Prior
+from remodel_vision.colour import Pixels
 from remodel_work.geometry import Array
 
 # The table is sampled at every sixth pixel, and its median taken over this many samples: a third

@@ -1,20 +1,249 @@
-"""Strands and the places where they meet, cleaned of what thinning makes of thick lines.
-
-Spurs go. A crossing is thinned to two places where three strands meet, with a short strand between
-them: these become one place. So do two such places with a longer strand between them: a shallow
-crossing, whose middle belongs to both cables.
-"""
+"""From a foreground to a network of strands: skeleton, prior, and graph."""
 
 from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
 
 import cv2
 import numpy as np
 
-from remodel_vision.cables.curves.polyline import arc_lengths
-from remodel_vision.cables.curves.robust_statistics import median, median_colour
-from remodel_vision.cables.strands.pairing import EndId, StrandEnd, heading_at
-from remodel_vision.cables.strands.skeleton import Strand
-from remodel_vision.pixels import Pixels
+from remodel_vision.cables.lines import arc_lengths, median, median_colour
+from remodel_vision.cables.strands.joining import EndId, StrandEnd, heading_at
+from remodel_vision.colour import Pixels
+from remodel_work.geometry import Array
+
+# A lit tube of a colour shows as such shades of it.
+SHADES = (0.3, 1.3)
+# A pixel may be a cable of a colour when it is so near to a shade of it: at least [grey levels],
+# and as a share of the colour's length.
+TOLERANCE_LEVELS, TOLERANCE_SHARE = 40.0, 0.25
+# A cable is of a known width when it differs by this share at most.
+WIDTH_SHARE = 0.3
+
+
+@dataclass(frozen=True, eq=False)
+class Prior:
+    """Prior knowledge; what is None or empty is not known.
+
+    Attributes:
+        mask: (height, width), not 0 where a cable may be seen.
+        colours: RGB of the cables [0 to 255].
+        widths: of the cables [px].
+        background: (height, width, 3), RGB, the same view without cables.
+    """
+
+    mask: Pixels | None = None
+    colours: tuple[tuple[float, float, float], ...] = ()
+    widths: tuple[float, ...] = ()
+    background: Pixels | None = None
+
+    @property
+    def is_specific(self) -> bool:
+        """Whether colours and widths are known: what fits both is a cable that is searched for."""
+        return bool(self.colours and self.widths)
+
+    def smaller(self, scale: int) -> Prior:
+        """Return the same for a picture made `scale` times smaller."""
+        mask, background = self.mask, self.background
+        if mask is not None:
+            mask = (_shrunk((mask != 0).astype(np.float32), scale) > 0).astype(np.uint8)
+        if background is not None:
+            background = _shrunk(background, scale)
+        widths = tuple(width / scale for width in self.widths)
+        return replace(self, mask=mask, background=background, widths=widths)
+
+    def allowed(self, rgb: Pixels) -> Pixels | None:
+        """Return 1 where a cable may be seen in a picture (height, width, 3); None: everywhere."""
+        allowed = self.mask
+        if self.colours:
+            pixels = rgb.astype(np.float32)
+            like: Pixels = np.zeros(rgb.shape[:2], np.uint8)
+            for colour in self.colours:
+                like |= _like(pixels, np.array(colour, np.float32))
+            # A highlight along a tube has no colour.
+            like = cv2.morphologyEx(like, cv2.MORPH_CLOSE, np.ones((3, 3), np.uint8))
+            allowed = like if allowed is None else allowed & like
+        return allowed
+
+    def fits(self, width: float) -> bool:
+        """Return whether a cable of a width [px] may be one of those searched for."""
+        return not self.widths or any(abs(width / w - 1) <= WIDTH_SHARE for w in self.widths)
+
+
+def _shrunk(picture: Pixels, scale: int) -> Pixels:
+    """Return a picture made `scale` times smaller."""
+    return cv2.resize(picture, None, fx=1 / scale, fy=1 / scale, interpolation=cv2.INTER_AREA)
+
+
+def _like(pixels: Pixels, colour: Pixels) -> Pixels:
+    """Return 1 where pixels (height, width, 3) are near a shade of a colour (3,)."""
+    square = max(float(colour @ colour), 1.0)
+    shade = np.clip(pixels @ colour / square, *SHADES)
+    apart = np.linalg.norm(pixels - shade[..., None] * colour, axis=-1)
+    near = max(TOLERANCE_LEVELS, TOLERANCE_SHARE * float(np.sqrt(square)))
+    return np.asarray(apart < near, np.uint8)
+
+
+def checked_prior(
+    shape: tuple[int, ...],
+    mask: Pixels | None,
+    colours: Sequence[Sequence[float]],
+    widths: Sequence[float],
+    background: Pixels | None,
+) -> Prior:
+    """Return prior knowledge for a picture of a shape (height, width, 3).
+
+    Raises:
+        ValueError: for a mask or background of another size or type, or a colour or width out of
+            range.
+    """
+    if mask is not None and mask.shape != shape[:2]:
+        raise ValueError(f"a mask of shape {mask.shape}; it must be {shape[:2]}, as the picture is")
+    if background is not None and (background.shape != shape or background.dtype != np.uint8):
+        raise ValueError(
+            f"a background of shape {background.shape} and type {background.dtype}; it must be "
+            f"{shape} and uint8, as the picture is"
+        )
+    for colour in colours:
+        if len(colour) != 3 or not all(0 <= level <= 255 for level in colour):
+            raise ValueError(f"colour {tuple(colour)}; it must be red, green, blue from 0 to 255")
+    for width in widths:
+        if not 0 < width < max(shape):
+            raise ValueError(f"width {width}; it must be above 0 and below {max(shape)} px")
+    triples = tuple((float(r), float(g), float(b)) for r, g, b in colours)
+    return Prior(mask, triples, tuple(float(width) for width in widths), background)
+
+
+MAX_ROUNDS = 40
+# A mask goes on for so much beyond its border while it is thinned [px].
+RIM = 8
+# What lies around a part of a picture is not used.
+BORDER = cv2.BORDER_CONSTANT | cv2.BORDER_ISOLATED
+# The neighbours north, north-east, ... north-west as (row, column), and as bits of a code.
+NEIGHBOURS = ((-1, 0), (-1, 1), (0, 1), (1, 1), (1, 0), (1, -1), (0, -1), (-1, -1))
+BITS = np.array([[128, 1, 2], [64, 0, 4], [32, 16, 8]], np.float32)
+
+
+def _removable(first: bool) -> Pixels:
+    """Return for each code of neighbours whether a half step of the thinning removes the pixel."""
+    table = np.zeros(256, np.uint8)
+    for code in range(256):
+        north, ne, east, se, south, sw, west, nw = (bool(code >> bit & 1) for bit in range(8))
+        branches = (
+            (not north and (ne or east))
+            + (not east and (se or south))
+            + (not south and (sw or west))
+            + (not west and (nw or north))
+        )
+        pairs = min(
+            (nw or north) + (ne or east) + (se or south) + (sw or west),
+            (north or ne) + (east or se) + (south or sw) + (west or nw),
+        )
+        kept = (south or sw or not nw) and west if first else (north or ne or not se) and east
+        table[code] = branches == 1 and 2 <= pairs <= 3 and not kept
+    return table
+
+
+HALF_STEPS = (_removable(True), _removable(False))
+
+
+def thin(mask: Pixels) -> Pixels:
+    """Return the skeleton of a mask of 0 and 1; lines that touch the border are kept up to it."""
+    skeleton = cv2.copyMakeBorder(mask, RIM, RIM, RIM, RIM, cv2.BORDER_REPLICATE)
+    x, y, width, height = cv2.boundingRect(skeleton)
+    part = skeleton[y : y + height, x : x + width]
+    left = cv2.countNonZero(skeleton)
+    if not left:
+        return mask
+    for _ in range(MAX_ROUNDS):
+        for removable in HALF_STEPS:
+            codes = cv2.filter2D(part, -1, BITS, borderType=BORDER)
+            cv2.subtract(part, cv2.LUT(codes, removable), dst=part)
+        before, left = left, cv2.countNonZero(part)
+        if left == before:
+            break
+    return np.ascontiguousarray(skeleton[RIM:-RIM, RIM:-RIM])
+
+
+@dataclass(frozen=True, eq=False)
+class Strand:
+    """A piece of skeleton between two places where strands end or meet.
+
+    Attributes:
+        points: (n, 2) columns and rows [px].
+        nodes: numbers of the pixels at its first and last point.
+    """
+
+    points: Array
+    nodes: tuple[int, int]
+
+
+def find_strands(skeleton: Pixels) -> list[Strand]:
+    """Return the pieces of a skeleton, a picture of 0 and 1."""
+    padded = cv2.copyMakeBorder(skeleton, 1, 1, 1, 1, cv2.BORDER_CONSTANT)
+    stride = skeleton.shape[1] + 2
+    places = np.flatnonzero(padded)
+    if not len(places):
+        return []
+    flat = padded.ravel().astype(bool)
+    steps = np.array([r * stride + c for r, c in NEIGHBOURS])
+    linked = flat[places[:, None] + steps]
+    # A diagonal link is dropped where a link through a shared neighbour exists.
+    for bit in (1, 3, 5, 7):
+        linked[:, bit] &= ~linked[:, bit - 1] & ~linked[:, (bit + 1) % 8]
+    degree = linked.sum(axis=1)
+    number = np.zeros(flat.size, np.intp)
+    number[places] = np.arange(len(places))
+    # The first and the last neighbour of each pixel; of most these are all.
+    first = number[places + steps[np.argmax(linked, axis=1)]].tolist()
+    last = number[places + steps[7 - np.argmax(linked[:, ::-1], axis=1)]].tolist()
+    nodes = np.flatnonzero(degree != 2)
+    links = [
+        number[p + steps[n]].tolist() for p, n in zip(places[nodes], linked[nodes], strict=True)
+    ]
+    paths = _walk(first, last, dict(zip(nodes.tolist(), links, strict=True)))
+    columns, lines = places % stride - 1, places // stride - 1
+    points = np.column_stack([columns, lines]).astype(np.float64)
+    return [Strand(points[path], (path[0], path[-1])) for path in paths]
+
+
+def _walk(first: list[int], last: list[int], links: dict[int, list[int]]) -> list[list[int]]:
+    """Return the paths between nodes, then the closed rings.
+
+    Args:
+        first: a neighbour of each pixel.
+        last: another neighbour of each pixel that is no node.
+        links: the neighbours of each node.
+    """
+    paths = []
+    done = [False] * len(first)
+    for node, neighbours in links.items():
+        done[node] = True
+        for after in neighbours:
+            if done[after] and after not in links:
+                continue
+            path, before, here = [node], node, after
+            while here not in links:
+                done[here] = True
+                path.append(here)
+                before, here = here, last[here] if first[here] == before else first[here]
+            path.append(here)
+            # A link between two nodes is met from both.
+            if len(path) > 2 or node < here:
+                paths.append(path)
+    for start in range(len(first)):
+        if done[start]:
+            continue
+        path, before, here = [start], start, first[start]
+        done[start] = True
+        while here != start:
+            done[here] = True
+            path.append(here)
+            before, here = here, last[here] if first[here] == before else first[here]
+        paths.append([*path, start])
+    return paths
+
 
 # A spur is shorter than this many times the foreground's reach at its root, and so much [px].
 SPUR = (1.3, 2.5)

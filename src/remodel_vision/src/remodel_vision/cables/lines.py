@@ -1,13 +1,31 @@
-"""Polylines (n, 2): length, even steps, smoothing, and the curve across a gap."""
+"""Curves through pixels: robust statistics, polylines, splines."""
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from functools import lru_cache
+from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 
 from remodel_work.geometry import Array
+
+
+def limited(values: npt.NDArray[Any], low: npt.ArrayLike, high: npt.ArrayLike) -> npt.NDArray[Any]:
+    """Return values, none of them below one limit or above another."""
+    return np.minimum(np.maximum(values, low), high)
+
+
+def median(values: npt.NDArray[Any]) -> float:
+    """Return the upper median of a non-empty array, however shaped."""
+    flat = values.ravel()
+    return float(np.partition(flat, len(flat) // 2)[len(flat) // 2])
+
+
+def median_colour(colours: npt.NDArray[Any]) -> npt.NDArray[Any]:
+    """Return the upper median of each column of a non-empty array (n, k)."""
+    return np.partition(colours, len(colours) // 2, axis=0)[len(colours) // 2]
 
 
 def arc_lengths(points: Array) -> Array:
@@ -102,3 +120,71 @@ def at_distance(points: Array, distance: float) -> tuple[Array, Array]:
     i = int(np.clip(np.searchsorted(np.cumsum(pieces), distance), 0, len(pieces) - 1))
     tangent = (points[i + 1] - points[i]) / pieces[i]
     return points[i] + tangent * (distance - float(pieces[:i].sum())), tangent
+
+
+DEGREE = 3
+# Keeps parts without points smooth: the weight of second differences of neighbouring coefficients.
+STIFFNESS = 1e-3
+
+
+@dataclass(frozen=True, eq=False)
+class Spline:
+    """A plane B-spline in the form of FITPACK: knots, coefficients and degree.
+
+    Attributes:
+        t: (n + k + 1,) knots from 0 to 1, the first and last k + 1 equal.
+        c_x: (n,) coefficients of the columns [px].
+        c_y: (n,) coefficients of the rows [px].
+        k: degree.
+    """
+
+    t: Array
+    c_x: Array
+    c_y: Array
+    k: int = DEGREE
+
+    def at(self, u: Array) -> Array:
+        """Return the points (m, 2) [px] at parameters (m,) from 0 to 1."""
+        return basis(self.t, u) @ np.column_stack([self.c_x, self.c_y])
+
+
+def basis(t: Array, u: Array) -> Array:
+    """Return the values (m, n) of the B-splines on knots t at u (m,), by Cox and de Boor."""
+    last = len(t) - DEGREE - 2
+    span = limited(np.searchsorted(t, u, side="right") - 1, DEGREE, last)
+    values = np.ones((len(u), 1))
+    for degree in range(1, DEGREE + 1):
+        offsets = span[:, None] + np.arange(1, degree + 1)
+        right = t[offsets]
+        left = t[offsets - degree]
+        share = values / (right - left)
+        low = (right - u[:, None]) * share
+        high = (u[:, None] - left) * share
+        values = np.zeros((len(u), degree + 1))
+        values[:, :-1] += low
+        values[:, 1:] += high
+    full = np.zeros((len(u), len(t) - DEGREE - 1))
+    full[np.arange(len(u))[:, None], span[:, None] - DEGREE + np.arange(DEGREE + 1)] = values
+    return full
+
+
+def fit(points: Array, weights: Array, spacing: float) -> Spline:
+    """Return the spline nearest to points (m, 2) with weights (m,), knots `spacing` apart [px]."""
+    arc = arc_lengths(points)
+    u = arc / arc[-1]
+    pieces = max(1, round(arc[-1] / spacing))
+    inner = np.arange(1, pieces) / pieces
+    t = np.concatenate([np.zeros(DEGREE + 1), inner, np.ones(DEGREE + 1)])
+    rows = basis(t, u)
+    weighted = rows * weights[:, None]
+    density = max(float(weights.sum()), 1.0) / rows.shape[1]
+    normal = weighted.T @ rows + density * _stiffness(rows.shape[1])
+    c = np.linalg.solve(normal, weighted.T @ points)
+    return Spline(t, c[:, 0], c[:, 1])
+
+
+@lru_cache(maxsize=256)
+def _stiffness(count: int) -> Array:
+    """Return the matrix (count, count) of the cost of bends between neighbouring coefficients."""
+    bend = np.diff(np.eye(count), 2, axis=0)
+    return np.asarray(STIFFNESS * bend.T @ bend + 1e-9 * np.eye(count))

@@ -1,1 +1,0 @@
-"""Curves in a picture: polylines and splines, and robust statistics of their samples."""
