@@ -29,7 +29,7 @@ from scoring import auc, is_right
 
 from remodel_vision.cables import candidates, detect, detect_cables
 from remodel_vision.cables.candidates import Candidate
-from remodel_vision.cables.edges import confidence as confidence_weights
+from remodel_vision.cables.edges import confidence_weights
 
 PRICE = 1.0
 ROUNDS = 30

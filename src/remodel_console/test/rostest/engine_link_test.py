@@ -13,7 +13,7 @@ from std_msgs.msg import Empty, UInt8
 from remodel_console.core.run.order import Attach
 from remodel_console.core.run.run_view import EngineSeen
 from remodel_console.errors import CommandError
-from remodel_console.ros import topic_values as topics
+from remodel_console.ros import topics
 from remodel_console.ros.engine_link import EngineLink
 
 LIMIT_S = 60.0

@@ -15,7 +15,7 @@ from std_msgs.msg import String
 from flexbe_core.ros.connections import senders
 from remodel_console.core.answer import CommandResult, read_answer, trouble_words
 from remodel_console.errors import CommandError
-from remodel_console.ros import topic_values as topics
+from remodel_console.ros import topics
 
 LIMIT_S = 8.0  # wall time
 

@@ -16,7 +16,7 @@ from remodel_console.core.commands import read_command
 from remodel_console.core.key import is_allowed
 from remodel_console.core.settings import Settings
 from remodel_console.desk import Journal, answer_of
-from remodel_console.ros import topic_values as topics
+from remodel_console.ros import topics
 from remodel_console.ros.runtime import Runtime
 from remodel_console.session import Session
 

@@ -36,7 +36,7 @@ from remodel_console.core.run.run_view import (
     LevelSeen,
 )
 from remodel_console.errors import CommandError
-from remodel_console.ros import topic_values as topics
+from remodel_console.ros import topics
 
 _POLL_S = 0.2  # between two checks whether the engine is running
 _READ_EVERY_S = 1.0  # between two checks of the breakpoints, a parameter

@@ -11,7 +11,7 @@ from flexbe_msgs.msg import BehaviorInputAction, BehaviorInputResult
 from flexbe_core.ros.master import SteadyActionServer
 from remodel_console.core.world import InputRequest
 from remodel_console.errors import CommandError
-from remodel_console.ros import topic_values as topics
+from remodel_console.ros import topics
 
 
 class InputServer:

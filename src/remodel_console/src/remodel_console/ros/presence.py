@@ -19,7 +19,7 @@ from remodel_console.console import Console
 from remodel_console.core.run.run_view import Phase
 from remodel_console.core.world import CellKind, Part
 from remodel_console.desk import Journal
-from remodel_console.ros import topic_values as topics
+from remodel_console.ros import topics
 from remodel_console.ros.cell.camera_link import CameraLink
 from remodel_console.ros.cell.scene_link import RESET, SceneLink, ValuesLink, reset_cell
 from remodel_console.ros.cell.scene_recorder import SceneRecorder

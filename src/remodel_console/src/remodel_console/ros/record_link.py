@@ -8,7 +8,7 @@ from remodel_msgs import msg, srv
 
 from remodel_console.core.use_case.record import Record, Summary
 from remodel_console.errors import CommandError
-from remodel_console.ros import topic_values as topics
+from remodel_console.ros import topics
 from remodel_console.ros.call_service import call_service
 from remodel_console.ros.run_values import sums_of
 from remodel_run.record import Entry, Kind, Statistics

@@ -12,7 +12,7 @@ from remodel_msgs import msg, srv
 from remodel_console.core.use_case.task_copy import TaskCopy
 from remodel_console.core.use_case.use_case import UseCase
 from remodel_console.errors import CommandError
-from remodel_console.ros import topic_values as topics
+from remodel_console.ros import topics
 from remodel_console.ros.call_service import call_service
 from remodel_console.ros.run_values import changes_of, snapshot_of, use_case_of
 

@@ -12,7 +12,7 @@ from flexbe_msgs.msg import CommandFeedback
 from remodel_console.core.commands import Command, Verb
 from remodel_console.core.run.order import Hold, Release
 from remodel_console.errors import CommandError
-from remodel_console.ros import topic_values as topics
+from remodel_console.ros import topics
 from remodel_console.steering import Steering
 
 _LEVEL = 1  # of autonomy when attaching without one: the FlexBE App's first, Low

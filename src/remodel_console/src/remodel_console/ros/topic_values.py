@@ -1,4 +1,8 @@
-"""The fields of topics that are numbers, and their values."""
+"""Any topic as values to plot.
+
+A topic is subscribed to by its own message class: another subscriber of this node to the same
+topic would receive what the first one's class makes of it.
+"""
 
 from __future__ import annotations
 
@@ -14,40 +18,6 @@ import rospy
 from remodel_console.core.run.topic_plot import check_field, number_fields, number_in, split_plot
 from remodel_console.errors import CommandError
 from remodel_console.watched import TopicPlots
-
-COMMAND = "flexbe/uicommand"  # flexbe_msgs/UICommand
-NOTIFICATION = "flexbe/uinotification"  # std_msgs/String: the command done, empty if refused
-ANSWER = "flexbe/uianswer"  # std_msgs/String: in words, see core/answer.py
-FEEDBACK = "flexbe/command_feedback"  # flexbe_msgs/CommandFeedback, from the engine
-UPDATE = "flexbe/behavior_update"  # std_msgs/String: path of the state that is active
-STATUS = "flexbe/status"  # flexbe_msgs/BEStatus, from the engine
-ATTACH = "flexbe/command/attach"  # std_msgs/UInt8
-LOCK = "flexbe/command/lock"  # std_msgs/String
-UNLOCK = "flexbe/command/unlock"  # std_msgs/String
-REQUEST = "flexbe/outcome_request"  # flexbe_msgs/OutcomeRequest
-LOG = "flexbe/log"  # flexbe_msgs/BehaviorLog
-HEARTBEAT = "flexbe/heartbeat"  # std_msgs/Empty, once a second
-STRUCTURE = "flexbe/mirror/structure"  # flexbe_msgs/ContainerStructure
-START = "flexbe/start_behavior"  # flexbe_msgs/BehaviorSelection
-AUTONOMY = "flexbe/command/autonomy"  # std_msgs/UInt8
-TRANSITION = "flexbe/command/transition"  # flexbe_msgs/OutcomeRequest: index, label of the state
-PAUSE = "flexbe/command/pause"  # std_msgs/Bool
-REPEAT = "flexbe/command/repeat"  # std_msgs/Empty
-PREEMPT = "flexbe/command/preempt"  # std_msgs/Empty
-SHOW_STRUCTURE = "flexbe/request_mirror_structure"  # std_msgs/Int32
-USERDATA = "flexbe/get_userdata"  # flexbe_msgs/GetUserdata, a service of the engine
-BREAKPOINTS = "/flexbe/breakpoints"  # a parameter: paths of states
-AUTONOMY_IN_FORCE = "flexbe/mirror/autonomy"  # std_msgs/UInt8, latched: 255 without supervision
-OPERATOR_INPUT = "flexbe/operator_input"  # flexbe_msgs/BehaviorInput, an action of the console
-VISITS = "flexbe/mirror/visits"  # std_msgs/String: what states find and leave, see VisitText
-LEFT = "flexbe/debug/current_state"  # std_msgs/String: path > outcome, of what is supervised
-USE_CASE = "remodel/use_case/state"  # remodel_msgs/UseCaseState, latched
-TASK_CHANGES = "remodel/use_case/changes"  # remodel_msgs/UseCaseChanges
-TASKS = "remodel/use_case/tasks"  # remodel_msgs/GetTasks, a service
-RUN_USE_CASE = "remodel/run_use_case"  # remodel_msgs/RunUseCase, an action
-RUN_COMMANDS = "remodel/use_case"  # its services: pause, resume, stop, skip, retry ...
-CELL = "cell"  # in whose namespace a cell's cameras are
-
 
 _CALLER = "/remodel_console"
 _CHECK_S = 0.5  # between two checks of what is to be plotted

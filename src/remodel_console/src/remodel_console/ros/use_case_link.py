@@ -14,7 +14,7 @@ from remodel_msgs.msg import RunUseCaseAction, RunUseCaseGoal
 from flexbe_core.ros.connections import is_heard
 from remodel_console.core.use_case.use_case import UseCase
 from remodel_console.errors import CommandError
-from remodel_console.ros import topic_values as topics
+from remodel_console.ros import topics
 from remodel_console.ros.call_service import LIMIT_S, call_service
 from remodel_console.ros.run_subscriber import RunSubscriber
 from remodel_run.progress import Answer

@@ -18,7 +18,7 @@ from sensor_msgs.msg import Image
 
 from remodel_console.edge.jpeg import as_jpeg
 from remodel_console.errors import CommandError, PictureError
-from remodel_console.ros import topic_values as topics
+from remodel_console.ros import topics
 from remodel_console.ros.call_service import call_service
 from remodel_console.watched import Pictures
 

@@ -18,7 +18,7 @@ from flexbe_core.engine.visit import VisitText
 from remodel_console.core.cell.cell_state import CellState, Line, Robot, Solid
 from remodel_console.core.cell.robot_model import read_robot
 from remodel_console.errors import CommandError
-from remodel_console.ros import topic_values as topics
+from remodel_console.ros import topics
 from remodel_console.ros.call_service import call_service
 from remodel_console.watched import RunValues, Scene
 

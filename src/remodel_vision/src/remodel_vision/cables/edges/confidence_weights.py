@@ -1,0 +1,31 @@
+"""Weights of the confidence, written by benchmarks/vision/fit_confidence.py."""
+
+BIAS = -31.1232
+WEIGHTS = {
+    "contrast [log spreads]": 0.3689,
+    "contrast [log levels]": -0.4507,
+    "edges that agree": 11.4145,
+    "sides alike": 0.4731,
+    "length [log widths]": 2.2426,
+    "spread of the width": -3.2988,
+    "one hue": -2.3532,
+    "one hue at the ends": 8.4057,
+    "deep shadows": -0.3084,
+    "halves of one hue": -1.7232,
+    "uneven middle": -4.2751,
+    "uneven surroundings": 2.7153,
+    "sides apart": -1.8189,
+    "strong edges": -0.6491,
+    "rough [widths]": -10.9035,
+    "sharpest bend [log]": -1.2234,
+    "overexposed beside": -0.0909,
+    "softness [widths]": -2.9192,
+    "softness [log px]": 2.2209,
+    "margin": 3.3144,
+    "foreground [log share]": -1.3818,
+    "over foreign objects": -0.8862,
+    "goes on": -7.3499,
+    "hidden ends": -8.8623,
+    "bend [log widths]": 1.3460,
+    "end near another [widths]": 0.2146,
+}
