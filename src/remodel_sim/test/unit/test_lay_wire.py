@@ -24,7 +24,7 @@ from remodel_skills.abilities.pick_cable import pick_cable
 from remodel_skills.abilities.place_cable import place_cable
 from remodel_skills.cell import Cell
 from remodel_skills.edge.parameter_files import read_parameters
-from remodel_skills.primitives import in_ducts as leading
+from remodel_skills.primitives import in_ducts
 from remodel_skills.primitives.in_ducts import tuck_in
 from remodel_skills.primitives.observation.checks import check_ducts, inspect_ducts
 from remodel_skills.primitives.picking_up import take_up
@@ -213,10 +213,10 @@ def test_a_wire_that_lies_in_the_notch_of_an_open_finger_is_shed():
     across = np.array([-math.sin(here.yaw), math.cos(here.yaw), 0.0])
     beside = here.moved(across, INTO_NOTCH_M).at(z=here.z + LIFTED_M)
     cell.run(
-        leading.move_to(guide, beside, MOTION.leave_speed_m_s, leading.in_ducts(guide)),
+        in_ducts.move_to(guide, beside, MOTION.leave_speed_m_s, in_ducts.in_ducts(guide)),
         GUIDE,
     )
-    cell.run(leading.let_go(guide), GUIDE)
+    cell.run(in_ducts.let_go(guide), GUIDE)
     assert guide.commanded == beside.at(z=MOTION.travel_z_m)
     assert from_the_wire(cell, GUIDE) > SHED_M
     cell.close()

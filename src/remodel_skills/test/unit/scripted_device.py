@@ -17,8 +17,9 @@ from remodel_skills.robot_context import RobotContext
 from remodel_skills.space import Traffic
 from remodel_work.camera import Lens, View
 from remodel_work.cell.cell_design import CellDesign, Gripper, RobotDesign, Table, WristCamera
-from remodel_work.cell.feeding import plan_laying, plan_presentation
+from remodel_work.cell.feeding import plan_laying
 from remodel_work.cell.held_panel import find_panel_problems, held_panel
+from remodel_work.cell.magazine import plan_presentation
 from remodel_work.edge.cell_file import read_cell
 from remodel_work.errors import PanelError
 from remodel_work.geometry import Pose

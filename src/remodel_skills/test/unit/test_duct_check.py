@@ -21,7 +21,7 @@ from scripted_device import PARAMETERS, ScriptedPlant
 
 from remodel_skills.belief_state import NO_CHANNEL, Feed
 from remodel_skills.cell import Cell
-from remodel_skills.primitives.observation import checks as route_check
+from remodel_skills.primitives.observation import checks
 from remodel_skills.primitives.observation.checks import check_ducts, check_forks, inspect_ducts
 from remodel_states.core.codes import Code
 from remodel_work.component_shape import Box
@@ -171,7 +171,7 @@ def formboard_with_a_wire(*ducts):
 def test_a_wire_beside_its_duct_is_seen_from_above(x, words):
     cell = formboard_with_a_wire(duct(x, 0.0))
     with pytest.raises(AbilityError, match=words) if words else nullcontext() as caught:
-        cell.run(route_check.check_path_in_ducts(cell.context, (at(x, -0.1), at(x, 0.1))))
+        cell.run(checks.check_path_in_ducts(cell.context, (at(x, -0.1), at(x, 0.1))))
     assert not words or caught.value.code is Code.OUT_OF_DUCT
 
 
@@ -183,5 +183,5 @@ def test_a_wire_that_is_hidden_in_one_duct_is_judged_by_the_others(hidden):
     covers = tuple((cover, BOARD @ one.panel_from_duct) for one in ducts if one.id in hidden)
     cell.plant.boxes += covers
     with pytest.raises(AbilityError) if len(hidden) > 1 else nullcontext() as caught:
-        cell.run(route_check.check_path_in_ducts(cell.context, (at(0.0, -0.2), at(0.0, 0.2))))
+        cell.run(checks.check_path_in_ducts(cell.context, (at(0.0, -0.2), at(0.0, 0.2))))
     assert caught is None or caught.value.code is Code.CABLE_OCCLUDED

@@ -13,7 +13,7 @@ from remodel_work.edge.cell_file import read_cell
 from remodel_work.geometry import wrap_angle
 from remodel_work.robot.arm import ToolPose
 from remodel_work.robot.fingers import PANDA_FINGERS
-from remodel_work.robot.kinematics import Portal
+from remodel_work.robot.portal import Portal
 
 PORTAL = Portal((0.5, 0.0, 0.0, math.pi / 2), (-0.4, -0.6, 0.0), (0.4, 0.6, 0.9), PANDA_FINGERS)
 

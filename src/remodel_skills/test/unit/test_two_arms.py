@@ -19,7 +19,7 @@ from remodel_work.edge.cell_file import read_cell
 from remodel_work.errors import AbilityError
 from remodel_work.panel import WireEnd
 from remodel_work.robot.arm import ToolPose
-from remodel_work.robot.kinematics import TURN_RATE
+from remodel_work.robot.portal import TURN_RATE
 
 MOTION = PARAMETERS.motion
 CABINET = read_cell("two_arms_cabinet")

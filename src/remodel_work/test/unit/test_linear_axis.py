@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from panels import panel
 
-from remodel_work.cell.feeding import bin_of
+from remodel_work.cell.scrap_bin import bin_of
 from remodel_work.edge.cell_file import read_cell
 from remodel_work.robot.arm import ToolPose
 from remodel_work.robot.arm_volume import gap_between, volume_of

@@ -9,7 +9,7 @@ from remodel_states.core.codes import Code
 from remodel_work.errors import AbilityError
 from remodel_work.robot.arm import ToolPose
 from remodel_work.robot.fingers import PANDA_FINGERS
-from remodel_work.robot.kinematics import Portal
+from remodel_work.robot.portal import Portal
 
 PORTAL = Portal((0.5, 0.0, 0.0, math.pi / 2), (-0.4, -0.6, 0.0), (0.4, 0.6, 0.9), PANDA_FINGERS)
 

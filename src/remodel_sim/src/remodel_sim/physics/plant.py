@@ -29,8 +29,8 @@ from remodel_sim.physics.world import CONTACT_DAMPING, CONTACT_STIFFNESS, World
 from remodel_skills.device import Device, PlacedEnds
 from remodel_work.camera import Picture, View
 from remodel_work.cell.cell_design import CellDesign, WristCamera
-from remodel_work.cell.feeding import Presentation
 from remodel_work.cell.held_panel import find_panel_problems, held_panel
+from remodel_work.cell.presentation import Presentation
 from remodel_work.component_shape import Box
 from remodel_work.edge.bullet import add_static
 from remodel_work.edge.cell_file import read_cell

@@ -16,7 +16,7 @@ from visualization_msgs.msg import Marker, MarkerArray
 from remodel_sim.core.faults import FilmError
 from remodel_sim.edge.film import Film
 from remodel_sim.physics.plant import SimulatedPlant
-from remodel_sim.ros.node import SimClock
+from remodel_sim.ros.sim_clock import SimClock
 from remodel_states.core.wires.wire_colours import Rgb, rgbs_of
 from remodel_vision.ros.image_message import FixedFrames, optical_frame, transform
 from remodel_work.cell.cell_design import RobotDesign

@@ -20,9 +20,9 @@ from trajectory_msgs.msg import JointTrajectory
 from flexbe_core.ros.master import join, spin
 from remodel_sim.core.setpoints import SAME_S, Setpoints
 from remodel_sim.physics.plant import SimulatedPlant
-from remodel_sim.ros.node import SimClock
 from remodel_sim.ros.publishers import Markers, RobotState
 from remodel_sim.ros.services import Services
+from remodel_sim.ros.sim_clock import SimClock
 from remodel_states.core.wires.wire_materials import WireMaterials
 from remodel_states.edge.wire_material_file import read_wire_materials
 from remodel_vision.ros.image_message import (

@@ -29,8 +29,8 @@ from remodel_skills.ros.node import OpenedPlant
 from remodel_states.core.codes import Code
 from remodel_work.camera import Picture, View
 from remodel_work.cell.cell_design import CellDesign, RobotDesign
-from remodel_work.cell.feeding import Presentation
 from remodel_work.cell.held_panel import find_panel_problems, held_panel
+from remodel_work.cell.presentation import Presentation
 from remodel_work.errors import AbilityError, CellError, PanelError
 from remodel_work.panel import Panel
 from remodel_work.placed_wires import ParkedWire

@@ -16,7 +16,7 @@ from remodel_msgs import srv
 from remodel_skills.device import PlacedEnds
 from remodel_skills.edge.robot_file import CellTopics
 from remodel_states.core.codes import Code
-from remodel_work.cell.feeding import Presentation
+from remodel_work.cell.presentation import Presentation
 from remodel_work.errors import AbilityError, PanelError
 from remodel_work.geometry import Array, Pose
 from remodel_work.panel import Panel, WireEnd

@@ -18,7 +18,7 @@ from typing import Generic, Protocol, TypeVar
 import rospy
 
 from remodel_skills.cell import Cell
-from remodel_skills.ros.ability_server import Job
+from remodel_skills.ros.job import Job
 from remodel_work.errors import AbilityError, CellError
 
 T = TypeVar("T")

@@ -13,14 +13,13 @@ from remodel_vision.cables.edges.cross_sections import Refined, refine
 from remodel_vision.cables.ends import AXIS_FROM, find_end
 from remodel_vision.cables.lines import arc_lengths, fit, median_colour
 from remodel_vision.cables.model import CableEnding, DetectedCable, Tip
-from remodel_vision.cables.strands.foreground import Foreground
-from remodel_vision.cables.strands.joining import (
+from remodel_vision.cables.strands.foreground import Foreground, Prior
+from remodel_vision.cables.strands.hypotheses import (
     HALF_WIDTHS,
     colour_foreground,
     local_foreground,
-    rough_cables,
 )
-from remodel_vision.cables.strands.network import Prior
+from remodel_vision.cables.strands.joining import rough_cables
 from remodel_vision.cables.warnings import SURE, over_foreign_objects, surrounding_terms
 from remodel_vision.colour import Pixels
 from remodel_work.geometry import Array

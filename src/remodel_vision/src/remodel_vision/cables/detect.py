@@ -25,8 +25,12 @@ from remodel_vision.cables.model import (
     DetectedCable,
     Detection,
 )
-from remodel_vision.cables.strands.foreground import Foreground, find_foreground
-from remodel_vision.cables.strands.network import Prior, checked_prior
+from remodel_vision.cables.strands.foreground import (
+    Foreground,
+    Prior,
+    checked_prior,
+    find_foreground,
+)
 from remodel_vision.cables.warnings import (
     CLUTTERED,
     NOTHING,

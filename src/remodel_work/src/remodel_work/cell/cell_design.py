@@ -14,7 +14,8 @@ from itertools import combinations
 
 from remodel_states.core.cell import CellLimits
 from remodel_work.camera import Lens, View, overhead_name
-from remodel_work.cell.feeding import LEAST_FREE_M, Feeder, Magazine, held_length
+from remodel_work.cell.feeding import Feeder
+from remodel_work.cell.magazine import LEAST_FREE_M, Magazine, held_length
 from remodel_work.errors import AbilityError
 from remodel_work.geometry import Pose
 from remodel_work.panel import BOARD, Duct, PanelClip

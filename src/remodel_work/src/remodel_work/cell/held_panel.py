@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import replace
 
 from remodel_work.cell.cell_design import CellDesign
-from remodel_work.cell.feeding import find_wire_problems
+from remodel_work.cell.magazine import find_wire_problems
 from remodel_work.layout import find_problems
 from remodel_work.panel import Panel
 

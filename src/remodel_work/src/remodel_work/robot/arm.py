@@ -18,7 +18,7 @@ from remodel_states.core.codes import Code
 from remodel_work.errors import AbilityError
 from remodel_work.geometry import Array, Pose, wrap_angle
 from remodel_work.robot.fingers import PANDA_FINGERS, Fingers
-from remodel_work.robot.kinematics import LinearAxis
+from remodel_work.robot.linear_axis import LinearAxis
 
 
 @dataclass(frozen=True)

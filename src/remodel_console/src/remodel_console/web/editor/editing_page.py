@@ -20,7 +20,7 @@ from remodel_console.core.editor.inspection import Inspection
 from remodel_console.errors import CommandError
 from remodel_console.session import Session
 from remodel_console.sessions import Sessions
-from remodel_console.web.editor.result_panels import show_refusal
+from remodel_console.web.editor.refusal import show_refusal
 from remodel_console.web.editor.xml_pane import XmlPane
 from remodel_console.web.page import Page
 

@@ -15,12 +15,14 @@ from remodel_console.core.editor.graph import Marks, chart_graph
 from remodel_console.core.world import World
 from remodel_console.edge.inspect_chart import inspect_text
 from remodel_console.web.canvas import Canvas
+from remodel_console.web.editor.certificate_panel import CertificatePanel
+from remodel_console.web.editor.changes_panel import ChangesPanel
 from remodel_console.web.editor.drawing_editor import Clipboard, DrawingEditor
 from remodel_console.web.editor.editing_page import EditingPage
 from remodel_console.web.editor.editor_tools import EditorTools
 from remodel_console.web.editor.library_panel import LibraryPanel
+from remodel_console.web.editor.problem_list import ProblemList
 from remodel_console.web.editor.properties_panel import PropertiesPanel
-from remodel_console.web.editor.result_panels import CertificatePanel, ChangesPanel, ProblemList
 from remodel_console.web.editor.xml_pane import XmlPane
 
 _SCRIPT = """<script>document.addEventListener("keydown", (event) => {

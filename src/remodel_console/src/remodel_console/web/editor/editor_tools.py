@@ -18,8 +18,8 @@ from remodel_console.core.editor.editing import Path, connected, container_at, m
 from remodel_console.errors import FileChangedError
 from remodel_console.session import Session
 from remodel_console.sessions import Left
+from remodel_console.web.editor.changes_panel import changes_html
 from remodel_console.web.editor.editing_page import SESSION, EditingPage
-from remodel_console.web.editor.result_panels import changes_html
 
 
 class EditorTools:

@@ -1,209 +1,27 @@
-"""Strands joined to cables: hypotheses, pairs at crossings, and the best of them."""
+"""From a mask to rough cables: strands joined where they meet, and across gaps."""
 
 from __future__ import annotations
 
-import itertools
 import math
-from collections.abc import Iterator
 from dataclasses import dataclass
 
 import cv2
 import numpy as np
 
 from remodel_vision.cables.lines import across_gap, arc_lengths, parabola, smooth
-from remodel_vision.cables.strands.foreground import (
-    DEVIATIONS,
-    SPARSE,
-    Foreground,
-    above,
-    distance_from,
-    foreign_objects_in,
-    majority,
-    median_nearby,
-    reach_in,
-    typical_half_width,
-    unlike_any_shade,
-    whitening,
+from remodel_vision.cables.strands.foreground import DEVIATIONS, Foreground
+from remodel_vision.cables.strands.network import (
+    ALONE,
+    EndId,
+    Network,
+    StrandEnd,
+    best_pairs,
+    find_strands,
+    join_prices,
+    thin,
 )
-from remodel_vision.cables.strands.network import Network, Prior, find_strands, thin
 from remodel_vision.colour import Pixels
 from remodel_work.geometry import Array
-
-# Half widths of the cables that are searched for by their difference from what lies around [px].
-HALF_WIDTHS = (1.5, 3.5)
-# A cable's colours vary by this much at least [grey levels], and along its shades by this share.
-COLOUR_FLOOR, SHADE_SHARE = 6.0, 0.12
-# A pixel is of a colour up to so many standard deviations from it.
-OF_COLOUR = 3.0
-
-
-def local_foreground(rgb: Pixels, half_width: float, first: Foreground, prior: Prior) -> Foreground:
-    """Return what differs from the median over a few widths around it.
-
-    Args:
-        rgb: (height, width, 3), some 320 columns.
-        half_width: of the cables, roughly [px].
-        first: the foreground by the table's colour.
-        prior: what is known.
-    """
-    pixels = rgb.astype(np.float32)
-    near = median_nearby(rgb, half_width)
-    whiten, spread = whitening(pixels[1::SPARSE, 1::SPARSE] - near[1::SPARSE, 1::SPARSE])
-    distance = distance_from(pixels, near, whiten)
-    mask = majority(unlike_any_shade(pixels, near, whiten, distance))
-    return _thin_parts(mask, spread, distance, _allowed(rgb, first, prior), first)
-
-
-def colour_foreground(rgb: Pixels, samples: Array, first: Foreground, prior: Prior) -> Foreground:
-    """Return what has the colour of samples (n, 3) [grey levels] of a piece of cable."""
-    mean = samples.mean(axis=0)
-    apart = samples - mean
-    shade = SHADE_SHARE * mean
-    spread = apart.T @ apart / len(samples) + COLOUR_FLOOR**2 * np.eye(3) + np.outer(shade, shade)
-    values, vectors = np.linalg.eigh(spread)
-    whiten = ((vectors / np.sqrt(values)).T).astype(np.float32)
-    pixels = rgb.astype(np.float32)
-    away = distance_from(pixels, np.broadcast_to(mean.astype(np.float32), pixels.shape), whiten)
-    mask = majority((away < OF_COLOUR).astype(np.uint8))
-    covered = np.where((mask | first.mask) > 0, 2 * DEVIATIONS, 0.0).astype(np.float32)
-    return _thin_parts(mask, first.spread, covered, _allowed(rgb, first, prior), first)
-
-
-def _allowed(rgb: Pixels, first: Foreground, prior: Prior) -> Pixels | None:
-    """Return 1 where a cable may be seen; with a known background, where that is covered."""
-    allowed = prior.allowed(rgb)
-    if prior.background is None:
-        return allowed
-    covered = above(first.covered)
-    return covered if allowed is None else allowed & covered
-
-
-def _thin_parts(
-    mask: Pixels, spread: float, covered: Pixels, allowed: Pixels | None, first: Foreground
-) -> Foreground:
-    """Return the parts of a mask that are thin enough for a cable."""
-    if allowed is not None:
-        mask = mask & allowed
-    reach = reach_in(mask)
-    half_width = typical_half_width(reach)
-    thick = foreign_objects_in(reach, half_width)
-    if thick.any():
-        mask = np.where(thick > 0, 0, mask).astype(np.uint8)
-        reach = reach_in(mask)
-    return Foreground(
-        mask=mask,
-        reach=reach,
-        foreign_objects=first.foreign_objects,
-        half_width=half_width,
-        spread=spread,
-        covered=covered,
-        distance=np.where(mask > 0, 2 * DEVIATIONS, 0.0).astype(np.float32),
-    )
-
-
-# An end is (number of its strand, 0 for its first or 1 for its last point).
-EndId = tuple[int, int]
-
-# Prices: an end without a partner; one squared unit of colour (CIE Lab) and of relative width, and
-# the most that they cost.
-ALONE = 0.6
-COLOUR_UNIT, COLOUR_MOST = 22.0, 2.0
-WIDTH_UNIT, WIDTH_MOST = 0.6, 0.5
-# Ends of one strand are paired only when nothing else can be.
-OWN_END = 1.5
-# More ends at one place are paired greedily: there are 764 ways to pair 8 ends, 2620 for 9.
-MAX_OPTIMAL = 8
-# Times vectors (n, 2): complex numbers.
-PLANE = np.array([1.0, 1.0j])
-
-
-@dataclass(frozen=True, eq=False)
-class StrandEnd:
-    """An end of a strand.
-
-    Attributes:
-        end: which.
-        place: (2,) a little before the end, where the strand is undisturbed [px].
-        heading: (2,) unit vector towards the end and beyond it.
-        colour: (3,) of the strand, CIE Lab with little weight on the lightness.
-        width: of the strand [px].
-    """
-
-    end: EndId
-    place: Array
-    heading: Array
-    colour: Array
-    width: float
-
-
-def join_prices(strand_ends: list[StrandEnd]) -> Array:
-    """Return the prices (n, n) of taking two of n ends for one cable.
-
-    The bending energy of the cubic between them is 4 (s^2 + s t + t^2) / l with the headings s, t
-    against the chord of length l. Vectors in the plane are complex numbers here.
-    """
-    place = np.array([strand_end.place for strand_end in strand_ends]) @ PLANE
-    heading = np.array([strand_end.heading for strand_end in strand_ends]) @ PLANE
-    chord = place[None] - place[:, None]
-    chord = np.where(np.abs(chord) > 1e-6, chord, heading[:, None]).conj()
-    s, t = np.angle(heading[:, None] * chord), np.angle(-heading[None] * chord)
-    colour = np.array([strand_end.colour for strand_end in strand_ends])
-    apart = colour[None] - colour[:, None]
-    hue = np.einsum("ijk,ijk->ij", apart, apart) / COLOUR_UNIT**2
-    width = np.array([strand_end.width for strand_end in strand_ends])
-    thicker = (width[None] - width[:, None]) / (width[None] + width[:, None])
-    size = np.square(thicker * (2 / WIDTH_UNIT))
-    strand = np.array([strand_end.end[0] for strand_end in strand_ends])
-    own = OWN_END * (strand[None] == strand[:, None])
-    bend = s * s + s * t + t * t
-    return np.asarray(bend + np.minimum(hue, COLOUR_MOST) + np.minimum(size, WIDTH_MOST) + own)
-
-
-def best_pairs(strand_ends: list[StrandEnd]) -> tuple[list[tuple[EndId, EndId]], float]:
-    """Return the cheapest pairing of the ends at one place, and how much dearer the next is."""
-    count = len(strand_ends)
-    price = join_prices(strand_ends).tolist()
-    if count > MAX_OPTIMAL:
-        return _greedy_pairs(strand_ends, price), 0.0
-    ranked = sorted(
-        (sum(price[i][j] for i, j in pairs) + ALONE * (count - 2 * len(pairs)), pairs)
-        for pairs in _pairings(tuple(range(count)))
-    )
-    margin = ranked[1][0] - ranked[0][0] if len(ranked) > 1 else math.inf
-    return [(strand_ends[i].end, strand_ends[j].end) for i, j in ranked[0][1]], margin
-
-
-def _pairings(items: tuple[int, ...]) -> Iterator[tuple[tuple[int, int], ...]]:
-    """Yield every way to pair some of the items and leave the others alone."""
-    if len(items) < 2:
-        yield ()
-        return
-    first, rest = items[0], items[1:]
-    yield from _pairings(rest)
-    for k, other in enumerate(rest):
-        for more in _pairings(rest[:k] + rest[k + 1 :]):
-            yield ((first, other), *more)
-
-
-def _greedy_pairs(
-    strand_ends: list[StrandEnd], price: list[list[float]]
-) -> list[tuple[EndId, EndId]]:
-    pairs, taken = [], set[int]()
-    options = [(price[i][j], i, j) for i, j in itertools.combinations(range(len(strand_ends)), 2)]
-    for cost, i, j in sorted(options):
-        if cost < 2 * ALONE and not {i, j} & taken:
-            taken |= {i, j}
-            pairs.append((strand_ends[i].end, strand_ends[j].end))
-    return pairs
-
-
-def heading_at(points: Array) -> tuple[Array, Array]:
-    """Return the first of some points (n, 2), smoothed, and the unit vector that leads to it."""
-    if len(points) < 3:
-        return points[0], np.zeros(2)
-    fit = parabola(len(points), 2 if len(points) >= 8 else 1) @ points
-    return fit[0], -fit[1] / max(math.hypot(*fit[1].tolist()), 1e-9)
-
 
 # More pieces of skeleton are noise or clutter: pairing them takes too long and means nothing.
 MAX_STRANDS = 400

@@ -1,118 +1,121 @@
-"""From a foreground to a network of strands: skeleton, prior, and graph."""
+"""From a mask to a network of strands: thinned, cut where strands meet, their ends paired."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import dataclass, replace
+import itertools
+import math
+from collections.abc import Iterator
+from dataclasses import dataclass
 
 import cv2
 import numpy as np
 
-from remodel_vision.cables.lines import arc_lengths, median, median_colour
-from remodel_vision.cables.strands.joining import EndId, StrandEnd, heading_at
+from remodel_vision.cables.lines import arc_lengths, median, median_colour, parabola
 from remodel_vision.colour import Pixels
 from remodel_work.geometry import Array
 
-# A lit tube of a colour shows as such shades of it.
-SHADES = (0.3, 1.3)
-# A pixel may be a cable of a colour when it is so near to a shade of it: at least [grey levels],
-# and as a share of the colour's length.
-TOLERANCE_LEVELS, TOLERANCE_SHARE = 40.0, 0.25
-# A cable is of a known width when it differs by this share at most.
-WIDTH_SHARE = 0.3
+# An end is (number of its strand, 0 for its first or 1 for its last point).
+EndId = tuple[int, int]
+
+# Prices: an end without a partner; one squared unit of colour (CIE Lab) and of relative width, and
+# the most that they cost.
+ALONE = 0.6
+COLOUR_UNIT, COLOUR_MOST = 22.0, 2.0
+WIDTH_UNIT, WIDTH_MOST = 0.6, 0.5
+# Ends of one strand are paired only when nothing else can be.
+OWN_END = 1.5
+# More ends at one place are paired greedily: there are 764 ways to pair 8 ends, 2620 for 9.
+MAX_OPTIMAL = 8
+# Times vectors (n, 2): complex numbers.
+PLANE = np.array([1.0, 1.0j])
 
 
 @dataclass(frozen=True, eq=False)
-class Prior:
-    """Prior knowledge; what is None or empty is not known.
+class StrandEnd:
+    """An end of a strand.
 
     Attributes:
-        mask: (height, width), not 0 where a cable may be seen.
-        colours: RGB of the cables [0 to 255].
-        widths: of the cables [px].
-        background: (height, width, 3), RGB, the same view without cables.
+        end: which.
+        place: (2,) a little before the end, where the strand is undisturbed [px].
+        heading: (2,) unit vector towards the end and beyond it.
+        colour: (3,) of the strand, CIE Lab with little weight on the lightness.
+        width: of the strand [px].
     """
 
-    mask: Pixels | None = None
-    colours: tuple[tuple[float, float, float], ...] = ()
-    widths: tuple[float, ...] = ()
-    background: Pixels | None = None
-
-    @property
-    def is_specific(self) -> bool:
-        """Whether colours and widths are known: what fits both is a cable that is searched for."""
-        return bool(self.colours and self.widths)
-
-    def smaller(self, scale: int) -> Prior:
-        """Return the same for a picture made `scale` times smaller."""
-        mask, background = self.mask, self.background
-        if mask is not None:
-            mask = (_shrunk((mask != 0).astype(np.float32), scale) > 0).astype(np.uint8)
-        if background is not None:
-            background = _shrunk(background, scale)
-        widths = tuple(width / scale for width in self.widths)
-        return replace(self, mask=mask, background=background, widths=widths)
-
-    def allowed(self, rgb: Pixels) -> Pixels | None:
-        """Return 1 where a cable may be seen in a picture (height, width, 3); None: everywhere."""
-        allowed = self.mask
-        if self.colours:
-            pixels = rgb.astype(np.float32)
-            like: Pixels = np.zeros(rgb.shape[:2], np.uint8)
-            for colour in self.colours:
-                like |= _like(pixels, np.array(colour, np.float32))
-            # A highlight along a tube has no colour.
-            like = cv2.morphologyEx(like, cv2.MORPH_CLOSE, np.ones((3, 3), np.uint8))
-            allowed = like if allowed is None else allowed & like
-        return allowed
-
-    def fits(self, width: float) -> bool:
-        """Return whether a cable of a width [px] may be one of those searched for."""
-        return not self.widths or any(abs(width / w - 1) <= WIDTH_SHARE for w in self.widths)
+    end: EndId
+    place: Array
+    heading: Array
+    colour: Array
+    width: float
 
 
-def _shrunk(picture: Pixels, scale: int) -> Pixels:
-    """Return a picture made `scale` times smaller."""
-    return cv2.resize(picture, None, fx=1 / scale, fy=1 / scale, interpolation=cv2.INTER_AREA)
+def join_prices(strand_ends: list[StrandEnd]) -> Array:
+    """Return the prices (n, n) of taking two of n ends for one cable.
 
-
-def _like(pixels: Pixels, colour: Pixels) -> Pixels:
-    """Return 1 where pixels (height, width, 3) are near a shade of a colour (3,)."""
-    square = max(float(colour @ colour), 1.0)
-    shade = np.clip(pixels @ colour / square, *SHADES)
-    apart = np.linalg.norm(pixels - shade[..., None] * colour, axis=-1)
-    near = max(TOLERANCE_LEVELS, TOLERANCE_SHARE * float(np.sqrt(square)))
-    return np.asarray(apart < near, np.uint8)
-
-
-def checked_prior(
-    shape: tuple[int, ...],
-    mask: Pixels | None,
-    colours: Sequence[Sequence[float]],
-    widths: Sequence[float],
-    background: Pixels | None,
-) -> Prior:
-    """Return prior knowledge for a picture of a shape (height, width, 3).
-
-    Raises:
-        ValueError: for a mask or background of another size or type, or a colour or width out of
-            range.
+    The bending energy of the cubic between them is 4 (s^2 + s t + t^2) / l with the headings s, t
+    against the chord of length l. Vectors in the plane are complex numbers here.
     """
-    if mask is not None and mask.shape != shape[:2]:
-        raise ValueError(f"a mask of shape {mask.shape}; it must be {shape[:2]}, as the picture is")
-    if background is not None and (background.shape != shape or background.dtype != np.uint8):
-        raise ValueError(
-            f"a background of shape {background.shape} and type {background.dtype}; it must be "
-            f"{shape} and uint8, as the picture is"
-        )
-    for colour in colours:
-        if len(colour) != 3 or not all(0 <= level <= 255 for level in colour):
-            raise ValueError(f"colour {tuple(colour)}; it must be red, green, blue from 0 to 255")
-    for width in widths:
-        if not 0 < width < max(shape):
-            raise ValueError(f"width {width}; it must be above 0 and below {max(shape)} px")
-    triples = tuple((float(r), float(g), float(b)) for r, g, b in colours)
-    return Prior(mask, triples, tuple(float(width) for width in widths), background)
+    place = np.array([strand_end.place for strand_end in strand_ends]) @ PLANE
+    heading = np.array([strand_end.heading for strand_end in strand_ends]) @ PLANE
+    chord = place[None] - place[:, None]
+    chord = np.where(np.abs(chord) > 1e-6, chord, heading[:, None]).conj()
+    s, t = np.angle(heading[:, None] * chord), np.angle(-heading[None] * chord)
+    colour = np.array([strand_end.colour for strand_end in strand_ends])
+    apart = colour[None] - colour[:, None]
+    hue = np.einsum("ijk,ijk->ij", apart, apart) / COLOUR_UNIT**2
+    width = np.array([strand_end.width for strand_end in strand_ends])
+    thicker = (width[None] - width[:, None]) / (width[None] + width[:, None])
+    size = np.square(thicker * (2 / WIDTH_UNIT))
+    strand = np.array([strand_end.end[0] for strand_end in strand_ends])
+    own = OWN_END * (strand[None] == strand[:, None])
+    bend = s * s + s * t + t * t
+    return np.asarray(bend + np.minimum(hue, COLOUR_MOST) + np.minimum(size, WIDTH_MOST) + own)
+
+
+def best_pairs(strand_ends: list[StrandEnd]) -> tuple[list[tuple[EndId, EndId]], float]:
+    """Return the cheapest pairing of the ends at one place, and how much dearer the next is."""
+    count = len(strand_ends)
+    price = join_prices(strand_ends).tolist()
+    if count > MAX_OPTIMAL:
+        return _greedy_pairs(strand_ends, price), 0.0
+    ranked = sorted(
+        (sum(price[i][j] for i, j in pairs) + ALONE * (count - 2 * len(pairs)), pairs)
+        for pairs in _pairings(tuple(range(count)))
+    )
+    margin = ranked[1][0] - ranked[0][0] if len(ranked) > 1 else math.inf
+    return [(strand_ends[i].end, strand_ends[j].end) for i, j in ranked[0][1]], margin
+
+
+def _pairings(items: tuple[int, ...]) -> Iterator[tuple[tuple[int, int], ...]]:
+    """Yield every way to pair some of the items and leave the others alone."""
+    if len(items) < 2:
+        yield ()
+        return
+    first, rest = items[0], items[1:]
+    yield from _pairings(rest)
+    for k, other in enumerate(rest):
+        for more in _pairings(rest[:k] + rest[k + 1 :]):
+            yield ((first, other), *more)
+
+
+def _greedy_pairs(
+    strand_ends: list[StrandEnd], price: list[list[float]]
+) -> list[tuple[EndId, EndId]]:
+    pairs, taken = [], set[int]()
+    options = [(price[i][j], i, j) for i, j in itertools.combinations(range(len(strand_ends)), 2)]
+    for cost, i, j in sorted(options):
+        if cost < 2 * ALONE and not {i, j} & taken:
+            taken |= {i, j}
+            pairs.append((strand_ends[i].end, strand_ends[j].end))
+    return pairs
+
+
+def heading_at(points: Array) -> tuple[Array, Array]:
+    """Return the first of some points (n, 2), smoothed, and the unit vector that leads to it."""
+    if len(points) < 3:
+        return points[0], np.zeros(2)
+    fit = parabola(len(points), 2 if len(points) >= 8 else 1) @ points
+    return fit[0], -fit[1] / max(math.hypot(*fit[1].tolist()), 1e-9)
 
 
 MAX_ROUNDS = 40
