@@ -1,4 +1,4 @@
-"""What pages watch: pictures, the scene, values and plots, fetched only while somebody looks."""
+"""What pages watch: pictures, the scene, values and plots, fetched only while a page looks."""
 
 from __future__ import annotations
 

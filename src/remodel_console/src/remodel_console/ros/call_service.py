@@ -1,4 +1,4 @@
-"""Services, called without waiting for ever, and questions to nodes."""
+"""Services, called with a limit to the wait, and questions to nodes."""
 
 from __future__ import annotations
 
