@@ -273,7 +273,7 @@ class OverviewTest(BehaviorTestCase):
         page.get_by_role("button", name="Failures up").click()
         self.wait_until(lambda: top(failures) < top(levels))
         page.get_by_role("checkbox", name="Figures").click()
-        expect(page.locator(".part", has=page.locator(".figures"))).to_be_hidden()
+        page.wait_for_function("() => document.cookie.includes('-Figures')")
         page.reload()
         expect(failures).to_be_visible()
         self.assertLess(top(failures), top(levels))

@@ -10,6 +10,7 @@ import sys
 import unittest
 from itertools import pairwise
 from pathlib import Path
+from types import SimpleNamespace
 
 import numpy as np
 import rospy
@@ -17,17 +18,16 @@ import rostest
 from order_client import DESIGN, planner
 from remodel_msgs.srv import LoadPanel
 
+from remodel_planner.commands.options.design_orders import design_order
 from remodel_planner.commands.runs.built_in_cell import picture_of_cabinet, wires_in_cell
 from remodel_planner.core.reports.net_list import net_list, share_in_ducts
 from remodel_production.core.board.board import board_of
-from remodel_production.core.board.panel import panel_of
 from remodel_production.edge.database.production_database import ProductionDatabase
 from remodel_production.edge.package_files import catalogue_file, read_catalogue
 from remodel_skills.edge.cell_memory import CellMemory
 from remodel_states.edge.wire_material_file import read_wire_materials
 from remodel_supervision.ros.peers.board_message import board_message
 from remodel_tasks.core.orders.board_order import board_order
-from remodel_tasks.edge.use_case_files import find_use_case
 from remodel_work.panel import BOARD, WireEnd
 from remodel_work.placed_wires import ParkedWire, PlacedWires
 from remodel_work.ros.panel_message import panel_from
@@ -65,10 +65,13 @@ class BuiltInCellTest(unittest.TestCase):
         imported = planner("import", str(DESIGN), "--order", "house", database=database)
         assert imported.returncode == 0, imported.stderr
         cls.order = ProductionDatabase(database).order("house").in_cabinet()
-        catalogue = read_catalogue(catalogue_file())
-        board = board_of(cls.order, catalogue)
-        work = board_order(board, find_use_case("cabinet"), arms=1)
-        message = board_message(panel_of(board, catalogue), work)
+        options = SimpleNamespace(use_case="cabinet", cell="two_arms_cabinet", arms=1)
+        design = design_order(cls.order, options)
+        board = board_of(cls.order, read_catalogue(catalogue_file()))
+        whole = board_order(board, design.use_case, arms=1)
+        by_hand = design.work.wires_by_hand
+        message = board_message(design.panel, whole, by_hand)
+        cls.robots_wires = [wire for wire in cls.order.wires if wire.name not in by_hand]
         load = rospy.ServiceProxy("cell/load_panel", LoadPanel)
         load.wait_for_service(LIMIT_S)  # a cell that starts writes its memory, too
         cls.names = cls.remembered(message)
@@ -102,7 +105,7 @@ class BuiltInCellTest(unittest.TestCase):
     def nets(self):
         found, unread = wires_in_cell(self.order)
         self.assertEqual(unread, "")
-        asked = [wire.name for wire in self.order.wires[:6]]
+        asked = [wire.name for wire in self.robots_wires[:6]]
         return {net.wire: net for net in net_list(self.order.wires, asked, found)}
 
     def test_each_wire_is_compared_with_the_design(self):
@@ -110,11 +113,11 @@ class BuiltInCellTest(unittest.TestCase):
         right, turned, wrong, loose = (nets[name] for name in self.names)
         verdicts = [net.verdict.value for net in (right, turned, wrong, loose)]
         self.assertEqual(verdicts, ["as designed", "as designed", "wrong", "missing"])
-        sixth = self.order.wires[5]
+        sixth = self.robots_wires[5]
         self.assertEqual(wrong.difference, f"in {sixth.b} instead of {wrong.designed[1]}")
         self.assertEqual(loose.difference, f"no end in {loose.designed[1]}")
         self.assertEqual(nets[sixth.name].difference, "no piece of it in the cell")
-        self.assertEqual(list(nets), [wire.name for wire in self.order.wires[:6]])
+        self.assertEqual(list(nets), [wire.name for wire in self.robots_wires[:6]])
 
     def test_the_route_of_each_wire_is_judged_by_where_it_lies(self):
         nets = self.nets()
