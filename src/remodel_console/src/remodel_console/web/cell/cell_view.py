@@ -243,11 +243,8 @@ class LiveCell(CellPanel):
 
     async def _read(self, number: int) -> None:
         """Read the record of the run, when something of the wire has changed in it."""
-        recorder = self._console.recorder
-        if recorder is None:
-            return
         try:
-            self._record = await run.io_bound(recorder.record, number) or self._record
+            self._record = await run.io_bound(self._console.record, number)
         except CommandError:
             return  # the supervisor has ended meanwhile; the forces stay as they were
         self.show()

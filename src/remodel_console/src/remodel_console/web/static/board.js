@@ -23,7 +23,7 @@ function distance({ x, y }, { points }) {
 
 export default {
   template: `<div class="clicked-board wide">
-    <div ref="board" class="board" tabindex="0" role="region" aria-label="Drawing of the board" 
+    <div ref="board" class="board" tabindex="0" role="region" aria-label="Wires and terminals to choose" 
       :title="near" @click="click" @pointermove="over"></div>
     <details><summary>Wires ({{ wires.length }})</summary><ul class="board-wires">
       <li v-for="wire in wires" :key="wire.name"><button type="button" :aria-pressed="isChosen.has(wire.name)"
