@@ -119,7 +119,7 @@ def test_the_household_board_fits_the_cell_for_cabinets():
 @pytest.mark.parametrize(
     ("broken", "words"),
     [
-        (with_ducts(slot_width=0.0031), "2.0 mm too narrow: slots of 5.1 mm"),
+        (with_ducts(slot_width=0.0031), "ducts 'D0', 'L', 'D1' are 3.1 mm wide, 2.0 mm too narrow"),
         (with_ducts(width=0.060), "35 mm from its openings to duct 'D0', 3.0 mm too little"),
         (with_ducts(height=0.080), "duct 'D0': height is 0.08 m, 0.015 m too much"),
         (with_ducts(slot_width=0.0125), "duct 'D0': slot_width is 0.0125 m"),

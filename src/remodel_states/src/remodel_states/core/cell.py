@@ -173,14 +173,18 @@ def objections(
         )
     if any(passage.is_fork for passage in passages):
         yield from _about_forks(length, along, route)
+    slots: dict[float, list[str]] = {}
     for passage in dict.fromkeys(passages):
-        lack = diameter + SLOT_PLAY_M - passage.slot_width
-        if passage.slot_pitch and lack > 0:
+        if passage.slot_pitch:
+            slots.setdefault(passage.slot_width, []).append(repr(passage.name))
+    for width, names in slots.items():
+        lack = diameter + SLOT_PLAY_M - width
+        if lack > 0:
             yield Objection(
                 "thicker than slots",
-                f"{diameter * 1e3:.1f} mm thick, and the slots of duct {passage.name!r} are "
-                f"{passage.slot_width * 1e3:.1f} mm wide, {lack * 1e3:.1f} mm too narrow: slots of "
-                f"{(diameter + SLOT_PLAY_M) * 1e3:.1f} mm",
+                f"{diameter * 1e3:.1f} mm thick, and the slots of duct{'s' * (len(names) > 1)} "
+                f"{', '.join(names)} are {width * 1e3:.1f} mm wide, {lack * 1e3:.1f} mm too "
+                f"narrow: slots of {(diameter + SLOT_PLAY_M) * 1e3:.1f} mm",
             )
 
 
