@@ -1,5 +1,7 @@
 """The wires by hand of products outlive the supervisor that listed them, with their ticks."""
 
+import threading
+
 import pytest
 
 from remodel_console.edge.kept_files import HandWires
@@ -58,3 +60,29 @@ def test_a_tick_that_cannot_be_kept_is_refused(path):
     with pytest.raises(CommandError, match="by hand of SN-1 cannot be kept"):
         wires.tick("SN-1", "W8", is_placed=True)
     assert (wires.ticked("SN-1"), changes) == ({"W7"}, [{"W7"}])
+
+
+def test_ticks_of_two_pages_at_once_are_all_kept(path):
+    wires, names = HandWires(path), [f"W{number}" for number in range(40)]
+    both = threading.Barrier(2)
+
+    def tick(own):
+        both.wait(10.0)
+        for name in own:
+            wires.tick("SN-1", name, is_placed=True)
+
+    pages = [threading.Thread(target=tick, args=(names[i::2],)) for i in (0, 1)]
+    for page in pages:
+        page.start()
+    for page in pages:
+        page.join(60.0)
+    assert HandWires(path).ticked("SN-1") == set(names)
+
+
+def test_a_list_that_cannot_be_written_is_shown_and_reported_once(path, caplog):
+    wires = HandWires(path)
+    path.with_suffix(".new").mkdir()
+    wires.keep("SN-1", (W7,))
+    wires.keep("SN-1", (W7,))
+    assert wires.left() == ("SN-1", (W7,))
+    assert caplog.text.count("cannot be kept") == 1

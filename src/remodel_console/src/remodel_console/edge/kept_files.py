@@ -186,13 +186,16 @@ class HandWires:
 
     def keep(self, product: str, wires: tuple[HandWire, ...]) -> None:
         """Keep the wires by hand of a product; what is ticked off stays so."""
-        known = self._products.get(product)
-        if known is not None and known.wires == wires:
-            return
-        try:
-            self._change(product, _Product(wires, self.ticked(product)))
-        except CommandError as error:
-            logging.getLogger(__name__).warning("%s", error)
+        with self._lock:
+            known = self._products.get(product)
+            if known is not None and known.wires == wires:
+                return
+            products = self._with(product, _Product(wires, self.ticked(product)))
+            self._products = products  # shown, and not tried again, where it cannot be written
+            try:
+                self._write(product, products)
+            except CommandError as error:
+                logging.getLogger(__name__).warning("%s", error)
 
     def tick(self, product: str, wire: str, *, is_placed: bool) -> None:
         """Tick a wire off, or take its tick back.
@@ -200,19 +203,21 @@ class HandWires:
         Raises:
             CommandError: if the file cannot be written.
         """
-        known = self._products.get(product, _Product(()))
-        ticked = known.ticked | {wire} if is_placed else known.ticked - {wire}
-        self._change(product, _Product(known.wires, ticked))
+        with self._lock:
+            known = self._products.get(product, _Product(()))
+            ticked = known.ticked | {wire} if is_placed else known.ticked - {wire}
+            products = self._with(product, _Product(known.wires, ticked))
+            self._write(product, products)
+            self._products = products
         self.on_change()
 
-    def _change(self, product: str, changed: _Product) -> None:
-        with self._lock:
-            others = {key: each for key, each in self._products.items() if key != product}
-            products = dict([*others.items(), (product, changed)][-_KEPT:])
-            try:
-                write_private(self._path, msgspec.json.encode(products).decode() + "\n")
-            except OSError as error:
-                raise CommandError(
-                    f"the wires by hand of {product} cannot be kept: {error}"
-                ) from error
-            self._products = products
+    def _with(self, product: str, changed: _Product) -> dict[str, _Product]:
+        """Return all products with one changed, as the latest."""
+        others = {key: each for key, each in self._products.items() if key != product}
+        return dict([*others.items(), (product, changed)][-_KEPT:])
+
+    def _write(self, product: str, products: dict[str, _Product]) -> None:
+        try:
+            write_private(self._path, msgspec.json.encode(products).decode() + "\n")
+        except OSError as error:
+            raise CommandError(f"the wires by hand of {product} cannot be kept: {error}") from error
