@@ -2,6 +2,7 @@
 
 import re
 from contextlib import closing
+from dataclasses import replace
 from pathlib import Path
 from types import SimpleNamespace
 
@@ -256,6 +257,23 @@ def test_any_section_and_colour_and_full_terminals_are_judged_alike(tmp_path, da
     assert "7: by hand, K1:6 takes 2 wires, and has 3: it needs a bridge or a bar" in said
     assert "8: by hand, its colour is 'XX'; allowed: BK BN RD" in said
     assert_agreed(database, "list")
+
+
+def test_a_spring_that_takes_more_than_robots_push_with_is_for_a_person(tmp_path, database):
+    file = tmp_path / "list.csv"
+    file.write_text(
+        "Wire,From,To,Colour,Section mm2,Length mm\n1,K1:1,X1:1,BK,4,600\n2,K1:2,X1:2,BK,2.5,600\n"
+    )
+    assert import_design.main([str(file), "--database", database]) == 0
+    with closing(ProductionDatabase(database)) as opened:
+        order = opened.order("list").in_cabinet()
+    blocks = tuple(replace(each, kind="push-in block") for each in order.components)
+    options = SimpleNamespace(use_case="cabinet", cell="", arms=1)
+    work = design_order(replace(order, components=blocks), options).work
+    assert [task.name for task in work.tasks] == ["2"]
+    (stiff,) = work.by_hand
+    assert stiff.task == "1"
+    assert "lets a ferrule in with 15 N, and robots push with 14 N" in stiff.reason
 
 
 def test_a_users_own_cell_decides(tmp_path, database, capsys):

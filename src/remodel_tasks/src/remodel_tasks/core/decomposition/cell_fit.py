@@ -37,10 +37,15 @@ def fitted(
             duct.name: Passage(duct.name, duct.length, duct.slot_pitch, duct.slot_width)
             for duct in panel.ducts
         }
+        springs_n = {
+            (device.name, opening.name): opening.insertion
+            for device in panel.devices
+            for opening in device.openings
+        }
         refusals = {
             task.name: refusal
             for task, wire in zip(order.tasks, panel.wires, strict=True)
-            if (refusal := _refusal(wire, ducts, takes)) is not None
+            if (refusal := _refusal(wire, ducts, takes) or _too_stiff(wire, springs_n, use_case))
         }
     return triaged(order, use_case, refusals)
 
@@ -96,6 +101,22 @@ def summary(
 
 def _has_wires(use_case: UseCase) -> bool:
     return use_case.designs is not None and use_case.designs.tasks is DesignTasks.WIRES
+
+
+def _too_stiff(
+    wire: PanelWire, springs_n: Mapping[tuple[str, str], float], use_case: UseCase
+) -> Refusal | None:
+    """Return why no robot pushes a wire into its spring clamps, if one takes more force."""
+    bounds = use_case.learned.get("InsertCable", {}).get("force_limit")
+    needed = {end: springs_n.get((end.component, end.terminal), 0.0) for end in (wire.a, wire.b)}
+    stiffest = max(needed, key=lambda end: needed[end])
+    if bounds is None or needed[stiffest] < bounds.frozen:
+        return None
+    return Refusal(
+        "whose spring clamps are too stiff",
+        f"the spring of {stiffest} lets a ferrule in with {needed[stiffest]:g} N, and robots push "
+        f"with {bounds.frozen:g} N (learned.InsertCable.force_limit in {use_case.name}.yaml)",
+    )
 
 
 def _refusal(wire: PanelWire, ducts: Mapping[str, Passage], takes: CellLimits) -> Refusal | None:
