@@ -173,3 +173,10 @@ def test_labels_have_rules_only_where_components_carry_them():
     problems = find_problems(unlabelled)
     assert any("have marker_id 0" in problem for problem in problems)
     assert any("marker_size" in problem for problem in problems)
+
+
+def test_slots_that_are_just_wide_enough_let_a_wire_through():
+    board = with_ducts(slot_width=0.0075)
+    thick = changed(board.wires[0], diameter=0.0061)  # 1.4 mm thinner, but for rounding
+    board = changed(board, wires=(thick, *board.wires[1:]))
+    assert not [problem for problem in board_problems(board) if "slots of duct" in problem]

@@ -179,7 +179,7 @@ def objections(
             slots.setdefault(passage.slot_width, []).append(repr(passage.name))
     for width, names in slots.items():
         lack = diameter + SLOT_PLAY_M - width
-        if lack > 0:
+        if lack > _TOLERANCE_M:
             yield Objection(
                 "thicker than slots",
                 f"{diameter * 1e3:.1f} mm thick, and the slots of duct{'s' * (len(names) > 1)} "
