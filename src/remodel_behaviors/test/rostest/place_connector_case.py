@@ -12,7 +12,7 @@ from remodel_msgs.srv import FeedWire, GetGroundTruth, InjectFault
 from std_msgs.msg import Empty
 from std_srvs.srv import Trigger
 
-WALL_LIMIT_S = 180.0
+WALL_LIMIT_S = 500.0
 COMPONENT, TERMINAL, WIRE, CHANNEL = "X1", "1", "W1", "A"
 
 

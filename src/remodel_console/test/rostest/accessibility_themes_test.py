@@ -15,6 +15,7 @@ from remodel_console.core.access import Account, Role
 from remodel_console.edge.users_file import hash_of, write_accounts
 from remodel_console.testing.browser_test import free_port
 
+PLANNED_MS = 240_000
 LIST = (
     b"Wire,From,To,Section mm2,Length mm,Shelf\n"
     b"W1,K1:1,X1:1,1,500,a\nW2,K1:2,X1:2,1,500,b\nW3,K1:3,X1:3,400,500,c\n"
@@ -69,13 +70,15 @@ class AccessibilityThemesTest(AccessibilityCase):
         broken += self.broken(page, "empty desk", ".drop-zone", "light")
         file = page.locator(".drop-zone input")
         file.set_input_files({"name": "loom.csv", "mimeType": "", "buffer": LIST})
+        # The planner's commands yield to everything else on the machine.
+        expect(page.locator(".plan-words").first).to_be_attached(timeout=PLANNED_MS)
         broken += self.broken(page, "order_desk", ".plan-words", "light")
         self.press(page, "Edit all as YAML")
         page.get_by_role("dialog").get_by_label("YAML", exact=True).fill(CONTRADICTION)
         broken += self.broken(page, "preferences", ".q-dialog .yaml", "light")
         self.press(page.get_by_role("dialog"), "Save")
         self.press(page, "Plan again")
-        expect(page.locator(".conflicting li")).to_have_count(2)
+        expect(page.locator(".conflicting li")).to_have_count(2, timeout=PLANNED_MS)
         self.press(page, "Dark or light")
         broken += self.broken(page, "conflict", "body.body--dark", "dark")
         self.press(page, "Add an entry")
@@ -87,6 +90,7 @@ class AccessibilityThemesTest(AccessibilityCase):
         broken += self.overflow(page, "conflict")
         file.set_input_files({"name": "own.csv", "mimeType": "", "buffer": b"aaa;bbb\n1;2\n"})
         expect(page.locator(".draft.here")).to_contain_text("own.csv")
+        expect(page.locator(".desk-area .ending.bad")).to_be_attached(timeout=PLANNED_MS)
         broken += self.broken(page, "refused", ".desk-area .ending.bad", "dark")
         broken += self.overflow(page, "refused")
         return broken

@@ -101,6 +101,7 @@ class OperatorTest(BrowserTest):
         page = self.page
         page.get_by_role("link", name="Replay this run").click()
         expect(page.locator(".clock")).to_contain_text("entry 1 of")
+        page.wait_for_load_state("networkidle")  # its scripts listen to keys from now on
         for text in (f"The cell planned: {wire}", "Insertion jammed", "The cell asks you"):
             page.keyboard.press("n")
             expect(page.locator(".entry-words")).to_contain_text(text)

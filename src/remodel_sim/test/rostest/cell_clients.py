@@ -9,7 +9,7 @@ import rospy
 from remodel_msgs import msg, srv
 from std_srvs.srv import Trigger
 
-WALL_LIMIT_S = 180.0
+WALL_LIMIT_S = 500.0
 STOP_LIMIT_S = 0.2
 
 # A goal of PlacePin for two arms.
