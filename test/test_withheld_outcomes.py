@@ -25,7 +25,7 @@ from flexbe_core.engine.supervision import SetAutonomy
 from flexbe_core.engine.user_data import UserData
 from flexbe_core.proxy import ProxyActionClient, ProxyPublisher, ProxySubscriberCached
 from flexbe_states import subscriber_state
-from remodel_states import ability_call
+from remodel_states import line
 
 SRC = Path(__file__).parents[1] / "src"
 PACKAGES = ("remodel_states", "flexbe/flexbe_states")
@@ -91,7 +91,7 @@ class Answers:
             (ProxySubscriberCached, "subscribe", lambda *_, **__: None),
             (ProxySubscriberCached, "has_msg", lambda *_: bool(self._messages)),
             (ProxySubscriberCached, "get_last_msg", lambda *_: (self._messages or [None])[0]),
-            (ability_call, "recorder", lambda: ""),
+            (line, "recorder", lambda: ""),
             (rospy, "get_time", lambda: 100.0),
             (rospy.Time, "now", lambda: rospy.Time(100)),
         ):

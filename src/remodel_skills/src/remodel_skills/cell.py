@@ -120,6 +120,7 @@ class Cell:
         robots: Collection[str] = (),
         forces_n: Mapping[str, float] = MappingProxyType({}),
         keep: bool = False,
+        placed: PlacedWires | None = None,
     ) -> None:
         """Build a panel.
 
@@ -129,6 +130,7 @@ class Cell:
             forces_n: the greatest force limit [N] of these goals, by the ability.
             keep: leave the cell as it is if it has this very panel, of this serial number, already;
                 a cell that was restarted puts back what it remembers of it.
+            placed: the wires that lie on it; None: none, or those that the cell remembers.
 
         Raises:
             PanelError: if the panel breaks the rules, or the robots cannot do such goals; nothing
@@ -140,7 +142,10 @@ class Cell:
             raise PanelError(panel.name, (*demanded, *self.plant.find_problems(panel)))
         if keep and panel == self.plant.loaded:
             return
-        placed = self._memory.placed(self._held(panel)) if keep and self._memory else PlacedWires()
+        if placed is None:
+            placed = PlacedWires()
+            if keep and self._memory is not None:
+                placed = self._memory.placed(self._held(panel))
         self._load(panel, placed)
         self.keep()
 

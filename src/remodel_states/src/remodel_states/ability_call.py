@@ -42,22 +42,12 @@ from genpy import Message
 from remodel_msgs.msg import AbilityRecord, ErrorCode
 from remodel_msgs.srv import BeginOperationRequest
 
-from flexbe_core import EventState, Logger
+from flexbe_core import EventState
 from flexbe_core.core import UserData
-from flexbe_core.proxy import ProxyActionClient, ProxyPublisher
 from remodel_states.core.contract import GRACE_S
 from remodel_states.core.ros_stopwatch import RosStopwatch
-from remodel_states.record_keeping import (
-    Keeping,
-    Permit,
-    Request,
-    described,
-    keeper,
-    owned_id,
-    recorder,
-)
-
-RECORD_TOPIC = "remodel/ability_records"
+from remodel_states.line import line
+from remodel_states.record_keeping import Keeping, Permit, described, owned_id
 
 # [Hz] of polling: FlexBE's default, and while the supervisor is asked, which takes milliseconds.
 _RATE_HZ = 10.0
@@ -95,8 +85,8 @@ class AbilityCall:
         self._topic = topic
         self._timeout_s = float(timeout_s)
         self._done = done
-        self._client = ProxyActionClient({topic: action_type})
-        self._records = ProxyPublisher({RECORD_TOPIC: AbilityRecord})
+        self._line = line()
+        self._client = self._line.client(topic, action_type)
         self._goals_sent = 0
         self._goal: Message | None = None
         self._running = False
@@ -126,12 +116,12 @@ class AbilityCall:
         if self._recorder is None:
             # Asked once: behaviors are built again for each run.
             try:
-                self._recorder = recorder()
+                self._recorder = self._line.recorder()
             except Exception as error:  # noqa: BLE001 - a missing master may cause anything
                 trouble = f"no ROS master: {error}"
         if self._recorder or trouble:
             operation = BeginOperationRequest(self._behavior(), self._state.path, self._ability)
-            self._permit = keeper().ask(operation, self._recorder or "", trouble)
+            self._permit = self._line.keeper().ask(operation, self._recorder or "", trouble)
             self._state.set_rate(_ASKING_RATE_HZ)
         else:
             self._send()
@@ -153,10 +143,10 @@ class AbilityCall:
         if self._permit is not None or self._running:
             self._leave()
         if self._keeping is not None:
-            keeper().withdraw(self._keeping)
+            self._line.keeper().withdraw(self._keeping)
             self._stop_keeping()
         if self._record is not None:
-            self._records.publish(RECORD_TOPIC, self._record)
+            self._line.publish(self._record)
         self._goal = None
 
     def write_errors(self, userdata: UserData) -> None:
@@ -170,7 +160,7 @@ class AbilityCall:
         self.error_code = ErrorCode.PREEMPTED
         if self._permit is not None:
             self.error_message = "the state was left before its goal was sent"
-            keeper().give_back(self._permit, self._written_record())
+            self._line.keeper().give_back(self._permit, self._written_record())
             self._permit = None
             self._state.set_rate(_RATE_HZ)
         else:
@@ -181,7 +171,7 @@ class AbilityCall:
 
     def _check_permit(self, permit: Permit) -> None:
         if not permit.is_final:
-            _warn(permit)
+            self._warn(permit)
             return
         self._permit = None
         self._state.set_rate(_RATE_HZ)
@@ -264,13 +254,13 @@ class AbilityCall:
         self._outcome = outcome
         self.error_code, self.error_message = code, text
         if code != ErrorCode.NONE:
-            Logger.logwarn(f"{self._ability} {outcome}: error {code}: {text}")
+            self._line.warn(f"{self._ability} {outcome}: error {code}: {text}")
 
     def _check_keeping(self, keeping: Keeping) -> None:
         if keeping.is_final:
             self._stop_keeping()
         else:
-            _warn(keeping)
+            self._warn(keeping)
 
     def _stop_keeping(self) -> None:
         self._keeping = None
@@ -280,7 +270,7 @@ class AbilityCall:
         """Write the record of a call that has ended, and begin to have it kept if it must be."""
         self._record = self._written_record()
         if self._recorder:
-            self._keeping = keeper().keep(self._record, self._recorder)
+            self._keeping = self._line.keeper().keep(self._record, self._recorder)
             self._state.set_rate(_ASKING_RATE_HZ)
 
     def _written_record(self) -> AbilityRecord:
@@ -301,18 +291,17 @@ class AbilityCall:
             measurements=described(self.result, _COMMON) if self.result else [],
         )
 
+    def _warn(self, request: Permit | Keeping) -> None:
+        """Log what a request waits for, if that is due."""
+        if warning := request.warning:
+            self._line.warn(warning)
+
     def _behavior(self) -> str:
         """Return the root state machine's name, which is the behavior's; empty for a lone state."""
         node = self._state.parent
         while node is not None and node.parent is not None:
             node = node.parent
         return node.name or "" if node is not None else ""
-
-
-def _warn(request: Request) -> None:
-    """Log what a request waits for, if that is due."""
-    if warning := request.warning:
-        Logger.logwarn(warning)
 
 
 def _stopwatch() -> RosStopwatch:

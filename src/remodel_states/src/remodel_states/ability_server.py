@@ -34,7 +34,7 @@ import threading
 import traceback
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
-from typing import Any
+from typing import Any, Protocol
 
 import rospy
 from actionlib import ServerGoalHandle
@@ -64,6 +64,37 @@ class Done:
     found: Mapping[str, Any] = field(default_factory=dict)
 
 
+OnHandle = Callable[[ServerGoalHandle], None]
+
+
+class Host(Protocol):
+    """Where abilities are served."""
+
+    def limits(self) -> object:
+        """Return the document of the cell's limits (core/contract.py)."""
+
+    def serve(
+        self, topic: str, action_type: type[Message], on_goal: OnHandle, on_cancel: OnHandle
+    ) -> object:
+        """Serve an action as long as what is returned is kept."""
+
+
+class RosHost:
+    """Serves over ROS."""
+
+    def limits(self) -> object:
+        """Return parameter /remodel/limits."""
+        return rospy.get_param("/remodel/limits", {})
+
+    def serve(
+        self, topic: str, action_type: type[Message], on_goal: OnHandle, on_cancel: OnHandle
+    ) -> object:
+        """Start an action server."""
+        server = SteadyActionServer(topic, action_type, on_goal, on_cancel, auto_start=False)
+        server.start()
+        return server
+
+
 class AbilityServer:
     """Serves one ability.
 
@@ -72,7 +103,11 @@ class AbilityServer:
     """
 
     def __init__(
-        self, ability: str | Ability = "", robot: Robot | None = None, topic: str = ""
+        self,
+        ability: str | Ability = "",
+        robot: Robot | None = None,
+        topic: str = "",
+        host: Host | None = None,
     ) -> None:
         """Start to serve.
 
@@ -80,24 +115,24 @@ class AbilityServer:
             ability: its name in a table of abilities, or its row; the name of the class by default.
             robot: servers that move the same robot share one; by default it is this server's own.
             topic: of the action; the usual one by default.
+            host: where it is served; over ROS by default.
 
         Raises:
             TableError: if there is no such ability, or its messages are not built; or if the limits
                 are malformed.
         """
         self.ability = _row(ability or type(self).__name__)
-        self.limits = limits_of(self.ability.name, rospy.get_param("/remodel/limits", {}))
+        host = host or RosHost()
+        self.limits = limits_of(self.ability.name, host.limits())
         self._robot = robot or Robot()
         self._result = message_class(self.ability, "Result")
         self._running: dict[str, RunningGoal] = {}
-        self._server = SteadyActionServer(
+        self._server = host.serve(
             topic or self.ability.topic,
             message_class(self.ability, "Action"),
             lambda handle: self.schedule(lambda: self._take(handle)),
             self._on_cancel,
-            auto_start=False,
         )
-        self._server.start()
 
     def check(self, goal: Message) -> None:
         """Return if a goal can be done; nothing may move.

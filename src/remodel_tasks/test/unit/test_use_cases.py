@@ -58,7 +58,7 @@ def test_characteristics_choose_the_methods():
     assert "clamp" not in actions(hoses["H3"])  # there is no pressure in it
 
 
-def test_what_is_unknown_is_looked_at_and_what_moved_is_looked_at_again():
+def test_what_is_unknown_is_to_check_and_what_moved_is_to_check_again():
     names = actions(decomposed(HOSES)["H1"])
     assert names[:2] == ["find_ends", "grasp"]
     assert names[names.index("push_on") - 1] == "locate_port"

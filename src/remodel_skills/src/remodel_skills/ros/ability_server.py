@@ -13,7 +13,7 @@ from remodel_skills.goals import Goal
 from remodel_skills.robot_context import RobotContext
 from remodel_skills.ros.job import Job
 from remodel_skills.ros.owner import Owner
-from remodel_states.ability_server import AbilityServer
+from remodel_states.ability_server import AbilityServer, Host
 from remodel_states.core.ability_tables import Ability
 from remodel_states.core.codes import Code
 from remodel_states.core.contract import ROBOT_FIELDS, owner_of
@@ -26,11 +26,13 @@ MAX_TIMEOUT_S = 3600.0
 class CellAbilityServer(AbilityServer):
     """Takes goals for one ability; a robot does one goal at a time, over all abilities."""
 
-    def __init__(self, ability: Ability, steps: CellAbility, owner: Owner) -> None:
-        """Start to serve."""
+    def __init__(
+        self, ability: Ability, steps: CellAbility, owner: Owner, host: Host | None = None
+    ) -> None:
+        """Start to serve, over ROS unless a host is given."""
         self._steps = steps
         self._owner = owner
-        super().__init__(ability)
+        super().__init__(ability, host=host)
 
     def schedule(self, take: Callable[[], None]) -> None:
         """Queue a new goal, to be accepted between two ticks."""

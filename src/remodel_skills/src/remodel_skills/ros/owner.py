@@ -84,18 +84,34 @@ class Owner:
                 pause.wait(IDLE_S)
                 self.clock.idle()
                 continue
-            self._serve()
-            if self.jobs:
-                self._tick()
-            else:
+            if not self.turn(0.0 if self.jobs else IDLE_S):
                 self.clock.idle()
+        self.stop()
+
+    def turn(self, wait_s: float = 0.0) -> bool:
+        """Answer what was asked, and let one tick pass if a goal is being done.
+
+        Args:
+            wait_s: [s] wall time for which to wait for a request.
+
+        Returns:
+            whether a goal is, or was, being done.
+        """
+        self._serve(wait_s)
+        if not self.jobs:
+            return False
+        self._tick()
+        return True
+
+    def stop(self) -> None:
+        """Leave all goals where they are."""
         for job in self.jobs:
             job.stop()
+        self.jobs.clear()
 
-    def _serve(self) -> None:
+    def _serve(self, wait_s: float) -> None:
         try:
-            wait = None if self.jobs else IDLE_S
-            action = self._requests.get(block=wait is not None, timeout=wait)
+            action = self._requests.get(block=wait_s > 0.0, timeout=wait_s or None)
             while True:
                 action()
                 action = self._requests.get_nowait()

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Sequence
+import time
+from collections.abc import Callable, Collection, Sequence
 from dataclasses import dataclass, replace
 from itertools import chain
 
@@ -81,6 +82,7 @@ class WorkPlanner:
         experience: Experience,
         search_s: float,
         documents: Sequence[tuple[str, object]] = (),
+        clock: Callable[[], float] = time.monotonic,
     ) -> None:
         """Take the order.
 
@@ -90,6 +92,7 @@ class WorkPlanner:
             experience: what runs have taught; it learns from this one too.
             search_s: [s] of wall time that a search for the best order gets.
             documents: preferences, parsed, with what to call them in errors.
+            clock: of searches [s]; see AnytimePlanner.improved.
         """
         self.order = order
         self.use_case = use_case
@@ -97,6 +100,7 @@ class WorkPlanner:
         self.demands = Demands()
         self._search_s = search_s
         self._documents = documents
+        self._clock = clock
         self._adjustable = Adjustable(
             {each.name: {p.name: p.type for p in each.parameters} for each in read_abilities()},
             nested_charts(),
@@ -138,9 +142,10 @@ class WorkPlanner:
         if previous:
             modes = {name: place.mode.number for name, place in self._places.items()}
             search_s = min(self._search_s, replan_search_s(len(wanted)))
-            planned = replan_problem(problem, previous, modes, search_s)
+            planned = replan_problem(problem, previous, modes, search_s, self._clock)
         else:
-            planned = plan_problem(problem, self._search_s if len(wanted) > 1 else 0.0)
+            search_s = self._search_s if len(wanted) > 1 else 0.0
+            planned = plan_problem(problem, search_s, self._clock)
         if not previous and not self._places.keys() >= wanted:
             # What its use case asks for in vain is reported before it begins.
             self.demands = demands_of(task.chart for task in planned_tasks(prepared, planned.plan))

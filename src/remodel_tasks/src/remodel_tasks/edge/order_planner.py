@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+import time
+from collections.abc import Callable, Mapping, Sequence
 
 import numpy as np
 
@@ -15,19 +16,31 @@ from remodel_tasks.edge.anytime_planner import AnytimePlanner, Limits
 from remodel_tasks.edge.search_kernel import Kernel
 
 
-def plan_problem(problem: Problem, time_limit_s: float) -> Planned:
+def plan_problem(
+    problem: Problem, time_limit_s: float, clock: Callable[[], float] = time.monotonic
+) -> Planned:
     """Return the best plan that is found in a time, checked.
+
+    Args:
+        problem: what is to be done.
+        time_limit_s: [s] in which to search.
+        clock: returns the time [s]; see AnytimePlanner.improved.
 
     Raises:
         InstanceError: if there is no plan.
     """
-    planned = AnytimePlanner(Kernel(), tables_of(problem)).improved(Limits(time_limit_s)).planned
+    planner, limits = AnytimePlanner(Kernel(), tables_of(problem)), Limits(time_limit_s)
+    planned = planner.improved(limits, clock=clock).planned
     require_valid(planned)
     return planned
 
 
 def replan_problem(
-    problem: Problem, previous: Sequence[str], modes: Mapping[str, int], time_limit_s: float
+    problem: Problem,
+    previous: Sequence[str],
+    modes: Mapping[str, int],
+    time_limit_s: float,
+    clock: Callable[[], float] = time.monotonic,
 ) -> Planned:
     """Return a plan, checked, that costs no more than an earlier order of the wires.
 
@@ -36,7 +49,8 @@ def replan_problem(
         previous: names of wires in the earlier order, which is kept as far as the problem lets it;
             wires that it leaves out come last.
         modes: mode number of each wire in the earlier plan, as far as they are known.
-        time_limit_s: [s] wall time in which to search for a better order.
+        time_limit_s: [s] in which to search for a better order.
+        clock: returns the time [s]; see AnytimePlanner.improved.
 
     Raises:
         InstanceError: if there is no plan.
@@ -47,7 +61,7 @@ def replan_problem(
     kept = np.array([modes.get(name, -1) for name in tables.wires], np.int32)
     planner = AnytimePlanner(Kernel(), tables)
     start = planner.patched(order, kept)
-    planned = planner.improved(Limits(time_limit_s), start).planned
+    planned = planner.improved(Limits(time_limit_s), start, clock).planned
     require_valid(planned)
     return planned
 

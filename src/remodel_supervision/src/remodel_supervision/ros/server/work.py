@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import time
 from collections.abc import Callable, Collection, Iterator, Mapping
 from dataclasses import dataclass, field, replace
 
@@ -45,7 +46,9 @@ class WorkMaker:
         attended: whether there is an operator who can be asked.
         reconnect_s: [s] wall time that a process that is lost or silent gets to answer again.
         lease_s: [s] wall time for which a task is taken.
-        search_s: [s] wall time that the search for the best order of tasks gets.
+        search_s: [s] that the search for the best order of tasks gets.
+        clock: of these searches [s]; one that is stopped has them do all the work of the time,
+            so that their result does not depend on the machine.
         explore: try parameters other than those the use case states, and spare responses that
             hardly ever help, both as recorded runs have taught.
         cell_design: returns the name or file of the cell that runs; empty: that of the use case.
@@ -65,6 +68,7 @@ class WorkMaker:
     cell_design: Callable[[], str] = str
     escalation: EscalationHook | None = None
     descriptions: Mapping[str, str] = field(default_factory=dict)
+    clock: Callable[[], float] = time.monotonic
 
     def work(self, name: str, use_case: str, tasks: int | Collection[str], owner: int) -> Work:
         """Make the work of an order.
@@ -98,7 +102,12 @@ class WorkMaker:
         }
         return Work(
             planner=WorkPlanner(
-                order, found, experience, self.search_s, documents=self._preferences(name, order)
+                order,
+                found,
+                experience,
+                self.search_s,
+                documents=self._preferences(name, order),
+                clock=self.clock,
             ),
             faults=self.faults,
             panel=panel,

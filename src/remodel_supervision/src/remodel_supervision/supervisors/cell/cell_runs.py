@@ -63,6 +63,20 @@ class RunObserver(Protocol):
         """Publish why the run under way, if there is one, is not supervised any more."""
 
 
+def run_begun(order: str, work: Work, cell: str, timeout_s: float = 0.0) -> RunBegun:
+    """Return the event by which a run of some work in a cell begins; see CellRuns.begin."""
+    wanted = work.planner.order
+    return RunBegun(
+        order,
+        work.planner.use_case.name,
+        cell,
+        tuple(task.name for task in wanted.tasks),
+        timeout_s=timeout_s,
+        cables={core: name for name, cores in wanted.cables.items() for core in cores},
+        by_hand=work.by_hand,
+    )
+
+
 class CellRuns:
     """Supervises the runs of a cell."""
 
@@ -143,19 +157,7 @@ class CellRuns:
         """
         try:
             work = self._source.work(order, use_case, tasks, self._cell.token)
-            wanted = work.planner.order
-            names = tuple(task.name for task in wanted.tasks)
-            cables = {core: name for name, cores in wanted.cables.items() for core in cores}
-            found = work.planner.use_case.name
-            begun = RunBegun(
-                order,
-                found,
-                self._cell.name,
-                names,
-                timeout_s=timeout_s,
-                cables=cables,
-                by_hand=work.by_hand,
-            )
+            begun = run_begun(order, work, self._cell.name, timeout_s)
             run, begun = self._begun(begun, again=again)
         except OwnerError as error:
             self._cell.taken_over = str(error)
