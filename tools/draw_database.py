@@ -22,7 +22,7 @@ BEGIN, END = "<!-- drawn by tools/draw_database.py -->\n", "<!-- end of what is 
 _GROUPS = {
     "#e8eef7": ("products", "notes", "components", "terminals", "cables", "wires"),
     "#eaf3e6": ("nodes", "segments", "clips", "routes"),
-    "#f9f0dd": ("orders", "tasks", "preferences", "constraints"),
+    "#f9f0dd": ("orders", "tasks", "preferences", "constraints", "rehearsals"),
     "#f6e6e6": (
         "cells",
         "runs",

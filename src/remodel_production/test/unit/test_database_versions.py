@@ -55,7 +55,7 @@ def test_the_newest_version_is_that_of_the_last_migration():
 def test_a_database_of_a_newer_program_is_refused_and_left_alone(url):
     open_and_close(url)
     execute(url, "UPDATE alembic_version SET version_num = '0999'")
-    with pytest.raises(OrderError, match=r"is of version 0999; .* versions 0006, 0007"):
+    with pytest.raises(OrderError, match=r"is of version 0999; .* versions 0006, 0007, 0008"):
         ProductionDatabase(url)
     assert execute(url, "SELECT version_num FROM alembic_version") == [("0999",)]
 
@@ -64,16 +64,16 @@ def test_a_database_of_the_version_before_is_migrated(url, tmp_path, monkeypatch
     open_and_close(url)
     migrations = tmp_path / "migrations"
     shutil.copytree(database_versions._MIGRATIONS, migrations)
-    (migrations / "versions/m0008_more.py").write_text(
+    (migrations / "versions/m0009_more.py").write_text(
         "from alembic import op\n\n"
-        "revision, down_revision = '0008', '0007'\n\n\n"
+        "revision, down_revision = '0009', '0008'\n\n\n"
         "def upgrade():\n    op.execute('CREATE TABLE more (id INTEGER)')\n"
     )
     monkeypatch.setattr(database_versions, "_MIGRATIONS", migrations)
-    monkeypatch.setattr(database_versions, "NEWEST", "0008")
-    monkeypatch.setattr("remodel_production.edge.database.production_database.NEWEST", "0008")
+    monkeypatch.setattr(database_versions, "NEWEST", "0009")
+    monkeypatch.setattr("remodel_production.edge.database.production_database.NEWEST", "0009")
     open_and_close(url)
-    assert execute(url, "SELECT version_num FROM alembic_version") == [("0008",)]
+    assert execute(url, "SELECT version_num FROM alembic_version") == [("0009",)]
     assert execute(url, "SELECT id FROM more") == []
 
 
@@ -85,6 +85,7 @@ def test_a_database_of_version_0006_gets_numbers_of_wires_and_names_of_places(ur
         "INSERT INTO components (id, product_id, name, kind, role, part_number, mount)"
         " VALUES (1, 1, 'M1', '', 'device', '', 'field')",
         "ALTER TABLE wires DROP COLUMN number",
+        "DROP TABLE rehearsals",
         "UPDATE alembic_version SET version_num = '0006'",
     )
     open_and_close(url)

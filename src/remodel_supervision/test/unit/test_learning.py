@@ -8,6 +8,7 @@ from taught import TAUGHT, forced
 
 from remodel_supervision.core.learning.belief import Belief, DurationModel, SuccessModel
 from remodel_supervision.core.learning.experience import (
+    REHEARSED_WEIGHT,
     Call,
     Experience,
     LearnedExpectations,
@@ -388,3 +389,27 @@ def test_a_response_that_was_passed_over_gets_another_chance():
         waited += 1
         assert waited < 300
     assert waited > 20
+
+
+def test_five_rehearsed_calls_weigh_as_much_as_a_real_one():
+    rehearsed, real = SuccessModel(), SuccessModel()
+    for _ in range(5):
+        rehearsed.learn(("InsertCable",), False, REHEARSED_WEIGHT)
+    real.learn(("InsertCable",), False)
+    assert rehearsed.belief(("InsertCable",), 0.9).mean == pytest.approx(
+        real.belief(("InsertCable",), 0.9).mean, abs=1e-3
+    )
+
+
+def test_rehearsed_trials_of_another_setting_are_not_charged_to_the_robot():
+    context = ("InsertCable",)
+    choice = ParameterChoice([8.0, 14.0], 14.0)
+    for _ in range(200):
+        choice.learn_rehearsed(context, 8.0, False, REHEARSED_WEIGHT)
+        choice.learn_rehearsed(context, 14.0, True, REHEARSED_WEIGHT)
+    assert choice.beliefs(context)[8.0].mean < 0.2 < 0.8 < choice.beliefs(context)[14.0].mean
+    # The account is untouched: the other setting is still tried when it looks better.
+    for _ in range(400):
+        choice.learn_rehearsed(context, 8.0, True, REHEARSED_WEIGHT)
+        choice.learn_rehearsed(context, 14.0, False, REHEARSED_WEIGHT)
+    assert choice.choose(context, Random(1)) == 8.0

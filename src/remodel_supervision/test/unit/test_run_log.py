@@ -13,8 +13,10 @@ from remodel_production.core.production import Component, Order, Side, Terminal,
 from remodel_production.edge.database import production_database
 from remodel_production.edge.database.cell_ownership import database_time_s
 from remodel_production.edge.database.production_database import ProductionDatabase
+from remodel_production.edge.database.rehearsals import keep_rehearsal, last_rehearsal
 from remodel_production.errors import LostError, OrderError, OwnerError, RecordLostError
-from remodel_supervision.core.learning.experience import TriedResponse
+from remodel_run.rehearsal import Forecast, Rehearsal, RehearsedCall, Trial
+from remodel_supervision.core.learning.experience import REHEARSED_WEIGHT, TriedResponse
 from remodel_supervision.core.run import Operation
 from remodel_supervision.core.runs.event_table import state_after
 from remodel_supervision.core.runs.events import (
@@ -165,6 +167,22 @@ def test_a_call_is_returned_with_its_parameters_and_what_it_depends_on(keep, dat
     assert known.features["terminal_type"] == "fuse"
     assert "terminal_type" not in unknown.features
     assert known.features["section_mm2"] == HOUSE.wires[0].section_mm2
+
+
+def test_calls_of_the_newest_rehearsal_come_before_the_recorded_and_count_less(keep, database):
+    def rehearsal(code):
+        call = RehearsedCall("InsertCable", {"section_mm2": 1.5}, code, 4.0, {"force_limit": 8.0})
+        found = Forecast((), 1.0, (0.0, 0.0, 0.0))
+        return Rehearsal("cell", ("W1",), (Trial("W1", 3, True, 1),), (call,), found)
+
+    keep_rehearsal(database, HOUSE.name, rehearsal(0))
+    keep_rehearsal(database, HOUSE.name, rehearsal(301))
+    keep(Planned(("W1", "W2"), ""), WHOLE, OperationEnded("W1", JAM), Interrupted(""))
+    first, second = ability_calls(database)
+    assert (first.error_code, first.weight) == (301, REHEARSED_WEIGHT)
+    assert first.parameters == {"force_limit": 8.0}
+    assert second.weight == 1.0
+    assert last_rehearsal(database, HOUSE.name) == rehearsal(301)
 
 
 def test_a_response_is_returned_once_it_is_known_whether_it_helped(keep, log):

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from itertools import groupby
 
 from sqlalchemy import and_, select
@@ -20,7 +20,9 @@ from remodel_production.edge.database.production_models import (
     TerminalRow,
     WireRow,
 )
+from remodel_production.edge.database.rehearsals import rehearsals
 from remodel_supervision.core.learning.experience import (
+    REHEARSED_WEIGHT,
     Call,
     TriedResponse,
     numbers_from,
@@ -39,9 +41,25 @@ _Place = tuple[int, str, str]
 
 
 def ability_calls(database: ProductionDatabase) -> tuple[Call, ...]:
-    """Return all calls of abilities that any run has recorded, in their order."""
+    """Return all calls of abilities: those of rehearsals, which count less, then all recorded.
+
+    They are in this order so that what the robot does outweighs what was rehearsed.
+    """
     with database.reading() as connection:
-        return _recorded_calls(connection)
+        return (*_rehearsed_calls(connection), *_recorded_calls(connection))
+
+
+def _rehearsed_calls(connection: Connection) -> Iterator[Call]:
+    for rehearsal in rehearsals(connection):
+        for each in rehearsal.calls:
+            yield Call(
+                each.ability,
+                each.features,
+                each.error_code,
+                each.elapsed_s,
+                parameters=each.parameters,
+                weight=REHEARSED_WEIGHT,
+            )
 
 
 def _recorded_calls(connection: Connection) -> tuple[Call, ...]:

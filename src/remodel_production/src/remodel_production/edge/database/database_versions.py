@@ -10,7 +10,7 @@ from sqlalchemy.engine import Connection
 from remodel_production.edge.database.production_models import Base
 from remodel_production.errors import OrderError
 
-NEWEST = "0007"
+NEWEST = "0008"
 _VERSION_TABLE = "alembic_version"
 _MIGRATIONS = Path(__file__).parent / "migrations"
 # Any number that no other program takes a lock by, in one database.

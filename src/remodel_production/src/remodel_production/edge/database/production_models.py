@@ -263,6 +263,21 @@ class OrderRow(Base):
     )
 
 
+class RehearsalRow(Base):
+    """A rehearsal."""
+
+    __tablename__ = "rehearsals"
+    __table_args__ = _table("trials of orders in the simulated cell")
+    id = _key()
+    order_id = _of("orders.id", "that was rehearsed")
+    made = Column(DateTime, nullable=False, comment="wall time, UTC")
+    data = Column(
+        PackedJson,
+        nullable=False,
+        comment="wires, trials and calls of abilities, as remodel_run/rehearsal.py has them",
+    )
+
+
 class PreferenceRow(Base):
     """A preference of an order."""
 

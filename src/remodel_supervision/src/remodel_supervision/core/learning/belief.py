@@ -67,11 +67,11 @@ class _Counts:
         self.successes *= 1.0 - 1.0 / memory
         self.failures *= 1.0 - 1.0 / memory
 
-    def add(self, success: bool) -> None:
+    def add(self, success: bool, weight: float) -> None:
         if success:
-            self.successes += 1.0
+            self.successes += weight
         else:
-            self.failures += 1.0
+            self.failures += weight
 
 
 class SuccessModel:
@@ -82,17 +82,17 @@ class SuccessModel:
         self._memory = memory
         self._counts: dict[Context, _Counts] = {}
 
-    def learn(self, context: Context, success: bool) -> None:
-        """Take in one trial."""
-        self.age(context)
+    def learn(self, context: Context, success: bool, weight: float = 1.0) -> None:
+        """Take in one trial, which counts as so many [trials], at most 1."""
+        self.age(context, weight)
         for part in _parts(context):
-            self._counts.setdefault(part, _Counts()).add(success)
+            self._counts.setdefault(part, _Counts()).add(success, weight)
 
-    def age(self, context: Context) -> None:
+    def age(self, context: Context, weight: float = 1.0) -> None:
         """Trust in what is known a little less: a trial of something else has gone by."""
         for part in _parts(context):
             if part in self._counts:
-                self._counts[part].age(self._memory)
+                self._counts[part].age(self._memory / weight)
 
     def belief(self, context: Context, stated: float, weight: float = LENT) -> Belief:
         """Return what is believed about a context.
@@ -150,11 +150,11 @@ class _Sums:
     logs: float = 0.0
     squares: float = 0.0
 
-    def add(self, log_s: float) -> None:
-        keep = 1.0 - 1.0 / MEMORY
-        self.weight = keep * self.weight + 1.0
-        self.logs = keep * self.logs + log_s
-        self.squares = keep * self.squares + log_s**2
+    def add(self, log_s: float, weight: float) -> None:
+        keep = 1.0 - weight / MEMORY
+        self.weight = keep * self.weight + weight
+        self.logs = keep * self.logs + weight * log_s
+        self.squares = keep * self.squares + weight * log_s**2
 
 
 class DurationModel:
@@ -164,11 +164,11 @@ class DurationModel:
         """Begin with nothing learned."""
         self._sums: dict[Context, _Sums] = {}
 
-    def learn(self, context: Context, duration_s: float) -> None:
-        """Take in one duration [s]; those that are not positive are ignored."""
+    def learn(self, context: Context, duration_s: float, weight: float = 1.0) -> None:
+        """Take in one duration [s], as SuccessModel does; those not above 0 are ignored."""
         if duration_s > 0:
             for length in range(1, len(context) + 1):
-                self._sums.setdefault(context[:length], _Sums()).add(math.log(duration_s))
+                self._sums.setdefault(context[:length], _Sums()).add(math.log(duration_s), weight)
 
     def belief(self, context: Context, stated_s: float) -> Duration:
         """Return what is believed about a context.

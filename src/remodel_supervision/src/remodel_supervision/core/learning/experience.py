@@ -27,6 +27,11 @@ from remodel_tasks.core.use_case.expectation import Expectation, FrozenExpectati
 from remodel_tasks.core.use_case.fault import Do
 from remodel_tasks.core.use_case.model import UseCase
 
+# [trials] As how many real ones a rehearsed call counts. The simulated cell succeeds and fails for
+# the reasons of a real one, but not as often: five rehearsed calls weigh as much as one real one,
+# and the 200 trials that a model remembers are soon those of the robot.
+REHEARSED_WEIGHT = 0.2
+
 # The codes of calls that show nothing about an ability.
 UNINFORMATIVE = frozenset({Code.PREEMPTED, Code.INVALID_GOAL, Code.SERVER_LOST, Code.BUSY})
 
@@ -40,6 +45,7 @@ class Call:
         error_code: Code, 0 for none.
         elapsed_s: [s] ROS time.
         parameters: numbers of its goal, by name.
+        weight: [trials] as how many it counts; 1 for a real one.
     """
 
     ability: str
@@ -47,6 +53,7 @@ class Call:
     error_code: int
     elapsed_s: float
     parameters: Mapping[str, float] = field(default_factory=dict)
+    weight: float = 1.0
 
     @property
     def is_informative(self) -> bool:
@@ -72,10 +79,10 @@ class LearnedExpectations:
             return
         self.calls += 1
         context = context_of(call.ability, call.features)
-        self._success.learn(context, call.error_code == 0)
+        self._success.learn(context, call.error_code == 0, call.weight)
         stated_s = self._stated.expect(call.ability, call.features).duration_s
         if stated_s > 0 and call.error_code == 0:
-            self._duration.learn(context, call.elapsed_s / stated_s)
+            self._duration.learn(context, call.elapsed_s / stated_s, call.weight)
 
     def expect(self, ability: str, features: Features) -> Expectation:
         """Return what is expected of a call of the ability for a task with these features."""
@@ -179,7 +186,11 @@ def setting_of(bounds: Mapping[str, Bounds], call: Call) -> Setting | None:
 def _learn(choice: ParameterChoice[Setting], bounds: Mapping[str, Bounds], call: Call) -> None:
     setting = setting_of(bounds, call)
     if setting is not None:
-        choice.learn(context_of(call.ability, call.features), setting, call.error_code == 0)
+        context, success = context_of(call.ability, call.features), call.error_code == 0
+        if call.weight < 1.0:
+            choice.learn_rehearsed(context, setting, success, call.weight)
+        else:
+            choice.learn(context, setting, success)
 
 
 # [1] A response that surely helps less often costs more time than it saves.

@@ -132,6 +132,15 @@ class ParameterChoice(Generic[S]):
             else:
                 model.age(context)
 
+    def learn_rehearsed(self, context: Context, setting: S, success: bool, weight: float) -> None:
+        """Take in a trial of the simulated cell, which counts as so many [trials].
+
+        It costs the robot nothing, so the guard's account takes no notice of it, and what the
+        account knows of the frozen setting is of the robot alone.
+        """
+        if setting in self._models:
+            self._models[setting].learn(context, success, weight)
+
     def beliefs(self, context: Context) -> dict[S, Belief]:
         """Return what is believed about each setting."""
         return {setting: self._belief(setting, context) for setting in self._models}
