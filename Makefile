@@ -2,7 +2,7 @@
 SHELL := /bin/bash
 .SHELLFLAGS := -euo pipefail -c
 .DEFAULT_GOAL := help
-.PHONY: help build demo cabinet harness console film cabinets test test-all install docker generate behaviors unit physics variants rostest lint xml bench-engine bench-planner bench-synthesis bench-console bench-drawing bench-sim bench-vision bench-learning bench-pause bench-replan bench-scale docs evaluate-abilities schedules chaos campaign clean
+.PHONY: help build demo cabinet harness console film cabinets test test-all install docker generate behaviors unit physics variants rostest lint xml bench-engine bench-planner bench-synthesis bench-console bench-drawing bench-sim bench-vision bench-learning bench-pause bench-replan bench-scale docs evaluate-abilities bench-rehearsal schedules chaos campaign clean
 
 # The workspace's own Python first, whatever else the shell has on its path; no other workspace.
 export PATH := $(CURDIR)/.venv/bin:/usr/local/sbin:/usr/local/bin:/usr/sbin:/usr/bin:/sbin:/bin
@@ -125,6 +125,9 @@ bench-planner: build build/bench-venv/.ready ## Measure the planner beside GTPyh
 
 bench-learning: build ## First-pass yield with learned and with frozen parameters, and the guard rail; plot in out/bench/learning.png
 	@$(SOURCED) benchmarks/learning/first_pass_yield.py $(BENCH)
+
+bench-rehearsal: build ## Judge forecasts of rehearsals on seeds that they have not seen (BENCH="DESIGN --wires 6 --workers 2")
+	@$(SOURCED) benchmarks/rehearsal/judge.py $(BENCH)
 
 bench-synthesis: build ## CPU time of the synthesis by size of the chart, in docs/figures/synthesis.jsonl, and while typing; 10,000 random charts on the engine (BENCH="--seed 7 --trace")
 	@$(SOURCED) benchmarks/synthesis/sizes.py --figures docs/figures/synthesis.jsonl

@@ -311,6 +311,10 @@ class Console:
             raise CommandError("give the order a name")
         return draft.store(name, self.database)
 
+    def rehearse(self, draft: OrderDraft, seeds: int, wires: int) -> str:
+        """Rehearse a stored order; see OrderDraft.rehearse."""
+        return draft.rehearse(self.database, seeds, wires)
+
     def require_order(self, name: str) -> None:
         """Check that the supervisor knows an order.
 

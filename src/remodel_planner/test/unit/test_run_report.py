@@ -1,8 +1,10 @@
 """The report states what happened, and no text can break its page."""
 
 import dataclasses
+from dataclasses import replace
 from pathlib import Path
 
+import pytest
 from lxml import html
 
 from remodel_planner.core.reports.net_list import FoundEnd, FoundWire, net_list
@@ -17,7 +19,9 @@ from remodel_planner.core.reports.run_report import (
     timeline,
 )
 from remodel_production.core.production import Component, Order, TerminalRef, Wire
+from remodel_rehearsal.core.forecast import forecast
 from remodel_run.progress import Sums
+from remodel_run.rehearsal import Trial
 from remodel_run.whole_task import whole_tasks
 from remodel_supervision.core.run import Execution, Operation
 
@@ -343,3 +347,29 @@ def test_the_summary_lists_the_first_differences():
 def test_the_summary_says_why_nothing_was_read_back():
     made = dataclasses.replace(report(attempted("W1", GOOD)), unread="no ground truth")
     assert list(summary_lines(made))[-1] == "net list: not read back: no ground truth"
+
+
+def test_what_was_rehearsed_stands_beside_what_happened():
+    trials = [Trial(wire, seed, True, 1) for wire in ("W1", "W2", "W9") for seed in range(9)]
+    both = replace(
+        report(attempted("W1", GOOD), attempted("W2", BAD, GOOD)),
+        forecast=forecast(["W1", "W2", "W9"], trials),
+    )
+    assert [(each.wire, each.was_at_once) for each in both.predicted] == [
+        ("W1", True),
+        ("W2", False),
+    ]
+    (right, wrong) = (each.at_once.mean for each in both.predicted)
+    assert both.brier_score == pytest.approx(((1 - right) ** 2 + wrong**2) / 2)
+    tree = html.fromstring(render_html(TEMPLATE, both, COLOURS))
+    rows = tree.xpath("//h2[@id='predicted']/following-sibling::table[1]//tr[td]")
+    assert [row.xpath("td")[2].text_content() for row in rows] == [
+        "at the first attempt",
+        "after a failure",
+    ]
+    assert report_data(both)["brier_score"] == pytest.approx(both.brier_score, abs=1e-4)
+
+
+def test_without_a_rehearsal_nothing_is_predicted():
+    tree = html.fromstring(render_html(TEMPLATE, report(attempted("W1", GOOD)), COLOURS))
+    assert tree.xpath("//h2[@id='predicted']") == []

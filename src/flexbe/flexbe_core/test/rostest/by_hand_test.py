@@ -248,7 +248,7 @@ class ByHandTest(unittest.TestCase):
         self.assertEqual(machine.execute(data), "finished")
         self.assertEqual(data.x, 8)
 
-    def test_a_held_error_can_be_looked_at(self):
+    def test_a_held_error_can_be_to_check(self):
         machine = one_state(ScriptedState([UserDataError("what"), None]))
         machine.autonomy_level = 255
         self.assertIsNone(machine.execute(None))

@@ -29,7 +29,7 @@ def test_it_ends_when_a_condition_is_satisfied(bench):
     assert events(log, "b") == ["enter", "execute", "exit"]
 
 
-def test_conditions_are_looked_at_in_order(bench):
+def test_conditions_are_to_check_in_order(bench):
     container = bench.concurrency(
         [("second", [("b", "done")]), ("first", [("a", "done")])], outcomes=["first", "second"]
     )

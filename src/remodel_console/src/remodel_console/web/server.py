@@ -103,6 +103,13 @@ def serve(console: Console, port: int, users: Users | None = None) -> None:
             return Response("this order has no board", 404)
         return FileResponse(draft.board, media_type="image/svg+xml", headers=_PICTURE_ONLY)
 
+    @app.get(ADDRESS + "/rehearsal/{key}/{name}")
+    def picture_of_rehearsal(key: str, name: str) -> Response:
+        draft = console.drafts.get(key)
+        if draft is None or not draft.picture(name).is_file():
+            return Response("there is no such picture", 404)
+        return FileResponse(draft.picture(name), media_type="image/png", headers=_PICTURE_ONLY)
+
     @ui.page(ADDRESS)
     def order_desk(request: Request) -> None:
         OrderDeskPage(console, broadcast, request, "Order desk")

@@ -26,6 +26,10 @@ COMMANDS = {
         "remodel_planner.commands.sequence",
         "find the order of insertions of a cable tree",
     ),
+    "rehearse": (
+        "remodel_planner.commands.rehearse",
+        "carry an order out in the simulated cell, many times, before the robot does",
+    ),
     "run": (
         "remodel_planner.commands.runs.run_order",
         "place the wires of an order in the cell",

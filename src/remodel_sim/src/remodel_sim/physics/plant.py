@@ -65,8 +65,17 @@ PLUG_FROM_M = 0.005
 OnTime = Callable[[float], None]
 
 
+# Called with a wire of the panel; returns the piece of it that is really delivered.
+Delivered = Callable[[PanelWire], PanelWire]
+
+
 def _ignore(_: float) -> None:
     """Take no notice of the time."""
+
+
+def _as_stated(wire: PanelWire) -> PanelWire:
+    """Deliver a wire as the panel has it."""
+    return wire
 
 
 class SimulatedPlant:
@@ -119,7 +128,26 @@ class SimulatedPlant:
         self._poses = {c.id: board @ c.panel_from_component for c in panel.components}
         self._blocked: set[tuple[str, str]] = set()
         self._disturbances = Disturbances()
+        self._delivered: Delivered = _as_stated
         self._build({robot.name: robot.home for robot in design.robots})
+
+    def differ(
+        self,
+        disturbances: Disturbances,
+        components: Mapping[str, tuple[float, float, float]],
+        delivered: Delivered,
+    ) -> None:
+        """Differ from the model that skills have, until a panel is built.
+
+        Args:
+            disturbances: of pads, light and cameras.
+            components: by how much each is beside its place, dx, dy, dyaw [m, rad].
+            delivered: makes the wires that are fed differ from the panel's.
+        """
+        self._disturbances, self._delivered = disturbances, delivered
+        self._weaken_hand()
+        for component_id, shift in components.items():
+            self.move_component(component_id, *shift)
 
     def find_problems(self, panel: Panel) -> tuple[str, ...]:
         """Return why a panel cannot be built, one sentence each; none: it can."""
@@ -214,7 +242,7 @@ class SimulatedPlant:
         The feeder lays it into a channel; a cell with a magazine presents it there, and has no use
         for a channel. Each robot starts from where it was sent last, `tools`, with open fingers.
         """
-        wire, magazine = self.panel.wire(wire_id), self.design.magazine
+        wire, magazine = self._delivered(self.panel.wire(wire_id)), self.design.magazine
         self._keep_shape()
         self._build(tools)
         if magazine is None:
@@ -264,7 +292,7 @@ class SimulatedPlant:
         self._keep_shape()
         parked = self.parked.pop(wire_id)
         self._build(tools)
-        wire = self.panel.wire(wire_id)
+        wire = self._delivered(self.panel.wire(wire_id))
         self.live = LiveWire(wire, bent_cable(self.world, wire, parked.nodes))
         self.live.watch(self.world, self._headers, self._springs())
         for latch in self.live.latches:

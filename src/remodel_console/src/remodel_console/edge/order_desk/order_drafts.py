@@ -26,9 +26,10 @@ from remodel_console.core.order_desk.preferences import (
     new_document,
     write_document,
 )
-from remodel_console.edge.order_desk.planner_process import Finished
+from remodel_console.edge.order_desk.planner_process import LIMIT_S, Finished
 from remodel_console.errors import CommandError
 from remodel_run.findings import Imported, NoPlan, Plan
+from remodel_run.rehearsal import Forecast
 
 T = TypeVar("T")
 _MOST_KEPT = 30  # each may have 100 MB
@@ -37,6 +38,10 @@ _OWN = ".draft"
 _PLAN, _BOARD, _DATABASE = f"{_OWN}/plan.json", f"{_OWN}/board.svg", f"{_OWN}/orders.sqlite"
 _PREFERENCES, _MAPPING = f"{_OWN}/preferences.yaml", f"{_OWN}/mapping.yaml"
 _SEARCH_S = "2"
+_REHEARSAL = f"{_OWN}/rehearsal"
+# The first seed of a rehearsal, and how long one may take [s of wall time]: a hundred wires with
+# ten seeds on two cores take ten hours.
+_SEED, _REHEARSAL_S = 100, 48 * 3600.0
 _CANCELLED = "cancelled"
 LISTS = (".csv", ".tsv", ".txt", ".xlsx", ".xlsm")  # files whose columns may need a mapping
 
@@ -45,9 +50,14 @@ class Planner(Protocol):
     """Runs the planner's commands."""
 
     def run(
-        self, words: list[str], folder: Path, database: str, report: Callable[[str], None] = ...
+        self,
+        words: list[str],
+        folder: Path,
+        database: str,
+        report: Callable[[str], None] = ...,
+        limit_s: float = ...,
     ) -> Finished:
-        """Run a command in a folder, and report its stages."""
+        """Run a command in a folder, within a limit of wall time [s], and report its stages."""
 
     def end_in(self, folder: Path) -> None:
         """End the commands that run in a folder."""
@@ -70,6 +80,7 @@ class DraftState:
         is_planned: the plan, or why there is none, is of the present preferences.
         explanation: of the plan, in lines.
         stored_as: name of the order in the production database; empty before it is stored.
+        forecast: what a rehearsal says of the stored order; None before.
     """
 
     doing: str = ""
@@ -88,6 +99,7 @@ class DraftState:
     is_planned: bool = False
     explanation: str = ""
     stored_as: str = ""
+    forecast: Forecast | None = None
 
 
 class OrderDraft:
@@ -155,7 +167,7 @@ class OrderDraft:
                     self._read_columns()
                 raise
             imported = read_findings(printed, Imported)
-            self._change(error="", imported=imported, stored_as="", columns=None)
+            self._change(error="", imported=imported, stored_as="", columns=None, forecast=None)
         with self._doing("drawing the board"):
             self._run("layout", imported.order, "--output", _BOARD)
             self._change(boards=self.now.boards + 1)
@@ -208,6 +220,33 @@ class OrderDraft:
                 raise CommandError(_own_words(finished))
             self._change(stored_as=order)
             return f"stored order '{order}'"
+
+    def rehearse(self, database: str, seeds: int, wires: int) -> str:
+        """Rehearse the stored order, and return the answer; it takes minutes for each wire.
+
+        Args:
+            database: URL of the production database, which keeps the rehearsal.
+            seeds: with how many each wire is rehearsed.
+            wires: how many, from the first; 0 for all.
+
+        Raises:
+            CommandError: the command's own error, if the cell cannot carry the order out.
+        """
+        with self._doing("rehearsing"):
+            words = ["rehearse", self.now.stored_as, "--seeds", f"{_SEED}-{_SEED + seeds - 1}"]
+            words += ["--wires", str(wires)] if wires else []
+            words += ["--use-case", self.now.use_case] if self.now.use_case else []
+            words += ["--states", str(self.folder / _REHEARSAL), "--json"]
+            finished = self._finish(*words, database=database, limit_s=_REHEARSAL_S)
+            if finished.code != 0:
+                raise CommandError(_own_words(finished))
+            found = read_findings(finished.printed, Forecast)
+            self._change(forecast=found)
+            return f"rehearsed: {found.all_at_once:.0%} without a failure"
+
+    def picture(self, name: str) -> Path:
+        """Return the file of a picture of a rehearsal, whether it is there or not."""
+        return self.folder / _REHEARSAL / "pictures" / plain_file_name(name)
 
     def read_columns(self) -> str:
         """Read the columns of a list, for a person to choose what they mean."""
@@ -267,7 +306,7 @@ class OrderDraft:
         (self.folder / _PREFERENCES).write_text(text, encoding="utf-8")
         return ["--preferences", _PREFERENCES]
 
-    def _finish(self, *words: str, database: str = "") -> Finished:
+    def _finish(self, *words: str, database: str = "", limit_s: float = LIMIT_S) -> Finished:
         if self._is_cancelled:
             raise CommandError(_CANCELLED)
         return self._planner.run(
@@ -275,6 +314,7 @@ class OrderDraft:
             self.folder,
             database or self._database,
             lambda stage: self._change(stage=stage),
+            limit_s,
         )
 
     def _run(self, *words: str) -> str:
@@ -381,7 +421,7 @@ def _no_plan(finished: Finished) -> NoPlan:
 def _own_words(finished: Finished) -> str:
     """Return the error of a command, without the name of the command in front."""
     words = finished.error or f"it ended with exit code {finished.code}"
-    for command in ("import", "plan", "layout", "explain"):
+    for command in ("import", "plan", "layout", "explain", "rehearse"):
         words = words.removeprefix(f"{command}: ")
     return words
 

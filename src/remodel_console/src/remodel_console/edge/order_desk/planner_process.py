@@ -15,7 +15,7 @@ from remodel_console.errors import CommandError
 
 # The planner yields to the cell, which may be working on the same computer.
 _COMMAND = ("nice", "-n", "10", "remodel")
-_LIMIT_S = 900.0  # of wall time; the largest harnesses take a minute
+LIMIT_S = 900.0  # of wall time; the largest harnesses take a minute
 _STAGE = "stage "  # what a line on the standard error begins with that says what a command does
 DATABASE_VARIABLE = "REMODEL_DATABASE"  # other users see a command line, but no environment
 
@@ -45,6 +45,7 @@ class PlannerProcess:
         folder: Path,
         database: str,
         report: Callable[[str], None] = lambda stage: None,
+        limit_s: float = LIMIT_S,
     ) -> Finished:
         """Run a command in a folder, and return how it ended.
 
@@ -53,6 +54,7 @@ class PlannerProcess:
             folder: that it runs in, and that the names of files in its messages are relative to.
             database: URL of the production database that it works with.
             report: called with each stage that the command begins, such as `2/4: planning`.
+            limit_s: [s] wall time after which it is ended.
 
         Raises:
             CommandError: if it cannot be started, takes too long, or is ended.
@@ -82,7 +84,7 @@ class PlannerProcess:
             is_late.set()
             _end(process)
 
-        limit = threading.Timer(_LIMIT_S, end_late)
+        limit = threading.Timer(limit_s, end_late)
         limit.start()
         reader = threading.Thread(target=_read, args=(process.stderr, report, errors.append))
         reader.start()
@@ -95,7 +97,7 @@ class PlannerProcess:
             with self._lock:
                 self._running.pop(process)
         if is_late.is_set():
-            raise CommandError(f"the planner has not finished within {_LIMIT_S:.0f} s")
+            raise CommandError(f"the planner has not finished within {limit_s:.0f} s")
         if process.returncode < 0 or process.returncode == 128 + signal.SIGTERM:
             raise CommandError(f"`remodel {words[0]}` was ended")
         return Finished(process.returncode, printed, "".join(errors).strip())

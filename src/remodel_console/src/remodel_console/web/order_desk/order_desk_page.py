@@ -21,6 +21,7 @@ from remodel_console.web.order_desk.columns_panel import ColumnsPanel
 from remodel_console.web.order_desk.drop_zone import DropZone
 from remodel_console.web.order_desk.plan_panel import show_plan
 from remodel_console.web.order_desk.preferences_panel import PreferencesPanel
+from remodel_console.web.order_desk.rehearsal_panel import show_forecast
 from remodel_console.web.page import Page, card
 from remodel_run.findings import CellFit, Triage
 
@@ -144,6 +145,10 @@ class OrderDeskPage(Page):
                 lambda now: (now.plan, now.no_plan, now.is_planned, now.explanation, now.imported),
                 show_plan,
             ),
+            _Section(
+                lambda now: (now.imported, now.stored_as, now.forecast),
+                partial(self._show_rehearsal, draft),
+            ),
             _Section(lambda now: now.boards, partial(self._show_board, draft)),
         )
 
@@ -205,6 +210,25 @@ class OrderDeskPage(Page):
             with ui.row().classes("controls"):
                 self.button("Start the order", self._start, icon="play_arrow")
                 self.button("Store it only", self._store, icon="save", look="quiet")
+
+    def _show_rehearsal(self, draft: OrderDraft, now: DraftState) -> None:
+        """Add the card that rehearses the order, and says what to expect."""
+        if now.imported is None:
+            return
+        hint = "Carries the order out in the simulated cell many times, before the robot moves."
+        with card("Rehearsal", hint).classes("across"):
+            with ui.row().classes("controls"):
+                seeds = ui.number("Trials of each wire", value=10, min=1, max=1000, step=1)
+                seeds.props("outlined dense stack-label").set_enabled(self.is_operator)
+
+                async def rehearse() -> None:
+                    await self._rehearse(int(seeds.value or 1))
+
+                self.button("Rehearse", rehearse, icon="theater_comedy", look="quiet")
+            if now.forecast is not None:
+                show_forecast(now.forecast, lambda name: f"{ADDRESS}/rehearsal/{draft.key}/{name}")
+            else:
+                ui.label("It was not rehearsed yet. A trial takes about a minute.").classes("soft")
 
     def _show_board(self, draft: OrderDraft, now: DraftState) -> None:
         address = _board_of(draft, now)
@@ -272,6 +296,15 @@ class OrderDeskPage(Page):
             f"store order '{name}' of {draft.name}", lambda: self.console.store(draft, name)
         )
         return answer.state == DONE
+
+    async def _rehearse(self, seeds: int) -> None:
+        draft, wires = self._draft, int(self._tasks or 0)
+        if draft is None or not await self._store():
+            return
+        await self.give(
+            f"rehearse order '{draft.now.stored_as}', {seeds} trials of each wire",
+            lambda: self.console.rehearse(draft, seeds, wires),
+        )
 
     async def _start(self) -> None:
         draft, name, tasks = self._draft, self._name, int(self._tasks or 0)

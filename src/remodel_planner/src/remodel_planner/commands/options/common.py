@@ -85,6 +85,20 @@ def seed(text: str) -> int:
     return value
 
 
+def seeds(text: str) -> tuple[int, ...]:
+    """Read seeds, such as 0-99 or 3,7-9."""
+    found: list[int] = []
+    for part in text.split(","):
+        first, dash, last = part.partition("-")
+        try:
+            found += range(seed(first), seed(last if dash else first) + 1)
+        except ValueError:
+            found = []
+        if not found:
+            raise argparse.ArgumentTypeError(f"expected seeds such as 0-99 or 3,7-9, found {text}")
+    return tuple(dict.fromkeys(found))
+
+
 def moves(text: str) -> int:
     """Read a number of moves."""
     value = int(text)

@@ -18,6 +18,7 @@ from remodel_production.core.production import Order
 from remodel_production.edge.package_files import catalogue_file, read_catalogue
 from remodel_production.errors import PlannerError
 from remodel_run.progress import Count
+from remodel_run.rehearsal import Rehearsal
 from remodel_supervision.core.runs.events import Ending, Part
 from remodel_supervision.core.runs.state import RunState
 from remodel_supervision.core.runs.sums import count_of, sums_of
@@ -28,7 +29,13 @@ from remodel_tasks.edge.cell_takes import cell_takes
 from remodel_tasks.edge.use_case_files import find_use_case
 
 
-def order_report(stored: Order, follower: RunFollower, state: RunState, folder: Path) -> Report:
+def order_report(
+    stored: Order,
+    follower: RunFollower,
+    state: RunState,
+    folder: Path,
+    rehearsal: Rehearsal | None = None,
+) -> Report:
     """Return the report of a run that has ended.
 
     Args:
@@ -36,6 +43,7 @@ def order_report(stored: Order, follower: RunFollower, state: RunState, folder: 
         follower: of the run.
         state: in which the run ended.
         folder: of the report, with the run's pictures.
+        rehearsal: the order's newest; None: it was not rehearsed.
     """
     order = stored.in_cabinet()
     attempts = follower.attempts
@@ -70,6 +78,7 @@ def order_report(stored: Order, follower: RunFollower, state: RunState, folder: 
         unread=unread,
         simulated_s=follower.ros_s if rospy.get_param("/use_sim_time", False) else None,
         finished=picture_of_cabinet() if attempts else (),
+        forecast=rehearsal.forecast if rehearsal is not None else None,
     )
 
 

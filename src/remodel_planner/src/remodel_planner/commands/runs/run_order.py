@@ -15,6 +15,7 @@ from remodel_planner.commands.runs.run_follower import RunFollower
 from remodel_planner.core.reports.run_report import summary_lines
 from remodel_planner.edge.report_files import write_report
 from remodel_production.edge.database.production_database import ProductionDatabase
+from remodel_production.edge.database.rehearsals import last_rehearsal
 from remodel_production.errors import PlannerError
 from remodel_supervision.core.runs.step import abridged
 from remodel_supervision.edge.run_log import RunLog
@@ -66,6 +67,7 @@ def main(arguments: list[str] | None = None) -> int:
         database = ProductionDatabase(options.database)
         stored = database.order(options.order)
         order = stored.in_cabinet()
+        rehearsal = last_rehearsal(database, options.order)
     except PlannerError as error:
         print(f"run: {error}", file=sys.stderr)
         return 1
@@ -88,7 +90,7 @@ def main(arguments: list[str] | None = None) -> int:
         return 130
     finally:
         database.close()
-    report = order_report(stored, follower, state, folder=options.output)
+    report = order_report(stored, follower, state, options.output, rehearsal)
     print(*summary_lines(report), sep="\n")
     try:
         print(f"report: {write_report(report, options.output)}")

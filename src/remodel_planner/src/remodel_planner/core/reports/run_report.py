@@ -15,6 +15,7 @@ from jinja2 import Environment, StrictUndefined
 from remodel_planner.core.reports.net_list import Connection, Verdict, share_in_ducts
 from remodel_production.core.production import Order, Wire
 from remodel_run.progress import Sums, sums_words
+from remodel_run.rehearsal import Forecast, Share
 from remodel_run.whole_task import WholeTask, counted
 from remodel_states.core.wires.wire_colours import hex_colours
 from remodel_supervision.core.run import Execution, Operation
@@ -86,6 +87,23 @@ class AttemptReport:
 
 
 @dataclass(frozen=True)
+class Predicted:
+    """What a rehearsal said of a wire, and what happened to it.
+
+    Attributes:
+        wire: its name.
+        at_once: probability of the first attempt.
+        happened: for a person.
+        was_at_once: whether the first attempt succeeded.
+    """
+
+    wire: str
+    at_once: Share
+    happened: str
+    was_at_once: bool
+
+
+@dataclass(frozen=True)
 class Report:
     """What the report contains about a run.
 
@@ -101,6 +119,7 @@ class Report:
         unread: why the cell did not say what was built; empty if it did.
         simulated_s: [s] ROS time of the run; None if that is wall time.
         finished: pictures of what was built, at the end.
+        forecast: of the order's newest rehearsal; None: it was not rehearsed.
     """
 
     order: Order
@@ -116,6 +135,38 @@ class Report:
     unread: str = ""
     simulated_s: float | None = None
     finished: tuple[Picture, ...] = ()
+    forecast: Forecast | None = None
+
+    @property
+    def predicted(self) -> tuple[Predicted, ...]:
+        """What the rehearsal said of the wires that were tried, and what happened to them."""
+        if self.forecast is None:
+            return ()
+        failed = {a.execution.wire for a in self.attempts if a.execution.failures}
+        tried = {attempt.execution.wire for attempt in self.attempts}
+        found = []
+        for wire in self.forecast.wires:
+            if wire.wire in tried:
+                is_placed = wire.wire in self.placed_wires
+                was_at_once = is_placed and wire.wire not in failed
+                happened = "at the first attempt" if was_at_once else "after a failure"
+                found.append(
+                    Predicted(
+                        wire.wire,
+                        wire.at_once,
+                        happened if is_placed else "not placed",
+                        was_at_once,
+                    )
+                )
+        return tuple(found)
+
+    @property
+    def brier_score(self) -> float | None:
+        """Mean squared difference between these probabilities and what happened; None without."""
+        found = self.predicted
+        if not found:
+            return None
+        return sum((each.at_once.mean - each.was_at_once) ** 2 for each in found) / len(found)
 
     @property
     def planned(self) -> int:
@@ -301,6 +352,11 @@ def report_data(report: Report) -> Mapping[str, object]:
         "unread": report.unread,
         "net_list": [_net_data(net) for net in report.nets],
         "in_ducts": _rounded(report.in_ducts, 4),
+        "predicted": [
+            {"wire": each.wire, "at_once": each.at_once.mean, "was_at_once": each.was_at_once}
+            for each in report.predicted
+        ],
+        "brier_score": _rounded(report.brier_score, 4),
         "notes": list(report.order.notes),
     }
 

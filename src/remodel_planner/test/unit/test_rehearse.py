@@ -1,0 +1,78 @@
+"""What `remodel rehearse` prints and refuses; the physics is tested in remodel_rehearsal."""
+
+import argparse
+
+import pytest
+
+from remodel_planner.commands import rehearse
+from remodel_planner.commands.options.common import seeds
+from remodel_production.core.production import Component, Order, Side, Terminal, TerminalRef, Wire
+from remodel_production.edge.database.production_database import ProductionDatabase
+from remodel_rehearsal.core.changes import with_changes
+from remodel_rehearsal.core.forecast import forecast
+from remodel_run.rehearsal import Failure, Trial
+
+JAMMED = Failure("InsertCable", "INSERTION_JAMMED", "end a of W2 stopped 4.0 mm deep")
+ORDER = Order(
+    "house",
+    "",
+    "house.qet",
+    (
+        Component("Q1", "fuse", (Terminal("B1", Side.BOTTOM),)),
+        Component("Q2", "relay", (Terminal("T1", Side.TOP),)),
+    ),
+    wires=(Wire("W1", TerminalRef("Q1", "B1"), TerminalRef("Q2", "T1"), "BU", 1.5, source="1"),),
+)
+
+
+def found():
+    good = [Trial("W1", seed, True, 1, cell_s=60.0) for seed in range(4)]
+    bad = [Trial("W2", seed, True, 2, (JAMMED,), 90.0, "abc.png") for seed in range(4)]
+    tried = {("W2", "pushed with 20 N"): bad, ("W2", "8 cm longer"): bad}
+    return with_changes(forecast(["W2", "W1"], good + bad), tried)
+
+
+def test_a_forecast_is_a_line_for_each_wire_and_what_to_check():
+    printed = rehearse.lines(found())
+    assert printed[1].split()[:2] == ["W2", "4"] and "INSERTION_JAMMED" in printed[1]
+    assert printed[2].split()[:2] == ["W1", "4"]
+    text = "\n".join(printed)
+    assert "2.5 min in the cell" in text
+    assert "check W2: end a of W2 stopped 4.0 mm deep" in text
+    assert "pushed with 20 N" in text and "none of this helps" in text
+
+
+@pytest.mark.parametrize(
+    ("text", "read"), [("7", (7,)), ("0-3", (0, 1, 2, 3)), ("3,7-9,8", (3, 7, 8, 9))]
+)
+def test_seeds_are_ranges_and_single_ones(text, read):
+    assert seeds(text) == read
+
+
+@pytest.mark.parametrize("text", ["", "a", "3-1", "-1", "1-x", "1,,2"])
+def test_what_is_no_seed_is_refused(text):
+    with pytest.raises(argparse.ArgumentTypeError, match="such as 0-99"):
+        seeds(text)
+
+
+@pytest.fixture
+def database(tmp_path):
+    url = f"sqlite:///{tmp_path}/production.db"
+    made = ProductionDatabase(url)
+    made.add_order(ORDER)
+    made.close()
+    return url
+
+
+@pytest.mark.parametrize(
+    ("words", "said"),
+    [
+        (["hose"], "no order hose"),
+        (["house", "--seed", "1", "--use-case", "nothing"], "nothing"),
+        (["house", "--uncertainty", "none.yaml"], "none.yaml"),
+        (["house", "--states", "nowhere://x"], "cannot be kept"),
+    ],
+)
+def test_what_cannot_be_rehearsed_is_refused_before_anything_begins(database, words, said, capsys):
+    assert rehearse.main([*words, "--database", database]) == 1
+    assert said in capsys.readouterr().err

@@ -1,0 +1,1 @@
+"""What is uncertain, and what rehearsals say. No ROS, no files."""
