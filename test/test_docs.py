@@ -118,6 +118,13 @@ def subcommands():
     return re.findall(r"^    \"([\w-]+)\": \(", source.read_text(), re.MULTILINE)
 
 
+def test_the_programs_that_the_makefile_runs_are_executable():
+    makefile = (ROOT / "Makefile").read_text()
+    named = set(re.findall(r"(?:benchmarks|tools)/[\w/]+\.(?:py|sh)", makefile))
+    assert len(named) > 20
+    assert [name for name in sorted(named) if not os.access(ROOT / name, os.X_OK)] == []
+
+
 def test_python_in_the_docs_compiles():
     for page in PAGES:
         for match in FENCE.finditer(page.read_text()):

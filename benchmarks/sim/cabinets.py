@@ -95,7 +95,7 @@ def kinds(panel: Panel) -> dict[str, Callable[[PanelWire], bool]]:
     row = {each.id: round(each.pose[0], 2) for each in panel.components}
 
     def is_in_one_row(wire: PanelWire) -> bool:
-        return row[wire.a[0]] == row[wire.b[0]]
+        return row[wire.a_component] == row[wire.b_component]
 
     return {
         "same row": is_in_one_row,
