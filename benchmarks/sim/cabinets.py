@@ -5,9 +5,9 @@ cabinets.py [DESIGN ...] [--wires 6] [--seed N] [--most 10] [--pictures DIR] [--
 workspace must be sourced. Each design, by default Debian's QElectroTech projects and the shipped
 list and harness, is imported and laid out; the first of the shipped cells that takes its board is
 named, with how many wires are for its robots, and why the others are by hand. Of at most so many
-cabinets, so many wires are then placed, each alone on its board (`laying.py`): in turn one in the
-same row, between facing rows, short, long, thin and thick, drawn with the seed, which is printed.
---wires 0 places none, within a minute.
+cabinets, so many wires are then rehearsed, each alone on its board, by supervisors, charts, skills
+and physics in one process: in turn one in the same row, between facing rows, short, long, thin and
+thick, drawn with the seed, which is printed. --wires 0 places none, within a minute.
 """
 # ruff: noqa: T201 - a benchmark prints
 
@@ -24,8 +24,6 @@ from dataclasses import dataclass
 from pathlib import Path
 from types import SimpleNamespace
 
-from laying import Laying, first_ends_of, photograph
-
 from remodel_planner.commands.options.design_orders import DesignOrder, design_order
 from remodel_production.core.board.board import board_of
 from remodel_production.core.imports.formats import format_of, import_design
@@ -34,16 +32,15 @@ from remodel_production.edge.design_files import read_mappings
 from remodel_production.edge.importer_plug_ins import design_formats
 from remodel_production.edge.package_files import catalogue_file, read_catalogue
 from remodel_production.errors import PlannerError
-from remodel_sim.physics.plant import SimulatedPlant
-from remodel_sim.physics.truth import ground_truth
-from remodel_skills.cell import Cell
+from remodel_rehearsal.stack import Setting
+from remodel_rehearsal.trial_run import rehearse_wire
+from remodel_run.rehearsal import Trial
 from remodel_states.edge.wire_material_file import read_wire_materials
 from remodel_supervision.ros.peers.board_message import board_message
 from remodel_tasks.core.decomposition.cell_fit import misfits
 from remodel_tasks.core.orders.board_order import board_order
-from remodel_work.edge.cell_file import read_cell
-from remodel_work.errors import AbilityError
 from remodel_work.panel import Panel, PanelWire
+from remodel_work.placed_wires import PlacedWires
 from remodel_work.ros.panel_message import panel_from
 
 ROOT = Path(__file__).parents[2]
@@ -60,11 +57,11 @@ SHORT_M, LONG_M, THIN_M, THICK_M = 0.55, 1.50, 0.0026, 0.0034
 
 @dataclass(frozen=True)
 class Cabinet:
-    """A design in a cell: its order with the tasks of the robots, and its panel."""
+    """A design in a cell, and its panel."""
 
     name: str
     cell: str
-    order: DesignOrder
+    design: Order
     panel: Panel
 
 
@@ -124,20 +121,18 @@ def chosen(panel: Panel, count: int, rng: random.Random) -> list[tuple[str, Pane
     return found
 
 
-def placed(cabinet: Cabinet, wire: PanelWire, seed: int, pictures: Path | None) -> str:
-    """Place a wire on its empty board; return how it ended, "placed" or why not."""
-    plant = SimulatedPlant(cabinet.panel, design=read_cell(cabinet.cell), seed=seed)
-    cell = Cell(plant)
-    try:
-        Laying(cell).place(wire.id, first_ends_of(cabinet.panel)[wire.id])
-        (truth,) = ground_truth(plant, [wire.id])
-        if pictures is not None:
-            photograph(cell, pictures, f"{cabinet.name}_{wire.id}")
-    except AbilityError as error:
-        return f"{error.code.name}: {error}"
-    finally:
-        cell.close()
-    return "placed" if truth.placed else "reported as placed, and is not"
+def placed(cabinet: Cabinet, wire: PanelWire, seed: int, pictures: Path | None) -> Trial:
+    """Place a wire on its empty board; return what came of it."""
+    setting = Setting(cabinet.design, cabinet.cell)
+    return rehearse_wire(setting, wire.id, seed, PlacedWires(), {}, pictures).trial
+
+
+def words_of(trial: Trial) -> str:
+    """Return what came of a wire, for a person."""
+    if not trial.failures:
+        return "placed" if trial.placed else "reported as placed, and is not"
+    what = "; ".join(f"{each.code}: {each.text}" for each in trial.failures)
+    return f"{'placed after' if trial.placed else 'not placed:'} {what}"
 
 
 def board_row(file: Path) -> tuple[dict[str, str], Cabinet | None]:
@@ -170,7 +165,7 @@ def board_row(file: Path) -> tuple[dict[str, str], Cabinet | None]:
     }
     if why or is_harness:
         return row, None
-    return row, Cabinet(file.stem, cell, found, panel_in(order, found))
+    return row, Cabinet(file.stem, cell, order, panel_in(order, found))
 
 
 def main() -> int:
@@ -197,13 +192,14 @@ def main() -> int:
     missed = 0
     for row, cabinet in rng.sample(cabinets, min(options.most, len(cabinets))):
         wires = chosen(cabinet.panel, options.wires, rng)
-        ends = []
+        trials = []
         for kind, wire in wires:
-            ends.append(placed(cabinet, wire, options.seed, options.pictures))
-            print(f"{cabinet.name}: {wire.id}, {kind}: {ends[-1]}", flush=True)
-        if wires:
-            row["placed at once"] = f"{ends.count('placed')} of {len(ends)}"
-        missed += len(ends) - ends.count("placed")
+            trials.append(placed(cabinet, wire, options.seed, options.pictures))
+            print(f"{cabinet.name}: {wire.id}, {kind}: {words_of(trials[-1])}", flush=True)
+        if trials:
+            row["at once"] = f"{sum(trial.at_once for trial in trials)} of {len(trials)}"
+            row["placed"] = f"{sum(trial.placed for trial in trials)} of {len(trials)}"
+        missed += sum(not trial.placed for trial in trials)
     if options.figures is not None:
         options.figures.write_text("".join(f"{json.dumps(row)}\n" for row in rows))
     return 1 if missed else 0

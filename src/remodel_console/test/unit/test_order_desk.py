@@ -4,6 +4,7 @@ import json
 import threading
 from dataclasses import replace
 
+import msgspec
 import pytest
 import yaml
 
@@ -31,9 +32,10 @@ from remodel_console.core.order_desk.preferences import (
     write_document,
 )
 from remodel_console.edge.order_desk.order_drafts import OrderDrafts, plain_file_name, read_findings
-from remodel_console.edge.order_desk.planner_process import Finished, PlannerProcess
+from remodel_console.edge.order_desk.planner_process import LIMIT_S, Finished, PlannerProcess
 from remodel_console.errors import CommandError
 from remodel_run.findings import NoPlan, Plan
+from remodel_run.rehearsal import Failure, Forecast, Share, WireForecast
 
 BEFORE = next(kind for kind in KINDS if kind.fields == ("pick", "before", "weight"))
 TEXTS = {"pick": "{colour: [BU, 'BK']}", "before": "all", "weight": "3"}
@@ -292,7 +294,7 @@ class HeldPlanner:
         self.begun, self.ended = threading.Event(), threading.Event()
         self.commands = []
 
-    def run(self, words, folder, database, report):
+    def run(self, words, folder, database, report, limit_s):
         self.commands.append(words[0])
         report("2/4: laying out the board")
         self.begun.set()
@@ -340,7 +342,7 @@ def test_a_long_order_is_planned_only_when_a_person_says_so(tmp_path, tasks, is_
     commands = []
 
     class Planner:
-        def run(self, words, folder, database, report):
+        def run(self, words, folder, database, report, limit_s):
             commands.append(words[0])
             return Finished(0, json.dumps(imported if words[0] == "import" else PLAN), "")
 
@@ -349,6 +351,34 @@ def test_a_long_order_is_planned_only_when_a_person_says_so(tmp_path, tasks, is_
     assert ("plan" in commands, draft.now.is_planned) == (is_planned, is_planned)
     draft.plan()
     assert draft.now.is_planned
+
+
+def test_a_stored_order_is_rehearsed_in_the_production_database(tmp_path):
+    at_once = Share(0.5, 0.2, 0.8)
+    jammed = Failure("InsertCable", "INSERTION_JAMMED", "end a stopped 4.0 mm deep")
+    wire = WireForecast("W1", 10, at_once, Share(0.9, 0.7, 1.0), jammed, 60.0, "abc.png")
+    given = []
+
+    class Planner:
+        def run(self, words, folder, database, report, limit_s):
+            given.append((words, database, limit_s))
+            report("1/10: W1")
+            printed = msgspec.to_builtins(Forecast((wire,), 0.5, (60.0, 50.0, 70.0)))
+            return Finished(0, json.dumps(printed), "")
+
+        def end_in(self, folder):
+            pass
+
+    draft = OrderDrafts(tmp_path / "drafts", Planner()).new("a.csv")
+    draft.now = replace(draft.now, stored_as="house", use_case="cabinet")
+    assert draft.rehearse("sqlite:///p", seeds=10, wires=3) == "rehearsed: 50% without a failure"
+    ((words, database, limit_s),) = given
+    assert words[:6] == ["rehearse", "house", "--seeds", "100-109", "--wires", "3"]
+    assert words[6:8] == ["--use-case", "cabinet"] and words[-1] == "--json"
+    assert database == "sqlite:///p" and limit_s > 10 * LIMIT_S
+    assert draft.now.forecast.failing == (wire,)
+    assert draft.picture("abc.png").parent.name == "pictures"
+    assert draft.picture("../../orders.sqlite") == draft.picture("orders.sqlite")
 
 
 def test_two_drafts_of_one_file_have_two_names(tmp_path):

@@ -21,9 +21,9 @@ MEANINGS = {
     "eee": "Length",
 }
 MIDDLE = """(line) => {
-  line.scrollIntoView({ block: "center" });
   const at = line.getPointAtLength(line.getTotalLength() / 2).matrixTransform(line.getScreenCTM());
-  return [at.x, at.y];
+  const box = line.getBoundingClientRect();
+  return { x: at.x - box.x, y: at.y - box.y };
 }"""
 LIST = """Wire,From,To,Section mm2,Colour,Shelf,Length mm
 W1,K1:1,X1:1,1,BU,a,600
@@ -124,7 +124,8 @@ require:
         pick, before = (dialog.get_by_label(each, exact=True) for each in ("pick", "before"))
         wire = dialog.locator("[data-wire='W1']")
         for text, is_chosen in (("[W1]", True), ("", False)):
-            page.mouse.click(*wire.locator(".area").evaluate(MIDDLE))
+            area = wire.locator(".area")
+            area.click(position=area.evaluate(MIDDLE))  # waits until the dialog moves no more
             expect(pick).to_have_value(text)
             expect(dialog.locator(".chosen[data-wire='W1']")).to_have_count(int(is_chosen))
         dialog.get_by_text("Wires (4)").click()

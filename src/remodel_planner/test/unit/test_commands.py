@@ -542,7 +542,7 @@ def test_an_order_that_ended_is_reported_though_its_report_cannot_be_written(
         ("require_master", lambda wait_s: None),
         ("join_interruptibly", lambda name: None),
         ("RunFollower", lambda log, order: ended),
-        ("order_report", lambda *_, folder: report),
+        ("order_report", lambda *_, folder, rehearsal: report),
     ):
         monkeypatch.setattr(run_order, name, stands_for)
     with full_disk():

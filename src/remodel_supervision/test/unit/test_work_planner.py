@@ -169,7 +169,7 @@ def test_a_replan_searches_for_less_time_the_more_wires_there_are(monkeypatch):
     limits = []
     replan = work_planner.replan_problem
     monkeypatch.setattr(
-        work_planner, "replan_problem", lambda *a: limits.append(a[-1]) or replan(*a)
+        work_planner, "replan_problem", lambda *a: limits.append(a[3]) or replan(*a)
     )
     planner.plan(names, names)
     monkeypatch.setattr(work_planner, "_FULL_SEARCH_WIRES", WIRES // 4)

@@ -90,7 +90,7 @@ def main(arguments: list[str] | None = None) -> int:
         return 130
     finally:
         database.close()
-    report = order_report(stored, follower, state, options.output, rehearsal)
+    report = order_report(stored, follower, state, folder=options.output, rehearsal=rehearsal)
     print(*summary_lines(report), sep="\n")
     try:
         print(f"report: {write_report(report, options.output)}")
