@@ -6,6 +6,7 @@ from pathlib import Path
 import pytest
 from hypothesis import given
 from lxml import etree
+from synthesizer_support.errors_page import EXAMPLES
 from synthesizer_support.strategies import charts
 
 from flexbe_synthesizer.core.chart.chart_reader import parse_chart, read_chart
@@ -15,7 +16,6 @@ from flexbe_synthesizer.core.chart.problem import errors_in
 ROOT = Path(__file__).parents[4]
 PACKAGE = ROOT / "src" / "flexbe_synthesizer"
 OURS = sorted((*PACKAGE.glob("test/golden/charts/*.xml"), *ROOT.glob("src/*/charts/*.xml")))
-ERRORS = (ROOT / "docs" / "reference" / "errors.md").read_text()
 
 
 @pytest.fixture(scope="session")
@@ -31,12 +31,11 @@ def complaints(schema, text):
 def charts_in_docs():
     """Yield every chart shown in a document: whole blocks of XML, and mended examples."""
     for path in sorted((*ROOT.glob("docs/**/*.md"), *ROOT.glob("src/**/README.md"))):
-        for language, text in re.findall(r"```(xml|diff)\n(.*?)```", path.read_text(), re.DOTALL):
-            if language == "diff":
-                lines = text.splitlines(keepends=True)
-                text = "".join(line[1:] for line in lines if line[0] in " +")
+        for text in re.findall(r"```xml\n(.*?)```", path.read_text(), re.DOTALL):
             if re.match(r"\s*(<\?.*\?>\s*|<!--.*-->\s*)*<statemachine", text):
                 yield f"{path.parent.name}/{path.name}", text
+    for example in EXAMPLES:
+        yield f"errors.md: {example.slug}", example.files("+")[example.chart]
 
 
 def test_there_are_charts_to_validate():

@@ -1,7 +1,7 @@
 """What can be wrong with a chart, and where it is.
 
-`ProblemKind` is the one list of all errors and warnings; a test compares the README's table with
-it.
+`ProblemKind` is the one list of all errors and warnings; a test compares docs/reference/errors.md
+with it.
 """
 
 from __future__ import annotations
