@@ -44,6 +44,16 @@ def test_each_file_of_figures_is_shown_on_a_page():
             "| sag | at most 0.1 % | 0.15 % (missed) |\n| factor | at least 5 x | 10 x |\n"
             "| bare |  | 1, 2.0 times its floor |\n| many |  | 71,202 |\n",
         ),
+        (
+            [
+                {"what": "sag, 1 m", "value": 1, "unit": "%", "most": 2},
+                {"what": "sag, 2 m", "value": 3, "unit": "%", "most": 2},
+                {"what": "sag, 3 m", "value": 3, "unit": "%", "most": 4},
+            ],
+            "| figure | target | measured |\n| --- | --- | --- |\n"
+            "| sag | at most 2 % | 1 m: 1 %<br>2 m: 3 % (missed) |\n"
+            "| sag, 3 m | at most 4 % | 3 % |\n",
+        ),
         ([{"yield": "a", "frozen": "63"}], "| yield | frozen |\n| --- | --- |\n| a | 63 |\n"),
     ],
 )

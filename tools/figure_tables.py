@@ -8,11 +8,13 @@ A page holds a block
 and `make generate` writes the rows of docs/figures/sim.jsonl between its lines. A line of JSON is a
 figure with `what`, `value`, `unit`, what it is to be: at most `most` or `target`, at least `least`,
 and perhaps the `floor` that it is compared with; or else a row of a table, whose keys are the
-columns. `test/test_generated.py` compares, so that page and file cannot disagree.
+columns. Figures whose `what` is equal up to the first comma, and whose targets are equal, share a
+row. `test/test_generated.py` compares, so that page and file cannot disagree.
 """
 
 import json
 import re
+from collections import defaultdict
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
@@ -40,16 +42,34 @@ def pages_with_figures() -> Iterator[tuple[Path, str]]:
 
 def _filled(block: re.Match[str]) -> str:
     lines = (FIGURES / block["file"]).read_text(encoding="utf-8").splitlines()
-    rows = [_cells(json.loads(line)) for line in lines]
+    rows = _rows([json.loads(line) for line in lines])
     columns = list(dict.fromkeys(column for row in rows for column in row))
     table = [columns, ["---"] * len(columns), *([row.get(c, "") for c in columns] for row in rows)]
     text = "".join(f"| {' | '.join(cells)} |\n" for cells in table)
     return f"{block['begin']}\n{text}\n{block['end']}"
 
 
-def _cells(figure: dict[str, Any]) -> dict[str, str]:
-    if "value" not in figure:
-        return {column: str(value) for column, value in figure.items()}
+def _rows(figures: list[dict[str, Any]]) -> list[dict[str, str]]:
+    """Return the rows; figures of one kind, `KIND, CASE`, and one target are one row."""
+    if not all("value" in figure for figure in figures):
+        return [{column: str(value) for column, value in figure.items()} for figure in figures]
+    groups = defaultdict(list)
+    for figure in figures:
+        what, target, measured = _cells(figure)
+        groups[what.partition(", ")[0], target].append((what, measured))
+    rows = []
+    for (kind, target), measurements in groups.items():
+        if len(measurements) == 1:
+            ((kind, shown),) = measurements
+        else:
+            cases = [(what.partition(", ")[2], measured) for what, measured in measurements]
+            shown = "<br>".join(f"{case}: {m}" if case else m for case, m in cases)
+        rows.append(dict(zip(COLUMNS, (kind, target, shown), strict=True)))
+    return rows
+
+
+def _cells(figure: dict[str, Any]) -> tuple[str, str, str]:
+    """Return what a figure is, its target, and what was measured."""
     least, most = figure.get("least"), figure.get("most", figure.get("target"))
     value, unit = figure["value"], f" {figure['unit']}".rstrip()
     target, met = "", True
@@ -59,5 +79,8 @@ def _cells(figure: dict[str, Any]) -> dict[str, str]:
         target, met = f"at least {least:g}{unit}", value >= least
     number = f"{value:.3g}" if value < _LARGE else f"{value:,.0f}"
     floor = f", {value / figure['floor']:.1f} times its floor" if figure.get("floor") else ""
-    measured = f"{number}{unit}{floor}{'' if met else ' (missed)'}"
-    return dict(zip(COLUMNS, (figure["what"].replace("|", "/"), target, measured), strict=True))
+    return (
+        figure["what"].replace("|", "/"),
+        target,
+        f"{number}{unit}{floor}{'' if met else ' (missed)'}",
+    )
