@@ -48,11 +48,16 @@ def test_each_file_of_figures_is_shown_on_a_page():
             [
                 {"what": "sag, 1 m", "value": 1, "unit": "%", "most": 2},
                 {"what": "sag, 2 m", "value": 3, "unit": "%", "most": 2},
-                {"what": "sag, 3 m", "value": 3, "unit": "%", "most": 4},
+                {"what": "idle: load", "value": 3, "unit": "%", "most": 4},
+                {"what": "idle: wake-ups", "value": 3, "unit": "1/s"},
             ],
             "| figure | target | measured |\n| --- | --- | --- |\n"
             "| sag | at most 2 % | 1 m: 1 %<br>2 m: 3 % (missed) |\n"
-            "| sag, 3 m | at most 4 % | 3 % |\n",
+            "| idle |  | load: 3 % (at most 4 %)<br>wake-ups: 3 1/s |\n",
+        ),
+        (
+            [{"at": "1 m", "lost": 0}, {"at": "2 m", "lost": 1}, {"at": "3 m", "lost": 0}],
+            "| at | lost |\n| --- | --- |\n| 1 m<br>3 m | 0 |\n| 2 m | 1 |\n",
         ),
         ([{"yield": "a", "frozen": "63"}], "| yield | frozen |\n| --- | --- |\n| a | 63 |\n"),
     ],
@@ -65,5 +70,5 @@ def test_a_page_gets_the_figures_of_its_file(tmp_path, monkeypatch, figures, tab
     monkeypatch.setattr(figure_tables, "FIGURES", tmp_path)
     ((found, text),) = figure_tables.pages_with_figures()
     assert found == page
-    block = f"<!-- figures: f.jsonl -->\n\n{table}\n<!-- end of figures -->"
+    block = f"<!-- figures: f.jsonl -->\n{table}<!-- end of figures -->"
     assert text == f"before\n{block}\nafter\n"

@@ -8,6 +8,7 @@ was drawn from, since its bytes depend on the fonts of the machine.
 import hashlib
 import subprocess
 from html import escape
+from itertools import groupby
 from pathlib import Path
 
 from sqlalchemy import Column, Table
@@ -35,6 +36,8 @@ _GROUPS = {
     ),
     "#eeeeee": ("abilities", "ability_parameters"),
 }
+# The comment of the column `id`, which the page explains once.
+_NUMBER_OF_ROW = "number of the row"
 _TYPES = {
     "VARCHAR": "text",
     "INTEGER": "integer",
@@ -54,14 +57,24 @@ def tables() -> list[Table]:
 
 
 def listing() -> str:
-    """Return every table with its columns."""
-    parts = []
+    """Return all tables with their columns: those that are described alike in one row.
+
+    A table's own row has the columns that refer to other tables.
+    """
+    rows = ["| table or column | type | |", "|---|---|---|"]
     for table in tables():
-        parts += [f"### {table.name}", "", f"{_sentence(table.comment)}", ""]
-        parts += ["| column | type | |", "|---|---|---|"]
-        parts += [f"| `{c.name}` | {_type(c)} | {c.comment} |" for c in table.columns]
-        parts.append("")
-    return "\n".join(parts)
+        about = [_sentence(table.comment)]
+        about += [f"`{c.name}` → {_type(c)}: {c.comment}" for c in table.columns if c.foreign_keys]
+        rows.append(f'| <a id="{table.name}"></a>**{table.name}** | | {"<br>".join(about)} |')
+        columns = (
+            column
+            for column in table.columns
+            if not column.foreign_keys and column.comment != _NUMBER_OF_ROW
+        )
+        for (kind, comment), alike in groupby(columns, lambda c: (_type(c), c.comment)):
+            names = ", ".join(f"`{column.name}`" for column in alike)
+            rows.append(f"| {names} | {kind} | {comment} |")
+    return "\n".join([*rows, ""])
 
 
 def graph() -> str:

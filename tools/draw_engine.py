@@ -1,6 +1,7 @@
 #!/usr/bin/env python3
 """Draw the engine's tables into docs/engine.md; run it with the workspace sourced."""
 
+from collections import defaultdict
 from pathlib import Path
 from types import SimpleNamespace
 
@@ -15,39 +16,32 @@ _ANY_MESSAGE = SimpleNamespace(data=True, target="", outcome=0)
 
 
 def decisions() -> str:
-    """Return both tables of decisions as a flow chart."""
-    lines = ["```mermaid", "flowchart TD"]
-    lines += _chain("before", "before it is executed", BEFORE)
-    lines += _chain("after", "with the outcome it returned", AFTER)
-    return "\n".join([*lines, "```", ""])
+    """Return both tables of decisions."""
+    rows = ["| | if | then |", "|---|---|---|"]
+    rows += _rules("before it is executed", BEFORE)
+    rows += _rules("with the outcome it returned", AFTER)
+    return "\n".join([*rows, ""])
 
 
-def _chain(key: str, title: str, rules: tuple[Rule, ...]) -> list[str]:
-    lines = [f"  {key}([{title}]) --> {key}0"]
-    for index, rule in enumerate(rules):
-        act = f'{key}{index}a["<b>{rule.act.name}</b><br/>{rule.act.value}"]'
-        if index == len(rules) - 1:
-            lines.append(f'  {key}{index}["{rule.name}"] --> {act}')
-        else:
-            lines.append(f'  {key}{index}{{"{rule.name}?"}} -- yes --> {act}')
-            lines.append(f"  {key}{index} -- no --> {key}{index + 1}")
-    return lines
+def _rules(when: str, rules: tuple[Rule, ...]) -> list[str]:
+    cells = [f"{rule.name} | **{rule.act.name}**: {rule.act.value} |" for rule in rules]
+    return [f"| {'' if index else when} | {cell}" for index, cell in enumerate(cells)]
 
 
 def commands() -> str:
     """Return where each command goes."""
-    rows = ["| topic | command | handled by |", "|---|---|---|"]
+    rows = defaultdict(list)
     for topic, make in _COMMANDS.items():
         command = type(make(_ANY_MESSAGE))
-        names = "`Pause`, `Resume`" if command.__name__ == "Pause" else f"`{command.__name__}`"
+        names = "Pause, Resume" if command.__name__ == "Pause" else command.__name__
         handler = _HANDLERS.get(command)
-        where = (
-            f"`engine/supervision.py` `{handler.__name__}`"
-            if handler
-            else "`engine/engine.py` `handle`"
-        )
-        rows.append(f"| `{topic}` | {names} | {where} |")
-    return "\n".join([*rows, ""])
+        where = f"supervision.py` `{handler.__name__}" if handler else "engine.py` `handle"
+        rows[where].append((f"`{topic}`", names))
+    lines = ["| topic | command | handled by |", "|---|---|---|"]
+    for where, both in rows.items():
+        topics, commands = (", ".join(dict.fromkeys(column)) for column in zip(*both, strict=True))
+        lines.append(f"| {topics} | {commands} | `engine/{where}` |")
+    return "\n".join([*lines, ""])
 
 
 def drawn() -> str:

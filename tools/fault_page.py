@@ -41,9 +41,9 @@ COLUMNS = """
 def fault_page(tables: FaultTables) -> str:
     """Return the page."""
     faults = tables.faults.values()
-    parts = [HEAD]
+    parts = [HEAD, COLUMNS]
     for family in dict.fromkeys(fault["family"] for fault in faults):
-        parts.append(f"\n## {family.capitalize()}\n{COLUMNS}")
+        parts.append(f"| **{family.capitalize()}** | | | | |\n")
         parts += [_row(fault, tables) for fault in faults if fault["family"] == family]
     parts.append("\n## Error codes\n\n| code | name | meaning | what to do |\n|---|---|---|---|\n")
     parts += [

@@ -8,8 +8,9 @@ A page holds a block
 and `make generate` writes the rows of docs/figures/sim.jsonl between its lines. A line of JSON is a
 figure with `what`, `value`, `unit`, what it is to be: at most `most` or `target`, at least `least`,
 and perhaps the `floor` that it is compared with; or else a row of a table, whose keys are the
-columns. Figures whose `what` is equal up to the first comma, and whose targets are equal, share a
-row. `test/test_generated.py` compares, so that page and file cannot disagree.
+columns. Figures whose `what` is equal up to the first comma or colon share a row, and so do rows of
+a table that differ in the first column only. `test/test_generated.py` compares, so that page and
+file cannot disagree.
 """
 
 import json
@@ -46,41 +47,58 @@ def _filled(block: re.Match[str]) -> str:
     columns = list(dict.fromkeys(column for row in rows for column in row))
     table = [columns, ["---"] * len(columns), *([row.get(c, "") for c in columns] for row in rows)]
     text = "".join(f"| {' | '.join(cells)} |\n" for cells in table)
-    return f"{block['begin']}\n{text}\n{block['end']}"
+    return f"{block['begin']}{text}{block['end']}"
 
 
 def _rows(figures: list[dict[str, Any]]) -> list[dict[str, str]]:
-    """Return the rows; figures of one kind, `KIND, CASE`, and one target are one row."""
+    """Return the rows: one for each kind of figures, or for those of a table that are alike."""
     if not all("value" in figure for figure in figures):
-        return [{column: str(value) for column, value in figure.items()} for figure in figures]
+        return _alike([{name: str(value) for name, value in row.items()} for row in figures])
     groups = defaultdict(list)
     for figure in figures:
-        what, target, measured = _cells(figure)
-        groups[what.partition(", ")[0], target].append((what, measured))
-    rows = []
-    for (kind, target), measurements in groups.items():
-        if len(measurements) == 1:
-            ((kind, shown),) = measurements
-        else:
-            cases = [(what.partition(", ")[2], measured) for what, measured in measurements]
-            shown = "<br>".join(f"{case}: {m}" if case else m for case, m in cases)
-        rows.append(dict(zip(COLUMNS, (kind, target, shown), strict=True)))
-    return rows
+        groups[re.split(", |: ", figure["what"], maxsplit=1)[0]].append(figure)
+    rows = [_row(kind, group) for kind, group in groups.items()]
+    return [dict(zip(COLUMNS, row, strict=True)) for row in rows]
 
 
-def _cells(figure: dict[str, Any]) -> tuple[str, str, str]:
-    """Return what a figure is, its target, and what was measured."""
+def _row(kind: str, figures: list[dict[str, Any]]) -> tuple[str, str, str]:
+    """Return the row of a kind; targets that differ stand beside what was measured."""
+    targets = [_target(figure) for figure in figures]
+    common = targets[0][0] if len({target for target, _ in targets}) == 1 else None
+    if len(figures) == 1:
+        kind = figures[0]["what"]
+    shown = []
+    for figure, (target, is_met) in zip(figures, targets, strict=True):
+        notes = [target] if common is None and target else []
+        notes += [] if is_met else ["missed"]
+        case = figure["what"][len(kind) + 2 :]
+        value = _measured(figure) + (f" ({', '.join(notes)})" if notes else "")
+        shown.append(f"{case}: {value}" if case else value)
+    return kind.replace("|", "/"), common or "", "<br>".join(shown).replace("|", "/")
+
+
+def _alike(rows: list[dict[str, str]]) -> list[dict[str, str]]:
+    """Return the rows of a table; those that differ in their first cell only are one."""
+    names = defaultdict(list)
+    for row in rows:
+        (column, name), *rest = row.items()
+        names[column, tuple(rest)].append(name)
+    return [{column: "<br>".join(alike), **dict(rest)} for (column, rest), alike in names.items()]
+
+
+def _target(figure: dict[str, Any]) -> tuple[str, bool]:
+    """Return the target of a figure, and whether it is met."""
     least, most = figure.get("least"), figure.get("most", figure.get("target"))
     value, unit = figure["value"], f" {figure['unit']}".rstrip()
-    target, met = "", True
-    if most is not None:
-        target, met = f"at most {most:g}{unit}", value <= most
     if least is not None:
-        target, met = f"at least {least:g}{unit}", value >= least
+        return f"at least {least:g}{unit}", value >= least
+    if most is not None:
+        return f"at most {most:g}{unit}", value <= most
+    return "", True
+
+
+def _measured(figure: dict[str, Any]) -> str:
+    value = figure["value"]
     number = f"{value:.3g}" if value < _LARGE else f"{value:,.0f}"
     floor = f", {value / figure['floor']:.1f} times its floor" if figure.get("floor") else ""
-    return (
-        figure["what"].replace("|", "/"),
-        target,
-        f"{number}{unit}{floor}{'' if met else ' (missed)'}",
-    )
+    return f"{number} {figure['unit']}".rstrip() + floor

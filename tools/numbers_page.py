@@ -60,7 +60,7 @@ NUMBERS = {
         ),
         ("error codes of packages of your own", f"{STATES}/core/fault_tables.py", "OTHER_CODES"),
     ),
-    "States and ability servers": (
+    "states": (
         (
             "a server that publishes no status hangs: `command_error`; both times",
             f"{CORE}/proxy/action_connection.py",
@@ -171,7 +171,7 @@ NUMBERS = {
             "DELIVERY_S",
         ),
     ),
-    "The conformance command": (
+    "`conformance`": (
         (
             "a goal that takes less cannot be caught while it runs: not judged; ROS time",
             f"{STATES}/conformance/trial.py",
@@ -203,15 +203,14 @@ NUMBERS = {
 
 def numbers_page() -> str:
     """Return the page."""
-    parts = [HEAD]
+    parts = [HEAD, "| number | of | what it is | where |\n|---|---|---|---|\n"]
     for section, rows in NUMBERS.items():
-        parts.append(f"## {section}\n\n| number | what it is | where |\n|---|---|---|\n")
         parts += [
-            f"| {shown(module, name)} | {meaning} | [{Path(module).name}](../../src/{module}) |\n"
+            f"| {shown(module, name)} | {section.lower()} | {meaning} "
+            f"| [{Path(module).name}](../../src/{module}) |\n"
             for meaning, module, name in rows
         ]
-        parts.append("\n")
-    return "".join(parts).rstrip("\n") + "\n"
+    return "".join(parts)
 
 
 def shown(module: str, name: str) -> str:

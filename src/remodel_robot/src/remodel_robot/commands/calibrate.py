@@ -51,7 +51,7 @@ def _arguments(words: Sequence[str]) -> argparse.Namespace:
         description=__doc__,
         epilog="Exit code: 0 written, 1 refused (nothing is written), 2 usage error.",
     )
-    parser.add_argument("views", type=Path, help="views.yaml (docs/real-cell/calibration.md)")
+    parser.add_argument("views", type=Path, help="views.yaml (docs/real-cell/drivers.md)")
     parser.add_argument("--output", type=Path, required=True, metavar="FILE.yaml")
     parser.add_argument(
         "--board-from-panel",
