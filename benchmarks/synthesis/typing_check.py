@@ -20,8 +20,7 @@ from pathlib import Path
 from sizes import PACKAGE, chain
 
 from flexbe_synthesizer.core.chart.chart_writer import write_chart
-from remodel_console.edge.inspect_chart import inspect_text
-from remodel_console.edge.workspace import Workspace
+from remodel_console.edge.workspace import Workspace, inspect_text
 
 STATES, CHANGES = 100, 20
 AIM_S = 0.010  # [s]

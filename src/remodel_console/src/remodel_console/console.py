@@ -12,26 +12,20 @@ from dataclasses import replace
 from typing import Protocol
 
 from flexbe_synthesizer.core.chart.model import Chart
-from remodel_console.core.access import Account, Door, Role, User
-from remodel_console.core.editor.drawing import drawn_paths, opened
-from remodel_console.core.inbox import Card, Option
-from remodel_console.core.run.decision import Decisions, decisions_of
-from remodel_console.core.run.order import FULL, Attach
-from remodel_console.core.run.run_view import Event, Phase
-from remodel_console.core.use_case.record import Record, Summary, in_chart_terms
-from remodel_console.core.world import Part
-from remodel_console.desk import Desk
-from remodel_console.edge.catalogue import Catalogue
-from remodel_console.edge.everything import Everything
-from remodel_console.edge.kept_files import HandWires, SettingsFile
-from remodel_console.edge.order_desk.order_drafts import OrderDraft, OrderDrafts
-from remodel_console.edge.scene_files import SceneFiles
-from remodel_console.edge.workspace import GENERATED, Workspace
+from remodel_console.core.commands import Account, Door, Role, User
+from remodel_console.core.drawing import drawn_paths, opened
+from remodel_console.core.order import FULL, Attach
+from remodel_console.core.record import Record, Summary, in_chart_terms
+from remodel_console.core.run_view import Event, Phase
+from remodel_console.core.running_chart import Decisions, decisions_of
+from remodel_console.core.world import Card, Option, Part
+from remodel_console.edge.kept_files import HandWires, SceneFiles, SettingsFile
+from remodel_console.edge.order_drafts import OrderDraft, OrderDrafts
+from remodel_console.edge.processes import Everything
+from remodel_console.edge.workspace import GENERATED, Catalogue, Workspace
 from remodel_console.errors import CommandError
-from remodel_console.live import Live
-from remodel_console.session import Session
-from remodel_console.sessions import Sessions
-from remodel_console.steering import Steering
+from remodel_console.live import Desk, Live, Steering
+from remodel_console.session import Session, Sessions
 from remodel_console.watched import Meshes, Pictures, RunValues, Scene, TopicPlots
 from remodel_run.progress import Answer
 from remodel_run.record import Statistics

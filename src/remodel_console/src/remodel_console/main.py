@@ -18,24 +18,16 @@ from pathlib import Path
 from nicegui import app
 
 from remodel_console.console import Console
-from remodel_console.core.access import Door, is_local
-from remodel_console.desk import Desk
-from remodel_console.edge.catalogue import Catalogue
-from remodel_console.edge.everything import Everything
-from remodel_console.edge.kept_files import HandWires, Journal, SettingsFile
-from remodel_console.edge.log_file import LogFile
-from remodel_console.edge.order_desk.order_drafts import OrderDrafts
-from remodel_console.edge.order_desk.planner_process import DATABASE_VARIABLE, PlannerProcess
-from remodel_console.edge.parse_lock import lock_parsing
-from remodel_console.edge.scene_files import SceneFiles
-from remodel_console.edge.users_file import UsersFile
-from remodel_console.edge.workspace import OUTPUT, Workspace
+from remodel_console.core.commands import Door, is_local
+from remodel_console.edge.kept_files import HandWires, Journal, LogFile, SceneFiles, SettingsFile
+from remodel_console.edge.order_drafts import OrderDrafts
+from remodel_console.edge.processes import DATABASE_VARIABLE, Everything, PlannerProcess
+from remodel_console.edge.users_file import USERS, UsersFile
+from remodel_console.edge.workspace import OUTPUT, Catalogue, Workspace, lock_parsing
 from remodel_console.errors import CommandError
-from remodel_console.live import Live
+from remodel_console.live import Desk, Live
 from remodel_console.ros.presence import join_ros
-from remodel_console.session import Session
-from remodel_console.sessions import Sessions
-from remodel_console.users_command import USERS
+from remodel_console.session import Session, Sessions
 from remodel_console.web.server import serve
 
 _PORT = 8765

@@ -1,30 +1,32 @@
-"""An editing session: one behavior at a time is loaded, changed and saved."""
+"""Editing sessions: one for each page of the editor, and the one of `/flexbe/uicommand`."""
 
 from __future__ import annotations
 
+import secrets
 import threading
 import time
-from collections.abc import Callable, Mapping
-from dataclasses import replace
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import dataclass, replace
 from pathlib import PurePath
 
 from flexbe_synthesizer.core.chart.model import Chart, Container
 from flexbe_synthesizer.core.chart.names import behavior_file
 from flexbe_synthesizer.core.chart.xml_reader import decoded
 from flexbe_synthesizer.core.export.instantiate import Instantiation
+from remodel_console.core.chart_edit import with_name
 from remodel_console.core.commands import Command, Verb, help_lines
-from remodel_console.core.editor.chart_edit import with_name
-from remodel_console.core.editor.draft import Draft, new_draft
-from remodel_console.core.editor.editing import (
+from remodel_console.core.editing import (
+    Draft,
     as_container,
     change_at,
     connected,
     container_at,
+    new_draft,
     read_path,
     with_container,
 )
-from remodel_console.core.editor.inspection import ServerRequest
-from remodel_console.core.editor.server_states import chart_from_states
+from remodel_console.core.inspection import ServerRequest
+from remodel_console.core.server_states import chart_from_states
 from remodel_console.core.settings import Settings
 from remodel_console.edge.workspace import Workspace
 from remodel_console.errors import ChartErrorsError, CommandError
@@ -382,3 +384,131 @@ class Session:
     def _find(self, given: Mapping[str, str]) -> str:
         users = tuple(self._workspace.users_of(given["state"]))
         return "\n".join(users) or f"no chart uses {given['state']}"
+
+
+Ask = Callable[[ServerRequest], tuple[Instantiation, ...]]
+
+
+@dataclass(frozen=True)
+class _Kept:
+    """A page's session, whether a browser still shows the page, and who opened it."""
+
+    session: Session
+    is_shown: Callable[[], bool]
+    who: str
+
+
+@dataclass(frozen=True)
+class Left:
+    """Unsaved changes of a chart on a page that was closed; `changed_at`: time of the last one."""
+
+    key: str
+    name: str
+    changed_at: str
+
+
+class Sessions:
+    """Makes and keeps sessions.
+
+    A session with unsaved changes outlives its page: a reload of the page continues it, and so can
+    another page of the editor.
+
+    Attributes:
+        commands: the session of `/flexbe/uicommand`.
+        save_count: how often any session has saved a chart.
+    """
+
+    def __init__(self, make: Callable[[], Session], commands: Session) -> None:
+        """Begin with the session of the commands; `make` returns one for a page of the editor."""
+        self._make = make
+        self._pages: dict[str, _Kept] = {}
+        self._on_change: Callable[[], None] = lambda: None
+        self._ask_server: Ask | None = None
+        self.save_count = 0
+        self.commands = commands
+        self.commands.on_save = self._count
+
+    def on_change(self, wake: Callable[[], None]) -> None:
+        """Have a function called after each command that a session has carried out."""
+        self._on_change = wake
+        for session in self._all():
+            session.on_change = wake
+
+    def connect(self, ask_server: Ask) -> None:
+        """Have all sessions ask synthesis servers so."""
+        self._ask_server = ask_server
+        for session in self._all():
+            session.ask_server = ask_server
+
+    def take(self, key: str, is_shown: Callable[[], bool], who: str = "") -> tuple[str, Session]:
+        """Return the session of a page and its key: the one of the key if no page shows it.
+
+        Args:
+            key: that the page's address has; empty or unknown for a new session.
+            is_shown: returns whether a browser still shows the page.
+            who: the user of the page, for others who open the same chart.
+        """
+        self._forget_all_but(key)
+        kept = self._pages.get(key)
+        if kept is not None and not kept.is_shown():
+            session = kept.session
+        else:
+            key, session = secrets.token_urlsafe(9), self._make()
+            session.on_change, session.on_save = self._on_change, self._count
+            session.ask_server = self._ask_server
+        self._pages[key] = _Kept(session, is_shown, who)
+        return key, session
+
+    def is_shown(self, key: str) -> bool:
+        """Return whether a browser shows the page of a session."""
+        kept = self._pages.get(key)
+        return kept is not None and kept.is_shown()
+
+    def left_unsaved(self) -> tuple[Left, ...]:
+        """Return the charts with unsaved changes that no page shows, each once: the latest."""
+        latest: dict[str, tuple[float, Left]] = {}
+        for key, kept in self._pages.items():
+            session, chart = kept.session, kept.session.chart
+            if chart is None or session.is_kept or kept.is_shown():
+                continue
+            at = time.strftime("%H:%M", time.localtime(session.changed_at_s))
+            found = session.changed_at_s, Left(key, chart.name, at)
+            latest[chart.file] = max(latest.get(chart.file, found), found, key=lambda one: one[0])
+        return tuple(left for _, left in latest.values())
+
+    def others_at(self, key: str) -> tuple[str, ...]:
+        """Return who else has the chart of a session open on a page."""
+        own = self._pages.get(key)
+        if own is None or own.session.chart is None:
+            return ()
+        file = own.session.chart.file
+        return tuple(
+            kept.who
+            for other, kept in self._pages.items()
+            if other != key
+            and kept.session.chart is not None
+            and kept.session.chart.file == file
+            and kept.is_shown()
+        )
+
+    def discard(self, key: str) -> None:
+        """Forget a session that no page shows, with its unsaved changes."""
+        kept = self._pages.get(key)
+        if kept is not None and not kept.is_shown():
+            del self._pages[key]
+            self._on_change()
+
+    def _all(self) -> Iterator[Session]:
+        yield self.commands
+        yield from (kept.session for kept in self._pages.values())
+
+    def _count(self) -> None:
+        self.save_count += 1
+
+    def _forget_all_but(self, wanted: str) -> None:
+        """Forget the other sessions without unsaved changes that no page shows."""
+        self._pages = {
+            key: kept
+            for key, kept in self._pages.items()
+            if key == wanted or kept.is_shown() or not kept.session.is_kept
+        }

@@ -10,9 +10,8 @@ from dataclasses import dataclass
 from typing import Protocol
 
 from flexbe_core.engine.visit import Known, VisitText
-from remodel_console.core.cell.cell_state import CellState
-from remodel_console.core.run.state_values import Row, StateValues, values_around
-from remodel_console.core.run.topic_plot import Samples
+from remodel_console.core.cell import CellState, Row, StateValues, values_around
+from remodel_console.core.plots import Samples
 
 
 class Watched:

@@ -11,7 +11,7 @@ from playwright.sync_api import expect
 sys.path.insert(0, str(Path(__file__).parent))
 from accessibility_case import PAGES, AccessibilityCase
 
-from remodel_console.core.access import Account, Role
+from remodel_console.core.commands import Account, Role
 from remodel_console.edge.users_file import hash_of, write_accounts
 from remodel_console.testing.browser_test import free_port
 

@@ -11,7 +11,7 @@ from playwright.sync_api import expect
 sys.path.insert(0, str(Path(__file__).parent))
 from behavior_test_case import BehaviorTestCase
 
-from remodel_console.edge.catalogue import Catalogue
+from remodel_console.edge.workspace import Catalogue
 
 
 class ConsoleCase(BehaviorTestCase):

@@ -21,7 +21,7 @@ from console_case import ConsoleCase
 from fake_cell import FakeCell
 from fake_supervisor import FakeRecords, FakeSupervisor
 
-from remodel_console.core.access import Account, Role
+from remodel_console.core.commands import Account, Role
 from remodel_console.edge.users_file import hash_of, write_accounts
 from remodel_console.testing.browser_test import LIMIT_S, free_port
 from remodel_supervision.core.runs.events import Ending, RunEnded

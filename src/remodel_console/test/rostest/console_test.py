@@ -14,8 +14,8 @@ from std_msgs.msg import String
 sys.path.insert(0, str(Path(__file__).parent))
 from console_case import ConsoleCase
 
-from remodel_console.core.answer import DONE, FAILED
-from remodel_console.ros.call_service import ask
+from remodel_console.core.commands import DONE, FAILED
+from remodel_console.ros.calls import ask
 from remodel_console.testing.browser_test import LIMIT_S
 
 OBSERVE = """() => {

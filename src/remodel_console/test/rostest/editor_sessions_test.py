@@ -14,8 +14,8 @@ from editor_case import EditorCase
 from large_chart import BOXES, STATES, large_chart
 
 from flexbe_synthesizer.core.chart.chart_writer import write_chart
-from remodel_console.core.answer import DONE
-from remodel_console.ros.call_service import ask
+from remodel_console.core.commands import DONE
+from remodel_console.ros.calls import ask
 from remodel_console.testing.browser_test import LIMIT_S
 
 SCALE = "() => document.querySelector('.canvas-frame').drawing.scale()"

@@ -12,7 +12,7 @@ import rospy
 from remodel_msgs import msg, srv
 from sensor_msgs.msg import Image
 
-from remodel_console.edge.jpeg import as_jpeg
+from remodel_console.edge.kept_files import as_jpeg
 from remodel_run.progress import Answer, HandWire
 from remodel_supervision.core.run import Operation
 from remodel_supervision.core.runs.event_table import state_after

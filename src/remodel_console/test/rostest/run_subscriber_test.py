@@ -12,7 +12,7 @@ import rostest
 sys.path.insert(0, str(Path(__file__).parent))
 from fake_supervisor import FakeSupervisor
 
-from remodel_console.ros.run_subscriber import RunSubscriber
+from remodel_console.ros.use_case_link import RunSubscriber
 from remodel_run.progress import Phase, TaskPhase
 from remodel_supervision.core.runs.events import (
     Command,

@@ -6,12 +6,21 @@ import subprocess
 
 import pytest
 
-from remodel_console.core.access import Account, Actor, Door, Role, is_local, tidy_name
-from remodel_console.core.answer import DONE, FAILED, REFUSED
-from remodel_console.desk import Desk
+from remodel_console.core.commands import (
+    DONE,
+    FAILED,
+    REFUSED,
+    Account,
+    Actor,
+    Door,
+    Role,
+    is_local,
+    tidy_name,
+)
 from remodel_console.edge.kept_files import Journal
 from remodel_console.edge.users_file import UsersFile, hash_of, write_accounts
 from remodel_console.errors import CommandError
+from remodel_console.live import Desk
 from remodel_console.web.guard import Guard, user_of
 
 OPERATOR = Actor("Ada", "127.0.0.1", Role.OPERATOR)

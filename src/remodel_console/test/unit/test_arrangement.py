@@ -2,13 +2,13 @@
 
 import pytest
 
-from remodel_console.core.arrangement import Part, arranged, arrangement_text, moved, with_shown
+from remodel_console.core.settings import PagePart, arranged, arrangement_text, moved, with_shown
 
 PARTS = (
-    Part("Cell", "middle"),
-    Part("Figures", "middle"),
-    Part("Levels", "right"),
-    Part("Failures", "right"),
+    PagePart("Cell", "middle"),
+    PagePart("Figures", "middle"),
+    PagePart("Levels", "right"),
+    PagePart("Failures", "right"),
 )
 
 

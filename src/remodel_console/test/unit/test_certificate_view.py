@@ -2,7 +2,7 @@
 
 from flexbe_synthesizer.core.export.certificate import Certificate, ErrorEnd, StateBound
 from flexbe_synthesizer.core.library.signature import Effect
-from remodel_console.core.editor.inspection import certificate_html
+from remodel_console.core.inspection import certificate_html
 
 CODE = frozenset({"error_code"})
 NOTHING = frozenset()

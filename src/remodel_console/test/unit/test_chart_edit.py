@@ -7,8 +7,8 @@ import pytest
 from flexbe_synthesizer.core.chart.chart_reader import parse_chart
 from flexbe_synthesizer.core.chart.chart_writer import write_chart
 from flexbe_synthesizer.core.chart.model import State
-from remodel_console.core.editor import chart_edit
-from remodel_console.core.editor.editing import change_at
+from remodel_console.core import chart_edit
+from remodel_console.core.editing import change_at
 from remodel_console.errors import CommandError
 
 CHARTS = Path(__file__).parents[1] / "charts"

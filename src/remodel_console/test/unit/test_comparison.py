@@ -1,7 +1,6 @@
 """Two recorded runs side by side."""
 
-from remodel_console.core.use_case.comparison import compare
-from remodel_console.core.use_case.record import Record
+from remodel_console.core.record import Record, compare
 from remodel_run.record import Entry, Kind
 
 

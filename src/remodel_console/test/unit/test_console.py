@@ -9,9 +9,15 @@ import pytest
 from flexbe_synthesizer.core.chart.chart_reader import parse_chart
 from flexbe_synthesizer.core.chart.model import Container
 from flexbe_synthesizer.core.export.instantiate import Instantiation
-from remodel_console.core.answer import DONE, CommandResult, read_answer
-from remodel_console.core.commands import Verb, help_lines, read_command
-from remodel_console.core.key import is_allowed
+from remodel_console.core.commands import (
+    DONE,
+    CommandResult,
+    Verb,
+    help_lines,
+    is_allowed,
+    read_answer,
+    read_command,
+)
 from remodel_console.core.settings import Settings
 from remodel_console.edge.workspace import Workspace
 from remodel_console.errors import CommandError

@@ -6,9 +6,8 @@ import pytest
 
 from flexbe_synthesizer.core.chart.chart_reader import parse_chart
 from flexbe_synthesizer.core.chart.model import Chart, Container, Outcome, State, Transition
-from remodel_console.core.editor.drawing import collapsed, drawn_path, drawn_paths, opened
-from remodel_console.core.editor.graph import chart_graph
-from remodel_console.core.run.run_view import EngineStatus, RunView, step
+from remodel_console.core.drawing import chart_graph, collapsed, drawn_path, drawn_paths, opened
+from remodel_console.core.run_view import EngineStatus, RunView, step
 from remodel_console.core.world import World, notices
 from remodel_console.web.page import Page
 

@@ -2,8 +2,7 @@
 
 import pytest
 
-from remodel_console.edge.everything import SAMPLE, Everything
-from remodel_console.edge.order_desk.planner_process import Finished
+from remodel_console.edge.processes import SAMPLE, Everything, Finished
 from remodel_console.errors import CommandError
 
 LIMIT_S = 30

@@ -8,11 +8,10 @@ import pytest
 from flexbe_synthesizer.core.chart.chart_reader import parse_chart
 from flexbe_synthesizer.core.chart.chart_writer import write_chart
 from flexbe_synthesizer.core.chart.model import Chart, Outcome, State
-from remodel_console.core.editor.copying import copied, outermost, pasted
-from remodel_console.core.editor.editing import change_at, matches, unplaced
-from remodel_console.core.editor.fixes import counts, fixed, located, unambiguous
-from remodel_console.edge.inspect_chart import inspect_text
-from remodel_console.edge.workspace import Workspace
+from remodel_console.core.copying import copied, outermost, pasted
+from remodel_console.core.editing import change_at, matches, unplaced
+from remodel_console.core.inspection import counts, fixed, located, unambiguous
+from remodel_console.edge.workspace import Workspace, inspect_text
 
 SRC = Path(__file__).parents[3]
 CHARTS = Path(__file__).parents[1] / "charts"

@@ -13,7 +13,7 @@ from flexbe_synthesizer.core.chart.model import (
     Transition,
     When,
 )
-from remodel_console.core.editor.copying import grouped
+from remodel_console.core.copying import grouped
 from remodel_console.errors import CommandError
 
 

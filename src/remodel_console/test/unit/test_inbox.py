@@ -3,14 +3,12 @@
 from dataclasses import replace
 
 from flexbe_synthesizer.core.chart.chart_reader import parse_chart
-from remodel_console.core.inbox import Kind, cards
-from remodel_console.core.input_value import as_literal, value_words
-from remodel_console.core.run.chart_terms import Level, Structure
-from remodel_console.core.run.decision import decisions_of
-from remodel_console.core.run.order import TakeOutcome
-from remodel_console.core.run.run_view import Asked, Phase, RunView
-from remodel_console.core.use_case.use_case import Question, UseCase
-from remodel_console.core.world import InputRequest, World
+from remodel_console.core.commands import as_literal, value_words
+from remodel_console.core.order import TakeOutcome
+from remodel_console.core.run_view import Asked, Phase, RunView
+from remodel_console.core.running_chart import Level, Structure, decisions_of
+from remodel_console.core.use_case import Question, UseCase
+from remodel_console.core.world import InputRequest, Kind, World, cards
 from remodel_run.progress import Answer
 from remodel_run.progress import Phase as OrderPhase
 

@@ -7,8 +7,8 @@ import pytest
 from flexbe_synthesizer.core.chart.chart_reader import parse_chart
 from flexbe_synthesizer.core.chart.chart_writer import write_chart
 from flexbe_synthesizer.core.chart.model import Connection, ContainerKind, ErrorRoute, Input, When
-from remodel_console.core.editor import chart_edit
-from remodel_console.core.editor.chart_edit import (
+from remodel_console.core import chart_edit
+from remodel_console.core.chart_edit import (
     kind_at,
     with_condition,
     with_input,

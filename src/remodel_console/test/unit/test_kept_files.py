@@ -8,16 +8,12 @@ from types import SimpleNamespace
 import rospy
 
 from flexbe_core.testing import wait_until
-from remodel_console.core.access import Actor, Role
-from remodel_console.core.cell.cell_state import CellState
-from remodel_console.core.run.log_line import LogLine
-from remodel_console.core.run.state_values import StateValues
-from remodel_console.desk import Desk
-from remodel_console.edge.kept_files import Journal
-from remodel_console.edge.log_file import LogFile
-from remodel_console.edge.scene_files import SceneFiles
-from remodel_console.live import Live
-from remodel_console.ros.cell.scene_recorder import SceneRecorder
+from remodel_console.core.cell import CellState, StateValues
+from remodel_console.core.commands import Actor, Role
+from remodel_console.core.order import LogLine
+from remodel_console.edge.kept_files import Journal, LogFile, SceneFiles
+from remodel_console.live import Desk, Live
+from remodel_console.ros.watched_links import SceneRecorder
 
 
 def test_the_log_survives_a_restart_and_stays_short(tmp_path):

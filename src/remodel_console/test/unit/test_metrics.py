@@ -4,9 +4,9 @@ import json
 import re
 from pathlib import Path
 
-from remodel_console.core.use_case.use_case import UseCase
+from remodel_console.core.use_case import UseCase
 from remodel_console.core.world import World
-from remodel_console.web.metrics import metrics_of
+from remodel_console.web.server import metrics_of
 from remodel_run.progress import Phase, Sums
 
 DASHBOARD = Path(__file__).parents[2] / "config" / "grafana.json"

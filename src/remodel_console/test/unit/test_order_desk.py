@@ -8,31 +8,30 @@ import msgspec
 import pytest
 import yaml
 
-from remodel_console.core.order_desk.columns import NOT_USED, ListColumns
-from remodel_console.core.order_desk.gantt import (
-    gantt_height,
-    gantt_plot,
-    task_times,
-    violated_words,
-)
-from remodel_console.core.order_desk.preferences import (
+from remodel_console.core.order_desk import (
     FIELD_HINTS,
     KINDS,
+    NOT_USED,
     WIRE_FIELDS,
+    ListColumns,
     chosen_wires,
     entries,
     entry_words,
+    gantt_height,
+    gantt_plot,
     has_entries,
     new_document,
     new_entry,
     read_document,
+    task_times,
+    violated_words,
     with_clicked,
     with_entry,
     without_entry,
     write_document,
 )
-from remodel_console.edge.order_desk.order_drafts import OrderDrafts, plain_file_name, read_findings
-from remodel_console.edge.order_desk.planner_process import LIMIT_S, Finished, PlannerProcess
+from remodel_console.edge.order_drafts import OrderDrafts, plain_file_name, read_findings
+from remodel_console.edge.processes import LIMIT_S, Finished, PlannerProcess
 from remodel_console.errors import CommandError
 from remodel_run.findings import NoPlan, Plan
 from remodel_run.rehearsal import Failure, Forecast, Share, WireForecast

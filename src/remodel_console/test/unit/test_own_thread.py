@@ -5,7 +5,7 @@ import threading
 
 import pytest
 
-from remodel_console.web.own_thread import on_own_thread
+from remodel_console.web.page import on_own_thread
 
 
 def test_commands_that_wait_do_not_queue_another_one():

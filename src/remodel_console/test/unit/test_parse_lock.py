@@ -5,7 +5,7 @@ import sys
 
 THREADS_THAT_PARSE = """
 import ast, gc, sys, threading, time
-from remodel_console.edge.parse_lock import lock_parsing
+from remodel_console.edge.workspace import lock_parsing
 
 lock_parsing()
 gc.set_threshold(500)

@@ -2,7 +2,7 @@
 
 import pytest
 
-from remodel_console.core.use_case.record import Record, in_chart_terms, value_words
+from remodel_console.core.record import Record, in_chart_terms, value_words
 from remodel_run.record import Entry, Kind, entry_words
 
 

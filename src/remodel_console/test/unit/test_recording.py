@@ -5,22 +5,22 @@ from dataclasses import replace
 
 import pytest
 
-from remodel_console.core.cell.cell_state import (
+from remodel_console.core.cell import (
     CellState,
     Line,
     Recording,
     Robot,
     Solid,
+    StateValues,
+    Value,
     change_between,
     differences,
     frame_text,
+    read_robot,
     state_after,
 )
-from remodel_console.core.cell.robot_model import read_robot
-from remodel_console.core.cell.wire_history import force_words, recorded_wire_words
-from remodel_console.core.run.state_values import StateValues, Value
-from remodel_console.core.use_case.record import Record
-from remodel_console.edge.scene_files import SceneFiles
+from remodel_console.core.record import Record, force_words, recorded_wire_words
+from remodel_console.edge.kept_files import SceneFiles
 from remodel_run.record import Entry, Kind
 
 URDF = '<robot name="r"><link name="base"/></robot>'
@@ -155,7 +155,7 @@ def test_a_console_that_restarts_goes_on_with_the_recording_of_the_run(tmp_path)
 
 
 def test_the_oldest_recordings_are_deleted(tmp_path, monkeypatch):
-    monkeypatch.setattr("remodel_console.edge.scene_files._KEPT", 3)
+    monkeypatch.setattr("remodel_console.edge.kept_files._RUNS_KEPT", 3)
     files = SceneFiles(tmp_path)
     for run in range(1, 6):
         record(files, run, 100.0 * run, [moved(1)])

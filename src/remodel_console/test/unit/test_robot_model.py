@@ -4,10 +4,10 @@ import struct
 
 import pytest
 
-from remodel_console.core.cell.robot_model import Joint, Shape, read_robot
-from remodel_console.core.cell.wire_history import wire_words
-from remodel_console.core.use_case.use_case import Failure, Task, UseCase
-from remodel_console.edge.scene_files import stl_of
+from remodel_console.core.cell import Joint, Shape, read_robot
+from remodel_console.core.record import wire_words
+from remodel_console.core.use_case import Failure, Task, UseCase
+from remodel_console.edge.kept_files import stl_of
 from remodel_run.progress import Phase, TaskPhase
 
 URDF = """<robot name="r">

@@ -23,18 +23,12 @@ from flexbe_synthesizer.core.chart.model import (
     Transition,
 )
 from flexbe_synthesizer.core.chart.problem import errors_in
+from remodel_console.core import chart_edit
+from remodel_console.core.chart_edit import with_condition, with_input, with_kind, with_output
 from remodel_console.core.commands import read_command
-from remodel_console.core.editor import chart_edit
-from remodel_console.core.editor.chart_edit import (
-    with_condition,
-    with_input,
-    with_kind,
-    with_output,
-)
-from remodel_console.core.editor.copying import grouped
-from remodel_console.core.editor.editing import change_at, container_at, node_paths
-from remodel_console.edge.inspect_chart import inspect_text
-from remodel_console.edge.workspace import Workspace
+from remodel_console.core.copying import grouped
+from remodel_console.core.editing import change_at, container_at, node_paths
+from remodel_console.edge.workspace import Workspace, inspect_text
 from remodel_console.errors import CommandError, FileChangedError
 from remodel_console.session import Session
 

@@ -4,8 +4,7 @@ from functools import reduce
 
 import pytest
 
-from remodel_console.core.run.chart_terms import Level, Structure, chart_state
-from remodel_console.core.run.run_view import (
+from remodel_console.core.run_view import (
     Acknowledged,
     Asked,
     EngineSeen,
@@ -20,6 +19,7 @@ from remodel_console.core.run.run_view import (
     state_words,
     step,
 )
+from remodel_console.core.running_chart import Level, Structure, chart_state
 
 READY, STARTED = EngineStatus(20, 0), EngineStatus(0, 7)
 TREE = Structure(

@@ -4,12 +4,11 @@ import time
 
 import pytest
 
+from remodel_console.core.chart_edit import new_chart, started_at
 from remodel_console.core.commands import read_command
-from remodel_console.core.editor.chart_edit import new_chart, started_at
 from remodel_console.edge.workspace import Workspace
 from remodel_console.errors import CommandError
-from remodel_console.session import Session
-from remodel_console.sessions import Sessions
+from remodel_console.session import Session, Sessions
 
 
 @pytest.fixture

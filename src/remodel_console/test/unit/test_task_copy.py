@@ -5,8 +5,7 @@ from random import Random
 
 import pytest
 
-from remodel_console.core.use_case.task_copy import Changes, Snapshot, TaskCopy
-from remodel_console.core.use_case.use_case import Failure, Task
+from remodel_console.core.use_case import Changes, Failure, Snapshot, Task, TaskCopy
 from remodel_run.progress import TaskPhase
 
 SERIES = 17

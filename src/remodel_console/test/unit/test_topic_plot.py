@@ -5,7 +5,7 @@ from types import SimpleNamespace
 
 import pytest
 
-from remodel_console.core.run.topic_plot import (
+from remodel_console.core.plots import (
     WINDOW_S,
     Samples,
     check_field,

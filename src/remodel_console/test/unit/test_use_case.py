@@ -6,19 +6,11 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from remodel_console.core.answer import trouble_words
-from remodel_console.core.inbox import cards
-from remodel_console.core.plot import (
-    bar_plot,
-    count_height,
-    count_plot,
-    line_plot,
-    series_plot,
-)
-from remodel_console.core.run.run_view import Phase as RunPhase
-from remodel_console.core.run.run_view import RunView
-from remodel_console.core.use_case.production import figures
-from remodel_console.core.use_case.use_case import (
+from remodel_console.core.commands import trouble_words
+from remodel_console.core.plots import bar_plot, count_height, count_plot, line_plot, series_plot
+from remodel_console.core.run_view import Phase as RunPhase
+from remodel_console.core.run_view import RunView
+from remodel_console.core.use_case import (
     SHOWN_TASKS,
     CableTask,
     Failure,
@@ -27,14 +19,15 @@ from remodel_console.core.use_case.use_case import (
     Task,
     UseCase,
     duration_words,
+    figures,
     hand_words,
     level_rows,
     shown_tasks,
     stop_words,
     with_cables,
 )
-from remodel_console.core.world import CellKind, Part, World, notices, supervisor_words
-from remodel_console.edge.jpeg import as_jpeg
+from remodel_console.core.world import CellKind, Part, World, cards, notices, supervisor_words
+from remodel_console.edge.kept_files import as_jpeg
 from remodel_console.errors import PictureError
 from remodel_console.live import Live
 from remodel_console.watched import Pictures

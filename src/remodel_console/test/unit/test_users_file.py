@@ -5,10 +5,9 @@ import stat
 
 import pytest
 
-from remodel_console.core.access import Account, Role
+from remodel_console.core.commands import Account, Role
 from remodel_console.edge import users_file
-from remodel_console.edge.users_file import UsersFile, hash_of, read_accounts, write_accounts
-from remodel_console.users_command import main
+from remodel_console.edge.users_file import UsersFile, hash_of, main, read_accounts, write_accounts
 
 
 def users(file, *words, password="correct horse", monkeypatch):

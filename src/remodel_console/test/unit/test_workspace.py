@@ -10,12 +10,15 @@ from types import SimpleNamespace
 import pytest
 
 from remodel_console.console import Console
+from remodel_console.core import chart_edit
 from remodel_console.core.commands import read_command
-from remodel_console.core.editor import chart_edit
-from remodel_console.edge.catalogue import Catalogue
-from remodel_console.edge.chart_folders import ChartFolders
-from remodel_console.edge.inspect_chart import inspect_text
-from remodel_console.edge.workspace import GENERATED, Workspace
+from remodel_console.edge.workspace import (
+    GENERATED,
+    Catalogue,
+    ChartFolders,
+    Workspace,
+    inspect_text,
+)
 from remodel_console.errors import CommandError
 from remodel_console.session import Session
 
@@ -128,7 +131,7 @@ def test_behaviors_that_the_supervisor_has_made_are_known_from_others(package, t
 
 
 def test_folders_that_take_too_long_are_named(package, monkeypatch):
-    monkeypatch.setattr("remodel_console.edge.chart_folders._READ_WITHIN_S", -1.0)
+    monkeypatch.setattr("remodel_console.edge.workspace._READ_WITHIN_S", -1.0)
     with pytest.raises(CommandError, match=r"takes more than .* move other files out of .*"):
         list(ChartFolders((package / "charts",)).names())
 

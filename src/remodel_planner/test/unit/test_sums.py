@@ -12,10 +12,8 @@ from remodel_msgs.srv import GetTasksResponse
 from test_run_report import report
 from test_supervision import Run, live
 
-from remodel_console.core.use_case.production import figures
-from remodel_console.core.use_case.task_copy import TaskCopy
-from remodel_console.ros.record_link import summary_of
-from remodel_console.ros.run_values import snapshot_of, use_case_of
+from remodel_console.core.use_case import TaskCopy, figures
+from remodel_console.ros.use_case_link import snapshot_of, summary_of, use_case_of
 from remodel_planner.core.reports.run_report import report_data
 from remodel_run.progress import Count, HandWire, sums_words
 from remodel_supervision.core.runs.event_table import attempts_of

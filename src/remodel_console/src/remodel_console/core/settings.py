@@ -1,13 +1,14 @@
-"""What is configured on the page: kept across restarts as one JSON object."""
+"""What is configured and arranged on pages, kept across restarts as JSON."""
 
 from __future__ import annotations
 
 import json
 import posixpath
-from dataclasses import asdict, dataclass, fields
+from collections.abc import Sequence
+from dataclasses import asdict, dataclass, fields, replace
 from typing import get_type_hints
 
-from remodel_console.core.run.topic_plot import split_plot
+from remodel_console.core.plots import split_plot
 
 MOST_PLOTS = 8  # more would slow the pages down
 _LONGEST = 200  # letters of a text; none of them needs more
@@ -102,3 +103,53 @@ def difference(old: Settings, new: Settings) -> str:
 
 def _words(value: object) -> str:
     return ":".join(value) if isinstance(value, tuple) else repr(value)
+
+
+_HIDDEN = "-"
+
+
+@dataclass(frozen=True)
+class PagePart:
+    """A part of a page; `area` is the column in which it stands."""
+
+    title: str
+    area: str
+    is_shown: bool = True
+
+
+def arranged(parts: Sequence[PagePart], text: str) -> tuple[PagePart, ...]:
+    """Return parts as a text of `arrangement_text` has them.
+
+    Parts that it does not name, as after an upgrade, follow; what it names and is none is left out.
+    """
+    known = {part.title: part for part in parts}
+    titles = [word for word in text.split(",") if word.removeprefix(_HIDDEN) in known]
+    named = {
+        word.removeprefix(_HIDDEN): replace(
+            known[word.removeprefix(_HIDDEN)], is_shown=not word.startswith(_HIDDEN)
+        )
+        for word in titles
+    }
+    return (*named.values(), *(part for part in parts if part.title not in named))
+
+
+def arrangement_text(parts: Sequence[PagePart]) -> str:
+    """Return an arrangement as a text that a browser can keep."""
+    return ",".join(("" if part.is_shown else _HIDDEN) + part.title for part in parts)
+
+
+def with_shown(parts: Sequence[PagePart], title: str, *, is_shown: bool) -> tuple[PagePart, ...]:
+    """Return the parts with one shown or hidden."""
+    return tuple(replace(p, is_shown=is_shown) if p.title == title else p for p in parts)
+
+
+def moved(parts: Sequence[PagePart], title: str, step: int) -> tuple[PagePart, ...]:
+    """Return the parts with one moved up (-1) or down (1) in its area; the first cannot go up."""
+    found = list(parts)
+    index = next(place for place, part in enumerate(found) if part.title == title)
+    beside = [place for place, part in enumerate(found) if part.area == found[index].area]
+    there = beside.index(index) + step
+    if 0 <= there < len(beside):
+        other = beside[there]
+        found[index], found[other] = found[other], found[index]
+    return tuple(found)

@@ -1,23 +1,38 @@
-"""Where charts and behaviors lie: find them by name, read them, check and write them."""
+"""Where charts and behaviors lie: find, read, check and write them; what is installed.
+
+Until Python 3.11.4, all threads count the depth of their syntax trees in one variable, so that two
+which parse at the same time fail with "AST constructor recursion depth mismatch" (CPython issue
+106905). Pages, the log and commands of the console parse charts and behaviors on threads of their
+own.
+"""
 
 from __future__ import annotations
 
+import ast
+import sys
+import threading
+import time
+import zlib
 from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass, field, replace
+from functools import wraps
 from pathlib import Path
 
 from flexbe_synthesizer.core.chart import names
 from flexbe_synthesizer.core.chart.chart_reader import read_chart
 from flexbe_synthesizer.core.chart.chart_writer import write_chart
 from flexbe_synthesizer.core.chart.model import Chart, State, walk_nodes
+from flexbe_synthesizer.core.chart.names import behavior_file
 from flexbe_synthesizer.core.chart.problem import ChartError, errors_in
 from flexbe_synthesizer.core.chart.xml_reader import decoded
 from flexbe_synthesizer.core.library.resolve import scopes
-from flexbe_synthesizer.core.library.signature import Library
+from flexbe_synthesizer.core.library.signature import BehaviorClass, Library, StateClass
 from flexbe_synthesizer.core.machine.lift import lift
 from flexbe_synthesizer.core.machine.machine_reader import read_machine
 from flexbe_synthesizer.edge.chart_files import (
+    LARGEST_FILE,
     ChartMemory,
+    chart_names,
     confined_to,
     find_chart,
     read_chart_file,
@@ -34,9 +49,114 @@ from flexbe_synthesizer.edge.output_package import (
 from flexbe_synthesizer.edge.package_path import Inventory, read_inventory
 from flexbe_synthesizer.errors import ChartFileError, OutputError, SynthesisError
 from flexbe_synthesizer.synthesis import CheckedFiles, check_files, write_behaviors
-from remodel_console.core.editor.draft import Draft, new_draft, read_draft
-from remodel_console.edge.chart_folders import ChartFolders, kept_file
-from remodel_console.errors import ChartErrorsError, CommandError
+from remodel_console.core.editing import Draft, new_draft, read_draft
+from remodel_console.core.inspection import Inspection, uses_by_path
+from remodel_console.errors import ChartErrorsError, CommandError, FileChangedError
+
+# Beside a chart: what was saved of it while it had errors. No program but the editor reads it.
+_KEPT = ".draft"
+_READ_WITHIN_S = 10.0  # all charts of the folders; a person waits for them
+
+
+@dataclass(frozen=True)
+class ChartFolders:
+    """Folders of charts. Files that are no charts, or cannot be read, are skipped."""
+
+    folders: tuple[Path, ...]
+
+    def files(self) -> tuple[str, ...]:
+        """Return the names of the files in them."""
+        return tuple(sorted({p.name for folder in self.folders for p in folder.glob("*.xml")}))
+
+    def names(self) -> Iterator[tuple[str, Path]]:
+        """Yield name and file of each chart.
+
+        Raises:
+            CommandError: if that takes too long.
+        """
+        return chart_names(self.folders, self._deadline())
+
+    def too_large(self) -> Iterator[tuple[str, str]]:
+        """Yield name and reason of each file that is not opened since it is too large."""
+        for folder in self.folders:
+            for path in sorted(folder.glob("*.xml")):
+                if path.is_file() and path.stat().st_size > LARGEST_FILE:
+                    size = f"{path.stat().st_size / 2**20:.1f} MiB"
+                    yield path.name, f"{path} has {size}; charts have {LARGEST_FILE >> 20} at most"
+
+    def kept_drafts(self) -> Iterator[tuple[str, Draft]]:
+        """Yield name and draft of what was kept of charts that were never saved."""
+        for folder in self.folders:
+            for path in sorted(folder.glob(f"*.xml{_KEPT}")):
+                file = path.with_suffix("")
+                if file.exists():
+                    continue
+                try:
+                    draft = read_draft(read_chart_file(path), str(file))
+                except (ChartFileError, CommandError):
+                    continue
+                yield draft.chart.name, replace(draft, origin=None)
+
+    def contents(self) -> Iterator[tuple[Path, bytes]]:
+        """Yield file and content of each chart.
+
+        Raises:
+            CommandError: if that takes too long.
+        """
+        locate, expect_time = confined_to(self.folders), self._deadline()
+        for _name, path in self.names():
+            expect_time()
+            try:
+                yield path, read_chart_file(locate(str(path)))
+            except ChartFileError:
+                continue
+
+    def expect_own(self, draft: Draft, file: Path) -> None:
+        """Refuse to write a chart where another one is, or was meanwhile.
+
+        Raises:
+            CommandError: if the file or the behavior would be overwritten.
+        """
+        try:
+            now = read_chart_file(file) if file.exists() else None
+        except (ChartFileError, OSError) as error:
+            raise CommandError(str(error)) from error
+        if now is not None and now != draft.origin:
+            raise FileChangedError(
+                f"{file} was changed elsewhere since it was "
+                f"{'opened' if draft.origin is None else 'loaded'}, and saving would undo that; "
+                "load it again, or save this chart under another name",
+                now.decode(errors="replace"),
+            )
+        if now is None and draft.origin is not None:
+            return  # it was deleted: saving brings it back
+        own = behavior_file(draft.chart.name)
+        for name, path in self.names():
+            is_beside = path.parent == file.parent and path.resolve() != file.resolve()
+            if is_beside and behavior_file(name) == own:
+                raise CommandError(
+                    f"'{draft.chart.name}' and '{name}' of {path} become the same behavior; "
+                    "rename one of them"
+                )
+
+    def _deadline(self) -> Callable[[], None]:
+        end = time.monotonic() + _READ_WITHIN_S
+
+        def expect_time() -> None:
+            if time.monotonic() > end:
+                where = ", ".join(map(str, self.folders))
+                raise CommandError(
+                    f"reading the chart folders takes more than {_READ_WITHIN_S:g} s; move other "
+                    f"files out of {where}"
+                )
+
+        return expect_time
+
+
+def kept_file(file: Path) -> Path:
+    """Return where the draft of a chart is kept, beside the chart's file."""
+    return file.with_name(file.name + _KEPT)
+
 
 OUTPUT = "remodel_behaviors"  # package of the behaviors whose charts lie in none, as of the server
 _SHIPPED = ("remodel_", "flexbe_")  # what names of packages that are no user's begin with
@@ -306,3 +426,108 @@ def _package_to_check_in(path: str) -> OutputPackage:
         return enclosing_package(Path(path))
     except OutputError:
         return unwritten_package(Path(path).parent)
+
+
+def inspect_text(workspace: Workspace, text: str, file: str) -> tuple[Chart | None, Inspection]:
+    """Return the chart that a text has the form of, if it has, and what the checks say about it."""
+    chart, problems = workspace.memory.read(text.encode("utf-8", "surrogatepass"), file)
+    is_formed = chart is not None and not errors_in(problems)
+    try:
+        files = workspace.look(text, file)
+    except CommandError as error:
+        return (chart if is_formed else None), Inspection(problems, unchecked=str(error))
+    own = files.charts.get(file)
+    uses = uses_by_path(own.resolved) if own else {}
+    order = sorted(files.problems, key=lambda problem: problem.position.file != file)
+    package = files.packages[file].name if own else ""
+    found = Inspection(tuple(order), uses, checked=own, package=package)
+    return (chart if is_formed else None), found
+
+
+@dataclass(frozen=True)
+class Installed:
+    """A behavior that is installed.
+
+    Attributes:
+        behavior_id: by which the engine finds it.
+        source_checksum: by which the engine publishes that it runs, and verifies the version.
+    """
+
+    behavior: BehaviorClass
+    behavior_id: int
+    source_checksum: int
+
+    @property
+    def name(self) -> str:
+        """Return its display name."""
+        return self.behavior.name
+
+
+@dataclass(frozen=True)
+class Catalogue:
+    """What the packages of a ROS package path offer at the moment of each call."""
+
+    ros_package_path: str
+
+    def behaviors(self) -> tuple[Installed, ...]:
+        """Return the behaviors that are installed, by name."""
+        inventory = self._inventory()
+        folders = {package.name: package.module_folder for package in inventory.packages}
+        found = []
+        for behavior in inventory.library.behaviors:
+            text = _text(_file(folders[behavior.package], behavior.module))
+            if text is not None:
+                found.append(Installed(behavior, _checksum(behavior.module), _checksum(text)))
+        return tuple(sorted(found, key=lambda one: one.name))
+
+    def states(self) -> tuple[StateClass, ...]:
+        """Return the state classes that are installed, by package and name."""
+        return tuple(
+            sorted(self._inventory().library.states, key=lambda state: (state.package, state.name))
+        )
+
+    def documentation(self, state: StateClass) -> str:
+        """Return the docstring of a state class; empty if there is none."""
+        packages = self._inventory().packages
+        folder = next((p.module_folder for p in packages if p.name == state.package), None)
+        text = _text(_file(folder, state.module)) if folder else None
+        for node in ast.parse(text or "").body:
+            if isinstance(node, ast.ClassDef) and node.name == state.name:
+                return ast.get_docstring(node) or ""
+        return ""
+
+    def _inventory(self) -> Inventory:
+        return read_inventory(self.ros_package_path)
+
+
+def _file(folder: Path, module: str) -> Path:
+    return folder.joinpath(*module.split(".")[1:]).with_suffix(".py")
+
+
+def _text(file: Path) -> str | None:
+    try:
+        return read_regular_text(file)
+    except (OSError, ValueError):
+        return None
+
+
+def _checksum(text: str) -> int:
+    """Return the checksum of FlexBE's wire protocol: Adler-32, cut to 31 bits."""
+    return zlib.adler32(text.encode()) & 0x7FFFFFFF
+
+
+_FIXED = (3, 11, 5)
+
+
+def lock_parsing() -> None:
+    """Have `ast.parse`, and what calls it, wait for other threads; call it once, at the start."""
+    if sys.version_info >= _FIXED:
+        return
+    parse, lock = ast.parse, threading.Lock()
+
+    @wraps(parse)
+    def parse_alone(*arguments: object, **named: object) -> ast.AST:
+        with lock:
+            return parse(*arguments, **named)  # type: ignore[call-overload, no-any-return]
+
+    ast.parse = parse_alone  # type: ignore[assignment]

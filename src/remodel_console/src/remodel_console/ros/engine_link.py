@@ -22,10 +22,9 @@ from std_msgs.msg import Bool, Empty, Int32, String, UInt8
 
 from flexbe_core.ros.connections import is_heard
 from flexbe_core.ros.topics import START_AT
-from remodel_console.core.run import order as orders
-from remodel_console.core.run.chart_terms import Level, Structure
-from remodel_console.core.run.log_line import LogLine
-from remodel_console.core.run.run_view import (
+from remodel_console.core import order as orders
+from remodel_console.core.order import LogLine
+from remodel_console.core.run_view import (
     Acknowledged,
     Asked,
     EngineSeen,
@@ -35,6 +34,7 @@ from remodel_console.core.run.run_view import (
     Left,
     LevelSeen,
 )
+from remodel_console.core.running_chart import Level, Structure
 from remodel_console.errors import CommandError
 from remodel_console.ros import topics
 

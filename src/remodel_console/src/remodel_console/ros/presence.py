@@ -16,21 +16,23 @@ import rospy
 
 from flexbe_core.ros.master import join_interruptibly
 from remodel_console.console import Console
-from remodel_console.core.run.run_view import Phase
+from remodel_console.core.run_view import Phase
 from remodel_console.core.world import CellKind, Part
-from remodel_console.desk import Journal
+from remodel_console.live import Journal
 from remodel_console.ros import topics
-from remodel_console.ros.cell.camera_link import CameraLink
-from remodel_console.ros.cell.scene_link import RESET, SceneLink, ValuesLink, reset_cell
-from remodel_console.ros.cell.scene_recorder import SceneRecorder
-from remodel_console.ros.command_server import CommandServer
+from remodel_console.ros.calls import ask_synthesis_server
+from remodel_console.ros.command_server import CommandServer, InputServer, Runtime
 from remodel_console.ros.engine_link import EngineLink
-from remodel_console.ros.input_server import InputServer
-from remodel_console.ros.record_link import RecordLink
-from remodel_console.ros.runtime import Runtime
-from remodel_console.ros.synthesis_link import ask_synthesis_server
-from remodel_console.ros.topic_values import TopicValues
-from remodel_console.ros.use_case_link import UseCaseLink
+from remodel_console.ros.use_case_link import RecordLink, UseCaseLink
+from remodel_console.ros.watched_links import (
+    RESET,
+    CameraLink,
+    SceneLink,
+    SceneRecorder,
+    TopicValues,
+    ValuesLink,
+    reset_cell,
+)
 
 _POLL_S = 0.5
 _CALLER = "/remodel_console"

@@ -2,7 +2,7 @@
 
 COMMAND = "flexbe/uicommand"  # flexbe_msgs/UICommand
 NOTIFICATION = "flexbe/uinotification"  # std_msgs/String: the command done, empty if refused
-ANSWER = "flexbe/uianswer"  # std_msgs/String: in words, see core/answer.py
+ANSWER = "flexbe/uianswer"  # std_msgs/String: in words, see core/commands.py
 FEEDBACK = "flexbe/command_feedback"  # flexbe_msgs/CommandFeedback, from the engine
 UPDATE = "flexbe/behavior_update"  # std_msgs/String: path of the state that is active
 STATUS = "flexbe/status"  # flexbe_msgs/BEStatus, from the engine

@@ -1,23 +1,343 @@
-"""The commands that the console gives to the use case supervisor."""
+"""The use case supervisor: its run followed, its commands, its recorded runs."""
 
 from __future__ import annotations
 
 import threading
+import time
 import uuid
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from dataclasses import fields
 
 import actionlib
+import rospy
 from actionlib_msgs.msg import GoalStatus
-from remodel_msgs import srv
+from remodel_msgs import msg, srv
 from remodel_msgs.msg import RunUseCaseAction, RunUseCaseGoal
 
 from flexbe_core.ros.connections import is_heard
-from remodel_console.core.use_case.use_case import UseCase
+from remodel_console.core.record import Record, Summary
+from remodel_console.core.use_case import (
+    Changes,
+    Failure,
+    Level,
+    Question,
+    Snapshot,
+    Task,
+    TaskCopy,
+    UseCase,
+)
 from remodel_console.errors import CommandError
 from remodel_console.ros import topics
-from remodel_console.ros.call_service import LIMIT_S, call_service
-from remodel_console.ros.run_subscriber import RunSubscriber
-from remodel_run.progress import Answer
+from remodel_console.ros.calls import LIMIT_S, call_service
+from remodel_run.progress import Answer, Count, HandWire, Phase, Sums, TaskPhase
+from remodel_run.record import Entry, Kind, Statistics
+
+
+def use_case_of(message: msg.UseCaseState, copy: TaskCopy) -> UseCase:
+    """Return the run of a state, with the tasks and failures of a copy if it is of this run."""
+    has_tasks = copy.series == message.series
+    return UseCase(
+        phase=Phase(message.phase),
+        stamp_s=message.stamp.to_sec(),
+        message=message.message,
+        cell=message.cell,
+        run=message.run,
+        order=message.order,
+        use_case=message.use_case,
+        serial=message.serial,
+        started_s=message.started.to_sec(),
+        interruptions=message.interruptions,
+        stopped_by=message.stopped_by,
+        controllers=tuple(message.controllers),
+        sums=sums_of(message.sums),
+        by_hand=copy.by_hand if has_tasks else (),
+        tasks=copy.in_order if has_tasks else (),
+        task=message.task,
+        levels=tuple(Level(m.level, m.name, m.doing, m.since.to_sec()) for m in message.levels),
+        failures=copy.failures if has_tasks else (),
+        question=_question(message.question) if message.question.number else None,
+    )
+
+
+def changes_of(message: msg.UseCaseChanges) -> Changes:
+    """Return what has changed in the tasks."""
+    return Changes(
+        message.series,
+        message.number,
+        tuple(map(_task, message.tasks)),
+        tuple(map(_failure, message.failures)),
+        replanned=message.replanned,
+    )
+
+
+def snapshot_of(answer: srv.GetTasksResponse) -> Snapshot:
+    """Return all tasks."""
+    return Snapshot(
+        answer.series,
+        answer.number,
+        tuple(map(_task, answer.tasks)),
+        tuple(map(_failure, answer.failures)),
+        tuple(map(_hand_wire, answer.by_hand)),
+    )
+
+
+def sums_of(message: msg.RunSums) -> Sums:
+    """Return the sums of a run."""
+    return Sums(**{each.name: getattr(message, each.name) for each in fields(Sums)})
+
+
+def _hand_wire(message: msg.HandWire) -> HandWire:
+    return HandWire(
+        name=message.name,
+        marker=message.marker,
+        a=message.a,
+        b=message.b,
+        colour=message.colour,
+        section_mm2=message.section,
+        length_m=message.length,
+        reason=message.reason,
+    )
+
+
+def _question(message: msg.OperatorQuestion) -> Question:
+    known = {choice.value: choice for choice in Answer}
+    return Question(
+        number=message.number,
+        task=message.task,
+        text=message.text,
+        choices=tuple(known[one] for one in message.choices if one in known),
+        asked_s=message.asked.to_sec(),
+        timeout_s=message.timeout,
+    )
+
+
+def _task(message: msg.TaskState) -> Task:
+    return Task(
+        name=message.name,
+        description=message.description,
+        phase=TaskPhase(message.state),
+        attempts=message.attempts,
+        first_pass=message.first_pass,
+        taken_s=message.taken_s,
+        expected_s=message.expected_s,
+        cable=message.cable,
+        counts_as=Count(message.counts_as),
+    )
+
+
+def _failure(message: msg.FailureState) -> Failure:
+    return Failure(
+        time_s=message.stamp.to_sec(),
+        task=message.task,
+        fault=message.fault,
+        error_code=message.error_code,
+        ability=message.ability,
+        text=message.text,
+        decision=message.decision,
+        because=message.because,
+    )
+
+
+# [s] wall time in which changes that a state announces arrive on their own topic; and between two
+# fetches of all tasks.
+_LATE_S = 1.0
+_FETCH_EVERY_S = 0.5
+
+
+class RunSubscriber:
+    """Keeps a copy of the run, and passes it on whenever it changes.
+
+    All tasks are fetched when a run is seen first, when changes were missed, and when the order of
+    the tasks has changed. A run is passed on without tasks only if they could not be fetched.
+    """
+
+    def __init__(self, take: Callable[[UseCase], None]) -> None:
+        """Subscribe; `take` is called with each state of the run, one call at a time."""
+        self._take = take
+        self._lock = threading.Lock()
+        self._state: msg.UseCaseState | None = None
+        self._copy = TaskCopy()
+        self._behind_since: float | None = None
+        self._failed_series = 0
+        self._wanted = threading.Event()
+        # Before the state, so that no change is missed after the first one.
+        rospy.Subscriber(topics.TASK_CHANGES, msg.UseCaseChanges, self._on_changes)
+        self._states = rospy.Subscriber(topics.USE_CASE, msg.UseCaseState, self._on_state)
+        threading.Thread(target=self._fetch, name="fetch tasks", daemon=True).start()
+
+    @property
+    def is_there(self) -> bool:
+        """Return whether a supervisor publishes its state."""
+        return bool(self._states.get_num_connections() > 0)
+
+    def _on_state(self, message: msg.UseCaseState) -> None:
+        with self._lock:
+            self._state = message
+            self._pass_on()
+
+    def _on_changes(self, message: msg.UseCaseChanges) -> None:
+        with self._lock:
+            self._copy = self._copy.with_changes(changes_of(message))
+            self._pass_on()
+
+    def _pass_on(self) -> None:
+        """Pass the run on, and have its tasks fetched if they are not known."""
+        state = self._state
+        if state is None:
+            return
+        if self._is_fetch_needed(state):
+            self._wanted.set()
+        if state.series in (0, self._copy.series, self._failed_series):
+            self._take(use_case_of(state, self._copy))
+
+    def _is_fetch_needed(self, state: msg.UseCaseState) -> bool:
+        if self._copy.needs_snapshot(state.series):
+            return True
+        if state.series != self._copy.series or state.changes <= self._copy.number:
+            self._behind_since = None
+            return False
+        self._behind_since = self._behind_since or time.monotonic()
+        return time.monotonic() - self._behind_since > _LATE_S
+
+    def _fetch(self) -> None:
+        """Fetch all tasks whenever that is needed; again later, if it failed."""
+        while not rospy.is_shutdown():
+            self._wanted.wait()
+            self._wanted.clear()
+            answer = self._answer()
+            with self._lock:
+                self._behind_since = None
+                if answer is not None:
+                    self._copy = self._copy.with_snapshot(snapshot_of(answer))
+                elif self._state is not None:
+                    self._failed_series = self._state.series
+                self._pass_on()
+            threading.Event().wait(_FETCH_EVERY_S)
+
+    def _answer(self) -> srv.GetTasksResponse | None:
+        """Return all tasks; None without an answer."""
+        try:
+            answer = call_service(topics.TASKS, srv.GetTasks, srv.GetTasksRequest())
+        except CommandError as error:
+            rospy.logwarn("the tasks of the run are not known: %s", error)
+            return None
+        return answer if answer.success else None
+
+
+_KINDS = {kind.value: kind for kind in Kind}
+
+
+class RecordLink:
+    """Asks for runs and their records."""
+
+    def runs(self) -> tuple[Summary, ...]:
+        """Return the recorded runs, the latest first; see `call_service` for errors."""
+        return tuple(map(summary_of, self._list().runs))
+
+    def orders(self) -> tuple[str, ...]:
+        """Return the names of all orders; see `call_service` for errors."""
+        return tuple(self._list().orders)
+
+    def statistics(self, order: str) -> Statistics:
+        """Return the statistics of an order's runs; of an empty name: of all runs.
+
+        Raises:
+            CommandError: if no node serves them.
+        """
+        name = f"{topics.RUN_COMMANDS}/statistics"
+        answer = call_service(name, srv.GetStatistics, srv.GetStatisticsRequest(order))
+        if not answer.success:
+            raise CommandError(f"the statistics cannot be read: {answer.message}")
+        terminals = zip(answer.terminals, answer.insertions, answer.failures, strict=True)
+        return Statistics(
+            tuple(zip(answer.runs, map(sums_of, answer.sums), strict=True)),
+            tuple(zip(answer.runs, answer.yields, strict=True)),
+            tuple(zip(answer.runs, answer.utilisations, strict=True)),
+            tuple(terminals),
+            tuple(zip(answer.wires, answer.wire_s, strict=True)),
+        )
+
+    def record(self, run: int) -> Record:
+        """Return the record of a run, without its pictures.
+
+        Raises:
+            CommandError: if no node serves it.
+        """
+        return Record(tuple(self._entries(run)))
+
+    def picture(self, run: int, position: int) -> bytes:
+        """Return the picture of an entry, as jpeg or png.
+
+        Raises:
+            CommandError: if there is none.
+        """
+        answer = _get(srv.GetRunRequest(run, position, 1, True))
+        if not answer.entries or not answer.entries[0].has_picture:
+            raise CommandError(f"entry {position} of run {run} has no picture")
+        return bytes(answer.entries[0].picture.data)
+
+    def _entries(self, run: int) -> Iterator[Entry]:
+        """Yield all entries; the server gives some at once."""
+        first = 1
+        while True:
+            answer = _get(srv.GetRunRequest(run, first, 0, False))
+            yield from map(_entry, answer.entries)
+            if not answer.entries or answer.entries[-1].position >= answer.total:
+                return
+            first = answer.entries[-1].position + 1
+
+    @staticmethod
+    def _list() -> srv.ListRunsResponse:
+        answer = call_service(f"{topics.RUN_COMMANDS}/runs", srv.ListRuns, srv.ListRunsRequest())
+        if not answer.success:
+            raise CommandError(f"the runs cannot be listed: {answer.message}")
+        return answer
+
+
+def _get(request: srv.GetRunRequest) -> srv.GetRunResponse:
+    answer = call_service(f"{topics.RUN_COMMANDS}/record", srv.GetRun, request)
+    if not answer.success:
+        raise CommandError(f"run {request.run} cannot be read: {answer.message}")
+    return answer
+
+
+def summary_of(message: msg.RunSummary) -> Summary:
+    """Return a run as a list of runs shows it."""
+    return Summary(
+        run=message.run,
+        order=message.order,
+        use_case=message.use_case,
+        cell=message.cell,
+        started_s=message.started.to_sec(),
+        has_ended=message.ended,
+        is_success=message.success,
+        message=message.message,
+        sums=sums_of(message.sums),
+    )
+
+
+def _entry(message: msg.RunEntry) -> Entry:
+    if message.kind not in _KINDS:
+        text = (
+            f"entry {message.position} is of the kind '{message.kind}', which is not known here; "
+        )
+        raise CommandError(f"{text}known are {', '.join(_KINDS)}")
+    return Entry(
+        position=message.position,
+        time_s=message.stamp.to_sec(),
+        kind=_KINDS[message.kind],
+        task=message.task,
+        behavior=message.behavior,
+        state_path=message.state_path,
+        ability=message.ability,
+        fault=message.fault,
+        error_code=message.error_code,
+        text=message.text,
+        because=message.because,
+        values=tuple(zip(message.names, message.values, strict=False)),
+        has_picture=message.has_picture,
+    )
+
 
 _ACCEPTED_S = 8.0  # in which a supervisor accepts or rejects an order; wall time
 _STANDSTILL_S = 900.0  # in which all motion ends: what holds a run is answered when nothing moves

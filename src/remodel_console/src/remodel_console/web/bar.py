@@ -1,17 +1,20 @@
-"""The bar of a page: navigation, what waits, the operator and settings."""
+"""The bar of a page: navigation, operator and settings; the inbox, and the status line."""
 
 from __future__ import annotations
 
 import json
-from collections.abc import Callable, Mapping
+from collections.abc import Awaitable, Callable, Mapping, Sequence
 from contextlib import AbstractContextManager
+from functools import partial
+from typing import Protocol
 
 from nicegui import ui
 from nicegui.element import Element
 from nicegui.events import GenericEventArguments
 
-from remodel_console.core.access import User, tidy_name
-from remodel_console.core.inbox import Card
+from remodel_console.core.commands import User, as_literal, tidy_name, value_words
+from remodel_console.core.use_case import duration_words
+from remodel_console.core.world import Card, Kind, Notice, Option, Part, World, notices
 from remodel_console.web.guard import LEAVE
 
 
@@ -229,3 +232,183 @@ def set_cookie(name: str, value: str) -> None:
         f"document.cookie = '{name}=' + encodeURIComponent({json.dumps(value)}) "
         f"+ '; path=/; max-age={_YEAR_S}; SameSite=Strict'"
     )
+
+
+_SHOW_PAGE = f"() => {{ document.body.classList.toggle('whole-page'); {SHOW_TAB}; }}"
+
+
+class Button(Protocol):
+    """Makes buttons that only operators can press."""
+
+    def __call__(
+        self, text: str, deed: Callable[[], object], *, icon: str | None = None, look: str = "main"
+    ) -> ui.button:
+        """Return a button."""
+
+
+Give = Callable[[Card, Option], Awaitable[object]]
+Enter = Callable[[Card, str | None], Awaitable[object]]
+
+
+class Inbox:
+    """Shows the cards; one that stays keeps its elements, so that no click and no text is lost."""
+
+    def __init__(self, button: Button, give: Give, enter: Enter) -> None:
+        """Begin empty.
+
+        Args:
+            button: makes buttons.
+            give: sends the answer to a card.
+            enter: sends the literal that a state asks for; None: no value.
+        """
+        self._button, self._give, self._enter = button, give, enter
+        self._shown: dict[Card, _Shown] = {}
+        self.area = ui.element("section").classes("inbox")
+        self.area.props('aria-label="Waiting for you" tabindex="-1"')
+        with self.area:
+            self._cards = ui.element("div").classes("inbox-cards")
+            show_page = ui.button("Show the page", color=None).classes("quiet show-page")
+            show_page.props("no-caps unelevated").on("click", js_handler=_SHOW_PAGE)
+        self.area.set_visibility(False)
+
+    def show(self, cards: tuple[Card, ...], world: World) -> None:
+        """Show cards, and how much time is left to answer them."""
+        for card in self._shown.keys() - set(cards):
+            self._shown.pop(card).element.delete()
+        for card in cards:
+            if card not in self._shown:
+                with self._cards:
+                    self._shown[card] = _Shown(card, self._button, self._give, self._enter)
+            self._shown[card].show_time(world)
+        self.area.set_visibility(bool(cards))
+
+
+class _Shown:
+    """The elements of a card."""
+
+    def __init__(self, card: Card, button: Button, give: Give, enter: Enter) -> None:
+        self._card = card
+        with ui.element("div").classes("request").props('role="alert"') as self.element:
+            with ui.element("div").classes("request-words"):
+                ui.label(card.kind.value).classes("soft")
+                ui.label(card.text).classes("question")
+                if card.details:
+                    ui.label(card.details).classes("soft")
+                self._time = ui.label().classes("soft")
+                self._time.set_visibility(False)
+            with ui.element("div").classes("request-answers"):
+                if card.kind is Kind.INPUT:
+                    _add_entry(card, button, enter)
+                for place, option in enumerate(card.options):
+                    look = "main" if place == 0 else "quiet"
+                    with button(option.words, partial(give, card, option), look=look) as made:
+                        if option.meaning:
+                            ui.label(option.meaning).classes("meaning")
+                    made.classes("choice")
+
+    def show_time(self, world: World) -> None:
+        """Show how much time is left."""
+        question, use_case = self._card.question, world.use_case
+        left_s = question.left_s(use_case.stamp_s) if question and use_case else None
+        if left_s is None:
+            return
+        self._time.text = (
+            f"{duration_words(left_s)} left to answer; after that the question escalates, and the "
+            "run goes on without an answer."
+        )
+        self._time.set_visibility(True)
+
+
+def _add_entry(card: Card, button: Button, enter: Enter) -> None:
+    """Add the field of a value, what its text means, and the buttons."""
+    entry = ui.input("Value").props("outlined dense").classes("wide")
+    meaning = ui.label(value_words("")).classes("soft")
+    entry.on_value_change(lambda: meaning.set_text(value_words(entry.value or "")))
+
+    async def send() -> None:
+        if (entry.value or "").strip():
+            await enter(card, as_literal(entry.value))
+
+    entry.on("keydown.enter", send)
+    with ui.row().classes("controls"):
+        button("Send the value", send, icon="check")
+        button("Enter no value", partial(enter, card, None), look="quiet")
+
+
+_NO_DATABASE = "orders cannot be stored; start the console with database:=URL"
+_NAMES = {Part.ENGINE: "Engine", Part.SUPERVISOR: "Supervisor", Part.CELL: "Cell"}
+
+
+class StatusLine:
+    """Built once for each page."""
+
+    def __init__(
+        self,
+        parts: Sequence[Part],
+        database: Callable[[], str],
+        dialog: Callable[[str], AbstractContextManager[ui.dialog]],
+    ) -> None:
+        """Build the line.
+
+        Args:
+            parts: what the page needs to be running.
+            database: returns that orders are stored in, as it is shown; empty without one.
+            dialog: opens a dialog of a name.
+        """
+        self._parts = parts
+        self._dialog = dialog
+        self._database = database
+        self._shown: object = None
+        self._found: tuple[Notice, ...] = ()
+        with ui.row().classes("status-line").props('role="status"'):
+            self._ros = ui.label()
+            self._chips = {part: ui.label() for part in _NAMES}
+            self._database_chip = ui.label()
+            self._more = ui.button("What to do", on_click=self._explain)
+            self._more.props("flat dense no-caps color=primary")
+
+    def show(self, world: World) -> None:
+        """Show what runs."""
+        self._found = tuple(notices(world, self._parts))
+        runs = {part: world.has(part) for part in self._chips}
+        database = self._database()
+        shown = (self._found, world.has_master, world.servers, world.cell_kind, runs, database)
+        if shown == self._shown:
+            return
+        self._shown = shown
+        missing = {notice.part: notice.what for notice in self._found}
+        _show(self._ros, "ROS", missing.get(None), runs=world.has_master)
+        for part, chip in self._chips.items():
+            what = missing.get(part)
+            if part is Part.ENGINE:
+                what = what or missing.get(Part.MIRROR)
+            _show(chip, _words(part, world), what, runs=runs[part])
+        _show(
+            self._database_chip,
+            "Database" if database else "No database",
+            None,
+            runs=bool(database),
+        )
+        self._database_chip.props["title"] = database or _NO_DATABASE
+        self._more.set_visibility(bool(self._found))
+
+    def _explain(self) -> None:
+        with self._dialog("What to do"):
+            for notice in self._found:
+                ui.label(notice.what).classes("title")
+                ui.label(f"{notice.meaning[:1].upper()}{notice.meaning[1:]}. In a terminal:")
+                ui.label(notice.remedy).classes("code")
+
+
+def _words(part: Part, world: World) -> str:
+    if part is not Part.CELL or world.cell_kind is None:
+        return _NAMES[part]
+    ending = "y" if world.servers == 1 else "ies"
+    return f"Cell: {world.cell_kind.value}, {world.servers} abilit{ending}"
+
+
+def _show(chip: ui.label, words: str, missing: str | None, *, runs: bool) -> None:
+    """Show a chip: green, red if the page misses it, hollow if it does not."""
+    chip.text = missing or words
+    look = "gone notice" if missing else "there" if runs else "absent"
+    chip.classes(replace=f"presence {look}")

@@ -1,15 +1,27 @@
-"""The drawing of a chart on a page: pan, zoom, light what is active, pick what is meant."""
+"""The drawing of a chart on a page: pan, zoom, pick; a behavior with what runs in it lit."""
 
 from __future__ import annotations
 
 import time
-from collections.abc import Iterable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from typing import NamedTuple, Protocol, TypeAlias
 
+from nicegui import run, ui
 from nicegui.element import Element
 from nicegui.events import GenericEventArguments
 
-from remodel_console.core.editor.graph import Json
+from flexbe_synthesizer.core.chart.model import Chart
+from remodel_console.console import Console
+from remodel_console.core.drawing import (
+    Json,
+    chart_graph,
+    collapsed,
+    drawn_path,
+    drawn_paths,
+    engine_paths,
+)
+from remodel_console.core.editing import Path
+from remodel_console.errors import CommandError
 
 Places: TypeAlias = dict[str, list[int]]
 
@@ -129,3 +141,149 @@ class Canvas(Element, component="static/canvas.js"):
     def fit(self) -> None:
         """Show the whole drawing."""
         self.run_method("fit")
+
+
+_NOTHING: Json = {"name": "", "nodes": [], "edges": [], "flows": []}
+
+
+class BehaviorDrawing:
+    """Draws the saved chart of a behavior; a large one is open only where something runs.
+
+    Attributes:
+        name: of the behavior that is drawn, or is going to be; None before the first.
+    """
+
+    def __init__(
+        self,
+        console: Console,
+        label: str,
+        nothing: str,
+        on_pick: Callable[[str], None] | None = None,
+    ) -> None:
+        """Draw nothing yet.
+
+        Args:
+            console: knows the charts.
+            label: what the drawing is.
+            nothing: what stands where no behavior is drawn.
+            on_pick: gets the path of a state that is clicked, `Place/Insert`; empty: none.
+        """
+        self._breakpoints: frozenset[str] = frozenset()
+        self.name: str | None = None
+        self._console = console
+        self._nothing = nothing
+        self._canvas = Canvas(label, _Picker(on_pick) if on_pick else None)
+        self._empty = ui.label(nothing).classes("empty")
+        self._chart: Chart | None = None
+        self._paths: frozenset[str] = frozenset()  # of all that could be drawn
+        self._drawn: frozenset[str] = frozenset()  # of what is
+        self._open: Path = ()
+        self._opened_s = 0.0
+        self._active = ""
+        self._visited: frozenset[str] = frozenset()
+        self._is_asked = False
+        self._passed: frozenset[str] = frozenset()
+        self._passed_of: object = None
+
+    async def draw(self, name: str) -> None:
+        """Draw the behavior of a name; of an empty one, nothing."""
+        self.name = name
+        try:
+            chart = await run.io_bound(self._console.chart_to_watch, name) if name else None
+            words = self._nothing
+        except CommandError as error:
+            chart, words = None, str(error)
+        if name != self.name:
+            return
+        self._chart = chart
+        self._paths = drawn_paths(chart) if chart else frozenset()
+        self._empty.text = words
+        self._empty.set_visibility(chart is None)
+        await self._open_container()
+
+    def light(self, active: str, visited: frozenset[str], *, is_asked: bool) -> None:
+        """Light what is active, dimly what was.
+
+        Args:
+            active: path of the state, as the engine publishes it; empty if none is.
+            visited: paths that were active before.
+            is_asked: the active state waits for an operator.
+        """
+        self._active, self._visited, self._is_asked = active, visited, is_asked
+        if (visited, self._drawn) != self._passed_of:  # kept, as most stay
+            self._passed_of = (visited, self._drawn)
+            self._passed = frozenset(drawn_path(path, self._drawn) for path in visited) - {""}
+        self._canvas.light(drawn_path(active, self._drawn), self._passed, is_asked)
+
+    @property
+    def states(self) -> tuple[str, ...]:
+        """Return the paths of all states and containers of the behavior, `Place/Insert`."""
+        return tuple(sorted(self._paths))
+
+    def engine_paths(self, path: str) -> frozenset[str]:
+        """Return the paths that the engine may have for a drawn one."""
+        return engine_paths(self._chart, path) if self._chart else frozenset()
+
+    def with_breakpoint(self, breakpoints: frozenset[str]) -> frozenset[str]:
+        """Return the states of this behavior that have one of these breakpoints."""
+        found = {drawn_path(path, self._paths) for path in breakpoints} - {""}
+        return frozenset(path for path in found if self.engine_paths(path) & breakpoints)
+
+    def count_breakpoints(self, breakpoints: frozenset[str]) -> int:
+        """Return how many a person has set: of one state, the engine may have several paths."""
+        states = self.with_breakpoint(breakpoints)
+        own = frozenset(path for state in states for path in self.engine_paths(state))
+        return len(states) + len(breakpoints - own)
+
+    def mark_breakpoints(self, breakpoints: frozenset[str]) -> None:
+        """Mark the states that have a breakpoint; a closed container if one inside has."""
+        self._breakpoints = breakpoints
+        states = self.with_breakpoint(breakpoints)
+        self._canvas.mark("stopping", {drawn_path(path, self._drawn) for path in states} - {""})
+
+    def show_values(self, path: str, values: Sequence[tuple[str, str]]) -> None:
+        """Show values beside a state, in place of those that were shown before."""
+        self._canvas.show_values(drawn_path(path, self._drawn), values)
+
+    def select(self, path: str) -> None:
+        """Mark the state that was chosen."""
+        self._canvas.select([path] if path else [])
+
+    async def follow(self, rest_s: float = 0.0) -> None:
+        """Open the container that has become active, if the drawing is collapsed.
+
+        Args:
+            rest_s: for which the last one that was opened stays open; to draw one is expensive.
+        """
+        is_due = time.monotonic() - self._opened_s >= rest_s
+        other = self._drawn != self._paths and self._active_container() not in ((), self._open)
+        if other and is_due:
+            await self._open_container()
+
+    async def _open_container(self) -> None:
+        """Draw the chart; of a large one, only the containers open in which something runs."""
+        chart, path = self._chart, self._active_container()
+        self._open, self._opened_s = path, time.monotonic()
+        if chart is None:
+            self._drawn = frozenset()
+            self._canvas.draw(_NOTHING)
+            return
+        part = collapsed(chart, path)
+        self._drawn = drawn_paths(part)
+        self._canvas.draw(chart_graph(part))
+        self.mark_breakpoints(self._breakpoints)
+        self.light(self._active, self._visited, is_asked=self._is_asked)
+
+    def _active_container(self) -> Path:
+        """Return the container that the active state lies in."""
+        return tuple(drawn_path(self._active, self._paths).split("/"))[:-1]
+
+
+class _Picker:
+    """Takes what is clicked in a drawing that is not edited."""
+
+    def __init__(self, on_pick: Callable[[str], None]) -> None:
+        self._on_pick = on_pick
+
+    def pick(self, paths: tuple[str, ...]) -> None:
+        self._on_pick(paths[0] if paths else "")

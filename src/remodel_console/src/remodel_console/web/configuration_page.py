@@ -8,8 +8,7 @@ from dataclasses import replace
 from nicegui import ui
 from nicegui.elements.mixins.value_element import ValueElement
 
-from remodel_console.core.access import Role
-from remodel_console.core.answer import DONE
+from remodel_console.core.commands import DONE, Role
 from remodel_console.core.settings import Settings, difference
 from remodel_console.core.world import World
 from remodel_console.web.page import Page, card

@@ -13,8 +13,18 @@ from starlette.datastructures import Headers
 from starlette.responses import HTMLResponse, RedirectResponse, Response
 from starlette.types import ASGIApp, Receive, Scope, Send
 
-from remodel_console.core.access import Account, Actor, Door, Role, User, is_same_origin, tidy_name
-from remodel_console.core.answer import DONE, REFUSED, CommandResult
+from remodel_console.core.commands import (
+    DONE,
+    REFUSED,
+    Account,
+    Actor,
+    CommandResult,
+    Door,
+    Role,
+    User,
+    is_same_origin,
+    tidy_name,
+)
 
 USER_COOKIE = "remodel_user"
 ENTER, LEAVE = "/enter", "/leave"

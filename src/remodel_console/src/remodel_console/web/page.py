@@ -1,30 +1,224 @@
-"""What all pages have: the bar, the inbox, the status, keys, and commands."""
+"""What all pages have: commands, keys, arrangement of their parts, updates, slow calls, plots."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator
-from contextlib import contextmanager
+import asyncio
+import contextlib
+import threading
+from collections.abc import Callable, Iterable, Iterator, Mapping
+from contextlib import AbstractContextManager, contextmanager
 from functools import partial
-from typing import ClassVar
+from typing import ClassVar, TypeVar
+from urllib.parse import unquote
 
-from nicegui import background_tasks, ui
+from nicegui import Client, background_tasks, ui
 from nicegui.events import KeyEventArguments
 from starlette.requests import Request
 
 from remodel_console.console import Console
-from remodel_console.core.access import Actor, Role
-from remodel_console.core.answer import DONE, REFUSED, CommandResult
-from remodel_console.core.commands import Command, Verb
-from remodel_console.core.inbox import Card, Kind, Option, cards
-from remodel_console.core.world import Part, World
+from remodel_console.core.commands import DONE, REFUSED, Actor, Command, CommandResult, Role, Verb
+from remodel_console.core.plots import Options
+from remodel_console.core.settings import PagePart, arranged, arrangement_text, moved, with_shown
+from remodel_console.core.world import Card, Kind, Option, Part, World, cards
 from remodel_console.session import Session
-from remodel_console.web.arrangement import Arrangement
-from remodel_console.web.bar import Bar
-from remodel_console.web.broadcast import Broadcast
+from remodel_console.web.bar import Bar, Inbox, StatusLine, set_cookie
 from remodel_console.web.guard import user_of
-from remodel_console.web.inbox import Inbox
-from remodel_console.web.own_thread import on_own_thread
-from remodel_console.web.status_line import StatusLine
+
+
+class Arrangement:
+    """Keeps the parts of one page; the browser remembers them in a cookie."""
+
+    def __init__(
+        self,
+        page: str,
+        cookies: Mapping[str, str],
+        dialog: Callable[[str], AbstractContextManager[ui.dialog]],
+        on_change: Callable[[], None],
+    ) -> None:
+        """Arrange a page as its cookie says.
+
+        Args:
+            page: its title.
+            cookies: of the browser.
+            dialog: opens a dialog of a name.
+            on_change: is called when a part was shown or hidden.
+        """
+        self._page = page.lower().replace(" ", "_")
+        self._cookie = f"remodel_layout_{self._page}"
+        self._text = unquote(cookies.get(self._cookie, ""))
+        self._dialog = dialog
+        self._on_change = on_change
+        self._defaults: tuple[PagePart, ...] = ()
+        self._parts: tuple[PagePart, ...] = ()
+        self._elements: dict[str, ui.element] = {}
+
+    def __bool__(self) -> bool:
+        """Return whether the page has parts to arrange."""
+        return bool(self._parts)
+
+    @contextmanager
+    def part(self, title: str, area: str) -> Iterator[None]:
+        """Add a part in a column of the page; what is built inside belongs to it."""
+        with ui.element("div").classes("part") as element:
+            yield
+        self._elements[title] = element
+        self._defaults = (*self._defaults, PagePart(title, area))
+        self._take(arranged(self._defaults, self._text))
+
+    def splitter(self, what: str, size: str, *, is_column: bool) -> None:
+        """Add a line that is dragged to change a size.
+
+        Args:
+            what: the size, for a person who does not see it.
+            size: its name, which the style of the page has as `--PAGE-SIZE`.
+            is_column: it changes a width.
+        """
+        line = (
+            ui.element("div")
+            .classes(f"splitter of-{size}")
+            .props(
+                f'role="separator" tabindex="0" aria-valuenow="0" '
+                f'aria-orientation="{"vertical" if is_column else "horizontal"}"'
+            )
+        )
+        line.props["aria-label"] = what
+        line.props["data-size"] = f"--{self._page}-{size}"
+
+    def is_shown(self, title: str) -> bool:
+        """Return whether a part is shown."""
+        return next(part.is_shown for part in self._parts if part.title == title)
+
+    def ask(self) -> None:
+        """Open the dialog in which the parts are arranged."""
+        with self._dialog("Layout"):
+            ui.label("Layout of this page").classes("title")
+            ui.label("Lines between the parts can be dragged. This browser keeps it.").classes(
+                "soft"
+            )
+            rows = ui.element("div").classes("wide")
+            self._list(rows)
+            ui.button("As it was delivered", on_click=partial(self._reset, rows), color=None).props(
+                "no-caps flat"
+            )
+
+    def _list(self, rows: ui.element) -> None:
+        rows.clear()
+        with rows:
+            for part in self._parts:
+                with ui.row().classes("layout-row"):
+                    shown = ui.checkbox(part.title, value=part.is_shown)
+                    shown.on_value_change(partial(self._show, part.title, shown))
+                    ui.space()
+                    for icon, word, step in (
+                        ("arrow_upward", "up", -1),
+                        ("arrow_downward", "down", 1),
+                    ):
+                        button = ui.button(
+                            icon=icon,
+                            on_click=partial(self._move, rows, part.title, step),
+                            color=None,
+                        )
+                        button.props(f'flat dense round aria-label="{part.title} {word}"')
+
+    def _show(self, title: str, shown: ui.checkbox) -> None:
+        self._keep(with_shown(self._parts, title, is_shown=bool(shown.value)))
+
+    def _move(self, rows: ui.element, title: str, step: int) -> None:
+        self._keep(moved(self._parts, title, step))
+        self._list(rows)
+
+    def _reset(self, rows: ui.element) -> None:
+        self._keep(self._defaults)
+        ui.run_javascript(f"forgetSizes('--{self._page}-')")
+        self._list(rows)
+
+    def _keep(self, parts: tuple[PagePart, ...]) -> None:
+        self._take(parts)
+        set_cookie(self._cookie, arrangement_text(parts))
+        self._on_change()
+
+    def _take(self, parts: tuple[PagePart, ...]) -> None:
+        self._parts = parts
+        for place, part in enumerate(parts):
+            element = self._elements[part.title]
+            element.style(f"order: {place}")
+            element.set_visibility(part.is_shown)
+
+
+T = TypeVar("T")
+
+
+async def on_own_thread(deed: Callable[[], T]) -> T:
+    """Return what a function returns that may take minutes, such as to pause a run.
+
+    A pool of threads would queue a protective stop behind the commands that wait, and would keep
+    the console from ending before they are answered.
+    """
+    loop = asyncio.get_running_loop()
+    done: asyncio.Future[T] = loop.create_future()
+
+    def settle(result: T | None, error: Exception | None) -> None:
+        if done.cancelled():
+            return
+        if error is not None:
+            done.set_exception(error)
+        else:
+            done.set_result(result)  # type: ignore[arg-type]
+
+    def work() -> None:
+        result, error = None, None
+        try:
+            result = deed()
+        except Exception as raised:  # noqa: BLE001 - the waiting thread gets it
+            error = raised
+        with contextlib.suppress(RuntimeError):  # the console has ended meanwhile
+            loop.call_soon_threadsafe(settle, result, error)
+
+    threading.Thread(target=work, name="command", daemon=True).start()
+    return await done
+
+
+_EVERY_S = 0.04  # between two tellings; an operator is promised to see a transition within 100 ms
+
+
+class Broadcast:
+    """Calls a function of each open page on the event loop."""
+
+    def __init__(self) -> None:
+        """Begin with no page."""
+        self._shows: dict[str, Callable[[], None]] = {}
+        self._loop: asyncio.AbstractEventLoop | None = None
+        self._is_resting = False
+        self._is_stale = False
+
+    def bind(self) -> None:
+        """Use the event loop that runs now."""
+        self._loop = asyncio.get_running_loop()
+
+    def add(self, client: Client, show: Callable[[], None]) -> None:
+        """Call a function after each change, as long as the page is open."""
+        self._shows[client.id] = show
+        client.on_delete(lambda: self._shows.pop(client.id, None))
+
+    def wake(self) -> None:
+        """Have the pages updated soon; callable from any thread, and before there is a loop."""
+        if self._loop is not None and not self._loop.is_closed():
+            self._loop.call_soon_threadsafe(self._update)
+
+    def _update(self) -> None:
+        if self._is_resting or self._loop is None:
+            self._is_stale = True
+            return
+        self._is_resting, self._is_stale = True, False
+        self._loop.call_later(_EVERY_S, self._rested)
+        for show in tuple(self._shows.values()):
+            show()
+
+    def _rested(self) -> None:
+        self._is_resting = False
+        if self._is_stale:
+            self._update()
+
 
 _ACCENT = "#0f5ea8"  # as in console.css
 _CONFIRM = ("Alt+C", "confirm the engine's request")
@@ -303,3 +497,21 @@ def table(head: Iterable[str], rows: Iterable[Iterable[str]]) -> None:
 def _text(tag: str, text: str) -> None:
     with ui.element(tag):
         ui.label(text)
+
+
+class Plot:
+    """Shows the options of `core.plot`; the browser draws them."""
+
+    def __init__(self, label: str) -> None:
+        """Show nothing yet; `label` names the plot for screen readers."""
+        self._chart = ui.echart({}, renderer="svg").classes("plot")
+        self._chart.props["role"] = "img"
+        self._chart.props["aria-label"] = label
+
+    def show(self, options: Options, height: int | None = None) -> None:
+        """Show another plot, of a height [pixels] other than usual if one is given."""
+        self._chart.options.clear()
+        self._chart.options.update(options)
+        if height is not None:
+            self._chart.style(f"height: {height}px")
+        self._chart.update()

@@ -4,12 +4,11 @@ from __future__ import annotations
 
 from nicegui import background_tasks, run, ui
 
-from remodel_console.core.plot import bar_plot, line_plot
-from remodel_console.core.use_case.use_case import duration_words
+from remodel_console.core.plots import bar_plot, line_plot
+from remodel_console.core.use_case import duration_words
 from remodel_console.core.world import ALL_PARTS, World
 from remodel_console.errors import CommandError
-from remodel_console.web.page import Page, card, table
-from remodel_console.web.plot import Plot
+from remodel_console.web.page import Page, Plot, card, table
 from remodel_run.progress import Sums
 from remodel_run.record import Statistics
 

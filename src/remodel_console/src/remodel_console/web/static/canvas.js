@@ -1,4 +1,4 @@
-// The drawing of a chart, by cytoscape: `draw` gets the parts of it, see core/editor/graph.py; layout.js places them.
+// The drawing of a chart, by cytoscape: `draw` gets the parts of it, see core/drawing.py; layout.js places them.
 import cytoscape from "/console/vendor/cytoscape.esm.min.mjs";
 import { layOut, HEADER, PADDING } from "/console/layout.js";
 import { svgOf } from "/console/picture.js";

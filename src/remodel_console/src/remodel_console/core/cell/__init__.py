@@ -1,1 +1,0 @@
-"""The cell in three dimensions: what its robots look like, and where everything is."""

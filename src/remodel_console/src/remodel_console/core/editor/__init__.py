@@ -1,1 +1,0 @@
-"""The chart that is edited: its changes, its drawing, and what the checks say about it."""

@@ -1,1 +1,0 @@
-"""An order before it is stored: what the planner's commands say of a design file."""

@@ -1,1 +1,0 @@
-"""The behavior that runs, as the engine reports it, and the orders to the engine."""

@@ -1,0 +1,250 @@
+"""The running behavior in terms of its chart: structure, active path, operator decisions.
+
+Synthesis adds states to those of the chart: one that counts the attempts at a state (`X_attempts`),
+one that parts its failures by code (`X_error`), and a container that keeps its time, with the state
+as `run` and a timer beside it. An operator drew none of them.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, field
+from enum import Enum, auto
+from functools import cached_property
+
+from flexbe_synthesizer.core.chart.model import Chart, Container, State
+from flexbe_synthesizer.core.chart.names import EXHAUSTED, FAILED, TIMED_OUT
+from flexbe_synthesizer.core.machine.expanded_labels import (
+    OTHER,
+    RUN,
+    TIMER,
+    chooser_label,
+    counter_label,
+)
+from remodel_console.core.drawing import drawn_path, drawn_paths
+
+
+@dataclass(frozen=True)
+class Level:
+    """A state, or a container if it has children; the first child is the initial one.
+
+    `outcomes` are in the engine's order, `transitions` say where each leads.
+    """
+
+    path: str
+    children: tuple[str, ...]
+    outcomes: tuple[str, ...]
+    transitions: tuple[str, ...]
+
+
+@dataclass(frozen=True)
+class Structure:
+    """All levels of a behavior; the path of its root is empty."""
+
+    behavior_id: int
+    levels: tuple[Level, ...]
+
+    @cached_property
+    def by_path(self) -> Mapping[str, Level]:
+        """Return the levels by path."""
+        return {level.path: level for level in self.levels}
+
+    def following(self, path: str, outcome: str) -> str | None:
+        """Return the state that is active after one was left; empty at the end of the behavior.
+
+        None if it is not known, as in a container whose children run at the same time.
+        """
+        while path:
+            level = self.by_path.get(path)
+            above = path.rpartition("/")[0]
+            container = self.by_path.get(above)
+            if level is None or container is None or outcome not in level.outcomes:
+                return None
+            index = level.outcomes.index(outcome)
+            target = level.transitions[index] if index < len(level.transitions) else ""
+            if target in container.children:
+                return self._first_in(f"{above}/{target}")
+            if target not in container.outcomes:
+                return None
+            path, outcome = above, target
+        return ""
+
+    def _first_in(self, path: str) -> str:
+        """Return the state that is entered first when a path is."""
+        level = self.by_path.get(path)
+        while level is not None and level.children:
+            path = f"{path}/{level.children[0]}"
+            level = self.by_path.get(path)
+        return path
+
+
+# Events that say that a state, or a behavior, did not do what it should.
+FAILURES = frozenset({FAILED, TIMED_OUT, EXHAUSTED})
+
+
+class Helper(Enum):
+    """What synthesis adds to a state."""
+
+    COUNTER = auto()
+    CHOOSER = auto()
+    TIMER = auto()
+
+
+@dataclass(frozen=True)
+class ChartState:
+    """A state of the chart: its path, `Place/Insert`, and what stands for it in the engine.
+
+    Attributes:
+        helper: None if that is the state itself.
+    """
+
+    path: str
+    helper: Helper | None = None
+
+    @property
+    def label(self) -> str:
+        """Return its name."""
+        return self.path.rpartition("/")[2]
+
+    @property
+    def words(self) -> str:
+        """Return its path as a person reads it."""
+        return f"{self.path.replace('/', ' / ')}{_WHERE[self.helper]}"
+
+    def event(self, outcome: str) -> str:
+        """Return the event of the chart that an outcome stands for; empty if it is entered."""
+        match self.helper:
+            case Helper.COUNTER:
+                return EXHAUSTED if outcome == EXHAUSTED else ""
+            case Helper.CHOOSER:
+                return FAILED if outcome == OTHER else outcome
+            case Helper.TIMER:
+                return TIMED_OUT
+        return outcome
+
+    def question(self, outcome: str) -> str:
+        """Return what is asked before an outcome is taken."""
+        event = self.event(outcome)
+        return f"Leave '{self.label}' with '{event}'?" if event else f"Enter '{self.label}'?"
+
+    def answer(self, outcome: str) -> str:
+        """Return the word for taking an outcome."""
+        return self.event(outcome) or f"enter {self.label}"
+
+
+_WHERE = {
+    None: "",
+    Helper.COUNTER: ", before an attempt",
+    Helper.CHOOSER: ", after a failure",
+    Helper.TIMER: ", its time limit",
+}
+
+
+def recorded_state(engine_path: str, drawn: frozenset[str]) -> ChartState:
+    """Return which state of a chart is meant in the record of a run, which has no structure.
+
+    Args:
+        engine_path: as the engine published it, `/Place/Insert_attempts`.
+        drawn: the paths of the chart, `Place/Insert`; without any, the names stay as they are.
+    """
+    path = drawn_path(engine_path, drawn)
+    if not path:
+        return ChartState(engine_path.strip("/"))
+    label, own = engine_path.rpartition("/")[2], path.rpartition("/")[2]
+    helpers = {
+        counter_label(own): Helper.COUNTER,
+        chooser_label(own): Helper.CHOOSER,
+        TIMER: Helper.TIMER,
+    }
+    return ChartState(path, None if label == own else helpers.get(label))
+
+
+def chart_state(engine_path: str, structure: Structure | None) -> ChartState:
+    """Return which state of the chart is meant.
+
+    Args:
+        engine_path: as the engine publishes it, `/Place/Insert_attempts`.
+        structure: of the running behavior; without one, the names stay as they are.
+    """
+    found: list[str] = []
+    helper, above = None, ""
+    for part in filter(None, engine_path.split("/")):
+        beside = _children(above, structure)
+        above = f"{above}/{part}"
+        if beside == {RUN, TIMER}:
+            helper = Helper.TIMER if part == TIMER else None
+            continue
+        outcomes = _outcomes(above, structure)
+        name, helper = part, None
+        for base in beside:
+            if part == counter_label(base) and EXHAUSTED in outcomes:
+                name, helper = base, Helper.COUNTER
+            elif part == chooser_label(base) and OTHER in outcomes:
+                name, helper = base, Helper.CHOOSER
+        found.append(name)
+    return ChartState("/".join(found), helper)
+
+
+def _children(path: str, structure: Structure | None) -> frozenset[str]:
+    level = structure.by_path.get(path) if structure else None
+    return frozenset(level.children) if level else frozenset()
+
+
+def _outcomes(path: str, structure: Structure | None) -> tuple[str, ...]:
+    level = structure.by_path.get(path) if structure else None
+    return level.outcomes if level else ()
+
+
+_CLASS = "OperatorDecisionState"
+
+
+@dataclass(frozen=True)
+class Decision:
+    """What a state lets an operator choose.
+
+    Attributes:
+        outcomes: to choose from, in the order of the state.
+        hint: what the state says to the operator; empty without one.
+        suggestion: the outcome that is taken if autonomy allows; empty if the state always waits.
+    """
+
+    outcomes: tuple[str, ...]
+    hint: str = ""
+    suggestion: str = ""
+
+
+@dataclass(frozen=True)
+class Decisions:
+    """The decisions of the behavior whose source has a checksum, by their paths in its chart."""
+
+    behavior_id: int = 0
+    by_path: Mapping[str, Decision] = field(default_factory=dict)
+    paths: frozenset[str] = frozenset()
+
+    def at(self, engine_path: str) -> Decision | None:
+        """Return the decision of a state, as the engine names it; None if it is of another kind."""
+        return self.by_path.get(drawn_path(engine_path, self.paths)) if self.by_path else None
+
+
+def decisions_of(chart: Chart, behavior_id: int) -> Decisions:
+    """Return the decisions in a chart, in its containers too."""
+    return Decisions(behavior_id, dict(_found(chart, "")), drawn_paths(chart))
+
+
+def _found(chart: Chart, prefix: str) -> Iterator[tuple[str, Decision]]:
+    for node in chart.nodes:
+        path = f"{prefix}{node.id}"
+        if isinstance(node, Container):
+            yield from _found(node.body, f"{path}/")
+        elif isinstance(node, State) and node.type.rpartition(".")[2] == _CLASS:
+            given = {param.name: param.value for param in node.params}
+            outcomes = given.get("outcomes")
+            if isinstance(outcomes, tuple):
+                yield (
+                    path,
+                    Decision(
+                        tuple(map(str, outcomes)),
+                        str(given.get("hint") or ""),
+                        str(given.get("suggestion") or ""),
+                    ),
+                )

@@ -1,1 +1,0 @@
-"""Drafts of orders on disk, and the processes that read and plan them."""

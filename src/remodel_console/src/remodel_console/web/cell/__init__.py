@@ -1,1 +1,0 @@
-"""The cell on pages: in three dimensions, and as its cameras see it."""

@@ -1,1 +1,0 @@
-"""The page on which charts are edited, and its panels."""

@@ -1,1 +1,0 @@
-"""The page of recorded runs, and its panels."""

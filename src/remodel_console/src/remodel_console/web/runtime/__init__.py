@@ -1,1 +1,0 @@
-"""The page of the behavior that runs, and its panels."""
