@@ -48,7 +48,7 @@ LAYERS = {
     "remodel_supervision": ["errors", "core", "edge", "supervisors", "ros"],
     "remodel_supervision.core": ["run", "runs", "recovery", "learning"],
     "flexbe_synthesizer.core": [
-        *("chart", "rewrite", "library", "machine", "check", "export", "compile"),
+        *("chart", "library", "machine", "check", "export", "compile"),
     ],
 }
 # Modules that no import of a program reaches, but that are found by their name or their place.

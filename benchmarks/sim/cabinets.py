@@ -28,9 +28,12 @@ from remodel_planner.commands.options.design_orders import DesignOrder, design_o
 from remodel_production.core.board.board import board_of
 from remodel_production.core.imports.formats import format_of, import_design
 from remodel_production.core.production import Order
-from remodel_production.edge.design_files import read_mappings
-from remodel_production.edge.importer_plug_ins import design_formats
-from remodel_production.edge.package_files import catalogue_file, read_catalogue
+from remodel_production.edge.design_files import (
+    catalogue_file,
+    design_formats,
+    read_catalogue,
+    read_mappings,
+)
 from remodel_production.errors import PlannerError
 from remodel_rehearsal.stack import Setting
 from remodel_rehearsal.trial_run import rehearse_wire

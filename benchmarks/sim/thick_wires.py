@@ -18,7 +18,7 @@ from cabinets import imported, in_cell
 from laying import Laying, first_ends_of
 
 from remodel_production.core.board.board import board_of
-from remodel_production.edge.package_files import catalogue_file, read_catalogue
+from remodel_production.edge.design_files import catalogue_file, read_catalogue
 from remodel_sim.physics.plant import SimulatedPlant
 from remodel_sim.physics.truth import ground_truth, share_in_ducts
 from remodel_skills.cell import Cell

@@ -39,8 +39,8 @@ from flexbe_synthesizer.core.compile import Unit, check_units, compile_chart, ma
 from flexbe_synthesizer.core.export.certificate import certify, write_certificate
 from flexbe_synthesizer.core.export.layout import lay_out
 from flexbe_synthesizer.core.export.render_python import render_python
-from flexbe_synthesizer.core.library.manifest import write_manifest
 from flexbe_synthesizer.core.library.signature import Library
+from flexbe_synthesizer.core.library.sources import write_manifest
 from flexbe_synthesizer.edge.package_path import find_packages, read_library
 from flexbe_synthesizer.synthesis import garbage_kept
 

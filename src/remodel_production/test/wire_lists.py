@@ -2,9 +2,9 @@
 
 from pathlib import Path
 
-from remodel_production.core.imports.wire_lists.mapping import mapping_from
-from remodel_production.core.imports.wire_lists.wire_list import import_wire_list
-from remodel_production.edge.package_files import read_catalogue
+from remodel_production.core.imports.wire_list import import_wire_list
+from remodel_production.core.imports.wire_list_mapping import mapping_from
+from remodel_production.edge.design_files import read_catalogue
 
 CONFIG = Path(__file__).parents[1] / "config"
 CATALOGUE = read_catalogue(CONFIG / "catalogue.yaml")

@@ -14,9 +14,8 @@ from flexbe_synthesizer.core.chart.model import Chart
 from flexbe_synthesizer.core.chart.problem import errors_in
 from flexbe_synthesizer.core.export.draw import chart_to_dot
 from flexbe_synthesizer.core.library.signature import Library
-from flexbe_synthesizer.core.machine.expanded_labels import chart_steps
-from flexbe_synthesizer.edge.files import write_all
-from flexbe_synthesizer.edge.graphviz import FORMATS, render_dot
+from flexbe_synthesizer.core.machine.lower import chart_steps
+from flexbe_synthesizer.edge.files import FORMATS, read_run, render_dot, write_all
 from flexbe_synthesizer.edge.output_package import (
     OutputPackage,
     enclosing_package,
@@ -25,7 +24,6 @@ from flexbe_synthesizer.edge.output_package import (
     unwritten_package,
 )
 from flexbe_synthesizer.edge.package_path import Inventory, read_inventory
-from flexbe_synthesizer.edge.run_record import read_run
 from flexbe_synthesizer.errors import OutputError, SynthesisError
 from flexbe_synthesizer.synthesis import CheckedFiles, check_files, write_behaviors
 

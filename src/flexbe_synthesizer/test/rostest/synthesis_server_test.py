@@ -19,7 +19,7 @@ from flexbe_msgs.msg import (
 from flexbe_core.testing import is_sent_to
 from flexbe_synthesizer.core.chart.chart_writer import write_chart
 from flexbe_synthesizer.core.chart.model import Behavior, Chart, Input, Outcome, Transition
-from flexbe_synthesizer.request import ErrorCode
+from flexbe_synthesizer.synthesis import ErrorCode
 
 LIMIT = rospy.Duration(90)
 

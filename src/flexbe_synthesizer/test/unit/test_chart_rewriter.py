@@ -8,9 +8,9 @@ from hypothesis import given
 from synthesizer_support.strategies import WILD_NAMES, charts
 
 from flexbe_synthesizer.core.chart.chart_reader import parse_chart, read_chart
+from flexbe_synthesizer.core.chart.chart_rewriter import RewriteError, rewrite_chart
 from flexbe_synthesizer.core.chart.chart_writer import write_chart
 from flexbe_synthesizer.core.chart.model import Chart, Input, Outcome, State
-from flexbe_synthesizer.core.rewrite.chart_rewriter import RewriteError, rewrite_chart
 
 MIXED = charts(WILD_NAMES.map(str.strip).filter(bool))
 CHART = """<statemachine name="A" initial="S">

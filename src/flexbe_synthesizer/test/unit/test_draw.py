@@ -13,7 +13,7 @@ from flexbe_synthesizer.core.chart.model import (
     Transition,
 )
 from flexbe_synthesizer.core.export.draw import chart_to_dot
-from flexbe_synthesizer.edge.graphviz import render_dot
+from flexbe_synthesizer.edge.files import render_dot
 from flexbe_synthesizer.errors import DrawingError
 
 

@@ -10,7 +10,7 @@ from flexbe_synthesizer.core.chart.problem import ProblemKind, errors_in
 from flexbe_synthesizer.core.compile import Unit, check_units, compile_chart, manifest_of
 from flexbe_synthesizer.core.export.layout import lay_out
 from flexbe_synthesizer.core.export.render_python import render_python
-from flexbe_synthesizer.core.library.manifest import write_manifest
+from flexbe_synthesizer.core.library.sources import write_manifest
 from flexbe_synthesizer.core.machine.lower import lower
 from flexbe_synthesizer.edge.package_path import find_packages, read_library
 

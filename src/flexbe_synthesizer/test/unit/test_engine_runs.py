@@ -13,8 +13,7 @@ from synthesizer_support.chart_run import run
 from flexbe_synthesizer.core.chart.chart_reader import parse_chart
 from flexbe_synthesizer.core.chart.problem import errors_in
 from flexbe_synthesizer.core.compile import compile_chart
-from flexbe_synthesizer.core.export.instantiate import instantiate, with_presets_written
-from flexbe_synthesizer.core.export.layout import lay_out
+from flexbe_synthesizer.core.export.layout import instantiate, lay_out, with_presets_written
 from flexbe_synthesizer.core.export.render_python import render_python
 
 CHARTS = ("place_connector", "two_arms")

@@ -1,10 +1,10 @@
-from flexbe_synthesizer.core.export.instantiate import (
+from flexbe_synthesizer.core.export.layout import (
     Instantiation,
     instantiate,
+    lay_out,
     presets,
     with_presets_written,
 )
-from flexbe_synthesizer.core.export.layout import lay_out
 
 
 def states(root):

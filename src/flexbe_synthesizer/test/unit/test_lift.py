@@ -7,15 +7,15 @@ import pytest
 from app_judge import saved_by_app
 
 from flexbe_synthesizer.core.chart.chart_reader import parse_chart
+from flexbe_synthesizer.core.chart.chart_rewriter import rewrite_chart
 from flexbe_synthesizer.core.chart.chart_writer import write_chart
 from flexbe_synthesizer.core.check.check import check_chart
 from flexbe_synthesizer.core.compile import compile_chart, manifest_of
 from flexbe_synthesizer.core.export.layout import lay_out
 from flexbe_synthesizer.core.export.render_python import render_python
-from flexbe_synthesizer.core.library.manifest import write_manifest
+from flexbe_synthesizer.core.library.sources import write_manifest
 from flexbe_synthesizer.core.machine.lift import lift
 from flexbe_synthesizer.core.machine.machine_reader import InexpressibleError, read_machine
-from flexbe_synthesizer.core.rewrite.chart_rewriter import rewrite_chart
 
 CHARTS = ("plain", "place_connector", "wire_task", "two_arms")
 

@@ -4,7 +4,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from flexbe_synthesizer.core.chart.literal import (
+from flexbe_synthesizer.core.chart.model import (
     DEEPEST,
     format_literal,
     freeze,

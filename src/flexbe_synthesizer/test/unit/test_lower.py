@@ -1,6 +1,6 @@
 from flexbe_synthesizer.core.chart.chart_reader import parse_chart
 from flexbe_synthesizer.core.chart.model import Autonomy
-from flexbe_synthesizer.core.machine.expanded_labels import chart_steps
+from flexbe_synthesizer.core.machine.lower import chart_steps
 from flexbe_synthesizer.core.machine.machine import Condition, Container, Exit, Kind, walk
 
 

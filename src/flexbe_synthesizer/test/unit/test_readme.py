@@ -6,7 +6,7 @@ from pathlib import Path
 from flexbe_synthesizer.core.chart.chart_reader import parse_chart
 from flexbe_synthesizer.core.chart.chart_writer import write_chart
 from flexbe_synthesizer.core.chart.grammar import EXTENSION
-from flexbe_synthesizer.request import ErrorCode
+from flexbe_synthesizer.synthesis import ErrorCode
 
 README = (Path(__file__).parents[2] / "README.md").read_text()
 

@@ -9,12 +9,12 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from flexbe_synthesizer.core.chart.chart_reader import parse_chart
-from flexbe_synthesizer.core.chart.literal import freeze
+from flexbe_synthesizer.core.chart.model import freeze
 from flexbe_synthesizer.core.chart.problem import ChartError
 from flexbe_synthesizer.core.compile import compile_chart, manifest_of
 from flexbe_synthesizer.core.export.layout import lay_out
 from flexbe_synthesizer.core.export.render_python import render_python
-from flexbe_synthesizer.core.library.manifest import write_manifest
+from flexbe_synthesizer.core.library.sources import write_manifest
 from flexbe_synthesizer.core.machine.machine import Container, walk
 from flexbe_synthesizer.core.machine.machine_reader import ManualSectionError, read_manual_sections
 

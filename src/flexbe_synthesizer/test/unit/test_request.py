@@ -8,7 +8,7 @@ import pytest
 
 from flexbe_synthesizer.core.chart.problem import MOST_ERRORS
 from flexbe_synthesizer.edge.chart_files import LARGEST_FILE, ChartMemory
-from flexbe_synthesizer.request import (
+from flexbe_synthesizer.synthesis import (
     ErrorCode,
     Request,
     RequestError,

@@ -4,7 +4,6 @@ import textwrap
 
 import pytest
 
-from flexbe_synthesizer.core.library.manifest import Manifest, read_manifest, write_manifest
 from flexbe_synthesizer.core.library.signature import (
     Effect,
     FromParameter,
@@ -16,7 +15,13 @@ from flexbe_synthesizer.core.library.signature import (
     fits,
     is_type,
 )
-from flexbe_synthesizer.core.library.sources import read_behavior_class, read_state_class
+from flexbe_synthesizer.core.library.sources import (
+    Manifest,
+    read_behavior_class,
+    read_manifest,
+    read_state_class,
+    write_manifest,
+)
 
 MANIFEST = Manifest("Clean", "pkg", "clean_sm", "CleanSM")
 

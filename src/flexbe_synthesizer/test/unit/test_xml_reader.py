@@ -1,8 +1,7 @@
 import pytest
 
 from flexbe_synthesizer.core.chart.problem import ChartError, ProblemKind
-from flexbe_synthesizer.core.chart.xml_reader import as_utf8, read_utf8
-from flexbe_synthesizer.core.chart.xml_tree import XmlTree
+from flexbe_synthesizer.core.chart.xml_tree import XmlTree, as_utf8, read_utf8
 
 
 def read_xml(source, file):

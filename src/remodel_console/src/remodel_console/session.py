@@ -11,8 +11,8 @@ from pathlib import PurePath
 
 from flexbe_synthesizer.core.chart.model import Chart, Container
 from flexbe_synthesizer.core.chart.names import behavior_file
-from flexbe_synthesizer.core.chart.xml_reader import decoded
-from flexbe_synthesizer.core.export.instantiate import Instantiation
+from flexbe_synthesizer.core.chart.xml_tree import decoded
+from flexbe_synthesizer.core.export.layout import Instantiation
 from remodel_console.core.chart_edit import with_name
 from remodel_console.core.commands import Command, Verb, help_lines
 from remodel_console.core.editing import (

@@ -8,7 +8,7 @@ import pytest
 
 from flexbe_synthesizer.core.chart.chart_reader import parse_chart
 from flexbe_synthesizer.core.chart.model import Container
-from flexbe_synthesizer.core.export.instantiate import Instantiation
+from flexbe_synthesizer.core.export.layout import Instantiation
 from remodel_console.core.commands import (
     DONE,
     CommandResult,

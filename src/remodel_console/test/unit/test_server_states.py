@@ -9,7 +9,7 @@ from flexbe_synthesizer.core.chart.chart_reader import parse_chart
 from flexbe_synthesizer.core.chart.chart_writer import write_chart
 from flexbe_synthesizer.core.chart.model import Chart
 from flexbe_synthesizer.edge.package_path import find_packages, read_library
-from flexbe_synthesizer.request import Request, Settings, fulfil
+from flexbe_synthesizer.synthesis import Request, Settings, fulfil
 from remodel_console.core.server_states import chart_from_states
 from remodel_console.errors import CommandError
 

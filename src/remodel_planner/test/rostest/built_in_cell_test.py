@@ -23,7 +23,7 @@ from remodel_planner.commands.runs.built_in_cell import picture_of_cabinet, wire
 from remodel_planner.core.reports.net_list import net_list, share_in_ducts
 from remodel_production.core.board.board import board_of
 from remodel_production.edge.database.production_database import ProductionDatabase
-from remodel_production.edge.package_files import catalogue_file, read_catalogue
+from remodel_production.edge.design_files import catalogue_file, read_catalogue
 from remodel_skills.edge.cell_memory import CellMemory
 from remodel_states.edge.wire_material_file import read_wire_materials
 from remodel_supervision.ros.peers.board_message import board_message

@@ -12,7 +12,7 @@ from remodel_planner.commands import import_design, plan, tasks
 from remodel_planner.commands.options.design_orders import design_order
 from remodel_production.core.board.board import board_of
 from remodel_production.edge.database.production_database import ProductionDatabase
-from remodel_production.edge.package_files import catalogue_file, read_catalogue
+from remodel_production.edge.design_files import catalogue_file, read_catalogue
 from remodel_production.errors import OrderError
 from remodel_states.edge.cell_files import read_cell_limits
 from remodel_states.edge.wire_material_file import read_wire_materials

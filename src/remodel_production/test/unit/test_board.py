@@ -10,12 +10,10 @@ from pathlib import Path
 import pytest
 from lxml import etree
 
-from remodel_production.core.board.board import board_of, route_length
-from remodel_production.core.board.cabinet import laid_out
+from remodel_production.core.board.board import board_of, length_findings, route_length
+from remodel_production.core.board.cabinet import DuctGraph, laid_out
 from remodel_production.core.board.drawing import draw_board
-from remodel_production.core.board.duct_graph import DuctGraph
 from remodel_production.core.board.formboard import flattened, limbs
-from remodel_production.core.board.wire_lengths import length_findings
 from remodel_production.core.imports.kbl import import_kbl
 from remodel_production.core.imports.qet import import_qet
 from remodel_production.core.production import (
@@ -30,7 +28,7 @@ from remodel_production.core.production import (
     TerminalRef,
     Wire,
 )
-from remodel_production.edge.package_files import read_catalogue
+from remodel_production.edge.design_files import read_catalogue
 
 CATALOGUE = read_catalogue(Path(__file__).parents[2] / "config" / "catalogue.yaml")
 EXAMPLES = Path("/usr/share/qelectrotech/examples")

@@ -6,7 +6,7 @@ import pytest
 import yaml
 
 from remodel_production.core.catalogue import Place
-from remodel_production.edge.package_files import read_catalogue
+from remodel_production.edge.design_files import read_catalogue
 from remodel_production.errors import CatalogueError
 
 FILE = Path(__file__).parents[2] / "config" / "catalogue.yaml"

@@ -9,7 +9,7 @@ from alembic.migration import MigrationContext
 from alembic.script import ScriptDirectory
 from sqlalchemy import create_engine, inspect, text
 
-from remodel_production.edge.database import database_versions
+from remodel_production.edge.database import production_database
 from remodel_production.edge.database.production_database import ProductionDatabase
 from remodel_production.edge.database.production_models import Base
 from remodel_production.errors import OrderError
@@ -47,9 +47,9 @@ def test_a_new_database_has_the_tables_of_the_models(url):
 
 def test_the_newest_version_is_that_of_the_last_migration():
     config = Config()
-    folder = database_versions.__file__.replace("database_versions.py", "migrations")
+    folder = production_database.__file__.replace("production_database.py", "migrations")
     config.set_main_option("script_location", folder)
-    assert ScriptDirectory.from_config(config).get_current_head() == database_versions.NEWEST
+    assert ScriptDirectory.from_config(config).get_current_head() == production_database.NEWEST
 
 
 def test_a_database_of_a_newer_program_is_refused_and_left_alone(url):
@@ -63,15 +63,14 @@ def test_a_database_of_a_newer_program_is_refused_and_left_alone(url):
 def test_a_database_of_the_version_before_is_migrated(url, tmp_path, monkeypatch):
     open_and_close(url)
     migrations = tmp_path / "migrations"
-    shutil.copytree(database_versions._MIGRATIONS, migrations)
+    shutil.copytree(production_database._MIGRATIONS, migrations)
     (migrations / "versions/m0009_more.py").write_text(
         "from alembic import op\n\n"
         "revision, down_revision = '0009', '0008'\n\n\n"
         "def upgrade():\n    op.execute('CREATE TABLE more (id INTEGER)')\n"
     )
-    monkeypatch.setattr(database_versions, "_MIGRATIONS", migrations)
-    monkeypatch.setattr(database_versions, "NEWEST", "0009")
-    monkeypatch.setattr("remodel_production.edge.database.production_database.NEWEST", "0009")
+    monkeypatch.setattr(production_database, "_MIGRATIONS", migrations)
+    monkeypatch.setattr(production_database, "NEWEST", "0009")
     open_and_close(url)
     assert execute(url, "SELECT version_num FROM alembic_version") == [("0009",)]
     assert execute(url, "SELECT id FROM more") == []

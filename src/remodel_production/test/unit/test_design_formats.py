@@ -6,14 +6,19 @@ from pathlib import Path
 
 import pytest
 
+from remodel_production.core.imports.assembly import Connection, Device, assemble
 from remodel_production.core.imports.formats import built_in_formats, format_of, import_design
-from remodel_production.core.imports.shared.assembly import Connection, Device, assemble
-from remodel_production.core.imports.shared.colours import colour_code
-from remodel_production.core.imports.shared.units import awg_mm2, length_m, number, section_mm2
-from remodel_production.core.imports.wire_lists.mapping import mapping_from
+from remodel_production.core.imports.values import (
+    awg_mm2,
+    colour_code,
+    length_m,
+    number,
+    section_mm2,
+)
+from remodel_production.core.imports.wire_list_mapping import mapping_from
 from remodel_production.core.imports.wireviz_parts import COLOUR_CODES, core_colours
 from remodel_production.core.production import Side, TerminalRef
-from remodel_production.edge.package_files import read_catalogue
+from remodel_production.edge.design_files import read_catalogue
 from remodel_production.errors import DesignError
 from remodel_states.core.wires.wire_colours import is_colour
 

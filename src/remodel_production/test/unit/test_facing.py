@@ -6,11 +6,10 @@ from pathlib import Path
 
 import pytest
 
-from remodel_production.core.board.board import board_of
+from remodel_production.core.board.board import board_of, length_findings
 from remodel_production.core.board.panel import panel_of
-from remodel_production.core.board.wire_lengths import length_findings
 from remodel_production.core.imports.wireviz import import_wireviz
-from remodel_production.edge.package_files import catalogue_file, read_catalogue
+from remodel_production.edge.design_files import catalogue_file, read_catalogue
 from remodel_states.core.cell import SPARE_M
 
 CATALOGUE = read_catalogue(catalogue_file())

@@ -5,16 +5,15 @@ import textwrap
 
 import pytest
 
+from remodel_production.core.imports.design_format import Asked
 from remodel_production.core.imports.formats import format_of, import_design
-from remodel_production.core.imports.shared.modules import Asked
-from remodel_production.edge.importer_plug_ins import design_formats
-from remodel_production.edge.package_files import catalogue_file, read_catalogue
+from remodel_production.edge.design_files import catalogue_file, design_formats, read_catalogue
 from remodel_production.errors import DesignError
 
 PLUG_IN = """
 from remodel_production.core.imports.design_format import DesignFormat
-from remodel_production.core.imports.shared.account import Account, Imported
-from remodel_production.core.imports.shared.assembly import Connection, Device, assemble
+from remodel_production.core.imports.values import Account, Imported
+from remodel_production.core.imports.assembly import Connection, Device, assemble
 from remodel_production.core.production import Order, TerminalRef
 
 def read(data, name, source, catalogue):

@@ -7,8 +7,8 @@ import pytest
 from wire_lists import CATALOGUE, MAPPINGS, read
 
 from remodel_production.core.catalogue import Place
+from remodel_production.core.imports.assembly import with_placement
 from remodel_production.core.imports.formats import built_in_formats, format_of, import_design
-from remodel_production.core.imports.placement import with_placement
 from remodel_production.core.production import Mount
 from remodel_production.errors import DesignError
 

@@ -23,8 +23,7 @@ from remodel_production.core.production import (
     TerminalRef,
     Wire,
 )
-from remodel_production.edge.database.database_versions import NEWEST
-from remodel_production.edge.database.production_database import ProductionDatabase
+from remodel_production.edge.database.production_database import NEWEST, ProductionDatabase
 from remodel_production.errors import OrderError
 
 ORDER = Order(

@@ -8,7 +8,7 @@ from lxml import etree
 
 from remodel_production.core.imports.qet import import_qet
 from remodel_production.core.production import Mount, Side, TerminalRef
-from remodel_production.edge.package_files import read_catalogue
+from remodel_production.edge.design_files import read_catalogue
 from remodel_production.errors import DesignError
 
 CATALOGUE = read_catalogue(Path(__file__).parents[2] / "config" / "catalogue.yaml")

@@ -5,11 +5,9 @@ from pathlib import Path
 
 import pytest
 
-from remodel_production.core.catalogue import TerminalRule
-from remodel_production.core.full_terminals import reasons_by_wire
-from remodel_production.core.imports.shared.account import Account, Imported
-from remodel_production.core.imports.shared.assembly import Connection, Device, assemble
-from remodel_production.core.imports.terminal_access import with_access
+from remodel_production.core.catalogue import TerminalRule, reasons_by_wire
+from remodel_production.core.imports.assembly import Connection, Device, assemble, with_access
+from remodel_production.core.imports.values import Account, Imported
 from remodel_production.core.production import (
     Component,
     Order,
@@ -18,7 +16,7 @@ from remodel_production.core.production import (
     Terminal,
     TerminalRef,
 )
-from remodel_production.edge.package_files import read_catalogue
+from remodel_production.edge.design_files import read_catalogue
 
 CATALOGUE = replace(
     read_catalogue(Path(__file__).parents[2] / "config" / "catalogue.yaml"),

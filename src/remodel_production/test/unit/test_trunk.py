@@ -12,7 +12,7 @@ from remodel_production.core.board.drawing import draw_board
 from remodel_production.core.board.panel import panel_of
 from remodel_production.core.imports.wireviz import import_wireviz
 from remodel_production.core.production import Role, TerminalRef
-from remodel_production.edge.package_files import catalogue_file, read_catalogue
+from remodel_production.edge.design_files import catalogue_file, read_catalogue
 
 CATALOGUE = read_catalogue(catalogue_file())
 RULES = CATALOGUE.formboard

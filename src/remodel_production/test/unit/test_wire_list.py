@@ -10,10 +10,10 @@ import pytest
 from openpyxl import Workbook
 from wire_lists import CATALOGUE, MAPPINGS, read, rows
 
-from remodel_production.core.imports.shared.spreadsheet import sheets_of
-from remodel_production.core.imports.wire_lists import table
-from remodel_production.core.imports.wire_lists.mapping import mapping_from
-from remodel_production.core.imports.wire_lists.wire_list import mapping_draft
+from remodel_production.core.imports import wire_list_table
+from remodel_production.core.imports.documents import sheets_of
+from remodel_production.core.imports.wire_list import mapping_draft
+from remodel_production.core.imports.wire_list_mapping import mapping_from
 from remodel_production.errors import DesignError
 
 DESIGNS = Path(__file__).parent / "designs"
@@ -356,8 +356,10 @@ HEADINGS = ["Wire", "From Device", "From Pin", "To Device", "To Pin", "Section m
 def test_a_workbook_is_unpacked_once_for_all_mappings(monkeypatch):
     data = workbook(Cover=[["Title"]], Wires=[HEADINGS, ["1", "K1", "1", "K2", "2", "1", "900"]])
     unpacked = []
-    monkeypatch.setattr(table, "sheets_of", lambda data: unpacked.append(1) or sheets_of(data))
-    assert table.has_headings(data, MAPPINGS)
+    monkeypatch.setattr(
+        wire_list_table, "sheets_of", lambda data: unpacked.append(1) or sheets_of(data)
+    )
+    assert wire_list_table.has_headings(data, MAPPINGS)
     assert len(MAPPINGS) > 1
     assert len(unpacked) == 1
 

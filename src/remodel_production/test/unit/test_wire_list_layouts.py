@@ -10,8 +10,8 @@ from openpyxl import Workbook
 from wire_lists import CATALOGUE, MAPPINGS, read, rows
 
 from remodel_production.core.imports.formats import built_in_formats, format_of
-from remodel_production.core.imports.wire_lists.mapping import mapping_from
-from remodel_production.core.imports.wire_lists.wire_list import mapping_draft
+from remodel_production.core.imports.wire_list import mapping_draft
+from remodel_production.core.imports.wire_list_mapping import mapping_from
 from remodel_production.core.production import Role
 from remodel_production.errors import DesignError
 

@@ -8,7 +8,7 @@ import pytest
 from remodel_production.core.imports.wireviz import import_wireviz, lines_of, prepended
 from remodel_production.core.imports.wireviz_parts import COLOUR_CODES, core_colours
 from remodel_production.core.production import Role
-from remodel_production.edge.package_files import read_catalogue
+from remodel_production.edge.design_files import read_catalogue
 from remodel_production.errors import DesignError
 
 CATALOGUE = read_catalogue(Path(__file__).parents[2] / "config" / "catalogue.yaml")

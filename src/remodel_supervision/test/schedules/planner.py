@@ -11,7 +11,7 @@ from flexbe_synthesizer.core.chart.model import Chart, Outcome, Param, State, Tr
 from remodel_production.core.board.board import board_of
 from remodel_production.core.board.panel import panel_of as board_panel
 from remodel_production.core.production import Component, Order, Side, Terminal, TerminalRef, Wire
-from remodel_production.edge.package_files import read_catalogue
+from remodel_production.edge.design_files import read_catalogue
 from remodel_states.testing.cell_ability import panel_from
 from remodel_states.testing.world import Panel
 from remodel_supervision.core.learning.experience import Experience

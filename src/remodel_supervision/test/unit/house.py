@@ -5,7 +5,7 @@ from pathlib import Path
 from remodel_production.core.board.board import board_of
 from remodel_production.core.production import Component, Order, Side, Terminal, TerminalRef, Wire
 from remodel_production.edge.database.cell_ownership import CellOwnership
-from remodel_production.edge.package_files import read_catalogue
+from remodel_production.edge.design_files import read_catalogue
 from remodel_tasks.core.orders.board_order import board_order
 
 HOUSE = Order(

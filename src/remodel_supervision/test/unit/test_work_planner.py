@@ -12,7 +12,7 @@ import pytest
 
 from remodel_production.core.board.board import board_of
 from remodel_production.core.production import Component, Order, Side, Terminal, TerminalRef, Wire
-from remodel_production.edge.package_files import catalogue_file, read_catalogue
+from remodel_production.edge.design_files import catalogue_file, read_catalogue
 from remodel_supervision.core.learning.experience import Call, Experience
 from remodel_supervision.core.runs.events import Decided, Part
 from remodel_supervision.edge import work_planner

@@ -13,7 +13,7 @@ from flexbe_synthesizer.core.check.check import check_chart
 from flexbe_synthesizer.edge.package_path import find_packages, read_library
 from remodel_production.core.board.board import board_of
 from remodel_production.core.imports.formats import built_in_formats, format_of, import_design
-from remodel_production.core.imports.wire_lists.mapping import mapping_from
+from remodel_production.core.imports.wire_list_mapping import mapping_from
 from remodel_production.core.production import (
     TWISTED,
     Cable,
@@ -28,7 +28,7 @@ from remodel_production.core.production import (
     Wire,
     sealed_kind,
 )
-from remodel_production.edge.package_files import read_catalogue
+from remodel_production.edge.design_files import read_catalogue
 from remodel_production.errors import InfeasibleError, InstanceError, OrderError
 from remodel_run.findings import ByHand
 from remodel_tasks.core.decomposition.preparation import prepare

@@ -13,11 +13,11 @@ from hypothesis import strategies as st
 
 from remodel_production.core.board.board import board_of
 from remodel_production.core.imports.formats import built_in_formats, format_of, import_design
-from remodel_production.core.imports.kbl_routes import ordered_route
-from remodel_production.core.imports.wire_lists.mapping import mapping_from
+from remodel_production.core.imports.kbl_parts import ordered_route
+from remodel_production.core.imports.wire_list_mapping import mapping_from
 from remodel_production.core.production import Segment, TerminalRef
 from remodel_production.edge.database.production_database import ProductionDatabase
-from remodel_production.edge.package_files import read_catalogue
+from remodel_production.edge.design_files import read_catalogue
 from remodel_production.errors import DesignError
 from remodel_tasks.core.decomposition.preparation import prepare
 from remodel_tasks.core.orders.board_order import board_order

@@ -10,9 +10,9 @@ from flexbe_synthesizer.core.chart import names
 from flexbe_synthesizer.core.chart.model import Chart
 from flexbe_synthesizer.core.chart.problem import ChartError, Problem, ProblemKind, errors_in
 from flexbe_synthesizer.core.check.check import CheckedChart, NestedBehaviors, check_chart
-from flexbe_synthesizer.core.library.manifest import Manifest
 from flexbe_synthesizer.core.library.resolve import ResolvedNode, scopes
 from flexbe_synthesizer.core.library.signature import BehaviorClass, Library, chart_behavior
+from flexbe_synthesizer.core.library.sources import Manifest
 from flexbe_synthesizer.core.machine.lower import lower
 from flexbe_synthesizer.core.machine.machine import BehaviorUse, Machine, walk
 

@@ -1,17 +1,19 @@
-"""Read regular files only, write several at once or none, and notice which have changed."""
+"""Read and write files safely, recorded runs among them; have Graphviz draw one."""
 
 from __future__ import annotations
 
 import errno
+import json
 import os
 import stat
+import subprocess
 import tempfile
 import time
 from collections.abc import Mapping
 from pathlib import Path
 from typing import NamedTuple
 
-from flexbe_synthesizer.errors import OutputError
+from flexbe_synthesizer.errors import DrawingError, OutputError
 
 _LARGEST = 64 * 2**20  # [bytes]; the code of a chart of 4 MiB takes less than a quarter of it
 
@@ -172,3 +174,69 @@ def _is_same(taken: tuple[str, Stamp | None]) -> bool:
     except OSError:
         return before is None
     return before == (status.st_mtime_ns, status.st_size, status.st_ino)
+
+
+FORMATS = (".svg", ".png")
+_TIMEOUT_S = 60.0  # a chart of a thousand states takes about ten seconds
+
+
+def dot_picture(dot: str, suffix: str) -> bytes:
+    """Return the picture of a DOT text in the format that a file suffix names.
+
+    Raises:
+        DrawingError: if the suffix is no format, or Graphviz fails.
+    """
+    if suffix not in FORMATS:
+        raise DrawingError(f"unknown suffix {suffix!r} of a picture; allowed: .svg, .png")
+    command = ["dot", f"-T{suffix[1:]}"]
+    if suffix == ".png":
+        command.append("-Gdpi=144")
+    try:
+        done = subprocess.run(
+            command, input=dot.encode(), capture_output=True, timeout=_TIMEOUT_S, check=True
+        )
+    except FileNotFoundError as error:
+        raise DrawingError(
+            "Graphviz is not installed; install it: apt-get install graphviz"
+        ) from error
+    except subprocess.CalledProcessError as error:
+        reason = error.stderr.decode(errors="replace").strip()
+        raise DrawingError(f"Graphviz failed: {reason}") from error
+    except subprocess.TimeoutExpired as error:
+        raise DrawingError(f"Graphviz took more than {_TIMEOUT_S:.0f} s") from error
+    return done.stdout
+
+
+def render_dot(dot: str, path: Path) -> None:
+    """Write the picture of a DOT text to a path, in the format that its suffix says.
+
+    Raises:
+        DrawingError: if the suffix is no format, Graphviz fails, or the file can't be written.
+    """
+    try:
+        write_all({path: dot_picture(dot, path.suffix)})
+    except (DrawingError, OutputError) as error:
+        raise DrawingError(f"{path} could not be drawn: {error}") from error
+
+
+def read_run(path: Path) -> tuple[tuple[str, str], ...]:
+    """Return (path of the state, outcome) of each step of a run.
+
+    Raises:
+        DrawingError: if the file is no such record.
+    """
+    try:
+        steps = json.loads(read_regular_text(path))
+        if not isinstance(steps, list):
+            raise ValueError("it is no list")
+        return tuple(map(_step, steps))
+    except (OSError, ValueError, RecursionError) as error:
+        raise DrawingError(
+            f'{path} is no record of a run, [["/Locate", "located"], ...]: {error}'
+        ) from error
+
+
+def _step(step: object) -> tuple[str, str]:
+    if isinstance(step, list) and len(step) == 2 and all(isinstance(part, str) for part in step):
+        return step[0], step[1]
+    raise ValueError(f"found {step!r} in it, not a path and an outcome")

@@ -11,7 +11,7 @@ from pathlib import Path
 from flexbe_synthesizer.core.chart import names
 from flexbe_synthesizer.core.chart.chart_reader import read_chart_name
 from flexbe_synthesizer.core.export.certificate import read_chart_place
-from flexbe_synthesizer.core.library.manifest import AUTHOR, read_manifest
+from flexbe_synthesizer.core.library.sources import AUTHOR, read_manifest
 from flexbe_synthesizer.core.machine.machine_reader import written_name
 from flexbe_synthesizer.edge.chart_files import read_chart_file
 from flexbe_synthesizer.edge.files import read_regular, read_regular_text

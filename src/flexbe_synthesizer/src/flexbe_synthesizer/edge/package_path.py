@@ -21,9 +21,13 @@ from xml.etree import ElementTree
 import yaml
 
 from flexbe_synthesizer.core.chart.error_routes import ListedCode, error_names, read_error_table
-from flexbe_synthesizer.core.library.manifest import Manifest, read_manifest
 from flexbe_synthesizer.core.library.signature import BehaviorClass, Library, StateClass, Unreadable
-from flexbe_synthesizer.core.library.sources import read_behavior_class, read_state_class
+from flexbe_synthesizer.core.library.sources import (
+    Manifest,
+    read_behavior_class,
+    read_manifest,
+    read_state_class,
+)
 from flexbe_synthesizer.edge.files import Stamp, Stamps, read_regular, read_regular_text
 
 if TYPE_CHECKING:

@@ -22,10 +22,10 @@ from flexbe_msgs.msg import (
 )
 
 from flexbe_core.ros.master import SteadyActionServer
-from flexbe_synthesizer.core.export.instantiate import Instantiation
+from flexbe_synthesizer.core.export.layout import Instantiation
 from flexbe_synthesizer.edge.chart_files import ChartMemory
 from flexbe_synthesizer.edge.package_path import find_packages
-from flexbe_synthesizer.request import (
+from flexbe_synthesizer.synthesis import (
     ErrorCode,
     Request,
     RequestError,

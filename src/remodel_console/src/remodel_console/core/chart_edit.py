@@ -8,7 +8,6 @@ from typing import TypeVar
 
 from flexbe_synthesizer.core.chart import names
 from flexbe_synthesizer.core.chart.error_routes import ROUTES_RULE, parse_routes
-from flexbe_synthesizer.core.chart.literal import as_declared, parse_literal
 from flexbe_synthesizer.core.chart.model import (
     AnyNode,
     Autonomy,
@@ -24,6 +23,8 @@ from flexbe_synthesizer.core.chart.model import (
     State,
     Transition,
     When,
+    as_declared,
+    parse_literal,
 )
 from flexbe_synthesizer.core.library.signature import is_type
 from remodel_console.core.editing import Path, container_at

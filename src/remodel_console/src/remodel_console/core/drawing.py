@@ -22,7 +22,7 @@ from flexbe_synthesizer.core.chart.model import (
     walk_nodes,
 )
 from flexbe_synthesizer.core.export.draw import is_failure_name
-from flexbe_synthesizer.core.machine.expanded_labels import RUN, TIMER
+from flexbe_synthesizer.core.machine.lower import RUN, TIMER
 from remodel_console.core.chart_edit import KIND_WORDS, feed_of
 from remodel_console.core.editing import Path
 from remodel_console.core.inspection import Inspection

@@ -11,6 +11,7 @@ from dataclasses import dataclass, replace
 
 from flexbe_synthesizer.core.chart import names
 from flexbe_synthesizer.core.chart.chart_reader import read_chart
+from flexbe_synthesizer.core.chart.chart_rewriter import RewriteError, rewrite_chart
 from flexbe_synthesizer.core.chart.chart_writer import write_chart
 from flexbe_synthesizer.core.chart.model import (
     AnyNode,
@@ -24,8 +25,7 @@ from flexbe_synthesizer.core.chart.model import (
     Transition,
 )
 from flexbe_synthesizer.core.chart.problem import ChartError, errors_in
-from flexbe_synthesizer.core.chart.xml_reader import decoded, encoded
-from flexbe_synthesizer.core.rewrite.chart_rewriter import RewriteError, rewrite_chart
+from flexbe_synthesizer.core.chart.xml_tree import decoded, encoded
 from remodel_console.errors import CommandError
 
 FINISHED = "finished"  # the outcome that success ends a behavior with, if it has it

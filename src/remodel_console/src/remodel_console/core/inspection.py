@@ -24,9 +24,9 @@ from flexbe_synthesizer.core.chart.problem import Problem, ProblemKind, Severity
 from flexbe_synthesizer.core.check.check import CheckedChart
 from flexbe_synthesizer.core.export.certificate import Certificate, ErrorEnd, certify
 from flexbe_synthesizer.core.export.draw import is_failure_name
+from flexbe_synthesizer.core.library.data_flow import Use
 from flexbe_synthesizer.core.library.resolve import ResolvedChart
 from flexbe_synthesizer.core.library.signature import Effect
-from flexbe_synthesizer.core.library.use import Use
 from remodel_console.core import chart_edit
 from remodel_console.core.chart_edit import with_input
 from remodel_console.core.editing import Path, change_at, container_at

@@ -7,7 +7,7 @@ from enum import Enum, IntEnum
 from typing import TypeAlias
 
 from flexbe_synthesizer.core.chart.names import FAILED
-from flexbe_synthesizer.core.machine.expanded_labels import OTHER
+from flexbe_synthesizer.core.machine.lower import OTHER
 from remodel_console.core.order import UNATTENDED
 from remodel_console.core.running_chart import FAILURES, ChartState, Structure, chart_state
 

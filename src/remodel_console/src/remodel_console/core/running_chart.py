@@ -14,13 +14,7 @@ from functools import cached_property
 
 from flexbe_synthesizer.core.chart.model import Chart, Container, State
 from flexbe_synthesizer.core.chart.names import EXHAUSTED, FAILED, TIMED_OUT
-from flexbe_synthesizer.core.machine.expanded_labels import (
-    OTHER,
-    RUN,
-    TIMER,
-    chooser_label,
-    counter_label,
-)
+from flexbe_synthesizer.core.machine.lower import OTHER, RUN, TIMER, chooser_label, counter_label
 from remodel_console.core.drawing import drawn_path, drawn_paths
 
 

@@ -6,9 +6,8 @@ import ast
 from collections.abc import Iterable, Iterator
 from dataclasses import replace
 
-from flexbe_synthesizer.core.chart.literal import freeze
-from flexbe_synthesizer.core.chart.model import Autonomy, Chart
-from flexbe_synthesizer.core.export.instantiate import WRITER, Instantiation
+from flexbe_synthesizer.core.chart.model import Autonomy, Chart, freeze
+from flexbe_synthesizer.core.export.layout import WRITER, Instantiation
 from flexbe_synthesizer.core.library.signature import BehaviorClass, Library, StateClass
 from flexbe_synthesizer.core.machine.lift import lift
 from flexbe_synthesizer.core.machine.machine import (

@@ -24,7 +24,7 @@ from flexbe_synthesizer.core.chart.chart_writer import write_chart
 from flexbe_synthesizer.core.chart.model import Chart, State, walk_nodes
 from flexbe_synthesizer.core.chart.names import behavior_file
 from flexbe_synthesizer.core.chart.problem import ChartError, errors_in
-from flexbe_synthesizer.core.chart.xml_reader import decoded
+from flexbe_synthesizer.core.chart.xml_tree import decoded
 from flexbe_synthesizer.core.library.resolve import scopes
 from flexbe_synthesizer.core.library.signature import BehaviorClass, Library, StateClass
 from flexbe_synthesizer.core.machine.lift import lift

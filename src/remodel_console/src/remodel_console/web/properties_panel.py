@@ -9,7 +9,6 @@ from functools import partial
 from nicegui import ui
 
 from flexbe_synthesizer.core.chart.error_routes import FAILED_EVENT, format_routes
-from flexbe_synthesizer.core.chart.literal import format_literal
 from flexbe_synthesizer.core.chart.model import (
     AnyNode,
     Autonomy,
@@ -19,6 +18,7 @@ from flexbe_synthesizer.core.chart.model import (
     ContainerKind,
     Input,
     State,
+    format_literal,
 )
 from remodel_console.core import chart_edit
 from remodel_console.core.chart_edit import (

@@ -7,7 +7,7 @@ from functools import partial
 
 from nicegui import run, ui
 
-from flexbe_synthesizer.core.chart.literal import Literal, format_literal
+from flexbe_synthesizer.core.chart.model import Literal, format_literal
 from remodel_console.core.order import (
     LEVELS,
     STEP,

@@ -20,20 +20,24 @@ from remodel_planner.commands.options.design_orders import (
 )
 from remodel_planner.commands.options.documents import add_json_option, print_json, triage_of
 from remodel_planner.commands.options.problem_files import build_of, built
-from remodel_production.core.board.board import board_of
+from remodel_production.core.board.board import board_of, cut_longer, length_findings
 from remodel_production.core.board.cabinet import laid_out
-from remodel_production.core.board.wire_lengths import cut_longer, length_findings
 from remodel_production.core.catalogue import Catalogue
-from remodel_production.core.imports.design_format import DesignFormat
+from remodel_production.core.imports.design_format import ALL, Asked, DesignFormat
 from remodel_production.core.imports.formats import WIRE_LIST, format_of, import_design
-from remodel_production.core.imports.shared.account import Imported
-from remodel_production.core.imports.shared.modules import ALL, Asked
-from remodel_production.core.imports.wire_lists.wire_list import mapping_draft
+from remodel_production.core.imports.values import Imported
+from remodel_production.core.imports.wire_list import mapping_draft
 from remodel_production.core.production import Order
 from remodel_production.edge.database.production_database import ProductionDatabase
-from remodel_production.edge.design_files import read_design, read_mappings, read_placement
-from remodel_production.edge.importer_plug_ins import design_formats
-from remodel_production.edge.package_files import catalogue_file, read_abilities, read_catalogue
+from remodel_production.edge.design_files import (
+    catalogue_file,
+    design_formats,
+    read_abilities,
+    read_catalogue,
+    read_design,
+    read_mappings,
+    read_placement,
+)
 from remodel_production.errors import DesignError, PlannerError, blamed
 from remodel_run import findings
 from remodel_run.whole_task import counted

@@ -13,7 +13,7 @@ from remodel_cable_tree.core.problem import CableTree
 from remodel_cable_tree.edge.cable_tree_kernel import Feasibility
 from remodel_cable_tree.edge.cable_tree_planner import contradiction, sequence
 from remodel_planner.commands.options.common import refuses, seconds, seed, stop_on_signals
-from remodel_production.edge.text_file import read_text
+from remodel_production.edge.design_files import read_text
 from remodel_production.errors import blamed
 from remodel_tasks.errors import KernelError
 

@@ -4,7 +4,7 @@ import json
 from pathlib import Path
 
 from remodel_planner.core.reports.run_report import Report, render_html, report_data
-from remodel_production.edge.package_files import package_folder
+from remodel_production.edge.design_files import package_folder
 from remodel_states.edge.exported_tables import read_abilities
 
 

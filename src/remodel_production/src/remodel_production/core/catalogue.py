@@ -1,24 +1,26 @@
-"""What design files leave unsaid: where elements are mounted, and what surrounds them.
+"""What designs leave unsaid: where elements are mounted, what surrounds them, full terminals.
 
 The values stand in config/catalogue.yaml; this is their form. What wires are like, a catalogue has
 from the table of wire materials, which the cell reads, too.
+
+A design joins any number of wires at a point, and the import gives each a clamp of its own; the
+catalogue says how many the terminals of a component really take. The wires beyond that need a
+bridge, a bar or another terminal, which a person chooses.
 """
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections import defaultdict
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from enum import Enum
 from fnmatch import fnmatchcase
 from typing import Any
 
-from remodel_production.core.production import Component, Mount, Role
+from remodel_production.core.production import Component, Mount, Order, Role, TerminalRef
 from remodel_production.errors import CatalogueError
-from remodel_states.core.wires.wire_materials import (
-    MaterialError,
-    WireMaterial,
-    WireMaterials,
-)
+from remodel_run.whole_task import counted
+from remodel_states.core.wires.wire_materials import MaterialError, WireMaterial, WireMaterials
 
 
 class Place(Enum):
@@ -382,3 +384,61 @@ def _cabinet(data: Mapping[str, Any]) -> CabinetRules:
 def _formboard(data: Mapping[str, Any]) -> FormboardRules:
     sizes = {"fork": ForkSize(**data["fork"]), "clip": ClipSize(**data["clip"])}
     return FormboardRules(**{**data, **sizes})
+
+
+@dataclass(frozen=True)
+class FullTerminal:
+    """A point of a component at which more wires meet than it takes.
+
+    Attributes:
+        takes: how many wires it takes.
+        wires: names of all that meet there.
+        beyond: names of those that it has no place for.
+    """
+
+    name: TerminalRef
+    takes: int
+    wires: tuple[str, ...]
+    beyond: tuple[str, ...]
+
+    @property
+    def reason(self) -> str:
+        """Why the wires beyond are by hand."""
+        takes = counted(self.takes, "wire")
+        return f"{self.name} takes {takes}, and has {len(self.wires)}: it needs a bridge or a bar"
+
+
+def full_terminals(order: Order, catalogue: Catalogue) -> Iterator[FullTerminal]:
+    """Yield the points at which more wires meet than the catalogue allows, but those of joints.
+
+    The wires of a point are counted in the order of its clamps.
+    """
+    wire_at = {end: wire.name for wire in order.wires for end in (wire.a, wire.b)}
+    for component in order.components:
+        if component.role is Role.JOINT:
+            continue
+        takes = catalogue.terminal_rule(component).wires
+        for point, ends in _points(component).items():
+            wires = tuple(wire_at[end] for end in ends if end in wire_at)
+            if len(wires) > takes:
+                yield FullTerminal(
+                    TerminalRef(component.name, point), takes, wires, beyond=wires[takes:]
+                )
+
+
+def reasons_by_wire(order: Order, catalogue: Catalogue) -> dict[str, str]:
+    """Return why the wires that some terminal has no place for are by hand, by their names."""
+    reasons: dict[str, list[str]] = defaultdict(list)
+    for full in full_terminals(order, catalogue):
+        for wire in full.beyond:
+            reasons[wire].append(full.reason)
+    return {wire: "; ".join(lines) for wire, lines in reasons.items()}
+
+
+def _points(component: Component) -> dict[str, list[TerminalRef]]:
+    """Return the clamps of each point of a component."""
+    points: dict[str, list[TerminalRef]] = defaultdict(list)
+    for terminal in component.terminals:
+        point = terminal.point or terminal.name
+        points[point].append(TerminalRef(component.name, terminal.name))
+    return points

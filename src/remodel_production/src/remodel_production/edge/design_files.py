@@ -1,15 +1,142 @@
-"""Design files on disk, the mappings of wire lists, and placements."""
+"""Design files, their mappings and placements, data of packages, and importers of others.
+
+A package adds a design format with an entry point of the group `remodel_production.importers`,
+which names a `DesignFormat`:
+
+    [project.entry-points."remodel_production.importers"]
+    panel_json = "panel_json:PANEL_JSON"
+"""
 
 from __future__ import annotations
 
+import contextlib
+import json
+import os
+from collections.abc import Callable, Sequence
+from dataclasses import replace
+from functools import cache
+from importlib.metadata import EntryPoint, entry_points
 from pathlib import Path
+from typing import TypeVar
 
-from remodel_production.core.catalogue import Catalogue
-from remodel_production.core.imports.placement import with_placement
-from remodel_production.core.imports.shared.text_encoding import decode
-from remodel_production.core.imports.wire_lists.mapping import WireListMapping, mapping_from
-from remodel_production.edge.package_files import wire_list_mappings
-from remodel_production.errors import DesignError, blamed
+import rospkg
+import yaml
+
+from remodel_production.core.catalogue import Catalogue, catalogue_from
+from remodel_production.core.imports.assembly import with_placement
+from remodel_production.core.imports.design_format import (
+    Asked,
+    DesignFile,
+    DesignFormat,
+    Join,
+    ReadModules,
+)
+from remodel_production.core.imports.documents import decode
+from remodel_production.core.imports.formats import built_in_formats
+from remodel_production.core.imports.values import Imported
+from remodel_production.core.imports.wire_list_mapping import WireListMapping, mapping_from
+from remodel_production.core.production import Ability, AbilityParameter
+from remodel_production.errors import (
+    CatalogueError,
+    DesignError,
+    InstanceError,
+    PlannerError,
+    blamed,
+)
+from remodel_states.core.table_error import TableError, schema_problems
+from remodel_states.core.wires.wire_materials import MaterialError
+from remodel_states.edge import exported_tables
+from remodel_states.edge.wire_material_file import read_wire_materials
+
+
+def read_text(file: Path) -> str:
+    """Return the text of a file.
+
+    Raises:
+        InstanceError: if it cannot be read as UTF-8.
+    """
+    try:
+        return file.read_text(encoding="utf-8")
+    except OSError as error:
+        raise InstanceError(f"cannot be read: {error.strerror}") from error
+    except UnicodeDecodeError as error:
+        raise InstanceError(f"is no UTF-8 text: {error.reason} at byte {error.start}") from error
+
+
+def write_text(file: Path, text: str) -> None:
+    """Write a text so that the file always holds the whole old one or the whole new one.
+
+    Raises:
+        InstanceError: if it cannot be written.
+    """
+    beside = file.with_name(f".{file.name}.{os.getpid()}")
+    try:
+        beside.write_text(text, encoding="utf-8")
+        beside.replace(file)
+    except OSError as error:
+        with contextlib.suppress(OSError):
+            beside.unlink()
+        raise InstanceError(f"{file} cannot be written: {error.strerror}") from error
+
+
+@cache  # of a process; finding packages takes longer than planning most problems
+def package_folder(package: str) -> Path:
+    """Return the folder of a package on the ROS package path."""
+    return Path(rospkg.RosPack().get_path(package))
+
+
+def catalogue_file() -> Path:
+    """Return the path of the catalogue."""
+    return package_folder("remodel_production") / "config/catalogue.yaml"
+
+
+def wire_list_mappings() -> list[Path]:
+    """Return the paths of the mappings of wire lists."""
+    return sorted((package_folder("remodel_production") / "config/wire_lists").glob("*.yaml"))
+
+
+def read_catalogue(path: Path) -> Catalogue:
+    """Return the catalogue in a file, with the wire materials that the cell has, too.
+
+    Raises:
+        CatalogueError: if the file is no YAML or not of the catalogue's form, with each problem, or
+            a table of wire materials cannot be read.
+    """
+    try:
+        data = yaml.load(path.read_text(encoding="utf-8"), Loader=yaml.CSafeLoader)
+    except (OSError, yaml.YAMLError) as error:
+        raise CatalogueError(f"{path}: {error}") from error
+    schema = package_folder("remodel_production") / "config/catalogue.schema.json"
+    problems = list(schema_problems(data, json.loads(schema.read_text(encoding="utf-8"))))
+    if problems:
+        raise CatalogueError(f"{path}: " + "\n  ".join(problems))
+    try:
+        materials = read_wire_materials()
+    except MaterialError as error:
+        raise CatalogueError(str(error)) from error
+    with blamed(path):
+        return catalogue_from(data, materials)
+
+
+def read_abilities() -> tuple[Ability, ...]:
+    """Return the abilities of the tables that packages export, by name.
+
+    Raises:
+        PlannerError: if a table cannot be read.
+    """
+    try:
+        rows = exported_tables.read_abilities()
+    except TableError as error:
+        raise PlannerError(str(error)) from error
+    return tuple(
+        Ability(
+            name,
+            row.action.title,
+            tuple(AbilityParameter(f.name, f.type, f.text) for f in row.action.goal),
+        )
+        for name, row in sorted(rows.items())
+    )
+
 
 # The largest example of QElectroTech has 3.5 MB, a vehicle's harness as KBL some 50 MB.
 _MOST_BYTES = 100_000_000
@@ -63,3 +190,103 @@ def _read_mapping(file: Path) -> WireListMapping:
         return mapping_from(decode(data)[0])
     except DesignError as error:
         raise DesignError(f"{file}: {error}") from error
+
+
+GROUP = "remodel_production.importers"
+
+_Result = TypeVar("_Result")
+
+
+def design_formats(mappings: Sequence[WireListMapping]) -> tuple[DesignFormat, ...]:
+    """Return the formats of this package, then those of plug-ins in the order of their names.
+
+    Args:
+        mappings: of the wire lists that are known.
+
+    Raises:
+        DesignError: naming the entry point that cannot be loaded, is no DesignFormat, or has the
+            name of another format.
+    """
+    formats = {form.name: form for form in built_in_formats(mappings)}
+    # One for each place: a package may be on Python's path twice.
+    found = {(point.name, point.value): point for point in entry_points(group=GROUP)}
+    for _, point in sorted(found.items()):
+        form = _load(point)
+        if form.name in formats:
+            raise DesignError(
+                f"{_where(point)}: there is a format {form.name!r} already: rename this one"
+            )
+        formats[form.name] = form
+    return tuple(formats.values())
+
+
+def _load(point: EntryPoint) -> DesignFormat:
+    """Return the format of an entry point, whose errors are reported with the plug-in's name."""
+    with blamed(_where(point)):
+        loaded: object = _guarded(point, point.load)
+    if not isinstance(loaded, DesignFormat):
+        raise DesignError(
+            f"{_where(point)}: {type(loaded).__name__} found; needed: a DesignFormat "
+            "(remodel_production.core.imports.design_format)"
+        )
+
+    def fits(file: DesignFile) -> bool:
+        return _guarded(point, lambda: loaded.fits(file))
+
+    def read(data: bytes, name: str, source: str, catalogue: Catalogue) -> Imported:
+        return _imported(point, lambda: loaded.read(data, name, source, catalogue))
+
+    return replace(
+        loaded,
+        fits=fits,
+        read=read,
+        read_modules=_modules_reader(point, loaded.read_modules),
+        join=_joiner(point, loaded.join),
+    )
+
+
+def _modules_reader(point: EntryPoint, read: ReadModules | None) -> ReadModules | None:
+    """Return what reads modules, whose errors are reported with the plug-in's name."""
+    if read is None:
+        return None
+
+    def read_modules(
+        data: bytes, name: str, source: str, catalogue: Catalogue, asked: Asked
+    ) -> Imported:
+        return _imported(point, lambda: read(data, name, source, catalogue, asked))
+
+    return read_modules
+
+
+def _joiner(point: EntryPoint, join: Join | None) -> Join | None:
+    """Return what joins files, whose errors are reported with the plug-in's name."""
+    if join is None:
+        return None
+    return lambda before, data: _guarded(point, lambda: join(before, data))
+
+
+def _imported(point: EntryPoint, call: Callable[[], object]) -> Imported:
+    imported = _guarded(point, call)
+    if not isinstance(imported, Imported):
+        raise DesignError(
+            f"{_where(point)}: its `read` returned {type(imported).__name__}; needed: an "
+            "Imported (remodel_production.core.imports.values)"
+        )
+    return imported
+
+
+def _guarded(point: EntryPoint, call: Callable[[], _Result]) -> _Result:
+    try:
+        return call()
+    except PlannerError:
+        raise
+    except Exception as error:
+        raise DesignError(
+            f"{_where(point)}: {type(error).__name__}: {error}; correct the plug-in, or uninstall "
+            "it"
+        ) from error
+
+
+def _where(point: EntryPoint) -> str:
+    package = f" of package {point.dist.name}" if point.dist else ""
+    return f"importer plug-in {point.name} = {point.value}{package}"

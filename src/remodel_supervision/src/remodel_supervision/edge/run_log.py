@@ -14,9 +14,11 @@ from sqlalchemy import bindparam, func, insert, select, text, update
 from sqlalchemy.engine import Connection
 
 from remodel_production.edge.database.cell_ownership import require_owner
-from remodel_production.edge.database.database_errors import record_lost
-from remodel_production.edge.database.packed import packed_json
-from remodel_production.edge.database.production_database import ProductionDatabase, order_row
+from remodel_production.edge.database.production_database import (
+    ProductionDatabase,
+    order_row,
+    record_lost,
+)
 from remodel_production.edge.database.production_models import (
     OrderRow,
     RunEventRow,
@@ -24,6 +26,7 @@ from remodel_production.edge.database.production_models import (
     RunSnapshotRow,
     TaskRow,
     WireRow,
+    packed_json,
 )
 from remodel_production.errors import OrderError, OwnerError, PlannerError
 from remodel_supervision.core.learning.experience import TriedResponse

@@ -14,9 +14,7 @@ from datetime import UTC, datetime
 from sqlalchemy import bindparam, insert, select, text
 from sqlalchemy.engine import Connection
 
-from remodel_production.edge.database.database_errors import record_lost
-from remodel_production.edge.database.packed import packed
-from remodel_production.edge.database.production_database import TASKS
+from remodel_production.edge.database.production_database import TASKS, record_lost
 from remodel_production.edge.database.production_models import (
     AbilityRecordRow,
     ChartRow,
@@ -26,6 +24,7 @@ from remodel_production.edge.database.production_models import (
     RunEventRow,
     RunRow,
     WireRow,
+    packed,
 )
 from remodel_supervision.core.runs.attempts import INTERRUPTED
 from remodel_supervision.core.runs.events import (

@@ -9,7 +9,7 @@ from itertools import chain
 
 from flexbe_synthesizer.core.chart.model import Chart
 from flexbe_synthesizer.synthesis import garbage_kept
-from remodel_production.edge.package_files import read_abilities
+from remodel_production.edge.design_files import read_abilities
 from remodel_supervision.core.learning.experience import Call, Experience, numbers_from
 from remodel_supervision.core.recovery.decide import (
     VIEW,

@@ -6,7 +6,7 @@ import json
 import os
 from pathlib import Path
 
-from remodel_production.edge.package_files import package_folder
+from remodel_production.edge.design_files import package_folder
 from remodel_production.errors import InstanceError
 from remodel_states.core.table_error import schema_problems
 from remodel_tasks.core.use_case.designs import DesignKind

@@ -15,13 +15,6 @@ from typing import TypeAlias, TypeVar
 from xml.etree.ElementTree import Element
 
 from flexbe_synthesizer.core.chart import names
-from flexbe_synthesizer.core.chart.element_reader import (
-    ElementReader,
-    Fields,
-    TooManyErrorsError,
-    shown,
-    split_name,
-)
 from flexbe_synthesizer.core.chart.error_routes import ROUTES_RULE, parse_routes
 from flexbe_synthesizer.core.chart.grammar import (
     CONDITION,
@@ -32,9 +25,13 @@ from flexbe_synthesizer.core.chart.grammar import (
     STATEMACHINE,
     TRANSITION,
     WHEN,
+    ElementReader,
+    Fields,
     Shape,
+    TooManyErrorsError,
+    shown,
+    split_name,
 )
-from flexbe_synthesizer.core.chart.literal import as_declared, parse_literal
 from flexbe_synthesizer.core.chart.model import (
     AnyNode,
     Autonomy,
@@ -53,6 +50,8 @@ from flexbe_synthesizer.core.chart.model import (
     State,
     Transition,
     When,
+    as_declared,
+    parse_literal,
 )
 from flexbe_synthesizer.core.chart.problem import (
     ChartError,
@@ -61,8 +60,7 @@ from flexbe_synthesizer.core.chart.problem import (
     ProblemKind,
     errors_in,
 )
-from flexbe_synthesizer.core.chart.xml_reader import as_utf8, read_root
-from flexbe_synthesizer.core.chart.xml_tree import XmlTree
+from flexbe_synthesizer.core.chart.xml_tree import XmlTree, as_utf8, read_root
 
 DEEPEST = 16  # containers inside each other; who needs more has lost the overview of the chart
 _NODES = {"state": "state", "behavior": "behavior"} | {

@@ -9,7 +9,6 @@ from xml.etree.ElementTree import Element as XmlElement
 
 from flexbe_synthesizer.core.chart.error_routes import format_routes
 from flexbe_synthesizer.core.chart.grammar import EXTENSION
-from flexbe_synthesizer.core.chart.literal import format_literal
 from flexbe_synthesizer.core.chart.model import (
     AnyNode,
     Chart,
@@ -24,6 +23,7 @@ from flexbe_synthesizer.core.chart.model import (
     Point,
     State,
     Transition,
+    format_literal,
 )
 
 _ESCAPED = {"&": "&amp;", "<": "&lt;", ">": "&gt;", "\n": "&#10;", "\t": "&#9;", "\r": "&#13;"}

@@ -1,4 +1,9 @@
-"""Read XML fast, and find out where something stands only when that is asked.
+"""Read XML into elements: fast, or with the line and column of each when something is wrong.
+
+The standard library's expat is used, since lxml knows no columns and no places of attributes.
+Namespaces are resolved here rather than by expat, so that an undeclared prefix, or an attribute
+that stands twice, is one problem among others and does not hide the rest of the file. Document
+types are refused, and with them entity bombs, external entities and default attributes.
 
 `xml.etree` builds its tree in C and knows no places; `xml_reader` knows every place and takes ten
 times as long. Both are expat underneath, so they agree on what is well-formed. What is not, or has
@@ -8,23 +13,370 @@ The first place that is asked for costs a pass that finds where each tag begins.
 
 from __future__ import annotations
 
+import codecs
+import contextlib
 import re
 from bisect import bisect_right
 from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, field
 from functools import cached_property
 from xml.etree.ElementTree import Element, ParseError, TreeBuilder, XMLParser
 from xml.parsers import expat
 
-from flexbe_synthesizer.core.chart.problem import Position, Problem
-from flexbe_synthesizer.core.chart.xml_reader import (
-    ATTRIBUTE,
-    TAG_NAME,
-    Document,
-    XmlElement,
-    as_utf8,
-    read_description,
-    read_utf8,
-)
+from flexbe_synthesizer.core.chart.problem import ChartError, Position, Problem, ProblemKind
+
+XML_NAMESPACE = "http://www.w3.org/XML/1998/namespace"
+_MOST_DUPLICATES = 100  # each costs a pass over the file; this many are enough to begin with
+_ENCODINGS = {"utf-8", "us-ascii", "ascii", "iso-8859-1", "latin-1", "windows-1252"}
+_DECLARATION = re.compile(rb"""<\?xml\s[^>]*?encoding\s*=\s*["']([\w.:-]+)""")
+TAG_NAME = re.compile(rb"<[^\s/>]+")
+ATTRIBUTE = re.compile(rb"""\s*([^\s=/>]+)\s*=\s*("[^"]*"|'[^']*')""")
+
+
+@dataclass(frozen=True)
+class XmlAttribute:
+    """An attribute and where its name stands; `namespace` is empty for one without prefix."""
+
+    namespace: str
+    name: str
+    value: str
+    position: Position
+
+
+@dataclass(frozen=True)
+class XmlElement:
+    """An element, what is in it, and where it stands.
+
+    Attributes:
+        text: where the first text stands that is not blank.
+    """
+
+    namespace: str
+    name: str
+    position: Position
+    attributes: tuple[XmlAttribute, ...]
+    children: tuple[XmlElement, ...]
+    text: Position | None
+
+
+@dataclass(frozen=True)
+class Document:
+    """The root element, and what was wrong without being fatal."""
+
+    root: XmlElement
+    problems: tuple[Problem, ...]
+
+
+def read_utf8(data: bytes, file: str) -> Document:
+    """Return the document that `as_utf8` gave the bytes of.
+
+    Raises:
+        ChartError: if it is not well-formed XML, or has a DOCTYPE.
+    """
+    duplicates: list[Problem] = []
+    while len(duplicates) < _MOST_DUPLICATES:
+        try:
+            document = _Reading(data, file).document()
+        except _DuplicateAttributeError as found:
+            duplicates.append(found.problem)
+            data = found.mended
+        except ChartError as error:
+            raise ChartError((*duplicates, *error.problems)) from error
+        else:
+            return Document(document.root, (*duplicates, *document.problems))
+    raise ChartError(duplicates)
+
+
+def read_description(data: bytes) -> str:
+    """Return the first comment in the root before any element, else the last before the root.
+
+    Args:
+        data: a document in UTF-8; it is read as far as its second element.
+    """
+    elements: list[str] = []
+    before, inside = [""], list[str]()
+
+    def start(name: str, _attributes: object) -> None:
+        elements.append(name)
+        if len(elements) > 1:
+            raise _HeadReadError
+
+    def end(_name: str) -> None:
+        raise _HeadReadError
+
+    parser = expat.ParserCreate(encoding="utf-8")
+    parser.StartElementHandler = start
+    parser.EndElementHandler = end
+    parser.CommentHandler = lambda text: (inside if elements else before).append(text)
+    with contextlib.suppress(_HeadReadError, expat.ExpatError):
+        parser.Parse(data, True)
+    return (*inside, before[-1])[0]
+
+
+def read_root(data: bytes) -> tuple[str, dict[str, str]]:
+    """Return name and attributes of the outermost element as they are spelled; "" if there is none.
+
+    Args:
+        data: a document in UTF-8; it is read as far as this element.
+    """
+    found: list[tuple[str, dict[str, str]]] = []
+
+    def start(name: str, attributes: dict[str, str]) -> None:
+        found.append((name, attributes))
+        raise _HeadReadError
+
+    def refuse(*_declaration: object) -> None:
+        raise _HeadReadError
+
+    parser = expat.ParserCreate(encoding="utf-8")
+    parser.StartElementHandler = start
+    parser.StartDoctypeDeclHandler = refuse
+    with contextlib.suppress(_HeadReadError, expat.ExpatError):
+        parser.Parse(data, True)
+    return found[0] if found else ("", {})
+
+
+class _HeadReadError(Exception):
+    """The head of a document has been read, and the rest is not wanted."""
+
+
+def as_utf8(source: str | bytes, file: str) -> bytes:
+    """Return the source in UTF-8, whatever its byte order mark or declaration says it is in.
+
+    Half characters of a text stay in it for expat to find.
+
+    Raises:
+        ChartError: if the encoding is not known, or not that of the bytes.
+    """
+    return _without_nul(source if isinstance(source, str) else decoded(source, file), file)
+
+
+def decoded(source: bytes, file: str) -> str:
+    """Return the text of a source, whatever its byte order mark or declaration says it is in.
+
+    Raises:
+        ChartError: if the encoding is not known, or not that of the bytes.
+    """
+    encoding = _encoding(source, file)
+    try:
+        return source.decode(encoding)
+    except UnicodeDecodeError as error:
+        before = source[: error.start]
+        line = before.count(b"\n") + 1
+        column = len(before[before.rfind(b"\n") + 1 :].decode(encoding, "replace")) + 1
+        expected = encoding.removesuffix("-sig")
+        message = f"byte {source[error.start]:#04x} is not {expected}; save the file as UTF-8."
+        raise ChartError(
+            [Problem(Position(file, line, column), ProblemKind.NOT_XML, message)]
+        ) from error
+
+
+def encoded(text: str, file: str, like: bytes) -> bytes:
+    """Return a text as a file in its place is encoded, characters that cannot be as references.
+
+    Args:
+        text: what `decoded` reads from the bytes that are returned.
+        file: path of the file, for messages.
+        like: the bytes that were there before; empty if there were none.
+
+    Raises:
+        ChartError: if the text declares an encoding that is not known.
+    """
+    marks = {codecs.BOM_UTF16_LE: "utf-16-le", codecs.BOM_UTF16_BE: "utf-16-be"}
+    if like[:2] in marks:
+        return like[:2] + text.encode(marks[like[:2]])
+    if b"\0" in like[:2]:
+        return text.encode(_encoding(like, file))
+    is_marked = like.startswith(codecs.BOM_UTF8)
+    encoding = "utf-8" if is_marked else _encoding(text.encode(), file).removesuffix("-sig")
+    mark = codecs.BOM_UTF8 if is_marked else b""
+    return mark + text.encode(encoding, "xmlcharrefreplace")
+
+
+def _encoding(data: bytes, file: str) -> str:
+    """Return the encoding by the byte order mark, the first letter or the declaration."""
+    if data.startswith((b"\xff\xfe", b"\xfe\xff")):
+        return "utf-16"
+    if data.startswith((b"<\0", b"\0<")):
+        return "utf-16-le" if data.startswith(b"<") else "utf-16-be"
+    declared = _DECLARATION.match(data)
+    if declared is None:
+        return "utf-8-sig"
+    name = declared[1].decode().lower()
+    if name not in _ENCODINGS:
+        message = f"the file says that it is in {name!r}, which is not read here; save it as UTF-8."
+        raise ChartError([Problem(Position(file, 1, 1), ProblemKind.NOT_XML, message)])
+    return name
+
+
+def _without_nul(text: str, file: str) -> bytes:
+    """Return the text in UTF-8; expat would take one with NUL characters for UTF-16."""
+    before, nul, _after = text.partition("\0")
+    if nul:
+        line, column = before.count("\n") + 1, len(before) - before.rfind("\n")
+        message = "a NUL character, which no XML file holds; save the file as UTF-8."
+        raise ChartError([Problem(Position(file, line, column), ProblemKind.NOT_XML, message)])
+    return text.encode("utf-8", "surrogatepass")
+
+
+class _DuplicateAttributeError(Exception):
+    """An attribute stands twice; `mended` is the source with the second one blanked out."""
+
+    def __init__(self, problem: Problem, mended: bytes) -> None:
+        super().__init__(str(problem))
+        self.problem = problem
+        self.mended = mended
+
+
+@dataclass
+class _Open:
+    """An element whose end has not been read yet."""
+
+    name: str
+    position: Position
+    prefixes: list[str]
+    attributes: list[XmlAttribute] = field(default_factory=list)
+    children: list[XmlElement] = field(default_factory=list)
+    text: Position | None = None
+
+
+class _Reading:
+    """One pass of expat over a source in UTF-8."""
+
+    def __init__(self, data: bytes, file: str) -> None:
+        self._data = data
+        self._file = file
+        self._problems: list[Problem] = []
+        self._open: list[_Open] = []
+        self._namespaces: dict[str, list[str]] = {"xml": [XML_NAMESPACE]}
+        self._root: XmlElement | None = None
+        self._parser = expat.ParserCreate(encoding="utf-8")
+        self._parser.ordered_attributes = True
+        self._parser.StartElementHandler = self._start
+        self._parser.EndElementHandler = self._end
+        self._parser.CharacterDataHandler = self._take_text
+        self._parser.StartDoctypeDeclHandler = self._refuse_doctype
+
+    def document(self) -> Document:
+        try:
+            self._parser.Parse(self._data, True)
+        except expat.ExpatError as error:
+            raise self._explain(error) from error
+        if self._root is None:
+            raise AssertionError("expat accepted a document without an element")
+        return Document(self._root, tuple(self._problems))
+
+    def _here(self) -> Position:
+        line, column = self._parser.CurrentLineNumber, self._parser.CurrentColumnNumber
+        return Position(self._file, line, column + 1)
+
+    def _start(self, name: str, pairs: list[str]) -> None:
+        here = self._here()
+        places = dict(self._attribute_places(here))
+        values = dict(zip(pairs[::2], pairs[1::2], strict=True))
+        element = _Open(name, here, [])
+        self._open.append(element)
+        for raw, value in values.items():
+            if raw == "xmlns" or raw.startswith("xmlns:"):
+                prefix = raw.partition(":")[2]
+                self._namespaces.setdefault(prefix, []).append(value)
+                element.prefixes.append(prefix)
+        for raw, value in values.items():
+            if raw == "xmlns" or raw.startswith("xmlns:"):
+                continue
+            prefix, _, local = raw.rpartition(":")
+            namespace = self._resolve(prefix, places[raw]) if prefix else ""
+            if namespace is not None:
+                element.attributes.append(XmlAttribute(namespace, local, value, places[raw]))
+
+    def _resolve(self, prefix: str, position: Position) -> str | None:
+        """Return the namespace of a prefix; report it and return None if nothing declares it."""
+        namespace = self._namespace(prefix)
+        if namespace is None:
+            message = (
+                f"the prefix '{prefix}' is not declared; write "
+                f'xmlns:{prefix}="..." in the root element.'
+            )
+            self._problems.append(Problem(position, ProblemKind.UNBOUND_PREFIX, message))
+        return namespace
+
+    def _namespace(self, prefix: str) -> str | None:
+        """Return what a prefix stands for in the element that is open; None: nothing."""
+        declared = self._namespaces.get(prefix)
+        return declared[-1] if declared else None
+
+    def _attribute_places(self, here: Position) -> Iterator[tuple[str, Position]]:
+        """Yield name and position of each attribute of the tag that expat stands at."""
+        start = self._parser.CurrentByteIndex
+        name = TAG_NAME.match(self._data, start)
+        at = name.end() if name else start
+        line, column, counted = here.line, here.column, start
+        while (found := ATTRIBUTE.match(self._data, at)) is not None:
+            between = self._data[counted : found.start(1)].decode()
+            lines = between.count("\n")
+            column = len(between) - between.rfind("\n") if lines else column + len(between)
+            line, counted = line + lines, found.start(1)
+            yield found[1].decode(), Position(self._file, line, column)
+            at = found.end()
+
+    def _end(self, _name: str) -> None:
+        done = self._open.pop()
+        prefix, _, local = done.name.rpartition(":")
+        namespace = self._namespace(prefix)
+        for declared in done.prefixes:
+            self._namespaces[declared].pop()
+        if namespace is None and prefix:
+            message = f"the prefix '{prefix}' of <{done.name}> is not declared."
+            self._problems.append(Problem(done.position, ProblemKind.UNBOUND_PREFIX, message))
+        element = XmlElement(
+            namespace or "",
+            local,
+            position=done.position,
+            attributes=tuple(done.attributes),
+            children=tuple(done.children),
+            text=done.text,
+        )
+        if self._open:
+            self._open[-1].children.append(element)
+        else:
+            self._root = element
+
+    def _take_text(self, text: str) -> None:
+        if self._open[-1].text is None and text.strip():
+            file, line, column = self._here()
+            blanks = len(text) - len(text.lstrip())
+            self._open[-1].text = Position(file, line, column + blanks)
+
+    def _refuse_doctype(self, *_declaration: object) -> None:
+        message = "a chart has no document type and no entities; delete the <!DOCTYPE ...>."
+        start = self._data.rfind(b"<!DOCTYPE", 0, self._parser.CurrentByteIndex + 1)
+        before = self._data[: max(start, 0)].decode()
+        line, column = before.count("\n") + 1, len(before) - before.rfind("\n")
+        raise ChartError(
+            [Problem(Position(self._file, line, column), ProblemKind.DOCTYPE, message)]
+        )
+
+    def _explain(self, error: expat.ExpatError) -> Exception:
+        """Return what to raise for a fault that expat found."""
+        position = Position(self._file, error.lineno, error.offset + 1)
+        at = self._parser.ErrorByteIndex
+        if error.code == expat.errors.codes[expat.errors.XML_ERROR_DUPLICATE_ATTRIBUTE]:
+            found = ATTRIBUTE.match(self._data, at)
+            if found is not None:
+                name = found[1].decode()
+                message = f"the attribute '{name}' stands twice in this element; delete one."
+                blanked = re.sub(rb"[^\r\n]", b" ", found[0])
+                mended = self._data[:at] + blanked + self._data[found.end() :]
+                problem = Problem(position, ProblemKind.DUPLICATE_ATTRIBUTE, message)
+                return _DuplicateAttributeError(problem, mended)
+        message = f"not well-formed XML: {expat.ErrorString(error.code)}."
+        if not self._data.strip():
+            message = "the file is empty; a chart is one <statemachine> element."
+        elif self._open:
+            innermost = self._open[-1]
+            message += f" <{innermost.name}> of line {innermost.position.line} is open here."
+        return ChartError([Problem(position, ProblemKind.NOT_XML, message)])
+
 
 _LINE_END = re.compile(rb"\r\n?|\n")
 # Between tags, or in a comment or a text, none of which changes the elements and what is in them.

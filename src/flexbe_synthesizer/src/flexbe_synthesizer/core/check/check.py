@@ -8,16 +8,20 @@ from dataclasses import dataclass
 from flexbe_synthesizer.core.chart.model import Behavior, Chart, State, walk_nodes
 from flexbe_synthesizer.core.chart.names import is_topic_parameter
 from flexbe_synthesizer.core.chart.problem import Problem, ProblemList
-from flexbe_synthesizer.core.check.check_connections import check_connections
+from flexbe_synthesizer.core.check.check_connections import (
+    check_connections,
+    check_defaults,
+    check_parameters,
+)
 from flexbe_synthesizer.core.check.check_data_flow import check_data_flow, check_homes
-from flexbe_synthesizer.core.check.check_extensions import check_extensions, check_priorities
 from flexbe_synthesizer.core.check.check_names import (
+    check_extensions,
     check_names,
     check_node_names,
     check_paths,
+    check_priorities,
     check_use,
 )
-from flexbe_synthesizer.core.check.check_parameters import check_defaults, check_parameters
 from flexbe_synthesizer.core.check.check_transitions import (
     check_conditions,
     check_events,

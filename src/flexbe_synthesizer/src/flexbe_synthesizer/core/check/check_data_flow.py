@@ -13,11 +13,10 @@ from typing import NamedTuple
 from flexbe_synthesizer.core.chart.model import Connection, State
 from flexbe_synthesizer.core.chart.names import ERROR_CODE
 from flexbe_synthesizer.core.chart.problem import Problem, ProblemKind
-from flexbe_synthesizer.core.library.data_flow import DataFlow
+from flexbe_synthesizer.core.library.data_flow import DataFlow, label
 from flexbe_synthesizer.core.library.definite_assignment import Values
 from flexbe_synthesizer.core.library.graph import Edge, path_text, shortest_path
 from flexbe_synthesizer.core.library.resolve import ResolvedChart, ResolvedNode
-from flexbe_synthesizer.core.library.use import label
 
 _MOST_PATHS = 50  # problems of a chart that are reported with their path; each is a search
 _MOST_WRITERS = 12  # named in a message

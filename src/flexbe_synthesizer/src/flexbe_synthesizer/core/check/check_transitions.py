@@ -9,9 +9,9 @@ from flexbe_synthesizer.core.chart import names
 from flexbe_synthesizer.core.chart.model import Transition, When
 from flexbe_synthesizer.core.chart.names import EXHAUSTED, TIMED_OUT
 from flexbe_synthesizer.core.chart.problem import Problem, ProblemKind
+from flexbe_synthesizer.core.library.data_flow import label
 from flexbe_synthesizer.core.library.graph import Graph, path_text, reachable, shortest_path
 from flexbe_synthesizer.core.library.resolve import ResolvedChart, ResolvedNode
-from flexbe_synthesizer.core.library.use import label
 
 # Each event of each state has exactly one transition, to something that exists
 

@@ -13,9 +13,8 @@ from dataclasses import dataclass
 from typing import TypeAlias
 
 from flexbe_synthesizer.core.chart.error_routes import codes_of_routes, format_codes, is_named
-from flexbe_synthesizer.core.chart.model import ErrorRoute
+from flexbe_synthesizer.core.chart.model import ErrorRoute, quick
 from flexbe_synthesizer.core.chart.names import EXHAUSTED, FAILED
-from flexbe_synthesizer.core.chart.quick import quick
 from flexbe_synthesizer.core.check.check import CheckedChart, NestedBehaviors
 from flexbe_synthesizer.core.library.definite_assignment import Steps
 from flexbe_synthesizer.core.library.graph import Graph

@@ -13,10 +13,9 @@ from operator import attrgetter, itemgetter
 from typing import TYPE_CHECKING
 
 from flexbe_synthesizer.core.chart import names
-from flexbe_synthesizer.core.chart.literal import quote
-from flexbe_synthesizer.core.chart.model import Autonomy
+from flexbe_synthesizer.core.chart.model import Autonomy, quote
 from flexbe_synthesizer.core.export.layout import Layout, Point
-from flexbe_synthesizer.core.library.manifest import AUTHOR, DATE
+from flexbe_synthesizer.core.library.sources import AUTHOR, DATE
 from flexbe_synthesizer.core.machine.machine import (
     BehaviorUse,
     Child,

@@ -16,10 +16,9 @@ from operator import and_, or_
 
 from flexbe_synthesizer.core.chart.model import State
 from flexbe_synthesizer.core.chart.names import EXHAUSTED
-from flexbe_synthesizer.core.library.data_flow import DataFlow
+from flexbe_synthesizer.core.library.data_flow import DataFlow, Scope
 from flexbe_synthesizer.core.library.graph import Edge, Graph, condition_edges
 from flexbe_synthesizer.core.library.signature import Effect
-from flexbe_synthesizer.core.library.use import Scope
 
 
 class Values:

@@ -12,7 +12,7 @@ from typing import NamedTuple
 from flexbe_synthesizer.core.chart import names
 from flexbe_synthesizer.core.chart.model import AnyNode, Chart, Condition
 from flexbe_synthesizer.core.chart.names import EXHAUSTED, FAILED
-from flexbe_synthesizer.core.library.use import Scope
+from flexbe_synthesizer.core.library.data_flow import Scope
 
 _STEPS_SHOWN = 10  # of a path, at its beginning and at its end
 

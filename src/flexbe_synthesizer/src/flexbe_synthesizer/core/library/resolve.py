@@ -9,7 +9,6 @@ from functools import cached_property
 from typing import TypeVar
 
 from flexbe_synthesizer.core.chart import names
-from flexbe_synthesizer.core.chart.literal import Literal, as_declared
 from flexbe_synthesizer.core.chart.model import (
     AnyNode,
     Behavior,
@@ -17,14 +16,24 @@ from flexbe_synthesizer.core.chart.model import (
     Container,
     ContainerKind,
     Input,
+    Literal,
     Node,
     Output,
     State,
+    as_declared,
+    quick,
 )
 from flexbe_synthesizer.core.chart.names import EXHAUSTED, PREEMPTED, TIMED_OUT
 from flexbe_synthesizer.core.chart.problem import Problem, ProblemKind
-from flexbe_synthesizer.core.chart.quick import quick
-from flexbe_synthesizer.core.library.data_flow import DataFlow, bind_data
+from flexbe_synthesizer.core.library.data_flow import (
+    DataFlow,
+    Scope,
+    Support,
+    Use,
+    UsedNode,
+    arguments,
+    bind_data,
+)
 from flexbe_synthesizer.core.library.definite_assignment import Values, outcome_effects
 from flexbe_synthesizer.core.library.graph import Graph, chart_graph, looping_nodes
 from flexbe_synthesizer.core.library.signature import (
@@ -38,7 +47,6 @@ from flexbe_synthesizer.core.library.signature import (
     behavior_signature,
     state_signature,
 )
-from flexbe_synthesizer.core.library.use import Scope, Support, Use, UsedNode, arguments
 
 
 @quick

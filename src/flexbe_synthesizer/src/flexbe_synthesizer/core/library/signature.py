@@ -8,8 +8,7 @@ from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import NamedTuple
 
-from flexbe_synthesizer.core.chart.literal import Literal
-from flexbe_synthesizer.core.chart.model import Chart
+from flexbe_synthesizer.core.chart.model import Chart, Literal
 from flexbe_synthesizer.core.chart.names import PREEMPTED, behavior_class, behavior_module
 
 TYPES = ("bool", "int", "float", "string", "list", "dict")

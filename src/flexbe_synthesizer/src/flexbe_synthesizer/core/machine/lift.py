@@ -29,7 +29,7 @@ from flexbe_synthesizer.core.chart.model import (
     When,
 )
 from flexbe_synthesizer.core.library.signature import Signature, state_signature
-from flexbe_synthesizer.core.machine.expanded_labels import chooser_label, counter_label
+from flexbe_synthesizer.core.machine.lower import chooser_label, counter_label
 from flexbe_synthesizer.core.machine.machine import (
     PREDICATES,
     BehaviorUse,

@@ -8,9 +8,7 @@ from dataclasses import dataclass
 from enum import Enum
 from typing import NamedTuple, TypeAlias
 
-from flexbe_synthesizer.core.chart.literal import Literal, python_literal, quote
-from flexbe_synthesizer.core.chart.model import Autonomy
-from flexbe_synthesizer.core.chart.quick import quick
+from flexbe_synthesizer.core.chart.model import Autonomy, Literal, python_literal, quick, quote
 from flexbe_synthesizer.core.library.signature import BehaviorClass, StateClass
 
 

@@ -10,10 +10,9 @@ import ast
 import re
 from collections.abc import Iterator, Mapping
 
-from flexbe_synthesizer.core.chart.literal import freeze
-from flexbe_synthesizer.core.chart.model import Autonomy
-from flexbe_synthesizer.core.library.manifest import AUTHOR
+from flexbe_synthesizer.core.chart.model import Autonomy, freeze
 from flexbe_synthesizer.core.library.signature import BehaviorClass, Library, StateClass
+from flexbe_synthesizer.core.library.sources import AUTHOR
 from flexbe_synthesizer.core.machine.machine import (
     BehaviorUse,
     Child,

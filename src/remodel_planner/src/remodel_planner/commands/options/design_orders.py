@@ -67,7 +67,7 @@ def design_order(stored: Order, options: argparse.Namespace) -> DesignOrder:
     # They take longer to load than most problems to plan, and the commands of files need none.
     from remodel_production.core.board.board import board_of
     from remodel_production.core.board.panel import panel_of
-    from remodel_production.edge.package_files import catalogue_file, read_catalogue
+    from remodel_production.edge.design_files import catalogue_file, read_catalogue
     from remodel_tasks.core.decomposition.cell_fit import fitted
     from remodel_tasks.core.orders.board_order import board_order, kind_of
     from remodel_tasks.edge.cell_takes import cell_takes

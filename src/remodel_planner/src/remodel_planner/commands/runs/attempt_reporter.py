@@ -6,7 +6,7 @@ from pathlib import Path
 
 from flexbe_synthesizer.core.chart.chart_reader import parse_chart
 from flexbe_synthesizer.core.export.draw import chart_to_dot
-from flexbe_synthesizer.edge.graphviz import dot_picture
+from flexbe_synthesizer.edge.files import dot_picture
 from remodel_planner.core.reports.run_report import AttemptReport, Drawing, Picture, attempt_result
 from remodel_production.core.production import Wire
 from remodel_supervision.core.run import Operation

@@ -15,7 +15,7 @@ from remodel_production.core.board.board import Board, board_of
 from remodel_production.core.board.panel import panel_of
 from remodel_production.core.catalogue import Catalogue
 from remodel_production.core.production import Order
-from remodel_production.edge.package_files import catalogue_file, read_catalogue
+from remodel_production.edge.design_files import catalogue_file, read_catalogue
 from remodel_production.errors import PlannerError
 from remodel_run.progress import Count
 from remodel_run.rehearsal import Rehearsal

@@ -1,4 +1,8 @@
-"""Where connectors stand that face each other in two rows, so that their wires' lengths fit.
+r"""Where connectors stand: at the end of a bundle, or facing each other so that wires fit.
+
+┌──┐ 1                 Seen from its wires, each row has its first connector on the left, and
+│X1│ 2 ──\   /── ┌──┐  so has each connector its first cavity. So wires between equal cavities
+└──┘ 3 ──  \ /   │X2│  of two rows that face each other meet halfway.
 
 A wire that is let down into forks is a little longer than the line between its openings
 (`SPARE_M`). So the lengths are distances between the connectors, and placing these is
@@ -23,10 +27,71 @@ from collections import defaultdict
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 
-from remodel_production.core.board.connector_rows import row_of
 from remodel_production.core.catalogue import FormboardRules
 from remodel_production.core.production import Component, TerminalRef, Wire
 from remodel_states.core.cell import SPARE_M
+
+Point = tuple[float, float]
+
+
+@dataclass(frozen=True)
+class Row:
+    """A row of connectors [m]: along it, what is at the left as seen from the wires is negative.
+
+    Attributes:
+        widths: of the connectors, by name.
+        middles: of the connectors, by name.
+        cavities: where each cavity is.
+    """
+
+    widths: Mapping[str, float]
+    middles: Mapping[str, float]
+    cavities: Mapping[TerminalRef, float]
+
+
+def row_of(components: Sequence[Component], pitch: float, gap: float) -> Row:
+    """Return connectors beside each other, with a pitch of their cavities and gaps between [m]."""
+    widths = {c.name: max(1, len(c.terminals)) * pitch for c in components}
+    left = -(sum(widths.values()) + gap * (len(components) - 1)) / 2
+    middles: dict[str, float] = {}
+    cavities: dict[TerminalRef, float] = {}
+    for component in components:
+        middle = left + widths[component.name] / 2
+        middles[component.name] = middle
+        for index, terminal in enumerate(component.terminals):
+            aside = (index - (len(component.terminals) - 1) / 2) * pitch
+            cavities[TerminalRef(component.name, terminal.name)] = middle + aside
+        left += widths[component.name] + gap
+    return Row(widths, middles, cavities)
+
+
+@dataclass(frozen=True)
+class Stand:
+    """The end of a bundle, at which a row of connectors stands.
+
+    Attributes:
+        end: [m] of the bundle, in the plane of the openings.
+        heading: in which the bundle leaves [rad].
+    """
+
+    end: Point
+    heading: float
+
+    @property
+    def turn(self) -> float:
+        """The angle by which a connector is turned that opens to the bottom of the board [rad]."""
+        return math.remainder(self.heading + math.pi / 2, 2 * math.pi)
+
+    def place(self, along: float, behind: float) -> Point:
+        """Return what is so far along the row, and so far behind the openings [m]."""
+        out_x, out_y = math.cos(self.heading), math.sin(self.heading)
+        x, y = self.end
+        # Seen from the bundle, the row goes on to the right.
+        return (
+            x - behind * out_x + along * out_y,
+            y - behind * out_y - along * out_x,
+        )
+
 
 # Rounds of the majorization, and the least step that another round is worth [m].
 _ROUNDS = 2000
@@ -35,7 +100,7 @@ _MOST_SHIFTS = 40
 
 
 @dataclass(frozen=True)
-class Stand:
+class FacingConnector:
     """A connector: the middle of its face along the trunk and across, to the left [m].
 
     Attributes:
@@ -71,10 +136,10 @@ class Facing:
         cavities: of each opening, how far it is across the trunk from its connector's middle [m].
     """
 
-    stands: Mapping[str, Stand]
+    stands: Mapping[str, FacingConnector]
     cavities: Mapping[TerminalRef, float]
 
-    def ends(self, wire: Wire) -> tuple[Stand, Stand]:
+    def ends(self, wire: Wire) -> tuple[FacingConnector, FacingConnector]:
         """Return the connectors of a wire, the left one first."""
         a, b = self.stands[wire.a.component], self.stands[wire.b.component]
         return (a, b) if a.is_left else (b, a)
@@ -158,11 +223,11 @@ def _shortest(
     return found
 
 
-def _left(wire: Wire, stands: Mapping[str, Stand]) -> TerminalRef:
+def _left(wire: Wire, stands: Mapping[str, FacingConnector]) -> TerminalRef:
     return wire.a if stands[wire.a.component].is_left else wire.b
 
 
-def _right(wire: Wire, stands: Mapping[str, Stand]) -> TerminalRef:
+def _right(wire: Wire, stands: Mapping[str, FacingConnector]) -> TerminalRef:
     return wire.b if stands[wire.a.component].is_left else wire.a
 
 
@@ -182,7 +247,7 @@ def placed(
         depths: of the connectors [m].
         rules: of formboards.
     """
-    stands: dict[str, Stand] = {}
+    stands: dict[str, FacingConnector] = {}
     cavities: dict[TerminalRef, float] = {}
     for side in (True, False):
         row = row_of(
@@ -193,7 +258,7 @@ def placed(
         # Seen from its wires, a row's left is negative; seen from above the rows are turned.
         sign = -1.0 if side else 1.0
         for name, middle in row.middles.items():
-            stands[name] = Stand(
+            stands[name] = FacingConnector(
                 name, side, 0.0, round(sign * middle, 6), row.widths[name], depths[name]
             )
         for ref, place in row.cavities.items():
@@ -297,7 +362,7 @@ def _with_room(facing: Facing, wires: Sequence[Wire], rules: FormboardRules) -> 
 
 def _blocked(
     facing: Facing, wires: Sequence[Wire], rules: FormboardRules
-) -> Iterator[tuple[Stand, Stand, float]]:
+) -> Iterator[tuple[FacingConnector, FacingConnector, float]]:
     """Yield connectors that stand in the way of a wire, its own one beside, and how far [m].
 
     The last one is by how much the wire's own connector has to be farther from the other one.

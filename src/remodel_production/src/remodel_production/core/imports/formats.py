@@ -8,23 +8,23 @@ from collections.abc import Sequence
 from dataclasses import replace
 
 from remodel_production.core.catalogue import Catalogue
+from remodel_production.core.imports.assembly import with_access, with_mounts
 from remodel_production.core.imports.design_format import DesignFile, DesignFormat
-from remodel_production.core.imports.kbl import import_kbl
-from remodel_production.core.imports.placement import with_mounts
-from remodel_production.core.imports.qet import import_qet
-from remodel_production.core.imports.shared.account import Imported
-from remodel_production.core.imports.shared.spreadsheet import (
+from remodel_production.core.imports.documents import (
+    decode,
     is_spreadsheet,
+    local_name,
     other_spreadsheet,
+    parse_xml,
     sheets_of,
 )
-from remodel_production.core.imports.shared.text_encoding import decode
-from remodel_production.core.imports.shared.xml_tree import local_name, parse_xml
-from remodel_production.core.imports.terminal_access import with_access
+from remodel_production.core.imports.kbl import import_kbl
+from remodel_production.core.imports.qet import import_qet
+from remodel_production.core.imports.values import Imported
 from remodel_production.core.imports.vec import ROOT, import_vec
-from remodel_production.core.imports.wire_lists.mapping import WireListMapping
-from remodel_production.core.imports.wire_lists.table import has_headings, without_ends
-from remodel_production.core.imports.wire_lists.wire_list import import_wire_list
+from remodel_production.core.imports.wire_list import import_wire_list
+from remodel_production.core.imports.wire_list_mapping import WireListMapping
+from remodel_production.core.imports.wire_list_table import has_headings, without_ends
 from remodel_production.core.imports.wireviz import import_wireviz, join_files
 from remodel_production.errors import DesignError
 from remodel_run.whole_task import counted

@@ -16,26 +16,24 @@ from itertools import pairwise
 from lxml import etree
 
 from remodel_production.core.catalogue import Catalogue
+from remodel_production.core.imports.assembly import Connection, Device, assemble, unique_name
+from remodel_production.core.imports.design_format import ALL, Asked, ModuleChoice
+from remodel_production.core.imports.documents import line_of, local_name
 from remodel_production.core.imports.kbl_parts import (
+    KblTree,
+    Topology,
+    children,
+    ends_of,
     is_splice,
     kbl_modules,
+    ordered_route,
     placed_pose,
+    shown,
+    text_of,
     twisted_groups,
     unused_parts,
 )
-from remodel_production.core.imports.kbl_routes import Topology, ends_of, ordered_route
-from remodel_production.core.imports.kbl_tree import KblTree, children, shown, text_of
-from remodel_production.core.imports.shared.account import Account, Imported, LeftOut
-from remodel_production.core.imports.shared.assembly import (
-    Connection,
-    Device,
-    assemble,
-    unique_name,
-)
-from remodel_production.core.imports.shared.assumptions import Assumptions
-from remodel_production.core.imports.shared.modules import ALL, Asked, ModuleChoice
-from remodel_production.core.imports.shared.units import number
-from remodel_production.core.imports.shared.xml_tree import line_of, local_name
+from remodel_production.core.imports.values import Account, Assumptions, Imported, LeftOut, number
 from remodel_production.core.production import (
     TWISTED,
     Cable,

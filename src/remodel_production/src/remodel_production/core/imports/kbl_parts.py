@@ -1,20 +1,161 @@
-"""What a KBL harness has besides its wires: poses, modules, and parts that no wire is."""
+"""The elements, topology and parts of a KBL harness; a VEC container shares them.
+
+Names are compared without namespace, case and `_`: containers of different makers differ in the
+first two, and VEC writes StartNode where KBL writes Start_node.
+"""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
+from collections.abc import Collection, Iterator, Sequence
+from functools import cache
 
 from lxml import etree
 
-from remodel_production.core.imports.kbl_tree import KblTree, children, text_of
-from remodel_production.core.imports.shared.account import LeftOut
-from remodel_production.core.imports.shared.assumptions import names_splice
-from remodel_production.core.imports.shared.modules import Asked, Composite, ModuleChoice
-from remodel_production.core.imports.shared.units import number
-from remodel_production.core.imports.shared.variant_codes import VariantCondition
-from remodel_production.core.imports.shared.xml_tree import line_of, local_name
-from remodel_production.core.production import Pose, Vector
+from remodel_production.core.imports.assembly import unique_name
+from remodel_production.core.imports.design_format import (
+    Asked,
+    Composite,
+    ModuleChoice,
+    VariantCondition,
+)
+from remodel_production.core.imports.documents import line_of, local_name, parse_xml
+from remodel_production.core.imports.values import Assumptions, LeftOut, names_splice, number
+from remodel_production.core.production import Clip, Node, Pose, Segment, Vector
+from remodel_production.errors import DesignError
+
+_ASSEMBLY = "assembly_part"
+_PREFIXES = {"milli": 1e-3, "centi": 1e-2, "deci": 0.1, "micro": 1e-6, "kilo": 1e3, "": 1.0}
+# Units that are named, instead of built of SI ones.
+_NAMED_M = {"millimetre": 1e-3, "millimeter": 1e-3, "mm": 1e-3, "metre": 1.0, "meter": 1.0, "m": 1}
+_MM = 1e-3  # coordinates have no unit; the recommendation's drawings are in mm
+
+
+class KblTree:
+    """A container, indexed."""
+
+    def __init__(self, text: bytes, root: str = "KBL_container") -> None:
+        """Read a container whose root element has a name.
+
+        Raises:
+            DesignError: if it is no such container, or an id stands for two elements.
+        """
+        self.root = parse_xml(text)
+        if _key(local_name(self.root)) != _key(root):
+            raise DesignError(
+                f"the root element is <{local_name(self.root)}>; a <{root}> is needed"
+            )
+        self._by_id: dict[str, etree._Element] = {}
+        self._by_name: dict[str, list[etree._Element]] = {}
+        inside = {e for part in children(self.root, _ASSEMBLY) for e in part.iter()}
+        for element in self.root.iter():
+            if element not in inside:
+                self._by_name.setdefault(_key(local_name(element)), []).append(element)
+            key = element.get("id")
+            if key is None or element is self.root:
+                continue
+            if key in self._by_id:
+                before = self._by_id[key]
+                raise DesignError(
+                    f"{line_of(element)}: id {key} of a <{local_name(element)}> is there before, "
+                    f"at {line_of(before)} of a <{local_name(before)}>; an id stands for one "
+                    "element: give one of them another id"
+                )
+            self._by_id[key] = element
+
+    def all(self, *names: str) -> list[etree._Element]:
+        """Return all elements of these names, name by name, but those of assembly parts.
+
+        What an assembly part is made of, its parts list repeats, and the harness has again.
+        """
+        return [element for name in names for element in self._by_name.get(_key(name), [])]
+
+    def referred(self, element: etree._Element, name: str) -> list[etree._Element]:
+        """Return the elements to which a child's ids refer; none if there is no such child.
+
+        Raises:
+            DesignError: if an id stands for nothing.
+        """
+        found = []
+        for child in children(element, name):
+            for key in (child.text or "").split():
+                if key not in self._by_id:
+                    raise DesignError(
+                        f"{line_of(child)}: {local_name(child)} of {shown(element)} refers to "
+                        f"{key}, and no element has that id"
+                    )
+                found.append(self._by_id[key])
+        return found
+
+    def part(self, occurrence: etree._Element) -> etree._Element | None:
+        """Return the part that an occurrence is one of; None if it does not say."""
+        return next(iter(self.referred(occurrence, "Part")), None)
+
+    def quantity(self, element: etree._Element, name: str, power: int = 1) -> float | None:
+        """Return a child's numerical value [m^power]; None if it has none, or no known unit."""
+        for child in children(element, name):
+            value = number(text_of(child, "Value_component"))
+            units = self.referred(child, "Unit_component")
+            scale = _scale(units[0], power) if units else _MM**power
+            if value is not None and scale is not None:
+                return round(value * scale, 9)
+        return None
+
+    def position(self, element: etree._Element) -> Vector | None:
+        """Return the place [m] of what has a Cartesian point; None if it has none."""
+        for point in self.referred(element, "Cartesian_point"):
+            values = [number(child.text or "") for child in children(point, "Coordinates")]
+            known = [value for value in values if value is not None]
+            if len(known) == len(values) and len(values) in (2, 3):
+                x, y, z = (round(value * _MM, 9) for value in (*known, 0.0)[:3])
+                return x, y, z
+            raise DesignError(
+                f"{line_of(point)}: {shown(point)}: two or three numbers are needed as Coordinates"
+            )
+        return None
+
+
+def children(element: etree._Element, name: str) -> Iterator[etree._Element]:
+    """Yield the children of that name."""
+    wanted = _key(name)
+    for child in element:
+        if _key(local_name(child)) == wanted:
+            yield child
+
+
+@cache
+def _key(name: str) -> str:
+    return name.lower().replace("_", "")
+
+
+def text_of(element: etree._Element, name: str) -> str:
+    """Return a child's text; empty if there is none or it is the format's null."""
+    for child in children(element, name):
+        text = " ".join((child.text or "").split())
+        return "" if text in ("/NULL", "-") else text
+    return ""
+
+
+def shown(element: etree._Element) -> str:
+    """Return an element as an error names it."""
+    name = text_of(element, "Id") or element.get("id", "")
+    return f"{local_name(element)} {name}".strip()
+
+
+def unit_scale(unit: etree._Element | None) -> float | None:
+    """Return how many metres a unit is, a millimetre if none is given; None if none of length."""
+    return _MM if unit is None else _scale(unit, 1)
+
+
+def _scale(unit: etree._Element, power: int) -> float | None:
+    """Return how many m^power the unit is; None if it is none of length."""
+    named = text_of(unit, "Unit_name").lower()
+    base = text_of(unit, "Si_unit_name").lower()
+    if base in ("metre", "meter"):
+        prefix = _PREFIXES.get(text_of(unit, "Si_prefix").lower())
+        return None if prefix is None else prefix**power
+    named = named.removeprefix("square").removesuffix("2").removesuffix("²").strip(" _-")
+    return _NAMED_M[named] ** power if named in _NAMED_M else None
 
 
 def placed_pose(tree: KblTree, occurrence: etree._Element) -> Pose | None:
@@ -167,3 +308,173 @@ def unused_parts(tree: KblTree) -> list[LeftOut]:
         for part in tree.all(element)
         if part not in used
     ]
+
+
+class Topology:
+    """Nodes, segments and clips; each has the name that the file calls it by."""
+
+    def __init__(self, tree: KblTree, assumptions: Assumptions) -> None:
+        """Read a container's topology.
+
+        Raises:
+            DesignError: if a segment has not two nodes.
+        """
+        self._tree = tree
+        self._assumptions = assumptions
+        self._node_names = _names(tree.all("Node"))
+        self._segment_names = _names(tree.all("Segment"))
+        self.nodes = tuple(
+            Node(name, tree.position(node)) for node, name in self._node_names.items()
+        )
+        self._position = {node.name: node.position for node in self.nodes}
+        self.segments = tuple(
+            self._segment(element, name) for element, name in self._segment_names.items()
+        )
+        self._by_name = {segment.name: segment for segment in self.segments}
+        self.clips = tuple(self._clips())
+
+    def nodes_of(self) -> dict[etree._Element, list[str]]:
+        """Return the nodes at which each component or cavity sits; a box may have several."""
+        nodes: dict[etree._Element, list[str]] = {}
+        for node, name in self._node_names.items():
+            for key in ("Referenced_components", "Referenced_cavities"):
+                for item in self._tree.referred(node, key):
+                    nodes.setdefault(item, []).append(name)
+        return nodes
+
+    def segments_of(self, routing: etree._Element) -> list[Segment]:
+        """Return the segments of a routing, in the file's order."""
+        return [
+            self._by_name[self._segment_names[element]]
+            for element in self._tree.referred(routing, "Segments")
+            if element in self._segment_names
+        ]
+
+    def _segment(self, element: etree._Element, name: str) -> Segment:
+        ends = []
+        for key in ("Start_node", "End_node"):
+            nodes = [n for n in self._tree.referred(element, key) if n in self._node_names]
+            if len(nodes) != 1:
+                raise DesignError(
+                    f"{line_of(element)}: {shown(element)} has {len(nodes)} nodes as {key}; one is "
+                    "needed"
+                )
+            ends.append(self._node_names[nodes[0]])
+        start, end = ends
+        return Segment(name, start, end, self._length(element, name, start, end))
+
+    def _length(self, element: etree._Element, name: str, start: str, end: str) -> float:
+        for key in ("Physical_length", "Virtual_length"):
+            length = self._tree.quantity(element, key)
+            if length is not None and length > 0:
+                return length
+        p, q = self._position[start], self._position[end]
+        length = math.dist(p, q) if p is not None and q is not None else 0.0
+        self._assumptions.add(
+            f"{line_of(element)}: length of segment {name} not given, {length:.3f} m taken"
+        )
+        return length
+
+    def _clips(self) -> list[Clip]:
+        clips: list[Clip] = []
+        taken: set[str] = set()
+        for element, segment in self._segment_names.items():
+            for assignment in children(element, "Fixing_assignment"):
+                for fixing in self._tree.referred(assignment, "Fixing"):
+                    along = self._along(assignment, self._by_name[segment])
+                    name = unique_name(_name(fixing), taken)
+                    taken.add(name)
+                    pose = placed_pose(self._tree, fixing)
+                    position = None if pose is None else pose.position
+                    clips.append(Clip(name, self._kind(fixing), segment, along, position=position))
+        for node, node_name in self._node_names.items():
+            for item in self._tree.referred(node, "Referenced_components"):
+                if local_name(item).lower() == "fixing_occurrence":
+                    name = unique_name(_name(item), taken)
+                    taken.add(name)
+                    position = self._position[node_name]
+                    clips.append(Clip(name, self._kind(item), node=node_name, position=position))
+        return clips
+
+    def _along(self, assignment: etree._Element, segment: Segment) -> float:
+        """Return the place on the segment; the absolute one is the more binding."""
+        absolute = self._tree.quantity(assignment, "Absolute_location")
+        if absolute is not None and segment.length_m > 0:
+            return min(1.0, max(0.0, absolute / segment.length_m))
+        text = text_of(assignment, "Location")
+        along = number(text)
+        if along is None or not 0 <= along <= 1:
+            raise DesignError(
+                f"{line_of(assignment)}: {shown(assignment)}: Location {text or 'not given'}; a "
+                "number from 0 to 1 is needed"
+            )
+        return along
+
+    def _kind(self, fixing: etree._Element) -> str:
+        part = self._tree.part(fixing)
+        if part is None:
+            return ""
+        return text_of(part, "Description") or text_of(part, "Fixing_type")
+
+
+def ordered_route(
+    segments: Sequence[Segment], a: Collection[str], b: Collection[str]
+) -> tuple[Segment, ...] | str:
+    """Return the segments as a route from a node of a to a node of b, or why they are none.
+
+    Args:
+        segments: in any order.
+        a: nodes of the first end; if the route ends at none of them, it begins as the file has it.
+        b: nodes of the second end.
+    """
+    names = [segment.name for segment in segments]
+    double = next((name for name in names if names.count(name) > 1), "")
+    if double:
+        return f"it passes segment {double} twice"
+    at: dict[str, list[Segment]] = {}
+    for segment in segments:
+        at.setdefault(segment.start, []).append(segment)
+        at.setdefault(segment.end, []).append(segment)
+    crossing = next((node for node, there in at.items() if len(there) > 2), "")
+    if crossing:
+        return f"{len(at[crossing])} of its segments meet at node {crossing}, so it branches"
+    ends = [node for node, there in at.items() if len(there) == 1]
+    if len(ends) != 2:
+        kind = "they form a cycle" if not ends else f"they form {len(ends) // 2} separate routes"
+        return f"its segments {', '.join(names[:8])} are no route: {kind}"
+    # The first segment's end is found first: of equal directions, that of the file is taken.
+    start = max(ends, key=lambda end: (end in a) + (ends[1 - ends.index(end)] in b))
+    route: list[Segment] = []
+    node = start
+    while len(route) < len(segments):
+        following = next((s for s in at[node] if not route or s is not route[-1]), None)
+        if following is None:
+            return f"its segments {', '.join(names[:8])} do not hang together"
+        route.append(following)
+        node = following.end if following.start == node else following.start
+    return tuple(route)
+
+
+def ends_of(route: Sequence[Segment]) -> tuple[str, str]:
+    """Return the nodes at which a route begins and ends."""
+    if len(route) == 1:
+        return route[0].start, route[0].end
+    first, last = route[0], route[-1]
+    begins = first.end if first.start in (route[1].start, route[1].end) else first.start
+    ends = last.end if last.start in (route[-2].start, route[-2].end) else last.start
+    return begins, ends
+
+
+def _names(elements: list[etree._Element]) -> dict[etree._Element, str]:
+    """Return the elements' names, made unique."""
+    names: dict[etree._Element, str] = {}
+    taken: set[str] = set()
+    for element in elements:
+        name = unique_name(_name(element), taken)
+        taken.add(name)
+        names[element] = name
+    return names
+
+
+def _name(element: etree._Element) -> str:
+    return text_of(element, "Id") or element.get("id") or line_of(element)

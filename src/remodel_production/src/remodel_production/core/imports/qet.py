@@ -26,6 +26,8 @@ from itertools import pairwise
 from lxml import etree
 
 from remodel_production.core.catalogue import Catalogue, Place
+from remodel_production.core.imports.assembly import Connection, Device, assemble, unique_name
+from remodel_production.core.imports.documents import line_of, parse_xml
 from remodel_production.core.imports.qet_drawing import (
     UNNAMED,
     ByNumber,
@@ -42,15 +44,7 @@ from remodel_production.core.imports.qet_drawing import (
     terminal_names,
     terminals_by_number,
 )
-from remodel_production.core.imports.shared.account import Account, Imported, LeftOut
-from remodel_production.core.imports.shared.assembly import (
-    Connection,
-    Device,
-    assemble,
-    unique_name,
-)
-from remodel_production.core.imports.shared.assumptions import Assumptions
-from remodel_production.core.imports.shared.xml_tree import line_of, parse_xml
+from remodel_production.core.imports.values import Account, Assumptions, Imported, LeftOut
 from remodel_production.core.production import Mount, Order, Side, TerminalRef
 from remodel_production.errors import DesignError
 

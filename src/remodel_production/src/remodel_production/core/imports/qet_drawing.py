@@ -9,7 +9,7 @@ from math import dist
 
 from lxml import etree
 
-from remodel_production.core.imports.shared.xml_tree import line_of
+from remodel_production.core.imports.documents import line_of
 from remodel_production.core.production import Side
 from remodel_production.errors import DesignError
 

@@ -15,19 +15,11 @@ from collections.abc import Iterator
 from lxml import etree
 
 from remodel_production.core.catalogue import Catalogue
-from remodel_production.core.imports.kbl_routes import ordered_route
-from remodel_production.core.imports.kbl_tree import KblTree, children, text_of
-from remodel_production.core.imports.shared.account import Account, Imported, LeftOut
-from remodel_production.core.imports.shared.assembly import (
-    Connection,
-    Device,
-    assemble,
-    unique_name,
-)
-from remodel_production.core.imports.shared.assumptions import Assumptions
-from remodel_production.core.imports.shared.modules import ALL, Asked, ModuleChoice
-from remodel_production.core.imports.shared.units import number
-from remodel_production.core.imports.shared.xml_tree import line_of
+from remodel_production.core.imports.assembly import Connection, Device, assemble, unique_name
+from remodel_production.core.imports.design_format import ALL, Asked, ModuleChoice
+from remodel_production.core.imports.documents import line_of
+from remodel_production.core.imports.kbl_parts import KblTree, children, ordered_route, text_of
+from remodel_production.core.imports.values import Account, Assumptions, Imported, LeftOut, number
 from remodel_production.core.imports.vec_parts import node_positions, vec_modules
 from remodel_production.core.production import (
     TWISTED,

@@ -12,11 +12,15 @@ from collections.abc import Iterator
 
 from lxml import etree
 
-from remodel_production.core.imports.kbl_tree import KblTree, children, shown, text_of, unit_scale
-from remodel_production.core.imports.shared.modules import Asked, Composite, ModuleChoice
-from remodel_production.core.imports.shared.units import number
-from remodel_production.core.imports.shared.variant_codes import VariantCondition
-from remodel_production.core.imports.shared.xml_tree import line_of
+from remodel_production.core.imports.design_format import (
+    Asked,
+    Composite,
+    ModuleChoice,
+    VariantCondition,
+)
+from remodel_production.core.imports.documents import line_of
+from remodel_production.core.imports.kbl_parts import KblTree, children, shown, text_of, unit_scale
+from remodel_production.core.imports.values import number
 from remodel_production.core.production import Vector
 from remodel_production.errors import DesignError
 

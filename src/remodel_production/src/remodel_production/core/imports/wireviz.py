@@ -23,13 +23,17 @@ from dataclasses import dataclass
 from difflib import get_close_matches
 
 from remodel_production.core.catalogue import Catalogue
+from remodel_production.core.imports.assembly import Connection, Device, assemble
 from remodel_production.core.imports.design_format import JoinedFile
-from remodel_production.core.imports.shared.account import Account, Imported, LeftOut
-from remodel_production.core.imports.shared.assembly import Connection, Device, assemble
-from remodel_production.core.imports.shared.assumptions import Assumptions, names_splice
-from remodel_production.core.imports.shared.text_encoding import decode
-from remodel_production.core.imports.shared.units import length_m
-from remodel_production.core.imports.shared.yaml_tree import Value, parse_yaml
+from remodel_production.core.imports.documents import Value, decode, parse_yaml
+from remodel_production.core.imports.values import (
+    Account,
+    Assumptions,
+    Imported,
+    LeftOut,
+    length_m,
+    names_splice,
+)
 from remodel_production.core.imports.wireviz_parts import (
     SHIELD,
     CablePart,

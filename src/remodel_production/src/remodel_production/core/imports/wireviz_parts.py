@@ -7,9 +7,8 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import cycle, islice
 
-from remodel_production.core.imports.shared.account import LeftOut
-from remodel_production.core.imports.shared.units import length_m
-from remodel_production.core.imports.shared.yaml_tree import Value
+from remodel_production.core.imports.documents import Value
+from remodel_production.core.imports.values import LeftOut, length_m
 from remodel_production.errors import DesignError
 
 # DIN 47100, cores 1 to 44.

@@ -19,8 +19,7 @@ from sqlalchemy.engine import make_url
 from sqlalchemy.engine.url import URL
 
 from remodel_production.edge.database.cell_ownership import LiveOwner, live_owners
-from remodel_production.edge.database.database_versions import NEWEST
-from remodel_production.edge.database.production_database import ProductionDatabase
+from remodel_production.edge.database.production_database import NEWEST, ProductionDatabase
 from remodel_production.edge.database.production_models import Base
 from remodel_production.errors import BackupError, PlannerError
 

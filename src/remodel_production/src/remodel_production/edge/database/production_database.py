@@ -1,4 +1,4 @@
-"""The production knowledge database: orders, what they are made of, and what was done.
+"""The production knowledge database: orders, what was done; its versions and its errors.
 
 SQLite by default, PostgreSQL by URL. Every change is one transaction, so that nothing is stored by
 half. docs/production-database.md describes and draws the tables.
@@ -9,32 +9,138 @@ from __future__ import annotations
 import json
 import os
 import sqlite3
+import zlib
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
+from pathlib import Path
 from typing import Any
 
-from sqlalchemy import and_, bindparam, create_engine, delete, event, insert, select
+from sqlalchemy import and_, bindparam, create_engine, delete, event, insert, inspect, select, text
 from sqlalchemy.engine import Connection, Engine, Row, make_url
-from sqlalchemy.exc import DisconnectionError, SQLAlchemyError
+from sqlalchemy.exc import (
+    DBAPIError,
+    DisconnectionError,
+    InterfaceError,
+    OperationalError,
+    SQLAlchemyError,
+)
+from sqlalchemy.exc import TimeoutError as PoolTimeoutError
 from sqlalchemy.pool import QueuePool
 
 from remodel_production.core.production import Ability, AbilityParameter, Order
-from remodel_production.edge.database.database_errors import record_lost, reported
-from remodel_production.edge.database.database_versions import NEWEST, upgrade, version_of
-from remodel_production.edge.database.preference_rows import (
-    add_preference_rows,
-    preferences_of_rows,
-)
 from remodel_production.edge.database.production_models import (
     AbilityParameterRow,
     AbilityRow,
+    Base,
     OrderRow,
     TaskRow,
     WireRow,
 )
-from remodel_production.edge.database.production_rows import add_order_rows, order_of_row
-from remodel_production.errors import OrderError, RecordLostError
+from remodel_production.edge.database.production_rows import (
+    add_order_rows,
+    add_preference_rows,
+    order_of_row,
+    preferences_of_rows,
+)
+from remodel_production.errors import LostError, OrderError, RecordLostError
 from remodel_states.edge.write_ahead import write_ahead
+
+# Texts of OperationalError that waiting does not help against: SQLite's of a table or file that is
+# missing, replaced or damaged, PostgreSQL's of a dropped database.
+_GONE = (
+    "no such table",
+    "no such column",
+    "malformed",
+    "not a database",
+    "disk I/O error",
+    "readonly database",
+    "does not exist",
+)
+
+
+@contextmanager
+def reported() -> Iterator[None]:
+    """Report what goes wrong inside in the planner's errors.
+
+    Raises:
+        LostError: if the database does not answer; it may answer later.
+        RecordLostError: if tables, rows or the whole file are missing or damaged.
+    """
+    try:
+        yield
+    except PoolTimeoutError as error:
+        raise LostError(f"the production database does not answer: {error}") from error
+    except DBAPIError as error:
+        line = str(error.orig).strip().splitlines()[0] if str(error.orig).strip() else str(error)
+        if _may_come_back(error, line):
+            raise LostError(f"the production database does not answer: {line}") from error
+        raise record_lost(f"cannot be used: {line}") from error
+    except (json.JSONDecodeError, UnicodeDecodeError, zlib.error) as error:
+        raise record_lost(f"has a damaged entry: {error}") from error
+
+
+def record_lost(what: str) -> RecordLostError:
+    """Return the error about a production database that, for instance, "has no run 12"."""
+    return RecordLostError(
+        f"the production database {what}; restore a backup (remodel restore FILE)"
+    )
+
+
+def _may_come_back(error: DBAPIError, line: str) -> bool:
+    silent = isinstance(error, OperationalError | InterfaceError) or error.connection_invalidated
+    return silent and not any(text in line for text in _GONE)
+
+
+NEWEST = "0008"
+_VERSION_TABLE = "alembic_version"
+_MIGRATIONS = Path(__file__).parent / "migrations"
+# Any number that no other program takes a lock by, in one database.
+_LOCK = 5_151_002
+
+
+def version_of(connection: Connection) -> str | None:
+    """Return the database's version; None if it has none."""
+    if not inspect(connection).has_table(_VERSION_TABLE):
+        return None
+    version = connection.scalar(text(f"SELECT version_num FROM {_VERSION_TABLE}"))
+    return None if version is None else str(version)
+
+
+def upgrade(connection: Connection) -> None:
+    """Bring a database to the newest version: an empty one, or of any version that is known.
+
+    Args:
+        connection: with a transaction that the migrations become part of.
+
+    Raises:
+        OrderError: if the database is of a version that this program does not know.
+    """
+    if connection.dialect.name == "postgresql":
+        # One program at a time; the lock is given back at the transaction's end.
+        connection.execute(text("SELECT pg_advisory_xact_lock(:key)"), {"key": _LOCK})
+    version = version_of(connection)
+    if version == NEWEST:
+        return
+    # Alembic takes longer to load than a database to open, and is needed once in its life.
+    from alembic import command
+    from alembic.config import Config
+    from alembic.script import ScriptDirectory
+
+    config = Config()
+    config.set_main_option("script_location", str(_MIGRATIONS))
+    config.attributes["connection"] = connection
+    if version is None:
+        Base.metadata.create_all(connection, checkfirst=False)
+        command.stamp(config, "head")
+        return
+    known = {script.revision for script in ScriptDirectory.from_config(config).walk_revisions()}
+    if version not in known:
+        raise OrderError(
+            f"is of version {version}; this program knows versions {', '.join(sorted(known))}: "
+            "use the program that made it, or give another database (--database)"
+        )
+    command.upgrade(config, "head")
+
 
 # [s] that a program waits for another one's transaction; an import takes one second.
 _WAIT_S = 30

@@ -11,7 +11,7 @@ from remodel_msgs.msg import Panel, Wire
 from remodel_production.core.board.board import Board, board_of
 from remodel_production.core.board.panel import panel_of
 from remodel_production.edge.database.production_database import ProductionDatabase
-from remodel_production.edge.package_files import catalogue_file, read_catalogue
+from remodel_production.edge.design_files import catalogue_file, read_catalogue
 from remodel_production.errors import OrderError
 from remodel_run.progress import HandWire
 from remodel_supervision.core.learning.experience import Experience

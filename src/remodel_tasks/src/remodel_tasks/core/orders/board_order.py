@@ -14,7 +14,7 @@ from collections.abc import Sequence
 from dataclasses import replace
 
 from remodel_production.core.board.board import Board
-from remodel_production.core.imports.shared.assembly import unique_name
+from remodel_production.core.imports.assembly import unique_name
 from remodel_production.core.production import Component, Order, Role, Terminal, TerminalRef, Wire
 from remodel_production.errors import OrderError
 from remodel_run.findings import ByHand

@@ -14,7 +14,7 @@ from itertools import pairwise
 
 from remodel_production.core.board.board import Board
 from remodel_production.core.board.formboard import Limb, limbs
-from remodel_production.core.imports.shared.assembly import unique_name
+from remodel_production.core.imports.assembly import unique_name
 from remodel_production.core.production import Segment
 from remodel_production.errors import OrderError
 from remodel_tasks.core.condition import Value

@@ -15,13 +15,13 @@ from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
 
 from flexbe_synthesizer.core.chart.chart_writer import write_chart
-from flexbe_synthesizer.core.chart.literal import Literal
 from flexbe_synthesizer.core.chart.model import (
     AnyNode,
     Behavior,
     Chart,
     Connection,
     Input,
+    Literal,
     Outcome,
     Output,
     Param,

@@ -1,1 +1,1 @@
-"""Migrations of the production database, run by edge/database/database_versions.py."""
+"""Migrations of the production database, run by edge/database/production_database.py."""

@@ -5,7 +5,7 @@ from __future__ import annotations
 from alembic import op
 from sqlalchemy import Column, DateTime, ForeignKey, Integer
 
-from remodel_production.edge.database.packed import PackedJson
+from remodel_production.edge.database.production_models import PackedJson
 
 revision = "0008"
 down_revision = "0007"

@@ -17,7 +17,7 @@ from difflib import get_close_matches
 from enum import Enum, auto
 from functools import cache, lru_cache
 
-from remodel_production.core.imports.wire_lists.mapping import Field
+from remodel_production.core.imports.wire_list_mapping import Field
 
 
 class _Kind(Enum):

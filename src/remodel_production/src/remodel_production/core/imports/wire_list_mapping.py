@@ -30,8 +30,8 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from enum import Enum
 
-from remodel_production.core.imports.shared.units import is_length_unit
-from remodel_production.core.imports.shared.yaml_tree import Value, parse_yaml
+from remodel_production.core.imports.documents import Value, parse_yaml
+from remodel_production.core.imports.values import is_length_unit
 from remodel_production.errors import DesignError
 
 FORMAT = "remodel-wire-list-1"

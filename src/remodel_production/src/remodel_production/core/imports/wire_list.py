@@ -9,29 +9,28 @@ from dataclasses import replace
 from itertools import islice
 
 from remodel_production.core.catalogue import Catalogue
-from remodel_production.core.imports.shared.account import Account, Imported, LeftOut
-from remodel_production.core.imports.shared.assembly import (
-    Connection,
-    Device,
-    assemble,
+from remodel_production.core.imports.assembly import Connection, Device, assemble
+from remodel_production.core.imports.documents import DATE, FORMULA
+from remodel_production.core.imports.values import (
+    Account,
+    Assumptions,
+    Imported,
+    LeftOut,
+    length_m,
+    names_splice,
+    number,
 )
-from remodel_production.core.imports.shared.assumptions import Assumptions, names_splice
-from remodel_production.core.imports.shared.spreadsheet import DATE, FORMULA
-from remodel_production.core.imports.shared.units import length_m, number
-from remodel_production.core.imports.wire_lists.contents import (
+from remodel_production.core.imports.wire_list_contents import (
     checked,
+    is_pin_list,
     unit_of_lengths,
     unit_of_sections,
+    with_wires,
     without_thousands,
 )
-from remodel_production.core.imports.wire_lists.headings import fields_of, similar_heading
-from remodel_production.core.imports.wire_lists.mapping import (
-    Field,
-    MappingDraft,
-    WireListMapping,
-)
-from remodel_production.core.imports.wire_lists.pin_list import is_pin_list, with_wires
-from remodel_production.core.imports.wire_lists.table import (
+from remodel_production.core.imports.wire_list_headings import fields_of, similar_heading
+from remodel_production.core.imports.wire_list_mapping import Field, MappingDraft, WireListMapping
+from remodel_production.core.imports.wire_list_table import (
     Row,
     Source,
     Table,

@@ -1,16 +1,32 @@
-"""Make components and wires of the devices and connections that an importer has read.
+"""Make components and wires of what an importer has read; placements, access to terminals.
 
 A point at which several connections meet becomes as many terminals: B2.1, B2.2, ...
 A name of a wire that occurs again gets a number: 24, 24#2, ...
+
+devices: {S1: door, "M*": outside}     # by their names in the order: plate, door or outside
+symbols: {"*/my_button.elmt": door}    # of QElectroTech, by their paths: also reference or drawing
+
+A pattern may hold * for any letters; the first one that fits counts. The file counts more than the
+catalogue and the list.
+
+Of all formats, lists alone have columns for the force with which an end may be pushed in; none says
+how much room is around a terminal, or from where an end goes in. Each value
+filled in is reported as an assumption, and so is each terminal with more wires than it takes.
 """
 
 from __future__ import annotations
 
 import re
 from collections import Counter, defaultdict
-from collections.abc import Container, Iterable, Mapping, Sequence
-from dataclasses import dataclass, field
+from collections.abc import Container, Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from enum import Enum
+from fnmatch import fnmatchcase
+from typing import TypeVar
 
+from remodel_production.core.catalogue import Catalogue, Place, TerminalRule, full_terminals
+from remodel_production.core.imports.documents import Value, parse_yaml
+from remodel_production.core.imports.values import Imported
 from remodel_production.core.production import (
     Component,
     Mount,
@@ -228,3 +244,119 @@ def _wire_names(connections: Sequence[Connection]) -> tuple[list[str], list[str]
         taken.add(name)
         names.append(name)
     return names, renamed
+
+
+_SECTIONS = ("devices", "symbols")
+_Word = TypeVar("_Word", bound=Enum)
+
+
+def with_placement(catalogue: Catalogue, text: str) -> Catalogue:
+    """Return a catalogue in which a user's placement counts first.
+
+    Raises:
+        DesignError: naming the line, what was found, and what is allowed.
+    """
+    root = parse_yaml(text).mapping("the placement")
+    for key, value in root.items():
+        if key not in _SECTIONS:
+            raise DesignError(
+                f"{value.where}: the placement: key {key} is not known; allowed: "
+                f"{', '.join(_SECTIONS)}"
+            )
+    symbols = tuple((name.lower(), place) for name, place in _entries(root, "symbols", Place))
+    return replace(
+        catalogue,
+        placement=(*symbols, *catalogue.placement),
+        mounts=tuple(_entries(root, "devices", Mount)),
+    )
+
+
+def with_mounts(imported: Imported, catalogue: Catalogue) -> Imported:
+    """Return the order with its components where the user says that they are."""
+    order, account = imported.order, imported.account
+    components = tuple(
+        replace(component, mount=catalogue.mount(component.name) or component.mount)
+        for component in order.components
+    )
+    unknown = tuple(
+        f"the placement names {pattern}, and no device is called so"
+        for pattern, _ in catalogue.mounts
+        if not any(fnmatchcase(component.name, pattern) for component in order.components)
+    )
+    account = replace(account, assumptions=(*account.assumptions, *unknown))
+    order = replace(order, components=components, notes=(*order.notes, *unknown))
+    return Imported(order, account)
+
+
+def _entries(
+    root: dict[str, Value], section: str, words: type[_Word]
+) -> Iterator[tuple[str, _Word]]:
+    for pattern, value in root[section].mapping(section).items() if section in root else ():
+        known = {word.value: word for word in words}
+        if value.text not in known:
+            raise DesignError(
+                f"{value.where}: {section}: {pattern}: {value.shown} found; allowed: "
+                f"{', '.join(known)}"
+            )
+        yield pattern, known[value.text]
+
+
+# Into the component from the side on which the terminal opens, in the component's frame.
+_APPROACHES = {Side.TOP: (0.0, -1.0, 0.0), Side.BOTTOM: (0.0, 1.0, 0.0)}
+
+
+def with_access(imported: Imported, catalogue: Catalogue) -> Imported:
+    """Return the order with approaches, clearances and force limits of all terminals.
+
+    A rule of the catalogue that fits the component decides, the first one of several.
+    """
+    lacking: Counter[str] = Counter()
+    components = []
+    for component in imported.order.components:
+        rule = catalogue.terminal_rule(component)
+        lacking.update(_assumed(component, rule))
+        terminals = tuple(_filled(terminal, rule) for terminal in component.terminals)
+        components.append(replace(component, terminals=terminals))
+    assumptions = (
+        *(f"{what} (of {count} terminals)" for what, count in lacking.items()),
+        *(
+            f"{full.reason}; by hand: {', '.join(full.beyond)}"
+            for full in full_terminals(imported.order.in_cabinet(), catalogue)
+        ),
+    )
+    return Imported(
+        replace(
+            imported.order,
+            components=tuple(components),
+            notes=(*imported.order.notes, *assumptions),
+        ),
+        replace(imported.account, assumptions=(*imported.account.assumptions, *assumptions)),
+    )
+
+
+def _filled(terminal: Terminal, rule: TerminalRule) -> Terminal:
+    limit, clearance = terminal.insertion_force_limit_n, terminal.clearance_m
+    return replace(
+        terminal,
+        approach=terminal.approach or _APPROACHES[terminal.side],
+        clearance_m=rule.clearance_m if clearance is None else clearance,
+        insertion_force_limit_n=rule.force_limit_n if limit is None else limit,
+    )
+
+
+def _assumed(component: Component, rule: TerminalRule) -> Counter[str]:
+    """Return a line for each assumed value, and for how many terminals."""
+    kind = f"{component.role.value}s"
+    terminals = component.terminals
+    found = {
+        f"insertion force limit not given, {rule.force_limit_n:g} N taken for {kind}": sum(
+            t.insertion_force_limit_n is None for t in terminals
+        ),
+        f"clearance not given, {1e3 * rule.clearance_m:g} mm taken for {kind}": sum(
+            t.clearance_m is None for t in terminals
+        ),
+        "approach not given, that from the side on which they open taken": sum(
+            t.approach is None for t in terminals
+        ),
+    }
+    return Counter({what: count for what, count in found.items() if count})

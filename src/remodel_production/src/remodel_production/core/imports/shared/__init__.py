@@ -1,1 +1,0 @@
-"""What the formats of designs share: texts, units, assumptions, and the account of an import."""

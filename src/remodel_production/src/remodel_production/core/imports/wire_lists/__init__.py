@@ -1,1 +1,0 @@
-"""From-to lists: tables with a wire a line, and what their columns mean."""
