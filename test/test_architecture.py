@@ -331,8 +331,7 @@ def test_packages_import_one_way():
 
 
 def test_only_the_care_for_master_clock_and_connections_is_taken_from_the_engine():
-    modules_allowed = ("connections", "master")
-    allowed = tuple(f"flexbe_core.ros.{name}" for name in modules_allowed)
+    allowed = ("flexbe_core.ros.master",)
     packages = ("remodel_planner", "remodel_supervision", "flexbe_synthesizer")
     packages += ("remodel_sim", "remodel_skills", "remodel_vision")
     found = [

@@ -29,7 +29,7 @@ from transitions import machine
 
 from flexbe_core import BehaviorLibrary
 from flexbe_core.engine.supervision import UNSUPERVISED
-from flexbe_widget.ros.start_request import start_request
+from flexbe_widget.ros.request_server import start_request
 
 HERE = Path(__file__).parent
 LIMIT_S = 30.0

@@ -14,10 +14,8 @@ import time
 from collections.abc import Callable
 from pathlib import Path
 
-from remodel_cable_tree.core.dzn import parse_cable_tree
-from remodel_cable_tree.core.order import cost_of, violations
-from remodel_cable_tree.edge.cable_tree_kernel import Feasibility
-from remodel_cable_tree.edge.cable_tree_planner import sequence
+from remodel_cable_tree.core.problem import cost_of, parse_cable_tree, violations
+from remodel_cable_tree.edge.cable_tree_planner import Feasibility, sequence
 
 
 def main() -> None:

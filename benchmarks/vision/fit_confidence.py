@@ -27,9 +27,8 @@ from run import BOTH, COUNTS, Task, cluttered
 from scenes import Kind, make_scene
 from scoring import auc, is_right
 
-from remodel_vision.cables import candidates, detect, detect_cables
+from remodel_vision.cables import candidates, confidence_weights, detect, detect_cables
 from remodel_vision.cables.candidates import Candidate
-from remodel_vision.cables.edges import confidence_weights
 
 PRICE = 1.0
 ROUNDS = 30

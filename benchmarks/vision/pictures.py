@@ -15,7 +15,7 @@ import numpy as np
 from scenes import Kind, make_scene
 
 from remodel_vision.cables import detect_cables
-from remodel_vision.cables.model import sketch
+from remodel_vision.cables.lines import sketch
 
 SHRINK = 0.75
 # By name of the picture: scenes side by side, as kind, seed and light.

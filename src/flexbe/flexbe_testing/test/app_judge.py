@@ -11,15 +11,16 @@ from xml.etree import ElementTree
 
 from flexbe_testing.core.app.behavior import (
     AppBehavior,
+    AppLoadError,
     BehaviorUse,
     Child,
     Container,
     Known,
     StateUse,
+    is_balanced,
     walk,
 )
 from flexbe_testing.core.app.load import load_behavior
-from flexbe_testing.core.app.text import AppLoadError, is_balanced
 
 _SHOWN = 6  # changed lines that a complaint shows
 

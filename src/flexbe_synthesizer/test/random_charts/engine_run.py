@@ -15,9 +15,8 @@ import rospy
 from scripted_states import script
 
 from flexbe_core.engine.engine import Engine, ErrorPolicy
-from flexbe_core.engine.errors import BehaviorFailure
-from flexbe_core.engine.events import Ended
-from flexbe_core.engine.supervision import UNSUPERVISED
+from flexbe_core.engine.supervision import UNSUPERVISED, Ended
+from flexbe_core.engine.user_data import BehaviorFailure
 from flexbe_core.ros.session import own_session
 from flexbe_synthesizer.core.chart.problem import Problem, errors_in
 from flexbe_synthesizer.core.library.signature import Library

@@ -24,7 +24,7 @@ from flexbe_synthesizer.core.library.signature import FromParameter, chart_behav
 from flexbe_synthesizer.edge.package_path import find_packages, read_library
 from flexbe_testing.core.app.behavior import Known
 from flexbe_testing.core.app.load import define_behavior
-from flexbe_testing.edge.app_packages import read_packages
+from flexbe_testing.edge.doctor import read_packages
 
 GOLDEN = Path(__file__).parents[1] / "golden"
 MOST_STEPS = 200

@@ -4,7 +4,7 @@ import itertools
 
 import pytest
 
-from flexbe_core.engine.errors import BehaviorFailure
+from flexbe_core.engine.user_data import BehaviorFailure
 from flexbe_synthesizer.core.chart.chart_reader import parse_chart
 from flexbe_synthesizer.core.chart.problem import ProblemKind, errors_in
 from flexbe_synthesizer.core.compile import Unit, check_units, compile_chart, manifest_of

@@ -14,7 +14,7 @@ from random_charts.generate import generate
 
 from flexbe_testing.core.app.behavior import Known
 from flexbe_testing.core.app.load import define_behavior
-from flexbe_testing.edge.app_packages import read_packages
+from flexbe_testing.edge.doctor import read_packages
 
 SOURCES = Path(__file__).parents[3]
 # What the App drops or cannot write, as the package's README says: blanks in outcomes of states,

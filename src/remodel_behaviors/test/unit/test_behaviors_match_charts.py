@@ -8,7 +8,7 @@ import pytest
 from app_judge import judge, judge_manifest
 
 from flexbe_synthesizer.command_line import main
-from flexbe_testing.edge.app_packages import read_packages
+from flexbe_testing.edge.doctor import read_packages
 
 PACKAGE = Path(__file__).parents[2]
 CHARTS = sorted((PACKAGE / "charts").glob("*.xml"))

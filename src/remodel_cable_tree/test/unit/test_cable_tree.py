@@ -8,13 +8,21 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from remodel_cable_tree.core.constraint import constraints_of, with_constraints
-from remodel_cable_tree.core.dzn import parse_cable_tree
-from remodel_cable_tree.core.order import cost_of, violations
-from remodel_cable_tree.core.problem import CableTree
-from remodel_cable_tree.core.rounds import rounds
-from remodel_cable_tree.edge.cable_tree_kernel import Feasibility, KernelCableTree
-from remodel_cable_tree.edge.cable_tree_planner import contradiction, sequence
+from remodel_cable_tree.core.problem import (
+    CableTree,
+    constraints_of,
+    cost_of,
+    parse_cable_tree,
+    rounds,
+    violations,
+    with_constraints,
+)
+from remodel_cable_tree.edge.cable_tree_planner import (
+    Feasibility,
+    KernelCableTree,
+    contradiction,
+    sequence,
+)
 from remodel_production.errors import InstanceError
 
 # Small searches have done all their work long before; the clock must not decide a test.

@@ -16,7 +16,7 @@ import rospy
 from remodel_msgs.msg import RunUseCaseAction, RunUseCaseGoal, UseCaseState
 from remodel_msgs.srv import CommandRun, CommandTask, GetTasks
 
-from flexbe_core.ros.connections import drop_dead
+from flexbe_core.ros.master import drop_dead
 from remodel_production.edge.database.production_database import ProductionDatabase
 from remodel_states.testing.world import Account, account
 from remodel_states.testing.world_file import WorldFile

@@ -5,10 +5,8 @@ import numpy as np
 import pytest
 import yaml
 
-from remodel_robot.commands.calibrate import main
-from remodel_robot.core.calibration import Board, Lens, View, calibrate, transform
-from remodel_robot.edge.view_files import matrix_of, pose_of
-from remodel_robot.errors import CalibrationError
+from remodel_robot.commands.calibrate import main, matrix_of, pose_of
+from remodel_robot.core.calibration import Board, CalibrationError, Lens, View, calibrate, transform
 
 BOARD = Board(7, 5, 0.03, 0.022)
 SIZE = (960, 720)

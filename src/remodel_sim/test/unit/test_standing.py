@@ -11,7 +11,7 @@ from remodel_skills.belief_state import NO_CHANNEL, Feed
 from remodel_skills.cell import Cell
 from remodel_skills.edge.parameter_files import read_parameters
 from remodel_skills.primitives.motions import move_to, swing_to
-from remodel_vision.board.standing import CELL_M, standing_wires
+from remodel_vision.standing import CELL_M, standing_wires
 from remodel_work.edge.cell_file import read_cell
 from remodel_work.obstacles import WIRES, panel_obstacles
 from remodel_work.panel import BOARD, WireEnd

@@ -7,7 +7,7 @@ from collections.abc import Callable, Set
 from remodel_skills.belief_state import BeliefState
 from remodel_skills.device import Device
 from remodel_skills.space import CollisionCheck, HeldTip, Touch
-from remodel_vision.board.standing import standing_wires
+from remodel_vision.standing import standing_wires
 from remodel_work.camera import Picture
 from remodel_work.geometry import Pose
 from remodel_work.obstacles import Obstacles, panel_obstacles

@@ -15,8 +15,8 @@ from remodel_skills.cell import Cell
 from remodel_skills.goals import LocateGoal
 from remodel_skills.observers import Cameras, Observers
 from remodel_skills.primitives.observation.checks import inspect_ducts
-from remodel_vision.board.standing import new_length, standing_wires
 from remodel_vision.panel_pose import register_panel
+from remodel_vision.standing import new_length, standing_wires
 from remodel_work.camera import Picture, are_nearest, best_view
 from remodel_work.edge.cell_file import read_cell
 from remodel_work.obstacles import panel_obstacles

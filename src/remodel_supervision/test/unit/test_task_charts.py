@@ -21,7 +21,7 @@ from flexbe_synthesizer.core.export.layout import lay_out as lay_out_machine
 from flexbe_synthesizer.core.export.render_python import render_python
 from flexbe_synthesizer.core.library.signature import chart_behavior
 from flexbe_synthesizer.edge.package_path import find_packages, read_library
-from flexbe_testing.edge.app_packages import read_packages
+from flexbe_testing.edge.doctor import read_packages
 from remodel_production.edge.design_files import read_abilities
 from remodel_production.errors import InstanceError
 from remodel_supervision.core.recovery.decide import Adjustable, with_parameters

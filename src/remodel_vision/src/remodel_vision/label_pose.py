@@ -11,12 +11,7 @@ import numpy as np
 import numpy.typing as npt
 
 from remodel_vision.colour import Pixels
-from remodel_vision.component_observation import (
-    ComponentObservation,
-    Deviations,
-    deviations_of,
-    solved,
-)
+from remodel_vision.device_pose import ComponentObservation, Deviations, deviations_of, solved
 from remodel_work.camera import Picture
 from remodel_work.component_shape import (
     LABEL_CELLS,

@@ -27,8 +27,7 @@ import numpy.typing as npt
 
 from remodel_states.core.wires.wire_colours import DISTINCT_COLOURS, rgbs_of
 from remodel_vision.colour import WIRE_SHADES, ferrule_mask
-from remodel_vision.laid_wire import crossings
-from remodel_vision.wire_lines import WireLines
+from remodel_vision.laid_wire import WireLines, crossings
 from remodel_work.camera import Picture
 from remodel_work.component_shape import LABEL_CELLS, label_corners
 from remodel_work.geometry import Array, Pose

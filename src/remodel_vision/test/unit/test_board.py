@@ -7,8 +7,8 @@ import pytest
 from drawn import along, boxes_of, picture
 from panels import example, panel
 
-from remodel_vision.board.standing import CELL_M, graspable_places, standing_wires
 from remodel_vision.opening_occupancy import is_seen_empty
+from remodel_vision.standing import CELL_M, graspable_places, standing_wires
 from remodel_work.edge.cell_file import read_cell
 from remodel_work.obstacles import WIRES, panel_obstacles
 from remodel_work.panel import BOARD, WireEnd

@@ -9,13 +9,7 @@ import pytest
 
 from remodel_vision.cables import CableEnding, detect_cables
 from remodel_vision.cables.lines import arc_lengths, at_distance, basis, fit
-from remodel_vision.cables.strands.network import (
-    StrandEnd,
-    best_pairs,
-    find_strands,
-    join_prices,
-    thin,
-)
+from remodel_vision.cables.network import StrandEnd, best_pairs, find_strands, join_prices, thin
 from remodel_vision.cables.warnings import evidence_warnings
 
 RED, BLUE, TABLE = (190, 30, 30), (30, 60, 190), (150, 140, 120)

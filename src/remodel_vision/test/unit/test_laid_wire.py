@@ -8,8 +8,7 @@ import pytest
 from drawn import along, boxes_of, picture
 from panels import example
 
-from remodel_vision.laid_wire import uppermost_past, wire_past
-from remodel_vision.wire_lines import WireLines
+from remodel_vision.laid_wire import WireLines, uppermost_past, wire_past
 from remodel_work.edge.cell_file import read_cell
 from remodel_work.geometry import Pose
 from remodel_work.panel import BOARD

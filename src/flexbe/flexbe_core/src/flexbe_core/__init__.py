@@ -10,7 +10,7 @@ from flexbe_core.core import (
     PriorityContainer,
 )
 from flexbe_core.logger import Logger
-from flexbe_core.ros.waiting import wake_at
+from flexbe_core.ros.driver import wake_at
 from flexbe_core.state_logger import StateLogger
 
 __all__ = [

@@ -10,10 +10,9 @@ import yaml
 from flexbe_core.core.operatable_state_machine import OperatableStateMachine
 from flexbe_core.core.state import State
 from flexbe_core.engine.definitions import Kind, definition_at, first_path, structure_of
-from flexbe_core.engine.engine import ErrorPolicy
-from flexbe_core.engine.errors import StateMachineError
-from flexbe_core.engine.migration import MigratingState
+from flexbe_core.engine.engine import ErrorPolicy, MigratingState
 from flexbe_core.engine.supervision import DEFAULT_AUTONOMY, Preempt, Release
+from flexbe_core.engine.user_data import StateMachineError
 from flexbe_core.logger import Logger
 from flexbe_core.ros.session import own_session
 

@@ -14,7 +14,7 @@ from flexbe_core.core.event_state import EventState
 from flexbe_core.core.operatable_state_machine import OperatableStateMachine
 from flexbe_core.engine.engine import Engine, ErrorPolicy
 from flexbe_core.engine.user_data import UserData
-from flexbe_core.ros.connections import senders
+from flexbe_core.ros.master import senders
 
 Log = list[tuple[str, str]]
 

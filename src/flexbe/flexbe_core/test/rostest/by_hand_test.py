@@ -18,7 +18,7 @@ from flexbe_core import (
 )
 from flexbe_core.core import PreemptableState, UserData
 from flexbe_core.core.exceptions import StateMachineError, UserDataError
-from flexbe_core.engine.errors import BehaviorFailure
+from flexbe_core.engine.user_data import BehaviorFailure
 from flexbe_core.proxy import ProxySubscriberCached
 from flexbe_core.testing import ScriptedState, wait_until
 

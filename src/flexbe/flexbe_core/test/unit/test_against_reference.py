@@ -13,8 +13,8 @@ from flexbe_core.core import ConcurrencyContainer, OperatableStateMachine, Prior
 from flexbe_core.engine import supervision as c
 from flexbe_core.engine.definitions import definitions_below
 from flexbe_core.engine.engine import Engine, ErrorPolicy
-from flexbe_core.engine.errors import BehaviorFailure
 from flexbe_core.engine.supervision import Supervision
+from flexbe_core.engine.user_data import BehaviorFailure
 from flexbe_core.testing import ScriptedState
 
 RUNS = 3000

@@ -4,12 +4,13 @@ import dataclasses
 
 import pytest
 
-from flexbe_core.engine.events import Answered, Refused
 from flexbe_core.engine.supervision import (
     ActiveState,
+    Answered,
     ForceOutcome,
     Lock,
     Pause,
+    Refused,
     Repeat,
     Resume,
     Supervision,

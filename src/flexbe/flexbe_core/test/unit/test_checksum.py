@@ -1,6 +1,6 @@
 """The checksum of the wire protocol."""
 
-from flexbe_core.engine.events import checksum
+from flexbe_core.engine.supervision import checksum
 
 
 def test_known_sums():

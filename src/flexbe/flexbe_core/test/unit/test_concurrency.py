@@ -2,9 +2,8 @@
 
 import pytest
 
-from flexbe_core.engine.errors import BehaviorFailure
-from flexbe_core.engine.events import Entered, Left, Shown, Synced
-from flexbe_core.engine.supervision import Pause, Preempt, Resume
+from flexbe_core.engine.supervision import Entered, Left, Pause, Preempt, Resume, Shown, Synced
+from flexbe_core.engine.user_data import BehaviorFailure
 from flexbe_core.testing import ScriptedState
 
 

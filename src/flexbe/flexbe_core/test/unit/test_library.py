@@ -5,8 +5,8 @@ import textwrap
 import pytest
 
 from flexbe_core import BehaviorLibrary
-from flexbe_core.edge.packages import ManifestError, read_manifest, source_file
-from flexbe_core.engine.events import checksum
+from flexbe_core.behavior_library import ManifestError, read_manifest, source_file
+from flexbe_core.engine.supervision import checksum
 
 PACKAGE = "<package format='3'><name>{name}</name><export><flexbe_behaviors/></export></package>"
 MANIFEST = "<behavior name='{name}'><executable package_path='{path}' class='C'/></behavior>"

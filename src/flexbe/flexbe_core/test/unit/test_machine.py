@@ -5,9 +5,8 @@ import pytest
 from flexbe_core.core import EventState, OperatableStateMachine, StateMachine
 from flexbe_core.core.exceptions import StateError, StateMachineError, UserDataError
 from flexbe_core.engine.engine import Engine, ErrorPolicy
-from flexbe_core.engine.errors import BehaviorFailure
-from flexbe_core.engine.events import Entered, Raised
-from flexbe_core.engine.supervision import Preempt
+from flexbe_core.engine.supervision import Entered, Preempt, Raised
+from flexbe_core.engine.user_data import BehaviorFailure
 from flexbe_core.testing import ScriptedState
 
 

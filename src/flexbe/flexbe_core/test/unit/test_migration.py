@@ -4,11 +4,9 @@ import pytest
 
 from flexbe_core import Behavior, EventState
 from flexbe_core.core import ConcurrencyContainer, OperatableStateMachine
-from flexbe_core.engine.engine import Engine
-from flexbe_core.engine.errors import StateMachineError
-from flexbe_core.engine.events import Answered
-from flexbe_core.engine.migration import attach_state
-from flexbe_core.engine.supervision import Pause, Preempt, Release, Unlock
+from flexbe_core.engine.engine import Engine, attach_state
+from flexbe_core.engine.supervision import Answered, Pause, Preempt, Release, Unlock
+from flexbe_core.engine.user_data import StateMachineError
 from flexbe_core.testing import ScriptedState
 
 

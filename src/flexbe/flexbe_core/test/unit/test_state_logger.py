@@ -8,7 +8,7 @@ import yaml
 
 from flexbe_core import EventState, OperatableStateMachine, StateLogger
 from flexbe_core.engine.engine import Engine
-from flexbe_core.engine.events import Ended
+from flexbe_core.engine.supervision import Ended
 from flexbe_core.state_logger import (
     RunLogFile,
     YamlFormatter,

@@ -2,26 +2,24 @@
 
 from dataclasses import replace
 
-from flexbe_core.engine.events import (
+from flexbe_core.engine.supervision import (
     NO_OUTCOME,
     Answered,
-    Entered,
-    Left,
-    Refused,
-    Requested,
-    Shown,
-    Synced,
-)
-from flexbe_core.engine.supervision import (
     Attach,
+    Entered,
     ForceOutcome,
+    Left,
     Lock,
     Pause,
     Preempt,
+    Refused,
     Repeat,
+    Requested,
     Resume,
     SetAutonomy,
+    Shown,
     Sync,
+    Synced,
     Unlock,
 )
 from flexbe_core.testing import ScriptedState

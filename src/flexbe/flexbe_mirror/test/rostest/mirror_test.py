@@ -14,7 +14,7 @@ from flexbe_msgs.msg import BehaviorSelection, BEStatus
 from std_msgs.msg import Empty, String
 
 from flexbe_core import BehaviorLibrary
-from flexbe_core.engine.events import checksum
+from flexbe_core.engine.supervision import checksum
 
 LIMIT_S = 90.0
 

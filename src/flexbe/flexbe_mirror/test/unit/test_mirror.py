@@ -2,7 +2,7 @@
 
 import pytest
 
-from flexbe_core.engine.events import StatusCode, checksum
+from flexbe_core.engine.supervision import StatusCode, checksum
 from flexbe_mirror.core.mirror import (
     ASK_AFTER_S,
     ASK_AGAIN_S,
@@ -10,9 +10,10 @@ from flexbe_mirror.core.mirror import (
     AskForStructure,
     AskWhere,
     Mirror,
+    Part,
     Show,
+    Tree,
 )
-from flexbe_mirror.core.tree import Part, Tree
 
 TREE = Tree(
     [

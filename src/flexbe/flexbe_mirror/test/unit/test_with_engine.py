@@ -18,12 +18,11 @@ from flexbe_core.engine import supervision as commands
 from flexbe_core.engine.containers import Concurrency
 from flexbe_core.engine.definitions import first_path, structure_of
 from flexbe_core.engine.engine import Engine, ErrorPolicy
-from flexbe_core.engine.errors import BehaviorFailure
-from flexbe_core.engine.events import Left, Shown, StatusCode, Synced, checksum
 from flexbe_core.engine.leaf import Leaf
+from flexbe_core.engine.supervision import Left, Shown, StatusCode, Synced, checksum
+from flexbe_core.engine.user_data import BehaviorFailure
 from flexbe_core.testing import ScriptedState
-from flexbe_mirror.core.mirror import AskWhere, Mirror, Show
-from flexbe_mirror.core.tree import Part, Tree
+from flexbe_mirror.core.mirror import AskWhere, Mirror, Part, Show, Tree
 
 RUNS = 1000
 RUNS_PER_TEST = 250

@@ -3,8 +3,7 @@
 from __future__ import annotations
 
 from flexbe_core import BehaviorLibrary
-from flexbe_onboard.ros.engine_node import EngineNode
-from flexbe_onboard.ros.options import read_options
+from flexbe_onboard.ros.engine_node import EngineNode, read_options
 
 
 class FlexbeOnboard(EngineNode):

@@ -31,7 +31,7 @@ from flexbe_msgs.srv import GetUserdata
 from std_msgs.msg import Bool, Empty, Int32, String, UInt8
 
 from flexbe_core import BehaviorLibrary
-from flexbe_core.engine.events import checksum
+from flexbe_core.engine.supervision import checksum
 from flexbe_core.engine.visit import Known, VisitText
 from flexbe_core.testing import is_sent_to, wait_until
 

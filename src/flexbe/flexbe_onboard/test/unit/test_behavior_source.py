@@ -5,10 +5,13 @@ import sys
 import pytest
 
 from flexbe_core import BehaviorLibrary
-from flexbe_core.engine.events import checksum
-from flexbe_onboard.core.start_request import Modification
-from flexbe_onboard.edge.behavior_source import ModuleFreshness, load_behavior
-from flexbe_onboard.errors import StartError
+from flexbe_core.engine.supervision import checksum
+from flexbe_onboard.edge.behavior_source import (
+    Modification,
+    ModuleFreshness,
+    StartError,
+    load_behavior,
+)
 
 SOURCE = """\
 from flexbe_core import Behavior

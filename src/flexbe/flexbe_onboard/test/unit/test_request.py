@@ -2,8 +2,13 @@
 
 import pytest
 
-from flexbe_onboard.core.start_request import Modification, modified, read_inputs, read_value
-from flexbe_onboard.errors import StartError
+from flexbe_onboard.edge.behavior_source import (
+    Modification,
+    StartError,
+    modified,
+    read_inputs,
+    read_value,
+)
 
 
 @pytest.mark.parametrize(

@@ -16,7 +16,7 @@ from flexbe_msgs.msg import BEStatus
 from std_msgs.msg import Empty
 
 from flexbe_core import BehaviorLibrary
-from flexbe_core.engine.events import checksum
+from flexbe_core.engine.supervision import checksum
 from flexbe_core.testing import is_sent_to
 
 TRANSCRIPTS = Path(__file__).parents[1] / "transcripts"

@@ -4,7 +4,7 @@ import pytest
 
 from flexbe_widget.core.command_line import CommandLine, read_command_line
 from flexbe_widget.core.run_watch import MEANINGS, Ending, ExitCode, RunEnd, exit_code
-from flexbe_widget.ros.start_request import unknown_behavior
+from flexbe_widget.ros.request_server import unknown_behavior
 
 
 def test_without_words_it_serves_requests():

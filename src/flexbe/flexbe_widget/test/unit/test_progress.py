@@ -1,6 +1,6 @@
 """Which progress of an action be_launcher prints."""
 
-from flexbe_widget.core.progress import Progress
+from flexbe_widget.core.run_watch import Progress
 
 
 def lines(*reports):

@@ -2,7 +2,7 @@
 
 import pytest
 
-from flexbe_core.engine.events import StatusCode
+from flexbe_core.engine.supervision import StatusCode
 from flexbe_widget.core.run_watch import (
     SILENCE_S,
     START_LIMIT_S,

@@ -5,7 +5,7 @@ from types import SimpleNamespace
 import pytest
 
 from flexbe_widget.errors import RequestError
-from flexbe_widget.ros.start_request import start_request
+from flexbe_widget.ros.request_server import start_request
 
 
 @pytest.fixture

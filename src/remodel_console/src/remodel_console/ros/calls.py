@@ -22,7 +22,7 @@ from flexbe_msgs.msg import (
 from genpy import Message
 from std_msgs.msg import String
 
-from flexbe_core.ros.connections import senders
+from flexbe_core.ros.master import senders
 from flexbe_synthesizer.core.export.layout import Instantiation
 from remodel_console.core.commands import CommandResult, read_answer, trouble_words
 from remodel_console.core.inspection import ServerRequest

@@ -20,7 +20,7 @@ from flexbe_msgs.srv import GetUserdata
 from genpy import Message
 from std_msgs.msg import Bool, Empty, Int32, String, UInt8
 
-from flexbe_core.ros.connections import is_heard
+from flexbe_core.ros.master import is_heard
 from flexbe_core.ros.topics import START_AT
 from remodel_console.core import order as orders
 from remodel_console.core.order import LogLine

@@ -14,7 +14,7 @@ from actionlib_msgs.msg import GoalStatus
 from remodel_msgs import msg, srv
 from remodel_msgs.msg import RunUseCaseAction, RunUseCaseGoal
 
-from flexbe_core.ros.connections import is_heard
+from flexbe_core.ros.master import is_heard
 from remodel_console.core.record import Record, Summary
 from remodel_console.core.use_case import (
     Changes,

@@ -25,7 +25,10 @@ import cv2
 import numpy as np
 import numpy.typing as npt
 
-from remodel_robot.errors import CalibrationError
+
+class CalibrationError(Exception):
+    """The views cannot be used; the text says which, what was found and what to do."""
+
 
 Array = npt.NDArray[np.float64]
 Picture = npt.NDArray[np.uint8]

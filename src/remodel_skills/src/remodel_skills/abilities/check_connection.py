@@ -20,8 +20,8 @@ from remodel_skills.primitives.observation.observing import go_and_see
 from remodel_skills.primitives.observation.views import ComponentViews, camera_above, expected_place
 from remodel_skills.robot_context import RobotContext, Steps
 from remodel_states.core.codes import Code
-from remodel_vision.component_observation import ComponentObservation
-from remodel_vision.drawing import ORANGE, Drawing
+from remodel_vision.colour import ORANGE, Drawing
+from remodel_vision.device_pose import ComponentObservation
 from remodel_vision.opening_occupancy import (
     Occupancy,
     OpeningObservation,

@@ -21,7 +21,7 @@ from remodel_skills.primitives.observation.observing import (
 from remodel_skills.robot_context import RobotContext, Steps
 from remodel_states.core.codes import Code
 from remodel_vision.cables.lines import arc_lengths
-from remodel_vision.drawing import ORANGE, Drawing
+from remodel_vision.colour import ORANGE, Drawing
 from remodel_vision.wire_ends import STRAIGHT_M, TipObservation, line_between, line_from
 from remodel_work.errors import AbilityError
 from remodel_work.geometry import Array, Pose

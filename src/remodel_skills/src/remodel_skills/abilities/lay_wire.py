@@ -46,8 +46,7 @@ from remodel_skills.primitives.observation.views import clear_sight
 from remodel_skills.primitives.together import move_together
 from remodel_skills.robot_context import RobotContext, Steps
 from remodel_states.core.codes import Code
-from remodel_vision.laid_wire import Passing, uppermost_past
-from remodel_vision.wire_lines import WireLines
+from remodel_vision.laid_wire import Passing, WireLines, uppermost_past
 from remodel_work.camera import Picture
 from remodel_work.errors import AbilityError
 from remodel_work.geometry import Array, Pose, wrap_angle

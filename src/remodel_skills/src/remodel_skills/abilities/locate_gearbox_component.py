@@ -21,9 +21,8 @@ from remodel_skills.primitives.observation.views import (
 )
 from remodel_skills.robot_context import RobotContext, Steps
 from remodel_states.core.codes import Code
-from remodel_vision.component_observation import ComponentObservation
-from remodel_vision.device_pose import stands_there
-from remodel_vision.drawing import ORANGE, Drawing
+from remodel_vision.colour import ORANGE, Drawing
+from remodel_vision.device_pose import ComponentObservation, stands_there
 from remodel_work.camera import Picture
 from remodel_work.errors import AbilityError
 from remodel_work.geometry import Pose

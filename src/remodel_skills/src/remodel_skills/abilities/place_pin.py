@@ -28,7 +28,7 @@ from remodel_skills.primitives.pushing import tool_before
 from remodel_skills.primitives.together import concurrently, move_together
 from remodel_skills.robot_context import RobotContext, Steps
 from remodel_states.core.codes import Code
-from remodel_vision.drawing import ORANGE, Drawing
+from remodel_vision.colour import ORANGE, Drawing
 from remodel_vision.wire_ends import line_from
 from remodel_work.errors import AbilityError
 from remodel_work.geometry import Array, Pose

@@ -13,7 +13,7 @@ from remodel_skills.primitives.motions import move_to, nearest_hand_yaw, rise, w
 from remodel_skills.primitives.picking_up import end_wire
 from remodel_skills.robot_context import RobotContext, Steps
 from remodel_states.core.codes import Code
-from remodel_vision.board.standing import new_length
+from remodel_vision.standing import new_length
 from remodel_work.camera import Picture
 from remodel_work.cell.scrap_bin import bin_of
 from remodel_work.errors import AbilityError

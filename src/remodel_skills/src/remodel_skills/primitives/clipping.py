@@ -26,9 +26,8 @@ from remodel_skills.primitives.observation.observing import go_and_see
 from remodel_skills.primitives.observation.views import camera_above
 from remodel_skills.robot_context import RobotContext, Steps
 from remodel_states.core.codes import Code
-from remodel_vision.drawing import ORANGE, Drawing
-from remodel_vision.laid_wire import wire_around
-from remodel_vision.wire_lines import WireLines
+from remodel_vision.colour import ORANGE, Drawing
+from remodel_vision.laid_wire import WireLines, wire_around
 from remodel_work.errors import AbilityError
 from remodel_work.fixtures import SLOPE_ABOVE_LIPS_M, lip_top
 from remodel_work.geometry import Array, Pose

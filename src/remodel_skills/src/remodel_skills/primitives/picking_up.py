@@ -19,8 +19,8 @@ from remodel_skills.primitives.motions import (
 )
 from remodel_skills.robot_context import RobotContext, Steps
 from remodel_states.core.codes import Code
-from remodel_vision.board.standing import APART_M, graspable_places
-from remodel_vision.drawing import ORANGE, Drawing
+from remodel_vision.colour import ORANGE, Drawing
+from remodel_vision.standing import APART_M, graspable_places
 from remodel_work.camera import Picture
 from remodel_work.cell.feeding import resting_place
 from remodel_work.cell.magazine import plan_presentation

@@ -11,7 +11,7 @@ import rospy
 from actionlib_msgs.msg import GoalStatus
 from genpy import Message
 
-from flexbe_core.ros.connections import drop_dead
+from flexbe_core.ros.master import drop_dead
 from remodel_production.errors import LostError
 
 # [s] wall time between two checks whether a server is there.

@@ -15,7 +15,7 @@ from typing import Any
 import cv2
 
 from remodel_vision.cables import Crossing, DetectedCable, Detection, detect_cables
-from remodel_vision.cables.model import sketch
+from remodel_vision.cables.lines import sketch
 from remodel_vision.edge.picture_file import PictureFileError, read_picture
 
 

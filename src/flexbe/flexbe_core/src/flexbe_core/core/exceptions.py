@@ -1,5 +1,5 @@
 """The exceptions of stock FlexBE's API, at their stock import path."""
 
-from flexbe_core.engine.errors import StateError, StateMachineError, UserDataError
+from flexbe_core.engine.user_data import StateError, StateMachineError, UserDataError
 
 __all__ = ["StateError", "StateMachineError", "UserDataError"]

@@ -8,7 +8,7 @@ from flexbe_core.core.preemptable_state_machine import PreemptableStateMachine
 from flexbe_core.core.state import State
 from flexbe_core.core.state_machine import opened_container
 from flexbe_core.engine.definitions import Definition, Kind, definitions_below
-from flexbe_core.engine.migration import MigratingState, attach_state
+from flexbe_core.engine.engine import MigratingState, attach_state
 from flexbe_core.engine.supervision import DEFAULT_AUTONOMY, PREEMPTED, UNSUPERVISED
 from flexbe_core.engine.user_data import UserData
 from flexbe_core.ros.session import own_session, run_session

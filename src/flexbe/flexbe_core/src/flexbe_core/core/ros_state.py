@@ -7,7 +7,7 @@ from flexbe_core.engine.definitions import Rate
 from flexbe_core.engine.user_data import UserData
 from flexbe_core.proxy.proxy_publisher import ProxyPublisher
 from flexbe_core.proxy.proxy_subscriber_cached import ProxySubscriberCached
-from flexbe_core.ros import breakpoints
+from flexbe_core.ros import command_hub
 from flexbe_core.ros.session import own_session, run_session
 
 
@@ -42,7 +42,7 @@ class RosState(State):
     @property
     def is_breakpoint(self) -> bool:
         """Return whether every transition of the state asks the operator."""
-        return self.path in breakpoints.current()
+        return self.path in command_hub.current()
 
     def set_parent(self, value: State) -> None:
         """Put the state into a container, whose run takes the commands for it from now on."""

@@ -6,8 +6,7 @@ from collections.abc import Iterable
 from typing import Any, ClassVar
 
 from flexbe_core.engine.definitions import Kind, Rate
-from flexbe_core.engine.errors import StateError
-from flexbe_core.engine.user_data import UserData
+from flexbe_core.engine.user_data import StateError, UserData
 
 
 class State:

@@ -8,9 +8,8 @@ from typing import ClassVar
 
 from flexbe_core.core.state import State
 from flexbe_core.engine.definitions import Kind
-from flexbe_core.engine.errors import StateMachineError
 from flexbe_core.engine.supervision import PREEMPTED
-from flexbe_core.engine.user_data import UserData
+from flexbe_core.engine.user_data import StateMachineError, UserData
 from flexbe_core.ros.session import own_session, run_session
 
 

@@ -11,11 +11,9 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 from flexbe_core.engine.definitions import DEFAULT_PERIOD_S, period_s
-from flexbe_core.engine.errors import BehaviorFailure, StateError, StateMachineError
-from flexbe_core.engine.events import Raised
-from flexbe_core.engine.node import NEVER, NOW, Node
-from flexbe_core.engine.supervision import PREEMPTED, Act, Moment, decide
-from flexbe_core.engine.user_data import UserData
+from flexbe_core.engine.leaf import NEVER, NOW, Node
+from flexbe_core.engine.supervision import PREEMPTED, Act, Moment, Raised, decide
+from flexbe_core.engine.user_data import BehaviorFailure, StateError, StateMachineError, UserData
 
 if TYPE_CHECKING:
     from flexbe_core.engine.definitions import Condition, Definition

@@ -2,7 +2,7 @@
 
 The stock classes (flexbe_core.core) are the definitions: trees of states that users write. They
 hold no state of a run but what users put there. The engine has a runtime node for each state of a
-run (node.py) and reads a definition only through the attributes below.
+run (leaf.py) and reads a definition only through the attributes below.
 """
 
 from __future__ import annotations

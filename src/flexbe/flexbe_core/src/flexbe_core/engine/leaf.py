@@ -1,4 +1,16 @@
-"""A state in a run: its events, in the order that users rely on.
+"""A runtime node, and a state in a run: its events in their order, commands applied to it.
+
+Nodes form a tree like the definitions, made when they are first reached. Each kind has the same
+operations; a container passes them on to its active children:
+
+    begin(data) begin a visit
+    tick(now)   execute once; return the outcome with which it ends, or None
+    exit()      end the visit now
+    skip()      pause it: it is not executed for a while
+    hold(now)   try again later, after an error
+    wake()      be due now, with everything active below
+    next_due()  when it is due, as ROS time
+    leaf()      the active state below it that a mirror shows
 
     on_enter (first tick of a visit), on_resume (first tick after a pause), execute, on_exit
 
@@ -8,20 +20,293 @@ error that ends the run, or the end of a container around it.
 
 from __future__ import annotations
 
+from abc import ABC, abstractmethod
+from collections.abc import Mapping
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
-from flexbe_core.engine import supervised_leaf
 from flexbe_core.engine.definitions import Rate, is_over, period_s
-from flexbe_core.engine.errors import StateError
-from flexbe_core.engine.events import Ended, Raised
-from flexbe_core.engine.node import NEVER, NOW, Node
-from flexbe_core.engine.supervision import Act
-from flexbe_core.engine.user_data import UserData
+from flexbe_core.engine.supervision import (
+    NO_OUTCOME,
+    PENDING,
+    Act,
+    ActiveState,
+    Answered,
+    Ended,
+    Forced,
+    ForceOutcome,
+    Moment,
+    Pending,
+    Raised,
+    Refused,
+    Requested,
+    StateCommand,
+    apply_command,
+    decide,
+)
+from flexbe_core.engine.user_data import StateError, UserData
 
 if TYPE_CHECKING:
     from flexbe_core.engine.containers import Container
     from flexbe_core.engine.definitions import Definition
     from flexbe_core.engine.engine import Engine
+
+
+# [s] Due times: at once, and only when woken.
+NOW = float("-inf")
+NEVER = float("inf")
+
+
+class Node(ABC):
+    """What all nodes have in common.
+
+    Attributes:
+        definition: the state or container that it runs.
+        targets: outcome -> label or outcome of the parent; empty for the root, which may return
+            any outcome.
+        shown: whether a mirror shows it: in a concurrency container only the first child.
+        due: [s] when it is due.
+    """
+
+    __slots__ = (
+        "__weakref__",
+        "definition",
+        "due",
+        "engine",
+        "label",
+        "parent",
+        "path",
+        "shown",
+        "targets",
+    )
+
+    def __init__(
+        self, engine: Engine, definition: Definition, parent: Container | None, label: str
+    ) -> None:
+        """Stand for `definition`, which `parent` calls `label`; the root has no parent."""
+        self.engine = engine
+        self.definition = definition
+        self.parent = parent
+        self.label = label
+        self.due = NOW
+        if parent is None:
+            self.path = engine.root_path
+            self.shown = True
+            self.targets: Mapping[str, str] = {}
+        else:
+            self.path = f"{parent.path}/{label}"
+            self.shown = parent.shown
+            self.targets = parent.definition._transitions[label]
+
+    @property
+    @abstractmethod
+    def active(self) -> bool:
+        """Return whether a visit has begun and not ended."""
+
+    @abstractmethod
+    def begin(self, userdata: UserData | None = None) -> None:
+        """Begin a visit with this userdata."""
+
+    @abstractmethod
+    def tick(self, now: float) -> str | None:
+        """Execute once."""
+
+    @abstractmethod
+    def exit(self) -> None:
+        """End the visit."""
+
+    @abstractmethod
+    def skip(self) -> None:
+        """Pause the active states: they are not executed for a while."""
+
+    @abstractmethod
+    def hold(self, now: float) -> None:
+        """Try again later."""
+
+    @abstractmethod
+    def wake(self) -> None:
+        """Make everything that is active due now."""
+
+    @abstractmethod
+    def next_due(self) -> float:
+        """Return when it is due."""
+
+    @abstractmethod
+    def leaf(self) -> Leaf | None:
+        """Return the active state that a mirror shows."""
+
+    def ancestors(self) -> tuple[str, ...]:
+        """Return the paths of the containers around it, from the inside out."""
+        return (self.parent.path, *self.parent.ancestors()) if self.parent else ()
+
+
+def before(leaf: Leaf) -> tuple[Act, str | None]:
+    """Decide what to do before execution.
+
+    Returns:
+        the act and, if the state is not to be executed but to leave, the outcome to leave with.
+    """
+    engine = leaf.engine
+    _apply_commands(leaf)
+    supervision = engine.supervision
+    act = decide(supervision, _moment(leaf, PENDING, supervision.stored))
+    if act is Act.RELEASE:
+        engine.supervision = replace(supervision, stored=None)
+        return act, supervision.stored
+    if act is Act.FORCE:
+        if engine.recording:
+            engine.events.append(Forced(leaf.path, supervision.forced or "", supervision.requested))
+        return act, supervision.forced
+    if act is Act.WITHDRAW:
+        _withdraw(leaf)
+    return act, None
+
+
+def after(leaf: Leaf, outcome: str | None) -> Act:
+    """Decide whether the state may leave with `outcome`, and ask the operator if necessary."""
+    engine = leaf.engine
+    supervision = engine.supervision
+    act = decide(supervision, _moment(leaf, outcome, outcome))
+    if act is Act.STORE:
+        engine.supervision = replace(supervision, stored=outcome, forced=None)
+    elif act is Act.REPEAT:
+        engine.supervision = replace(supervision, repeat=False)
+    elif act is Act.WITHDRAW:
+        _withdraw(leaf)
+    elif act is Act.REQUEST and outcome is not None:
+        engine.supervision = replace(supervision, requested=outcome)
+        engine.events.append(Requested(leaf.path, leaf.definition._outcomes.index(outcome)))
+    return act
+
+
+def left(leaf: Leaf, outcome: str) -> None:
+    """Note for mirrors that the state was left, and clear what applied only to this visit."""
+    engine = leaf.engine
+    if outcome in leaf.definition._outcomes:
+        engine.leave(leaf, outcome)
+    engine.supervision = engine.supervision.after_visit()
+
+
+def exited(leaf: Leaf) -> None:
+    """Clear what applied only to the visit that something else has ended."""
+    engine = leaf.engine
+    if engine.supervision.requested is not None:
+        _withdraw(leaf)
+    engine.supervision = engine.supervision.after_visit()
+
+
+def at_breakpoint(leaf: Leaf, outcome: str | None) -> str | None:
+    """Return the outcome with which a state leaves that is not supervised; None: it stays.
+
+    Operators supervise only the first child of a concurrency container. A state of another child
+    asks them at a breakpoint nevertheless, and is answered by its own name or path.
+    """
+    engine, ordered = leaf.engine, leaf.ordered
+    is_stopped = (
+        ordered is None
+        and outcome in leaf.definition._outcomes
+        and leaf.path in engine.supervision.breakpoints
+    )
+    if not is_stopped or outcome is None:
+        forget_breakpoint(leaf)
+        return outcome
+    if outcome != leaf.requested:
+        leaf.requested = outcome
+        engine.stopped[leaf.path] = leaf
+        engine.events.append(Requested(leaf.path, leaf.definition._outcomes.index(outcome)))
+    return None
+
+
+def forget_breakpoint(leaf: Leaf) -> None:
+    """Withdraw what the operator was asked at a breakpoint, unless that was answered."""
+    if leaf.requested is not None and leaf.ordered is None:
+        leaf.engine.events.append(Requested(leaf.path, NO_OUTCOME))
+    leaf.requested = leaf.ordered = None
+    leaf.engine.stopped.pop(leaf.path, None)
+
+
+def answer_at_breakpoint(engine: Engine, command: ForceOutcome) -> bool:
+    """Take a forced outcome for a state that waits at a breakpoint; return whether it is for one.
+
+    A name that the active supervised state has, too, means that state, as in stock FlexBE.
+    """
+    active = engine.root.leaf()
+    named = [one for one in engine.stopped.values() if command.target in (one.path, one.label)]
+    is_for_active = (
+        active is not None and active.definition._is_controlled and command.target == active.label
+    )
+    if not named or is_for_active:
+        return False
+    outcomes = named[0].definition._outcomes
+    if len(named) > 1:
+        paths = ", ".join(repr(one.path) for one in named)
+        text = f"several states named {command.target!r} wait at breakpoints; name one of {paths}"
+        engine.events += [Answered("transition", (command.target, "")), Refused(text)]
+    elif not 0 <= command.index < len(outcomes):
+        declared = ", ".join(f"{index}: {name}" for index, name in enumerate(outcomes))
+        text = f"asked for outcome {command.index} of {command.target!r}; it has {declared}"
+        answer = Answered("transition", (command.target, command.target))
+        engine.events += [answer, Refused(text)]
+    else:
+        named[0].ordered = outcomes[command.index]
+        named[0].due = NOW
+        engine.events.append(Answered("transition", (command.target, command.target)))
+    return True
+
+
+def _apply_commands(leaf: Leaf) -> None:
+    """Apply the commands to the active state, up to a forced outcome.
+
+    Commands after a forced outcome are for the next state.
+    """
+    engine = leaf.engine
+    if not engine.commands:
+        return
+    name = leaf.definition._name or ""
+    state = ActiveState(name, leaf.path, leaf.definition._outcomes, leaf.ancestors())
+    while engine.commands and engine.supervision.forced is None:
+        command: StateCommand = engine.commands.popleft()
+        engine.supervision, events = apply_command(engine.supervision, command, state)
+        engine.events.extend(events)
+    engine.claim_while_paused(leaf.path)
+
+
+def _moment(leaf: Leaf, outcome: str | Pending | None, leaving_with: str | None) -> Moment:
+    return Moment(
+        path=leaf.path,
+        supervised=True,
+        outcome=outcome,
+        required_autonomy=-1 if leaving_with is None else _required_autonomy(leaf, leaving_with),
+        leaves_locked=leaving_with is not None and _leaves_locked(leaf, leaving_with),
+    )
+
+
+def _required_autonomy(leaf: Leaf, outcome: str) -> int:
+    if leaf.parent is None:
+        return -1
+    levels: Mapping[str, int] = leaf.parent.definition._autonomy.get(leaf.label, {})
+    return levels.get(outcome, -1)
+
+
+def _leaves_locked(leaf: Leaf, outcome: str) -> bool:
+    """Return whether a locked container around the state would be left with this outcome."""
+    locks = leaf.engine.supervision.locks
+    target: str | None = leaf.targets.get(outcome)
+    container = leaf.parent
+    while locks and container is not None and target is not None:
+        if target in container.definition._labels:
+            return False
+        if container.path in locks:
+            return True
+        target = container.targets.get(target)
+        container = container.parent
+    return False
+
+
+def _withdraw(leaf: Leaf) -> None:
+    engine = leaf.engine
+    engine.supervision = replace(engine.supervision, requested=None)
+    engine.events.append(Requested(leaf.path, NO_OUTCOME))
 
 
 # What a state without a parent sees until its userdata is set.
@@ -87,7 +372,7 @@ class Leaf(Node):
         supervised = state._is_controlled
         outcome: str | None = None
         if supervised:
-            act, outcome = supervised_leaf.before(self)
+            act, outcome = before(self)
             if act is not Act.EXECUTE and outcome is None:
                 if act is Act.SKIP:
                     self.skip()
@@ -106,19 +391,19 @@ class Leaf(Node):
         if outcome is not None and outcome not in self.targets and self.targets:
             raise StateError(self._undeclared(outcome))
         if supervised:
-            act = supervised_leaf.after(self, outcome)
+            act = after(self, outcome)
             if act is Act.REPEAT:
                 self._repeat()
                 return None
             outcome = outcome if act is Act.LEAVE else None
         elif self.requested is not None or self.engine.supervision.breakpoints:
-            outcome = supervised_leaf.at_breakpoint(self, outcome)
+            outcome = at_breakpoint(self, outcome)
         if outcome is None:
             self._stay(now)
             return None
         self._leave()
         if supervised:
-            supervised_leaf.left(self, outcome)
+            left(self, outcome)
         if self.engine.recording:
             self.engine.events.append(Ended(self.path, outcome))
         return outcome
@@ -127,9 +412,9 @@ class Leaf(Node):
         """End the visit; an error in on_exit is reported as an event, and stops nothing."""
         self.skipped = False
         if self.definition._is_controlled:
-            supervised_leaf.exited(self)
+            exited(self)
         elif self.requested is not None:
-            supervised_leaf.forget_breakpoint(self)
+            forget_breakpoint(self)
         if self.entered:
             try:
                 self._leave()

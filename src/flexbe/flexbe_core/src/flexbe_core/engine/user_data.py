@@ -1,4 +1,6 @@
-"""Userdata: a view on a container's data, as one state may see it.
+"""Userdata as one state may see it, and what can go wrong in a run.
+
+The first three are stock FlexBE's: users catch them by name, and they share no base but Exception.
 
 A view has a store of its own on top of a reference (another view, or a dict). Reading tries the
 store first, then the reference through the remapping. Writing an output key writes both.
@@ -16,7 +18,33 @@ from collections.abc import Collection, Mapping, Sequence
 from operator import attrgetter
 from typing import Any
 
-from flexbe_core.engine.errors import UserDataError
+
+class StateError(Exception):
+    """A state is used in a way that its definition does not allow."""
+
+
+class StateMachineError(Exception):
+    """A container is built or used incorrectly."""
+
+
+class UserDataError(Exception):
+    """Userdata is read or written against its declaration."""
+
+
+class BehaviorFailure(Exception):  # noqa: N818 - a failure of the behavior, not an error in it
+    """A state could not continue, and no operator is present to help: the run ends.
+
+    Attributes:
+        path: path of the state or container that could not continue.
+        cause: what it raised.
+    """
+
+    def __init__(self, path: str, cause: Exception) -> None:
+        """Say which state failed and why."""
+        super().__init__(f"{path or 'the root container'}: {type(cause).__name__}: {cause}")
+        self.path = path
+        self.cause = cause
+
 
 _set = object.__setattr__
 

@@ -16,8 +16,7 @@ from typing import TYPE_CHECKING, Any
 from flexbe_core.engine.user_data import Fingerprint, Value, fingerprint, is_unchanged
 
 if TYPE_CHECKING:
-    from flexbe_core.engine.leaf import Leaf
-    from flexbe_core.engine.node import Node
+    from flexbe_core.engine.leaf import Leaf, Node
     from flexbe_core.engine.user_data import UserData
 
 

@@ -1,4 +1,4 @@
-"""The connection of a process to one action server."""
+"""The connection of a process to one action server, and waits for nodes not there yet."""
 
 from __future__ import annotations
 
@@ -6,15 +6,38 @@ import itertools
 import threading
 import time
 import weakref
+from collections.abc import Callable
 
 import rospy
 from actionlib_msgs.msg import GoalID, GoalStatus, GoalStatusArray
 from genpy import Message
 
-from flexbe_core.proxy.waits import WAITS
 from flexbe_core.ros import clock
-from flexbe_core.ros.connections import hears, senders
-from flexbe_core.ros.waiting import Waiting
+from flexbe_core.ros.driver import Waiting
+from flexbe_core.ros.master import hears, senders
+
+
+class Waits:
+    """What the process has made of the waits of its proxies; an engine reports them to operators.
+
+    Attributes:
+        report: gets in words what is waited for.
+        is_stopped: returns whether nothing is to be waited for any more.
+    """
+
+    def __init__(self) -> None:
+        """Begin with waits that are logged, and end by themselves."""
+        self.report: Callable[[str], None] = _log
+        self.is_stopped: Callable[[], bool] = lambda: False
+
+
+def _log(text: str) -> None:
+    rospy.logwarn("%s", text)
+
+
+# Connections belong to the process, and so do the waits for them.
+WAITS = Waits()
+
 
 # [s] A server publishes its status at 5 Hz of ROS time. If it is silent this long, in ROS time as
 # well as in wall time (ROS time may be stopped, or ten times as fast), it hangs.

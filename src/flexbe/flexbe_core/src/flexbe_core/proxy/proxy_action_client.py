@@ -10,8 +10,7 @@ import rospy
 from actionlib_msgs.msg import GoalStatus
 from genpy import Message
 
-from flexbe_core.proxy.action_connection import ActionConnection, Goal
-from flexbe_core.proxy.waits import WAITS
+from flexbe_core.proxy.action_connection import WAITS, ActionConnection, Goal
 
 # [s] How long send_goal waits for a server that was not there at set-up.
 _RETRY_S = 1.0

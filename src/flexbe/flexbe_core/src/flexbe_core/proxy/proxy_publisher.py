@@ -9,7 +9,7 @@ from typing import ClassVar
 import rospy
 from genpy import Message
 
-from flexbe_core.ros.connections import is_heard
+from flexbe_core.ros.master import is_heard
 
 # [s] Wall time after which waiting for a subscriber is logged.
 _LOG_AFTER_S = 0.5

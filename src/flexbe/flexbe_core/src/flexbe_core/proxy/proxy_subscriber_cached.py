@@ -11,7 +11,7 @@ import rospy
 from genpy import Message
 
 from flexbe_core.core.state import State
-from flexbe_core.ros.waiting import Waiting
+from flexbe_core.ros.driver import Waiting
 
 Callback = Callable[[Message], None]
 

@@ -1,6 +1,9 @@
-"""Commands from operators, passed to the runs of this process.
+"""Commands from operators, passed to the runs of this process, and breakpoints.
 
 There is one subscription per topic and process, whatever runs in it.
+
+rospy subscribes to a parameter the first time it is read with a cache, but asks the master each
+time for one that is not set. So the cache is read here once it is subscribed.
 """
 
 from __future__ import annotations
@@ -11,7 +14,9 @@ import weakref
 from collections.abc import Callable, Collection
 from typing import Any, Protocol
 
+import rospy
 from genpy import Message
+from rospy.impl.paramserver import get_param_server_cache
 
 from flexbe_core.engine.supervision import (
     Attach,
@@ -29,6 +34,7 @@ from flexbe_core.engine.supervision import (
 )
 from flexbe_core.proxy.proxy_subscriber_cached import ProxySubscriberCached
 from flexbe_core.ros import topics
+from flexbe_core.ros.topics import BREAKPOINTS_PARAMETER
 
 _COMMANDS: dict[str, Callable[[Any], Command]] = {
     topics.PREEMPT: lambda message: Preempt(),
@@ -127,3 +133,18 @@ class CommandHub:
 
 # Subscriptions belong to the process, as all proxies' do.
 HUB = CommandHub()
+
+
+@functools.cache
+def subscribe() -> None:
+    """Subscribe to changes of the parameter; the first call is a call to the master."""
+    rospy.get_param_cached(BREAKPOINTS_PARAMETER, [])
+
+
+def current() -> frozenset[str]:
+    """Return the paths of the states that are breakpoints."""
+    try:
+        paths = get_param_server_cache().get(BREAKPOINTS_PARAMETER)
+    except KeyError:
+        return frozenset()
+    return frozenset(map(str, paths)) if isinstance(paths, list) else frozenset()

@@ -1,19 +1,79 @@
-"""Drive an engine to its end: sleep until something is due or arrives, then let it run."""
+"""Drive an engine to its end: sleep until something is due or a message wakes a state.
+
+If a state asks a proxy for something that has not arrived, the proxy's channel remembers the state.
+The arrival wakes that state at once, and no other. States without a driver (executed by hand, as
+in flexbe_testing) are not remembered; their caller polls them.
+"""
 
 from __future__ import annotations
 
 import queue
+import threading
 import time
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
 
 import rospy
 
 from flexbe_core.engine.engine import Engine
-from flexbe_core.engine.events import Event
 from flexbe_core.engine.leaf import Leaf
-from flexbe_core.engine.supervision import Command
+from flexbe_core.engine.supervision import Command, Event
 from flexbe_core.ros import clock
-from flexbe_core.ros.waiting import Waiting, driven_by
+
+_local = threading.local()
+
+
+@contextmanager
+def driven_by(driver: Driver) -> Iterator[None]:
+    """Name the driver of what this thread executes."""
+    before = getattr(_local, "driver", None)
+    _local.driver = driver
+    try:
+        yield
+    finally:
+        _local.driver = before
+
+
+def wake_at(ros_time_s: float) -> None:
+    """Have the calling state executed next at this ROS time [s], or earlier if it is woken.
+
+    For states that wait for a time: they are exact, and not polled at their rate. To be called in
+    each execution that returns None.
+    """
+    driver = getattr(_local, "driver", None)
+    if driver is not None:
+        driver.engine.executing.alarm = ros_time_s
+
+
+class Waiting:
+    """The states that wait for one thing."""
+
+    def __init__(self) -> None:
+        """Begin with none."""
+        self._states: set[tuple[Driver, Leaf]] = set()
+
+    def add_caller(self) -> None:
+        """Remember the state that this thread executes; to be called before checking for arrivals.
+
+        The other order would lose what arrives in between.
+        """
+        driver = getattr(_local, "driver", None)
+        if driver is not None:
+            self._states.add((driver, driver.engine.executing))
+            driver.remember(self)
+
+    def wake_all(self) -> None:
+        """Wake and forget all states; call it after the arrival has been stored."""
+        states, self._states = self._states, set()
+        for driver, leaf in states:
+            driver.wake(leaf)
+
+    def forget(self, driver: Driver) -> None:
+        """Forget the states of a driver."""
+        for entry in tuple(self._states):
+            if entry[0] is driver:
+                self._states.discard(entry)
+
 
 # [s] Wall time after which events are published even if no state waits.
 _REPORT_EVERY_S = 0.01

@@ -23,7 +23,8 @@ from std_msgs.msg import String, UInt8
 
 from flexbe_core.core.state import State
 from flexbe_core.engine.definitions import definition_at, structure_of
-from flexbe_core.engine.events import (
+from flexbe_core.engine.leaf import Leaf
+from flexbe_core.engine.supervision import (
     NO_OUTCOME,
     Answered,
     Ended,
@@ -35,11 +36,10 @@ from flexbe_core.engine.events import (
     Refused,
     Requested,
     Shown,
+    ShowValues,
     Synced,
     checksum,
 )
-from flexbe_core.engine.leaf import Leaf
-from flexbe_core.engine.supervision import ShowValues
 from flexbe_core.engine.user_data import Value
 from flexbe_core.engine.visit import Printer, Visit, visit_of
 from flexbe_core.logger import Logger

@@ -15,8 +15,7 @@ import rospy
 from flexbe_core.engine.containers import Container
 from flexbe_core.engine.definitions import Definition, Kind
 from flexbe_core.engine.engine import Engine, ErrorPolicy
-from flexbe_core.engine.leaf import Leaf
-from flexbe_core.engine.node import Node
+from flexbe_core.engine.leaf import Leaf, Node
 from flexbe_core.engine.supervision import (
     Attach,
     Command,
@@ -26,7 +25,7 @@ from flexbe_core.engine.supervision import (
     ShowValues,
 )
 from flexbe_core.logger import Logger
-from flexbe_core.ros import breakpoints, clock
+from flexbe_core.ros import clock, command_hub
 from flexbe_core.ros.clock import Beat
 from flexbe_core.ros.command_hub import HUB, STOPS
 from flexbe_core.ros.driver import Driver, Inbox
@@ -241,7 +240,7 @@ class Session:
         """Read what users and operators may have set since the last time."""
         supervision = self.engine.supervision
         level = self._root.autonomy_level if self._has_level else supervision.autonomy_level
-        points = breakpoints.current() if self._root._is_controlled else supervision.breakpoints
+        points = command_hub.current() if self._root._is_controlled else supervision.breakpoints
         if (level, points) != (supervision.autonomy_level, supervision.breakpoints):
             self.engine.supervision = replace(supervision, autonomy_level=level, breakpoints=points)
             self._publish_level()
@@ -273,7 +272,7 @@ def connect() -> None:
     VISITS.advertise()
     Logger.initialize()
     HUB.subscribe()
-    breakpoints.subscribe()
+    command_hub.subscribe()
 
 
 def own_session(definition: State) -> Session:

@@ -17,8 +17,16 @@ from genpy import Message
 from std_msgs.msg import Empty, Int32, String, UInt8
 
 from flexbe_core.ros import topics
-from flexbe_mirror.core.mirror import Action, AskForStructure, AskWhere, Mirror, Show
-from flexbe_mirror.core.tree import Part, StructureError, Tree
+from flexbe_mirror.core.mirror import (
+    Action,
+    AskForStructure,
+    AskWhere,
+    Mirror,
+    Part,
+    Show,
+    StructureError,
+    Tree,
+)
 
 # [s] Wall time between two checks of what is late.
 _CHECK_EVERY_S = 0.1

@@ -20,7 +20,9 @@ import threading
 import time
 import traceback
 from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass
 from enum import Enum
+from typing import TypeVar
 
 import rospy
 from flexbe_msgs.msg import BehaviorSelection, BEStatus, CommandFeedback, UserdataInfo
@@ -28,19 +30,84 @@ from flexbe_msgs.srv import GetUserdata, GetUserdataRequest, GetUserdataResponse
 from std_msgs.msg import Empty
 
 from flexbe_core import Behavior, BehaviorLibrary, Logger
-from flexbe_core.engine.errors import BehaviorFailure, StateMachineError
-from flexbe_core.engine.migration import MigratingState
+from flexbe_core.engine.engine import ErrorPolicy, MigratingState
+from flexbe_core.engine.user_data import BehaviorFailure, StateMachineError
+from flexbe_core.proxy.action_connection import WAITS
 from flexbe_core.proxy.proxy_action_client import cancel_all_goals
-from flexbe_core.proxy.waits import WAITS
 from flexbe_core.ros import session
 from flexbe_core.ros.command_hub import HUB
 from flexbe_core.ros.topics import START_AT
-from flexbe_onboard.core.hang import HangPolicy
-from flexbe_onboard.core.start_request import Modification, read_inputs
-from flexbe_onboard.edge.behavior_source import ModuleFreshness, load_behavior
-from flexbe_onboard.errors import StartError
-from flexbe_onboard.ros.hang_watch import HangWatch
-from flexbe_onboard.ros.options import Options
+from flexbe_onboard.edge.behavior_source import (
+    Modification,
+    ModuleFreshness,
+    OptionError,
+    StartError,
+    load_behavior,
+    read_inputs,
+)
+from flexbe_onboard.ros.hang_watch import HangPolicy, HangWatch
+
+Choice = TypeVar("Choice", bound=Enum)
+
+# [s] Wall time; no state of this project takes a tenth of it for one execution.
+DEFAULT_HANG_LIMIT_S = 10.0
+
+
+@dataclass(frozen=True)
+class Options:
+    """What the launch file chooses.
+
+    Attributes:
+        modifications: apply source changes that come with a request.
+        start_at: start behaviors at any of their states, if a request says so.
+        enable_clear_imports: import modules of behaviors and states again for each run.
+        on_error: what happens when a state raises.
+        hang_limit_s: [s] wall time of one execution that counts as a hang; 0 for none.
+        on_hang: what happens when a state does not return.
+    """
+
+    modifications: bool = False
+    start_at: bool = False
+    enable_clear_imports: bool = False
+    on_error: ErrorPolicy = ErrorPolicy.AUTO
+    hang_limit_s: float = DEFAULT_HANG_LIMIT_S
+    on_hang: HangPolicy = HangPolicy.REPORT
+
+
+def read_options(modifications: bool = False) -> Options:
+    """Return the options that the node's private parameters choose.
+
+    Args:
+        modifications: whether source changes are applied if the parameter is not set.
+
+    Raises:
+        OptionError: if a parameter is invalid.
+    """
+    return Options(
+        modifications=bool(rospy.get_param("~modifications", modifications)),
+        start_at=bool(rospy.get_param("~start_at", False)),
+        enable_clear_imports=bool(rospy.get_param("~enable_clear_imports", False)),
+        on_error=_choice("~on_error", ErrorPolicy.AUTO),
+        hang_limit_s=_seconds("~hang_limit_s", DEFAULT_HANG_LIMIT_S),
+        on_hang=_choice("~on_hang", HangPolicy.REPORT),
+    )
+
+
+def _choice(name: str, default: Choice) -> Choice:
+    found = rospy.get_param(name, default.value)
+    for member in type(default):
+        if member.value == found:
+            return member
+    known = ", ".join(str(member.value) for member in type(default))
+    raise OptionError(f"{name} must be one of {known}; found {found!r}")
+
+
+def _seconds(name: str, default: float) -> float:
+    found = rospy.get_param(name, default)
+    if isinstance(found, int | float) and not isinstance(found, bool) and 0 <= found < float("inf"):
+        return float(found)
+    raise OptionError(f"{name} must be a number of seconds, 0 or more; found {found!r}")
+
 
 # [s] Least wall time between STARTED and the status that ends the run: tools and tests read the
 # last status a hundred times per second, and must not miss a short run.

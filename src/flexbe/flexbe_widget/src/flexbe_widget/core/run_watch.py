@@ -1,4 +1,4 @@
-"""Follow one run by the statuses of the engine.
+"""Follow one run by the statuses of the engine, and choose which progress is worth a line.
 
     SENT --STARTED--> RUNNING --FINISHED, FAILED--> ended    (--SWITCHING, STARTED--> RUNNING)
       |                  |
@@ -14,12 +14,12 @@ number of statuses may have arrived before the request was sent; they show what 
 
 from __future__ import annotations
 
+import re
 from collections.abc import Collection
 from dataclasses import dataclass
 from enum import Enum, IntEnum
 
-from flexbe_core.engine.events import StatusCode
-from flexbe_core.engine.supervision import PREEMPTED
+from flexbe_core.engine.supervision import PREEMPTED, StatusCode
 
 # [s] Wall time without a heartbeat (1 Hz) after which the engine counts as gone.
 SILENCE_S = 5.0
@@ -164,3 +164,37 @@ def exit_code(ending: Ending, success: Collection[str] = ()) -> ExitCode:
     if ending.end is RunEnd.FINISHED and is_failed:
         return ExitCode.FAILED_OUTCOME
     return _BY_END[ending.end]
+
+
+# [%] An action that reports nothing else is printed again after this much more.
+_STEP = 25.0
+
+_NUMBER = re.compile(r"\d+(?:\.\d+)?")
+
+
+class Progress:
+    """The progress of one action: a line for each step, and for each quarter of its work."""
+
+    def __init__(self, name: str) -> None:
+        """Begin with nothing printed.
+
+        Args:
+            name: of the action, such as InsertCable.
+        """
+        self._name = name
+        self._goal = self._step = ""
+        self._printed = 0.0
+
+    def line(self, goal: str, step: str, percentage: float) -> str:
+        """Return what is worth printing of a feedback; empty if nothing is.
+
+        Args:
+            goal: its actionlib id.
+            step: what is being done, for a person. Another number in it is no other step.
+            percentage: how much is done, 0 to 100.
+        """
+        what = _NUMBER.sub("", step)
+        if goal == self._goal and what == self._step and percentage < self._printed + _STEP:
+            return ""
+        self._goal, self._step, self._printed = goal, what, percentage
+        return f"{self._name} {percentage:.0f} %: {step}"

@@ -36,8 +36,7 @@ from flexbe_msgs.msg import (
 )
 
 from flexbe_core import BehaviorLibrary
-from flexbe_core.engine.events import StatusCode
-from flexbe_core.engine.supervision import PREEMPTED
+from flexbe_core.engine.supervision import PREEMPTED, StatusCode
 from flexbe_core.ros.master import SteadyActionServer
 from flexbe_widget.core.run_watch import (
     ENGINE_LOST_TEXT,
@@ -53,7 +52,7 @@ from flexbe_widget.core.run_watch import (
 )
 from flexbe_widget.errors import RequestError
 from flexbe_widget.ros.engine_link import EngineLink, Entered, Status
-from flexbe_widget.ros.start_request import start_request
+from flexbe_widget.ros.request_server import start_request
 
 # [s] Wall time between two checks of the time limits.
 _CHECK_EVERY_S = 0.1

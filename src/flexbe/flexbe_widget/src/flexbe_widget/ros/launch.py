@@ -19,8 +19,14 @@ from flexbe_widget.core.run_watch import (
     exit_code,
     is_busy,
 )
-from flexbe_widget.ros.action_feedback import ActionFeedback, Progressed
-from flexbe_widget.ros.engine_link import EngineLink, Entered, Logged, Status
+from flexbe_widget.ros.engine_link import (
+    ActionFeedback,
+    EngineLink,
+    Entered,
+    Logged,
+    Progressed,
+    Status,
+)
 
 # [s] Wall time between two checks of the heartbeat.
 _CHECK_EVERY_S = 0.5

@@ -12,11 +12,10 @@ from remodel_skills.primitives.motions import park
 from remodel_skills.primitives.observation.views import ComponentViews
 from remodel_skills.robot_context import RobotContext, Steps
 from remodel_states.core.codes import Code
-from remodel_vision.board.standing import route_outside_ducts
-from remodel_vision.drawing import BLUE, ORANGE, Drawing
-from remodel_vision.laid_wire import Passing, points_of_colour, wire_past
+from remodel_vision.colour import BLUE, ORANGE, Drawing
+from remodel_vision.laid_wire import Passing, WireLines, points_of_colour, wire_past
 from remodel_vision.opening_occupancy import is_seen_empty
-from remodel_vision.wire_lines import WireLines
+from remodel_vision.standing import route_outside_ducts
 from remodel_work.camera import Picture, best_view
 from remodel_work.errors import AbilityError
 from remodel_work.fixtures import SLOPE_LENGTH_M, WALL_M

@@ -13,9 +13,9 @@ from remodel_skills.primitives.observation.views import views_around
 from remodel_skills.robot_context import RobotContext, Steps
 from remodel_states.core.codes import Code
 from remodel_vision.cables.lines import arc_lengths, at_distance
-from remodel_vision.drawing import BLUE, ORANGE, Drawing
+from remodel_vision.colour import BLUE, ORANGE, Drawing
+from remodel_vision.laid_wire import WireLines
 from remodel_vision.wire_ends import EndObservation, TipObservation, find_ends, line_from
-from remodel_vision.wire_lines import WireLines
 from remodel_work.camera import Picture
 from remodel_work.errors import AbilityError
 from remodel_work.geometry import Array

@@ -12,8 +12,12 @@ from remodel_skills.parameters import LookingParameters
 from remodel_skills.primitives.motions import move_to, nearest_hand_yaw, rise
 from remodel_skills.robot_context import RobotContext, Steps
 from remodel_states.core.codes import Code
-from remodel_vision.component_observation import ComponentObservation
-from remodel_vision.device_pose import DeviceView, locate_device, search_device
+from remodel_vision.device_pose import (
+    ComponentObservation,
+    DeviceView,
+    locate_device,
+    search_device,
+)
 from remodel_vision.label_pose import LabelView, locate_component
 from remodel_vision.labels import find_labels, search_label
 from remodel_vision.panel_pose import register_panel

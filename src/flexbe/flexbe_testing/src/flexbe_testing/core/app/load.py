@@ -6,9 +6,10 @@ import re
 from collections.abc import Iterator
 from dataclasses import replace
 
-from flexbe_testing.core.app import text as cut
+from flexbe_testing.core.app import behavior as cut
 from flexbe_testing.core.app.behavior import (
     AppBehavior,
+    AppLoadError,
     BehaviorDefinition,
     BehaviorUse,
     Child,
@@ -16,9 +17,8 @@ from flexbe_testing.core.app.behavior import (
     Known,
     Point,
     StateUse,
+    without_blanks,
 )
-from flexbe_testing.core.app.states import without_blanks
-from flexbe_testing.core.app.text import AppLoadError
 
 _CLASS = re.compile(r"^\s*class\s+(\w+)\s*\((.*)\):", re.MULTILINE)
 _CREATED = re.compile(r"\n'''\nCreated on ([^'\n]*)\n@author: ([^'\n]*)\n'''\s*\nclass ")

@@ -8,17 +8,15 @@ from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from difflib import get_close_matches
 
-from flexbe_testing.core.app.behavior import Known
+from flexbe_testing.core.app.behavior import AppLoadError, Known, judge_state
 from flexbe_testing.core.app.load import load_behavior
-from flexbe_testing.core.app.states import judge_state
-from flexbe_testing.core.app.text import AppLoadError
-from flexbe_testing.core.doctor.blocking import check_blocking
 from flexbe_testing.core.doctor.module import (
     Finding,
     FlexbeClass,
     Kind,
     Module,
     Severity,
+    check_blocking,
     is_self_attribute,
     parse_module,
 )

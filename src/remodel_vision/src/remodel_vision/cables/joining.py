@@ -8,9 +8,9 @@ from dataclasses import dataclass
 import cv2
 import numpy as np
 
+from remodel_vision.cables.foreground import DEVIATIONS, Foreground
 from remodel_vision.cables.lines import across_gap, arc_lengths, parabola, smooth
-from remodel_vision.cables.strands.foreground import DEVIATIONS, Foreground
-from remodel_vision.cables.strands.network import (
+from remodel_vision.cables.network import (
     ALONE,
     EndId,
     Network,

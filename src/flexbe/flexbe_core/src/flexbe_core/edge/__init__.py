@@ -1,1 +1,0 @@
-"""Where behaviors are on disk: packages, manifests, source files."""

@@ -1,1 +1,0 @@
-"""What a start request says, read without ROS."""

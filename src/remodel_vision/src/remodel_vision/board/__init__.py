@@ -1,1 +1,0 @@
-"""What wires there are on a plate, by depth pictures from above."""

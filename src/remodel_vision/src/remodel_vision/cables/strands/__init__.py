@@ -1,1 +1,0 @@
-"""From a picture to strands: foreground, skeleton, and strands joined into rough cables."""
