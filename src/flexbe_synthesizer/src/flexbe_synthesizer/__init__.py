@@ -1,1 +1,0 @@
-"""State charts in XML, checked and written as FlexBE behaviors."""

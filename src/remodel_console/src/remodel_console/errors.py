@@ -13,7 +13,6 @@ class ChartErrorsError(CommandError):
     """
 
     def __init__(self, text: str, count: int) -> None:
-        """Take the answer, and how many errors it lists."""
         super().__init__(text)
         self.count = count
 
@@ -26,7 +25,6 @@ class FileChangedError(CommandError):
     """
 
     def __init__(self, text: str, now: str) -> None:
-        """Take the answer, and what is in the file."""
         super().__init__(text)
         self.now = now
 

@@ -201,7 +201,6 @@ class Desk:
     """Executes the commands of all pages."""
 
     def __init__(self, journal: Journal) -> None:
-        """Record commands in a journal."""
         self._journal = journal
 
     def give(
@@ -266,7 +265,6 @@ class Steering:
     """
 
     def __init__(self, live: Live, session: Session, catalogue: Catalogue) -> None:
-        """Join what runs, what is loaded, and what is installed."""
         self.live = live
         self.session = session
         self.catalogue = catalogue

@@ -18,7 +18,6 @@ class Watched:
     """Counts those who watch; pages begin and end on different threads."""
 
     def __init__(self) -> None:
-        """Begin without viewers."""
         self._lock = threading.Lock()
         self._viewers = 0
 
@@ -45,7 +44,6 @@ class Pictures(Watched):
     """Holds the pictures, and knows whether a page shows them."""
 
     def __init__(self) -> None:
-        """Start without pictures and without viewers."""
         super().__init__()
         self._newest: dict[str, Picture] = {}
         self._wake: Callable[[], None] = lambda: None
@@ -70,7 +68,6 @@ class Scene(Watched):
     """Holds the newest state, and knows how many pages and recorders want it."""
 
     def __init__(self) -> None:
-        """Begin with an empty cell, and without viewers."""
         super().__init__()
         self.now = CellState()
 
@@ -79,7 +76,6 @@ class Meshes:
     """Numbers the files of meshes, by which pages request them; no other file is given away."""
 
     def __init__(self) -> None:
-        """Know no file yet."""
         self._lock = threading.Lock()
         self._files: list[str] = []
 
@@ -106,7 +102,6 @@ class RunValues:
     """
 
     def __init__(self) -> None:
-        """Begin without a run."""
         self.found: deque[StateValues] = deque(maxlen=_MOST_FOUND)
         self._lock = threading.Lock()
         self._known = Known()
@@ -167,7 +162,6 @@ class TopicPlots(Watched):
     """
 
     def __init__(self) -> None:
-        """Begin without plots and without viewers."""
         self.source: TopicSource | None = None
         super().__init__()
         self._samples: dict[str, Samples] = {}

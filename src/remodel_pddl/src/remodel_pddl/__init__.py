@@ -1,1 +1,0 @@
-"""Problems and plans in the languages of other planners: PDDL, HDDL, PlanBench."""

@@ -1,1 +1,0 @@
-"""Production knowledge: designs, the boards they are built on, and the database of orders."""

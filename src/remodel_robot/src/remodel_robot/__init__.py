@@ -1,1 +1,0 @@
-"""What a cell with a real robot needs."""

@@ -82,7 +82,6 @@ class Drawing:
     """An annotated copy of a picture; sizes follow its resolution."""
 
     def __init__(self, rgb: Image, view: View) -> None:
-        """Copy the picture."""
         self.image = rgb.copy()
         self.view = view
         self._unit = max(1.0, rgb.shape[0] / 480)

@@ -24,7 +24,6 @@ class Behavior:
     """The base of all behaviors; override `create`."""
 
     def __init__(self) -> None:
-        """Begin without parameters and contained behaviors."""
         self.name = "unnamed behavior"
         self.id = 0
         self.contains: dict[str, Behavior] = {}

@@ -159,7 +159,6 @@ class BehaviorLibrary:
     """
 
     def __init__(self) -> None:
-        """Read the manifests of all packages."""
         self._warned: set[str] = set()
         self._added: list[tuple[str, str | None]] = []
         self.parse_packages()

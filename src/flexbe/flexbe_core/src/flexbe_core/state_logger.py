@@ -65,7 +65,6 @@ class RunLogFile(logging.FileHandler):
     """The file of a run log; where it cannot be written on, the behavior runs on without it."""
 
     def __init__(self, filename: str) -> None:
-        """Open the file."""
         super().__init__(filename, encoding="utf-8")
         self._is_given_up = False
 

@@ -1,1 +1,0 @@
-"""Questions of states to the operator, and his answers."""

@@ -1,1 +1,0 @@
-"""States of general use, one per module."""

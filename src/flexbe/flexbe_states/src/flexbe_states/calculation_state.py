@@ -17,7 +17,6 @@ class CalculationState(EventState):
     """
 
     def __init__(self, calculation):
-        """Take the function."""
         super().__init__(
             outcomes=["done"], input_keys=["input_value"], output_keys=["output_value"]
         )

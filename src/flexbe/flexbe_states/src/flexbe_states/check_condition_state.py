@@ -16,7 +16,6 @@ class CheckConditionState(EventState):
     """
 
     def __init__(self, predicate):
-        """Take the predicate."""
         super().__init__(outcomes=["true", "false"], input_keys=["input_value"])
         self._predicate = predicate
         self._outcome = "false"

@@ -15,7 +15,6 @@ class DecisionState(EventState):
     """
 
     def __init__(self, outcomes, conditions):
-        """Take the function."""
         super().__init__(outcomes=outcomes, input_keys=["input_value"])
         self._conditions = conditions
         self._warned = False

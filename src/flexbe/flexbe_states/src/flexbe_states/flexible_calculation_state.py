@@ -18,7 +18,6 @@ class FlexibleCalculationState(EventState):
     """
 
     def __init__(self, calculation, input_keys):
-        """Take the function."""
         super().__init__(outcomes=["done"], input_keys=input_keys, output_keys=["output_value"])
         self._calculation = calculation
         self._calculation_result = None

@@ -17,7 +17,6 @@ class FlexibleCheckConditionState(EventState):
     """
 
     def __init__(self, predicate, input_keys):
-        """Take the predicate."""
         super().__init__(outcomes=["true", "false"], input_keys=input_keys)
         self._predicate = predicate
         self._outcome = "false"

@@ -26,7 +26,6 @@ class InputState(EventState):
     """
 
     def __init__(self, request, message):
-        """Take the question."""
         super().__init__(
             outcomes=["received", "aborted", "no_connection", "data_error"], output_keys=["data"]
         )

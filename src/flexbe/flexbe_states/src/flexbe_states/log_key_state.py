@@ -16,7 +16,6 @@ class LogKeyState(EventState):
     """
 
     def __init__(self, text, severity=Logger.REPORT_HINT):
-        """Take the text."""
         super().__init__(outcomes=["done"], input_keys=["data"])
         self._text = text
         self._severity = severity

@@ -14,7 +14,6 @@ class LogState(EventState):
     """
 
     def __init__(self, text, severity=Logger.REPORT_HINT):
-        """Take the text."""
         super().__init__(outcomes=["done"])
         self._text = text
         self._severity = severity

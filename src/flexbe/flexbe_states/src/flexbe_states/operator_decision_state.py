@@ -13,7 +13,6 @@ class OperatorDecisionState(EventState):
     """
 
     def __init__(self, outcomes, hint=None, suggestion=None):
-        """Take the hint and the suggestion."""
         super().__init__(outcomes=outcomes)
         self._hint = hint
         self._suggestion = suggestion

@@ -16,7 +16,6 @@ class PublisherEmptyState(EventState):
     """
 
     def __init__(self, topic):
-        """Advertise the topic."""
         super().__init__(outcomes=["done"])
         self._topic = topic
         self._pub = ProxyPublisher({topic: Empty})

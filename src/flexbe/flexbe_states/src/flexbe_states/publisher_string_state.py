@@ -18,7 +18,6 @@ class PublisherStringState(EventState):
     """
 
     def __init__(self, topic):
-        """Advertise the topic."""
         super().__init__(outcomes=["done"], input_keys=["value"])
         self._topic = topic
         self._pub = ProxyPublisher({topic: String})

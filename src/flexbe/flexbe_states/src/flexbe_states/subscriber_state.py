@@ -24,7 +24,6 @@ class SubscriberState(EventState):
     """
 
     def __init__(self, topic, blocking=True, clear=False):
-        """Subscribe, if the topic is known already."""
         super().__init__(outcomes=["received", "unavailable"], output_keys=["message"])
         self._topic = topic
         self._blocking = blocking

@@ -15,7 +15,6 @@ class UserDataState(EventState):
     """
 
     def __init__(self, data):
-        """Take the value."""
         super().__init__(outcomes=["done"], output_keys=["data"])
         self._data = data
 

@@ -15,7 +15,6 @@ class WaitState(EventState):
     """
 
     def __init__(self, wait_time):
-        """Take the time."""
         super().__init__(outcomes=["done"])
         self._wait = float(wait_time)
         self._start = 0.0

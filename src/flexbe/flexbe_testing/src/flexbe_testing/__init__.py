@@ -1,1 +1,0 @@
-"""Test states and behaviors with cases in YAML."""

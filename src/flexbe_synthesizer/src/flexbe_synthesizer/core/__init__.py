@@ -1,1 +1,0 @@
-"""The compiler itself: values in, values out; no ROS, clock, thread or disk."""

@@ -1,1 +1,0 @@
-"""The disk and the Graphviz process."""

@@ -149,7 +149,6 @@ class Stamps:
     """The stamps of all that a result was read from."""
 
     def __init__(self) -> None:
-        """Begin with nothing read."""
         self._taken: dict[str, Stamp | None] = {}
         self._is_any_fresh = False
 

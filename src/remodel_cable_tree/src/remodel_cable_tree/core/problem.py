@@ -91,7 +91,6 @@ class Constraint:
     ends: tuple[int, ...]
 
     def __str__(self) -> str:
-        """Return the line for a person."""
         if self.table == "AtomicConstraints":
             text = "end {} before end {}".format(*self.ends)
         elif self.table == "DisjunctiveConstraints":

@@ -1,1 +1,0 @@
-"""The kernel's library, and the clock of a search."""

@@ -89,7 +89,6 @@ class KernelCableTree:
         self._handle = self._library.remodel_cable_tree_new(ctypes.byref(self._structure))
 
     def __del__(self) -> None:
-        """Free the kernel's copy."""
         if hasattr(self, "_handle"):
             self._library.remodel_cable_tree_delete(self._handle)
 

@@ -1,1 +1,0 @@
-"""What commands mean, and what they do to the chart that is edited."""

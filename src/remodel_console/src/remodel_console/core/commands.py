@@ -87,7 +87,6 @@ class Door:
     public_hosts: tuple[str, ...] = ()
 
     def __post_init__(self) -> None:
-        """Refuse a door that stands open to a network."""
         if not is_local(self.host) and not self.has_users:
             raise ValueError(
                 f"a console on {self.host} needs users, because other computers can reach it: "
@@ -155,7 +154,6 @@ class CommandResult:
     words: str
 
     def __str__(self) -> str:
-        """Return the text that is sent."""
         return f"{self.state}: {self.command}\n{self.words}"
 
 
@@ -237,7 +235,6 @@ class Verb(Enum):
     SWITCH = ("switch", r"switch|goforit", "continue in the version saved since the start")
 
     def __init__(self, usage: str, pattern: str, help_text: str) -> None:
-        """Name the parts of the value."""
         self.usage = usage
         self.pattern = re.compile(pattern)
         self.help_text = help_text

@@ -35,7 +35,6 @@ class Start:
     start_at: str = ""
 
     def __str__(self) -> str:
-        """Return the words for the record."""
         given = " ".join(f"{key}={value}" for key, value in (*self.parameters, *self.inputs))
         where = f" at {self.start_at}" if self.start_at else ""
         level = LEVELS.get(self.level, self.level)
@@ -59,7 +58,6 @@ class Switch:
     level: int
 
     def __str__(self) -> str:
-        """Return the words for the record."""
         return f"switch to the saved version of '{self.name}'"
 
 
@@ -70,7 +68,6 @@ class Attach:
     level: int
 
     def __str__(self) -> str:
-        """Return the words for the record."""
         return f"attach at level {LEVELS.get(self.level, self.level)}"
 
 
@@ -81,7 +78,6 @@ class SetAutonomy:
     level: int
 
     def __str__(self) -> str:
-        """Return the words for the record."""
         return f"autonomy {LEVELS.get(self.level, self.level)}"
 
 
@@ -104,7 +100,6 @@ class TakeOutcome:
     is_by_path: bool = False
 
     def __str__(self) -> str:
-        """Return the words for the record."""
         return f"{'force' if self.is_forced else 'confirm'} '{self.outcome}' of {self.path}"
 
 
@@ -115,7 +110,6 @@ class Hold:
     path: str
 
     def __str__(self) -> str:
-        """Return the words for the record."""
         return f"lock {self.path}"
 
 
@@ -126,7 +120,6 @@ class Release:
     path: str = ""
 
     def __str__(self) -> str:
-        """Return the words for the record."""
         return f"unlock {self.path}".rstrip()
 
 
@@ -135,7 +128,6 @@ class Pause:
     """Execute the active state no further."""
 
     def __str__(self) -> str:
-        """Return the words for the record."""
         return "pause"
 
 
@@ -144,7 +136,6 @@ class Resume:
     """Execute the active state again."""
 
     def __str__(self) -> str:
-        """Return the words for the record."""
         return "resume"
 
 
@@ -153,7 +144,6 @@ class Repeat:
     """Leave the active state and enter it again."""
 
     def __str__(self) -> str:
-        """Return the words for the record."""
         return "repeat"
 
 
@@ -162,7 +152,6 @@ class Preempt:
     """Stop the behavior."""
 
     def __str__(self) -> str:
-        """Return the words for the record."""
         return "stop"
 
 
@@ -171,7 +160,6 @@ class ShowStructure:
     """Publish the states and their outcomes."""
 
     def __str__(self) -> str:
-        """Return the words for the record."""
         return "show structure"
 
 

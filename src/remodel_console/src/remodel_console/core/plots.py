@@ -215,7 +215,6 @@ class Samples:
     """The last minute of a value; of each fifth of a second its least and its greatest."""
 
     def __init__(self) -> None:
-        """Begin without any."""
         self._bins: deque[list[tuple[float, float]]] = deque()
 
     def add(self, time_s: float, value: float) -> None:

@@ -1,1 +1,0 @@
-"""The charts and behaviors on the disk."""

@@ -364,7 +364,6 @@ class SceneFiles:
     """A folder of recordings; the first line of each says of which run it is."""
 
     def __init__(self, folder: Path) -> None:
-        """Keep recordings in a folder, which is made when the first is written."""
         self._folder = folder
 
     def begin(

@@ -351,7 +351,6 @@ class OrderDrafts:
     """Keeps the drafts, as long as the console runs."""
 
     def __init__(self, folder: Path, planner: Planner) -> None:
-        """Keep their files in a folder, which is made for the first and removed at the end."""
         self._folder = folder
         self._planner = planner
         self._drafts: dict[str, OrderDraft] = {}

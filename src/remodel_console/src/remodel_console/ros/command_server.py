@@ -51,7 +51,6 @@ class Runtime:
     VERBS = tuple(_WORDS)
 
     def __init__(self, steering: Steering) -> None:
-        """Listen to what the engine acknowledges."""
         self._steering = steering
         self._changed = threading.Condition()
         self._wanted = ""  # word of the command that is to be acknowledged

@@ -110,7 +110,6 @@ class Nodes:
     """The nodes that are registered at the master, as of the last call of `look`."""
 
     def __init__(self) -> None:
-        """Begin without any."""
         self._publishers: dict[str, list[str]] = {}
         self._services: frozenset[str] = frozenset()
         self._answers: dict[str, NodeAnswer] = {}

@@ -136,7 +136,6 @@ class SceneLink:
     """Keeps a scene up to date."""
 
     def __init__(self, scene: Scene, end: threading.Event) -> None:
-        """Follow the cell whenever the scene is wanted, until the event is set."""
         self._scene = scene
         self._end = end
         self._lock = threading.Lock()
@@ -387,7 +386,6 @@ class TopicValues:
     def __init__(
         self, plots: TopicPlots, chosen: Callable[[], tuple[str, ...]], end: threading.Event
     ) -> None:
-        """Follow what is chosen until the event is set."""
         self._plots = plots
         self._chosen = chosen
         self._end = end

@@ -1,1 +1,0 @@
-"""What browser tests of the console need; other packages' tests use it too."""

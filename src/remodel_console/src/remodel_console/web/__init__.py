@@ -1,1 +1,0 @@
-"""The pages, and who may open them; the only room that knows NiceGUI."""

@@ -215,7 +215,6 @@ class LiveCell(CellPanel):
     """Shows the live cell, and the forces of a wire from the record of the run."""
 
     def __init__(self, console: Console) -> None:
-        """Build it."""
         super().__init__(console.scene, console.meshes, self._about)
         self._console = console
         self._use_case: UseCase | None = None

@@ -276,7 +276,6 @@ class CertificatePanel:
     """Shows the certificate, as it is written when the chart is saved."""
 
     def __init__(self) -> None:
-        """Build an empty panel."""
         self._words = ui.label(_NO_CERTIFICATE).classes("soft")
         self._tables = ui.html("", sanitize=False).classes("wide certificate")
         self._shown: Inspection | None = None
@@ -301,7 +300,6 @@ class ChangesPanel:
     """Shows which lines Save changes."""
 
     def __init__(self, page: EditingPage) -> None:
-        """Build an empty panel."""
         self._page = page
         self._words = ui.label(_NO_CHANGE).classes("soft")
         self._lines = ui.html("", sanitize=False).classes("wide changes")

@@ -36,7 +36,6 @@ class Clipboard:
     """The states that were copied last on a page."""
 
     def __init__(self, page: EditingPage) -> None:
-        """Begin empty."""
         self._page = page
         self._copied = Copied()
 
@@ -135,7 +134,6 @@ class LibraryPanel:
     """Lists what is installed; a click shows what it does and offers to add it."""
 
     def __init__(self, page: EditingPage) -> None:
-        """Build the panel."""
         self._page = page
         self._known: object = None
         self._entries: list[tuple[str, ui.element]] = []

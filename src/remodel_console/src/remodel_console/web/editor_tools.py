@@ -23,7 +23,6 @@ class EditorTools:
     """A row of buttons."""
 
     def __init__(self, page: EditingPage) -> None:
-        """Build the row."""
         self._page = page
         with ui.row().classes("tools"):
             self._open = ui.select(

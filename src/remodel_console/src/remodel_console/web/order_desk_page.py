@@ -418,7 +418,6 @@ class _Section:
     def __init__(
         self, key: Callable[[DraftState], object], show: Callable[[DraftState], None]
     ) -> None:
-        """Take what the card shows of a draft, and what adds the card."""
         self._key = key
         self._add = show
         self._shown: object = self  # equal to no key

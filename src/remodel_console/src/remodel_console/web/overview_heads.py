@@ -29,7 +29,6 @@ class LastHead:
     """Shows why nothing can be started or commanded, and what was known last, without a button."""
 
     def __init__(self) -> None:
-        """Build it."""
         with ui.element("div").classes("ending bad").props('role="alert"'):
             self._words = ui.label()
         with ui.element("div").classes("outdated wide") as self._run:
@@ -66,7 +65,6 @@ class OrderForm:
     """Shows how the last run ended, and starts another."""
 
     def __init__(self, page: Page, start: StartOrder) -> None:
-        """Build the form."""
         self._page = page
         self._start_order = start
         with ui.element("div").classes("ending") as self._ending:
@@ -239,7 +237,6 @@ class StartCard:
     """Built once; shown while nothing runs, and while what was started here is starting."""
 
     def __init__(self, page: Page) -> None:
-        """Build the card."""
         self._page = page
         self._everything = page.console.everything
         with ui.element("div").classes("start-card wide") as self._card:

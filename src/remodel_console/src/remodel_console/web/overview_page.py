@@ -44,7 +44,6 @@ class FigureCards:
     """
 
     def __init__(self) -> None:
-        """Build the cards."""
         self._shown: Figures | None = None
         with ui.element("div").classes("figures") as self.area:
             self._yield, self._yields = _card("First-pass yield", "First-pass yield over tasks")

@@ -53,7 +53,6 @@ class Arrangement:
         self._elements: dict[str, ui.element] = {}
 
     def __bool__(self) -> bool:
-        """Return whether the page has parts to arrange."""
         return bool(self._parts)
 
     @contextmanager
@@ -185,7 +184,6 @@ class Broadcast:
     """Calls a function of each open page on the event loop."""
 
     def __init__(self) -> None:
-        """Begin with no page."""
         self._shows: dict[str, Callable[[], None]] = {}
         self._loop: asyncio.AbstractEventLoop | None = None
         self._is_resting = False
@@ -240,7 +238,6 @@ class Page:
     def __init__(
         self, console: Console, broadcast: Broadcast, request: Request, title: str
     ) -> None:
-        """Build the page, and have it shown again after each change."""
         self.console = console
         self._user = user_of(request.scope)
         self.query = request.query_params

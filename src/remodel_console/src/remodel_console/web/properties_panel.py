@@ -37,7 +37,6 @@ class ContainerPanel:
     """Shows what can be set of a container, and sets it."""
 
     def __init__(self, page: EditingPage) -> None:
-        """Remember for the page which containers use synthesis."""
         self._page = page
         self._uses_synthesis: set[Path] = set()
 
@@ -213,7 +212,6 @@ class PropertiesPanel:
     """Shows what can be set, and sets it."""
 
     def __init__(self, page: EditingPage) -> None:
-        """Build an empty panel."""
         self._page = page
         self._area = ui.element("div").classes("properties")
         self._container = ContainerPanel(page)

@@ -31,7 +31,6 @@ class ValuePlots:
     """Shows each value with its line, and what it was at a moment."""
 
     def __init__(self) -> None:
-        """Show nothing yet."""
         self._area = ui.element("div").classes("wide")
         self._area.style(f"--left: {LEFT}px; --right: {RIGHT}px; --bottom: {BOTTOM}px")
         self._length_s = 0.0

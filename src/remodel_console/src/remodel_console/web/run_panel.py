@@ -35,7 +35,6 @@ class StartForm:
     """Shows what the loaded behavior takes, and starts it."""
 
     def __init__(self, page: Page, start: Callable[[Start], Awaitable[object]]) -> None:
-        """Build the form."""
         self._page = page
         self._start_behavior = start
         self._known = {one.name: one for one in page.console.catalogue.behaviors()}

@@ -132,7 +132,6 @@ class StatePanel:
     drawing: BehaviorDrawing
 
     def __init__(self, page: Page) -> None:
-        """Build the panel."""
         self._page = page
         self._picked = ""  # path in the drawing
         self._states: tuple[str, ...] = ()

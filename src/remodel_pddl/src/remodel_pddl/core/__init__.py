@@ -1,1 +1,0 @@
-"""The problem in symbols, which pddl and hddl write."""

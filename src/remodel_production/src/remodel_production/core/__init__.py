@@ -1,1 +1,0 @@
-"""Pure knowledge: orders, catalogues, designs and boards; values in, values out."""

@@ -100,7 +100,6 @@ class TerminalRef:
     terminal: str
 
     def __str__(self) -> str:
-        """Return it as people write it."""
         return f"{self.component}:{self.terminal}"
 
 

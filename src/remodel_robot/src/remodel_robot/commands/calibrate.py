@@ -1,4 +1,4 @@
-"""Calibrate the camera on the wrist and the panel from views of a ChArUco board on disk."""
+"""Calibrate the camera on the wrist and the panel from views of a ChArUco board."""
 
 from __future__ import annotations
 

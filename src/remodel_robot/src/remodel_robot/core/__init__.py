@@ -1,1 +1,0 @@
-"""Computations without disk or ROS."""

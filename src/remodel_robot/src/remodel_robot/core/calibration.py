@@ -61,7 +61,6 @@ class Board:
     dictionary: str = "DICT_5X5_100"
 
     def __post_init__(self) -> None:
-        """Check the sizes."""
         if min(self.columns, self.rows) < 3 or not 0 < self.marker_m < self.square_m:
             raise CalibrationError(
                 f"board of {self.columns} x {self.rows} squares of {self.square_m} m with markers "

@@ -80,7 +80,6 @@ class _Joints:
     """Which end of which strand is joined to which."""
 
     def __init__(self, network: Network, rgb: Pixels) -> None:
-        """Join the strands at every place where some meet."""
         self._network = network
         self._strand_ends: dict[EndId, StrandEnd] = network.strand_ends(rgb)
         self._partner: dict[EndId, EndId] = {}

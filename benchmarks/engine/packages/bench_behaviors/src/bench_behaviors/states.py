@@ -1,5 +1,5 @@
 """States as users write them: polling, and with no knowledge of this engine."""
-# ruff: noqa: ANN001, ANN201, ANN204, D102, D107
+# ruff: noqa: ANN001, ANN201, ANN204, D102
 
 import time
 

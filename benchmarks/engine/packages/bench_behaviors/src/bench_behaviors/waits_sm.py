@@ -1,5 +1,5 @@
 """Bench Waits."""
-# ruff: noqa: ANN201, ANN204, D102, D107
+# ruff: noqa: ANN201, ANN204, D102
 
 from bench_behaviors.states import LoopState, OvershootState
 from flexbe_core import Behavior, OperatableStateMachine

@@ -20,6 +20,5 @@ class PreemptableState(LockableState):
     _preempted_name: ClassVar[str] = PREEMPTED
 
     def __init__(self, *args: object, **kwargs: object) -> None:
-        """Declare outcomes and userdata keys, see State."""
         super().__init__(*args, **kwargs)
         PreemptableState.preempt = False

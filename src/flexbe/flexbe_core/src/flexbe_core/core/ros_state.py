@@ -22,7 +22,6 @@ class RosState(State):
     _sub = ProxySubscriberCached()
 
     def __init__(self, *args: object, **kwargs: object) -> None:
-        """Declare outcomes and userdata keys, see State."""
         super().__init__(*args, **kwargs)
         self.execute = self.__execute_by_hand
 

@@ -43,7 +43,6 @@ class StateMachine(State):
     __holds_errors__: ClassVar[bool] = False
 
     def __init__(self, *args: object, **kwargs: object) -> None:
-        """Declare outcomes and userdata keys, see State."""
         super().__init__(*args, **kwargs)
         self._labels: dict[str, State] = {}
         self._transitions: dict[str, dict[str, str]] = {}
@@ -56,19 +55,15 @@ class StateMachine(State):
         _opened.containers.append(self)
 
     def __exit__(self, *exception: object) -> None:
-        """Close the container."""
         _opened.containers.pop()
 
     def __contains__(self, label: str) -> bool:
-        """Return whether there is a state with this label."""
         return label in self._labels
 
     def __getitem__(self, label: str) -> State:
-        """Return the state with this label."""
         return self._labels[label]
 
     def __iter__(self) -> Iterator[str]:
-        """Iterate over the labels in order of definition."""
         return iter(self._labels)
 
     @staticmethod

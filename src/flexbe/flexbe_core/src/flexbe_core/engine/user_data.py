@@ -40,7 +40,6 @@ class BehaviorFailure(Exception):  # noqa: N818 - a failure of the behavior, not
     """
 
     def __init__(self, path: str, cause: Exception) -> None:
-        """Say which state failed and why."""
         super().__init__(f"{path or 'the root container'}: {type(cause).__name__}: {cause}")
         self.path = path
         self.cause = cause
@@ -121,7 +120,6 @@ class UserData:
             self._data.pop(remove_key, None)
 
     def __contains__(self, key: str) -> bool:
-        """Return whether the key can be read."""
         if key in self._data:
             return True
         if self._input_keys is not None and key not in self._input_keys:
@@ -146,7 +144,6 @@ class UserData:
         return value
 
     def __setitem__(self, key: str, value: Value) -> None:
-        """Write into the own store and, if the key is declared as output, into the reference."""
         self._data[key] = value
         if self._output_keys is not None and key in self._output_keys:
             self._reference[self._remap.get(key, key)] = value
@@ -172,20 +169,16 @@ class UserData:
         self[key] = value
 
     def __enter__(self) -> UserData:
-        """Open the view."""
         return self
 
     def __exit__(self, kind: type | None, error: BaseException | None, trace: object) -> None:
-        """Check what was lent, unless another error is on its way."""
         if kind is None:
             self._check()
 
     def __len__(self) -> int:
-        """Return the number of values in the own store and in the reference."""
         return len(self._data) + len(self._reference)
 
     def __str__(self) -> str:
-        """Return what is in the own store and in the reference, for a person to read."""
         own = ", ".join(f"{key}={value!r}" for key, value in self._data.items())
         return f"UserData({own})" + (f" on {self._reference}" if len(self._reference) else "")
 

@@ -26,7 +26,6 @@ class Waits:
     """
 
     def __init__(self) -> None:
-        """Begin with waits that are logged, and end by themselves."""
         self.report: Callable[[str], None] = _log
         self.is_stopped: Callable[[], bool] = lambda: False
 
@@ -209,7 +208,6 @@ class Goal:
     """
 
     def __init__(self, goal_id: str, sent_at: float = 0.0) -> None:
-        """Begin as a goal that is being sent."""
         self.goal_id = goal_id
         self.sent_at = sent_at
         self.status: int = GoalStatus.PENDING

@@ -32,7 +32,6 @@ class ProxyActionClient:
     def __init__(
         self, topics: Mapping[str, type[Message]] | None = None, wait_duration: float = 10
     ) -> None:
-        """Connect to action servers, given with their action types."""
         self._goals: dict[str, Goal] = {}
         for topic, action_type in (topics or {}).items():
             self.setupClient(topic, action_type, wait_duration)

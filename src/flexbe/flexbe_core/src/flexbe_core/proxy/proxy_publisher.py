@@ -29,7 +29,6 @@ class ProxyPublisher:
         _latch: bool = False,
         _queue_size: int = 100,
     ) -> None:
-        """Advertise topics, given with their message types."""
         for topic, message_type in (topics or {}).items():
             self.createPublisher(topic, message_type, _latch, _queue_size)
 

@@ -23,7 +23,6 @@ class ProxyServiceCaller:
         persistent: bool = False,
         wait_duration: float = 10,
     ) -> None:
-        """Set up services, given with their types."""
         for topic, service_type in (topics or {}).items():
             self.setupService(topic, service_type, persistent, wait_duration)
 

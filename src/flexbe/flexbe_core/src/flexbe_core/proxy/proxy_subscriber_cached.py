@@ -54,7 +54,6 @@ class ProxySubscriberCached:
     _channels: ClassVar[dict[str, _Channel]] = {}
 
     def __init__(self, topics: Mapping[str, type[Message]] | None = None) -> None:
-        """Subscribe to topics, given with their message types."""
         for topic, message_type in (topics or {}).items():
             self.subscribe(topic, message_type)
 

@@ -32,7 +32,6 @@ class Standstill:
     """Whether simulated time has stopped, by readings of both clocks."""
 
     def __init__(self) -> None:
-        """Begin without a reading."""
         self._at = -1.0
         self._since = 0.0
         self._is_reported = False
@@ -113,7 +112,6 @@ class Beat:
     """
 
     def __init__(self, rate: object) -> None:
-        """Begin to beat now."""
         self.rate = rate
         self._last = now()
 

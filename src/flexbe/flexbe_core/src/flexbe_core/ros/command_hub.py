@@ -74,7 +74,6 @@ class CommandHub:
     """
 
     def __init__(self) -> None:
-        """Begin without a subscription."""
         self.preempts = 0
         self._lock = threading.Lock()
         self._listeners: weakref.WeakSet[Listener] = weakref.WeakSet()

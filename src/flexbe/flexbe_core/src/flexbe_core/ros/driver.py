@@ -49,7 +49,6 @@ class Waiting:
     """The states that wait for one thing."""
 
     def __init__(self) -> None:
-        """Begin with none."""
         self._states: set[tuple[Driver, Leaf]] = set()
 
     def add_caller(self) -> None:

@@ -134,7 +134,6 @@ class Mirror:
     """
 
     def __init__(self) -> None:
-        """Begin without a behavior."""
         self.path = ""
         self._is_new = True
         self._behavior_id: int | None = None

@@ -36,7 +36,6 @@ class FlexbeMirror:
     """The mirror of the engine of one namespace."""
 
     def __init__(self) -> None:
-        """Begin to follow what runs, or the next behavior that is started."""
         self._mirror = Mirror()
         self._arrived: queue.SimpleQueue[Callable[[], list[Action]]] = queue.SimpleQueue()
         self._update = rospy.Publisher(topics.BEHAVIOR_UPDATE, String, queue_size=100, latch=True)

@@ -1,1 +1,0 @@
-"""Sources of behaviors: read, checked, imported."""

@@ -233,7 +233,6 @@ class ModuleFreshness:
     """The modules imported for behaviors, and the stamps of their files at that time."""
 
     def __init__(self) -> None:
-        """Treat the modules imported so far as the engine's own, which are never forgotten."""
         self._own = frozenset(sys.modules)
         self._stamps: dict[str, tuple[str, Stamp | None]] = {}
         self._packages: dict[str, bool] = {}

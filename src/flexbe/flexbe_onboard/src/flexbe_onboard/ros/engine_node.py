@@ -146,7 +146,6 @@ class EngineNode:
     """The behavior engine of one namespace."""
 
     def __init__(self, options: Options) -> None:
-        """Advertise everything, and publish that the engine is ready."""
         self._options = options
         self._lock = threading.Lock()
         self._phase = Phase.IDLE

@@ -1,1 +1,0 @@
-"""What a test case says; no ROS, no disk."""

@@ -1,1 +1,0 @@
-"""Test cases and recorded messages on disk."""

@@ -1,1 +1,0 @@
-"""Run test cases in a ROS node."""

@@ -66,7 +66,6 @@ class MessageStubs(importlib.abc.MetaPathFinder, importlib.abc.Loader):
     """Imports message packages that no other finder finds, and remembers them."""
 
     def __init__(self) -> None:
-        """Begin with none."""
         self.stubbed: set[str] = set()
 
     def find_spec(

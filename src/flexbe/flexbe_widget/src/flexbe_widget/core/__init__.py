@@ -1,1 +1,0 @@
-"""What start requests and statuses mean, without ROS."""

@@ -1,1 +1,0 @@
-"""Files that values come from."""

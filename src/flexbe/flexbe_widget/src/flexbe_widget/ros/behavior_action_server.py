@@ -115,7 +115,6 @@ class BehaviorActionServer:
     """Serves flexbe/execute_behavior."""
 
     def __init__(self) -> None:
-        """Begin to serve."""
         self._library = BehaviorLibrary()
         self._events: queue.SimpleQueue[object] = queue.SimpleQueue()
         self._link = EngineLink(self._events.put)

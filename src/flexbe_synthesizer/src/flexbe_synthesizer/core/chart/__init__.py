@@ -1,1 +1,0 @@
-"""The language: charts as values, and their XML, read and written."""

@@ -249,7 +249,6 @@ class Input(Element):
     default: Literal = None
 
     def __post_init__(self) -> None:
-        """Freeze the default."""
         object.__setattr__(self, "default", freeze(self.default))
 
 
@@ -276,7 +275,6 @@ class Param(Element):
     spelled: str = field(default="", compare=False, repr=False)
 
     def __post_init__(self) -> None:
-        """Freeze the value."""
         object.__setattr__(self, "value", freeze(self.value))
 
     @property
@@ -435,7 +433,6 @@ class Chart(Element):
     tags: str = ""
 
     def __post_init__(self) -> None:
-        """Bring the description into the form that an XML comment can hold."""
         lines = inspect.cleandoc("\n".join(self.description.splitlines())).splitlines()
         tidy = "\n".join(line.rstrip() for line in lines).strip()
         object.__setattr__(self, "description", re.sub(r"-(?=-)", "- ", tidy))

@@ -107,7 +107,6 @@ class ProblemKind(Enum):
     )
 
     def __init__(self, slug: str, meaning: str, severity: Severity = Severity.ERROR) -> None:
-        """Name the parts of the value."""
         self.slug = slug
         self.meaning = meaning
         self.severity = severity

@@ -1,1 +1,0 @@
-"""Proofs that a chart can run, or everything that is wrong with it."""

@@ -149,7 +149,6 @@ class NestedBehaviors:
     """
 
     def __init__(self, library: Library, charts: Mapping[str, BehaviorClass]) -> None:
-        """Find behaviors in the library, and charts by their paths."""
         self._library = library
         self._charts = charts
         self.read_back: dict[str, Chart | None] = {}

@@ -87,7 +87,6 @@ class _Read(NamedTuple):
     connection: Connection | None
 
     def __str__(self) -> str:
-        """Return what messages call it."""
         return f"input '{self.name}' of {label(self.entry.node)}"
 
 

@@ -45,7 +45,6 @@ class Support(Enum):
     __hash__ = object.__hash__  # that of Enum is a function in Python
 
     def __init__(self, package: str, class_name: str, extension: str) -> None:
-        """Name the parts of the value."""
         self.package = package
         self.class_name = class_name
         self.extension = extension
@@ -217,7 +216,6 @@ class Wiring:
     """
 
     def __init__(self, scope: Scope) -> None:
-        """Sort the connections."""
         chart_name = scope.chart.name
         self.into_state: dict[tuple[str, str], Connection] = {}
         self.into_machine: dict[tuple[str, str], Connection] = {}

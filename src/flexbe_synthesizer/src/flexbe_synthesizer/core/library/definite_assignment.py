@@ -28,7 +28,6 @@ class Values:
     """
 
     def __init__(self, scope: Scope, flow: DataFlow, graph: Graph) -> None:
-        """Sort the outputs by home and by state."""
         self.graph = graph
         self._by_id = scope.by_id
         known = flow.read | {port.name for port in scope.chart.outputs}
@@ -184,7 +183,6 @@ class LastWriters:
     """
 
     def __init__(self, values: Values) -> None:
-        """Number the states that write homes that others write too."""
         self._values = values
         self._shared: dict[str, list[str]] = {}
         self._bits: dict[tuple[str, str], int] = {}
@@ -240,7 +238,6 @@ class Steps:
     """The states of a graph that are still to be visited, in the graph's order."""
 
     def __init__(self, graph: Graph) -> None:
-        """Begin with the initial state."""
         self._order = graph.order
         self._rank = graph.rank
         self._waiting: list[int] = []
@@ -254,7 +251,6 @@ class Steps:
             heappush(self._waiting, self._rank[name])
 
     def __iter__(self) -> Iterator[str]:
-        """Yield the states until none is left."""
         while self._waiting:
             name = self._order[heappop(self._waiting)]
             self._is_waiting.discard(name)

@@ -1,1 +1,0 @@
-"""Plain FlexBE behaviors as values: lowered from charts, read from files, and lifted to charts."""

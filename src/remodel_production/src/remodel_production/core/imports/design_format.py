@@ -326,7 +326,6 @@ class DesignFormat:
     join: Join | None = None
 
     def __post_init__(self) -> None:
-        """Check the name."""
         if not _NAME.fullmatch(self.name):
             raise DesignError(
                 f"name of a design format: {self.name!r} found; needed: lower-case letters, "

@@ -208,7 +208,6 @@ class Assumptions:
     """One line for each assumption, in the order of the file."""
 
     def __init__(self, catalogue: Catalogue) -> None:
-        """Assume a catalogue's defaults."""
         self._catalogue = catalogue
         self.lines: list[str] = []
 

@@ -1,1 +1,0 @@
-"""The production database: its models and versions, and orders as rows."""

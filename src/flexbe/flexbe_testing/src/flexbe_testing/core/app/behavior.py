@@ -438,7 +438,6 @@ class Known:
         states: Iterable[StateDefinition] = (),
         behaviors: Iterable[BehaviorDefinition] = (),
     ) -> None:
-        """Know these states and behaviors, in this order."""
         self.states = tuple(states)
         self.behaviors = tuple(behaviors)
 

@@ -145,7 +145,6 @@ class CreateSection:
     """The text of `create`; what cannot be read is added to `lost`."""
 
     def __init__(self, text: str, known: Known, lost: list[str]) -> None:
-        """Find the definitions and blocks of the containers."""
         self._text, self._known, self._lost = text, known, lost
         self._definitions = {
             found[2]: _definition(found)

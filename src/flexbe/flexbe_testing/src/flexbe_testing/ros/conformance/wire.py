@@ -285,7 +285,6 @@ class Interrupt:
     """
 
     def __init__(self) -> None:
-        """Begin before any Ctrl-C."""
         self.is_set = False
         self._is_held = False
 

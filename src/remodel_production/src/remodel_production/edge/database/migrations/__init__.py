@@ -1,1 +1,0 @@
-"""Migrations of the production database, run by edge/database/production_database.py."""

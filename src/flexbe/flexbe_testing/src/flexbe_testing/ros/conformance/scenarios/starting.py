@@ -321,7 +321,6 @@ class _Goal:
     """One goal at the action server."""
 
     def __init__(self, bench: Bench, name: str, **args: str) -> None:
-        """Send the goal."""
         if not bench.wire.is_subscribed(f"{topics.EXECUTE_ACTION}/goal"):
             raise NotJudgedError(f"there is no action server {topics.EXECUTE_ACTION}")
         self._bench = bench

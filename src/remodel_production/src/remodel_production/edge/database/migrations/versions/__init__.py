@@ -1,1 +1,0 @@
-"""One file for each version, in their order."""
