@@ -12,7 +12,7 @@ from dataclasses import replace
 from typing import Protocol
 
 from flexbe_synthesizer.core.chart.model import Chart
-from remodel_console.core.commands import Account, Door, Role, User
+from remodel_console.core.commands import Door, Role, User
 from remodel_console.core.drawing import drawn_paths, opened
 from remodel_console.core.order import FULL, Attach
 from remodel_console.core.record import Record, Summary, in_chart_terms
@@ -22,6 +22,7 @@ from remodel_console.core.world import Card, Option, Part
 from remodel_console.edge.kept_files import HandWires, SceneFiles, SettingsFile
 from remodel_console.edge.order_drafts import OrderDraft, OrderDrafts
 from remodel_console.edge.processes import Everything
+from remodel_console.edge.users_file import UsersFile
 from remodel_console.edge.workspace import GENERATED, Catalogue, Workspace
 from remodel_console.errors import CommandError
 from remodel_console.live import Desk, Live, Steering
@@ -75,13 +76,6 @@ class Supervisor(Protocol):
 
     def answer(self, question: int, choice: Answer, by: str) -> str:
         """Answer a question by its number."""
-
-
-class Users(Protocol):
-    """The users of the pages."""
-
-    def account(self, name: str) -> Account | None:
-        """Return what is known of a user now; None if there is none of that name."""
 
 
 class Inputs(Protocol):
@@ -149,7 +143,7 @@ class Console:
         hand_wires: HandWires,
         database: str,
         everything: Everything,
-        users: Users | None = None,
+        users: UsersFile | None = None,
     ) -> None:
         """Join the parts.
 

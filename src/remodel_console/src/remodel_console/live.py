@@ -33,6 +33,7 @@ from remodel_console.core.world import (
     with_supervisor,
     with_use_case,
 )
+from remodel_console.edge.kept_files import Journal, LogFile
 from remodel_console.edge.workspace import Catalogue
 from remodel_console.errors import CommandError
 from remodel_console.session import Session
@@ -42,20 +43,6 @@ _TROUBLE = ("warning", "error")
 _KEPT_LINES = 500  # of the log; a page that opens shows them
 
 
-class LogKeeper(Protocol):
-    """Keeps the log for the next start."""
-
-    @property
-    def lines(self) -> tuple[LogLine, ...]:
-        """Return the last lines."""
-
-    def all_lines(self) -> tuple[LogLine, ...]:
-        """Return all lines that are kept."""
-
-    def write(self, line: LogLine) -> None:
-        """Keep a line."""
-
-
 class Live:
     """Holds the newest world and the last lines of the log.
 
@@ -63,9 +50,7 @@ class Live:
         on_hand_wires: gets the wires by hand of a product, by its serial number, as they arrive.
     """
 
-    def __init__(
-        self, log: LogKeeper | None = None, clock: Callable[[], float] = time.time
-    ) -> None:
+    def __init__(self, log: LogFile | None = None, clock: Callable[[], float] = time.time) -> None:
         """Begin with nothing there but the lines of a log that was kept; `clock`: wall time [s]."""
         self._clock = clock
         self._lock = threading.Lock()
@@ -188,13 +173,6 @@ def _exported(line: LogLine) -> str:
 
 _A = {Role.WATCHER: "a watcher", Role.OPERATOR: "an operator", Role.ENGINEER: "an engineer"}
 _LOG = logging.getLogger(__name__)
-
-
-class Journal(Protocol):
-    """The record of commands."""
-
-    def write(self, actor: Actor, answer: CommandResult) -> None:
-        """Record a command and its answer."""
 
 
 class Desk:

@@ -15,7 +15,7 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass, field, replace
 from pathlib import Path
-from typing import Protocol, TypeVar
+from typing import TypeVar
 
 import msgspec
 
@@ -26,7 +26,7 @@ from remodel_console.core.order_desk import (
     new_document,
     write_document,
 )
-from remodel_console.edge.processes import LIMIT_S, Finished
+from remodel_console.edge.processes import LIMIT_S, Finished, PlannerProcess
 from remodel_console.errors import CommandError
 from remodel_run.findings import Imported, NoPlan, Plan
 from remodel_run.rehearsal import Forecast
@@ -44,23 +44,6 @@ _REHEARSAL = f"{_OWN}/rehearsal"
 _SEED, _REHEARSAL_S = 100, 48 * 3600.0
 _CANCELLED = "cancelled"
 LISTS = (".csv", ".tsv", ".txt", ".xlsx", ".xlsm")  # files whose columns may need a mapping
-
-
-class Planner(Protocol):
-    """Runs the planner's commands."""
-
-    def run(
-        self,
-        words: list[str],
-        folder: Path,
-        database: str,
-        report: Callable[[str], None] = ...,
-        limit_s: float = ...,
-    ) -> Finished:
-        """Run a command in a folder, within a limit of wall time [s], and report its stages."""
-
-    def end_in(self, folder: Path) -> None:
-        """End the commands that run in a folder."""
 
 
 @dataclass(frozen=True)
@@ -118,7 +101,7 @@ class OrderDraft:
         key: str,
         folder: Path,
         file_name: str,
-        planner: Planner,
+        planner: PlannerProcess,
         wake: Callable[[], None],
         *,
         number: int = 1,
@@ -350,7 +333,7 @@ class OrderDraft:
 class OrderDrafts:
     """Keeps the drafts, as long as the console runs."""
 
-    def __init__(self, folder: Path, planner: Planner) -> None:
+    def __init__(self, folder: Path, planner: PlannerProcess) -> None:
         self._folder = folder
         self._planner = planner
         self._drafts: dict[str, OrderDraft] = {}

@@ -6,7 +6,6 @@ import asyncio
 import html
 from collections.abc import Callable
 from http.cookies import CookieError, SimpleCookie
-from typing import Protocol
 from urllib.parse import parse_qs
 
 from starlette.datastructures import Headers
@@ -16,7 +15,6 @@ from starlette.types import ASGIApp, Receive, Scope, Send
 from remodel_console.core.commands import (
     DONE,
     REFUSED,
-    Account,
     Actor,
     CommandResult,
     Door,
@@ -25,6 +23,7 @@ from remodel_console.core.commands import (
     is_same_origin,
     tidy_name,
 )
+from remodel_console.edge.users_file import UsersFile
 
 USER_COOKIE = "remodel_user"
 ENTER, LEAVE = "/enter", "/leave"
@@ -56,19 +55,6 @@ _FORM = """<form method="post" action="/enter">
 <button>Sign in</button></form>"""  # noqa: E501
 
 
-class Users(Protocol):
-    """Who may use the console."""
-
-    def account(self, name: str) -> Account | None:
-        """Return what is known of a user; None if there is none of that name."""
-
-    def sign_in(self, name: str, password: str) -> str:
-        """Return the cookie of a user who knows the password; empty for all others."""
-
-    def user(self, cookie: str) -> User | None:
-        """Return who has signed in; None if the cookie counts no longer."""
-
-
 class Guard:
     """ASGI middleware: the Host, the Origin of web sockets and forms, and the user."""
 
@@ -76,7 +62,7 @@ class Guard:
         self,
         app: ASGIApp,
         door: Door,
-        users: Users | None = None,
+        users: UsersFile | None = None,
         record: Callable[[Actor, CommandResult], None] = lambda actor, answer: None,
     ) -> None:
         """Stand before an app; `record` gets who signs in, and who fails to."""

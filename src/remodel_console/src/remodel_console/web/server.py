@@ -20,11 +20,12 @@ from remodel_console.core import run_view
 from remodel_console.core.use_case import UseCase
 from remodel_console.core.world import Part, World, cards
 from remodel_console.edge.kept_files import stl_of
+from remodel_console.edge.users_file import UsersFile
 from remodel_console.errors import CommandError
 from remodel_console.web.configuration_page import ConfigurationPage
 from remodel_console.web.editing_page import SESSION, released
 from remodel_console.web.editor_page import EditorPage
-from remodel_console.web.guard import Guard, Users
+from remodel_console.web.guard import Guard
 from remodel_console.web.order_desk_page import ADDRESS, FILE_ADDRESS, OrderDeskPage, take_design
 from remodel_console.web.overview_page import OverviewPage
 from remodel_console.web.page import Broadcast
@@ -106,7 +107,7 @@ _RECONNECT_S = 30.0  # for which the page of a browser that has lost us is kept
 _PING_S, _PONG_S = 2.0, 3.0  # a page whose network is gone says so after both
 
 
-def serve(console: Console, port: int, users: Users | None = None) -> None:
+def serve(console: Console, port: int, users: UsersFile | None = None) -> None:
     """Serve until a signal ends the process."""
     broadcast = Broadcast()
     app.add_static_files("/console", _STATIC)
