@@ -92,7 +92,7 @@ rostest: $(BUILD) ## Tests of running nodes, each file on a roscore of its own (
 lint: .venv/.ready xml ## Style, types of the pure cores, and XML
 	@ruff format --check .
 	@ruff check .
-	@mypy --exclude '/ros/' src/*/src/*/core src/remodel_run/src/remodel_run src/remodel_work/src/remodel_work src/remodel_vision/src/remodel_vision src/remodel_skills/src/remodel_skills src/remodel_supervision/src/remodel_supervision/supervisors src/flexbe/flexbe_core/src/flexbe_core/engine
+	@mypy --exclude '/ros/' src/*/src/*/core src/remodel_run/src/remodel_run src/remodel_work/src/remodel_work src/remodel_vision/src/remodel_vision src/remodel_skills/src/remodel_skills src/remodel_pddl/src/remodel_pddl src/remodel_cable_tree/src/remodel_cable_tree/problem.py src/remodel_robot/src/remodel_robot/calibration.py src/remodel_supervision/src/remodel_supervision/supervisors src/flexbe/flexbe_core/src/flexbe_core/engine
 
 xml: .venv/.ready # part of lint, and of a commit
 	@find src '(' -name '*.xml' -o -name '*.launch' -o -name '*.xsd' -o -path '*/rostest/*.test' ')' -print0 | \
@@ -129,9 +129,8 @@ bench-learning: build ## First-pass yield with learned and with frozen parameter
 bench-rehearsal: build ## Judge forecasts of rehearsals on seeds that they have not seen (BENCH="DESIGN --wires 6 --workers 2")
 	@$(SOURCED) benchmarks/rehearsal/judge.py $(BENCH)
 
-bench-synthesis: build ## CPU time of the synthesis by size of the chart, in docs/figures/synthesis.jsonl, and while typing; 10,000 random charts on the engine (BENCH="--seed 7 --trace")
+bench-synthesis: build ## CPU time of the synthesis by size of the chart, in docs/figures/synthesis.jsonl; 10,000 random charts on the engine (BENCH="--seed 7 --trace")
 	@$(SOURCED) benchmarks/synthesis/sizes.py --figures docs/figures/synthesis.jsonl
-	@$(SOURCED) benchmarks/synthesis/typing_check.py
 	@$(SOURCED) PYTHONPATH="src/flexbe_synthesizer/test:$$PYTHONPATH" python3 -m random_charts --count 10000 $(BENCH)
 
 bench-sim: build build/bench-venv/.ready ## Measure the simulated wire against theory, beside MuJoCo and Newton; figures in docs/figures/sim.jsonl

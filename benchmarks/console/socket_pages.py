@@ -33,7 +33,6 @@ class SocketPage:
     """
 
     def __init__(self) -> None:
-        """Begin without a connection."""
         self.seen: list[tuple[float, str]] = []
         self._is_open = True
         self._socket = socketio.AsyncClient()

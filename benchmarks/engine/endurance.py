@@ -14,7 +14,7 @@ import rospy
 from flexbe_msgs.msg import BEStatus
 from latencies import Bench, engine, process
 from rosgraph_msgs.msg import Clock
-from row import Row
+from transitions import Row
 
 RUNS = 5_000
 WARM_UP_RUNS = 500

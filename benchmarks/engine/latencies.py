@@ -23,9 +23,8 @@ import rosgraph
 import rospy
 from actionlib.msg import TestAction, TestGoal, TestResult
 from flexbe_msgs.msg import BehaviorSelection, BEStatus
-from row import Row
 from std_msgs.msg import Empty, Float64, Int32, String, UInt8
-from transitions import machine
+from transitions import Row, machine
 
 from flexbe_core import BehaviorLibrary
 from flexbe_core.engine.supervision import UNSUPERVISED
@@ -66,7 +65,6 @@ class Bench:
     """
 
     def __init__(self) -> None:
-        """Connect."""
         self.library = BehaviorLibrary()
         self.delay: Callable[[], float] = lambda: 0.0
         self.latencies: list[float] = []

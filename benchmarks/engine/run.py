@@ -16,7 +16,7 @@ from pathlib import Path
 import endurance
 import latencies
 import transitions
-from row import Row, report_all
+from transitions import Row, report_all
 
 HERE = Path(__file__).parent
 

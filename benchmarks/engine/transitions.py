@@ -1,20 +1,24 @@
 """Time transitions of the pure engine, without ROS: chains and loops of states that do nothing.
 
 Microseconds per transition, the least of some repetitions. The floor is a loop that calls the three
-events of such a state.
+events of such a state. Figures of all benchmarks of the engine are rows, printed as a table and
+kept as lines of JSON.
 """
+# ruff: noqa: T201 - a benchmark prints
 
 from __future__ import annotations
 
 import gc
+import json
 import time
 import tracemalloc
 from collections import deque
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator
+from dataclasses import asdict, dataclass
+from pathlib import Path as File
 
 from geometry_msgs.msg import PoseStamped
 from nav_msgs.msg import Path
-from row import Row
 from sensor_msgs.msg import Image
 
 from flexbe_core.core import EventState, OperatableStateMachine
@@ -29,11 +33,47 @@ _REPETITIONS = 9
 TRANSITION_TARGET_US = 2.5
 
 
+@dataclass(frozen=True)
+class Row:
+    """One figure.
+
+    Attributes:
+        what: what was measured.
+        value: the figure.
+        unit: its unit.
+        target: what it is to be at most; None if it is there to compare with.
+        floor: the figure of the same run of a plain program that does only this; None without.
+    """
+
+    what: str
+    value: float
+    unit: str
+    target: float | None = None
+    floor: float | None = None
+
+
+def report(row: Row, file: File) -> None:
+    """Print a line of the table and add a line to the file."""
+    target = "" if row.target is None else f"{row.target:>9.3g}"
+    verdict = "" if row.target is None else "met" if row.value <= row.target else "MISSED"
+    ratio = "" if not row.floor else f"{row.value / row.floor:>7.1f} x"
+    print(
+        f"{row.what:<58}{row.value:>10.3f} {row.unit:<7}{target:>9} {verdict:<7}{ratio}", flush=True
+    )
+    with file.open("a", encoding="utf-8") as lines:
+        lines.write(json.dumps(asdict(row)) + "\n")
+
+
+def report_all(rows: Iterable[Row], file: File) -> None:
+    """Report rows as they come."""
+    for row in rows:
+        report(row, file)
+
+
 class NothingState(EventState):
     """Do nothing."""
 
     def __init__(self) -> None:
-        """Declare the outcome."""
         super().__init__(outcomes=["done"])
 
     def on_enter(self, userdata: UserData) -> None:
@@ -51,7 +91,6 @@ class LoopState(EventState):
     """Count rounds."""
 
     def __init__(self, rounds: int) -> None:
-        """Take the number of rounds."""
         super().__init__(outcomes=["again", "done"])
         self._rounds = self._left = rounds
 
@@ -68,7 +107,6 @@ class ImageState(EventState):
     """Read an image and hand it on."""
 
     def __init__(self) -> None:
-        """Declare the keys."""
         super().__init__(outcomes=["done"], input_keys=["image"], output_keys=["copy"])
 
     def execute(self, userdata: UserData) -> str:
@@ -81,7 +119,6 @@ class PathState(EventState):
     """Read a path."""
 
     def __init__(self) -> None:
-        """Declare the key."""
         super().__init__(outcomes=["done"], input_keys=["path"])
 
     def execute(self, userdata: UserData) -> str:

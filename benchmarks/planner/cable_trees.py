@@ -14,8 +14,8 @@ import time
 from collections.abc import Callable
 from pathlib import Path
 
-from remodel_cable_tree.core.problem import cost_of, parse_cable_tree, violations
-from remodel_cable_tree.edge.cable_tree_planner import Feasibility, sequence
+from remodel_cable_tree.cable_tree_planner import Feasibility, sequence
+from remodel_cable_tree.problem import cost_of, parse_cable_tree, violations
 
 
 def main() -> None:

@@ -29,7 +29,6 @@ class Domain:
     """Actions and methods of one panel."""
 
     def __init__(self, panel: Json) -> None:
-        """Precompute what the methods ask for."""
         self.panel = panel
         self.wires = panel["wires"]
         self.number = {wire["id"]: i for i, wire in enumerate(self.wires)}

@@ -16,8 +16,8 @@ import sys
 import tempfile
 from pathlib import Path
 
-from remodel_pddl.core import hddl, pddl
-from remodel_pddl.core.symbolic import steps_of, symbols_of
+from remodel_pddl import hddl, pddl
+from remodel_pddl.symbolic import steps_of, symbols_of
 from remodel_tasks.core.problem.instance import problem_from
 from remodel_tasks.edge.order_planner import plan_problem
 

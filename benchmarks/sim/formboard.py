@@ -66,7 +66,6 @@ class Trial:
     """Places wires in one cell."""
 
     def __init__(self, cell: Cell) -> None:
-        """Take over a cell."""
         self.cell = cell
         self.failed = 0
         self.at_first: list[str] = []

@@ -60,7 +60,6 @@ class LaidBoard:
     """
 
     def __init__(self, wires: int, *, rate_hz: float = 240.0) -> None:
-        """Lay the wires and grip the live one."""
         panel = read_panel(CONFIG / "household.yaml", read_wire_materials())
         design = read_cell(CELL)
         self.plant = SimulatedPlant(panel, design=design, seed=1, rate_hz=rate_hz)

@@ -53,7 +53,6 @@ class Laying:
     """Places wires in one cell."""
 
     def __init__(self, cell: Cell) -> None:
-        """Take over a cell."""
         self.cell = cell
         self._began, self._began_cpu = time.monotonic(), time.process_time()
 

@@ -36,7 +36,6 @@ class Cable:
     """A cable, clamped in the air or loose on the table."""
 
     def __init__(self, wire: PeerWire, *, table: bool) -> None:
-        """Build it straight along x."""
         volume = math.pi * wire.radius**2 * (wire.cell + 4 / 3 * wire.radius)
         builder = newton.ModelBuilder(gravity=(0.0, 0.0, -GRAVITY))
         builder.default_shape_cfg.mu = wire.friction

@@ -2,23 +2,28 @@
 # ruff: noqa: T201 - a benchmark prints
 """Measure the simulated physics against theory, and beside others: run.py [--peers PYTHON] [FILE].
 
-Lines of JSON go to FILE (out/bench/sim.jsonl). What the parts measure: statics.py (sag, buckling),
-retention.py (grip, fixtures), speed.py (real-time factor), laid_board.py (the same while an end is
-inserted over laid wires), long_wires.py (wires of 1 to 3 m), mujoco_peer.py (MuJoCo's cable
-plugin), newton_peer.py (Newton's VBD cable).
-Exits with 1 when a target is missed. evaluate_abilities.py measures the abilities.
+Lines of JSON go to FILE (out/bench/sim.jsonl): sag and buckling against the elastica; what holds a
+wire, pulled until it slips, against Coulomb and against what was ordered; the real-time factor;
+wires of 1 to 3 m, cut into links as the cell does. laid_board.py measures the real-time factor
+while an end is inserted over laid wires; mujoco_peer.py and newton_peer.py measure MuJoCo's cable
+plugin and Newton's VBD cable. Exits with 1 when a target is missed. evaluate_abilities.py measures
+the abilities.
 """
 
 from __future__ import annotations
 
 import argparse
 import json
+import math
 import subprocess
 import sys
+import time
 from collections.abc import Iterator
 from dataclasses import asdict
 from pathlib import Path
 from subprocess import DEVNULL
+
+import numpy as np
 
 HERE = Path(__file__).parent
 # The rigs are those of the unit tests.
@@ -26,12 +31,109 @@ for folder in ("remodel_sim/test/unit", "remodel_work/test"):
     sys.path.insert(0, str(HERE.parents[1] / "src" / folder))
 
 import laid_board  # noqa: E402
-import long_wires  # noqa: E402
-import retention  # noqa: E402
-import speed  # noqa: E402
-import statics  # noqa: E402
+import rods  # noqa: E402
+from elastica import buckled_tip_angle, cantilever_drop  # noqa: E402
 from fingerprint import fingerprint_elsewhere  # noqa: E402
+from holds import clamp_pull_out, clip_forces, grip_pull_out, spring_forces  # noqa: E402
+from panels import wire  # noqa: E402
+from peer_wire import REPEATS, SAG_LOAD, PeerWire  # noqa: E402
 from row import Row, head, report  # noqa: E402
+
+from remodel_sim.core.wires.wire_mechanics import (  # noqa: E402
+    GRAVITY,
+    Piece,
+    chain,
+    discretise,
+)
+from remodel_sim.physics.fixtures.panel_scene import (  # noqa: E402
+    PLATE_FRICTION,
+    add_plate_surface,
+)
+from remodel_sim.physics.robot import Robot  # noqa: E402
+from remodel_sim.physics.wires.cable import SimulatedWire  # noqa: E402
+from remodel_sim.physics.world import World  # noqa: E402
+from remodel_work.edge.cell_file import read_cell  # noqa: E402
+from remodel_work.panel import WireEnd  # noqa: E402
+
+# Statics.
+LOADS = (1.0, 5.0, 21.0)
+RATIOS = (0.97, 1.03, 1.06, 1.1, 1.2, 1.5, 2.0)
+CELLS = 24
+
+# What holds a wire; of clips retention [N] and diameter of the wire [m].
+RATES_HZ = (240.0, 500.0)
+GRIPS_N = (10.0, 20.0, 30.0)
+FRICTIONS = (0.3, 0.5)
+RETENTIONS_N = (10.0, 40.0, 80.0)
+CLIPS = ((5.0, 0.003), (10.0, 0.003), (10.0, 0.006), (20.0, 0.006))
+
+# Speed: an arm beside a short wire, which lies in a wave of this amplitude of its curvature.
+SHORT_M = 0.384
+WAVE_1_M = 4.0
+SPEED_TARGETS = {240.0: 5.0, 500.0: 2.5}
+SHORT_REPEATS = 5
+REST_S = 0.5
+MEASURED_S = 1.5
+
+# Long wires. They are drawn by a spring, so slowly that their drag of 60 N s/m for each kg is 1.5 %
+# of their friction; so long after the spring is stretched by friction they slide for certain.
+LENGTHS_M = (1.0, 2.0, 3.0)
+RATE_HZ = 240.0
+SPRING_N_M = 200.0
+DRAWN_M_S = 0.0005
+DAMPING_N_S_M = 1.0
+SLIDES_S = 1.0
+
+
+def statics_rows() -> Iterator[Row]:
+    """Yield the errors of sag, and of the shape after buckling, against the elastica."""
+    cuts = [(load, None, "") for load in LOADS] + [(5.0, CELLS // 2, ", two bodies")]
+    for load, cut, words in cuts:
+        exact = cantilever_drop(rods.LENGTH, 1.0, load / rods.LENGTH**3)
+        found = rods.sag(load, cells=CELLS, **({"cut": cut} if cut else {}))
+        what = f"sag error, w L^3 / EI = {load:g}, N = {CELLS}{words}"
+        yield Row(what, _error(found, exact), "%", most=0.3)
+    for ratio in RATIOS:
+        angle = math.degrees(rods.buckle(ratio, cells=CELLS))
+        exact = math.degrees(buckled_tip_angle(ratio))
+        yield Row(f"tip angle error, P / Pcr = {ratio:g}", abs(angle - exact), "deg", most=0.5)
+
+
+def retention_rows() -> Iterator[Row]:
+    """Yield the errors of what holds a wire; of each kind the worst."""
+    for hz in RATES_HZ:
+        grips = [grip_pull_out(grip, friction, hz) for grip in GRIPS_N for friction in FRICTIONS]
+        springs = [(spring_forces(f / 4, f, hz), f) for f in RETENTIONS_N]
+        for what, pairs, most in (
+            (f"grip pull-out against 2 mu F, 10 to 30 N, worst of {len(grips)}", grips, 15.0),
+            (
+                "clamp pull-out against its retention, 10 to 80 N, worst",
+                [(clamp_pull_out(f, hz), f) for f in RETENTIONS_N],
+                10.0,
+            ),
+            (
+                "spring clamp against its insertion force, 2.5 to 20 N, worst",
+                [(forces[0], f / 4) for forces, f in springs],
+                15.0,
+            ),
+            (
+                "spring clamp pull-out against its retention, 10 to 80 N, worst",
+                [(forces[1], f) for forces, f in springs],
+                10.0,
+            ),
+            (
+                "clip pull-out against its retention, 5 to 20 N, worst",
+                [(clip_forces(f, diameter, hz)[1], f) for f, diameter in CLIPS],
+                10.0,
+            ),
+        ):
+            worst = max(_error(held, expected) for held, expected in pairs)
+            yield Row(f"{what}, {hz:g} Hz", worst, "%", most=most)
+
+
+def _error(found: float, exact: float) -> float:
+    """Return a relative error [%]."""
+    return 100 * abs(found / exact - 1)
 
 
 def determinism_rows() -> Iterator[Row]:
@@ -41,11 +143,12 @@ def determinism_rows() -> Iterator[Row]:
 
 
 def speed_rows(mujoco: dict | None) -> Iterator[Row]:
-    """Yield real-time factors, and their ratios to MuJoCo's; its figures if there are any."""
+    """Yield real-time factors, the best of a few runs, and their ratios to MuJoCo's."""
     own = []
-    for row in speed.rows():
-        own.append(row.value)
-        yield row
+    for hz, least in SPEED_TARGETS.items():
+        own.append(max(_speed(_beside_an_arm(hz)) for _ in range(SHORT_REPEATS)))
+        what = f"real-time factor, arm and a {CELLS}-link wire on the plate, {hz:g} Hz"
+        yield Row(what, own[-1], "x", least=least)
     if mujoco is None:
         return
     beam = "sag error, w L^3 / EI = 5, N = 24"
@@ -55,6 +158,118 @@ def speed_rows(mujoco: dict | None) -> Iterator[Row]:
         hertz = f"{float(rate):g} Hz"
         yield Row(f"MuJoCo's cable: real-time factor, the same scene, {hertz}", factor, "x")
         yield Row(f"real-time factor over MuJoCo's, {hertz}", value / factor, "", least=1.0)
+
+
+def _beside_an_arm(rate_hz: float) -> World:
+    """Return a world with an arm and a short wire on the plate."""
+    world = World(rate_hz)
+    add_plate_surface(world)
+    Robot(world, read_cell().robots[0].home)
+    specimen = wire("W", ("X", "1"), ("Y", "1"), SHORT_M, diameter=0.004)
+    cell = SHORT_M / CELLS
+    model = chain(specimen, [Piece(cell, cell)] * CELLS, world.time_step)
+    cable = SimulatedWire(world, model, "BU")
+    wave = WAVE_1_M * np.sin(np.linspace(0.0, 5.0, len(model.spans)))
+    cable.lay(np.array([0.3, -0.2, specimen.radius]), np.pi / 2, wave)
+    return world
+
+
+def _speed(world: World) -> float:
+    """Return simulated time over the CPU time of the one thread that computes it; end the world."""
+    for _ in range(round(REST_S / world.time_step)):
+        world.step()
+    steps = round(MEASURED_S / world.time_step)
+    began = time.process_time()
+    for _ in range(steps):
+        world.step()
+    cpu = time.process_time() - began
+    world.close()
+    return steps * world.time_step / cpu
+
+
+def long_rows() -> Iterator[Row]:
+    """Yield sag, drag along the plate, and the real-time factor of wires of 2.5 mm2."""
+    for length in LENGTHS_M:
+        exact = cantilever_drop(length, 1.0, SAG_LOAD / length**3)
+        found = rods.drop_at_rest(rods.CellRod(length, SAG_LOAD))
+        yield Row(_sag_row(length), _error(found, exact), "%", most=0.3)
+    for length in LENGTHS_M:
+        what = f"drag along the plate against mu m g, 2.5 mm2, {length:g} m"
+        yield Row(what, _error(*drag(length)), "%", most=5.0)
+    for length in LENGTHS_M:
+        curvature = rods.cell_wire(length).rest_curvature
+        worlds = (_on_plate(length, curvature=curvature)[0] for _ in range(REPEATS))
+        yield Row(_speed_row(length), max(map(_speed, worlds)), "x")
+
+
+def peer_rows(peer: str, figures: dict | None) -> Iterator[Row]:
+    """Yield another simulator's figures of the same long wires, if there are any."""
+    if figures is None:
+        return
+    for length, error in zip(LENGTHS_M, figures["long_sag"], strict=True):
+        yield Row(f"{peer}: {_sag_row(length)}, clamp half a cell out", error, "%")
+    for length, factor in zip(LENGTHS_M, figures["long_speed"], strict=True):
+        yield Row(f"{peer}: {_speed_row(length)}", factor, "x")
+
+
+def _sag_row(length: float) -> str:
+    return f"sag error, w L^3 / EI = {SAG_LOAD:g}, 2.5 mm2, {length:g} m"
+
+
+def _speed_row(length: float) -> str:
+    return f"real-time factor, only a wire of {length:g} m on the plate, {RATE_HZ:g} Hz"
+
+
+def peer_wires() -> list[PeerWire]:
+    """Return the wires as other simulators are to model them: as many cells, without ferrules."""
+    wires = []
+    for length in LENGTHS_M:
+        specimen = rods.cell_wire(length)
+        model = discretise(specimen, 1.0 / RATE_HZ)
+        peer = PeerWire(
+            length=length,
+            cells=len(model.lengths) - 2 - int(np.count_nonzero(model.spans == 0.0)),
+            radius=specimen.radius,
+            linear_density=specimen.linear_density,
+            bending_stiffness=specimen.bending_stiffness,
+            torsional_stiffness=specimen.torsional_stiffness,
+            friction=PLATE_FRICTION * specimen.friction,
+        )
+        wires.append(peer)
+    return wires
+
+
+def drag(length: float) -> tuple[float, float]:
+    """Draw a straight wire along the plate by its ferrule a; returns the force and mu m g [N]."""
+    world, cable = _on_plate(length, curvature=0.0)
+    bullet, link = world.bullet, cable.ferrule(WireEnd.A)
+    coulomb = PLATE_FRICTION * cable.model.friction * cable.model.masses.sum() * GRAVITY
+    start, _ = cable.link_pose(link)
+    reach = coulomb / SPRING_N_M / DRAWN_M_S + SLIDES_S
+    forces, before = [], float(start[0])
+    for step in range(round(2 * reach * RATE_HZ)):
+        place, _ = cable.link_pose(link)
+        stretch = place[0] - start[0] + DRAWN_M_S * step / RATE_HZ
+        speed = (place[0] - before) * RATE_HZ
+        force = SPRING_N_M * stretch + DAMPING_N_S_M * (speed + DRAWN_M_S)
+        before = float(place[0])
+        forces.append(force)
+        bullet.applyExternalForce(*link, [-force, 0, 0], place.tolist(), bullet.WORLD_FRAME)
+        world.step()
+    world.close()
+    return float(np.mean(forces[round(reach * RATE_HZ) :])), float(coulomb)
+
+
+def _on_plate(length: float, *, curvature: float) -> tuple[World, SimulatedWire]:
+    """Return a world with a wire at rest on the plate, of this curvature [1/m]; length in m."""
+    world = World(RATE_HZ)
+    add_plate_surface(world)
+    specimen = rods.cell_wire(length)
+    model = discretise(specimen, world.time_step)
+    cable = SimulatedWire(world, model, "BU")
+    tip_a = np.array([0.3, -0.2, specimen.radius])
+    cable.lay(tip_a, 0.0, np.full(len(model.spans), curvature))
+    return world, cable
 
 
 def figures_of(python: str | None, name: str) -> dict | None:
@@ -67,7 +282,7 @@ def figures_of(python: str | None, name: str) -> dict | None:
     if not found:
         print(f"{name} is not installed in {python}: its rows are left out")
         return None
-    wires = json.dumps([asdict(wire) for wire in long_wires.peer_wires()])
+    wires = json.dumps([asdict(wire) for wire in peer_wires()])
     text = subprocess.check_output([python, str(HERE / f"{name}_peer.py"), wires], text=True)
     return json.loads(text.splitlines()[-1])  # Newton's compiler prints too
 
@@ -83,14 +298,14 @@ def main() -> int:
     mujoco, newton = (figures_of(options.peers, name) for name in ("mujoco", "newton"))
     print(head())
     parts = (
-        statics.rows(),
-        retention.rows(),
+        statics_rows(),
+        retention_rows(),
         determinism_rows(),
         speed_rows(mujoco),
         laid_board.rows(),
-        long_wires.rows(),
-        long_wires.peer_rows("MuJoCo's cable", mujoco),
-        long_wires.peer_rows("Newton's VBD cable", newton),
+        long_rows(),
+        peer_rows("MuJoCo's cable", mujoco),
+        peer_rows("Newton's VBD cable", newton),
     )
     return 0 if all([report(rows, options.file) for rows in parts]) else 1
 

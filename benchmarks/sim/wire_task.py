@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections import Counter
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from typing import TypeVar
 
-import chart_run
-
-from flexbe_synthesizer.core.chart.model import State
+from flexbe_synthesizer.core.chart.error_routes import codes_of_routes
+from flexbe_synthesizer.core.chart.model import Chart, State
 from remodel_skills import goals
 from remodel_skills.abilities.detect_cable import detect_cable
 from remodel_skills.abilities.extract_cable import extract_cable
@@ -21,6 +21,8 @@ from remodel_skills.abilities.place_connector import place_connector as mate_con
 from remodel_skills.abilities.route_wire import route_wire
 from remodel_skills.cell import Cell
 from remodel_skills.robot_context import RobotContext, Steps
+from remodel_supervision.edge.known_behaviors import nested_charts
+from remodel_tasks.edge.fault_file import read_error_names
 from remodel_work.errors import AbilityError
 from remodel_work.geometry import Pose
 from remodel_work.panel import BOARD, PanelWire, WireEnd
@@ -40,6 +42,56 @@ MATING_LIMIT_N = 30.0
 # End b is carried to beside its terminal: so far beyond it along the channel, and so high [m].
 BESIDE_M = 0.030
 CARRY_Z_M = 0.040
+
+
+EXHAUSTED, FAILED, REFUSED = "exhausted", "failed", "command_error"
+# What a state returns: FAILED or REFUSED with the error code, else the empty event of success.
+Perform = Callable[[State], tuple[str, int]]
+
+
+class ChartRun:
+    """One run of a chart; time limits are left to the abilities.
+
+    Attributes:
+        visits: how often each state was entered.
+    """
+
+    def __init__(self, chart: Chart, error_names: Mapping[str, tuple[int, ...]]) -> None:
+        self._chart = chart
+        self._error_names = error_names
+        self.visits: Counter[str] = Counter()
+
+    def run(self, perform: Perform) -> str:
+        """Return the outcome with which the chart ends."""
+        nodes = {node.id: node for node in self._chart.nodes}
+        current = self._chart.initial
+        while current in nodes:
+            node = nodes[current]
+            if not isinstance(node, State):
+                raise TypeError(f"{current} is no state")
+            current = self._after(node, perform)
+        return current
+
+    def _after(self, node: State, perform: Perform) -> str:
+        """Return where a visit to a state leads."""
+        targets = {transition.event: transition.target for transition in node.transitions}
+        if node.attempts is not None and self.visits[node.id] >= node.attempts:
+            return targets[EXHAUSTED]
+        self.visits[node.id] += 1
+        event, code = perform(node)
+        if not event:
+            return next(t for e, t in targets.items() if e not in (EXHAUSTED, FAILED, REFUSED))
+        if event == FAILED:
+            routed = codes_of_routes(node.on_error, self._error_names)
+            for route, codes in zip(node.on_error, routed, strict=True):
+                if code in codes:
+                    return route.target
+        return targets[event]
+
+
+def connector_run() -> ChartRun:
+    """Return a run of Place Connector (Figure 3 of Deliverable 5.1) by the chart that ships."""
+    return ChartRun(nested_charts()["Place Connector"], read_error_names())
 
 
 class RejectedError(AbilityError):
@@ -120,7 +172,7 @@ def pick(cell: Cell, wire: PanelWire, end: WireEnd) -> None:
 def connect(cell: Cell, wire: PanelWire, end: WireEnd, history: History) -> None:
     """Place an end by running the chart Place Connector; raises the last failure if it fails."""
     terminal = wire.goes_to(end)
-    run = chart_run.place_connector()
+    run = connector_run()
     sockets: list[Pose] = []
     failures: list[AbilityError] = []
 
@@ -143,7 +195,7 @@ def connect(cell: Cell, wire: PanelWire, end: WireEnd, history: History) -> None
         except AbilityError as error:
             failures.append(error)
             is_refused = isinstance(error, RejectedError)
-            return chart_run.REFUSED if is_refused else chart_run.FAILED, error.code
+            return REFUSED if is_refused else FAILED, error.code
         return "", 0
 
     outcome = run.run(perform)

@@ -30,13 +30,12 @@ from dataclasses import asdict
 from pathlib import Path
 from typing import Any, Protocol
 
-import figures
 import rospy
 import yaml
 from remodel_msgs.msg import RunUseCaseAction, RunUseCaseGoal
 from remodel_msgs.srv import InjectFault
 from rosgraph_msgs.msg import Clock
-from stack import ORDER, Stack, stack
+from stack import ORDER, Stack, add_figures_option, stack, write_figures
 from tqdm import tqdm
 from trial import (
     BY_HAND,
@@ -165,7 +164,6 @@ class Tables:
     """
 
     def __init__(self) -> None:
-        """Read them."""
         tables = read_faults()
         self.codes = tables.numbers
         self.use_case = _yaml(use_case_folder() / f"{use_case_for(DesignKind.CABINET).name}.yaml")
@@ -209,7 +207,7 @@ def main() -> int:
     parser.add_argument("--physical", action="store_true", help="in the simulated cell")
     parser.add_argument("--explore", action="store_true", help="runs choose forces and responses")
     parser.add_argument("--output", type=Path, default=Path("out/campaign"))
-    figures.add_option(parser)
+    add_figures_option(parser)
     options = parser.parse_args()
     kinds = options.kinds or list(PHYSICAL_KINDS if options.physical else tables.faults)
     known = PHYSICAL_KINDS if options.physical else tables.faults
@@ -236,7 +234,7 @@ def main() -> int:
             trials += [drawn(tables.faults[kind], seed) for seed in seeds for kind in kinds]
         results = run_all(Campaign(site, nodes, tables), trials, options.policies, output)
         rospy.signal_shutdown("the campaign is over")
-    figures.write(options.figures, docs_rows(results))
+    write_figures(options.figures, docs_rows(results))
     return 0 if print_table(results) else 1
 
 
@@ -427,7 +425,6 @@ class FastClock:
     """Publishes /clock until the process ends."""
 
     def __init__(self, speed: float) -> None:
-        """Start the clock, this many times as fast as the wall's."""
         self._speed = speed
         self._publisher = rospy.Publisher("/clock", Clock, queue_size=1)
         self._begun = time.monotonic()

@@ -34,10 +34,17 @@ import time
 from pathlib import Path
 from random import Random
 
-import figures
 from chaos_faults import NODES, WEIGHTS, BystanderProcess, Faults, Site
 from chaos_records import LIMIT_S, PostgresServer, Records, Score, Server, SqliteFile, Struck
-from stack import ORDER, TroubleError, free_port, stack, wait_until
+from stack import (
+    ORDER,
+    TroubleError,
+    add_figures_option,
+    free_port,
+    replace_row,
+    stack,
+    wait_until,
+)
 
 from remodel_production.errors import LostError
 
@@ -54,7 +61,6 @@ class Chaos:
     """Runs orders while it disturbs them."""
 
     def __init__(self, site: Site, wires: int, kinds: list[str], faults: Faults) -> None:
-        """Take the nodes."""
         self._site = site
         self._records = site.records
         self._wires = wires
@@ -128,7 +134,7 @@ def main() -> int:
     parser.add_argument("--long-stalls", action="store_true", help="a third of them for 45 s")
     parser.add_argument("--postgresql", action="store_true", help="in place of SQLite")
     parser.add_argument("--keep", action="store_true", help="keep the folder with all logs")
-    figures.add_option(parser)
+    add_figures_option(parser)
     options = parser.parse_args()
     output = Path(tempfile.mkdtemp(prefix="remodel_chaos_")) / "run"
     started = time.monotonic()
@@ -143,7 +149,7 @@ def main() -> int:
     finally:
         server.end()
     is_clean = _report(score, time.monotonic() - started)
-    figures.replace_row(options.figures, _row(options, score))
+    replace_row(options.figures, _row(options, score))
     if options.keep or not is_clean:
         print(f"logs in {output}")
     else:

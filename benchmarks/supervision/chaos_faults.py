@@ -80,7 +80,6 @@ class Faults:
     """Causes faults, drawn at random."""
 
     def __init__(self, site: Site, random: Random, *, long_stalls: bool) -> None:
-        """Take what they strike."""
         self._site = site
         self._nodes, self._records = site.nodes, site.records
         self._random = random
@@ -327,7 +326,6 @@ class Bystander:
     """Sends orders and commands, and notes every goal that any ability is sent."""
 
     def __init__(self) -> None:
-        """Join ROS."""
         rospy.init_node("chaos", anonymous=True, disable_signals=True)
         self._server = ActionServer("remodel/run_use_case", RunUseCaseAction, "use_case_supervisor")
         self._sent: Goal | None = None
@@ -397,7 +395,6 @@ class BystanderProcess:
     """The process; started again for each ROS master."""
 
     def __init__(self) -> None:
-        """Start the first."""
         self.restart()
 
     def restart(self) -> None:

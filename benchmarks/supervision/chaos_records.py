@@ -87,7 +87,6 @@ class Records:
     """The production database and the fake cell's ledger."""
 
     def __init__(self, url: str, world: Path) -> None:
-        """Open both."""
         self._url = url
         self._log = RunLog(ProductionDatabase(url))
         self._world = WorldFile(world)
@@ -246,7 +245,6 @@ class PostgresServer:
     """A PostgreSQL server that listens on a socket in a folder of its own."""
 
     def __init__(self, folder: Path) -> None:
-        """Make a cluster below a folder, and start its server."""
         self._programs = max(_PROGRAMS.glob("*/bin"))
         self._folder = folder
         folder.mkdir(parents=True)

@@ -17,9 +17,8 @@ import tempfile
 from pathlib import Path
 from random import Random
 
-import figures
 import rospy
-from stack import free_port, stack
+from stack import add_figures_option, free_port, stack, write_figures
 
 from remodel_supervision.core.runs.events import Ending
 
@@ -41,7 +40,7 @@ def main() -> int:
     parser.add_argument("--wires", type=int, default=14, help="of each order")
     parser.add_argument("--operation", type=float, default=0.1, help="[s] wall time of one")
     parser.add_argument("--window", type=float, default=0.5, help="[s] that each pause is watched")
-    figures.add_option(parser)
+    add_figures_option(parser)
     options = parser.parse_args()
     output = Path(tempfile.mkdtemp(prefix="remodel_pause_")) / "run"
     given = {"duration_s": options.operation, "console_port": free_port()}
@@ -66,7 +65,7 @@ def main() -> int:
         f"answered within {statistics.median(moments.waits_s):.2f} s, at most "
         f"{max(moments.waits_s):.2f} s; {len(harmed)} orders harmed"
     )
-    figures.write(
+    write_figures(
         options.figures,
         (
             {"what": f"{what}, of {moments.paused} pauses", "value": value, "unit": unit, **target}

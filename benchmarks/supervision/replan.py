@@ -20,11 +20,10 @@ from dataclasses import dataclass
 from datetime import UTC, datetime
 from pathlib import Path
 
-import figures
 import rospy
 from remodel_msgs.msg import RunUseCaseAction, RunUseCaseGoal
 from remodel_msgs.srv import CommandRun
-from stack import ORDER, TroubleError, stack, wait_until
+from stack import ORDER, TroubleError, add_figures_option, stack, wait_until, write_figures
 
 from remodel_production.edge.database.production_database import ProductionDatabase
 from remodel_supervision.core.runs.events import (
@@ -102,7 +101,7 @@ def main() -> int:
     parser = argparse.ArgumentParser(description=__doc__.split("\n")[0])
     parser.add_argument("--tasks", type=int, default=300, help="planned again (default 300)")
     parser.add_argument("--runs", type=int, default=5)
-    figures.add_option(parser)
+    add_figures_option(parser)
     options = parser.parse_args()
     output = Path(tempfile.mkdtemp(prefix="remodel_replan_")) / "run"
     times: list[Measured] = []
@@ -137,7 +136,7 @@ def main() -> int:
     shutil.rmtree(output.parent)
     best, worst = (choose(times, key=lambda each: each.total_s) for choose in (min, max))
     print(f"best {best.total_s:.3f} s, worst {worst.total_s:.3f} s; at most {TARGET_S:g} s")
-    figures.write(options.figures, _rows(best, worst))
+    write_figures(options.figures, _rows(best, worst))
     return 0 if best.total_s <= TARGET_S else 1
 
 

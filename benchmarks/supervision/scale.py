@@ -18,10 +18,10 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
-import figures
 from long_run import long_order, long_run
 from sqlalchemy import event
 from sqlalchemy.engine import Engine
+from stack import add_figures_option, write_figures
 
 from remodel_production.core.production import Order
 from remodel_production.edge.database.cell_ownership import CellOwnership, Owned
@@ -103,7 +103,7 @@ def main() -> int:
         "--tasks", type=int, default=_TASKS, help="of the order (default %(default)s)"
     )
     parser.add_argument("--keep", metavar="FILE", help="where the database is kept afterwards")
-    figures.add_option(parser)
+    add_figures_option(parser)
     parser.add_argument("--resume", metavar="URL", help=argparse.SUPPRESS)
     options = parser.parse_args()
     if options.resume:
@@ -125,7 +125,7 @@ def main() -> int:
     print(f"resume [s]:         {resume_s:10.3f}   target {_TARGETS[0]} (best of 3)")
     print(f"peak memory [MB]:   {peak_mb:10.1f}   target {_TARGETS[1]}")
     print(f"database [MB]:      {size_mb:10.1f}   target {_TARGETS[2]}")
-    figures.write(
+    write_figures(
         options.figures,
         (
             {"what": what, "value": value, "unit": unit, "most": most}

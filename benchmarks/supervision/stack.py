@@ -1,14 +1,19 @@
-"""A ROS master with the nodes of a launch file, an order, and ways to disturb the nodes."""
+"""A ROS master with the nodes of a launch file, an order, and ways to disturb the nodes.
+
+And the rows of a table in the docs, written as lines of JSON; see tools/figure_tables.py.
+"""
 
 from __future__ import annotations
 
 import contextlib
+import json
 import os
 import signal
 import socket
 import subprocess
 import time
-from collections.abc import Callable, Iterator
+from argparse import ArgumentParser
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from http.client import HTTPConnection
 from pathlib import Path
 from xmlrpc.client import ServerProxy, Transport
@@ -91,7 +96,6 @@ class Program:
     def __init__(
         self, line: list[str], log: Path, environment: dict[str, str] | None = None
     ) -> None:
-        """Take the command line, the file that its output is added to, and its environment."""
         self._line = line
         self._log = log
         self._environment = environment
@@ -134,7 +138,6 @@ class Stack:
     """
 
     def __init__(self, port: int, arguments: list[str], output: Path, database: str) -> None:
-        """Prepare a master at a port, and a launch with these arguments."""
         self.output = output
         self.database = database
         self._master = rosgraph.Master("/bench")
@@ -221,3 +224,25 @@ class _ImpatientTransport(Transport):
         connection = super().make_connection(host)  # type: ignore[arg-type]
         connection.timeout = _ANSWER_LIMIT_S
         return connection
+
+
+def add_figures_option(parser: ArgumentParser) -> None:
+    """Add the option that names the file of a table in the docs."""
+    text = "also write the rows of the docs' table there, such as docs/figures/NAME.jsonl"
+    parser.add_argument("--figures", type=Path, metavar="FILE", help=text)
+
+
+def write_figures(file: Path | None, rows: Iterable[Mapping[str, object]]) -> None:
+    """Write the rows, unless there is no file."""
+    if file is not None:
+        file.write_text("".join(f"{json.dumps(row)}\n" for row in rows), encoding="utf-8")
+
+
+def replace_row(file: Path | None, row: Mapping[str, object]) -> None:
+    """Add a row, or replace the one with the same value in the first column."""
+    if file is None:
+        return
+    lines = file.read_text(encoding="utf-8").splitlines() if file.is_file() else []
+    column = next(iter(row))
+    rows = {found[column]: found for found in map(json.loads, lines)}
+    write_figures(file, {**rows, row[column]: row}.values())

@@ -115,7 +115,6 @@ class LabelScene:
     """
 
     def __init__(self, world: World, panel: Panel, condition: Condition, seed: int) -> None:
-        """Build the scene of a seed in an empty world."""
         self._random = np.random.default_rng([seed, 7])
         self._world, self._condition = world, condition
         markers = self._random.permutation(LABELS)

@@ -1,7 +1,7 @@
 // Cable Tree Wiring: the order in which the ends of a harness's cables are inserted.
 //
 // There are k ends; the first 2 b belong to b two-sided cables, ends i and i + b to cable i. Counted
-// from 0 here. core/problem.py explains what an order must satisfy, core/problem.py what it costs.
+// from 0 here. problem.py explains what an order must satisfy, problem.py what it costs.
 #pragma once
 
 #include <cstdint>
@@ -13,7 +13,7 @@ namespace remodel {
 
 extern "C" {
 
-// Must agree, field by field, with CableTreeTables in edge/cable_tree_planner.py.
+// Must agree, field by field, with CableTreeTables in cable_tree_planner.py.
 struct CableTreeTables {
   std::int32_t ends, cables, atomics, disjunctives, softs, directs;
   const std::int32_t* atomic;        // (atomics, 2) before, after

@@ -1,4 +1,4 @@
-// The kernel's functions for cable trees; edge/cable_tree_planner.py declares the same.
+// The kernel's functions for cable trees; cable_tree_planner.py declares the same.
 #include <memory>
 
 #include "cable_tree.hpp"

@@ -33,7 +33,7 @@ class CableTreeSearch {
   CableTreeSearch(const CableTree& tree, const Precedence& known, const int* order,
                   std::uint64_t seed);
 
-  // How much each part weighs while annealing; see core/problem.py.
+  // How much each part weighs while annealing; see problem.py.
   struct Weights {
     double broken, stored, open, longest, soft;
   };

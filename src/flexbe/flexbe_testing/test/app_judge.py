@@ -9,7 +9,7 @@ from collections import Counter
 from collections.abc import Collection, Iterable, Iterator, Mapping
 from xml.etree import ElementTree
 
-from flexbe_testing.core.app.behavior import (
+from flexbe_testing.core.app_behavior import (
     AppBehavior,
     AppLoadError,
     BehaviorUse,
@@ -20,7 +20,7 @@ from flexbe_testing.core.app.behavior import (
     is_balanced,
     walk,
 )
-from flexbe_testing.core.app.load import load_behavior
+from flexbe_testing.core.app_load import load_behavior
 
 _SHOWN = 6  # changed lines that a complaint shows
 

@@ -22,8 +22,8 @@ from flexbe_synthesizer.core.check.check import check_chart
 from flexbe_synthesizer.core.compile import compile_chart
 from flexbe_synthesizer.core.library.signature import FromParameter, chart_behavior, state_signature
 from flexbe_synthesizer.edge.package_path import find_packages, read_library
-from flexbe_testing.core.app.behavior import Known
-from flexbe_testing.core.app.load import define_behavior
+from flexbe_testing.core.app_behavior import Known
+from flexbe_testing.core.app_load import define_behavior
 from flexbe_testing.edge.doctor import read_packages
 
 GOLDEN = Path(__file__).parents[1] / "golden"

@@ -12,8 +12,8 @@ from app_judge import judge
 from random_charts.engine_run import Synthesis
 from random_charts.generate import generate
 
-from flexbe_testing.core.app.behavior import Known
-from flexbe_testing.core.app.load import define_behavior
+from flexbe_testing.core.app_behavior import Known
+from flexbe_testing.core.app_load import define_behavior
 from flexbe_testing.edge.doctor import read_packages
 
 SOURCES = Path(__file__).parents[3]

@@ -2,7 +2,7 @@
 
 import pytest
 
-from remodel_cable_tree.core.problem import rounds
+from remodel_cable_tree.problem import rounds
 from remodel_tasks.core.search.annealing import moves_per_second, slices
 
 

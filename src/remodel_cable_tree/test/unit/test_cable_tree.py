@@ -8,7 +8,13 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from remodel_cable_tree.core.problem import (
+from remodel_cable_tree.cable_tree_planner import (
+    Feasibility,
+    KernelCableTree,
+    contradiction,
+    sequence,
+)
+from remodel_cable_tree.problem import (
     CableTree,
     constraints_of,
     cost_of,
@@ -16,12 +22,6 @@ from remodel_cable_tree.core.problem import (
     rounds,
     violations,
     with_constraints,
-)
-from remodel_cable_tree.edge.cable_tree_planner import (
-    Feasibility,
-    KernelCableTree,
-    contradiction,
-    sequence,
 )
 from remodel_production.errors import InstanceError
 

@@ -8,7 +8,7 @@ from remodel_msgs.msg import InsertCableGoal
 from std_msgs.msg import Header
 
 from flexbe_core.engine.visit import VisitText
-from flexbe_onboard.edge.behavior_source import read_value
+from flexbe_onboard.behavior_source import read_value
 from remodel_console.core.cell import Row, StateValues, literal_of, values_around
 from remodel_console.watched import RunValues
 

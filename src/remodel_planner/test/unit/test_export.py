@@ -9,8 +9,8 @@ from pddl.parser.domain import DomainParser
 from pddl.parser.problem import ProblemParser
 from random_panel import random_panel
 
-from remodel_pddl.core import hddl, pddl
-from remodel_pddl.core.symbolic import steps_of, symbols_of
+from remodel_pddl import hddl, pddl
+from remodel_pddl.symbolic import steps_of, symbols_of
 from remodel_planner.commands import export as export_command
 from remodel_planner.commands import plan as plan_command
 from remodel_production.errors import InstanceError

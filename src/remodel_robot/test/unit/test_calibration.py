@@ -5,8 +5,8 @@ import numpy as np
 import pytest
 import yaml
 
+from remodel_robot.calibration import Board, CalibrationError, Lens, View, calibrate, transform
 from remodel_robot.commands.calibrate import main, matrix_of, pose_of
-from remodel_robot.core.calibration import Board, CalibrationError, Lens, View, calibrate, transform
 
 BOARD = Board(7, 5, 0.03, 0.022)
 SIZE = (960, 720)

@@ -4,7 +4,7 @@ import ast
 import re
 from pathlib import Path
 
-from flexbe_testing.core.app.behavior import judge_state, read_state
+from flexbe_testing.core.app_behavior import judge_state, read_state
 from remodel_states.core.contract import GRACE_S
 
 FILES = sorted((Path(__file__).parents[2] / "src" / "remodel_states").glob("*_state.py"))

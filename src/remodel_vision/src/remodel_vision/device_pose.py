@@ -1,12 +1,12 @@
 """Components as cameras see them; the pose of a device without label by outline and screws.
 
-The design gives both. A picture is searched around where the device should stand for the pose at
-which most of these edges lie on edges of the picture; there must be one such place only. Then each
-point of an edge is measured across the edge, and the pose is moved until all fit best (Gauss and
-Newton, Tukey's weights). The edge of the top is the first one that is met on the way out of the
-device: behind it come its neighbours, ducts and wires. A device stands upright on its rail or the
-plate, so it has three degrees of freedom, and its height is that of the design: with two pictures
-from different places another height shows, as they do not agree.
+The design gives outline and screws. A picture is searched around where the device should stand
+for the pose at which most of these edges lie on edges of the picture; there must be one such
+place only. Then each point of an edge is measured across the edge, and the pose is moved until
+all fit best (Gauss and Newton, Tukey's weights). The edge of the top is the first one that is met
+on the way out of the device: behind it come its neighbours, ducts and wires. A device stands
+upright on its rail or the plate, so it has three degrees of freedom, and its height is that of
+the design: with two pictures from different places another height shows, as they do not agree.
 """
 
 from __future__ import annotations

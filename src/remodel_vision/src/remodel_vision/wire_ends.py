@@ -1,6 +1,6 @@
 """From a picture to the live wire's loose ends and its centreline, in world coordinates.
 
-Blobs of the ferrules' colour, each with the direction in which its wire leaves.
+Ends are blobs of the ferrules' colour, each with the direction in which its wire leaves.
 """
 
 from __future__ import annotations

@@ -6,12 +6,7 @@ import pytest
 
 from flexbe_core import BehaviorLibrary
 from flexbe_core.engine.supervision import checksum
-from flexbe_onboard.edge.behavior_source import (
-    Modification,
-    ModuleFreshness,
-    StartError,
-    load_behavior,
-)
+from flexbe_onboard.behavior_source import Modification, ModuleFreshness, StartError, load_behavior
 
 SOURCE = """\
 from flexbe_core import Behavior

@@ -2,7 +2,7 @@
 
 import pytest
 
-from flexbe_onboard.edge.behavior_source import (
+from flexbe_onboard.behavior_source import (
     Modification,
     StartError,
     modified,

@@ -14,7 +14,7 @@ from roslib.message import get_message_class
 from std_msgs.msg import Empty
 
 from flexbe_core.testing import is_sent_to
-from flexbe_testing.core.conformance import topics
+from flexbe_testing.core import topics
 
 INNER = "inner"
 LIMIT_S = 60.0

@@ -14,10 +14,10 @@ from flexbe_msgs.msg import BEStatus
 from wrong_engine import WrongEngine
 from wrong_rules import RULES, changed, status
 
-from flexbe_testing.core.conformance import topics
-from flexbe_testing.core.conformance.scenario import Verdict
-from flexbe_testing.ros.conformance.command import ALL, FIRST, Judge
-from flexbe_testing.ros.conformance.scenarios import starting
+from flexbe_testing.core import topics
+from flexbe_testing.core.scenario import Verdict
+from flexbe_testing.ros.conformance import ALL, FIRST, Judge
+from flexbe_testing.ros.scenarios import starting
 
 SCENARIOS = {scenario.name: scenario for scenario in ALL}
 

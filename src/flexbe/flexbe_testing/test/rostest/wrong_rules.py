@@ -5,9 +5,9 @@ import copy
 from flexbe_msgs.msg import BehaviorExecutionResult, BEStatus, CommandFeedback
 from wrong_engine import EXECUTE
 
-from flexbe_testing.core.conformance import topics
-from flexbe_testing.core.conformance.scenario import checksum
-from flexbe_testing.ros.conformance.command import behavior_package
+from flexbe_testing.core import topics
+from flexbe_testing.core.scenario import checksum
+from flexbe_testing.ros.conformance import behavior_package
 
 PACKAGE = "flexbe_conformance_behaviors"
 CHAIN = "conformance_chain_sm"

@@ -3,8 +3,8 @@
 import pytest
 from app_judge import judge, judge_manifest, saved_by_app
 
-from flexbe_testing.core.app.behavior import Known, read_state, walk
-from flexbe_testing.core.app.load import define_behavior, load_behavior
+from flexbe_testing.core.app_behavior import Known, read_state, walk
+from flexbe_testing.core.app_load import define_behavior, load_behavior
 
 STATE = """
 class {name}(EventState):

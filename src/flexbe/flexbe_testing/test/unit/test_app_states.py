@@ -4,7 +4,7 @@ from pathlib import Path
 
 import pytest
 
-from flexbe_testing.core.app.behavior import FromParameter, judge_state, read_state
+from flexbe_testing.core.app_behavior import FromParameter, judge_state, read_state
 
 STATES = Path(__file__).parents[3] / "flexbe_states" / "src" / "flexbe_states"
 FILES = sorted(STATES.glob("*_state.py"))

@@ -8,7 +8,7 @@ refuses to save an empty value. One form it does not open at all.
 import pytest
 from app_judge import judge, saved_by_app
 
-from flexbe_testing.core.app.behavior import AppLoadError, Known, read_state
+from flexbe_testing.core.app_behavior import AppLoadError, Known, read_state
 
 DEFAULT = "Logger.REPORT_HINT"
 READ = [

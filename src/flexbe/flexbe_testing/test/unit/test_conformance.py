@@ -12,8 +12,8 @@ from types import SimpleNamespace
 import pytest
 import rospy
 
-from flexbe_testing.core.conformance import topics
-from flexbe_testing.core.conformance.scenario import (
+from flexbe_testing.core import topics
+from flexbe_testing.core.scenario import (
     Finding,
     Part,
     Scenario,
@@ -28,9 +28,9 @@ from flexbe_testing.core.conformance.scenario import (
     successor,
     table,
 )
-from flexbe_testing.ros.conformance.bench import Bench
-from flexbe_testing.ros.conformance.command import Judge
-from flexbe_testing.ros.conformance.wire import EngineWire, Interrupt, InterruptedByUserError, Tape
+from flexbe_testing.ros.bench import Bench
+from flexbe_testing.ros.conformance import Judge
+from flexbe_testing.ros.wire import EngineWire, Interrupt, InterruptedByUserError, Tape
 
 PACKAGE = Path(__file__).parents[2]
 JUDGE = PACKAGE / "src" / "flexbe_testing"

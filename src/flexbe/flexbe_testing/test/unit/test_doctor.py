@@ -15,8 +15,8 @@ from flexbe_core import OperatableStateMachine
 from flexbe_core.core import UserData
 from flexbe_core.engine.engine import Engine, ErrorPolicy
 from flexbe_core.testing import ScriptedState
-from flexbe_testing.core.doctor.module import Kind, Severity
-from flexbe_testing.core.doctor.rules import OVERRIDES
+from flexbe_testing.core.doctor_module import Kind, Severity
+from flexbe_testing.core.doctor_rules import OVERRIDES
 from flexbe_testing.edge.doctor import attributes, diagnose, names_of
 
 WORKSPACE = Path(__file__).parents[1] / "doctor_workspace"

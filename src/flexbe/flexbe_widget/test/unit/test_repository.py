@@ -5,7 +5,7 @@ import ast
 import pytest
 from catkin_pkg.package import parse_package_string
 
-from flexbe_testing.core.app.behavior import read_state
+from flexbe_testing.core.app_behavior import read_state
 from flexbe_widget.core.command_line import read_breakpoints
 from flexbe_widget.core.repository import repository
 from flexbe_widget.edge.files import write_new_files

@@ -5,10 +5,11 @@ reach always has one. Requests are let in for a host name that the console answe
 foreign page can reach it by a name of its own that leads here (DNS rebinding); web sockets besides
 only from pages of the console itself.
 
-done: load my_first_behavior
-loaded 'my_first_behavior' from /charts/my_first_behavior.xml
+A command is matched against its whole text, with no blanks around it, and with the case given. An
+answer has the command and whether it was carried out in its first line, then the words:
 
-A command is matched against its whole text, with no blanks around it, and with the case given.
+    done: load my_first_behavior
+    loaded 'my_first_behavior' from /charts/my_first_behavior.xml
 """
 
 from __future__ import annotations

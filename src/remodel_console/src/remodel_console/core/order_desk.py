@@ -1,7 +1,7 @@
 """An order before it is stored: columns of its wire list, preferences, the plan as a Gantt chart.
 
-docs/planning.md describes the document. What an entry means is checked by the planner alone; here
-it only has its fields.
+docs/planning.md describes the document of preferences. What an entry means is checked by the
+planner alone; here it only has its fields.
 """
 
 from __future__ import annotations

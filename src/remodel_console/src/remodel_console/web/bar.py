@@ -6,7 +6,6 @@ import json
 from collections.abc import Awaitable, Callable, Mapping, Sequence
 from contextlib import AbstractContextManager
 from functools import partial
-from typing import Protocol
 
 from nicegui import ui
 from nicegui.element import Element
@@ -237,15 +236,8 @@ def set_cookie(name: str, value: str) -> None:
 _SHOW_PAGE = f"() => {{ document.body.classList.toggle('whole-page'); {SHOW_TAB}; }}"
 
 
-class Button(Protocol):
-    """Makes buttons that only operators can press."""
-
-    def __call__(
-        self, text: str, deed: Callable[[], object], *, icon: str | None = None, look: str = "main"
-    ) -> ui.button:
-        """Return a button."""
-
-
+# Makes buttons that only operators can press: (text, deed, icon=None, look="main").
+Button = Callable[..., ui.button]
 Give = Callable[[Card, Option], Awaitable[object]]
 Enter = Callable[[Card, str | None], Awaitable[object]]
 

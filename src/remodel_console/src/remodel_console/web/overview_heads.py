@@ -5,7 +5,6 @@ from __future__ import annotations
 import time
 from collections.abc import Awaitable, Callable, Collection, Coroutine, Iterable
 from functools import partial
-from typing import Protocol
 
 from nicegui import run, ui
 
@@ -21,6 +20,7 @@ from remodel_console.core.use_case import (
 )
 from remodel_console.core.world import Part, World
 from remodel_console.errors import CommandError
+from remodel_console.web.bar import Button
 from remodel_console.web.page import Page
 from remodel_run.progress import Count, Phase, TaskPhase, sums_words
 
@@ -54,17 +54,10 @@ def time_words(wall_s: float) -> str:
     return time.strftime("%H:%M:%S", time.localtime(wall_s))
 
 
-class StartOrder(Protocol):
-    """Asks the supervisor to start an order."""
-
-    def __call__(self, order: str, tasks: int, *, again: bool) -> Awaitable[object]:
-        """Start it: at most so many tasks (0: all), `again` also those that are done."""
-
-
 class OrderForm:
     """Shows how the last run ended, and starts another."""
 
-    def __init__(self, page: Page, start: StartOrder) -> None:
+    def __init__(self, page: Page, start: Callable[..., Awaitable[object]]) -> None:
         self._page = page
         self._start_order = start
         with ui.element("div").classes("ending") as self._ending:
@@ -126,7 +119,6 @@ class OrderForm:
 # What the page shows until a pause is answered.
 PAUSING = "pausing"
 
-Button = Callable[..., ui.button]
 Deed = Callable[[], object]
 _STYLES = {
     Phase.ASKING: "asking",

@@ -6,8 +6,8 @@ import argparse
 import json
 from pathlib import Path
 
-from remodel_pddl.core import hddl, pddl
-from remodel_pddl.core.symbolic import steps_of, symbols_of
+from remodel_pddl import hddl, pddl
+from remodel_pddl.symbolic import steps_of, symbols_of
 from remodel_planner.commands.options.common import refuses
 from remodel_planner.commands.options.problem_files import (
     add_problem_options,

@@ -12,7 +12,7 @@ import cv2
 import numpy as np
 import yaml
 
-from remodel_robot.core.calibration import (
+from remodel_robot.calibration import (
     Array,
     Board,
     Calibration,

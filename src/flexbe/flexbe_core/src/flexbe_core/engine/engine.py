@@ -1,9 +1,5 @@
 """The engine: runs one behavior, step by step, without a clock or a thread of its own.
 
-The old run detaches its active state without exiting it, and ends. The new run begins at that
-state: its containers begin with the runtime userdata of the old ones, and the state continues,
-locked until an operator unlocks it. Other active states are exited, and begin again.
-
 A driver calls it with the time and with what arrives, and publishes the events that it returns.
 
     handle(command)   an operator sent a command
@@ -14,6 +10,11 @@ A driver calls it with the time and with what arrives, and publishes the events 
 
 A state that returns an outcome is followed by the next at once. A state that returns None is
 executed again when its rate says so, when it is woken, or when a command comes.
+
+Migration to a new version: the old run detaches its active state without exiting it, and ends. The
+new run begins at that state: its containers begin with the runtime userdata of the old ones, and
+the state continues, locked until an operator unlocks it. Other active states are exited, and begin
+again.
 """
 
 from __future__ import annotations

@@ -12,10 +12,9 @@ operations; a container passes them on to its active children:
     next_due()  when it is due, as ROS time
     leaf()      the active state below it that a mirror shows
 
-    on_enter (first tick of a visit), on_resume (first tick after a pause), execute, on_exit
-
-on_exit is called exactly once per on_enter, however the visit ends: by an outcome, a repeat, an
-error that ends the run, or the end of a container around it.
+A state's events are on_enter (first tick of a visit), on_resume (first tick after a pause), execute
+and on_exit. on_exit is called exactly once per on_enter, however the visit ends: by an outcome, a
+repeat, an error that ends the run, or the end of a container around it.
 """
 
 from __future__ import annotations

@@ -21,15 +21,15 @@ from xml.etree import ElementTree
 
 import rospkg
 
-from flexbe_testing.core.app.behavior import (
+from flexbe_testing.core.app_behavior import (
     AppLoadError,
     BehaviorDefinition,
     Known,
     StateDefinition,
     read_state,
 )
-from flexbe_testing.core.app.load import define_behavior
-from flexbe_testing.core.doctor.module import (
+from flexbe_testing.core.app_load import define_behavior
+from flexbe_testing.core.doctor_module import (
     Finding,
     Kind,
     Module,
@@ -37,7 +37,7 @@ from flexbe_testing.core.doctor.module import (
     Severity,
     sorted_findings,
 )
-from flexbe_testing.core.doctor.rules import Engine, count, examine
+from flexbe_testing.core.doctor_rules import Engine, count, examine
 
 _EXPORTS = ("flexbe_states", "flexbe_behaviors")
 

@@ -4,7 +4,7 @@
 `EXTENSION`, so that a plain chart stays valid; its elements have the prefix `ext:` here and in
 messages. The published schemas, in `schema/`, say the same to XML editors.
 
-`chart_reader` makes the parts of a chart of them.
+`chart_reader` makes the parts of a chart of the elements.
 """
 
 from __future__ import annotations

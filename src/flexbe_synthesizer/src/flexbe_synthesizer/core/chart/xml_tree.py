@@ -5,9 +5,9 @@ Namespaces are resolved here rather than by expat, so that an undeclared prefix,
 that stands twice, is one problem among others and does not hide the rest of the file. Document
 types are refused, and with them entity bombs, external entities and default attributes.
 
-`xml.etree` builds its tree in C and knows no places; `xml_reader` knows every place and takes ten
+`xml.etree` builds its tree in C and knows no places; `read_utf8` knows every place and takes ten
 times as long. Both are expat underneath, so they agree on what is well-formed. What is not, or has
-a document type or an undeclared prefix, goes to `xml_reader` at once, which says what is wrong.
+a document type or an undeclared prefix, goes to `read_utf8` at once, which says what is wrong.
 The first place that is asked for costs a pass that finds where each tag begins.
 """
 

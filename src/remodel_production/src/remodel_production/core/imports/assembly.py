@@ -3,8 +3,10 @@
 A point at which several connections meet becomes as many terminals: B2.1, B2.2, ...
 A name of a wire that occurs again gets a number: 24, 24#2, ...
 
-devices: {S1: door, "M*": outside}     # by their names in the order: plate, door or outside
-symbols: {"*/my_button.elmt": door}    # of QElectroTech, by their paths: also reference or drawing
+The YAML of a placement says where devices are:
+
+    devices: {S1: door, "M*": outside}     # by their names in the order: plate, door or outside
+    symbols: {"*/my_button.elmt": door}    # of QElectroTech, by paths: also reference or drawing
 
 A pattern may hold * for any letters; the first one that fits counts. The file counts more than the
 catalogue and the list.

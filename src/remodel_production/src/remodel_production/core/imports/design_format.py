@@ -1,6 +1,6 @@
 """A format of design files, and which modules and variants of a harness are read.
 
-KBL writes them as Logistic_control_information, VEC as LogisticControlString or
+KBL writes conditions as Logistic_control_information, VEC as LogisticControlString or
 LogisticControlExpression. Their syntax is each company's own; what most of them share is read:
 
     condition = term, {or, term}      or:  /  |  ||  OR  ODER

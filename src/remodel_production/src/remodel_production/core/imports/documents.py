@@ -1,8 +1,8 @@
 """Read untrusted documents: XML, YAML with lines, XLSX sheets, text of unknown encoding.
 
-Formulas count by the value that the program which wrote the workbook has computed. A cell that
-spans others stands for all of them. Untrusted: what unpacks to more than a workbook of the longest
-list is refused before it is read, as are document types, which can declare entities.
+Formulas of sheets count by the value that the program which wrote the workbook has computed. A cell
+that spans others stands for all of them. What unpacks to more than a workbook of the longest list
+is refused before it is read, as are document types, which can declare entities.
 """
 
 from __future__ import annotations

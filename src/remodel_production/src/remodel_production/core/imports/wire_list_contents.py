@@ -1,6 +1,7 @@
 """What the contents of a list's columns say that headings leave open; lists of pins.
 
-Only for mappings that find columns by usual words: a mapping of one's own means what it says.
+Contents count only for mappings that find columns by usual words: a mapping of one's own
+means what it says.
 """
 
 from __future__ import annotations

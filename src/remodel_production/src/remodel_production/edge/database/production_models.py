@@ -1,6 +1,6 @@
 """The tables of the production knowledge database; docs/production-database.md draws them.
 
-An entry starts with the number of its packing. Number 1 is raw deflate with the dictionary below,
+An entry of a packed column starts with the number of its packing. Number 1 is raw deflate with the dictionary below,
 which must never change: another one needs another number.
 
 New databases are created from them. Every table and column has a comment, which PostgreSQL keeps. A

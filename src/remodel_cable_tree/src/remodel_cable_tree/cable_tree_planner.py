@@ -18,7 +18,7 @@ from typing import Any
 
 import numpy as np
 
-from remodel_cable_tree.core.problem import (
+from remodel_cable_tree.problem import (
     CableTree,
     Constraint,
     Recipe,

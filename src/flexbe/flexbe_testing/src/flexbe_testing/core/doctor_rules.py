@@ -8,9 +8,9 @@ from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from difflib import get_close_matches
 
-from flexbe_testing.core.app.behavior import AppLoadError, Known, judge_state
-from flexbe_testing.core.app.load import load_behavior
-from flexbe_testing.core.doctor.module import (
+from flexbe_testing.core.app_behavior import AppLoadError, Known, judge_state
+from flexbe_testing.core.app_load import load_behavior
+from flexbe_testing.core.doctor_module import (
     Finding,
     FlexbeClass,
     Kind,
@@ -270,7 +270,7 @@ def _guarded(tree: ast.Module) -> set[ast.AST]:
     return {node for item in tries for node in ast.walk(item)}
 
 
-# What the FlexBE App cannot read, or loses, by the rules of core/app
+# What the FlexBE App cannot read, or loses, by the rules of app_load.py
 
 
 _RULE = "app"

@@ -6,10 +6,10 @@ import rospy
 from flexbe_msgs.msg import OutcomeRequest
 from flexbe_msgs.srv import GetUserdata, GetUserdataResponse
 
-from flexbe_testing.core.conformance import topics
-from flexbe_testing.core.conformance.scenario import ViolationError, scenario
-from flexbe_testing.ros.conformance.bench import PAIR, PRIORITY, VALUES, Bench
-from flexbe_testing.ros.conformance.wire import EVENT
+from flexbe_testing.core import topics
+from flexbe_testing.core.scenario import ViolationError, scenario
+from flexbe_testing.ros.bench import PAIR, PRIORITY, VALUES, Bench
+from flexbe_testing.ros.wire import EVENT
 
 _LEFT, _RIGHT = "/Both/Left", "/Both/Right"
 

@@ -6,8 +6,8 @@ import re
 from collections.abc import Iterator
 from dataclasses import replace
 
-from flexbe_testing.core.app import behavior as cut
-from flexbe_testing.core.app.behavior import (
+from flexbe_testing.core import app_behavior as cut
+from flexbe_testing.core.app_behavior import (
     AppBehavior,
     AppLoadError,
     BehaviorDefinition,

@@ -13,7 +13,7 @@ import rosgraph
 import rospkg
 import rospy
 
-from flexbe_testing.core.conformance.scenario import (
+from flexbe_testing.core.scenario import (
     Finding,
     NotJudgedError,
     Scenario,
@@ -27,14 +27,9 @@ from flexbe_testing.core.conformance.scenario import (
     scenarios_of,
     table,
 )
-from flexbe_testing.ros.conformance.bench import PACKAGE, Bench, StuckError
-from flexbe_testing.ros.conformance.scenarios import commands, containers, mirroring, starting
-from flexbe_testing.ros.conformance.wire import (
-    EngineWire,
-    Interrupt,
-    InterruptedByUserError,
-    NoEngineError,
-)
+from flexbe_testing.ros.bench import PACKAGE, Bench, StuckError
+from flexbe_testing.ros.scenarios import commands, containers, mirroring, starting
+from flexbe_testing.ros.wire import EngineWire, Interrupt, InterruptedByUserError, NoEngineError
 
 # Without this one nothing else can be judged.
 FIRST: Scenario = starting.runs_behaviors

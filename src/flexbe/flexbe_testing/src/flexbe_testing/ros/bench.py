@@ -11,8 +11,8 @@ from flexbe_msgs.msg import BehaviorSelection, BEStatus
 from genpy import Message
 from std_msgs.msg import Empty, String
 
-from flexbe_testing.core.conformance import topics
-from flexbe_testing.core.conformance.scenario import (
+from flexbe_testing.core import topics
+from flexbe_testing.core.scenario import (
     Fields,
     NotJudgedError,
     ViolationError,
@@ -20,7 +20,7 @@ from flexbe_testing.core.conformance.scenario import (
     checksum,
     shown,
 )
-from flexbe_testing.ros.conformance.wire import EVENT, EngineWire
+from flexbe_testing.ros.wire import EVENT, EngineWire
 
 PACKAGE = "flexbe_conformance_behaviors"
 # Modules of its behaviors.

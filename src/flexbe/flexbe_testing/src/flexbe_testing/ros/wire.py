@@ -17,8 +17,8 @@ import rospy
 from genpy import Message
 from roslib.message import get_message_class
 
-from flexbe_testing.core.conformance import topics
-from flexbe_testing.core.conformance.scenario import ViolationError
+from flexbe_testing.core import topics
+from flexbe_testing.core.scenario import ViolationError
 
 # [s] Wall time between two inspections of a connection.
 _POLL_S = 0.005

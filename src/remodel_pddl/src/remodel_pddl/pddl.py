@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 
-from remodel_pddl.core.symbolic import HEAVY_ONLY, LIGHT_BEGUN, NOTHING, Ground, Symbols
+from remodel_pddl.symbolic import HEAVY_ONLY, LIGHT_BEGUN, NOTHING, Ground, Symbols
 
 DOMAIN = "remodel-wiring"
 

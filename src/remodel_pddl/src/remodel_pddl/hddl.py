@@ -5,7 +5,7 @@ Any order of the wires can be decomposed; in which they are placed is the planne
 
 from __future__ import annotations
 
-from remodel_pddl.core.pddl import (
+from remodel_pddl.pddl import (
     ACTIONS,
     DOMAIN,
     FUNCTIONS,
@@ -15,7 +15,7 @@ from remodel_pddl.core.pddl import (
     objects,
     requirements,
 )
-from remodel_pddl.core.symbolic import Symbols
+from remodel_pddl.symbolic import Symbols
 
 _TASKS = """\
   (:task wire-all :parameters ())

@@ -5,8 +5,8 @@ from __future__ import annotations
 from flexbe_msgs.msg import OutcomeRequest
 from std_msgs.msg import Empty, Int32, String, UInt8
 
-from flexbe_testing.core.conformance import topics
-from flexbe_testing.core.conformance.scenario import (
+from flexbe_testing.core import topics
+from flexbe_testing.core.scenario import (
     NotJudgedError,
     Part,
     ViolationError,
@@ -15,7 +15,7 @@ from flexbe_testing.core.conformance.scenario import (
     scenario,
     successor,
 )
-from flexbe_testing.ros.conformance.bench import CHAIN, NEST, PAIR, Bench
+from flexbe_testing.ros.bench import CHAIN, NEST, PAIR, Bench
 
 _NAME = "Conformance Chain"
 

@@ -6,9 +6,9 @@ import rospy
 from flexbe_msgs.msg import BEStatus, OutcomeRequest
 from std_msgs.msg import Bool, Empty, String, UInt8
 
-from flexbe_testing.core.conformance import topics
-from flexbe_testing.core.conformance.scenario import ViolationError, scenario
-from flexbe_testing.ros.conformance.bench import CHAIN, FAULT, NEST, Bench
+from flexbe_testing.core import topics
+from flexbe_testing.core.scenario import ViolationError, scenario
+from flexbe_testing.ros.bench import CHAIN, FAULT, NEST, Bench
 
 _WITHDRAWN = 255
 _BREAKPOINTS = "/flexbe/breakpoints"

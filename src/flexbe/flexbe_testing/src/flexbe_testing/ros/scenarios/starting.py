@@ -21,15 +21,10 @@ from flexbe_msgs.msg import (
 from genpy import Message
 from std_msgs.msg import String
 
-from flexbe_testing.core.conformance import topics
-from flexbe_testing.core.conformance.scenario import (
-    NotJudgedError,
-    ViolationError,
-    checksum,
-    scenario,
-)
-from flexbe_testing.ros.conformance.bench import CHAIN, FAULT, NEST, VALUES, Bench
-from flexbe_testing.ros.conformance.wire import EVENT
+from flexbe_testing.core import topics
+from flexbe_testing.core.scenario import NotJudgedError, ViolationError, checksum, scenario
+from flexbe_testing.ros.bench import CHAIN, FAULT, NEST, VALUES, Bench
+from flexbe_testing.ros.wire import EVENT
 
 _BEATS = 4
 # [s] Mean time between heartbeats; 1 Hz, with room for a busy machine.
