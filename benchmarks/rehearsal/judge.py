@@ -25,9 +25,12 @@ from statistics import fmean
 from remodel_planner.commands.options.common import seeds
 from remodel_production.core.imports.formats import format_of, import_design
 from remodel_production.core.production import Order
-from remodel_production.edge.design_files import read_mappings
-from remodel_production.edge.importer_plug_ins import design_formats
-from remodel_production.edge.package_files import catalogue_file, read_catalogue
+from remodel_production.edge.design_files import (
+    catalogue_file,
+    design_formats,
+    read_catalogue,
+    read_mappings,
+)
 from remodel_rehearsal.core.forecast import brier_score, forecast
 from remodel_rehearsal.edge.cluster import Job, Rehearsing, connected
 from remodel_rehearsal.edge.trial_store import KeptTrial, hash_of_sources, mark_of

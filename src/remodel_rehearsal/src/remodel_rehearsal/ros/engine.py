@@ -9,9 +9,8 @@ from typing import Any
 from flexbe_core.behavior import Behavior
 from flexbe_core.engine.definitions import Kind, definitions_below
 from flexbe_core.engine.engine import Engine, ErrorPolicy
-from flexbe_core.engine.errors import BehaviorFailure
-from flexbe_core.engine.events import Entered
-from flexbe_core.engine.supervision import PREEMPTED, UNSUPERVISED, Preempt
+from flexbe_core.engine.supervision import PREEMPTED, UNSUPERVISED, Entered, Preempt
+from flexbe_core.engine.user_data import BehaviorFailure
 from flexbe_synthesizer.core.chart.chart_reader import parse_chart
 from flexbe_synthesizer.core.chart.chart_writer import write_chart
 from flexbe_synthesizer.core.chart.model import Chart

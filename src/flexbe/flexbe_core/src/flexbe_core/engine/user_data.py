@@ -1,6 +1,7 @@
 """Userdata as one state may see it, and what can go wrong in a run.
 
-The first three errors are stock FlexBE's: users catch them by name, and they share no base but Exception.
+The first three errors are stock FlexBE's: users catch them by name, and they share no base but
+Exception.
 
 A view has a store of its own on top of a reference (another view, or a dict). Reading tries the
 store first, then the reference through the remapping. Writing an output key writes both.

@@ -1,10 +1,11 @@
 """The tables of the production knowledge database; docs/production-database.md draws them.
 
-An entry of a packed column starts with the number of its packing. Number 1 is raw deflate with the dictionary below,
-which must never change: another one needs another number.
+An entry of a packed column starts with the number of its packing. Number 1 is raw deflate with the
+dictionary below, which must never change: another one needs another number.
 
-New databases are created from them. Every table and column has a comment, which PostgreSQL keeps. A
-change here needs a migration in edge/database/migrations/versions, and `tools/draw_database.py`.
+New databases are created from the models. Every table and column has a comment, which PostgreSQL
+keeps. A change here needs a migration in edge/database/migrations/versions, and
+`tools/draw_database.py`.
 """
 
 from __future__ import annotations

@@ -3,8 +3,8 @@
 Rows are read table by table for a whole product, so that an order of a thousand wires takes a dozen
 queries.
 
-The document of preferences (docs/planning.md) has sections; each entry of a section is a row: of `require` among
-the constraints, of any other one among the preferences.
+The document of preferences (docs/planning.md) has sections; each entry of a section is a row:
+of `require` among the constraints, of any other one among the preferences.
 """
 
 from __future__ import annotations
