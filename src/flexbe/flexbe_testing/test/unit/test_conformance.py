@@ -53,8 +53,10 @@ TREE = {
 
 
 def test_the_judge_imports_nothing_of_an_engine():
-    files = [file for file in JUDGE.rglob("*.py") if "conformance" in file.parts]
-    assert len(files) > 10
+    parts = ["core/scenario.py", "core/topics.py"]
+    parts += ["ros/bench.py", "ros/conformance.py", "ros/wire.py"]
+    files = [*(JUDGE / part for part in parts), *(JUDGE / "ros/scenarios").glob("*.py")]
+    assert len(files) == 10
     for file in [*files, PACKAGE / "nodes" / "engine_conformance"]:
         for node in ast.walk(ast.parse(file.read_text())):
             names = [alias.name for alias in getattr(node, "names", [])] + [
