@@ -28,7 +28,7 @@ _POSE = "[x, y, z, qx, qy, qz, qw], metres and a quaternion"
 
 
 def read_views(file: Path) -> tuple[list[View], Board, Lens]:
-    """Return the views that a file lists, the board and the lens; docs/real-cell/calibration.md.
+    """Return the views that a file lists, the board and the lens; docs/real-cell/drivers.md.
 
     Raises:
         CalibrationError: naming the file and the key.
