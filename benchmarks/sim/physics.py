@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 # ruff: noqa: T201 - a benchmark prints
-"""Run the physical tests of remodel_sim, also as other processors and other beginnings have them.
+"""Run the physical tests, also as other processors and other beginnings have them.
 
 physics.py [--disturbed [--results FILE]] [--jobs N] [ARGUMENT ...]; the workspace must be sourced.
 The arguments go to pytest, for example `-k lay_wire` or `-m "physics and not slow"`. With
@@ -30,7 +30,7 @@ from xml.etree import ElementTree
 from numpy.core._multiarray_umath import __cpu_dispatch__, __cpu_features__
 
 ROOT = Path(__file__).parents[2]
-TESTS = "src/remodel_sim/test/unit"
+TESTS = ("src/remodel_sim/test/unit", "src/remodel_rehearsal/test/unit")
 SEEDS = range(1, 6)
 # What processors of earlier kinds do not have, as glibc calls it; it ignores what it does not know.
 AVX512 = ("AVX512F", "AVX512CD", "AVX512BW", "AVX512DQ", "AVX512VL")
@@ -104,7 +104,7 @@ def run(one: Run, environment: Mapping[str, str], arguments: Sequence[str]) -> d
 
 def pytest(arguments: Sequence[str]) -> list[str]:
     """Return pytest's command."""
-    return [sys.executable, "-m", "pytest", "-m", "physics", TESTS, *arguments]
+    return [sys.executable, "-m", "pytest", "-m", "physics", *TESTS, *arguments]
 
 
 def processor() -> str:

@@ -361,6 +361,7 @@ def test_the_pull_on_a_clamped_end_keeps_to_its_limit(pushes):
     cell.close()
 
 
+@pytest.mark.slow
 @pytest.mark.physics
 def test_a_wire_is_led_into_its_ducts():
     cell = cell_of()

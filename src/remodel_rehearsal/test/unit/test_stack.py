@@ -1,0 +1,43 @@
+"""A wire of a stranger's cabinet, through the whole stack in one process."""
+
+from pathlib import Path
+
+import pytest
+from remodel_production.edge.importer_plug_ins import design_formats
+from remodel_production.edge.package_files import catalogue_file, read_catalogue
+
+from remodel_production.core.imports.formats import format_of, import_design
+from remodel_production.edge.design_files import read_mappings
+from remodel_rehearsal.edge.uncertainty_file import read_uncertainty
+from remodel_rehearsal.stack import Setting, planned_wires
+from remodel_rehearsal.trial_run import rehearse_wire
+from remodel_work.panel import WireEnd
+from remodel_work.placed_wires import PlacedWires
+
+# A machine's cabinet of Debian's package qelectrotech-examples.
+DESIGN = Path("/usr/share/qelectrotech/examples/schema_indus.qet")
+
+
+@pytest.fixture(scope="module")
+def setting():
+    data = DESIGN.read_bytes()
+    form = format_of(data, design_formats(read_mappings(None)))
+    found = import_design(data, form, "machine", DESIGN.name, read_catalogue(catalogue_file()))
+    return Setting(found.order, wires=1)
+
+
+def test_the_wires_are_planned_in_the_same_order_each_time(setting):
+    wires = Setting(setting.order)
+    assert planned_wires(wires) == planned_wires(wires)
+    assert planned_wires(setting)[0] in planned_wires(wires)
+
+
+@pytest.mark.physics
+def test_a_wire_of_a_strangers_cabinet_is_placed_in_a_cell_that_differs_from_its_model(setting):
+    (wire,) = planned_wires(setting)
+    found = rehearse_wire(setting, wire, 1, PlacedWires(), read_uncertainty())
+    assert found.trial.placed, found.trial
+    assert found.board.parked[wire].fixed == frozenset(WireEnd)
+    assert {"LayWire", "InsertCable", "FixCable"} <= {call.ability for call in found.calls}
+    # What is not physics, vision and skills takes little.
+    assert found.cpu_s < 1.25 * found.physics_s
