@@ -3,11 +3,14 @@
 from pathlib import Path
 
 import pytest
-from remodel_production.edge.importer_plug_ins import design_formats
-from remodel_production.edge.package_files import catalogue_file, read_catalogue
 
 from remodel_production.core.imports.formats import format_of, import_design
-from remodel_production.edge.design_files import read_mappings
+from remodel_production.edge.design_files import (
+    catalogue_file,
+    design_formats,
+    read_catalogue,
+    read_mappings,
+)
 from remodel_rehearsal.edge.uncertainty_file import read_uncertainty
 from remodel_rehearsal.stack import Setting, planned_wires
 from remodel_rehearsal.trial_run import rehearse_wire

@@ -14,7 +14,7 @@ from remodel_planner.commands.options.problem_files import (
     read_plan,
     read_problem,
 )
-from remodel_production.edge.design_files import write_text
+from remodel_production.edge.text_file import write_text
 from remodel_production.errors import InstanceError
 from remodel_tasks.core.plan.checker import check
 from remodel_tasks.core.problem.cables import first_picks

@@ -16,7 +16,7 @@ from remodel_planner.core.reports.product_record import (
     product_entries,
 )
 from remodel_production.edge.database.production_database import ProductionDatabase
-from remodel_production.edge.design_files import write_text
+from remodel_production.edge.text_file import write_text
 from remodel_supervision.edge.run_log import RunLog
 
 

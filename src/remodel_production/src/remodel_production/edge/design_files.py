@@ -9,12 +9,9 @@ which names a `DesignFormat`:
 
 from __future__ import annotations
 
-import contextlib
 import json
-import os
 from collections.abc import Callable, Sequence
 from dataclasses import replace
-from functools import cache
 from importlib.metadata import EntryPoint, entry_points
 from pathlib import Path
 from typing import TypeVar
@@ -39,7 +36,6 @@ from remodel_production.core.production import Ability, AbilityParameter
 from remodel_production.errors import (
     CatalogueError,
     DesignError,
-    InstanceError,
     PlannerError,
     blamed,
 )
@@ -49,37 +45,6 @@ from remodel_states.edge import exported_tables
 from remodel_states.edge.wire_material_file import read_wire_materials
 
 
-def read_text(file: Path) -> str:
-    """Return the text of a file.
-
-    Raises:
-        InstanceError: if it cannot be read as UTF-8.
-    """
-    try:
-        return file.read_text(encoding="utf-8")
-    except OSError as error:
-        raise InstanceError(f"cannot be read: {error.strerror}") from error
-    except UnicodeDecodeError as error:
-        raise InstanceError(f"is no UTF-8 text: {error.reason} at byte {error.start}") from error
-
-
-def write_text(file: Path, text: str) -> None:
-    """Write a text so that the file always holds the whole old one or the whole new one.
-
-    Raises:
-        InstanceError: if it cannot be written.
-    """
-    beside = file.with_name(f".{file.name}.{os.getpid()}")
-    try:
-        beside.write_text(text, encoding="utf-8")
-        beside.replace(file)
-    except OSError as error:
-        with contextlib.suppress(OSError):
-            beside.unlink()
-        raise InstanceError(f"{file} cannot be written: {error.strerror}") from error
-
-
-@cache  # of a process; finding packages takes longer than planning most problems
 def package_folder(package: str) -> Path:
     """Return the folder of a package on the ROS package path."""
     return Path(rospkg.RosPack().get_path(package))

@@ -7,7 +7,7 @@ from pathlib import Path
 
 from flexbe_synthesizer.core.chart.chart_writer import write_chart
 from flexbe_synthesizer.core.chart.model import Chart
-from remodel_production.edge.design_files import write_text
+from remodel_production.edge.text_file import write_text
 from remodel_production.errors import InstanceError
 
 

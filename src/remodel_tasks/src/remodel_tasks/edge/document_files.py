@@ -7,7 +7,7 @@ from pathlib import Path
 
 import yaml
 
-from remodel_production.edge.design_files import read_text, write_text
+from remodel_production.edge.text_file import read_text, write_text
 from remodel_production.errors import InstanceError
 
 

@@ -19,11 +19,11 @@ from typing import TYPE_CHECKING, TypeAlias
 from xml.parsers import expat
 
 import yaml
-from lxml import etree
 
 from remodel_production.errors import DesignError
 
 if TYPE_CHECKING:
+    from lxml import etree
     from openpyxl.worksheet._read_only import ReadOnlyWorksheet
     from openpyxl.worksheet.worksheet import Worksheet
 
@@ -79,6 +79,8 @@ def parse_xml(text: bytes) -> etree._Element:
         DesignError: if the text is no well-formed XML or declares a document type.
     """
     _refuse_document_type(text)
+    from lxml import etree  # plans of problems do without
+
     parser = etree.XMLParser(
         resolve_entities=False, no_network=True, huge_tree=False, remove_comments=True
     )
