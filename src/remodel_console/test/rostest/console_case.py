@@ -4,6 +4,7 @@ import contextlib
 import sys
 from pathlib import Path
 
+import rosgraph
 import rospy
 from flexbe_msgs.msg import BehaviorSelection
 from playwright.sync_api import expect
@@ -42,7 +43,14 @@ class ConsoleCase(BehaviorTestCase):
         known = Catalogue(self.environment["ROS_PACKAGE_PATH"]).behaviors()
         installed = next(one for one in known if one.name == name)
         publisher = rospy.Publisher("flexbe/start_behavior", BehaviorSelection, queue_size=1)
-        self.wait_until(publisher.get_num_connections)
+
+        def is_heard():
+            """Return whether the engine is connected: the console listens, too."""
+            known = dict(rosgraph.Master("/test").getSystemState()[1])
+            nodes = known.get(publisher.resolved_name, [])
+            return bool(nodes) and publisher.get_num_connections() == len(nodes)
+
+        self.wait_until(is_heard)
         publisher.publish(
             BehaviorSelection(
                 behavior_id=installed.behavior_id,
