@@ -2,56 +2,29 @@
 
 import os
 import signal
-import time
 from collections import Counter
 from pathlib import Path
 
-import numpy as np
 import pytest
+from scripted_trial import CALL, board_of, work
 
 from remodel_production.core.production import Order
 from remodel_rehearsal.core.changes import Change
 from remodel_rehearsal.edge import cluster
 from remodel_rehearsal.edge.cluster import Job, Rehearsing, connected, done
-from remodel_rehearsal.edge.trial_store import KeptTrial, TrialStore, mark_of, trial_key
+from remodel_rehearsal.edge.trial_store import TrialStore, mark_of
 from remodel_rehearsal.errors import RehearsalError
 from remodel_rehearsal.stack import Setting
 from remodel_rehearsal.trial_run import Rehearsed
-from remodel_run.rehearsal import Failure, RehearsedCall, Trial
-from remodel_work.panel import WireEnd
-from remodel_work.placed_wires import ParkedWire, PlacedWires
+from remodel_run.rehearsal import Failure, Trial
+from remodel_work.placed_wires import PlacedWires
 
 WIRES = ("W1", "W2", "W3", "W4")
-CALL = RehearsedCall("InsertCable", {"section_mm2": 1.5}, 301, 4.0, {"force_limit": 8.0})
-
-
-def board_of(*wires):
-    nodes = np.arange(12.0).reshape(4, 3) / 7
-    return PlacedWires(
-        {wire: ParkedWire(nodes, frozenset(WireEnd)) for wire in wires},
-        {("Q1", wire): (wire, WireEnd.A) for wire in wires},
-    )
 
 
 def job_in(folder):
     setting = Setting(Order("house", "", "house.qet", (), wires=()))
     return Job(setting, {}, str(folder), mark_of(setting, {}, "sources"))
-
-
-def work(job, wire, seed, board, nominal=False, change=None):
-    """Stand for `done`: place a wire, a little later."""
-    store = TrialStore(job.store)
-    key = trial_key(job.mark, wire, seed, board, f"{nominal}")
-    kept = store.trial(key)
-    if kept is None:
-        lies = store.board(board)
-        end_s = time.monotonic() + 0.05
-        while time.monotonic() < end_s:
-            pass
-        after = store.put_board(board_of(*lies.parked, wire))
-        kept = KeptTrial(Trial(wire, seed, True, 1), (CALL,), after, 1.0, 1.0)
-        store.put_trial(key, kept)
-    return kept
 
 
 def test_a_board_comes_back_to_the_last_bit(tmp_path):

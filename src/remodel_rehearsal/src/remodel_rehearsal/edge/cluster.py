@@ -105,6 +105,11 @@ def _laid(job: Job, wire: str, board: str, work: Callable[..., KeptTrial]) -> st
     return work(job, wire, NOMINAL_SEED, board, nominal=True).board
 
 
+def _as_it_is(job: Job) -> Job:
+    """Return a job: the result of a task is computed again where its worker has died."""
+    return job
+
+
 @contextmanager
 def connected(scheduler: str, workers: int) -> Iterator[Any]:
     """Yield a client of Dask.
@@ -168,7 +173,8 @@ class Rehearsing:
         self.names = planned_wires(job.setting)
         self._seeds, self._client, self._on_trial = seeds, client, on_trial
         self._work = work
-        self._job = client.scatter(job, broadcast=True)
+        # Not scattered: what is scattered is lost with the worker that has it.
+        self._job = client.submit(_as_it_is, job, pure=False)
         self._empty = TrialStore(job.store).put_board(PlacedWires())
         # Hash of the board before each wire, or what will be that.
         self._before: dict[str, Any] = {}
