@@ -125,6 +125,7 @@ class OrderDeskPage(Page):
         self._listed: tuple[str, ...] | None = None
         self._name = ""
         self._tasks: float | None = None
+        self._trials = 10
         self._columns = ColumnsPanel(self, self._read)
         self._preferences = PreferencesPanel(self, self._change_preferences, self._plan)
         with ui.element("div").classes("order-desk").props('tabindex="0"') as desk:
@@ -292,11 +293,15 @@ class OrderDeskPage(Page):
         hint = "Carries the order out in the simulated cell many times, before the robot moves."
         with card("Rehearsal", hint).classes("across"):
             with ui.row().classes("controls"):
-                seeds = ui.number("Trials of each wire", value=10, min=1, max=1000, step=1)
-                seeds.props("outlined dense stack-label").set_enabled(self.is_operator)
+                trials = ui.number(
+                    "Trials of each wire", value=self._trials, min=1, max=1000, step=1
+                )
+                trials.props("outlined dense stack-label").style("min-width: 180px")
+                trials.on_value_change(lambda: setattr(self, "_trials", int(trials.value or 1)))
+                trials.set_enabled(self.is_operator)
 
                 async def rehearse() -> None:
-                    await self._rehearse(int(seeds.value or 1))
+                    await self._rehearse(self._trials)
 
                 self.button("Rehearse", rehearse, icon="theater_comedy", look="quiet")
             if now.forecast is not None:
