@@ -21,9 +21,9 @@ MEANINGS = {
     "eee": "Length",
 }
 MIDDLE = """(line) => {
+  line.scrollIntoView({ block: "center" });
   const at = line.getPointAtLength(line.getTotalLength() / 2).matrixTransform(line.getScreenCTM());
-  const box = line.getBoundingClientRect();
-  return { x: at.x - box.x, y: at.y - box.y };
+  return [at.x, at.y];
 }"""
 LIST = """Wire,From,To,Section mm2,Colour,Shelf,Length mm
 W1,K1:1,X1:1,1,BU,a,600
@@ -115,6 +115,17 @@ require:
         page.set_viewport_size({"width": 1280, "height": 1500})
         self.take_picture(page, "order-desk")
 
+    def middle_of(self, line):
+        """Return where the middle of a line is on the page, once the dialog moves no more."""
+        places = []
+
+        def is_still():
+            places.append(line.evaluate(MIDDLE))
+            return places[-2:-1] == places[-1:]
+
+        self.wait_until(is_still, "the dialog to be still")
+        return places[-1]
+
     def click_entry(self):
         """Wires are filled in by clicks: on the board, on their terminals, and on their rows."""
         page = self.page
@@ -124,8 +135,7 @@ require:
         pick, before = (dialog.get_by_label(each, exact=True) for each in ("pick", "before"))
         wire = dialog.locator("[data-wire='W1']")
         for text, is_chosen in (("[W1]", True), ("", False)):
-            area = wire.locator(".area")
-            area.click(position=area.evaluate(MIDDLE))  # waits until the dialog moves no more
+            page.mouse.click(*self.middle_of(wire.locator(".area")))
             expect(pick).to_have_value(text)
             expect(dialog.locator(".chosen[data-wire='W1']")).to_have_count(int(is_chosen))
         dialog.get_by_text("Wires (4)").click()
