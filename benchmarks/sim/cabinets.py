@@ -127,6 +127,9 @@ def chosen(panel: Panel, count: int, rng: random.Random) -> list[tuple[str, Pane
 def placed(cabinet: Cabinet, wire: PanelWire, seed: int, pictures: Path | None) -> Trial:
     """Place a wire on its empty board; return what came of it."""
     setting = Setting(cabinet.design, cabinet.cell)
+    if pictures is not None:
+        pictures = pictures / cabinet.name
+        pictures.mkdir(parents=True, exist_ok=True)
     return rehearse_wire(setting, wire.id, seed, PlacedWires(), {}, pictures).trial
 
 
@@ -178,11 +181,9 @@ def main() -> int:
     parser.add_argument("--wires", type=int, default=6, help="of each cabinet that are placed")
     parser.add_argument("--most", type=int, default=10, help="cabinets of which wires are placed")
     parser.add_argument("--seed", type=int, default=secrets.randbelow(10000), help="of all chance")
-    parser.add_argument("--pictures", type=Path, help="folder for pictures of placed wires")
+    parser.add_argument("--pictures", type=Path, help="folder for pictures of failures")
     parser.add_argument("--figures", type=Path, help="file to which the rows are written")
     options = parser.parse_args()
-    if options.pictures is not None:
-        options.pictures.mkdir(parents=True, exist_ok=True)
     rng = random.Random(options.seed)
     print(f"seed {options.seed}", flush=True)
     rows, cabinets = [], []

@@ -96,7 +96,7 @@ class Outcome:
         placed: the wires that have their place, by the ground truth.
         calls: of abilities, as learning takes them.
         board: the wires that lie on the panel at its end.
-        pictures: of behaviors that failed, by task.
+        pictures: of behaviors that failed, by their labels, such as "W3-1-whole".
         cell_s: time that the run took in the cell [s].
         physics_s: CPU time in physics and vision [s].
         total_s: CPU time of the whole run [s].

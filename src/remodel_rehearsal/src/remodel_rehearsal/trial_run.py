@@ -93,11 +93,15 @@ def _trial(wire: str, seed: int, outcome: Outcome) -> Trial:
         for each in ended
         if each.error_code != Code.NONE
     )
+    is_placed, ended = wire in outcome.placed, outcome.state.ended
+    if not is_placed and not failures:
+        # No ability failed: the cell, or its feeder, refused.
+        failures = (Failure("", "NOT_PLACED", ended.because if ended is not None else ""),)
     pictures = list(outcome.pictures.values())
     return Trial(
         wire,
         seed,
-        placed=wire in outcome.placed,
+        placed=is_placed,
         attempts=len(begun),
         failures=failures,
         cell_s=outcome.cell_s,

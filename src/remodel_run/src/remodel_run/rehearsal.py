@@ -11,8 +11,8 @@ class Failure(msgspec.Struct, frozen=True):
     """What went wrong in an attempt.
 
     Attributes:
-        ability: that failed.
-        code: name of its error.
+        ability: that failed; empty: none, the cell or its feeder refused.
+        code: name of its error; NOT_PLACED if no ability failed.
         text: what it said.
     """
 

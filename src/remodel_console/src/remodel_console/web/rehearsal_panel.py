@@ -54,4 +54,4 @@ def _show_failing(wire: WireForecast, address_of: Callable[[str], str]) -> None:
 
 
 def _failure_words(wire: WireForecast) -> str:
-    return f"{wire.failure.ability}: {wire.failure.code}" if wire.failure else ""
+    return f"{wire.failure.ability} {wire.failure.code}".strip() if wire.failure else ""

@@ -185,7 +185,7 @@ def lines(found: Forecast) -> list[str]:
     rows = [f"{'wire':<8}{'trials':>7}  {'at the first attempt':<24}{'placed':<24}most often"]
     rows += [
         f"{wire.wire:<8}{wire.trials:>7}  {wire.at_once!s:<24}{wire.placed!s:<24}"
-        + (f"{wire.failure.ability}: {wire.failure.code}" if wire.failure else "")
+        + (f"{wire.failure.ability} {wire.failure.code}".strip() if wire.failure else "")
         for wire in found.wires
     ]
     mean, low, high = found.cell_s

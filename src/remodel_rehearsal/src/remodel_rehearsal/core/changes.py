@@ -11,9 +11,9 @@ from remodel_rehearsal.core.forecast import share
 from remodel_run.rehearsal import Forecast, Trial, TriedChange
 from remodel_tasks.core.use_case.bounds import Bounds
 
-# So much more wire [m] is still taken up by an ordinary duct.
+# By so much longer [m] a wire is tried: an estimate of what a duct still takes up as slack.
 LONGER_M = 0.08
-# The wires that are looked at: so many, and no more certain of their first attempt than this [1].
+# The wires of which changes are tried: so many, and no more certain of their first attempt than this [1].
 CHECKED, UNCERTAIN = 3, 0.9
 
 

@@ -2,9 +2,9 @@
 
 Each wire is a task of its own, from a board that is kept: the order is carried out once as the
 model has it, wire by wire, and the trials of a wire begin as soon as the board before it is there.
-Dask distributes them, repeats those of a worker that died, and shows them on its dashboard. What a
-task leaves is in the store before the task ends, so that neither a worker nor the scheduler nor
-this process takes anything with it.
+Dask distributes them, and repeats those of a worker that died. What a task leaves is in the store
+before the task ends, so that neither a worker nor the scheduler nor this process takes anything
+with it.
 """
 
 from __future__ import annotations
@@ -136,7 +136,10 @@ def connected(scheduler: str, workers: int) -> Iterator[Any]:
         return
     with (
         LocalCluster(
-            n_workers=workers, threads_per_worker=1, processes=True, dashboard_address=":0"
+            n_workers=workers,
+            threads_per_worker=1,
+            processes=True,
+            dashboard_address="127.0.0.1:0",
         ) as cluster,
         Client(cluster) as client,
     ):
