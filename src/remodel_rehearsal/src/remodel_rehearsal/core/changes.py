@@ -13,7 +13,7 @@ from remodel_tasks.core.use_case.bounds import Bounds
 
 # By so much longer [m] a wire is tried: an estimate of what a duct still takes up as slack.
 LONGER_M = 0.08
-# The wires of which changes are tried: so many, and no more certain of their first attempt than this [1].
+# Changes are tried of so many wires, no more certain of their first attempt than this [1].
 CHECKED, UNCERTAIN = 3, 0.9
 
 
