@@ -189,7 +189,8 @@ class Rehearsing:
         for name in self.names:
             self._before[name] = board
             futures += [self._submit(self._work, name, seed, board) for seed in self._seeds]
-            board = self._submit(_laid, name, board, self._work, priority=10)
+            if name != self.names[-1]:
+                board = self._submit(_laid, name, board, self._work, priority=10)
         trials = []
         for count, (_, kept) in enumerate(self._ended(futures), 1):
             self._on_trial(kept, count, len(futures))
