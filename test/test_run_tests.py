@@ -145,10 +145,12 @@ def test_a_rostest_that_did_not_run_whole_is_red(workspace, ends, line):
 
 
 def test_failures_are_named_and_counted_also_without_an_entry(workspace):
-    bad = '<testsuite failures="2"><testcase classname="Arm" name="moves"><failure/></testcase>'
+    bad = '<testsuite failures="2"><testcase classname="Arm" name="moves">'
+    bad += "<failure>Traceback\nAssertionError: 3 != 4</failure></testcase>"
     workspace.rostest(whole=WHOLE.format(1, "<failure/>"), case=f"{bad}</testsuite>")
     done = workspace.run()
-    assert "failed: rosunit-test_arm_moves: Arm.moves\n" in done.stdout
+    why = "  Traceback\n  AssertionError: 3 != 4\n"
+    assert f"failed: rosunit-test_arm_moves: Arm.moves\n{why}" in done.stdout
     assert "failed: rosunit-test_arm_moves: a failure without an entry\n" in done.stdout
     assert "failed: rostest-test_rostest_arm: cell.whole\n" in done.stdout
     assert done.stdout.endswith("1 passed, 3 failed\n")

@@ -21,6 +21,7 @@ import re
 import shutil
 import subprocess
 import sys
+import textwrap
 import time
 import xml.etree.ElementTree as ElementTree
 from dataclasses import dataclass, field
@@ -34,6 +35,8 @@ PARTS = {"quick": ("lint", "unit", "rostest"), "all": ("lint", "unit", "rostest"
 VARIANTS = RESULTS / "variants.xml"
 AT_MOST_ALONE = 8
 """Failed tests that are run again, alone; more have a common cause."""
+REASON = 600
+"""Characters of a failure's reason that are printed, from its end."""
 
 
 @dataclass
@@ -42,16 +45,21 @@ class Count:
 
     Attributes:
         failed: a line for each that failed, and for each that has no result.
+        reasons: for lines of `failed`, why.
     """
 
     passed: int = 0
     skipped: int = 0
     failed: list[str] = field(default_factory=list)
+    reasons: dict[str, str] = field(default_factory=dict)
 
     def __add__(self, other: "Count") -> "Count":
         """Return both together."""
         return Count(
-            self.passed + other.passed, self.skipped + other.skipped, self.failed + other.failed
+            self.passed + other.passed,
+            self.skipped + other.skipped,
+            self.failed + other.failed,
+            self.reasons | other.reasons,
         )
 
 
@@ -71,8 +79,11 @@ def count_cases(path: Path) -> Count:
     root = ElementTree.parse(path).getroot()
     found = Count()
     for case in root.iter("testcase"):
-        if case.find("failure") is not None or case.find("error") is not None:
-            found.failed.append(f"{path.stem}: {case.get('classname')}.{case.get('name')}")
+        if ended := [end for end in case if end.tag in ("failure", "error")]:
+            line = f"{path.stem}: {case.get('classname')}.{case.get('name')}"
+            reason = ended[0].get("message") or (ended[0].text or "").strip()
+            found.failed.append(line)
+            found.reasons[line] = reason[-REASON:]
         elif case.find("skipped") is not None:
             found.skipped += 1
         elif not path.name.startswith("rostest-"):
@@ -243,6 +254,8 @@ def main() -> int:
         run_alone(status)
     for line in found.failed:
         print(f"failed: {line}")
+        if reason := found.reasons.get(line):
+            print(textwrap.indent(reason, "  "))
     if tier == "all":
         record(found, seconds)
     else:

@@ -273,3 +273,26 @@ def test_a_connection_that_is_still_being_made_is_waited_for(kit):
 def test_what_the_engine_sends_elsewhere_is_not_connected(kit):
     kit._engine_slave = Engine(topics.PUBLISHED, "/rosbag")
     assert kit.await_subscribed() == list(topics.PUBLISHED)
+
+
+class Gate:
+    """A publisher of the kit, one of whose connections the engine has closed."""
+
+    name = "/conformance/first"
+
+    def __init__(self, *alive):
+        self.impl, self._alive, self._connections = self, alive, (*alive, ENGINE)
+
+    def check(self):
+        self._connections = self._alive
+
+    def get_stats_info(self):
+        return [(i, end, "o", "TCPROS", self.name, True) for i, end in enumerate(self._connections)]
+
+
+@pytest.mark.parametrize("alive", [(), (ENGINE,)])
+def test_a_word_waits_for_the_connection_of_a_behavior_started_again(kit, alive):
+    kit._engine_slave = SimpleNamespace(
+        getBusInfo=lambda _: (1, "", [(0, "http://kit/", "i", "TCPROS", Gate.name, True)])
+    )
+    assert kit._is_heard(Gate(*alive)) == bool(alive)

@@ -154,8 +154,10 @@ class EngineWire:
     def _is_heard(self, publisher: rospy.Publisher) -> bool:
         """Return whether the engine is connected, by both ends.
 
-        An engine that subscribes again for each behavior leaves a dead connection here for a while.
+        An engine that subscribes again for each behavior leaves a dead connection here until it is
+        dropped, and lists the new one while that is still being made: what is sent then is lost.
         """
+        publisher.impl.check()
         if not any(entry[1] in self._engine_ends for entry in publisher.impl.get_stats_info()):
             return False
         _, _, connections = self._engine_slave.getBusInfo(rospy.get_name())
