@@ -134,6 +134,10 @@ def test_a_unit_test_that_fails_hides_no_rostest_that_did_not_run(workspace):
             {"whole": WHOLE, "case": "<testsuite/>"},
             "cell/arm.test: rosunit-test_arm_moves.xml has no test case",
         ),
+        (
+            {"whole": "<testsuite>", "case": CASE},
+            "cell/arm.test: rostest-test_rostest_arm.xml has no test case",
+        ),
     ],
 )
 def test_a_rostest_that_did_not_run_whole_is_red(workspace, ends, line):

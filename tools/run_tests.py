@@ -69,6 +69,14 @@ def make(part: str, tier: str) -> int:
     return subprocess.run(words, check=False).returncode
 
 
+def read(path: Path) -> ElementTree.Element:
+    """Return a result file; one without a test case if its runner was ended while it wrote."""
+    try:
+        return ElementTree.parse(path).getroot()
+    except ElementTree.ParseError:
+        return ElementTree.Element("testsuite")
+
+
 def count_cases(path: Path) -> Count:
     """Return how the test cases of a result file ended.
 
@@ -76,8 +84,7 @@ def count_cases(path: Path) -> Count:
     which fails only if the cases could not be run: that one counts when it fails. The head of a
     file may count failures without an entry; they count, too.
     """
-    root = ElementTree.parse(path).getroot()
-    found = Count()
+    root, found = read(path), Count()
     for case in root.iter("testcase"):
         if ended := [end for end in case if end.tag in ("failure", "error")]:
             line = f"{path.stem}: {case.get('classname')}.{case.get('name')}"
@@ -134,7 +141,7 @@ def without_result(tests: list[Path], known: set[Path], results: Path) -> list[s
             path = results / package / f"{name}.xml"
             if not path.is_file():
                 missing.append(f"{package}/{test.name}: no result {path.name}, so it did not run")
-            elif ElementTree.parse(path).getroot().find(".//testcase") is None:
+            elif read(path).find(".//testcase") is None:
                 missing.append(f"{package}/{test.name}: {path.name} has no test case")
     return missing
 
@@ -172,7 +179,7 @@ def run_alone(status: dict[str, int]) -> None:
         words += ["--tb=no", f"--junit-xml={ALONE}"]
         subprocess.run(words, check=False, stdout=subprocess.DEVNULL)
         if ALONE.is_file():
-            for case in ElementTree.parse(ALONE).getroot().iter("testcase"):
+            for case in read(ALONE).iter("testcase"):
                 bad = case.find("failure") is not None or case.find("error") is not None
                 how = "fails alone, too" if bad else "passes alone"
                 print(f"{how}: {case.get('classname')}.{case.get('name')}")
