@@ -1,14 +1,17 @@
 #!/usr/bin/env python3
-"""How good the forecasts of rehearsals are, on seeds that they have not seen.
+"""How good the forecasts of rehearsals are on seeds that they have not seen, and what they avoid.
 
 judge.py [DESIGN ...] [--wires 6] [--seeds 100-107] [--held-out 200-207] [--workers 2]
 [--states DIR] [--figures FILE]; the workspace must be sourced.
 
 Wires of each design are rehearsed with both sets of seeds. The first set forecasts each wire; the
-second is what happens. Brier's score of these forecasts is compared with that of the constant
-predictor, which says of every wire the mean of the first set. Also printed: the share of a trial's
-CPU time that is not physics, vision and skills, and CPU time of all trials over workers times wall
-time, if nothing was computed before.
+second is what happens. Brier's score of the forecasts is compared with those of the constant
+predictor, which says of every wire the mean of the first set, and of what the use case expects
+without a rehearsal. What helped with the first set is adopted as `remodel rehearse --adopt` does,
+and the second set is run again with it: first attempts that failed before and after, and how many
+less for each CPU hour of the rehearsal. Also printed: the share of a trial's CPU time that is not
+physics, vision and skills, and CPU time of all trials over workers times wall time, if nothing was
+computed before.
 """
 # ruff: noqa: T201 - a benchmark prints
 
@@ -19,8 +22,12 @@ import json
 import os
 import sys
 import time
+from dataclasses import replace
+from math import prod
 from pathlib import Path
 from statistics import fmean
+
+from distributed import Client
 
 from remodel_planner.commands.options.common import seeds
 from remodel_production.core.imports.formats import format_of, import_design
@@ -31,11 +38,13 @@ from remodel_production.edge.design_files import (
     read_catalogue,
     read_mappings,
 )
+from remodel_rehearsal.core.changes import adopted, changes_within, to_check, with_changes
 from remodel_rehearsal.core.forecast import brier_score, forecast
 from remodel_rehearsal.edge.cluster import Job, Rehearsing, connected
 from remodel_rehearsal.edge.trial_store import KeptTrial, hash_of_sources, mark_of
 from remodel_rehearsal.edge.uncertainty_file import read_uncertainty
-from remodel_rehearsal.stack import Setting
+from remodel_rehearsal.stack import Setting, use_case_of
+from remodel_tasks.core.use_case.model import UseCase
 
 HOUSEHOLD = Path("/usr/share/qelectrotech/examples/tableau_domestique.qet")
 
@@ -47,16 +56,13 @@ def order_of(file: Path) -> Order:
     return import_design(data, form, file.stem, file.name, catalogue).order.in_cabinet()
 
 
-def rehearsed(
-    file: Path, options: argparse.Namespace, of_seeds: tuple[int, ...]
-) -> tuple[tuple[str, ...], list[KeptTrial], float]:
-    """Return the wires of a design, their trials, and the wall time they took [s]."""
-    setting, table = Setting(order_of(file), wires=options.wires), read_uncertainty()
+def rehearsing_of(
+    setting: Setting, options: argparse.Namespace, of_seeds: tuple[int, ...], client: Client
+) -> Rehearsing:
+    """Return the rehearsal of a setting with these seeds."""
+    table = read_uncertainty()
     job = Job(setting, table, options.states, mark_of(setting, table, hash_of_sources()))
-    with connected("", options.workers) as client:
-        rehearsing = Rehearsing(job, of_seeds, client, _tell)
-        began_s = time.monotonic()
-        return rehearsing.names, rehearsing.trials(), time.monotonic() - began_s
+    return Rehearsing(job, of_seeds, client, _tell)
 
 
 def _tell(kept: KeptTrial, count: int, of: int) -> None:
@@ -65,31 +71,69 @@ def _tell(kept: KeptTrial, count: int, of: int) -> None:
     print(f"{count}/{of}: {trial.wire}, seed {trial.seed}: {code}", flush=True)
 
 
+def stated(use_case: UseCase, trials: list[KeptTrial]) -> float:
+    """Return how often a use case expects a wire's first attempt to succeed.
+
+    Args:
+        use_case: with an expectation of each ability.
+        trials: of the wire; the one with the fewest calls shows which are needed.
+    """
+    calls = min((kept.calls for kept in trials), key=len)
+    return prod(use_case.expectations.expect(c.ability, c.features).success for c in calls)
+
+
 def rows(file: Path, options: argparse.Namespace) -> list[tuple[str, float, str]]:
     """Return the figures of a design: what, value, unit."""
-    names, known, wall_s = rehearsed(file, options, options.seeds)
-    _, later, more_s = rehearsed(file, options, options.held_out)
-    found = forecast(names, [kept.trial for kept in known])
+    setting = Setting(order_of(file), wires=options.wires)
+    use_case = use_case_of(setting)
+    with connected("", options.workers) as client:
+        began_s = time.monotonic()
+        rehearsing = rehearsing_of(setting, options, options.seeds, client)
+        known = rehearsing.trials()
+        later = rehearsing_of(setting, options, options.held_out, client).trials()
+        wall_s = time.monotonic() - began_s
+        found = forecast(rehearsing.first, [kept.trial for kept in known])
+        pushes = use_case.learned.get("InsertCable", {})
+        changes = {w: changes_within(pushes, rehearsing.first[w]) for w in to_check(found)}
+        tried = rehearsing.changed(changes)
+        found = with_changes(
+            found, {(w, c.text): [kept.trial for kept in of] for (w, c), of in tried.items()}
+        )
+        document = adopted(found, changes, None)
+        changed = replace(setting, preferences=document)
+        after = (
+            rehearsing_of(changed, options, options.held_out, client).trials()
+            if document is not None
+            else later
+        )
     happened = [(kept.trial.wire, kept.trial.at_once) for kept in later]
-    own = brier_score({wire.wire: wire.at_once.mean for wire in found.wires}, happened)
     mean = fmean(kept.trial.at_once for kept in known)
-    constant = brier_score(dict.fromkeys(names, mean), happened)
+    without = {
+        w: stated(use_case, [k for k in known if k.trial.wire == w]) for w in rehearsing.first
+    }
+    own = brier_score({wire.wire: wire.at_once.mean for wire in found.wires}, happened)
+    constant = brier_score(dict.fromkeys(rehearsing.first, mean), happened)
     trials = [*known, *later]
     cpu_s = sum(kept.cpu_s for kept in trials)
-    overhead = cpu_s / sum(kept.physics_s for kept in trials) - 1
+    rehearsal_s = sum(k.cpu_s for k in (*known, *(k for of in tried.values() for k in of)))
+    failed, fails = (sum(not kept.trial.at_once for kept in each) for each in (later, after))
     return [
         ("trials", len(trials), ""),
         ("wires placed at the first attempt", 100 * fmean(s for _, s in happened), "%"),
         ("Brier score of the forecast", own, ""),
         ("Brier score of the constant predictor", constant, ""),
+        ("Brier score of the use case's expectations", brier_score(without, happened), ""),
         ("better than the constant predictor", 100 * (1 - own / constant) if constant else 0, "%"),
-        ("overhead beside physics, vision and skills", 100 * overhead, "%"),
-        ("CPU time of a trial", cpu_s / len(trials), "s"),
+        ("first attempts that failed", failed, ""),
+        ("first attempts that failed with what was adopted", fails, ""),
+        ("failures avoided per CPU hour", 3600 * (failed - fails) / rehearsal_s, "/h"),
         (
-            f"efficiency of {options.workers} workers",
-            cpu_s / (wall_s + more_s) / options.workers,
-            "",
+            "overhead beside physics, vision and skills",
+            100 * (cpu_s / sum(kept.physics_s for kept in trials) - 1),
+            "%",
         ),
+        ("CPU time of a trial", cpu_s / len(trials), "s"),
+        (f"efficiency of {options.workers} workers", cpu_s / wall_s / options.workers, ""),
     ]
 
 

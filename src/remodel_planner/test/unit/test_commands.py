@@ -26,6 +26,7 @@ from remodel_planner.core.reports.run_report import Report
 from remodel_production.edge.database.production_database import ProductionDatabase
 from remodel_production.errors import OrderError
 from remodel_supervision.ros.server.work import WorkMaker
+from remodel_tasks.core.problem.problem import End
 from remodel_tasks.edge.fault_file import read_faults
 from remodel_tasks.edge.use_case_files import use_case_folder
 
@@ -268,6 +269,43 @@ def test_a_run_is_resumed_with_all_its_tasks_though_others_of_the_order_are_by_h
         assert [task.name for task in resumed.planner.order.tasks] == begun
         with pytest.raises(OrderError, match="house: W1, which a run began with, is no task for"):
             cell.work("house", "cabinet", [*begun, "W1"], owner=1)
+
+
+def test_preferences_have_wires_by_hand_and_say_at_which_end_one_begins(database, capsys):
+    import_design.main([str(DESIGN), "--order", "house", "--database", database])
+    with closing(ProductionDatabase(database)) as opened:
+        before = {t.name: t for t in cell_with(opened).work("house", "", 0, 1).planner.order.tasks}
+        first = before["W7"].first
+        other = "b" if first is End.A else "a"
+        requirements = [
+            {"name": "too stiff", "by_hand": ["W3"]},
+            {"name": "as rehearsed", "begin": "W7", "at": other},
+        ]
+        opened.set_preferences(
+            "house", {"format": "remodel-preferences-1", "require": requirements}
+        )
+        work = cell_with(opened).work("house", "", 0, owner=1)
+        after = {task.name: task for task in work.planner.order.tasks}
+        assert before.keys() - after.keys() == {"W3"}
+        assert [wire.reason for wire in work.by_hand if wire.name == "W3"] == [
+            "required: too stiff"
+        ]
+        assert (first, after["W7"].first) == (first, End[other.upper()])
+        ways = [[pose[:2] for pose in dict(each["W7"].values)["path"]] for each in (before, after)]
+        assert ways[0] == ways[1][::-1]
+        work.planner.plan(list(after))
+        opened.set_preferences(
+            "house",
+            {"format": "remodel-preferences-1", "require": [{"name": "x", "by_hand": "W99"}]},
+        )
+        with pytest.raises(OrderError, match="preferences require something of W99"):
+            cell_with(opened).work("house", "", 0, owner=1)
+        opened.set_preferences(
+            "house", {"format": "remodel-preferences-1", "require": requirements}
+        )
+    capsys.readouterr()
+    assert tasks.main(["--order", "house", "--database", database]) == 0
+    assert "W3: by hand, required: too stiff" in capsys.readouterr().out
 
 
 def test_an_order_is_done_by_the_use_case_for_such_designs_unless_one_is_named(database):
@@ -542,7 +580,7 @@ def test_an_order_that_ended_is_reported_though_its_report_cannot_be_written(
         ("require_master", lambda wait_s: None),
         ("join_interruptibly", lambda name: None),
         ("RunFollower", lambda log, order: ended),
-        ("order_report", lambda *_, folder, rehearsal: report),
+        ("order_report", lambda *_: report),
     ):
         monkeypatch.setattr(run_order, name, stands_for)
     with full_disk():

@@ -202,8 +202,10 @@ def carry_out(
         )
 
 
-def planned_wires(setting: Setting) -> tuple[str, ...]:
-    """Return the wires of an order that robots place, in the order in which they are placed.
+def planned_wires(setting: Setting) -> dict[str, str]:
+    """Return the wires that robots place, in their order, and the end of each that is first.
+
+    The end is a or b; empty: the planner chooses it.
 
     Raises:
         PlannerError: if the order cannot be carried out in this cell.
@@ -211,7 +213,9 @@ def planned_wires(setting: Setting) -> tuple[str, ...]:
     with ExitStack() as closing:
         maker = _work_maker(_database(setting, closing), setting)
         planner = _work(maker, setting, owner=0).planner
-        return planner.plan([task.name for task in planner.order.tasks])
+        first = {task.name: task.first for task in planner.order.tasks}
+        ends = {name: "" if end is None else end.name.lower() for name, end in first.items()}
+        return {name: ends[name] for name in planner.plan(list(first))}
 
 
 def use_case_of(setting: Setting) -> UseCase:

@@ -40,10 +40,11 @@ def test_a_board_comes_back_to_the_last_bit(tmp_path):
 
 
 def test_a_trial_that_was_made_is_not_made_again(tmp_path, monkeypatch):
-    made = []
+    made, documents = [], []
 
     def rehearsed(setting, wire, seed, board, table, pictures):
         made.append((wire, seed, setting.force_n))
+        documents.append(setting.preferences)
         picture = Path(pictures) / "W1-1-whole.png"
         picture.write_bytes(b"picture")
         failure = Failure("InsertCable", "INSERTION_JAMMED", "jammed")
@@ -61,6 +62,10 @@ def test_a_trial_that_was_made_is_not_made_again(tmp_path, monkeypatch):
     done(job, "W1", 3, empty, change=Change("20 N", force_n=20.0))
     done(job, "W1", 3, empty, nominal=True)
     assert len(made) == 4 and made[2] == ("W1", 3, 20.0)
+    done(job, "W1", 3, empty, change=Change("inserted at end b first", begin="b"))
+    assert documents[:4] == [None] * 4
+    (entry,) = documents[4]["require"]
+    assert (entry["begin"], entry["at"]) == ("W1", "b")
 
 
 @pytest.mark.parametrize("place", ["boards", "trials"])
@@ -89,7 +94,7 @@ def test_a_scheduler_that_is_not_there_is_refused_with_what_to_start():
 
 @pytest.mark.slow
 def test_a_worker_that_is_killed_loses_no_trial_and_doubles_none(tmp_path, monkeypatch):
-    monkeypatch.setattr(cluster, "planned_wires", lambda _: WIRES)
+    monkeypatch.setattr(cluster, "planned_wires", lambda _: dict.fromkeys(WIRES, ""))
     monkeypatch.setenv("PYTHONPATH", f"{Path(__file__).parent}:{os.environ['PYTHONPATH']}")
     job, seeds = job_in(tmp_path), range(20)
     with connected("", workers=2) as client:

@@ -42,6 +42,7 @@ from remodel_production.errors import DesignError, PlannerError, blamed
 from remodel_run import findings
 from remodel_run.whole_task import counted
 from remodel_tasks.core.decomposition.cell_fit import misfits, summary
+from remodel_tasks.core.orders.order_requirements import required_by
 from remodel_tasks.edge.cell_takes import known_cells, named_cell
 from remodel_tasks.edge.document_files import read_yaml
 from remodel_tasks.edge.use_case_files import use_case_names
@@ -133,7 +134,8 @@ def main(arguments: list[str] | None = None) -> int:
         begin("looking for the wires that robots place")
         lengths = _length_findings(imported, order, catalogue)
         try:
-            design: DesignOrder | PlannerError = design_order(order, options)
+            required = required_by(preferences)
+            design: DesignOrder | PlannerError = design_order(order, options, required)
         except PlannerError as error:
             design = error
     if options.json:

@@ -20,7 +20,7 @@ from remodel_planner.commands.options.common import (
 from remodel_planner.commands.options.documents import add_json_option, print_json
 from remodel_production.edge.database.production_database import ProductionDatabase
 from remodel_production.edge.database.rehearsals import keep_rehearsal
-from remodel_rehearsal.core.changes import changes_within, to_check, with_changes
+from remodel_rehearsal.core.changes import adopted, changes_within, to_check, with_changes
 from remodel_rehearsal.core.forecast import forecast
 from remodel_rehearsal.edge.cluster import Job, Rehearsing, connected
 from remodel_rehearsal.edge.trial_store import (
@@ -93,6 +93,12 @@ def main(arguments: list[str] | None = None) -> int:
     parser.add_argument(
         "--no-changes", action="store_true", help="do not try what would help against failures"
     )
+    parser.add_argument(
+        "--adopt",
+        action="store_true",
+        help="enter what helped into the order's preferences, in place of what an earlier "
+        "rehearsal has entered: plans and runs keep to it",
+    )
     add_database_option(parser)
     add_json_option(parser)
     options = parser.parse_args(arguments)
@@ -157,23 +163,34 @@ def _rehearse(
 
         rehearsing = Rehearsing(job, options.seeds, client, on_trial)
         kept = rehearsing.trials()
-        found = forecast(rehearsing.names, (each.trial for each in kept))
+        found = forecast(rehearsing.first, (each.trial for each in kept))
         failing = () if options.no_changes else to_check(found)
+        explored: list[KeptTrial] = []
+        pushes = use_case_of(setting).learned.get("InsertCable", {})
+        changes = {wire: changes_within(pushes, rehearsing.first[wire]) for wire in failing}
         if failing:
             bar.set_description_str(f"trying what would help {', '.join(failing)}")
-            changes = changes_within(use_case_of(setting).learned.get("InsertCable", {}))
-            tried = rehearsing.changed(failing, changes)
+            tried = rehearsing.changed(changes)
             found = with_changes(
-                found, {key: [each.trial for each in of] for key, of in tried.items()}
+                found,
+                {
+                    (w, change.text): [each.trial for each in of]
+                    for (w, change), of in tried.items()
+                },
             )
+            # Other settings of pushes are explored here in place of on the robot.
+            explored = [each for (_, change), of in tried.items() if change.force_n for each in of]
+    if options.adopt:
+        name, document = setting.order.name, setting.preferences
+        database.set_preferences(name, adopted(found, changes, document))
     keep_rehearsal(
         database,
         setting.order.name,
         Rehearsal(
             options.cell,
-            rehearsing.names,
+            tuple(rehearsing.first),
             tuple(each.trial for each in kept),
-            tuple(call for each in kept for call in each.calls),
+            tuple(call for each in (*kept, *explored) for call in each.calls),
             forecast=found,
         ),
     )

@@ -1,4 +1,4 @@
-"""What can be changed about a wire that fails, and how well each change did when it was tried."""
+"""What can be changed about a wire that fails, how well each change did, and what is adopted."""
 
 from __future__ import annotations
 
@@ -8,39 +8,65 @@ from dataclasses import dataclass
 import msgspec
 
 from remodel_rehearsal.core.forecast import share
-from remodel_run.rehearsal import Forecast, Trial, TriedChange
+from remodel_run.rehearsal import Forecast, Trial, TriedChange, WireForecast
+from remodel_tasks.core.problem.preferences import FORMAT
 from remodel_tasks.core.use_case.bounds import Bounds
 
 # By so much longer [m] a wire is tried: an estimate of what a duct still takes up as slack.
 LONGER_M = 0.08
 # Changes are tried of so many wires, no more certain of their first attempt than this [1].
 CHECKED, UNCERTAIN = 3, 0.9
+# A wire that is placed less often than this [1], whatever is changed, is better placed by hand.
+BY_HAND_BELOW = 0.5
+# Entries of an order's preferences whose names begin so come from its rehearsals.
+ADOPTED = "rehearsed: "
+# What a plan pays [ticks] for each wire that it places before one that is to be first.
+_FIRST_WEIGHT = 10
 
 
 @dataclass(frozen=True)
 class Change:
-    """A change of how one wire is placed, the cheapest first.
+    """A change of how one wire is placed.
 
     Attributes:
         text: for a person.
         is_first: whether it is placed before all others.
+        begin: the end that is inserted first, a or b; empty: as planned.
         force_n: limit of its pushes [N]; 0: as before.
         longer_m: by which it is cut longer [m].
     """
 
     text: str
     is_first: bool = False
+    begin: str = ""
     force_n: float = 0.0
     longer_m: float = 0.0
 
+    def preference(self, wire: str, why: str) -> tuple[str, dict[str, object]] | None:
+        """Return what makes it so in an order's preferences: section, entry.
 
-def changes_within(bounds: Mapping[str, Bounds]) -> tuple[Change, ...]:
+        None if preferences cannot: forces are learned, and lengths are the design's.
+        """
+        name = f"{ADOPTED}{wire} {self.text}, {why}"
+        if self.is_first:
+            first = {"name": name, "pick": wire, "before": "all", "weight": _FIRST_WEIGHT}
+            return "prefer", first
+        if self.begin:
+            return "require", {"name": name, "begin": wire, "at": self.begin}
+        return None
+
+
+def changes_within(bounds: Mapping[str, Bounds], first: str = "") -> tuple[Change, ...]:
     """Return the changes that can be tried, the cheapest first.
 
     Args:
         bounds: parameter -> what may be chosen of it, for pushes.
+        first: the end that is inserted first by plan, a or b; empty: the planner chooses.
     """
     found = [Change("placed before the others", is_first=True)]
+    if first:
+        other = "b" if first == "a" else "a"
+        found.append(Change(f"inserted at end {other} first", begin=other))
     force = bounds.get("force_limit")
     if force is not None:
         values = {force.low, force.high} - {force.frozen}
@@ -74,3 +100,67 @@ def with_changes(forecast: Forecast, tried: Mapping[tuple[str, str], Iterable[Tr
         for wire in forecast.wires
     )
     return msgspec.structs.replace(forecast, wires=wires)
+
+
+def adopted(
+    forecast: Forecast, changes: Mapping[str, Iterable[Change]], document: object
+) -> object:
+    """Return an order's preferences with what its rehearsals have shown to help.
+
+    A change is entered if the interval of its success lies above what is expected without it; a
+    wire is by hand if it hardly succeeds with any. What is entered replaces what an earlier
+    rehearsal has entered about the same wire.
+
+    Args:
+        forecast: with the changes that were tried.
+        changes: by wire.
+        document: the order's preferences; None: it has none.
+    """
+    for wire in forecast.failing:
+        known = {each.text: each for each in changes.get(wire.wire, ())}
+        found = _entry(wire, known) if known else None
+        if found is not None:
+            document = with_entry(_without_adopted(document, wire.wire), *found)
+    return document
+
+
+def with_entry(document: object, section: str, entry: object) -> dict[str, object]:
+    """Return a document of preferences with one more entry; None: there is none yet."""
+    found: dict[str, object] = {"format": FORMAT}
+    if isinstance(document, Mapping):
+        found |= document
+    listed = found.get(section)
+    return {**found, section: [*(listed if isinstance(listed, list) else []), entry]}
+
+
+def _entry(
+    wire: WireForecast, changes: Mapping[str, Change]
+) -> tuple[str, dict[str, object]] | None:
+    """Return what is entered of a wire: section, entry; None: nothing."""
+    expected = wire.at_once.mean
+    for tried in wire.changes:
+        why = f"{tried.at_once.mean:.0%} at the first attempt in place of {expected:.0%}"
+        entry = changes[tried.text].preference(wire.wire, why) if tried.text in changes else None
+        if entry is not None and tried.at_once.low > expected:
+            return entry
+    shares = (wire.placed, *(each.at_once for each in wire.changes))
+    if all(each.high < BY_HAND_BELOW for each in shares):
+        name = f"{ADOPTED}{wire.wire} by hand, placed in {wire.placed.mean:.0%}"
+        return "require", {"name": name, "by_hand": wire.wire}
+    return None
+
+
+def _without_adopted(document: object, wire: str) -> object:
+    if not isinstance(document, Mapping):
+        return document
+    return {
+        section: [entry for entry in entries if not _is_adopted(entry, wire)]
+        if isinstance(entries, list)
+        else entries
+        for section, entries in document.items()
+    }
+
+
+def _is_adopted(entry: object, wire: str) -> bool:
+    name = entry.get("name", "") if isinstance(entry, Mapping) else ""
+    return str(name).startswith(f"{ADOPTED}{wire} ")

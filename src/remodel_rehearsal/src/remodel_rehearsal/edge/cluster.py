@@ -18,7 +18,7 @@ from typing import Any
 
 import msgspec
 
-from remodel_rehearsal.core.changes import Change
+from remodel_rehearsal.core.changes import Change, with_entry
 from remodel_rehearsal.core.variation import Uncertain
 from remodel_rehearsal.edge.trial_store import KeptTrial, TrialStore, trial_key
 from remodel_rehearsal.errors import RehearsalError
@@ -80,11 +80,20 @@ def done(
         return kept
     with tempfile.TemporaryDirectory(prefix="rehearsal-") as folder:
         table = {} if nominal else job.table
-        setting = replace(job.setting, force_n=change.force_n, longer_m=change.longer_m)
+        setting = _changed(job.setting, wire, change)
         found = rehearse_wire(setting, wire, seed, store.board(board), table, Path(folder))
         kept = _kept(store, found, Path(folder))
     store.put_trial(key, kept)
     return kept
+
+
+def _changed(setting: Setting, wire: str, change: Change) -> Setting:
+    setting = replace(setting, force_n=change.force_n, longer_m=change.longer_m)
+    if change.begin:
+        entry = change.preference(wire, "tried")
+        assert entry is not None, "preferences have first ends"
+        setting = replace(setting, preferences=with_entry(setting.preferences, *entry))
+    return setting
 
 
 def _kept(store: TrialStore, found: Rehearsed, folder: Path) -> KeptTrial:
@@ -150,7 +159,8 @@ class Rehearsing:
     """A rehearsal of one order that is being computed.
 
     Attributes:
-        names: of the wires, in the order in which they are placed.
+        first: of each wire, in the order in which they are placed, the end that is inserted
+            first: a or b; empty: the planner chooses.
     """
 
     def __init__(
@@ -173,7 +183,7 @@ class Rehearsing:
         Raises:
             PlannerError: if the order cannot be carried out.
         """
-        self.names = planned_wires(job.setting)
+        self.first = planned_wires(job.setting)
         self._seeds, self._client, self._on_trial = seeds, client, on_trial
         self._work = work
         # Not scattered: what is scattered is lost with the worker that has it.
@@ -186,10 +196,11 @@ class Rehearsing:
         """Return a trial of every wire with every seed; RehearsalError if workers keep dying."""
         futures: list[Any] = []
         board: Any = self._empty
-        for name in self.names:
+        last = next(reversed(self.first), "")
+        for name in self.first:
             self._before[name] = board
             futures += [self._submit(self._work, name, seed, board) for seed in self._seeds]
-            if name != self.names[-1]:
+            if name != last:
                 board = self._submit(_laid, name, board, self._work, priority=10)
         trials = []
         for count, (_, kept) in enumerate(self._ended(futures), 1):
@@ -198,9 +209,9 @@ class Rehearsing:
         return trials
 
     def changed(
-        self, wires: Collection[str], changes: Collection[Change]
-    ) -> dict[tuple[str, str], list[KeptTrial]]:
-        """Return, by wire and text of the change, its trials with every seed."""
+        self, changes: Mapping[str, Collection[Change]]
+    ) -> dict[tuple[str, Change], list[KeptTrial]]:
+        """Return, by wire and change, its trials with every seed; the changes are by wire."""
         futures = {
             self._submit(
                 self._work,
@@ -208,12 +219,12 @@ class Rehearsing:
                 seed,
                 self._empty if change.is_first else self._before[wire],
                 change=change,
-            ): (wire, change.text)
-            for wire in wires
-            for change in changes
+            ): (wire, change)
+            for wire, of_wire in changes.items()
+            for change in of_wire
             for seed in self._seeds
         }
-        found: dict[tuple[str, str], list[KeptTrial]] = {}
+        found: dict[tuple[str, Change], list[KeptTrial]] = {}
         for future, kept in self._ended(list(futures)):
             found.setdefault(futures[future], []).append(kept)
         return found

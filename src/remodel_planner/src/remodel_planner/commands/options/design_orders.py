@@ -10,6 +10,7 @@ if TYPE_CHECKING:
     from remodel_production.core.board.panel import Panel
     from remodel_production.core.production import Order
     from remodel_states.core.cell import CellLimits
+    from remodel_tasks.core.orders.order_requirements import OrderRequirements
     from remodel_tasks.core.orders.work_order import WorkOrder
     from remodel_tasks.core.use_case.model import UseCase
 
@@ -58,8 +59,15 @@ def add_design_options(parser: argparse.ArgumentParser) -> None:
     )
 
 
-def design_order(stored: Order, options: argparse.Namespace) -> DesignOrder:
+def design_order(
+    stored: Order, options: argparse.Namespace, required: OrderRequirements | None = None
+) -> DesignOrder:
     """Return an imported order as tasks.
+
+    Args:
+        stored: the order.
+        options: those of add_design_options.
+        required: of single tasks.
 
     Raises:
         PlannerError: if the use case takes no designs, or there is no such cell.
@@ -70,6 +78,7 @@ def design_order(stored: Order, options: argparse.Namespace) -> DesignOrder:
     from remodel_production.edge.design_files import catalogue_file, read_catalogue
     from remodel_tasks.core.decomposition.cell_fit import fitted
     from remodel_tasks.core.orders.board_order import board_order, kind_of
+    from remodel_tasks.core.orders.order_requirements import NOTHING_REQUIRED
     from remodel_tasks.edge.cell_takes import cell_takes
     from remodel_tasks.edge.use_case_files import use_case_for
 
@@ -77,7 +86,7 @@ def design_order(stored: Order, options: argparse.Namespace) -> DesignOrder:
     board = board_of(stored, catalogue)
     use_case = use_case_for(kind_of(board), options.use_case or "")
     takes, panel = cell_takes(use_case, options.cell), panel_of(board, catalogue)
-    whole = board_order(board, use_case, options.arms)
+    whole = board_order(board, use_case, options.arms, required or NOTHING_REQUIRED)
     return DesignOrder(fitted(whole, panel, use_case, takes), use_case, panel, takes)
 
 

@@ -6,11 +6,16 @@ import argparse
 from collections.abc import Callable, Sequence
 from contextlib import closing
 from dataclasses import dataclass
+from functools import cache
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 from remodel_planner.commands.options.common import add_database_option
-from remodel_planner.commands.options.design_orders import add_design_options, design_order
+from remodel_planner.commands.options.design_orders import (
+    DesignOrder,
+    add_design_options,
+    design_order,
+)
 from remodel_production.errors import InfeasibleError, InstanceError, blamed
 from remodel_tasks.core.orders.order_format import is_order
 from remodel_tasks.core.problem.conflict import (
@@ -216,13 +221,21 @@ def build_of(order: Order, options: argparse.Namespace, situations: frozenset[st
         PlannerError: if nothing of the order can be planned.
     """
     from remodel_tasks.core.decomposition.preparation import prepare
+    from remodel_tasks.core.orders.order_requirements import (
+        OrderRequirements,
+        of_plans,
+        order_requirements,
+    )
 
-    with blamed(f"order {order.name}"):
-        design = design_order(order, options)
+    @cache
+    def design_with(required: OrderRequirements) -> DesignOrder:
+        return design_order(order, options, required)
 
     def build(preferences: Documents) -> ProblemFiles:
         with blamed(f"order {order.name}"):
-            prepared = prepare(design.work, design.use_case, preferences, situations)
+            design = design_with(order_requirements(document for _, document in preferences))
+            of_plan = [(name, of_plans(document)) for name, document in preferences]
+            prepared = prepare(design.work, design.use_case, of_plan, situations)
         return ProblemFiles(prepared.preferred, prepared)
 
     return build

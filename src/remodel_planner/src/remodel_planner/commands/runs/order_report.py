@@ -25,6 +25,7 @@ from remodel_supervision.core.runs.sums import count_of, sums_of
 from remodel_supervision.ros.peers.cell import running_cell
 from remodel_tasks.core.decomposition.cell_fit import fitted
 from remodel_tasks.core.orders.board_order import board_order, leaving_plate
+from remodel_tasks.core.orders.order_requirements import required_by
 from remodel_tasks.edge.cell_takes import cell_takes
 from remodel_tasks.edge.use_case_files import find_use_case
 
@@ -35,6 +36,7 @@ def order_report(
     state: RunState,
     folder: Path,
     rehearsal: Rehearsal | None = None,
+    preferences: object = None,
 ) -> Report:
     """Return the report of a run that has ended.
 
@@ -44,6 +46,7 @@ def order_report(
         state: in which the run ended.
         folder: of the report, with the run's pictures.
         rehearsal: the order's newest; None: it was not rehearsed.
+        preferences: document of the order's preferences; None: it has none.
     """
     order = stored.in_cabinet()
     attempts = follower.attempts
@@ -55,7 +58,7 @@ def order_report(
     lengths = {w.name: board.length_of(w) for w in order.wires if w.name in board.routes}
     before = [n for n, task in state.tasks.items() if count_of(task, state) is Count.DONE_BEFORE]
     is_stopped = state.ended is not None and state.ended.ending is Ending.STOPPED
-    triage = _triage(board, catalogue, state.use_case)
+    triage = _triage(board, catalogue, state.use_case, preferences)
     if is_stopped and not attempts:  # a cell that refuses a panel keeps another one
         found, unread = {}, "nothing was built"
     else:
@@ -82,14 +85,17 @@ def order_report(
     )
 
 
-def _triage(board: Board, catalogue: Catalogue, use_case: str) -> tuple[str, ...]:
+def _triage(
+    board: Board, catalogue: Catalogue, use_case: str, preferences: object
+) -> tuple[str, ...]:
     """Return a line for each wire by hand, and for wires that are done by another method."""
     if not use_case:  # no run began
         return ()
     try:
         methods = find_use_case(use_case)
         takes, panel = cell_takes(methods, running_cell()), panel_of(board, catalogue)
-        found = fitted(board_order(board, methods, arms=1), panel, methods, takes)
+        whole = board_order(board, methods, arms=1, required=required_by(preferences))
+        found = fitted(whole, panel, methods, takes)
     except PlannerError as error:  # the run is over, and its report is worth more than this part
         return (str(error),)
     return tuple(map(str, (*found.other_methods, *found.by_hand)))

@@ -68,6 +68,7 @@ def main(arguments: list[str] | None = None) -> int:
         stored = database.order(options.order)
         order = stored.in_cabinet()
         rehearsal = last_rehearsal(database, options.order)
+        preferences = database.preferences(options.order)
     except PlannerError as error:
         print(f"run: {error}", file=sys.stderr)
         return 1
@@ -90,7 +91,7 @@ def main(arguments: list[str] | None = None) -> int:
         return 130
     finally:
         database.close()
-    report = order_report(stored, follower, state, folder=options.output, rehearsal=rehearsal)
+    report = order_report(stored, follower, state, options.output, rehearsal, preferences)
     print(*summary_lines(report), sep="\n")
     try:
         print(f"report: {write_report(report, options.output)}")

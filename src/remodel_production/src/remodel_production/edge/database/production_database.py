@@ -32,7 +32,9 @@ from remodel_production.edge.database.production_models import (
     AbilityParameterRow,
     AbilityRow,
     Base,
+    ConstraintRow,
     OrderRow,
+    PreferenceRow,
     TaskRow,
     WireRow,
 )
@@ -227,6 +229,22 @@ class ProductionDatabase:
         """
         with self.reading() as connection:
             return preferences_of_rows(connection, order_row(connection, name).id)
+
+    def set_preferences(self, name: str, document: object) -> None:
+        """Store an order's preferences in place of those that it has.
+
+        Args:
+            name: of the order.
+            document: parsed; None for none.
+
+        Raises:
+            OrderError: if there is no order of that name, or the document has no sections.
+        """
+        with self.transaction() as connection:
+            number = order_row(connection, name).id
+            for table in (PreferenceRow, ConstraintRow):
+                connection.execute(delete(table).where(table.order_id == number))
+            add_preference_rows(connection, number, document)
 
     def abilities(self) -> tuple[Ability, ...]:
         """Return the abilities that are known, by name."""

@@ -23,6 +23,11 @@ from remodel_supervision.ros.peers.board_message import board_message
 from remodel_supervision.supervisors.ports import Work
 from remodel_tasks.core.decomposition.cell_fit import fitted, require_fit
 from remodel_tasks.core.orders.board_order import board_order, kind_of
+from remodel_tasks.core.orders.order_requirements import (
+    OrderRequirements,
+    of_plans,
+    required_by,
+)
 from remodel_tasks.core.orders.work_order import Task, WorkOrder
 from remodel_tasks.core.problem.preferences import about_wires
 from remodel_tasks.core.problem.problem import End
@@ -88,7 +93,8 @@ class WorkMaker:
         board = board_of(stored, catalogue)
         found = use_case_for(kind_of(board), use_case or self.use_case)
         found.recovery.require_known(self.faults)
-        whole = _whole_order(board, found)
+        preferences = self.database.preferences(name)
+        whole = _whole_order(board, found, required_by(preferences))
         laid, takes = panel_of(board, catalogue), cell_takes(found, self.cell_design())
         require_fit(laid, takes, known_cells())
         able = fitted(whole, laid, found, takes)
@@ -106,7 +112,7 @@ class WorkMaker:
                 found,
                 experience,
                 self.search_s,
-                documents=self._preferences(name, order),
+                documents=_documents(name, preferences, order),
                 clock=self.clock,
             ),
             faults=self.faults,
@@ -118,13 +124,13 @@ class WorkMaker:
             notify=self.escalation.notify if self.escalation else lambda event: None,
         )
 
-    def _preferences(self, name: str, order: WorkOrder) -> list[tuple[str, object]]:
-        """Return what the order's preferences say about the tasks that are done."""
-        document = self.database.preferences(name)
-        if document is None:
-            return []
-        present = {task.name for task in order.tasks}
-        return [(f"preferences of order {name}", about_wires(document, present))]
+
+def _documents(name: str, preferences: object, order: WorkOrder) -> list[tuple[str, object]]:
+    """Return what an order's preferences say about the plan of the tasks that are done."""
+    if preferences is None:
+        return []
+    present = {task.name for task in order.tasks}
+    return [(f"preferences of order {name}", about_wires(of_plans(preferences), present))]
 
 
 def _hand_wires(order: WorkOrder, board: Board) -> Iterator[HandWire]:
@@ -145,13 +151,13 @@ def _hand_wires(order: WorkOrder, board: Board) -> Iterator[HandWire]:
             )
 
 
-def _whole_order(board: Board, use_case: UseCase) -> WorkOrder:
+def _whole_order(board: Board, use_case: UseCase, required: OrderRequirements) -> WorkOrder:
     """Return the order of all tasks on a board, in the board's frame.
 
     Raises:
         OrderError: if there is none, or they are no wires.
     """
-    order = board_order(board, use_case, arms=1)
+    order = board_order(board, use_case, arms=1, required=required)
     if not order.tasks:
         raise OrderError(f"order {order.name}: no wire has both its ends in the cabinet")
     # Leases are kept for wires.

@@ -11,8 +11,8 @@ from remodel_production.errors import OrderError
 from remodel_run.whole_task import counted
 from remodel_states.core.cell import CellLimits, Passage, footprint, objections, overlaps
 from remodel_states.core.wires.wire_colours import WIRE_RGB, is_colour
-from remodel_tasks.core.decomposition.triage import Refusal, triaged
-from remodel_tasks.core.orders.work_order import WorkOrder
+from remodel_tasks.core.decomposition.triage import triaged
+from remodel_tasks.core.orders.work_order import Refusal, WorkOrder
 from remodel_tasks.core.use_case.designs import DesignTasks
 from remodel_tasks.core.use_case.model import UseCase
 

@@ -8,7 +8,7 @@ those, the tasks are noted that are done by another method than the preferred on
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from types import MappingProxyType
 
 from remodel_production.errors import InstanceError
@@ -17,21 +17,8 @@ from remodel_run.whole_task import whole_tasks
 from remodel_tasks.core.condition import Features, Value
 from remodel_tasks.core.decomposition.decomposed import Decomposition
 from remodel_tasks.core.decomposition.wiring_problem import decompose_task, decomposer_of
-from remodel_tasks.core.orders.work_order import Task, WorkOrder
+from remodel_tasks.core.orders.work_order import Refusal, WorkOrder
 from remodel_tasks.core.use_case.model import INSERTED, Method, UseCase
-
-
-@dataclass(frozen=True)
-class Refusal:
-    """Why no robot does a task.
-
-    Attributes:
-        kind: what several tasks have in common, such as "shorter than 0.42 m".
-        reason: in words.
-    """
-
-    kind: str
-    reason: str
 
 
 def triaged(
@@ -50,7 +37,7 @@ def triaged(
     whole = {wire: task.name for task in order.whole_tasks for wire in task.wires}
     for task in order.tasks:
         why = (
-            _refused_by_design(task)
+            task.by_hand
             or _refused_characteristic(task.characteristics, use_case)
             or refused.get(task.name)
         )
@@ -107,10 +94,6 @@ def _preferred(methods: Sequence[Method], features: Features) -> str:
         for method in methods
         if all(test.passes(features) for test in method.when.tests if test.name == INSERTED)
     )
-
-
-def _refused_by_design(task: Task) -> Refusal | None:
-    return Refusal("at terminals that are full", task.by_hand) if task.by_hand else None
 
 
 def _refused_characteristic(stated: Mapping[str, Value], use_case: UseCase) -> Refusal | None:

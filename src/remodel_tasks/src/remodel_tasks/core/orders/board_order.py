@@ -21,8 +21,16 @@ from remodel_run.findings import ByHand
 from remodel_tasks.core.condition import Value
 from remodel_tasks.core.orders.branch_order import branch_order
 from remodel_tasks.core.orders.laying_order import first_ends, laying_turns
+from remodel_tasks.core.orders.order_requirements import NOTHING_REQUIRED, OrderRequirements
 from remodel_tasks.core.orders.surroundings import Surroundings, in_mm
-from remodel_tasks.core.orders.work_order import Access, Route, RouteClip, Task, WorkOrder
+from remodel_tasks.core.orders.work_order import (
+    Access,
+    Refusal,
+    Route,
+    RouteClip,
+    Task,
+    WorkOrder,
+)
 from remodel_tasks.core.problem.problem import End, PlannedTerminal
 from remodel_tasks.core.use_case.designs import LONGER_LEG, DesignKind, DesignTasks
 from remodel_tasks.core.use_case.model import UseCase, declared
@@ -45,16 +53,23 @@ def leaving_plate(order: Order) -> tuple[ByHand, ...]:
     )
 
 
-def board_order(board: Board, use_case: UseCase, arms: int) -> WorkOrder:
+def board_order(
+    board: Board,
+    use_case: UseCase,
+    arms: int,
+    required: OrderRequirements = NOTHING_REQUIRED,
+) -> WorkOrder:
     """Return the order that does all tasks of a use case that lie on a board.
 
     Args:
         board: of any size.
         use_case: by which the tasks are done.
         arms: 1 or 2.
+        required: of single tasks.
 
     Raises:
-        OrderError: if the use case takes no designs, or not this one.
+        OrderError: if the use case takes no designs, or not this one, or if something is required
+            of a task that there is not.
     """
     name, designs = board.order.name, use_case.designs
     if designs is None:
@@ -67,20 +82,32 @@ def board_order(board: Board, use_case: UseCase, arms: int) -> WorkOrder:
         placed = Surroundings([(0, 0)], designs, arms).arms
         return WorkOrder(name, use_case.name, placed, {}, terminals=(), tasks=(), outside=outside)
     if designs.tasks is DesignTasks.BRANCHES:
-        return branch_order(board, use_case, designs, arms)
+        branches = branch_order(board, use_case, designs, arms)
+        required.require_known((), name)
+        return branches
     points = (in_mm(point) for route in board.routes.values() for point in route)
-    wiring = _Wiring(board, use_case, Surroundings(points, designs, arms)).order()
+    wiring = _Wiring(board, use_case, Surroundings(points, designs, arms), required).order()
     return replace(wiring, outside=outside)
 
 
 class _Wiring:
     """Makes the order of the wires of one board."""
 
-    def __init__(self, board: Board, use_case: UseCase, surroundings: Surroundings) -> None:
+    def __init__(
+        self,
+        board: Board,
+        use_case: UseCase,
+        surroundings: Surroundings,
+        required: OrderRequirements,
+    ) -> None:
         self._board = board
         self._use_case = use_case
         self._around = surroundings
+        self._required = required
         self._wires = [wire for wire in board.order.wires if wire.name in board.routes]
+        taken: set[str] = set()
+        self._task_names = {wire.name: take_name(wire.name, taken) for wire in self._wires}
+        required.require_known(self._task_names.values(), board.order.name)
         self._paths = {w.name: tuple(map(in_mm, board.routes[w.name])) for w in self._wires}
         self._first = self._first_ends()
         self._turns = self._laying_turns()
@@ -95,8 +122,6 @@ class _Wiring:
             for terminal in component.terminals
         }
         self._twisted = {c.name for c in board.order.cables if "twisted" in c.kind.lower()}
-        taken: set[str] = set()
-        self._task_names = {wire.name: take_name(wire.name, taken) for wire in self._wires}
 
     def order(self) -> WorkOrder:
         slots = self._slots()
@@ -123,15 +148,20 @@ class _Wiring:
     def _first_ends(self) -> dict[str, End]:
         """Return the end of each wire that is inserted first, unless the planner chooses."""
         first = None if self._use_case.designs is None else self._use_case.designs.first
-        if first is None:
-            return {}
+        chosen: dict[str, End] = {}
         if first == LONGER_LEG:
-            return first_ends(self._paths)
-        return dict.fromkeys(self._paths, End[first.upper()])
+            chosen = first_ends(self._paths)
+        elif first is not None:
+            chosen = dict.fromkeys(self._paths, End[first.upper()])
+        names, required = self._task_names, dict(self._required.first)
+        return chosen | {w: required[names[w]] for w in self._paths if names[w] in required}
 
     def _laying_turns(self) -> dict[str, int]:
         """Return the turns in which wires are led into ducts, if the use case asks for them."""
-        if not self._first or LAYING_TURN not in self._use_case.task_characteristics:
+        if (
+            self._first.keys() < self._paths.keys()
+            or LAYING_TURN not in self._use_case.task_characteristics
+        ):
             return {}
         return laying_turns(self._paths, self._first)
 
@@ -194,8 +224,15 @@ class _Wiring:
             first=self._first.get(wire.name),
             meeting_mm=None if able else self._around.meeting(path),
             preferred_arm=nearer.name if nearer else None,
-            by_hand=self._board.full.get(wire.name, ""),
+            by_hand=self._by_hand(wire),
         )
+
+    def _by_hand(self, wire: Wire) -> Refusal | None:
+        """Return why no robot places a wire, before anything else about it is known."""
+        if requirement := dict(self._required.by_hand).get(self._task_names[wire.name]):
+            return Refusal("by the order's preferences", f"required: {requirement}")
+        full = self._board.full.get(wire.name)
+        return Refusal("at terminals that are full", full) if full else None
 
     def _stated(self, wire: Wire) -> dict[str, Value]:
         said: dict[str, Value] = {

@@ -100,6 +100,19 @@ def _nearest(a: Point, b: Point, point: Point) -> Point:
 
 
 @dataclass(frozen=True)
+class Refusal:
+    """Why no robot does a task.
+
+    Attributes:
+        kind: what several tasks have in common, such as "shorter than 0.42 m".
+        reason: in words.
+    """
+
+    kind: str
+    reason: str
+
+
+@dataclass(frozen=True)
 class Task:
     """One thing to be placed: a wire, a cable, a branch of a harness, a hose.
 
@@ -110,7 +123,7 @@ class Task:
         meeting_mm: where one arm may hand it to the other; None: nowhere.
         first: the end to be inserted first; None: the planner chooses.
         values: for the inputs and parameters of states, such as poses.
-        by_hand: why no robot does it; empty: one may.
+        by_hand: why no robot does it; None: one may.
     """
 
     name: str
@@ -122,7 +135,7 @@ class Task:
     preferred_arm: str | None = None
     first: End | None = None
     values: tuple[tuple[str, object], ...] = ()
-    by_hand: str = ""
+    by_hand: Refusal | None = None
 
     @property
     def cable(self) -> str:
