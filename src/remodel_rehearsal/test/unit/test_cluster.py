@@ -68,6 +68,19 @@ def test_a_trial_that_was_made_is_not_made_again(tmp_path, monkeypatch):
     assert (entry["begin"], entry["at"]) == ("W1", "b")
 
 
+def test_a_trial_that_breaks_off_is_a_failure_and_no_end_of_the_others(tmp_path, monkeypatch):
+    def broken(*_):
+        raise ZeroDivisionError("division by zero")
+
+    monkeypatch.setattr(cluster, "rehearse_wire", broken)
+    job, store = job_in(tmp_path), TrialStore(str(tmp_path))
+    empty = store.put_board(PlacedWires())
+    kept = done(job, "W1", 3, empty)
+    assert (kept.trial.placed, kept.board) == (False, empty)
+    (failure,) = kept.trial.failures
+    assert failure.code == "BROKEN_OFF" and "ZeroDivisionError: division by zero" in failure.text
+
+
 @pytest.mark.parametrize("place", ["boards", "trials"])
 def test_a_damaged_file_is_named(tmp_path, place):
     store = TrialStore(str(tmp_path))

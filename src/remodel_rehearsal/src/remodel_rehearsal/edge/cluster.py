@@ -18,12 +18,14 @@ from typing import Any
 
 import msgspec
 
+from remodel_production.errors import PlannerError
 from remodel_rehearsal.core.changes import Change, with_entry
 from remodel_rehearsal.core.variation import Uncertain
 from remodel_rehearsal.edge.trial_store import KeptTrial, TrialStore, trial_key
 from remodel_rehearsal.errors import RehearsalError
 from remodel_rehearsal.stack import Setting, planned_wires
 from remodel_rehearsal.trial_run import Rehearsed, rehearse_wire
+from remodel_run.rehearsal import Failure, Trial
 from remodel_work.placed_wires import PlacedWires
 
 # The seed of the run that lays the boards, in which the cell is as its model.
@@ -81,10 +83,21 @@ def done(
     with tempfile.TemporaryDirectory(prefix="rehearsal-") as folder:
         table = {} if nominal else job.table
         setting = _changed(job.setting, wire, change)
-        found = rehearse_wire(setting, wire, seed, store.board(board), table, Path(folder))
-        kept = _kept(store, found, Path(folder))
+        try:
+            found = rehearse_wire(setting, wire, seed, store.board(board), table, Path(folder))
+            kept = _kept(store, found, Path(folder))
+        except PlannerError:
+            raise
+        except Exception as error:  # noqa: BLE001 - all others go on, and this one is reported
+            kept = KeptTrial(_broken_off(wire, seed, error), (), board, cpu_s=0.0, physics_s=0.0)
     store.put_trial(key, kept)
     return kept
+
+
+def _broken_off(wire: str, seed: int, error: Exception) -> Trial:
+    """Return the trial of a defect: of the stack, not of the wire."""
+    text = f"the rehearsal itself failed, {type(error).__name__}: {error}; please report it"
+    return Trial(wire, seed, placed=False, attempts=1, failures=(Failure("", "BROKEN_OFF", text),))
 
 
 def _changed(setting: Setting, wire: str, change: Change) -> Setting:
