@@ -73,6 +73,7 @@ _DECISION_WORDS = {
     "look_again": "looks again from another view",
     "other_method": "uses another method",
     "new_part": "starts again with a new part",
+    "other_end": "starts again with a new part, its other end first",
     "replan": "replans the rest; the task comes later",
     "set_aside": "skips the task and continues",
     "ask_operator": "asks you",

@@ -132,6 +132,10 @@ class SimulatedPlanner:
         """Return whether a step can be done otherwise: one of each task can, once."""
         return all(decision.do is not Do.OTHER_METHOD for decision in decisions)
 
+    def has_other_end(self, name: str, decisions: Sequence[Decided]) -> bool:
+        """Return whether the other end may come first: of each task, once."""
+        return all(decision.do is not Do.OTHER_END for decision in decisions)
+
     def learn(self, name: str, operation: Operation) -> None:
         """Learn nothing."""
 

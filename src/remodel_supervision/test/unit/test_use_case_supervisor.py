@@ -1,5 +1,6 @@
 """The supervisor does what comes next, keeps it, waits for what is lost, and goes on."""
 
+import re
 from dataclasses import replace
 
 import pytest
@@ -122,6 +123,20 @@ def test_a_second_jam_ends_the_task_and_no_new_wire_is_fed(bench):
     assert decided == [(first, Do.LOOK_AGAIN), (first, Do.SET_ASIDE)]
     assert bench.cell.fed.count(first) == 1
     assert state.ended.ending is Ending.INCOMPLETE
+
+
+def test_a_wire_that_fails_from_one_end_is_begun_at_the_other(house_url):
+    other = (Response(Do.OTHER_END), Response(Do.SET_ASIDE))
+    bench = Bench(house_url, policy=Policy(responses={"slipped": other}))
+    state = bench.run(SLIPPED)
+    first = bench.events(Planned)[0].tasks[0]
+    assert [event.do for event in bench.events(Decided)] == [Do.OTHER_END]
+    assert bench.cell.fed.count(first) == 2, "the piece that slipped is discarded"
+    begun = [e.chart for e in bench.events(TaskBegun) if e.task == first and e.part.is_attempt]
+    ends = [list(dict.fromkeys(re.findall(r'id="Insert (.)"', chart))) for chart in begun]
+    assert ends[0] == ends[1][::-1] and len(ends[0]) == 2
+    assert state.ended.ending is Ending.COMPLETE
+    bench.database.close()
 
 
 def test_an_end_that_is_stuck_stops_no_unattended_order(bench):

@@ -360,6 +360,31 @@ def test_an_end_that_another_plan_has_connected_is_not_taken_for_the_last(arms):
     assert usual.left("ab") == ()
 
 
+def test_a_task_begins_at_its_other_end_once_that_was_decided():
+    order = cabinet_order(1)
+    planner = planner_of(order)
+    (name, *_) = planner.plan([task.name for task in order.tasks])
+    first = planner.task(name).decomposition.first
+    assert planner.has_other_end(name, ())
+    where = ("slipped", 202, "InsertCable", "/Insert", "it slips")
+    decided = (Decided(name, *where, Do.OTHER_END, (), because="so", by="policy", at_s=1.0),)
+    turned = planner.task(name, decided)
+    assert turned.decomposition.first is first.other
+    assert not planner.has_other_end(name, decided), "once"
+    after = planner.task(name, decided, connected=first.other.letter)
+    assert after == turned, "what is connected then is not taken for the last"
+    states = planner.chart(name, Part.WHOLE, (), decided).nodes
+    pushed = [node.id for node in states if node.type == "InsertCableState"]
+    assert pushed == [f"Insert {end.letter}" for end in (first.other, first)]
+
+
+def test_the_end_that_a_use_case_states_stays_the_first():
+    order = cabinet_order(1)
+    fixed = replace(GRIPPERS, designs=replace(GRIPPERS.designs, first="a"))
+    planner = WorkPlanner(order, fixed, Experience(fixed), 0.0)
+    assert not planner.has_other_end(order.tasks[0].name, ())
+
+
 def chosen_forces(requirements=(), use_case=LEARNING):
     """Return the forces that 40 attempts at a wire try instead of the use case's own."""
     document = {"format": FORMAT, "require": list(requirements)}

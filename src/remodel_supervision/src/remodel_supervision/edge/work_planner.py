@@ -33,6 +33,7 @@ from remodel_tasks.core.task_charts.planned_tasks import (
     continuing_from,
     planned_task,
     planned_tasks,
+    with_other_end,
     with_other_method,
 )
 from remodel_tasks.core.task_charts.task_chart import step_of
@@ -182,6 +183,8 @@ class WorkPlanner:
         if task is None:
             place = self._place(name)
             task = self._tasks[name] = planned_task(place.prepared, name, place.mode)
+        if any(decision.do is Do.OTHER_END for decision in decisions):
+            task = with_other_end(self._place(name).prepared, task) or task
         task = continuing_from(self._place(name).prepared, task, connected)
         for decision in decisions:
             if decision.do is Do.OTHER_METHOD:
@@ -198,6 +201,12 @@ class WorkPlanner:
     def has_other_method(self, name: str, decisions: Sequence[Decided], state_path: str) -> bool:
         """Return whether the step of a task that a state is of can be done by another method."""
         return self._otherwise(self.task(name, decisions), state_path) is not None
+
+    def has_other_end(self, name: str, decisions: Sequence[Decided]) -> bool:
+        """Return whether a task can be done with its other end first, and was not yet."""
+        if any(decision.do is Do.OTHER_END for decision in decisions):
+            return False
+        return with_other_end(self._place(name).prepared, self.task(name)) is not None
 
     def learn(self, name: str, operation: Operation) -> None:
         """Learn from an operation of a task."""

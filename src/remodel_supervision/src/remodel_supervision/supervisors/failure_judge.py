@@ -62,6 +62,8 @@ class FailureJudge:
         failure = failure_of(task, self._work.faults, now_s)
         if planner.has_other_method(name, task.decisions, failure.state_path):
             possible.add(Do.OTHER_METHOD)
+        if planner.has_other_end(name, task.decisions):
+            possible.add(Do.OTHER_END)
         policy = planner.use_case.recovery
         bounds = planner.task(name, task.decisions).bounds(failure.state_path)
         unpromising = planner.experience.unpromising(

@@ -198,6 +198,7 @@ _DEEDS = {
     Do.LOOK_AGAIN: "looking from another view",
     Do.OTHER_METHOD: "another method",
     Do.NEW_PART: "a new part",
+    Do.OTHER_END: "a new part with its other end first",
     Do.REPLAN: "doing the task later",
     Do.SET_ASIDE: "skipping the task",
     Do.ASK_OPERATOR: "asking an operator",

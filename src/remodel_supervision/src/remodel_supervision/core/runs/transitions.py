@@ -289,7 +289,7 @@ _WITHOUT_MOTION = (Do.ASK_OPERATOR, Do.STOP)
 
 # These give up the piece, or its turn. After trouble with a server the ends are inspected first:
 # the task may be done, whatever the server reported.
-_GIVES_PIECE_UP = (Do.NEW_PART, Do.REPLAN, Do.SET_ASIDE)
+_GIVES_PIECE_UP = (Do.NEW_PART, Do.OTHER_END, Do.REPLAN, Do.SET_ASIDE)
 
 
 def _may_hold_something(task: TaskProgress) -> bool:
@@ -376,7 +376,7 @@ def _do(do: Do, state: RunState, task: TaskProgress, because: str) -> RunState:
     if do in _GIVES_PIECE_UP and _is_to_be_discarded(do, task):
         return state.with_task(replace(task, stage=Stage.READY, part=Part.DISCARD, then=do))
     task = replace(task, then=None)
-    if do is Do.NEW_PART:
+    if do in (Do.NEW_PART, Do.OTHER_END):
         return state.with_task(replace(task, stage=Stage.READY, part=Part.WHOLE, connected=()))
     if do is Do.ASK_OPERATOR:
         return state.with_task(replace(task, stage=Stage.ASKING))

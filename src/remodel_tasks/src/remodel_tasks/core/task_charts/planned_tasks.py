@@ -14,6 +14,7 @@ from remodel_tasks.core.plan.listing import listing_of
 from remodel_tasks.core.problem.modes import Mode
 from remodel_tasks.core.problem.problem import Plan
 from remodel_tasks.core.task_charts.task_chart import emptying, in_turn, step_of, task_chart
+from remodel_tasks.core.use_case.designs import LONGER_LEG
 from remodel_tasks.core.use_case.model import Action, Macro, UseCase
 from remodel_tasks.errors import UseCaseError
 
@@ -173,6 +174,22 @@ def continuing_from(
         planned.decomposition.task, first.other, prepared.limits, hands_over=hands_over
     )
     return replace(planned, decomposition=other, arms=planned.arms[::-1])
+
+
+def with_other_end(prepared: Prepared, planned: PlannedTask) -> PlannedTask | None:
+    """Return a task whose other end comes first; None if its use case does not let it.
+
+    Args:
+        prepared: the order that the task is of.
+        planned: the task.
+    """
+    designs = prepared.use_case.designs
+    if designs is not None and designs.first not in (None, LONGER_LEG):
+        return None
+    try:
+        return continuing_from(prepared, planned, planned.decomposition.first.other.letter)
+    except InstanceError:
+        return None
 
 
 def with_other_method(

@@ -15,6 +15,7 @@ class Do(Enum):
     LOOK_AGAIN = "look_again"
     OTHER_METHOD = "other_method"
     NEW_PART = "new_part"
+    OTHER_END = "other_end"
     REPLAN = "replan"
     SET_ASIDE = "set_aside"
     ASK_OPERATOR = "ask_operator"
