@@ -21,6 +21,7 @@ case may respond otherwise ([recovery](../recovery.md)), except where an operato
 | look again | the same, with all observations from another viewpoint: `view` n at the n-th time |
 | other method | the step that failed is done by the next method of the use case |
 | new part | the old piece is discarded, a new one fed, and the task starts again |
+| other end | the same, and the end that came second comes first from now on |
 | replan | the task is deferred, and the order of the remaining tasks is planned again |
 | set aside | the task is skipped, the others continue |
 | ask operator | the run waits for an answer; without an operator, `unattended` of the use case |
