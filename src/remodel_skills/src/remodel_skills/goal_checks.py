@@ -10,7 +10,7 @@ from typing import Any, TypeAlias
 
 import numpy as np
 
-from remodel_skills.belief_state import BeliefState
+from remodel_skills.belief_state import BeliefState, Grip
 from remodel_skills.parameters import TerminalParameters
 from remodel_states.core.codes import Code
 from remodel_work.errors import AbilityError
@@ -76,8 +76,8 @@ def check_live(cable_id: str, panel: Panel, belief: BeliefState) -> None:
         )
 
 
-def check_held(belief: BeliefState, end: WireEnd | None = None) -> None:
-    """Raise unless the hand holds the live wire, at that end if one is named."""
+def check_held(belief: BeliefState, end: WireEnd | None = None) -> Grip:
+    """Return what the hand holds; raises unless that is the live wire, at an end if it is named."""
     if belief.grip is None:
         raise AbilityError(Code.NOTHING_HELD, "the gripper is empty; pick the wire first")
     if end is not None and belief.grip.end is not end:
@@ -85,6 +85,7 @@ def check_held(belief: BeliefState, end: WireEnd | None = None) -> None:
             Code.OTHER_CABLE_HELD,
             f"the gripper holds end {belief.grip.end.value}, not end {end.value}; place it first",
         )
+    return belief.grip
 
 
 def check_hand(belief: BeliefState, end: WireEnd) -> None:

@@ -56,7 +56,7 @@ class Line:
         """Return the tool pose after `elapsed` seconds."""
         duration = self.duration
         t = 1.0 if duration <= 0 else min(1.0, max(0.0, elapsed / duration))
-        return self.between(_progress(t))
+        return self.between(progress(t))
 
     def between(self, share: float) -> ToolPose:
         """Return the tool pose at a share of the path."""
@@ -86,12 +86,12 @@ class Line:
         if arm.axis is None:
             return self
         samples = self.motion.rate_samples
-        shares = [_progress(t) for t in np.linspace(0.0, 1.0, samples)]
+        shares = [progress(t) for t in np.linspace(0.0, 1.0, samples)]
         joints = np.array([arm.joints_for(self.between(share)) for share in shares])
         rates = np.abs(np.diff(joints, axis=0)).max(axis=0) * (samples - 1)
         return replace(self, least_s=float((rates / arm.speeds).max()))
 
 
-def _progress(time: float) -> float:
+def progress(time: float) -> float:
     """Return the share of a minimum-jerk motion that is done after a share of its time."""
     return time**3 * (10 - 15 * time + 6 * time * time)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Collection, Iterable, Sequence, Set
+from collections.abc import Callable, Collection, Sequence, Set
 from dataclasses import dataclass, field
 from typing import Protocol
 
@@ -168,10 +168,7 @@ class Traffic:
 
     def in_the_way(self, robot: str, volume: Volume) -> str | None:
         """Return the robot whose space is too near to another's; None if there is none."""
-        for other, room in self._others(robot):
-            if gap_between(volume, room) < self.margin_m:
+        for other, room in self.claims.items():
+            if other != robot and gap_between(volume, room) < self.margin_m:
                 return other
         return None
-
-    def _others(self, robot: str) -> Iterable[tuple[str, Volume]]:
-        return ((other, room) for other, room in self.claims.items() if other != robot)

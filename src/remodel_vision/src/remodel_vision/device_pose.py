@@ -54,21 +54,17 @@ class ComponentObservation:
 
     Attributes:
         world_from_component: upright on the plate, unless two views or more show otherwise.
-        upright: whether it is.
         residual: RMS distance of the edges seen from those of the pose [m].
         shown: share of what should be seen that is, 0 to 1.
         corners: (4, 2) of its label, or of its top, in the last picture [px].
-        deviations: of the pose.
         clear: whether it is seen well enough for more pictures to be added.
         reliable: whether it is, and the pose follows from all its parts and pictures.
     """
 
     world_from_component: Pose
-    upright: bool
     residual: float
     shown: float
     corners: Array
-    deviations: Deviations
     clear: bool
     reliable: bool
 
@@ -316,11 +312,9 @@ def locate_device(component: Component, views: Sequence[DeviceView]) -> Componen
     away = np.concatenate([m.away for m in measured])[fits]
     return ComponentObservation(
         world_from_component=pose,
-        upright=True,
         residual=metres * float(np.sqrt(np.mean(np.square(away)))) if len(away) else math.inf,
         shown=float(np.mean(fits[inside])) if np.any(inside) else 0.0,
         corners=views[-1].picture.view.project(pose.apply(top)),
-        deviations=deviations,
         clear=clear,
         reliable=clear and deviations.within(MOST),
     )

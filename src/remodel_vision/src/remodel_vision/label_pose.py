@@ -194,7 +194,8 @@ def locate_component(component: Component, views: Sequence[LabelView]) -> Compon
     tilt, lift = _stance(free.world_from_label, upright)
     leaning = tilt > max(UPRIGHT_RAD, SIGNIFICANT * unsure.turn)
     leaning |= lift > max(UPRIGHT_M, SIGNIFICANT * unsure.shift)
-    shows = tilt > FALSE_TILT / min(_area(view.corners) for view in views) or lift > UPRIGHT_M
+    smallest = min(abs(cv2.contourArea(view.corners.astype(np.float32))) for view in views)
+    shows = tilt > FALSE_TILT / smallest or lift > UPRIGHT_M
     ambiguous = False
     if len(views) == 1:
         covered = float(upright.explained.mean()) < WHOLE
@@ -209,18 +210,12 @@ def locate_component(component: Component, views: Sequence[LabelView]) -> Compon
     clear = shown >= LEAST_SHOWN and best.residual <= MOST_RESIDUAL_M
     return ComponentObservation(
         world_from_component=pose,
-        upright=best is upright,
         residual=best.residual,
         shown=shown,
         corners=views[-1].picture.view.project(pose.apply(label_corners(component))),
-        deviations=deviations,
         clear=clear,
         reliable=clear and deviations.within(MOST) and not ambiguous,
     )
-
-
-def _area(corners: Array) -> float:
-    return abs(cv2.contourArea(corners.astype(np.float32)))
 
 
 def _stance(world_from_label: Pose, upright: _Fit) -> tuple[float, float]:

@@ -248,7 +248,7 @@ def _passing_near(place: Pose, near: float, reach: float, lines: WireLines) -> P
         aside = min(across, key=lambda y: abs(y - near))
         crest = place.apply(np.array([[x, aside, 0.0] for x in ALONG_M]))
         crest[:, 2] = height + lines.wire.radius
-        height = _height(lines.picture, crest) - lines.wire.radius
+        height = float(np.median(heights_at(lines.picture, crest))) - lines.wire.radius
     return Passing(aside, height)
 
 
@@ -330,13 +330,9 @@ def are_new(points: Array, before: Picture, rise: float) -> npt.NDArray[np.bool_
         before: with depth, from above.
         rise: how far above what stood there the wire is at least [m].
     """
-    return points[:, 2] > stood_at(points, before) + rise
-
-
-def stood_at(points: Array, before: Picture) -> Array:
-    """Return how high what stood at points (n, 3) reached in an earlier picture (n,) [m]."""
     again = (points[:, None] + AGAIN_M).reshape(-1, 3)
-    return heights_at(before, again).reshape(len(points), -1).max(axis=1)
+    stood = heights_at(before, again).reshape(len(points), -1).max(axis=1)
+    return points[:, 2] > stood + rise
 
 
 def points_of_colour(lines: WireLines, point: Array, reach: float) -> Array:
@@ -403,23 +399,9 @@ def crossings(line: Array, at: float) -> list[float]:
     return found
 
 
-def _height(picture: Picture, points: Array) -> float:
-    """Return the height that the depth camera sees around points (n, 3) [m], their median."""
-    return float(np.median(heights_at(picture, points)))
-
-
 def heights_at(picture: Picture, points: Array) -> Array:
     """Return the heights (n,) [m] that a depth camera sees in directions of points (n, 3) [m]."""
-    return surface_at(picture, points)[:, 2]
-
-
-def surface_at(picture: Picture, points: Array) -> Array:
-    """Return what a depth camera sees in directions of points, both (n, 3) [m], world frame."""
     pixels = picture.view.project(points)
-    depths = _sample(picture.single_depth, pixels)
-    return picture.view.at_depth(pixels, depths)
-
-
-def _sample(image: npt.NDArray[np.float32], pixels: Array) -> Array:
     u, v = pixels.astype(np.float32).T
-    return np.asarray(cv2.remap(image, u, v, cv2.INTER_LINEAR), np.float64).ravel()
+    depths = cv2.remap(picture.single_depth, u, v, cv2.INTER_LINEAR)
+    return picture.view.at_depth(pixels, np.asarray(depths, np.float64).ravel())[:, 2]

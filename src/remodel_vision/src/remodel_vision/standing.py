@@ -56,8 +56,7 @@ def new_length(
     views, length = [picture.view for picture, _ in pairs], 0.0
     for number, (picture, before) in enumerate(pairs):
         points, is_new = new_points(picture, before, radius)
-        at = np.abs(panel.world_from_panel.inverse().apply(points)[:, :2])
-        is_new &= (at <= np.array(panel.size[:2]) / 2).all(axis=1)
+        is_new &= _are_over(points, panel.world_from_panel, panel.size)
         is_new &= are_nearest(points, views, number)
         for hand in hands:
             is_new &= np.linalg.norm((points - hand)[:, :2], axis=1) > NEAR_HAND_M

@@ -113,7 +113,7 @@ def test_an_upright_component_is_located(looks, blur, count):
     true = UPRIGHT
     seen = locate_component(part, look(true, blur)[:count])
     away, turned = error(seen.world_from_component, true)
-    assert seen.upright
+    assert seen.world_from_component.rotation[2, 2] == 1.0  # upright
     assert away < 0.0002
     assert turned < 0.2
 
@@ -124,7 +124,7 @@ def test_a_component_askew_is_located_from_two_places(looks):
     true = Pose.level(0.503, -0.004, 0.003, 0.07) @ Pose(np.zeros(3), tilt / np.linalg.norm(tilt))
     seen = locate_component(part, look(true))
     away, turned = error(seen.world_from_component, true)
-    assert not seen.upright
+    assert seen.world_from_component.rotation[2, 2] < 1.0
     assert away < 0.0004
     assert turned < 0.8
 

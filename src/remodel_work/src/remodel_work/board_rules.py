@@ -30,21 +30,30 @@ Sockets = Mapping[tuple[str, str], Pose]
 
 
 def board_problems(
-    panel: Panel,
-    arms: Sequence[Kinematics],
-    takes: CellLimits,
-    sockets: Sockets,
-    standoff_m: float,
+    panel: Panel, arms: Sequence[Kinematics], takes: CellLimits, standoff_m: float
 ) -> Iterator[str]:
-    """Yield what of a board the arms cannot wire, a sentence each.
+    """Yield what of a board the arms cannot wire, a sentence each; nothing of one with channels.
 
     `standoff_m` is from the tip to the opening before an end is pushed in.
     """
-    yield from _reach(arms, sockets, standoff_m)
+    if panel.channels:
+        return
+    yield from _reach(arms, _sockets(panel), standoff_m)
     yield from _room(panel, arms, standoff_m)
     yield from _neighbours(panel, arms)
     for wire in panel.wires:
         yield from _wire(wire, panel, takes)
+
+
+def _sockets(panel: Panel) -> Sockets:
+    """Return the openings that wires go to, in the world's frame."""
+    openings = {
+        (component.id, terminal.id): component.panel_from_component @ terminal.component_from_socket
+        for component in panel.components
+        for terminal in component.terminals
+    }
+    ends = dict.fromkeys(wire.goes_to(end) for wire in panel.wires for end in WireEnd)
+    return {end: panel.world_from_panel @ openings[end] for end in ends if end in openings}
 
 
 def _reach(arms: Sequence[Kinematics], sockets: Sockets, standoff_m: float) -> Iterator[str]:

@@ -116,24 +116,8 @@ def find_problems(
         *_overlaps(panel),
         *(p for wire in panel.wires for p in _wire(wire, panel, takes)),
         *_sharing(panel),
-        *_board(panel, arms, takes),
+        *board_problems(panel, arms, takes, STANDOFF_M),
     )
-
-
-def _board(panel: Panel, arms: Sequence[Kinematics], takes: CellLimits) -> Iterator[str]:
-    if not panel.channels:
-        yield from board_problems(panel, arms, takes, _sockets(panel), STANDOFF_M)
-
-
-def _sockets(panel: Panel) -> dict[tuple[str, str], Pose]:
-    """Return the openings that wires go to, in the world's frame."""
-    openings = {
-        (component.id, terminal.id): component.panel_from_component @ terminal.component_from_socket
-        for component in panel.components
-        for terminal in component.terminals
-    }
-    ends = dict.fromkeys(wire.goes_to(end) for wire in panel.wires for end in WireEnd)
-    return {end: panel.world_from_panel @ openings[end] for end in ends if end in openings}
 
 
 def _not_finite(value: object, path: str) -> Iterator[str]:
@@ -445,30 +429,6 @@ def _connectors(wire: PanelWire) -> Iterator[str]:
         yield from within(f"{name}: mating_force", connector.mating_force, MATING_N, "N")
 
 
-def length_limits(
-    opening_a: tuple[float, float],
-    opening_b: tuple[float, float],
-    *,
-    crossing: bool,
-    direction: int,
-    taken: tuple[float, float],
-) -> tuple[float, float]:
-    """Return the least and the greatest length of a wire [m].
-
-    Args:
-        opening_a: (x, y) of one opening, panel frame [m].
-        opening_b: of the other.
-        crossing: whether they open into different channels.
-        direction: +1 when the wire is fed from a towards +y, else -1.
-        taken: least and greatest length that the cell takes [m].
-    """
-    span = abs(opening_b[1] - opening_a[1])
-    least, most = CROSSING_BEYOND_M if crossing else LENGTH_BEYOND_M
-    low = max(taken[0], span + least)
-    high = min(taken[1], max(low, span + most), FEED_REACH_M - direction * opening_a[1])
-    return low, high
-
-
 def _wire_length(
     name: str,
     wire: PanelWire,
@@ -479,9 +439,10 @@ def _wire_length(
     a, b = sockets[WireEnd.A].position, sockets[WireEnd.B].position
     crossing = panel.channel_in_front_of(a) != panel.channel_in_front_of(b)
     direction = feed_direction(float(a[1]), float(b[1]))
-    low, high = length_limits(
-        (a[0], a[1]), (b[0], b[1]), crossing=crossing, direction=direction, taken=takes.wire_length
-    )
+    span, (shortest, longest) = abs(b[1] - a[1]), takes.wire_length
+    least, most = CROSSING_BEYOND_M if crossing else LENGTH_BEYOND_M
+    low = max(shortest, span + least)
+    high = min(longest, max(low, span + most), FEED_REACH_M - direction * a[1])
     yield from within(f"{name}: length between these terminals", wire.length, (low, high))
 
 

@@ -10,7 +10,7 @@ from functools import cached_property
 import numpy as np
 
 from remodel_work.component_shape import Box
-from remodel_work.fixtures import FIXTURE_RGB, clip_boxes, duct_boxes
+from remodel_work.fixtures import FIXTURE_RGB, clip_boxes, duct_boxes, rail_box
 from remodel_work.geometry import Array, Pose, rotation_matrix
 from remodel_work.panel import Panel
 
@@ -64,11 +64,8 @@ def _panel_solids(panel: Panel, seen: Mapping[str, Pose]) -> Iterator[Solid]:
         housing = Box((0.0, 0.0, component.size[2] / 2), component.size, FIXTURE_RGB)
         yield Solid(component_name(component.id), _placed(housing, place))
     for rail in panel.rails:
-        profile = (rail.length, rail.width, rail.height)
-        box = Box((0.0, 0.0, rail.height / 2), profile, FIXTURE_RGB)
-        yield Solid(
-            f"rail {rail.id!r}", _placed(box, panel.world_from_panel @ rail.panel_from_rail)
-        )
+        place = panel.world_from_panel @ rail.panel_from_rail
+        yield Solid(f"rail {rail.id!r}", _placed(rail_box(rail), place))
     for duct in panel.ducts:
         place = panel.world_from_panel @ duct.panel_from_duct
         for wall in duct_boxes(duct, panel.ducts):

@@ -38,7 +38,6 @@ class CableDetected:
         tips: of the loose ends, end a first.
         length: of the part seen [m].
         confidence: 0 to 1.
-        truncated: never true: a wire that leaves the picture fails.
     """
 
     message: str
@@ -46,7 +45,6 @@ class CableDetected:
     tips: tuple[TipObservation, ...]
     length: float
     confidence: float
-    truncated: bool
 
 
 def _line(above: OverheadObservation) -> Array:
@@ -160,11 +158,4 @@ def detect_cable(context: RobotContext, goal: DetectGoal) -> Steps[CableDetected
     ends = " and ".join(end.value for end in wanted)
     tips = tuple(context.belief.tips[end] for end in wanted)
     message = f"loose end {ends} of {wire.id} seen, and {length * 1e3:.0f} mm of the wire"
-    return CableDetected(
-        message=message,
-        centreline=line,
-        tips=tips,
-        length=length,
-        confidence=confidence,
-        truncated=False,
-    )
+    return CableDetected(message, line, tips, length, confidence)

@@ -8,7 +8,7 @@ import numpy as np
 
 from remodel_skills.abilities.ability import ability
 from remodel_skills.belief_state import Grip
-from remodel_skills.goal_checks import Message, pose_from
+from remodel_skills.goal_checks import Message, check_held, pose_from
 from remodel_skills.goals import RouteGoal
 from remodel_skills.primitives.carrying import carry
 from remodel_skills.primitives.clipping import lay_into, press_around
@@ -24,7 +24,6 @@ from remodel_skills.primitives.observation.checks import (
     observe_route,
 )
 from remodel_skills.robot_context import RobotContext, Steps
-from remodel_states.core.codes import Code
 from remodel_work.errors import AbilityError
 from remodel_work.geometry import Array, Pose
 from remodel_work.panel import PanelClip
@@ -101,9 +100,7 @@ def _carry_along(context: RobotContext, goal: RouteGoal) -> Steps[None]:
 
 def _lay_into_all(context: RobotContext, clips: tuple[PanelClip, ...]) -> Steps[None]:
     """Lay the end down where it was picked, and the wire into its clips, one by one."""
-    grip = context.belief.grip
-    if grip is None:
-        raise AbilityError(Code.NOTHING_HELD, "the gripper is empty; pick the wire first")
+    grip = check_held(context.belief)
     held_at = _held_at(context, grip)
     yield from lay_down(context, context.belief.picked_at[grip.end].tool, (0.0, 0.05), fork=False)
     for i, clip in enumerate(clips):

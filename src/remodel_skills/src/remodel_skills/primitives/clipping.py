@@ -13,7 +13,7 @@ import numpy as np
 
 from remodel_skills.primitives.carrying import carry
 from remodel_skills.primitives.force_motion import ForceMotion
-from remodel_skills.primitives.grasping import grips_nothing
+from remodel_skills.primitives.grasping import fingers_still, grips_nothing, open_fingers
 from remodel_skills.primitives.motions import (
     clear_hand,
     move_to,
@@ -92,7 +92,7 @@ def _bring_into(
         )
     lowest = _tool(context, beside, context.fingers.below + tool.floor_clearance_m)
     yield from _press_to(context, lowest, _beside_force(context, clip))
-    yield from _release(context)
+    yield from open_fingers(context, tool.open_m)
 
 
 def _beside(context: RobotContext, clip: PanelClip) -> Pose:
@@ -179,7 +179,7 @@ def grip_from_above(context: RobotContext, grasp: Pose) -> Steps[None]:
     for above in rises_m:
         yield from move_to(context, tool.at(z=tool.z + above), motion.approach_speed_m_s)
         context.drive_fingers(0.0)
-        yield from _fingers_still(context)
+        yield from fingers_still(context)
         if not grips_nothing(context, context.wire.diameter):
             return
         context.drive_fingers(hand.open_m)
@@ -190,16 +190,6 @@ def grip_from_above(context: RobotContext, grasp: Pose) -> Steps[None]:
         f"the fingers found no {context.wire.id!r} between the plate and "
         f"{(rises_m[0] + context.fingers.pad_height) * 1e3:.0f} mm above it; route it again",
     )
-
-
-def _fingers_still(context: RobotContext) -> Steps[None]:
-    tool = context.parameters.tool
-    before = math.inf
-    for _ in range(math.ceil(tool.close_timeout_s / context.tick_s)):
-        yield
-        if abs(context.device.gripper.gap - before) < tool.fingers_still_m:
-            return
-        before = context.device.gripper.gap
 
 
 def _press_to(context: RobotContext, bottom: ToolPose, limit: float) -> Steps[bool]:
@@ -215,14 +205,6 @@ def _press_to(context: RobotContext, bottom: ToolPose, limit: float) -> Steps[bo
         yield from motion.advance(min(speed, left / context.tick_s))
     motion.stop()
     return motion.travel >= length - pace.arrived_m
-
-
-def _release(context: RobotContext) -> Steps[None]:
-    tool = context.parameters.tool
-    start = context.device.gripper.gap / 2
-    for tick in range(1, math.ceil(tool.open_m / tool.open_speed_m_s / context.tick_s) + 1):
-        context.drive_fingers(start + min(tool.open_m, tick * tool.open_speed_m_s * context.tick_s))
-        yield
 
 
 def press_from_above(context: RobotContext, clip: PanelClip) -> Steps[bool]:
@@ -270,7 +252,7 @@ def _press_at(
     context.drive_fingers(0.0)
     yield from swing_to(context, above.at(z=context.commanded.z))
     yield from move_to(context, above, motion.approach_speed_m_s)
-    yield from _fingers_still(context)
+    yield from fingers_still(context)
     arrived = yield from _press_to(context, above.at(z=bottom + context.fingers.below), limit)
     yield from move_to(context, above, motion.approach_speed_m_s)
     return arrived

@@ -22,6 +22,7 @@ from dataclasses import replace
 import numpy as np
 
 from remodel_skills.belief_state import EndState, Grip
+from remodel_skills.goal_checks import check_held
 from remodel_skills.primitives.carrying import carry
 from remodel_skills.primitives.grasping import check_grip, inside_terminal
 from remodel_skills.primitives.pushing import tool_before
@@ -82,9 +83,7 @@ def _lifted(context: RobotContext, fixed: Array, high: float, length: float) -> 
 
 
 def _fixed_grip(context: RobotContext) -> Grip:
-    grip = context.belief.grip
-    if grip is None:
-        raise AbilityError(Code.NOTHING_HELD, "the gripper is empty; pick the wire first")
+    grip = check_held(context.belief)
     if context.belief.ends[grip.end.other] is not EndState.FIXED:
         raise AbilityError(
             Code.INVALID_GOAL,

@@ -145,12 +145,7 @@ def close_fingers_on(context: RobotContext, thickness: float) -> Steps[None]:
     wire_id = context.wire.id
     context.empty_force = context.free_force = context.device.arm.force
     context.close_fingers(thickness)
-    gap = math.inf
-    for _ in range(math.ceil(tool.close_timeout_s / context.tick_s)):
-        yield
-        before, gap = gap, context.device.gripper.gap
-        if abs(before - gap) < tool.fingers_still_m:
-            break
+    gap = yield from fingers_still(context)
     if gap > thickness + tool.blocked_m:
         yield from _open_and_rise(context)
         raise AbilityError(
@@ -165,6 +160,17 @@ def close_fingers_on(context: RobotContext, thickness: float) -> Steps[None]:
             f"the fingers closed to {gap * 1e3:.1f} mm on {thickness * 1e3:.1f} mm of {wire_id!r}: "
             "it is not between them; detect it again",
         )
+
+
+def fingers_still(context: RobotContext) -> Steps[float]:
+    """Wait until the fingers stop, or have had their time; return the gap between the pads [m]."""
+    tool, gap = context.parameters.tool, math.inf
+    for _ in range(math.ceil(tool.close_timeout_s / context.tick_s)):
+        yield
+        before, gap = gap, context.device.gripper.gap
+        if abs(before - gap) < tool.fingers_still_m:
+            break
+    return gap
 
 
 def _open_and_rise(context: RobotContext) -> Steps[None]:

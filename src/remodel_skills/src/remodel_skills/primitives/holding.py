@@ -104,10 +104,7 @@ def bring_together(
     tool = canonical(working, tool)
     hold = hold or slack_hold(working.parameters.wire)
     for share in hold.shares:
-        places = sorted(
-            _places(holder, tool, out, share * length, hold.up_rad), key=lambda found: found[0]
-        )
-        for _, place in places:
+        for place in _places(holder, tool, out, share * length, hold.up_rad):
             if not holder.arm.reaches(place):
                 continue
             after = [] if then is None else [[(working, then), (holder, place)]]
@@ -150,10 +147,7 @@ def hold_off(
     """
     others = [(peer, peer.commanded) for peer in holder.peers]
     for share in hold.shares:
-        places = sorted(
-            _places(holder, at, out, share * length, hold.up_rad), key=lambda found: found[0]
-        )
-        for _, place in places:
+        for place in _places(holder, at, out, share * length, hold.up_rad):
             move = [(holder, place), *others]
             if (
                 holder.arm.reaches(place)
@@ -239,9 +233,9 @@ def _keeps_clear(holder: RobotContext, moves: list[list[tuple[RobotContext, Tool
 
 def _places(
     holder: RobotContext, tool: ToolPose, out: Array, straight: float, ups: Sequence[float]
-) -> Iterator[tuple[float, ToolPose]]:
-    """Yield places so far from a tool [m], each with its cost."""
-    motion = holder.parameters.motion
+) -> list[ToolPose]:
+    """Return places so far from a tool [m], the least cost first."""
+    motion, found = holder.parameters.motion, list[tuple[float, ToolPose]]()
     heading, grip = math.atan2(out[1], out[0]), holder.belief.grip
     assert grip is not None, "it holds the end"
     for aside in motion.hold_aside_rad:
@@ -256,7 +250,6 @@ def _places(
                 continue
             place = ToolPose(x, y, z, hand)
             way = float(np.linalg.norm(place.position - holder.commanded.position))
-            yield (
-                abs(aside) + motion.hold_up_cost * abs(up - ups[0]) + motion.hold_way_cost * way,
-                place,
-            )
+            steep = motion.hold_up_cost * abs(up - ups[0])
+            found.append((abs(aside) + steep + motion.hold_way_cost * way, place))
+    return [place for _, place in sorted(found, key=lambda each: each[0])]

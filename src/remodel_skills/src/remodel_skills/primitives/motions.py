@@ -9,7 +9,7 @@ from itertools import pairwise
 
 import numpy as np
 
-from remodel_skills.motion import PEAK_OVER_MEAN, Line
+from remodel_skills.motion import PEAK_OVER_MEAN, Line, progress
 from remodel_skills.robot_context import RobotContext, Steps
 from remodel_skills.space import Touch
 from remodel_states.core.codes import Code
@@ -222,8 +222,7 @@ def _swing(context: RobotContext, target: ToolPose) -> Steps[None]:
     seconds = PEAK_OVER_MEAN * float((np.abs(end - start) / context.arm.speeds).max())
     ticks = math.ceil(seconds / context.tick_s)
     for tick in range(1, ticks + 1):
-        t = tick / ticks
-        context.drive_joints(start + t**3 * (10 - 15 * t + 6 * t * t) * (end - start))
+        context.drive_joints(start + progress(tick / ticks) * (end - start))
         yield
     yield from wait(context, context.lead_ticks * context.tick_s)
     context.commanded = context.arm.tool_of(end)

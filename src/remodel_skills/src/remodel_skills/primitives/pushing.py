@@ -10,6 +10,7 @@ import numpy as np
 
 from remodel_skills.belief_state import Grip
 from remodel_skills.force_control import Yielding
+from remodel_skills.goal_checks import check_held
 from remodel_skills.parameters import Parameters, TerminalParameters, WireParameters
 from remodel_skills.primitives.force_motion import ForceMotion
 from remodel_skills.primitives.holding import bring_together, free_length, holder_of
@@ -147,7 +148,7 @@ def bring_before(context: RobotContext, socket: Pose) -> Steps[None]:
     An end that is there already stays low: lifted, the wire would leave its forks.
     """
     motion = context.parameters.motion
-    target = tool_before(socket, _grip(context), -STANDOFF_M)
+    target = tool_before(socket, check_held(context.belief), -STANDOFF_M)
     slot = slot_before(context.panel, context.panel.world_from_panel.inverse() @ socket)
     above = target.moved(socket.rotation[:, 1], slot.aside if slot else 0.0)
     if not _is_at(context, above):
@@ -179,7 +180,7 @@ def _slant(context: RobotContext, socket: Pose) -> float:
     A wire comes straight from the slot before the opening; a connector goes in straight.
     """
     slot = slot_before(context.panel, context.panel.world_from_panel.inverse() @ socket)
-    is_wire = context.wire.connector_at(_grip(context).end) is None
+    is_wire = context.wire.connector_at(check_held(context.belief).end) is None
     return slot.slant if slot is not None and is_wire else 0.0
 
 
@@ -194,7 +195,7 @@ def _way_in(
         slant: yaw from its axis at which the end comes to it [rad].
         straight: the tool pose that holds the end along the axis.
     """
-    grip, turned_in_m = _grip(context), context.parameters.terminal.turned_in_m
+    grip, turned_in_m = check_held(context.belief), context.parameters.terminal.turned_in_m
 
     def tool(travel: float) -> ToolPose:
         ahead = travel - STANDOFF_M
@@ -225,12 +226,6 @@ def _carry_both(
             yield from move_together(move, motion.carry_speed_m_s, motion.hold_speed_m_s)
 
 
-def _grip(context: RobotContext) -> Grip:
-    if context.belief.grip is None:
-        raise AbilityError(Code.NOTHING_HELD, "the gripper is empty; pick the wire first")
-    return context.belief.grip
-
-
 def push_in(
     context: RobotContext,
     socket: Pose,
@@ -250,7 +245,7 @@ def push_in(
         until_in: the same, from the face until the tip is half as deep: it may be beside the
             opening. If this is less than the limit, a tip that rubs is pushed no further [N].
     """
-    into, grip = unit_x(socket), _grip(context)
+    into, grip = unit_x(socket), check_held(context.belief)
     context.free_force = context.device.arm.force
     terminal, wire = context.parameters.terminal, context.parameters.wire
     manner = manner or of_wire(context.parameters)
@@ -301,7 +296,7 @@ def _room_before_face(context: RobotContext, bottom: float) -> float:
     Raises:
         AbilityError: UNREACHABLE when the end would not come to the bottom.
     """
-    grip, width = _grip(context), context.fingers.width
+    grip, width = check_held(context.belief), context.fingers.width
     room = grip.distance - width / 2 - context.parameters.tool.before_face_m
     if room < bottom:
         raise AbilityError(
@@ -360,7 +355,7 @@ def _feels(context: RobotContext) -> Steps[tuple[float, ...]]:
     A tip that is seen from above is first brought to the opening's height.
     """
     terminal = context.parameters.terminal
-    expected = _held_tip(_grip(context), context.device.arm.tool)
+    expected = _held_tip(check_held(context.belief), context.device.arm.tool)
     seen = yield from observe_held_tip(context, expected)
     if seen is None:
         return terminal.feels_m

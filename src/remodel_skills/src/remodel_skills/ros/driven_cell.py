@@ -5,7 +5,6 @@ from __future__ import annotations
 import time
 from collections.abc import Collection, Mapping, Set
 from contextlib import ExitStack
-from functools import partial
 from types import MappingProxyType
 
 import numpy as np
@@ -27,7 +26,7 @@ from remodel_skills.ros.driven_robot import (
 )
 from remodel_skills.ros.node import OpenedPlant
 from remodel_states.core.codes import Code
-from remodel_work.camera import Picture, View
+from remodel_work.camera import Picture
 from remodel_work.cell.cell_design import CellDesign, RobotDesign
 from remodel_work.cell.held_panel import find_panel_problems, held_panel
 from remodel_work.cell.presentation import Presentation
@@ -114,17 +113,14 @@ class DrivenCell:
                 lambda: wrist_view(arm, design),
             ),
             overhead_cameras=tuple(
-                DrivenCamera(self._inbox, topics, partial(self._overhead_view, number))
-                for number, topics in enumerate(self._topics.overheads)
+                DrivenCamera(self._inbox, topics, lambda view=view: view)
+                for topics, view in zip(self._topics.overheads, self.design.overheads, strict=True)
             ),
             fixture=self._fixture,
             magazine=self._magazine,
             tick_s=self.tick_s,
             lead_s=self._topics.robots[robot].lead_s,
         )
-
-    def _overhead_view(self, number: int) -> View:
-        return self.design.overheads[number]
 
     def photograph(self, camera: str) -> Picture:
         """Take a picture for people: by the overhead camera for the scene, which has none."""

@@ -417,7 +417,7 @@ def weigh(refined: Refined, spread: float) -> Evidence:
     tangents = np.diff(smoothed, axis=0)
     turns = np.abs(np.diff(np.unwrap(np.arctan2(tangents[:, 1], tangents[:, 0]))))
     step = long * refined.width / max(len(refined.points) - 1, 1)
-    same = _same_hue(sections.middle, median_colour(sections.middle)[None], contrast)
+    same = _same_hue(sections.middle, own[None], contrast)
     halves = _same_hue(sections.inside[:, 0], sections.inside[:, 1], contrast)
     return Evidence(
         contrast=min(ramp(usual / spread, CONTRAST_SPREADS), ramp(usual, CONTRAST_LEVELS)),

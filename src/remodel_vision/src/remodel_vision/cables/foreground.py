@@ -163,8 +163,10 @@ class Foreground:
 def find_foreground(rgb: Pixels, prior: Prior) -> Foreground:
     """Separate cables from the table in a picture (height, width, 3) of some 320 columns."""
     pixels = rgb.astype(np.float32)
-    known = prior.background
-    table = _table(rgb) if known is None else known.astype(np.float32)
+    if prior.background is None:
+        table = _median_of_every(rgb, TABLE_STEP, TABLE_WINDOW)
+    else:
+        table = prior.background.astype(np.float32)
     allowed = prior.allowed(rgb)
     whiten, spread = whitening(pixels[1::SPARSE, 1::SPARSE] - table[1::SPARSE, 1::SPARSE])
     covered = distance_from(pixels, table, whiten)
@@ -201,12 +203,11 @@ def find_foreground(rgb: Pixels, prior: Prior) -> Foreground:
     )
 
 
-def _table(rgb: Pixels) -> Pixels:
+def _median_of_every(rgb: Pixels, step: int, window: int) -> Pixels:
+    """Return the median around each pixel, over so many samples each way, `step` pixels apart."""
     height, width = rgb.shape[:2]
-    samples = np.ascontiguousarray(
-        rgb[TABLE_STEP // 2 :: TABLE_STEP, TABLE_STEP // 2 :: TABLE_STEP]
-    )
-    median = cv2.medianBlur(samples, TABLE_WINDOW).astype(np.float32)
+    samples = np.ascontiguousarray(rgb[step // 2 :: step, step // 2 :: step])
+    median = cv2.medianBlur(samples, window).astype(np.float32)
     return cv2.resize(median, (width, height), interpolation=cv2.INTER_LINEAR)
 
 
@@ -311,8 +312,4 @@ def foreign_objects_in(reach: Pixels, half_width: float) -> Pixels:
 
 def median_nearby(rgb: Pixels, half_width: float) -> Pixels:
     """Return the median over a few cable widths: the colour of a foreign object below a cable."""
-    height, width = rgb.shape[:2]
-    samples = np.ascontiguousarray(rgb[1::2, 1::2])
-    window = 2 * round(1.8 * half_width) + 3
-    median = cv2.medianBlur(samples, window).astype(np.float32)
-    return cv2.resize(median, (width, height), interpolation=cv2.INTER_LINEAR)
+    return _median_of_every(rgb, 2, 2 * round(1.8 * half_width) + 3)

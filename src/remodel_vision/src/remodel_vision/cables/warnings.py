@@ -288,7 +288,7 @@ def surrounding_terms(rgb: Pixels, cables: list[DetectedCable], index: int) -> d
     """Return the terms of the confidence that the ends and the other cables give."""
     cable = cables[index]
     loose = [tip for tip in cable.tips if tip.end is CableEnding.TIP]
-    left = [limited_to(goes_on(rgb, tip, cable.width), (-0.5, 1.5)) for tip in loose]
+    left = [min(max(goes_on(rgb, tip, cable.width), -0.5), 1.5) for tip in loose]
     gaps = [
         float(np.hypot(*(other.centreline - tip.point).T).min()) / cable.width
         for tip in cable.tips
@@ -301,11 +301,6 @@ def surrounding_terms(rgb: Pixels, cables: list[DetectedCable], index: int) -> d
         "bend [log widths]": math.log(_bend(cable) + 0.1),
         "end near another [widths]": min(min(gaps, default=NEAR_WIDTHS), NEAR_WIDTHS),
     }
-
-
-def limited_to(value: float, limits: tuple[float, float]) -> float:
-    """Return a value within limits."""
-    return min(max(value, limits[0]), limits[1])
 
 
 def remainder_warnings(

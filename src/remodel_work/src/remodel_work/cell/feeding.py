@@ -96,11 +96,9 @@ def plan_laying(
     noise: np.random.Generator,
 ) -> Laying:
     """Choose where a wire of `joints` + 1 links lies."""
-    opening_a = panel.world_from_panel.apply(
-        panel.panel_from_socket(wire.a_component, wire.a_terminal).position
-    )
-    opening_b = panel.world_from_panel.apply(
-        panel.panel_from_socket(wire.b_component, wire.b_terminal).position
+    opening_a, opening_b = (
+        panel.world_from_panel.apply(panel.panel_from_socket(*wire.goes_to(end)).position)
+        for end in WireEnd
     )
     direction = feed_direction(float(opening_a[1]), float(opening_b[1]))
     start = float(opening_a[1]) - direction * feeder.overlap

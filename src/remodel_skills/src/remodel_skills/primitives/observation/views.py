@@ -44,16 +44,6 @@ class Ring:
     z: float
 
 
-def end_views(looking: LookingParameters) -> tuple[Ring, ...]:
-    """Return the views of an end, by their number."""
-    return _rings(looking, looking.end_aside_m, looking.end_far_m)
-
-
-def label_views(looking: LookingParameters) -> tuple[Ring, ...]:
-    """Return the views of a label, by their number."""
-    return _rings(looking, looking.label_aside_m, looking.label_far_m)
-
-
 def _rings(
     looking: LookingParameters, aside: tuple[tuple[float, float], ...], far: float
 ) -> tuple[Ring, ...]:
@@ -81,7 +71,8 @@ def views_around(
 
     `view` is taken modulo the number of views; None: those of an end.
     """
-    views = views or end_views(context.parameters.looking)
+    looking = context.parameters.looking
+    views = views or _rings(looking, looking.end_aside_m, looking.end_far_m)
     ring = views[view % len(views)]
     tools = [camera_above(context, point + aside, yaw, ring.z) for aside in ring.beside]
     return [tool for tool in tools if context.arm.reaches(tool)] or tools[:1]
@@ -150,7 +141,8 @@ def component_views(
     grip, now, looking = context.belief.grip, context.commanded, context.parameters.looking
     if grip is None:
         least = _least_z(context, target)
-        rings = [replace(ring, z=max(ring.z, least)) for ring in label_views(looking)]
+        rings = _rings(looking, looking.label_aside_m, looking.label_far_m)
+        rings = tuple(replace(ring, z=max(ring.z, least)) for ring in rings)
         return views_around(context, target.mean(axis=0)[:2], 0.0, rings, view=view)
     turns = np.array(looking.held_turns_rad)
     if socket_yaw is not None:
