@@ -43,8 +43,8 @@ from remodel_supervision.ros.peers.board_message import board_message
 from remodel_tasks.core.decomposition.cell_fit import misfits
 from remodel_tasks.core.orders.board_order import board_order
 from remodel_work.panel import Panel, PanelWire
-from remodel_work.placed_wires import PlacedWires
 from remodel_work.ros.panel_message import panel_from
+from remodel_work.routes import PlacedWires
 
 ROOT = Path(__file__).parents[2]
 DESIGNS = (

@@ -25,9 +25,9 @@ from remodel_states.edge.wire_material_file import read_wire_materials
 from remodel_work.edge.cell_file import read_cell
 from remodel_work.geometry import Array
 from remodel_work.panel import BOARD, Panel, PanelWire, WireEnd
-from remodel_work.placed_wires import ParkedWire
 from remodel_work.robot.arm import ToolPose
 from remodel_work.ros.panel_message import read_panel
+from remodel_work.routes import ParkedWire
 
 CONFIG = Path(__file__).parents[2] / "src" / "remodel_sim" / "config"
 CELL, HOLDER = "two_arms_cabinet", "robot_2"

@@ -12,11 +12,10 @@ import numpy as np
 
 from remodel_states.core.wires.wire_colours import rgbs_of
 from remodel_work.camera import Picture, View
-from remodel_work.component_shape import Box, component_boxes
+from remodel_work.component_shape import FERRULE_RGB, PLATE_RGB, Box, component_boxes
 from remodel_work.fixtures import duct_boxes, rail_box
 from remodel_work.geometry import Pose
 from remodel_work.panel import WireEnd
-from remodel_work.wire_colours import FERRULE_RGB, PLATE_RGB
 
 TABLE = Box((0.5, 0.0, -0.023), (3.0, 3.0, 0.04), (0.36, 0.31, 0.27))
 BLUR_PX, NOISE_LEVELS, DEPTH_NOISE_M = 0.5, 3.0, 0.001

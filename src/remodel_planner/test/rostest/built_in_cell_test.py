@@ -29,8 +29,8 @@ from remodel_states.edge.wire_material_file import read_wire_materials
 from remodel_supervision.ros.peers.board_message import board_message
 from remodel_tasks.core.orders.board_order import board_order
 from remodel_work.panel import BOARD, WireEnd
-from remodel_work.placed_wires import ParkedWire, PlacedWires
 from remodel_work.ros.panel_message import panel_from
+from remodel_work.routes import ParkedWire, PlacedWires
 
 MEMORY = Path(sys.argv[1])
 LIMIT_S = 60.0

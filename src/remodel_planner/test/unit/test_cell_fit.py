@@ -21,7 +21,7 @@ from remodel_supervision.ros.server.work import WorkMaker
 from remodel_tasks.core.decomposition.cell_fit import misfits
 from remodel_tasks.core.orders.board_order import board_order
 from remodel_tasks.edge.fault_file import read_faults
-from remodel_work.cell.magazine import find_wire_problems
+from remodel_work.cell.presenting import find_wire_problems
 from remodel_work.edge.cell_file import read_cell
 from remodel_work.layout import find_problems
 from remodel_work.ros.panel_message import panel_from

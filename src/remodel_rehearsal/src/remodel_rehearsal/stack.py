@@ -44,8 +44,8 @@ from remodel_tasks.core.condition import Features
 from remodel_tasks.core.use_case.model import UseCase
 from remodel_tasks.edge.fault_file import read_faults
 from remodel_work.edge.cell_file import read_cell
-from remodel_work.placed_wires import PlacedWires
 from remodel_work.ros.panel_message import panel_from
+from remodel_work.routes import PlacedWires
 
 # No other supervisor wants the cell or the tasks of a rehearsal [s of wall time].
 _LEASE_S = 1e6

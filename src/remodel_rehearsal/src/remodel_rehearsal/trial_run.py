@@ -15,7 +15,7 @@ from remodel_states.core.codes import Code
 from remodel_supervision.core.runs.events import OperationEnded, TaskBegun
 from remodel_work.geometry import Pose
 from remodel_work.panel import PanelWire
-from remodel_work.placed_wires import PlacedWires
+from remodel_work.routes import PlacedWires
 
 
 @dataclass(frozen=True)

@@ -7,7 +7,7 @@ import numpy as np
 from remodel_rehearsal.edge.trial_store import KeptTrial, TrialStore, trial_key
 from remodel_run.rehearsal import RehearsedCall, Trial
 from remodel_work.panel import WireEnd
-from remodel_work.placed_wires import ParkedWire, PlacedWires
+from remodel_work.routes import ParkedWire, PlacedWires
 
 CALL = RehearsedCall("InsertCable", {"section_mm2": 1.5}, 301, 4.0, {"force_limit": 8.0})
 

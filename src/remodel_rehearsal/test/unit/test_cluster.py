@@ -17,7 +17,7 @@ from remodel_rehearsal.errors import RehearsalError
 from remodel_rehearsal.stack import Setting
 from remodel_rehearsal.trial_run import Rehearsed
 from remodel_run.rehearsal import Failure, Trial
-from remodel_work.placed_wires import PlacedWires
+from remodel_work.routes import PlacedWires
 
 WIRES = ("W1", "W2", "W3", "W4")
 

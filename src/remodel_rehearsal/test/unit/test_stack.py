@@ -15,7 +15,7 @@ from remodel_rehearsal.edge.uncertainty_file import read_uncertainty
 from remodel_rehearsal.stack import Setting, planned_wires
 from remodel_rehearsal.trial_run import rehearse_wire
 from remodel_work.panel import WireEnd
-from remodel_work.placed_wires import PlacedWires
+from remodel_work.routes import PlacedWires
 
 # A machine's cabinet of Debian's package qelectrotech-examples.
 DESIGN = Path("/usr/share/qelectrotech/examples/schema_indus.qet")

@@ -8,7 +8,7 @@ from remodel_rehearsal import trial_run
 from remodel_rehearsal.stack import Outcome, Setting
 from remodel_supervision.core.run import Operation
 from remodel_supervision.core.runs.events import OperationEnded, Part, TaskBegun
-from remodel_work.placed_wires import PlacedWires
+from remodel_work.routes import PlacedWires
 
 BEGUN = TaskBegun("W1", 1, Part.WHOLE, "Place Wire W1", chart="", at_s=1.0)
 JAM = Operation("/Insert", "InsertCable", "failed", 301, text="jammed", ended_s=2.0, elapsed_s=1.0)

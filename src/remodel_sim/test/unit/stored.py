@@ -23,8 +23,8 @@ from remodel_skills.cell import Cell
 from remodel_work.edge.cell_file import read_cell
 from remodel_work.geometry import Pose
 from remodel_work.panel import WireEnd
-from remodel_work.placed_wires import ParkedWire, PlacedWires
 from remodel_work.robot.arm import ToolPose
+from remodel_work.routes import ParkedWire, PlacedWires
 
 FILE = Path(__file__).with_name("stored_wires.json")
 HELD_FILE = FILE.with_name("stored_held_wire.json")

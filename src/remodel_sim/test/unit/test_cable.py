@@ -14,8 +14,8 @@ from remodel_sim.physics.wires.parked_wire import add_solid, draw_parked
 from remodel_sim.physics.world import World
 from remodel_states.core.wires.wire_colours import rgbs_of
 from remodel_vision.colour import wire_likelihood
+from remodel_work.component_shape import FERRULE_RGB
 from remodel_work.panel import WireEnd
-from remodel_work.wire_colours import FERRULE_RGB
 
 
 def ordered(length, **changes):

@@ -13,7 +13,7 @@ from remodel_skills.primitives.observation.checks import check_forks
 from remodel_work.edge.cell_file import read_cell
 from remodel_work.errors import AbilityError
 from remodel_work.panel import WireEnd
-from remodel_work.placed_wires import ParkedWire
+from remodel_work.routes import ParkedWire
 
 pytestmark = pytest.mark.physics
 

@@ -17,7 +17,8 @@ from remodel_skills.abilities.pick_cable import pick_cable
 from remodel_skills.abilities.route_wire import route_wire
 from remodel_skills.cell import Cell
 from remodel_states.core.codes import Code
-from remodel_work.cell.magazine import GRASP_M, LEAST_GRASP_M
+from remodel_work.board_rules import GRASP_M
+from remodel_work.cell.presenting import LEAST_GRASP_M
 from remodel_work.edge.cell_file import read_cell
 from remodel_work.errors import AbilityError
 from remodel_work.geometry import Pose

@@ -35,7 +35,7 @@ from remodel_work.edge.cell_file import read_cell
 from remodel_work.errors import AbilityError
 from remodel_work.geometry import Pose
 from remodel_work.panel import BOARD, WireEnd
-from remodel_work.placed_wires import ParkedWire
+from remodel_work.routes import ParkedWire
 
 PARAMETERS = read_parameters().parameters
 MOTION = PARAMETERS.motion

@@ -15,7 +15,7 @@ from remodel_skills.abilities.detect_cable import detect_cable
 from remodel_skills.abilities.discard_cable import discard_cable
 from remodel_skills.abilities.pick_cable import pick_cable
 from remodel_skills.cell import Cell
-from remodel_work.cell.magazine import Magazine
+from remodel_work.cell.presenting import Magazine
 from remodel_work.edge.cell_file import read_cell
 from remodel_work.geometry import Pose
 from remodel_work.panel import WireEnd

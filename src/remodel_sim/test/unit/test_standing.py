@@ -15,8 +15,8 @@ from remodel_vision.standing import CELL_M, standing_wires
 from remodel_work.edge.cell_file import read_cell
 from remodel_work.obstacles import WIRES, panel_obstacles
 from remodel_work.panel import BOARD, WireEnd
-from remodel_work.placed_wires import ParkedWire
 from remodel_work.robot.arm import ToolPose
+from remodel_work.routes import ParkedWire
 
 MOTION = read_parameters().parameters.motion
 PANEL = panel(channels=())

@@ -12,7 +12,7 @@ from remodel_sim.ros.services import truth_message
 from remodel_skills.cell import Cell
 from remodel_work.edge.cell_file import read_cell
 from remodel_work.panel import BOARD, WireEnd
-from remodel_work.placed_wires import ParkedWire
+from remodel_work.routes import ParkedWire
 
 WIRE, OTHER = "W3", "W7"
 BELOW_M, ABOVE_M = 0.020, 0.065

@@ -12,10 +12,8 @@ from remodel_work.camera import Picture, View
 from remodel_work.geometry import Array, Pose
 from remodel_work.layout import GRASP_DISTANCE_M
 from remodel_work.panel import WireEnd
-from remodel_work.placed_wires import PlacedWires
-from remodel_work.robot.arm import PANDA_AT_ORIGIN, ToolPose
-from remodel_work.robot.kinematics import Kinematics
-from remodel_work.routes import TerminalKey
+from remodel_work.robot.arm import PANDA_AT_ORIGIN, Kinematics, ToolPose
+from remodel_work.routes import PlacedWires, TerminalKey
 
 
 class EndState(Enum):

@@ -28,7 +28,7 @@ from remodel_states.core.codes import Code
 from remodel_states.core.contract import NO_OWNER
 from remodel_work.errors import AbilityError, PanelError
 from remodel_work.panel import Panel
-from remodel_work.placed_wires import PlacedWires
+from remodel_work.routes import PlacedWires
 
 T = TypeVar("T")
 

@@ -15,11 +15,11 @@ from typing import Protocol
 from remodel_skills.force_control import ForceLoop
 from remodel_work.camera import Picture, View
 from remodel_work.cell.cell_design import CellDesign
-from remodel_work.cell.presentation import Presentation
+from remodel_work.cell.presenting import Presentation
 from remodel_work.geometry import Array
 from remodel_work.panel import Panel, WireEnd
-from remodel_work.placed_wires import ParkedWire
 from remodel_work.robot.arm import ToolPose
+from remodel_work.routes import ParkedWire
 
 
 class RobotArm(Protocol):

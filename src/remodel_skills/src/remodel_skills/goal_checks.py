@@ -17,8 +17,7 @@ from remodel_work.errors import AbilityError
 from remodel_work.geometry import PANEL, WORLD, Pose, wrap_angle
 from remodel_work.layout import GRASP_DISTANCE_M, STANDOFF_M
 from remodel_work.panel import Panel, WireEnd, unit_x
-from remodel_work.robot.arm import ToolPose
-from remodel_work.robot.kinematics import Kinematics
+from remodel_work.robot.arm import Kinematics, ToolPose
 from remodel_work.routes import TerminalKey, nearest_terminal, opening_of
 
 

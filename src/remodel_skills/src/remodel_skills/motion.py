@@ -9,8 +9,7 @@ import numpy as np
 
 from remodel_skills.parameters import MotionParameters
 from remodel_work.geometry import Array
-from remodel_work.robot.arm import ToolPose
-from remodel_work.robot.kinematics import Kinematics
+from remodel_work.robot.arm import Kinematics, ToolPose
 
 # A minimum-jerk motion peaks at 15/8 of its mean speed.
 PEAK_OVER_MEAN = 15.0 / 8.0

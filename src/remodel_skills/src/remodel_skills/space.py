@@ -10,9 +10,8 @@ from remodel_states.core.codes import Code
 from remodel_work.errors import AbilityError
 from remodel_work.geometry import Array
 from remodel_work.obstacles import Obstacles
-from remodel_work.robot.arm import ToolPose
+from remodel_work.robot.arm import Kinematics, ToolPose
 from remodel_work.robot.arm_volume import Volume, gap_between, volume_of
-from remodel_work.robot.kinematics import Kinematics
 
 
 @dataclass(frozen=True)

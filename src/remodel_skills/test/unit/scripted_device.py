@@ -16,17 +16,23 @@ from remodel_skills.observers import Observers
 from remodel_skills.robot_context import RobotContext
 from remodel_skills.space import Traffic
 from remodel_work.camera import Lens, View
-from remodel_work.cell.cell_design import CellDesign, Gripper, RobotDesign, Table, WristCamera
-from remodel_work.cell.feeding import plan_laying
-from remodel_work.cell.held_panel import find_panel_problems, held_panel
-from remodel_work.cell.magazine import plan_presentation
+from remodel_work.cell.cell_design import (
+    CellDesign,
+    Gripper,
+    RobotDesign,
+    Table,
+    WristCamera,
+    find_panel_problems,
+    held_panel,
+)
+from remodel_work.cell.presenting import plan_laying, plan_presentation
 from remodel_work.edge.cell_file import read_cell
 from remodel_work.errors import PanelError
 from remodel_work.geometry import Pose
 from remodel_work.panel import Channel, Component, Panel, PanelTerminal, PanelWire, WireEnd
-from remodel_work.placed_wires import ParkedWire
 from remodel_work.robot.arm import PANDA_AT_ORIGIN, ToolPose
 from remodel_work.robot.fingers import CAMERA_MOUNT
+from remodel_work.routes import ParkedWire
 
 PARAMETERS = read_parameters().parameters
 TICK_S, STEPS = 1 / 120, 2

@@ -15,7 +15,7 @@ from remodel_work.edge.cell_file import read_cell
 from remodel_work.errors import AbilityError, MemoryFileError
 from remodel_work.geometry import Pose
 from remodel_work.panel import WireEnd
-from remodel_work.placed_wires import ParkedWire, PlacedWires
+from remodel_work.routes import ParkedWire, PlacedWires
 
 
 @pytest.fixture

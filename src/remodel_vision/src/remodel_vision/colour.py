@@ -10,8 +10,8 @@ import numpy.typing as npt
 
 from remodel_states.core.wires.wire_colours import Rgb, rgbs_of
 from remodel_work.camera import View
+from remodel_work.component_shape import PLATE_RGB
 from remodel_work.geometry import Array, Pose
-from remodel_work.wire_colours import PLATE_RGB
 
 Pixels = npt.NDArray[Any]
 

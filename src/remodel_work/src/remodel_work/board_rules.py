@@ -14,10 +14,10 @@ import numpy as np
 from remodel_states.core.cell import CellLimits, objections
 from remodel_work.geometry import Pose, wrap_angle
 from remodel_work.panel import Component, Duct, Panel, PanelWire, WireEnd, unit_x
-from remodel_work.robot.arm import ToolPose
-from remodel_work.robot.kinematics import Kinematics
+from remodel_work.robot.arm import Kinematics, ToolPose
 
-# Tool centre to tip where devices stand before ducts.
+# Tool centre to tip where devices stand before ducts [m]: farther off, slim fingers do not fit
+# between a device and the duct before it.
 GRASP_M = 0.025
 # Between a finger and the wire in the next terminal.
 FINGER_PLAY_M = 0.0005

@@ -1,14 +1,18 @@
-r"""The solid shape of a component: boxes around its openings, a funnel at each, and its label.
+r"""The solid shapes of a component and of a connector, and the colours of what is beside wires.
 
-The half of the component on each side that has terminals is cut into pockets. A pocket is as wide
-as its opening with the funnel; inside it four walls narrow it, and four inclined plates make the
-funnel:
+A component is boxes around its openings, a funnel at each, and its label. The half of it on each
+side that has terminals is cut into pockets. A pocket is as wide as its opening with the funnel;
+inside it four walls narrow it, and four inclined plates make the funnel:
 
       face   chamfer        depth
         |\\_____|______________|
         |       inside         | bottom
         | _____________________|
         |/      |              |
+
+A connector is a flat body, a row of pins before it, and a mark on it, in the frame of the rigid
+link that it is (cable.py), whose cap at the tip it has not: origin in its middle, z along the wire
+towards end b, y along the row of pins; x is upright while it lies flat.
 """
 
 from __future__ import annotations
@@ -21,8 +25,9 @@ import cv2
 import numpy as np
 import numpy.typing as npt
 
+from remodel_states.core.wires.wire_colours import Rgb, rgbs_of
 from remodel_work.geometry import Array
-from remodel_work.panel import Component, PanelTerminal
+from remodel_work.panel import Component, Connector, PanelTerminal, PanelWire, WireEnd
 
 PLATE_THICKNESS_M = 0.0015
 LABEL_THICKNESS_M = 0.0004
@@ -37,6 +42,11 @@ METAL = (0.80, 0.66, 0.36)
 SCREW = (0.62, 0.63, 0.65)
 WHITE = (1.0, 1.0, 1.0)
 BLACK = (0.02, 0.02, 0.02)
+# The collar that covers each ferrule: a hue that no wire has, so that loose ends are found among
+# wires of any colour.
+FERRULE_RGB: Rgb = (0.95, 0.02, 0.62)
+# The mounting plate, near RAL 7035 (light grey).
+PLATE_RGB: Rgb = (0.80, 0.82, 0.80)
 
 Vector = tuple[float, float, float]
 
@@ -206,3 +216,64 @@ def label_corners(component: Component) -> Array:
     return np.array(
         [[-half, half, top], [half, half, top], [half, -half, top], [-half, -half, top]]
     )
+
+
+# The mark is as long as a ferrule, begins at the body's face, and stands so far out of the body.
+MARK_WIDTH_M = 0.004
+MARK_THICKNESS_M = 0.0002
+# Of polyamide, ribbed to be gripped by; estimated.
+BODY_FRICTION = 0.8
+
+
+@dataclass(frozen=True)
+class Solid:
+    """A box, or a capsule along z.
+
+    Attributes:
+        centre: [m].
+        size: of the box; of the capsule (diameter, diameter, length with its caps) [m].
+        rgb: colour.
+        capsule: whether it is one.
+        solid: whether things collide with it.
+    """
+
+    centre: Vector
+    size: Vector
+    rgb: Rgb
+    capsule: bool = False
+    solid: bool = True
+
+
+def connector_solids(wire: PanelWire, connector: Connector) -> tuple[Solid, ...]:
+    """Return the parts of a connector."""
+    # Towards the tip.
+    out = -1 if connector.end is WireEnd.A else 1
+    tip = out * (connector.length + wire.radius) / 2
+    face = tip - out * connector.pin_length
+
+    def behind_face(length: float) -> float:
+        return face - out * length / 2
+
+    body = Solid(
+        (0.0, 0.0, behind_face(connector.body_length)),
+        (wire.diameter, connector.body_width, connector.body_length),
+        rgbs_of(wire.colour)[0],
+    )
+    mark = Solid(
+        (0.0, 0.0, behind_face(wire.ferrule_length)),
+        (wire.diameter + 2 * MARK_THICKNESS_M, MARK_WIDTH_M, wire.ferrule_length),
+        FERRULE_RGB,
+        solid=False,
+    )
+    # A pin's rear cap lies in the body.
+    length = connector.pin_length + connector.pin_diameter / 2
+    pins = tuple(
+        Solid(
+            (0.0, y, tip - out * length / 2),
+            (connector.pin_diameter, connector.pin_diameter, length),
+            METAL,
+            capsule=True,
+        )
+        for y in connector.offsets
+    )
+    return body, mark, *pins

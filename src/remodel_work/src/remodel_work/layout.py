@@ -26,8 +26,7 @@ from remodel_work.panel import (
     WireEnd,
     unit_x,
 )
-from remodel_work.robot.arm import ToolPose
-from remodel_work.robot.kinematics import Kinematics
+from remodel_work.robot.arm import Kinematics, ToolPose
 
 # Tool centre to tip when a wire is held for insertion: short enough not to buckle or sag, long
 # enough for the fingers.

@@ -1,17 +1,17 @@
-"""Where wires go on a panel: openings, slots, and their routes."""
+"""Where wires go on a panel, their openings, slots and routes, and where placed ones lie."""
 
 from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from itertools import pairwise
 
 import numpy as np
 import numpy.typing as npt
 
 from remodel_work.geometry import Array, Pose, wrap_angle
-from remodel_work.panel import Duct, Panel, PanelClip
+from remodel_work.panel import Duct, Panel, PanelClip, WireEnd
 
 # Component and terminal.
 TerminalKey = tuple[str, str]
@@ -183,3 +183,29 @@ def _passes(line: _Line, places: Array, yaw: float, duct: Duct) -> npt.NDArray[n
     x, y, _ = line.frame.inverse().apply(places).T
     turned = abs(wrap_angle(2 * (yaw - line.frame.yaw)) / 2)
     return (x >= 0) & (x < line.length) & (abs(y) < duct.width / 2) & (turned < math.pi / 4)
+
+
+@dataclass(frozen=True, eq=False)
+class ParkedWire:
+    """A wire that stays where it is.
+
+    Attributes:
+        nodes: (n, 3) from tip to tip [m], world frame.
+        fixed: the ends that closed clamps held when it was parked.
+    """
+
+    nodes: Array
+    fixed: frozenset[WireEnd]
+
+
+@dataclass(frozen=True, eq=False)
+class PlacedWires:
+    """All that lies on a panel beside the live wire.
+
+    Attributes:
+        parked: by the wire's name.
+        occupied: the wire end that each terminal holds.
+    """
+
+    parked: Mapping[str, ParkedWire] = field(default_factory=dict)
+    occupied: Mapping[TerminalKey, tuple[str, WireEnd]] = field(default_factory=dict)

@@ -6,7 +6,7 @@ import pytest
 import yaml
 from panels import panel
 
-from remodel_work.cell.held_panel import find_panel_problems, held_panel
+from remodel_work.cell.cell_design import find_panel_problems, held_panel
 from remodel_work.edge.cell_file import read_cell
 from remodel_work.errors import CellFileError
 from remodel_work.panel import BOARD

@@ -8,9 +8,8 @@ import pytest
 from panels import example, moved_onto
 
 from remodel_work.camera import best_view
-from remodel_work.cell.held_panel import find_panel_problems, held_panel
-from remodel_work.cell.magazine import plan_presentation
-from remodel_work.cell.scrap_bin import bin_of
+from remodel_work.cell.cell_design import bin_of, find_panel_problems, held_panel
+from remodel_work.cell.presenting import plan_presentation
 from remodel_work.edge.cell_file import read_cell
 from remodel_work.panel import WireEnd
 from remodel_work.robot.arm import ToolPose

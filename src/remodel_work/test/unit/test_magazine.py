@@ -7,8 +7,8 @@ import numpy as np
 import pytest
 from dense_board import board_wire, dense_panel
 
-from remodel_work.cell.held_panel import find_panel_problems
-from remodel_work.cell.magazine import ALONG_TOLERANCE_M, Magazine, disturbed, plan_presentation
+from remodel_work.cell.cell_design import find_panel_problems
+from remodel_work.cell.presenting import ALONG_TOLERANCE_M, Magazine, disturbed, plan_presentation
 from remodel_work.edge.cell_file import read_cell
 from remodel_work.panel import WireEnd
 

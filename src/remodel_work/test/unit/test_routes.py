@@ -1,12 +1,16 @@
+"""Clips and ducts on a path, and slots of ducts before terminals."""
+
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
 from formboards import along_clips, duct, formboard
+from panels import panel
 
 from remodel_work.geometry import Pose
-from remodel_work.panel import BOARD
-from remodel_work.routes import clips_along, places_in, world_from_clip
+from remodel_work.panel import BOARD, Duct
+from remodel_work.routes import clips_along, places_in, slot_before, world_from_clip
 
 
 def path(*points):
@@ -55,3 +59,42 @@ def test_a_path_is_checked_where_it_runs_in_a_duct():
     assert np.allclose(ys, [-0.05, -0.03, -0.01, 0.01])
     assert places_in(trough, path((-0.2, 0.0), (0.2, 0.0)), board) == (), "it only crosses it"
     assert places_in(trough, path((0.05, -0.2), (0.05, 0.2)), board) == ()
+
+
+# Along y; its wall at x 0.02 has slots at y 0, 12.5 mm, ...
+DUCT = Duct("D1", (0.0, 0.0, math.pi / 2), 0.40, 0.040, 0.060, slot_pitch=0.0125, slot_width=0.007)
+
+
+def board(*ducts):
+    return replace(panel(), ducts=ducts)
+
+
+@pytest.mark.parametrize(("y", "aside"), [(0.0, 0.0), (0.004, 0.004), (0.010, -0.0025)])
+def test_the_nearest_slot_is_found_beside_the_axis(y, aside):
+    # The opening's y axis points against the panel's: its x, into the terminal, is the panel's.
+    opening = Pose.level(0.065, y, 0.023)
+    slot = slot_before(board(DUCT), opening)
+    assert slot.before == pytest.approx(0.045)
+    assert slot.aside == pytest.approx(-aside)
+
+
+def test_a_wire_from_the_slot_points_at_the_opening():
+    opening = Pose.level(0.065, 0.004, 0.023)
+    slot = slot_before(board(DUCT), opening)
+    at_slot = opening.apply([-slot.before, slot.aside, 0.0])
+    towards = opening.position - at_slot
+    assert math.atan2(towards[1], towards[0]) == pytest.approx(opening.yaw + slot.slant)
+
+
+@pytest.mark.parametrize(
+    ("opening", "duct"),
+    [
+        (Pose.level(0.065, 0.0, 0.023), replace(DUCT, slot_pitch=0.0)),  # solid walls
+        (Pose.level(0.065, 0.0, 0.023, math.pi), DUCT),  # it looks the other way
+        (Pose.level(0.065, 0.0, 0.023, math.pi / 2), DUCT),  # along the wall
+        (Pose.level(0.165, 0.0, 0.023), DUCT),  # the wall is far
+        (Pose.level(0.065, 0.3, 0.023), DUCT),  # beyond its end
+    ],
+)
+def test_no_slot_stands_before_other_openings(opening, duct):
+    assert slot_before(board(duct), opening) is None

@@ -6,7 +6,7 @@ import pytest
 from panels import panel
 
 from remodel_states.core.codes import Code
-from remodel_work.cell.scrap_bin import bin_of
+from remodel_work.cell.cell_design import bin_of
 from remodel_work.edge.cell_file import read_cell
 from remodel_work.errors import AbilityError
 from remodel_work.robot.arm import ToolPose

@@ -26,7 +26,7 @@ from remodel_rehearsal.errors import RehearsalError
 from remodel_rehearsal.stack import Setting, planned_wires
 from remodel_rehearsal.trial_run import Rehearsed, rehearse_wire
 from remodel_run.rehearsal import Failure, Trial
-from remodel_work.placed_wires import PlacedWires
+from remodel_work.routes import PlacedWires
 
 # The seed of the run that lays the boards, in which the cell is as its model.
 NOMINAL_SEED = 0

@@ -25,7 +25,7 @@ from remodel_rehearsal.errors import RehearsalError
 from remodel_rehearsal.stack import Setting
 from remodel_run.rehearsal import RehearsedCall, Trial
 from remodel_work.panel import WireEnd
-from remodel_work.placed_wires import ParkedWire, PlacedWires
+from remodel_work.routes import ParkedWire, PlacedWires
 
 T = TypeVar("T")
 

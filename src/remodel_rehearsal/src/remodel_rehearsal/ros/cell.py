@@ -18,8 +18,8 @@ from remodel_states.core.wires.wire_materials import WireMaterials
 from remodel_supervision.errors import RefusedError
 from remodel_tasks.core.task_charts.demands import Demands
 from remodel_work.errors import AbilityError, CellError, PanelError
-from remodel_work.placed_wires import PlacedWires
 from remodel_work.ros.panel_message import panel_from
+from remodel_work.routes import PlacedWires
 
 
 class CellServices:

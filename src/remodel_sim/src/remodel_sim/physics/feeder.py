@@ -12,18 +12,19 @@ from remodel_sim.physics.fixtures.clips import add_clip
 from remodel_sim.physics.live_wire import hanging_cable
 from remodel_sim.physics.wires.cable import SimulatedWire
 from remodel_sim.physics.world import MASS_SCALE, World
-from remodel_work.cell.feeding import Feeder, Laying, plan_laying
-from remodel_work.cell.magazine import (
+from remodel_work.cell.presenting import (
+    Feeder,
+    Laying,
     Magazine,
+    Presentation,
     disturbed,
     fork_clips,
     held_length,
+    plan_laying,
     plan_presentation,
     stop_box,
 )
-from remodel_work.cell.presentation import Presentation
-from remodel_work.component_shape import Box
-from remodel_work.connector_shape import connector_solids
+from remodel_work.component_shape import Box, connector_solids
 from remodel_work.edge.bullet import add_static
 from remodel_work.geometry import Pose
 from remodel_work.panel import Channel, Panel, PanelWire, WireEnd

@@ -10,10 +10,10 @@ from remodel_sim.core.wires.wire_mechanics import discretise
 from remodel_sim.physics.fixtures.clamps import Holding, Latch, Socket, Springs
 from remodel_sim.physics.wires.cable import SimulatedWire
 from remodel_sim.physics.world import World
-from remodel_work.connector_shape import connector_solids
+from remodel_work.component_shape import connector_solids
 from remodel_work.geometry import Array
 from remodel_work.panel import Connector, PanelWire, WireEnd
-from remodel_work.placed_wires import ParkedWire
+from remodel_work.routes import ParkedWire
 
 
 @dataclass(eq=False)

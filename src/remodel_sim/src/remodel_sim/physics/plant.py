@@ -28,18 +28,16 @@ from remodel_sim.physics.wires.parked_wire import add_solid, draw_parked
 from remodel_sim.physics.world import CONTACT_DAMPING, CONTACT_STIFFNESS, World
 from remodel_skills.device import Device, PlacedEnds
 from remodel_work.camera import Picture, View
-from remodel_work.cell.cell_design import CellDesign, WristCamera
-from remodel_work.cell.held_panel import find_panel_problems, held_panel
-from remodel_work.cell.presentation import Presentation
+from remodel_work.cell.cell_design import CellDesign, WristCamera, find_panel_problems, held_panel
+from remodel_work.cell.presenting import Presentation
 from remodel_work.component_shape import Box
 from remodel_work.edge.bullet import add_static
 from remodel_work.edge.cell_file import read_cell
 from remodel_work.errors import PanelError
 from remodel_work.geometry import Array, Pose
 from remodel_work.panel import Channel, Connector, Panel, PanelTerminal, PanelWire, WireEnd
-from remodel_work.placed_wires import ParkedWire
 from remodel_work.robot.arm import ToolPose
-from remodel_work.routes import TerminalKey
+from remodel_work.routes import ParkedWire, TerminalKey
 
 FILM_WIDTH_PX = 640
 # Commands to the arms and checks of their sensors [1/s].

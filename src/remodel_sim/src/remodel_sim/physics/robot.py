@@ -20,9 +20,8 @@ from remodel_work.edge.robot_description import (
     robot_description,
 )
 from remodel_work.geometry import Array, Pose
-from remodel_work.robot.arm import PANDA_AT_ORIGIN, ToolPose
+from remodel_work.robot.arm import PANDA_AT_ORIGIN, Kinematics, ToolPose
 from remodel_work.robot.fingers import CAMERA_MOUNT
-from remodel_work.robot.kinematics import Kinematics
 from remodel_work.robot.portal import Portal
 
 ARM_TORQUE = 200.0  # [N m] stiff servo: the arm follows to 0.05 mm

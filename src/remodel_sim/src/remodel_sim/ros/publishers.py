@@ -24,8 +24,8 @@ from remodel_work.component_shape import HOUSING
 from remodel_work.edge.robot_description import HAND, RAIL, foot_link, robot_description
 from remodel_work.geometry import PANEL, WORLD, Pose
 from remodel_work.panel import Component, PanelWire
+from remodel_work.robot.arm import Kinematics
 from remodel_work.robot.fingers import CAMERA_MOUNT
-from remodel_work.robot.kinematics import Kinematics
 
 # Between two pictures [s of simulated time]; the film shows ten a second, so it runs at four times
 # the cell's pace.

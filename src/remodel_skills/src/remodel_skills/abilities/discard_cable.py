@@ -19,7 +19,7 @@ from remodel_skills.primitives.observation.observing import loose_ends
 from remodel_skills.primitives.picking_up import pick_up, take_up
 from remodel_skills.robot_context import RobotContext, Steps
 from remodel_states.core.codes import Code
-from remodel_work.cell.scrap_bin import bin_of
+from remodel_work.cell.cell_design import bin_of
 from remodel_work.errors import AbilityError
 from remodel_work.geometry import Pose
 from remodel_work.panel import WireEnd

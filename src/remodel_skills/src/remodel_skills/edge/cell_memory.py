@@ -15,7 +15,7 @@ import numpy as np
 
 from remodel_work.errors import MemoryFileError
 from remodel_work.panel import Panel, WireEnd
-from remodel_work.placed_wires import ParkedWire, PlacedWires
+from remodel_work.routes import ParkedWire, PlacedWires
 
 _TIME = struct.Struct("<d")
 

@@ -19,8 +19,7 @@ from remodel_work.edge.bullet import add_static, connect
 from remodel_work.edge.robot_description import FINGERS, HAND, robot_description
 from remodel_work.geometry import Pose, turn_between
 from remodel_work.obstacles import WIRES, Obstacles
-from remodel_work.robot.arm import ToolPose
-from remodel_work.robot.kinematics import Kinematics
+from remodel_work.robot.arm import Kinematics, ToolPose
 
 # Nearest points are searched for within this distance [m]: more takes longer.
 SIGHT_M = 0.015

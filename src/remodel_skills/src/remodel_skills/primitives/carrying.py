@@ -15,7 +15,7 @@ from remodel_skills.robot_context import RobotContext, Steps
 from remodel_states.core.codes import Code
 from remodel_vision.standing import new_length
 from remodel_work.camera import Picture
-from remodel_work.cell.scrap_bin import bin_of
+from remodel_work.cell.cell_design import bin_of
 from remodel_work.errors import AbilityError
 from remodel_work.geometry import Array
 from remodel_work.panel import WireEnd

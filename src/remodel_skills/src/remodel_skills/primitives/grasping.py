@@ -11,7 +11,8 @@ from remodel_skills.primitives.motions import choose_flip, move_to, rise, wait
 from remodel_skills.primitives.observation.observing import GraspObservation, observe_end
 from remodel_skills.robot_context import RobotContext, Steps
 from remodel_states.core.codes import Code
-from remodel_work.cell.magazine import GRASP_M, grasp_before_clips
+from remodel_work.board_rules import GRASP_M
+from remodel_work.cell.presenting import grasp_before_clips
 from remodel_work.errors import AbilityError
 from remodel_work.geometry import Pose, wrap_angle
 from remodel_work.layout import GRASP_DISTANCE_M

@@ -8,7 +8,7 @@ from remodel_skills.belief_state import EndState, Grip
 from remodel_skills.primitives.grasping import check_grip, release
 from remodel_skills.primitives.motions import move_to, rise, wait
 from remodel_skills.robot_context import RobotContext, Steps
-from remodel_work.cell.feeding import FORK_BEHIND_GRASP_M
+from remodel_work.cell.presenting import FORK_BEHIND_GRASP_M
 from remodel_work.geometry import Array
 from remodel_work.robot.arm import ToolPose
 

@@ -16,8 +16,7 @@ from remodel_states.core.codes import Code
 from remodel_work.errors import AbilityError
 from remodel_work.geometry import Array, Pose, wrap_angle
 from remodel_work.layout import STANDOFF_M
-from remodel_work.robot.arm import ToolPose
-from remodel_work.robot.kinematics import Kinematics
+from remodel_work.robot.arm import Kinematics, ToolPose
 
 NOTHING: Set[str] = frozenset()
 

@@ -22,8 +22,7 @@ from remodel_states.core.codes import Code
 from remodel_vision.colour import ORANGE, Drawing
 from remodel_vision.standing import APART_M, graspable_places
 from remodel_work.camera import Picture
-from remodel_work.cell.feeding import resting_place
-from remodel_work.cell.magazine import plan_presentation
+from remodel_work.cell.presenting import plan_presentation, resting_place
 from remodel_work.errors import AbilityError
 from remodel_work.geometry import Pose
 from remodel_work.panel import PanelWire, WireEnd

@@ -27,13 +27,12 @@ from remodel_skills.ros.driven_robot import (
 from remodel_skills.ros.node import OpenedPlant
 from remodel_states.core.codes import Code
 from remodel_work.camera import Picture
-from remodel_work.cell.cell_design import CellDesign, RobotDesign
-from remodel_work.cell.held_panel import find_panel_problems, held_panel
-from remodel_work.cell.presentation import Presentation
+from remodel_work.cell.cell_design import CellDesign, RobotDesign, find_panel_problems, held_panel
+from remodel_work.cell.presenting import Presentation
 from remodel_work.errors import AbilityError, CellError, PanelError
 from remodel_work.panel import Panel
-from remodel_work.placed_wires import ParkedWire
 from remodel_work.robot.arm import ToolPose
+from remodel_work.routes import ParkedWire
 
 # Drivers that are being started are heard of within this time [s of the wall].
 START_S = 20.0

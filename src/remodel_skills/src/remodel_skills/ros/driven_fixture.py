@@ -16,13 +16,13 @@ from remodel_msgs import srv
 from remodel_skills.device import PlacedEnds
 from remodel_skills.edge.robot_file import CellTopics
 from remodel_states.core.codes import Code
-from remodel_work.cell.presentation import Presentation
+from remodel_work.cell.presenting import Presentation
 from remodel_work.errors import AbilityError, PanelError
 from remodel_work.geometry import Array, Pose
 from remodel_work.panel import Panel, WireEnd
-from remodel_work.placed_wires import ParkedWire
 from remodel_work.robot.arm import ToolPose
 from remodel_work.ros.panel_message import panel_message
+from remodel_work.routes import ParkedWire
 
 # A fixture, or a person who is asked, is done within this time [s of the wall].
 SERVICE_S = 60.0

@@ -1,7 +1,8 @@
 """A cell as a value: its arms and hands, its cameras, its feeder and its own fixtures.
 
 Everything stands in the world's frame, whose z = 0 is the plate's surface; the middle of the plate
-lies at `world_from_panel`. Components, sockets and wires are the panel's, not the cell's.
+lies at `world_from_panel`. Components, sockets and wires are the panel's, not the cell's. Beside
+the plate stands each robot's scrap bin, where no wire is placed.
 """
 
 from __future__ import annotations
@@ -9,18 +10,26 @@ from __future__ import annotations
 import math
 from collections import Counter
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import combinations
 
+import numpy as np
+
 from remodel_states.core.cell import CellLimits
+from remodel_states.core.codes import Code
 from remodel_work.camera import Lens, View, overhead_name
-from remodel_work.cell.feeding import Feeder
-from remodel_work.cell.magazine import LEAST_FREE_M, Magazine, held_length
+from remodel_work.cell.presenting import (
+    LEAST_FREE_M,
+    Feeder,
+    Magazine,
+    find_wire_problems,
+    held_length,
+)
 from remodel_work.errors import AbilityError
 from remodel_work.geometry import Pose
-from remodel_work.panel import BOARD, Duct, PanelClip
-from remodel_work.robot.arm import Arm, ToolPose
-from remodel_work.robot.kinematics import Kinematics
+from remodel_work.layout import find_problems
+from remodel_work.panel import BOARD, Duct, Panel, PanelClip
+from remodel_work.robot.arm import Arm, Kinematics, ToolPose
 
 # Two bases need this much room between them [m].
 BASES_APART_M = 0.50
@@ -252,3 +261,63 @@ def _bases(design: CellDesign) -> Iterator[str]:
                 f"robots: the bases of {first.name!r} and {second.name!r} are {apart:.2f} m apart; "
                 f"allowed: {BASES_APART_M:.2f} m or more"
             )
+
+
+def held_panel(design: CellDesign, panel: Panel) -> Panel:
+    """Return a panel where a cell holds it, with the cell's own fixtures."""
+    return replace(
+        panel,
+        clips=(*panel.clips, *design.clips),
+        ducts=(*panel.ducts, *design.ducts),
+        world_from_panel=design.world_from_panel,
+    )
+
+
+def find_panel_problems(design: CellDesign, panel: Panel) -> tuple[str, ...]:
+    """Return why a cell cannot hold a panel, one sentence each; none: it can."""
+    held = held_panel(design, panel)
+    problems = find_problems(
+        held,
+        design.arms,
+        design.takes,
+        has_magazine=design.magazine is not None,
+        has_labels=design.labels,
+    )
+    if design.magazine is None or problems:
+        return tuple(problems)
+    return tuple(find_wire_problems(held))
+
+
+# A cell whose file names no place has its bin so far beyond the plate's edge, and drops from so
+# high: a wire's end clears the components there.
+BEYOND_EDGE_M = 0.08
+DROP_Z_M = 0.15
+STEP_M = 0.02
+
+
+def bin_of(robot: RobotDesign, panel: Panel) -> ToolPose:
+    """Return the tool pose above a robot's scrap bin; its yaw is only one of those in reach.
+
+    The default is beside the plate, on the side where the robot's hand waits: in the middle, or as
+    near to it as the arm reaches.
+
+    Raises:
+        AbilityError: UNREACHABLE when no such place is within reach.
+    """
+    if robot.scrap_bin is not None:
+        return robot.scrap_bin
+    middle_x, middle_y, _ = panel.world_from_panel.position
+    side = math.copysign(1.0, robot.home.y - middle_y)
+    y = float(middle_y + side * (panel.size[1] / 2 + BEYOND_EDGE_M))
+    base_x = robot.arm.base[0]
+    count = math.ceil(abs(middle_x - base_x) / STEP_M)
+    for x in np.linspace(middle_x, base_x, count):
+        for yaw in (math.pi / 2, -math.pi / 2):
+            tool = ToolPose(float(x), y, DROP_Z_M, yaw)
+            if robot.arm.reaches(tool):
+                return tool
+    raise AbilityError(
+        Code.UNREACHABLE,
+        f"{robot.name} reaches no place for a scrap bin beside the plate, at y {y * 1e3:.0f} mm; "
+        "name one in the cell's file (robots[].scrap_bin)",
+    )

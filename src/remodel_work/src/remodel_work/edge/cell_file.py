@@ -22,15 +22,12 @@ from remodel_work.cell.cell_design import (
     WristCamera,
     find_design_problems,
 )
-from remodel_work.cell.feeding import Feeder
-from remodel_work.cell.magazine import Magazine
+from remodel_work.cell.presenting import Feeder, Magazine
 from remodel_work.errors import CellFileError
 from remodel_work.geometry import Pose
 from remodel_work.panel import BOARD, Duct, PanelClip
-from remodel_work.robot.arm import ARM_MODELS, Arm, ToolPose
+from remodel_work.robot.arm import ARM_MODELS, Arm, Kinematics, LinearAxis, ToolPose
 from remodel_work.robot.fingers import PANDA_FINGERS, Eyelet, Fingers, Stem
-from remodel_work.robot.kinematics import Kinematics
-from remodel_work.robot.linear_axis import LinearAxis
 from remodel_work.robot.portal import Portal
 
 

@@ -15,10 +15,8 @@ from pathlib import Path
 import pybullet_data
 
 from remodel_work.component_shape import Box
-from remodel_work.robot.arm import FRANKA_PANDA, KUKA_IIWA, Arm
+from remodel_work.robot.arm import FRANKA_PANDA, KUKA_IIWA, Arm, Kinematics, LinearAxis
 from remodel_work.robot.fingers import CAMERA_MOUNT, Eyelet, Fingers
-from remodel_work.robot.kinematics import Kinematics
-from remodel_work.robot.linear_axis import LinearAxis
 from remodel_work.robot.portal import JOINT_NAMES, TURN_RAD, Portal
 
 FINGER_ROOT_M = 0.0584  # hand frame to finger frame, as in the original

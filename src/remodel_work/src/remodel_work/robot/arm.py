@@ -1,9 +1,10 @@
-"""Kinematics of an arm that works on a level panel: the tool always points straight down.
+"""Kinematics of a robot whose tool always points straight down, at a level panel.
 
 The arms here have seven joints that turn and bend in turn. With joints 3 and 5 at zero such an arm
 moves in one vertical plane through its base, turned by joint 1. Then a downward tool is a planar
 two-link problem with one solution (elbow up), and joint 7 sets the tool's yaw alone. An arm on a
-linear axis has the axis's position before the seven angles in its vector of joints.
+linear axis has the axis's position before the seven angles in its vector of joints: one joint more
+than a place of the tool needs.
 """
 
 from __future__ import annotations
@@ -11,6 +12,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 from functools import cached_property
+from typing import Protocol
 
 import numpy as np
 
@@ -18,7 +20,6 @@ from remodel_states.core.codes import Code
 from remodel_work.errors import AbilityError
 from remodel_work.geometry import Array, Pose, wrap_angle
 from remodel_work.robot.fingers import PANDA_FINGERS, Fingers
-from remodel_work.robot.linear_axis import LinearAxis
 
 
 @dataclass(frozen=True)
@@ -56,6 +57,91 @@ class ToolPose:
             f"x {self.x * 1e3:.0f}, y {self.y * 1e3:.0f}, z {self.z * 1e3:.0f} mm, "
             f"yaw {math.degrees(wrap_angle(self.yaw)):.0f} deg"
         )
+
+
+class Kinematics(Protocol):
+    """What an ability needs to know of a robot in its place; `Arm` and `Portal` are."""
+
+    @property
+    def base(self) -> tuple[float, float, float, float]:
+        """(x, y, z) [m] and yaw [rad] of its base in the world."""
+
+    @property
+    def fingers(self) -> Fingers:
+        """On its hand."""
+
+    @property
+    def axis(self) -> LinearAxis | None:
+        """The axis that carries the base; None: it is bolted down."""
+
+    @property
+    def limits(self) -> tuple[Array, Array]:
+        """Lower and upper limits of all joints, (joints,) each [m, rad]."""
+
+    @property
+    def speeds(self) -> Array:
+        """Greatest speeds of all joints, (joints,) [m/s, rad/s]; the last one turns the hand."""
+
+    @property
+    def world_from_base(self) -> Pose:
+        """Where its base stands."""
+
+    def joints_for(self, tool: ToolPose) -> Array:
+        """Return the joints (joints,) for a tool pose; raises UNREACHABLE."""
+
+    def reaches(self, tool: ToolPose) -> bool:
+        """Return whether it reaches a tool pose."""
+
+    def tool_of(self, joints: Array) -> ToolPose:
+        """Return the tool pose of a posture, (joints,)."""
+
+    def canonical_yaw(self, x: float, y: float, yaw: float) -> float | None:
+        """Return the tool's yaw as the value for which its last joint is linear, or None."""
+
+    def last_joint(self, x: float, y: float, canonical: float) -> float:
+        """Return the last joint [rad] for a canonical yaw at a place."""
+
+
+# The rule's corners are rounded over about so much of the tool's way [m].
+ROUNDING_M = 0.06
+
+
+@dataclass(frozen=True)
+class LinearAxis:
+    """An axis along y of the arm's base.
+
+    Its position follows from the place of the tool alone, by a smooth rule, so that a straight line
+    of the tool is one smooth motion of all joints, and a place always has the same posture:
+
+    - The arm stands level with the tool, which it then reaches straight ahead.
+    - What is nearer to the axis than the arm can fold it reaches obliquely: the arm stands aside by
+      as much as the tool is too near, towards the end of the axis that has the longer travel.
+
+    Attributes:
+        lower, upper: limits of its position [m]; at 0 the arm stands where its base is given.
+        speed: it moves no faster [m/s].
+    """
+
+    lower: float
+    upper: float
+    speed: float
+
+    def position_for(self, x: float, y: float, near: float) -> float:
+        """Return the axis's position for a place of the tool in the base's frame [m].
+
+        `near`: the arm reaches what is so far away or further [m]. The hypotenuse over x and the
+        step aside, near * sqrt(2) - x, is never shorter.
+        """
+        aside = _positive_part(near * math.sqrt(2.0) - x)
+        position = y + (aside if self.upper > -self.lower else -aside)
+        position = self.upper - _positive_part(self.upper - position)
+        position = self.lower + _positive_part(position - self.lower)
+        return min(self.upper, position)
+
+
+def _positive_part(value: float) -> float:
+    """Return a value [m] where it is positive and zero elsewhere, rounded near zero."""
+    return (value + math.hypot(value, ROUNDING_M)) / 2
 
 
 @dataclass(frozen=True)

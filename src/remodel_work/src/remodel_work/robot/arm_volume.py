@@ -12,9 +12,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from remodel_work.geometry import Array
-from remodel_work.robot.arm import FRANKA_PANDA, KUKA_IIWA, Arm
+from remodel_work.robot.arm import FRANKA_PANDA, KUKA_IIWA, Arm, Kinematics
 from remodel_work.robot.fingers import Fingers
-from remodel_work.robot.kinematics import Kinematics
 from remodel_work.robot.portal import Portal
 
 # Radii around the axes [m]: of the foot, the column below the shoulder, the upper and the fore

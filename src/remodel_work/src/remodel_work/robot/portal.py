@@ -14,9 +14,8 @@ import numpy as np
 from remodel_states.core.codes import Code
 from remodel_work.errors import AbilityError
 from remodel_work.geometry import Array, Pose, wrap_angle
-from remodel_work.robot.arm import ToolPose
+from remodel_work.robot.arm import LinearAxis, ToolPose
 from remodel_work.robot.fingers import Fingers
-from remodel_work.robot.linear_axis import LinearAxis
 
 JOINT_NAMES = ("portal_x", "portal_y", "portal_z", "portal_turn")
 # The hand turns by so much to either side of the base's yaw [rad]: it follows a wire around corners

@@ -16,10 +16,9 @@ from remodel_sim.physics.wires.cable_body import CableBody
 from remodel_sim.physics.wires.resting import Movers, RestingParts
 from remodel_sim.physics.world import World
 from remodel_states.core.wires.wire_colours import Rgb, rgbs_of
-from remodel_work.connector_shape import Solid
+from remodel_work.component_shape import FERRULE_RGB, Solid
 from remodel_work.geometry import Array, multiply_quaternions, rotation_matrix
 from remodel_work.panel import WireEnd
-from remodel_work.wire_colours import FERRULE_RGB
 
 # A body, and the index of one of its links: -1 for its base.
 Link = tuple[int, int]

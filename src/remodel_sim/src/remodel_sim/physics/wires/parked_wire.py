@@ -20,11 +20,10 @@ from remodel_sim.core.wires.wire_mechanics import CELL_TARGET_M
 from remodel_sim.physics.wires.cable_body import connector_shapes
 from remodel_sim.physics.world import World
 from remodel_states.core.wires.wire_colours import rgbs_of
-from remodel_work.connector_shape import connector_solids
+from remodel_work.component_shape import FERRULE_RGB, connector_solids
 from remodel_work.edge.bullet import MOVING_GROUP, PARKED_GROUP, add_described
 from remodel_work.geometry import Array, Pose
 from remodel_work.panel import Connector, PanelWire, WireEnd
-from remodel_work.wire_colours import FERRULE_RGB
 
 SIDES = 8
 STEP_M = 0.004
