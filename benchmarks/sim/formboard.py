@@ -42,8 +42,7 @@ from remodel_skills.abilities.pick_cable import pick_cable
 from remodel_skills.abilities.place_cable import place_cable
 from remodel_skills.abilities.route_wire import route_wire
 from remodel_skills.cell import Cell
-from remodel_skills.observers import Image, Observers, OnObservation
-from remodel_skills.robot_context import RobotContext, Steps
+from remodel_skills.robot_context import Image, Observers, OnObservation, RobotContext, Steps
 from remodel_states.core.codes import Code
 from remodel_states.edge.wire_material_file import read_wire_materials
 from remodel_work.camera import Picture

@@ -25,8 +25,8 @@ from remodel_sim.physics.plant import SimulatedPlant
 from remodel_sim.physics.truth import ground_truth
 from remodel_skills.abilities.ability import cell_abilities
 from remodel_skills.cell import Cell
-from remodel_skills.ros.ability_server import CellAbilityServer
 from remodel_skills.ros.owner import Owner
+from remodel_skills.ros.servers import CellAbilityServer
 from remodel_states.edge.exported_tables import read_abilities
 from remodel_states.edge.wire_material_file import read_wire_materials
 from remodel_supervision.core.learning.experience import Call, Experience

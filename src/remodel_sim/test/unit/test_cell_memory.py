@@ -12,7 +12,7 @@ from remodel_skills.abilities.ability import cell_abilities
 from remodel_skills.cell import Cell
 from remodel_skills.edge.cell_memory import CellMemory
 from remodel_skills.primitives.picking_up import take_up
-from remodel_skills.ros.job import Job
+from remodel_skills.ros.owner import Job
 from remodel_states.edge.exported_tables import read_abilities
 from remodel_states.serving import RunningGoal
 from remodel_work.panel import BOARD, WireEnd

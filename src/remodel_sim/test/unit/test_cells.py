@@ -17,7 +17,7 @@ from remodel_skills.abilities.place_pin import place_pin
 from remodel_skills.cell import Cell
 from remodel_skills.goals import PlacePinGoal
 from remodel_skills.primitives.together import concurrently
-from remodel_skills.runner import occupy, run
+from remodel_skills.robot_context import occupy, run
 from remodel_work.edge.cell_file import read_cell
 from remodel_work.geometry import Pose
 from remodel_work.panel import BOARD, WireEnd

@@ -6,7 +6,7 @@ from formboards import formboard
 
 from remodel_sim.physics.plant import SimulatedPlant
 from remodel_skills.cell import Cell
-from remodel_skills.primitives.clipping import grip_from_above, press_around
+from remodel_skills.primitives.clips_and_forks import grip_from_above, press_around
 from remodel_work.component_shape import Box
 from remodel_work.edge.bullet import add_static
 from remodel_work.geometry import Pose

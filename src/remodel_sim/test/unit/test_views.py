@@ -12,7 +12,7 @@ from remodel_skills import goals
 from remodel_skills.abilities.detect_cable import detect_cable
 from remodel_skills.abilities.locate_gearbox_component import locate_gearbox_component
 from remodel_skills.cell import Cell
-from remodel_skills.observers import Observers
+from remodel_skills.robot_context import Observers
 from remodel_states.core.codes import Code
 from remodel_work.component_shape import Box, label_corners
 from remodel_work.edge.bullet import add_static

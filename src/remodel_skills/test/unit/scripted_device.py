@@ -12,8 +12,7 @@ from drawn import boxes_of, picture
 from remodel_skills.belief_state import BeliefState, EndState, Feed, Grip
 from remodel_skills.device import Device
 from remodel_skills.edge.parameter_files import read_parameters
-from remodel_skills.observers import Observers
-from remodel_skills.robot_context import RobotContext
+from remodel_skills.robot_context import Observers, RobotContext
 from remodel_skills.space import Traffic
 from remodel_work.camera import Lens, View
 from remodel_work.cell.cell_design import (

@@ -12,8 +12,8 @@ from scripted_device import PANEL
 from sensor_msgs.msg import JointState
 
 from remodel_skills.edge.robot_file import read_robot
-from remodel_skills.ros import driven_cell, driven_fixture, driven_robot
-from remodel_skills.ros.driven_fixture import DrivenFixture, DrivenMagazine
+from remodel_skills.ros import driven_cell, driven_robot
+from remodel_skills.ros.driven_cell import DrivenFixture, DrivenMagazine
 from remodel_skills.ros.driven_robot import DrivenArm, DrivenCamera, DrivenGripper, Inbox
 from remodel_states.core.codes import Code
 from remodel_vision.ros.image_message import image
@@ -358,7 +358,7 @@ def test_a_clamp_that_was_not_closed_fails_the_ability_with_the_reason(services,
 def test_a_service_that_never_answers_is_given_up(monkeypatch):
     ends = threading.Event()
     monkeypatch.setattr(rospy, "wait_for_service", lambda name, timeout: ends.wait(10.0))
-    monkeypatch.setattr(driven_fixture, "SERVICE_S", 0.01)
+    monkeypatch.setattr(driven_cell, "SERVICE_S", 0.01)
     with pytest.raises(AbilityError, match=r"nothing within 0.01 s; what it moves"):
         DrivenFixture(TOPICS).open_clamp("X1", "1")
     ends.set()

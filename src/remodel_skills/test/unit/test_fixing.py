@@ -10,7 +10,7 @@ from remodel_skills.abilities.fix_cable import fix_cable
 from remodel_skills.belief_state import EndState
 from remodel_skills.goals import FixGoal
 from remodel_skills.primitives.pushing import tool_before
-from remodel_skills.runner import run
+from remodel_skills.robot_context import run
 from remodel_states.core.codes import Code
 from remodel_work.errors import AbilityError
 from remodel_work.panel import WireEnd

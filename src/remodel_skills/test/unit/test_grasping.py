@@ -5,7 +5,7 @@ from scripted_device import HOME, PARAMETERS, TERMINAL, WIRE, before_the_opening
 
 from remodel_skills.belief_state import Grip
 from remodel_skills.primitives.grasping import check_grip, close_on_wire, inside_terminal
-from remodel_skills.runner import run
+from remodel_skills.robot_context import run
 from remodel_states.core.codes import Code
 from remodel_work.errors import AbilityError
 from remodel_work.panel import WireEnd

@@ -13,8 +13,8 @@ from remodel_skills.abilities.locate_gearbox_component import locate_gearbox_com
 from remodel_skills.belief_state import NO_CHANNEL, BeliefState, Feed
 from remodel_skills.cell import Cell
 from remodel_skills.goals import LocateGoal
-from remodel_skills.observers import Cameras, Observers
 from remodel_skills.primitives.observation.checks import inspect_ducts
+from remodel_skills.robot_context import Cameras, Observers
 from remodel_vision.panel_pose import register_panel
 from remodel_vision.standing import new_length, standing_wires
 from remodel_work.camera import Picture, are_nearest, best_view

@@ -11,8 +11,7 @@ from remodel_skills.abilities.lay_wire import draw_straight, lay_wire
 from remodel_skills.belief_state import EndState, Grip
 from remodel_skills.goals import LayGoal
 from remodel_skills.motion import Line
-from remodel_skills.primitives.holding import flat_hold, hold_off
-from remodel_skills.primitives.together import least_gap
+from remodel_skills.primitives.together import flat_hold, hold_off, least_gap
 from remodel_states.core.codes import Code
 from remodel_work.errors import AbilityError
 from remodel_work.panel import WireEnd

@@ -8,7 +8,7 @@ from scripted_device import SOCKET, TERMINAL, WIRE, before_the_opening
 from remodel_skills.commands.parameters import main
 from remodel_skills.edge.parameter_files import ParameterError, parameters_with, read_parameters
 from remodel_skills.primitives.pushing import push_in, tool_before
-from remodel_skills.runner import run
+from remodel_skills.robot_context import run
 from remodel_work.layout import STANDOFF_M
 
 SHIPPED = read_parameters()

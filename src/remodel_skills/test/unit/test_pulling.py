@@ -6,9 +6,9 @@ import pytest
 from scripted_device import PARAMETERS, SOCKET, TERMINAL, before_the_opening
 
 from remodel_skills.belief_state import EndState
-from remodel_skills.primitives.pulling import pull_out, pull_test
+from remodel_skills.primitives.force_motion import pull_out, pull_test
 from remodel_skills.primitives.pushing import tool_before
-from remodel_skills.runner import run
+from remodel_skills.robot_context import run
 from remodel_states.core.codes import Code
 from remodel_work.errors import AbilityError
 from remodel_work.layout import STANDOFF_M

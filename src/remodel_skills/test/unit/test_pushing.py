@@ -14,7 +14,7 @@ from remodel_skills.primitives.pushing import (
     push_in,
     tool_before,
 )
-from remodel_skills.runner import run
+from remodel_skills.robot_context import run
 from remodel_states.core.codes import Code
 from remodel_work.errors import AbilityError
 from remodel_work.layout import STANDOFF_M

@@ -13,7 +13,7 @@ from remodel_skills.cell import Cell
 from remodel_skills.motion import PEAK_OVER_MEAN
 from remodel_skills.primitives.motions import move_to, swing_to
 from remodel_skills.primitives.together import concurrently
-from remodel_skills.runner import occupy, run
+from remodel_skills.robot_context import occupy, run
 from remodel_states.core.codes import Code
 from remodel_work.edge.cell_file import read_cell
 from remodel_work.errors import AbilityError

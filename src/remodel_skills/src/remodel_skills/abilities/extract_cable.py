@@ -11,6 +11,8 @@ from remodel_skills.abilities.ability import ability
 from remodel_skills.belief_state import EndState, Grip
 from remodel_skills.goal_checks import Message, pose_from
 from remodel_skills.goals import ExtractGoal
+from remodel_skills.primitives.carrying import lay_down, let_down, tip_of
+from remodel_skills.primitives.force_motion import pull_out
 from remodel_skills.primitives.grasping import (
     close_on_wire,
     grasp_distance,
@@ -18,10 +20,8 @@ from remodel_skills.primitives.grasping import (
     opening_beside_neighbours,
 )
 from remodel_skills.primitives.in_ducts import let_go
-from remodel_skills.primitives.laying import lay_down, let_down, tip_of
 from remodel_skills.primitives.motions import choose_flip, clear_hand, move_to, swing_to
 from remodel_skills.primitives.picking_up import take_up
-from remodel_skills.primitives.pulling import pull_out
 from remodel_skills.primitives.pushing import tool_before
 from remodel_skills.robot_context import RobotContext, Steps
 from remodel_states.core.codes import Code

@@ -15,11 +15,11 @@ from remodel_skills.abilities.ability import ability
 from remodel_skills.belief_state import EndState
 from remodel_skills.goal_checks import Message
 from remodel_skills.goals import FixGoal
+from remodel_skills.primitives.force_motion import pull_test
 from remodel_skills.primitives.grasping import check_grip, release_fixed
 from remodel_skills.primitives.in_ducts import tuck_in
 from remodel_skills.primitives.motions import wait
 from remodel_skills.primitives.observation.checks import check_ducts, check_end, check_forks
-from remodel_skills.primitives.pulling import pull_test
 from remodel_skills.primitives.pushing import yielding_in
 from remodel_skills.robot_context import RobotContext, Steps
 from remodel_states.core.codes import Code

@@ -24,13 +24,6 @@ from remodel_skills.goals import LayGoal
 from remodel_skills.parameters import FixtureParameters
 from remodel_skills.primitives.force_motion import ForceMotion
 from remodel_skills.primitives.grasping import check_grip, inside_terminal
-from remodel_skills.primitives.holding import (
-    bring_together,
-    flat_hold,
-    hold_off,
-    slack_hold,
-    steep_hold,
-)
 from remodel_skills.primitives.in_ducts import (
     AMONG_WIRES,
     behind_hand,
@@ -43,7 +36,14 @@ from remodel_skills.primitives.in_ducts import (
 from remodel_skills.primitives.motions import move_to, wait
 from remodel_skills.primitives.observation.checks import observe_board
 from remodel_skills.primitives.observation.views import clear_sight
-from remodel_skills.primitives.together import move_together
+from remodel_skills.primitives.together import (
+    bring_together,
+    flat_hold,
+    hold_off,
+    move_together,
+    slack_hold,
+    steep_hold,
+)
 from remodel_skills.robot_context import RobotContext, Steps
 from remodel_states.core.codes import Code
 from remodel_vision.laid_wire import Passing, WireLines, uppermost_past

@@ -8,10 +8,9 @@ from remodel_skills.abilities.ability import ability
 from remodel_skills.belief_state import EndState
 from remodel_skills.goal_checks import Message, pose_from
 from remodel_skills.goals import PlaceGoal
-from remodel_skills.primitives.carrying import drop_into_bin
-from remodel_skills.primitives.laying import lay_down, let_down
+from remodel_skills.primitives.carrying import drop_into_bin, lay_down, let_down
+from remodel_skills.primitives.force_motion import pull_out
 from remodel_skills.primitives.motions import held_tool
-from remodel_skills.primitives.pulling import pull_out
 from remodel_skills.robot_context import RobotContext, Steps
 from remodel_states.core.codes import Code
 from remodel_work.errors import AbilityError

@@ -7,9 +7,9 @@ from dataclasses import dataclass
 from remodel_skills.abilities.ability import ability
 from remodel_skills.goal_checks import Message, pose_from
 from remodel_skills.goals import ConnectGoal
+from remodel_skills.primitives.force_motion import pull_test
 from remodel_skills.primitives.grasping import check_grip, pick_end, release_fixed
 from remodel_skills.primitives.motions import disengage
-from remodel_skills.primitives.pulling import pull_test
 from remodel_skills.primitives.pushing import (
     Push,
     bring_before,

@@ -10,11 +10,9 @@ from remodel_skills.abilities.ability import ability
 from remodel_skills.belief_state import Grip
 from remodel_skills.goal_checks import Message, check_held, pose_from
 from remodel_skills.goals import RouteGoal
-from remodel_skills.primitives.carrying import carry
-from remodel_skills.primitives.clipping import lay_into, press_around
-from remodel_skills.primitives.forks import let_into_forks
+from remodel_skills.primitives.carrying import carry, lay_down
+from remodel_skills.primitives.clips_and_forks import lay_into, let_into_forks, press_around
 from remodel_skills.primitives.grasping import check_grip
-from remodel_skills.primitives.laying import lay_down
 from remodel_skills.primitives.motions import disengage, held_tool
 from remodel_skills.primitives.observation.checks import (
     check_path_in_ducts,

@@ -14,8 +14,7 @@ import numpy as np
 from remodel_skills.primitives.grasping import grips_nothing, open_fingers
 from remodel_skills.primitives.motions import is_free, move_to, straight_line, wait
 from remodel_skills.primitives.observation.checks import Inspection, inspect_ducts
-from remodel_skills.robot_context import RobotContext, Steps
-from remodel_skills.runner import occupy
+from remodel_skills.robot_context import RobotContext, Steps, occupy
 from remodel_vision.laid_wire import Passing, uppermost_past
 from remodel_work.errors import AbilityError
 from remodel_work.geometry import Array, Pose, wrap_angle

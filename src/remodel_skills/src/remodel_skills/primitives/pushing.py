@@ -12,12 +12,11 @@ from remodel_skills.belief_state import Grip
 from remodel_skills.force_control import Yielding
 from remodel_skills.goal_checks import check_held
 from remodel_skills.parameters import Parameters, TerminalParameters, WireParameters
+from remodel_skills.primitives.carrying import carry_over
 from remodel_skills.primitives.force_motion import ForceMotion
-from remodel_skills.primitives.holding import bring_together, free_length, holder_of
-from remodel_skills.primitives.laying import carry_over
 from remodel_skills.primitives.motions import move_to, wait
 from remodel_skills.primitives.observation.observing import observe_held_tip
-from remodel_skills.primitives.together import move_together
+from remodel_skills.primitives.together import bring_together, free_length, holder_of, move_together
 from remodel_skills.robot_context import RobotContext, Steps
 from remodel_states.core.codes import Code
 from remodel_work.errors import AbilityError

@@ -8,9 +8,11 @@ from contextlib import ExitStack
 from dataclasses import dataclass
 from pathlib import Path
 
+import numpy as np
 import rospy
 import yaml
 from genpy import MessageException
+from sensor_msgs.msg import CameraInfo, Image
 
 from flexbe_core.ros.master import join, spin
 from remodel_skills.abilities.ability import cell_abilities
@@ -19,18 +21,44 @@ from remodel_skills.cell import Cell
 from remodel_skills.device import Plant
 from remodel_skills.edge.cell_memory import CellMemory
 from remodel_skills.edge.parameter_files import read_parameters
-from remodel_skills.observers import Observers
-from remodel_skills.ros.ability_server import CellAbilityServer
+from remodel_skills.robot_context import Observers
 from remodel_skills.ros.owner import Clock, Owner
-from remodel_skills.ros.pictures import Pictures
-from remodel_skills.ros.services import Services
+from remodel_skills.ros.servers import CellAbilityServer, Services
 from remodel_states.core.ability_tables import chosen_abilities
 from remodel_states.edge.exported_tables import read_abilities
 from remodel_states.edge.wire_material_file import read_wire_materials
-from remodel_vision.ros.image_message import FixedFrames
+from remodel_vision.ros.image_message import FixedFrames, camera_info, image, optical_frame
+from remodel_work.camera import Picture
+from remodel_work.cell.cell_design import CellDesign
 from remodel_work.errors import CellError
 from remodel_work.panel import Panel, WireEnd
 from remodel_work.ros.panel_message import read_panel
+
+
+class Pictures:
+    """Publishes every picture, and latched what was found in it."""
+
+    def __init__(self, design: CellDesign, now: Callable[[], rospy.Time]) -> None:
+        """Advertise the topics of the cameras that abilities use."""
+        self._now = now
+        self._raw, self._info, self._found = {}, {}, {}
+        for camera in (*design.overhead_names, *(robot.camera.name for robot in design.robots)):
+            topic = f"cell/{camera}"
+            self._raw[camera] = rospy.Publisher(f"{topic}/image_raw", Image, queue_size=2)
+            self._info[camera] = rospy.Publisher(f"{topic}/camera_info", CameraInfo, queue_size=2)
+            self._found[camera] = rospy.Publisher(
+                f"{topic}/detections", Image, queue_size=2, latch=True
+            )
+
+    def __call__(self, camera: str, picture: Picture, drawing: np.ndarray | None) -> None:
+        """Publish a picture, or what was found in it."""
+        frame, stamp = optical_frame(camera), self._now()
+        if drawing is not None:
+            self._found[camera].publish(image(drawing, frame, stamp))
+            return
+        self._raw[camera].publish(image(picture.rgb, frame, stamp))
+        self._info[camera].publish(camera_info(picture.view, frame, stamp))
+
 
 # The owner's thread computes without pause; rospy's threads get their turn this often [s].
 SWITCH_INTERVAL_S = 0.001

@@ -1,4 +1,4 @@
-"""The one thread that owns the cell.
+"""The one thread that owns the cell, and the goals that it does.
 
 It runs the abilities, and answers requests between their ticks. rospy's threads only leave requests
 here: belief and plant are used by this thread alone. The abilities of two robots take turns: each
@@ -12,14 +12,155 @@ from __future__ import annotations
 import math
 import queue
 import threading
-from collections.abc import Callable
-from typing import Generic, Protocol, TypeVar
+import traceback
+from collections.abc import Callable, Mapping, Sequence
+from typing import Any, Generic, Protocol, TypeVar
 
 import rospy
+from genpy import Message
+from geometry_msgs.msg import Point, PoseStamped, Quaternion
+from remodel_msgs.msg import CableObservation
 
+from remodel_skills.abilities.ability import CellAbility
+from remodel_skills.abilities.detect_cable import CableDetected
 from remodel_skills.cell import Cell
-from remodel_skills.ros.job import Job
-from remodel_work.errors import AbilityError, CellError
+from remodel_skills.goals import Goal
+from remodel_skills.robot_context import AbilityResult, RobotContext, occupy
+from remodel_states.core import ability_error
+from remodel_states.core.codes import Code
+from remodel_states.serving import RunningGoal
+from remodel_work.errors import AbilityError, CellError, MemoryFileError
+from remodel_work.geometry import WORLD, Pose
+from remodel_work.robot.arm import ToolPose
+
+
+def pose_stamped(pose: Pose) -> PoseStamped:
+    """Return a pose as a message in the world frame."""
+    message = PoseStamped()
+    message.header.frame_id = WORLD
+    message.header.stamp = rospy.Time.now()
+    message.pose.position = Point(*(float(v) for v in pose.position))
+    message.pose.orientation = Quaternion(*(float(v) for v in pose.quaternion))
+    return message
+
+
+def observation(detected: CableDetected, cable_id: str) -> CableObservation:
+    """Return what DetectCable saw as a message."""
+    tips = [pose_stamped(Pose.level(*(float(v) for v in t.tip), t.out_yaw)) for t in detected.tips]
+    return CableObservation(
+        cable_id=cable_id,
+        centreline=[Point(*(float(v) for v in point)) for point in detected.centreline],
+        tips=tips,
+        length=detected.length,
+        confidence=detected.confidence,
+        truncated=False,  # a wire that leaves the picture fails
+    )
+
+
+def result_fields(found: AbilityResult, goal: Message) -> dict[str, object]:
+    """Return what an ability found out as fields of its result."""
+    if isinstance(found, CableDetected):
+        return {"observation": observation(found, goal.cable_id)}
+    values = {name: value for name, value in vars(found).items() if name != "message"}
+    return {name: _field(value) for name, value in values.items() if value is not None}
+
+
+def _field(value: object) -> object:
+    if isinstance(value, Pose):
+        return pose_stamped(value)
+    if isinstance(value, ToolPose):
+        return pose_stamped(Pose.level(value.x, value.y, value.z, value.yaw))
+    return value
+
+
+class Job:
+    """An accepted goal, its steps and its end; all in the owner's thread.
+
+    Attributes:
+        robots: that do it; the progress of the one that is furthest is reported.
+    """
+
+    def __init__(
+        self,
+        ability: CellAbility,
+        running: RunningGoal,
+        contexts: Sequence[RobotContext],
+        goal: Goal,
+        keep: Callable[[], None],
+        finish: Callable[[Callable[[], None]], None],
+    ) -> None:
+        """Begin a goal.
+
+        Args:
+            ability: its steps.
+            running: the goal as its client sees it.
+            contexts: the robots that it needs.
+            goal: what to do.
+            keep: stores what the goal has changed in the cell; raises MemoryFileError. It is called
+                before the result is sent: what a client has read in a result must outlive this
+                process.
+            finish: ends the goal by the call that it is given.
+        """
+        self.robots = tuple(context.name for context in contexts)
+        self._ability = ability
+        self._running = running
+        self._keep = keep
+        self._finish = finish
+        self._contexts = contexts
+        self._steps = occupy(contexts, ability.perform(*contexts, goal))
+
+    def __str__(self) -> str:
+        """Name the ability and its goal."""
+        return f"{self._ability.name} (goal {self._running.goal.id!r})"
+
+    def stop(self) -> None:
+        """Leave the steps where they are; the arms stay where they were sent."""
+        self._steps.close()
+
+    def step(self) -> bool:
+        """Do the next step; returns whether the goal has come to its end."""
+        try:
+            self._running.check()
+            next(self._steps)
+        except StopIteration as done:
+            self._succeed(done.value)
+        except ability_error.AbilityError as error:
+            self.fail(error)
+        except Exception as error:  # noqa: BLE001 - a goal must end whatever happens
+            rospy.logerr("%s: %s", self, traceback.format_exc())
+            self._end(Code.INTERNAL, f"{type(error).__name__}: {error}; the log has more", {})
+        else:
+            every = (context.progress for context in self._contexts)
+            progress = max(every, key=lambda progress: progress.share)
+            self._running.report(progress.message, 100.0 * progress.share)
+            return False
+        return True
+
+    def fail(self, error: ability_error.AbilityError) -> None:
+        """End the goal with an error."""
+        self._end(Code(error.code), str(error), error.found)
+
+    def _succeed(self, found: AbilityResult) -> None:
+        try:
+            self._keep()
+        except MemoryFileError as error:
+            self._end(Code.INTERNAL, f"{found.message}, but it is not kept: {error}", {})
+            return
+        fields = result_fields(found, self._running.goal)
+        self._running.report(found.message, 100.0)
+        rospy.loginfo("%s: %s (%.1f s)", self, found.message, self._running.elapsed_s)
+        self._finish(lambda: self._running.succeed(found.message, fields))
+
+    def _end(self, code: Code, text: str, found: Mapping[str, Any]) -> None:
+        self.stop()
+        try:
+            self._keep()
+        except MemoryFileError as error:
+            rospy.logerr("%s: %s", self, error)
+        message = f"{self._ability.name}: {code.name}"
+        rospy.loginfo("%s: %s: %s (%.1f s)", self, code.name, text, self._running.elapsed_s)
+        self._finish(lambda: self._running.fail(code, text, found, message))
+
 
 T = TypeVar("T")
 
