@@ -29,18 +29,23 @@ import numpy as np
 
 from remodel_sim.physics.plant import SimulatedPlant
 from remodel_sim.physics.truth import ground_truth
-from remodel_skills import goals
-from remodel_skills.abilities.detect_cable import detect_cable
-from remodel_skills.abilities.discard_cable import discard_cable
-from remodel_skills.abilities.fix_cable import fix_cable
-from remodel_skills.abilities.insert_cable import insert_cable
-from remodel_skills.abilities.locate_gearbox_component import (
+from remodel_skills.abilities.ability import Goal
+from remodel_skills.abilities.extracting import DiscardGoal, discard_cable
+from remodel_skills.abilities.inserting import FixGoal, InsertGoal, fix_cable, insert_cable
+from remodel_skills.abilities.inspection import (
     ComponentLocated,
+    LocateGoal,
     locate_gearbox_component,
 )
-from remodel_skills.abilities.pick_cable import pick_cable
-from remodel_skills.abilities.place_cable import place_cable
-from remodel_skills.abilities.route_wire import route_wire
+from remodel_skills.abilities.picking import (
+    DetectGoal,
+    PickGoal,
+    PlaceGoal,
+    detect_cable,
+    pick_cable,
+    place_cable,
+)
+from remodel_skills.abilities.route_wire import RouteGoal, route_wire
 from remodel_skills.cell import Cell
 from remodel_skills.robot_context import Image, Observers, OnObservation, RobotContext, Steps
 from remodel_states.core.codes import Code
@@ -57,7 +62,7 @@ FIRST, SECOND = "robot_1", "robot_2"
 # As the use case harness_formboard.
 FORCE_LIMIT_N, PULL_TEST_N, CARRY_Z = 8.0, 5.0, 0.06
 
-G = TypeVar("G", bound=goals.Goal)
+G = TypeVar("G", bound=Goal)
 T = TypeVar("T")
 
 
@@ -78,18 +83,18 @@ class Trial:
         self.cell.feed(wire_id, "")
         self._detect(wire_id)
         at_a, at_b = self._locate(a), self._locate(b)
-        grasp = goals.PickGoal(FIRST, wire_id, first, 0.0)
+        grasp = PickGoal(FIRST, wire_id, first, 0.0)
         self._held(2, pick_cable, grasp)
-        insert = goals.InsertGoal(FIRST, wire_id, first, *a, at_a, FORCE_LIMIT_N)
+        insert = InsertGoal(FIRST, wire_id, first, *a, at_a, FORCE_LIMIT_N)
         self._attempts(3, FIRST, insert_cable, insert)
-        self._attempts(2, FIRST, fix_cable, goals.FixGoal(FIRST, wire_id, *a, PULL_TEST_N))
+        self._attempts(2, FIRST, fix_cable, FixGoal(FIRST, wire_id, *a, PULL_TEST_N))
         self._detect(wire_id)
-        self._held(3, pick_cable, goals.PickGoal(SECOND, wire_id, second, 0.0))
+        self._held(3, pick_cable, PickGoal(SECOND, wire_id, second, 0.0))
         path = _path(wire)
-        self._attempts(2, SECOND, route_wire, goals.RouteGoal(SECOND, wire_id, path))
-        insert = goals.InsertGoal(SECOND, wire_id, second, *b, at_b, FORCE_LIMIT_N)
+        self._attempts(2, SECOND, route_wire, RouteGoal(SECOND, wire_id, path))
+        insert = InsertGoal(SECOND, wire_id, second, *b, at_b, FORCE_LIMIT_N)
         self._attempts(3, SECOND, insert_cable, insert)
-        self._attempts(2, SECOND, fix_cable, goals.FixGoal(SECOND, wire_id, *b, PULL_TEST_N))
+        self._attempts(2, SECOND, fix_cable, FixGoal(SECOND, wire_id, *b, PULL_TEST_N))
 
     def give_up(self, wire_id: str) -> None:
         """Empty the hands, and discard the wire; raises what an ability raises."""
@@ -97,20 +102,20 @@ class Trial:
             if context.belief.grip is not None:
                 target = BOARD @ Pose.level(0.0, 0.0, CARRY_Z)
                 with suppress(AbilityError):  # what has slipped out of the fingers is released
-                    self._do(robot, place_cable, goals.PlaceGoal(robot, wire_id, target))
-        discard = goals.DiscardGoal(FIRST, wire_id)
+                    self._do(robot, place_cable, PlaceGoal(robot, wire_id, target))
+        discard = DiscardGoal(FIRST, wire_id)
         self._attempts(2, FIRST, discard_cable, discard)
 
     def _detect(self, wire_id: str) -> None:
-        self._attempts(3, FIRST, detect_cable, goals.DetectGoal(wire_id))
+        self._attempts(3, FIRST, detect_cable, DetectGoal(wire_id))
 
     def _locate(self, key: tuple[str, str]) -> Pose:
-        found = self._attempts(3, FIRST, locate_gearbox_component, goals.LocateGoal(*key))
+        found = self._attempts(3, FIRST, locate_gearbox_component, LocateGoal(*key))
         assert found.socket_pose is not None
         return found.socket_pose
 
     def _held(
-        self, times: int, ability: Callable[[RobotContext, G], Steps[T]], goal: goals.PickGoal
+        self, times: int, ability: Callable[[RobotContext, G], Steps[T]], goal: PickGoal
     ) -> None:
         for attempt in range(times):
             try:
@@ -135,7 +140,7 @@ class Trial:
                 self._failed(goal, error)
         return self._do(robot, ability, goal)
 
-    def _failed(self, goal: goals.Goal, error: AbilityError) -> None:
+    def _failed(self, goal: Goal, error: AbilityError) -> None:
         self.failed += 1
         self._print(type(goal).__name__.removesuffix("Goal"), f"{error.code.name}: {error}")
 

@@ -22,9 +22,8 @@ from wire_task import ROBOT
 
 from remodel_sim.physics.plant import SimulatedPlant
 from remodel_sim.physics.truth import ground_truth
-from remodel_skills.abilities.insert_cable import insert_cable
+from remodel_skills.abilities.inserting import InsertGoal, insert_cable
 from remodel_skills.cell import Cell
-from remodel_skills.goals import InsertGoal
 from remodel_states.edge.wire_material_file import read_wire_materials
 from remodel_work.errors import AbilityError
 from remodel_work.geometry import Pose

@@ -25,13 +25,11 @@ from laid_board import laid_wires
 
 from remodel_sim.physics.plant import SimulatedPlant
 from remodel_sim.physics.truth import ground_truth, share_in_ducts
-from remodel_skills import goals
-from remodel_skills.abilities.detect_cable import detect_cable
-from remodel_skills.abilities.fix_cable import fix_cable
-from remodel_skills.abilities.insert_cable import insert_cable
-from remodel_skills.abilities.lay_wire import lay_wire
-from remodel_skills.abilities.locate_gearbox_component import locate_gearbox_component
-from remodel_skills.abilities.pick_cable import pick_cable
+from remodel_skills.abilities.ability import Goal
+from remodel_skills.abilities.inserting import FixGoal, InsertGoal, fix_cable, insert_cable
+from remodel_skills.abilities.inspection import LocateGoal, locate_gearbox_component
+from remodel_skills.abilities.lay_wire import LayGoal, lay_wire
+from remodel_skills.abilities.picking import DetectGoal, PickGoal, detect_cable, pick_cable
 from remodel_skills.cell import Cell
 from remodel_skills.robot_context import RobotContext, Steps
 from remodel_states.edge.wire_material_file import read_wire_materials
@@ -45,7 +43,7 @@ HOUSEHOLD = Path(__file__).parents[2] / "src/remodel_sim/config/household.yaml"
 GUIDE, HOLDER = "robot_1", "robot_2"
 FORCE_LIMIT_N, PULL_TEST_N = 14.0, 5.0  # as the use case cabinet
 
-G = TypeVar("G", bound=goals.Goal)
+G = TypeVar("G", bound=Goal)
 T = TypeVar("T")
 
 
@@ -62,27 +60,27 @@ class Laying:
         wire = self.cell.plant.panel.wire(wire_id)
         a, b = (wire.goes_to(end) for end in (first, first.other))
         self.cell.feed(wire_id, "")
-        self._do(GUIDE, detect_cable, goals.DetectGoal(wire_id))
+        self._do(GUIDE, detect_cable, DetectGoal(wire_id))
         at_a, at_b = (
-            self._do(GUIDE, locate_gearbox_component, goals.LocateGoal(*key)).socket_pose
+            self._do(GUIDE, locate_gearbox_component, LocateGoal(*key)).socket_pose
             for key in (a, b)
         )
-        self._do(HOLDER, pick_cable, goals.PickGoal(HOLDER, wire_id, first.other, 0.0))
-        self._insert(goals.InsertGoal(GUIDE, wire_id, first, *a, at_a, FORCE_LIMIT_N))
-        self._do(GUIDE, fix_cable, goals.FixGoal(GUIDE, wire_id, *a, PULL_TEST_N))
-        lay = goals.LayGoal(HOLDER, GUIDE, wire_id)
+        self._do(HOLDER, pick_cable, PickGoal(HOLDER, wire_id, first.other, 0.0))
+        self._insert(InsertGoal(GUIDE, wire_id, first, *a, at_a, FORCE_LIMIT_N))
+        self._do(GUIDE, fix_cable, FixGoal(GUIDE, wire_id, *a, PULL_TEST_N))
+        lay = LayGoal(HOLDER, GUIDE, wire_id)
         contexts = self.cell.contexts
         steps = lay_wire(contexts[HOLDER], contexts[GUIDE], lay)
         self._tell("LayWire", self.cell.run(steps, HOLDER, GUIDE))
-        self._insert(goals.InsertGoal(HOLDER, wire_id, first.other, *b, at_b, FORCE_LIMIT_N))
-        self._do(HOLDER, fix_cable, goals.FixGoal(HOLDER, wire_id, *b, PULL_TEST_N))
+        self._insert(InsertGoal(HOLDER, wire_id, first.other, *b, at_b, FORCE_LIMIT_N))
+        self._do(HOLDER, fix_cable, FixGoal(HOLDER, wire_id, *b, PULL_TEST_N))
 
     def speed(self) -> str:
         """Return how much faster than real time the last wire was placed, for a person."""
         cell, cpu = self._cell_s(), time.process_time() - self._began_cpu
         return f"real-time factor {cell / cpu:.2f} by the CPU time of this process"
 
-    def _insert(self, goal: goals.InsertGoal) -> None:
+    def _insert(self, goal: InsertGoal) -> None:
         """Insert an end, as often as the use case tries."""
         try:
             self._do(goal.robot_name, insert_cable, goal)

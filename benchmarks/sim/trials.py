@@ -17,9 +17,8 @@ from force_record import recorded
 
 from remodel_sim.physics.plant import SimulatedPlant
 from remodel_sim.physics.truth import ground_truth, lies_in
-from remodel_skills import goals
-from remodel_skills.abilities.check_connection import check_connection
-from remodel_skills.abilities.discard_cable import discard_cable
+from remodel_skills.abilities.extracting import DiscardGoal, discard_cable
+from remodel_skills.abilities.inspection import CheckGoal, check_connection
 from remodel_skills.cell import Cell
 from remodel_skills.edge.parameter_files import read_parameters
 from remodel_skills.force_control import ForceLoop
@@ -271,7 +270,7 @@ def discard(cell: Cell, wire: PanelWire) -> Outcome:
         else:
             cell.feed(wire.id, task.channel_of(cell, wire))
             task.connect(cell, wire, WireEnd.A, task.History())
-    found = _code_of(lambda: task.do(cell, discard_cable, goals.DiscardGoal(task.ROBOT, wire.id)))
+    found = _code_of(lambda: task.do(cell, discard_cable, DiscardGoal(task.ROBOT, wire.id)))
     is_gone = not ground_truth(cell.plant, [wire.id])
     return Outcome(is_gone and found == Code.NONE.name, found)
 
@@ -325,7 +324,7 @@ def _asked(cell: Cell, live: PanelWire) -> Iterator[tuple[str, bool | None, bool
                 true = bool(is_at and is_at.at == place and is_at.fixed)
                 words, seen = f"{wire.id} {end.value} in {place}", None
                 try:
-                    goal = goals.CheckGoal(wire.id, end, component, terminal)
+                    goal = CheckGoal(wire.id, end, component, terminal)
                     seen = task.do(cell, check_connection, goal).connected
                     words += f": said {seen}, true {true}"
                 except AbilityError as error:

@@ -10,15 +10,19 @@ from typing import TypeVar
 
 from flexbe_synthesizer.core.chart.error_routes import codes_of_routes
 from flexbe_synthesizer.core.chart.model import Chart, State
-from remodel_skills import goals
-from remodel_skills.abilities.detect_cable import detect_cable
-from remodel_skills.abilities.extract_cable import extract_cable
-from remodel_skills.abilities.fix_cable import fix_cable
-from remodel_skills.abilities.insert_cable import insert_cable
-from remodel_skills.abilities.locate_gearbox_component import locate_gearbox_component
-from remodel_skills.abilities.pick_cable import pick_cable
-from remodel_skills.abilities.place_connector import place_connector as mate_connector
-from remodel_skills.abilities.route_wire import route_wire
+from remodel_skills.abilities.ability import Goal
+from remodel_skills.abilities.extracting import ExtractGoal, extract_cable
+from remodel_skills.abilities.inserting import (
+    ConnectGoal,
+    FixGoal,
+    InsertGoal,
+    fix_cable,
+    insert_cable,
+)
+from remodel_skills.abilities.inserting import place_connector as mate_connector
+from remodel_skills.abilities.inspection import LocateGoal, locate_gearbox_component
+from remodel_skills.abilities.picking import DetectGoal, PickGoal, detect_cable, pick_cable
+from remodel_skills.abilities.route_wire import RouteGoal, route_wire
 from remodel_skills.cell import Cell
 from remodel_skills.robot_context import RobotContext, Steps
 from remodel_supervision.edge.known_behaviors import nested_charts
@@ -29,7 +33,7 @@ from remodel_work.panel import BOARD, PanelWire, WireEnd
 
 ROBOT = "robot_1"
 
-G = TypeVar("G", bound=goals.Goal)
+G = TypeVar("G", bound=Goal)
 T = TypeVar("T")
 
 # How often an observation is tried, as in charts of tasks.
@@ -128,7 +132,7 @@ def channel_of(cell: Cell, wire: PanelWire) -> str:
 
 def locate(cell: Cell, component: str, terminal: str) -> Pose:
     """Return the opening of a terminal as the cameras see it, in the world."""
-    found = do(cell, locate_gearbox_component, goals.LocateGoal(component, terminal))
+    found = do(cell, locate_gearbox_component, LocateGoal(component, terminal))
     assert found.socket_pose is not None, "a terminal was asked for"
     return found.socket_pose
 
@@ -140,7 +144,7 @@ def locate_again(cell: Cell, component: str, terminal: str) -> Pose:
 
 def route(cell: Cell, wire: PanelWire, path: tuple[Pose, ...]) -> None:
     """Carry the held end along a path, or lay the wire into the clips on it."""
-    do(cell, route_wire, goals.RouteGoal(ROBOT, wire.id, path))
+    do(cell, route_wire, RouteGoal(ROBOT, wire.id, path))
 
 
 def insert(
@@ -152,7 +156,7 @@ def insert(
     force_limit: float = FORCE_LIMIT_N,
 ) -> None:
     """Push an end into a terminal, with at most so much force [N]."""
-    goal = goals.InsertGoal(ROBOT, wire.id, end, *terminal, socket, force_limit)
+    goal = InsertGoal(ROBOT, wire.id, end, *terminal, socket, force_limit)
     do(cell, insert_cable, goal)
 
 
@@ -161,12 +165,12 @@ def place_connector(cell: Cell, wire: PanelWire, header: tuple[str, str], socket
     connector = wire.connector_at(WireEnd.A)
     assert connector is not None, "the wire has one"
     fields = (ROBOT, connector.id, wire.id, *header, socket, MATING_LIMIT_N)
-    do(cell, mate_connector, goals.ConnectGoal(*fields))
+    do(cell, mate_connector, ConnectGoal(*fields))
 
 
 def pick(cell: Cell, wire: PanelWire, end: WireEnd) -> None:
     """Grasp an end."""
-    do(cell, pick_cable, goals.PickGoal(ROBOT, wire.id, end, 0.0))
+    do(cell, pick_cable, PickGoal(ROBOT, wire.id, end, 0.0))
 
 
 def connect(cell: Cell, wire: PanelWire, end: WireEnd, history: History) -> None:
@@ -182,9 +186,9 @@ def connect(cell: Cell, wire: PanelWire, end: WireEnd, history: History) -> None
         elif state.type == "InsertCableState":
             insert(cell, wire, end, terminal, sockets[-1])
         elif state.type == "FixCableState":
-            do(cell, fix_cable, goals.FixGoal(ROBOT, wire.id, *terminal, PULL_TEST_N))
+            do(cell, fix_cable, FixGoal(ROBOT, wire.id, *terminal, PULL_TEST_N))
         elif state.type == "ExtractCableState":
-            goal = goals.ExtractGoal(ROBOT, wire.id, *terminal, sockets[-1])
+            goal = ExtractGoal(ROBOT, wire.id, *terminal, sockets[-1])
             do(cell, extract_cable, goal)
         else:
             raise KeyError(f"{state.id} is of type {state.type}, which the cell cannot run")
@@ -209,7 +213,7 @@ def connect(cell: Cell, wire: PanelWire, end: WireEnd, history: History) -> None
 def place(cell: Cell, wire: PanelWire, history: History) -> None:
     """Feed a wire and place it as its chart does; raises what ended it."""
     cell.feed(wire.id, channel_of(cell, wire))
-    _again(history, lambda: do(cell, detect_cable, goals.DetectGoal(wire.id)))
+    _again(history, lambda: do(cell, detect_cable, DetectGoal(wire.id)))
     connect(cell, wire, WireEnd.A, history)
     _again(history, lambda: carry(cell, wire))
     connect(cell, wire, WireEnd.B, history)

@@ -2,16 +2,19 @@
 
 import math
 
-from remodel_skills import goals
-from remodel_skills.abilities.detect_cable import detect_cable
-from remodel_skills.abilities.extract_cable import extract_cable
-from remodel_skills.abilities.fix_cable import fix_cable
-from remodel_skills.abilities.insert_cable import insert_cable
-from remodel_skills.abilities.lay_wire import lay_wire
-from remodel_skills.abilities.locate_gearbox_component import locate_gearbox_component
-from remodel_skills.abilities.pick_cable import pick_cable
-from remodel_skills.abilities.place_cable import place_cable
-from remodel_skills.abilities.route_wire import route_wire
+from remodel_skills.abilities.extracting import ExtractGoal, extract_cable
+from remodel_skills.abilities.inserting import FixGoal, InsertGoal, fix_cable, insert_cable
+from remodel_skills.abilities.inspection import LocateGoal, locate_gearbox_component
+from remodel_skills.abilities.lay_wire import LayGoal, lay_wire
+from remodel_skills.abilities.picking import (
+    DetectGoal,
+    PickGoal,
+    PlaceGoal,
+    detect_cable,
+    pick_cable,
+    place_cable,
+)
+from remodel_skills.abilities.route_wire import RouteGoal, route_wire
 from remodel_work.geometry import Pose
 from remodel_work.panel import BOARD, WireEnd
 
@@ -27,11 +30,11 @@ def do(cell, ability, goal):
 
 
 def locate(cell, component, terminal):
-    return do(cell, locate_gearbox_component, goals.LocateGoal(component, terminal)).socket_pose
+    return do(cell, locate_gearbox_component, LocateGoal(component, terminal)).socket_pose
 
 
 def insert(cell, wire, end, component, terminal, socket, force=8.0):
-    goal = goals.InsertGoal(
+    goal = InsertGoal(
         robot_name=ROBOT,
         cable_id=wire,
         end=end,
@@ -47,7 +50,7 @@ def fix(cell, wire, component, terminal, pull=10.0):
     return do(
         cell,
         fix_cable,
-        goals.FixGoal(
+        FixGoal(
             robot_name=ROBOT,
             cable_id=wire,
             component_id=component,
@@ -61,7 +64,7 @@ def extract(cell, wire, component, terminal, socket):
     return do(
         cell,
         extract_cable,
-        goals.ExtractGoal(
+        ExtractGoal(
             robot_name=ROBOT,
             cable_id=wire,
             component_id=component,
@@ -73,7 +76,7 @@ def extract(cell, wire, component, terminal, socket):
 
 def carry(cell, wire, channel):
     """Pick end b and route it along the channel to beside its terminal."""
-    do(cell, pick_cable, goals.PickGoal(ROBOT, wire, WireEnd.B, 0.0))
+    do(cell, pick_cable, PickGoal(ROBOT, wire, WireEnd.B, 0.0))
     context = cell.context
     tool, direction = context.device.arm.tool, context.belief.feed.direction
     x = float(BOARD.position[0]) + context.panel.channel(channel).x
@@ -84,12 +87,12 @@ def carry(cell, wire, channel):
         Pose.level(tool.x, tool.y, 0.04, tool.yaw + context.belief.grip.flip),
         Pose.level(x, y + 0.03 * direction, 0.04, along),
     )
-    do(cell, route_wire, goals.RouteGoal(ROBOT, wire, path))
+    do(cell, route_wire, RouteGoal(ROBOT, wire, path))
 
 
 def lay_down(cell, wire, target=BESIDE):
     """Lay the end in the hand down; an empty `wire` means whatever it holds."""
-    return do(cell, place_cable, goals.PlaceGoal(ROBOT, wire, target))
+    return do(cell, place_cable, PlaceGoal(ROBOT, wire, target))
 
 
 def connect(cell, wire, end):
@@ -102,7 +105,7 @@ def connect(cell, wire, end):
 def place(cell, wire, channel="A"):
     """Feed and place a whole wire."""
     cell.feed(wire, channel)
-    do(cell, detect_cable, goals.DetectGoal(wire))
+    do(cell, detect_cable, DetectGoal(wire))
     connect(cell, wire, WireEnd.A)
     carry(cell, wire, channel)
     connect(cell, wire, WireEnd.B)
@@ -113,14 +116,14 @@ def place_in_ducts(cell, wire, first, force=14.0, pull=5.0):
     guide, holder = cell.contexts.values()
     ends = {end: cell.plant.panel.wire(wire).goes_to(end) for end in (first, first.other)}
     cell.feed(wire, "")
-    do(cell, detect_cable, goals.DetectGoal(wire))
+    do(cell, detect_cable, DetectGoal(wire))
     sockets = {end: locate(cell, *key) for end, key in ends.items()}
-    cell.run(pick_cable(holder, goals.PickGoal(holder.name, wire, first.other, 0.0)), holder.name)
+    cell.run(pick_cable(holder, PickGoal(holder.name, wire, first.other, 0.0)), holder.name)
     for robot, end in ((guide, first), (holder, first.other)):
-        insertion = goals.InsertGoal(robot.name, wire, end, *ends[end], sockets[end], force)
+        insertion = InsertGoal(robot.name, wire, end, *ends[end], sockets[end], force)
         cell.run(insert_cable(robot, insertion), robot.name)
-        fixing = goals.FixGoal(robot.name, wire, *ends[end], pull)
+        fixing = FixGoal(robot.name, wire, *ends[end], pull)
         cell.run(fix_cable(robot, fixing), robot.name)
         if end is first:
-            laying = lay_wire(holder, guide, goals.LayGoal(holder.name, guide.name, wire))
+            laying = lay_wire(holder, guide, LayGoal(holder.name, guide.name, wire))
             cell.run(laying, holder.name, guide.name)

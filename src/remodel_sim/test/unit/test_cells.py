@@ -7,15 +7,11 @@ from panels import example, moved_onto, panel
 
 from remodel_sim.physics.plant import SimulatedPlant
 from remodel_sim.physics.truth import ground_truth, share_in_ducts
-from remodel_skills import goals
-from remodel_skills.abilities.fix_cable import fix_cable
-from remodel_skills.abilities.insert_cable import insert_cable
-from remodel_skills.abilities.locate_gearbox_component import locate_gearbox_component
-from remodel_skills.abilities.pick_cable import pick_cable
-from remodel_skills.abilities.place_cable import place_cable
-from remodel_skills.abilities.place_pin import place_pin
+from remodel_skills.abilities.inserting import FixGoal, InsertGoal, fix_cable, insert_cable
+from remodel_skills.abilities.inspection import LocateGoal, locate_gearbox_component
+from remodel_skills.abilities.picking import PickGoal, PlaceGoal, pick_cable, place_cable
+from remodel_skills.abilities.place_pin import PlacePinGoal, place_pin
 from remodel_skills.cell import Cell
-from remodel_skills.goals import PlacePinGoal
 from remodel_skills.primitives.together import concurrently
 from remodel_skills.robot_context import occupy, run
 from remodel_work.edge.cell_file import read_cell
@@ -69,8 +65,8 @@ def watched(cell, steps, gaps):
 
 def test_two_arms_work_at_once_and_keep_apart(cell):
     one, two = cell.contexts.values()
-    locate = locate_gearbox_component(one, goals.LocateGoal("X2", "1"))
-    pick = pick_cable(two, goals.PickGoal("robot_2", "W1", WireEnd.B, 0.0))
+    locate = locate_gearbox_component(one, LocateGoal("X2", "1"))
+    pick = pick_cable(two, PickGoal("robot_2", "W1", WireEnd.B, 0.0))
     gaps = []
     both = concurrently(occupy([one], locate), occupy([two], pick))
     located, _ = run(cell.plant.tick, watched(cell, both, gaps))
@@ -81,13 +77,13 @@ def test_two_arms_work_at_once_and_keep_apart(cell):
 
 @pytest.mark.slow
 def test_a_wire_goes_from_one_arm_to_the_other_by_the_plate(cell):
-    do(cell, "robot_1", pick_cable, goals.PickGoal("robot_1", "W1", WireEnd.A, 0.0))
+    do(cell, "robot_1", pick_cable, PickGoal("robot_1", "W1", WireEnd.A, 0.0))
     belief, tool = cell.context.belief, cell.context.commanded
     lying = Pose.level(tool.x, tool.y, 0.0035, tool.yaw + belief.grip.flip)
-    do(cell, "robot_1", place_cable, goals.PlaceGoal("robot_1", "W1", lying))
-    located = do(cell, "robot_2", locate_gearbox_component, goals.LocateGoal("X1", "1"))
+    do(cell, "robot_1", place_cable, PlaceGoal("robot_1", "W1", lying))
+    located = do(cell, "robot_2", locate_gearbox_component, LocateGoal("X1", "1"))
     socket = located.socket_pose
-    goal = goals.InsertGoal(
+    goal = InsertGoal(
         robot_name="robot_2",
         cable_id="W1",
         end=WireEnd.A,
@@ -101,7 +97,7 @@ def test_a_wire_goes_from_one_arm_to_the_other_by_the_plate(cell):
         cell,
         "robot_2",
         fix_cable,
-        goals.FixGoal(
+        FixGoal(
             robot_name="robot_2",
             cable_id="W1",
             component_id="X1",
@@ -142,7 +138,7 @@ def test_small_labels_show_no_tilt_where_there_is_none():
     made.feed("W105", "")
     for terminal in (("Q3", "B2.7"), ("D31", "T2"), ("D35", "T2"), ("D32", "T1")):
         for view in range(3):
-            goal = goals.LocateGoal(*terminal, view)
+            goal = LocateGoal(*terminal, view)
             found = place_wire.do(made, locate_gearbox_component, goal).socket_pose
             true = BOARD @ household.panel_from_socket(*terminal)
             np.testing.assert_allclose(found.position, true.position, atol=5e-4)

@@ -5,8 +5,7 @@ from place_wire import carry, connect, do
 from stored import put_live
 
 from remodel_sim.physics.truth import ground_truth
-from remodel_skills.abilities.check_connection import check_connection
-from remodel_skills.goals import CheckGoal
+from remodel_skills.abilities.inspection import CheckGoal, check_connection
 from remodel_states.core.codes import Code
 from remodel_work.errors import AbilityError
 from remodel_work.panel import WireEnd

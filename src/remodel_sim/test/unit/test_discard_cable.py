@@ -8,12 +8,11 @@ from stored import put, put_live, shape_of, stored
 
 from remodel_sim.physics.plant import SimulatedPlant
 from remodel_sim.physics.truth import ground_truth
-from remodel_skills.abilities.discard_cable import discard_cable
+from remodel_skills.abilities.extracting import DiscardGoal, discard_cable
 from remodel_skills.belief_state import EndState
 from remodel_skills.cell import Cell
 from remodel_skills.edge.cell_memory import CellMemory
 from remodel_skills.edge.parameter_files import read_parameters
-from remodel_skills.goals import DiscardGoal
 from remodel_skills.primitives import carrying
 from remodel_skills.primitives.picking_up import take_up
 from remodel_states.core.codes import Code

@@ -6,7 +6,7 @@ from place_wire import ROBOT, carry, do, fix, goals, insert, locate
 from stored import put_live
 
 from remodel_sim.physics.truth import ground_truth
-from remodel_skills.abilities.discard_cable import discard_cable
+from remodel_skills.abilities.extracting import discard_cable
 from remodel_states.core.codes import Code
 from remodel_work.errors import AbilityError
 from remodel_work.panel import WireEnd, unit_x

@@ -9,12 +9,9 @@ from place_wire import do, fix, insert, locate
 
 from remodel_sim.physics.plant import SimulatedPlant
 from remodel_sim.physics.truth import share_in_ducts
-from remodel_skills import goals
-from remodel_skills.abilities.detect_cable import detect_cable
-from remodel_skills.abilities.fix_cable import fix_cable
-from remodel_skills.abilities.insert_cable import insert_cable
-from remodel_skills.abilities.pick_cable import pick_cable
-from remodel_skills.abilities.route_wire import route_wire
+from remodel_skills.abilities.inserting import FixGoal, InsertGoal, fix_cable, insert_cable
+from remodel_skills.abilities.picking import DetectGoal, PickGoal, detect_cable, pick_cable
+from remodel_skills.abilities.route_wire import RouteGoal, route_wire
 from remodel_skills.cell import Cell
 from remodel_states.core.codes import Code
 from remodel_work.board_rules import GRASP_M
@@ -42,7 +39,7 @@ def path_of(cell):
 
 def route(cell):
     holder = cell.contexts[HOLDER]
-    goal = goals.RouteGoal(HOLDER, WIRE, path_of(cell))
+    goal = RouteGoal(HOLDER, WIRE, path_of(cell))
     return cell.run(route_wire(holder, goal), HOLDER)
 
 
@@ -53,10 +50,10 @@ def test_a_wire_is_let_down_into_its_forks_once_its_other_end_is_fixed_and_is_se
     wire = cell.plant.panel.wire(WIRE)
     holder = cell.contexts[HOLDER]
     cell.feed(WIRE, "")
-    do(cell, detect_cable, goals.DetectGoal(WIRE))
+    do(cell, detect_cable, DetectGoal(WIRE))
     key = wire.goes_to(WireEnd.A)
     socket = locate(cell, *key)
-    pick = goals.PickGoal(HOLDER, WIRE, WireEnd.B, 0.0)
+    pick = PickGoal(HOLDER, WIRE, WireEnd.B, 0.0)
     cell.run(pick_cable(holder, pick), HOLDER)
     with pytest.raises(AbilityError, match="end a of 'W1\\.4' is not fixed") as raised:
         route(cell)
@@ -66,12 +63,12 @@ def test_a_wire_is_let_down_into_its_forks_once_its_other_end_is_fixed_and_is_se
     cell = Cell(SimulatedPlant(HARNESS, design=DESIGN, seed=1))
     holder = cell.contexts[HOLDER]
     cell.feed(WIRE, "")
-    do(cell, detect_cable, goals.DetectGoal(WIRE))
+    do(cell, detect_cable, DetectGoal(WIRE))
     other = wire.goes_to(WireEnd.B)
     other_socket = locate(cell, *other)
     insert(cell, WIRE, WireEnd.A, *key, socket)
     fix(cell, WIRE, *key, 5.0)
-    do(cell, detect_cable, goals.DetectGoal(WIRE))
+    do(cell, detect_cable, DetectGoal(WIRE))
     cell.run(pick_cable(holder, pick), HOLDER)
     assert route(cell).message == f"{WIRE} laid into F1, F2, F3"
     # In front of its opening, by the physics.
@@ -79,9 +76,9 @@ def test_a_wire_is_let_down_into_its_forks_once_its_other_end_is_fixed_and_is_se
     tip = opening.inverse().apply(cell.plant.live.cable.nodes()[-1])
     assert -0.015 < tip[0] < 0
     assert abs(tip[1]) < 0.003
-    push = goals.InsertGoal(HOLDER, WIRE, WireEnd.B, *other, other_socket, 8.0)
+    push = InsertGoal(HOLDER, WIRE, WireEnd.B, *other, other_socket, 8.0)
     cell.run(insert_cable(holder, push), HOLDER)
-    done = cell.run(fix_cable(holder, goals.FixGoal(HOLDER, WIRE, *other, 5.0)), HOLDER)
+    done = cell.run(fix_cable(holder, FixGoal(HOLDER, WIRE, *other, 5.0)), HOLDER)
     assert done.message.endswith("; the wire lies in F1, F2, F3")
     assert share_in_ducts(cell.plant, WIRE) == 1.0
     cell.close()
@@ -108,8 +105,8 @@ def test_an_end_that_has_slid_back_into_its_clips_is_grasped_before_them():
     cell.feed(WIRE, "")
     cable = cell.plant.live.cable
     push_back(cell, cable.ferrule(WireEnd.B), SLID_M)
-    do(cell, detect_cable, goals.DetectGoal(WIRE))
-    pick = goals.PickGoal(HOLDER, WIRE, WireEnd.B, 0.0)
+    do(cell, detect_cable, DetectGoal(WIRE))
+    pick = PickGoal(HOLDER, WIRE, WireEnd.B, 0.0)
     cell.run(pick_cable(cell.contexts[HOLDER], pick), HOLDER)
     tool, tip = cell.contexts[HOLDER].device.arm.tool, cable.tip(WireEnd.B)[0]
     assert LEAST_GRASP_M - 0.002 < tip[1] - tool.y < GRASP_M - 0.001
@@ -121,8 +118,8 @@ def test_fingers_that_meet_the_clips_do_not_take_the_wire_out_of_them():
     cell = Cell(SimulatedPlant(HARNESS, design=DESIGN, seed=1))
     cell.feed(WIRE, "")
     push_back(cell, cell.plant.live.cable.ferrule(WireEnd.B), SLID_TOO_FAR_M)
-    do(cell, detect_cable, goals.DetectGoal(WIRE))
-    pick = goals.PickGoal(HOLDER, WIRE, WireEnd.B, 0.0)
+    do(cell, detect_cable, DetectGoal(WIRE))
+    pick = PickGoal(HOLDER, WIRE, WireEnd.B, 0.0)
     with pytest.raises(AbilityError, match="the fingers met something") as caught:
         cell.run(pick_cable(cell.contexts[HOLDER], pick), HOLDER)
     assert caught.value.code is Code.GRASP_MISSED

@@ -8,10 +8,8 @@ from place_wire import do, locate
 
 from remodel_sim.physics.plant import SimulatedPlant
 from remodel_sim.physics.truth import ground_truth
-from remodel_skills import goals
-from remodel_skills.abilities.detect_cable import detect_cable
-from remodel_skills.abilities.insert_cable import insert_cable
-from remodel_skills.abilities.pick_cable import pick_cable
+from remodel_skills.abilities.inserting import InsertGoal, insert_cable
+from remodel_skills.abilities.picking import DetectGoal, PickGoal, detect_cable, pick_cable
 from remodel_skills.cell import Cell
 from remodel_skills.edge.parameter_files import read_parameters
 from remodel_skills.primitives.pushing import bring_before, push_in
@@ -33,15 +31,15 @@ class Held:
         self.cell = cell = Cell(SimulatedPlant(panel, design=read_cell("two_arms_cabinet"), seed=1))
         self.holder, self.wire, self.end = cell.contexts[HOLDER], wire, end
         cell.feed(wire, "")
-        do(cell, detect_cable, goals.DetectGoal(wire))
+        do(cell, detect_cable, DetectGoal(wire))
         self.key = panel.wire(wire).goes_to(end)
         self.socket = locate(cell, *self.key)
-        cell.run(pick_cable(self.holder, goals.PickGoal(HOLDER, wire, end, 0.0)), HOLDER)
+        cell.run(pick_cable(self.holder, PickGoal(HOLDER, wire, end, 0.0)), HOLDER)
         grip = self.holder.belief.grip
         self.holder.belief.grip = replace(grip, height=grip.height - above)
 
     def insert(self):
-        goal = goals.InsertGoal(HOLDER, self.wire, self.end, *self.key, self.socket, 14.0)
+        goal = InsertGoal(HOLDER, self.wire, self.end, *self.key, self.socket, 14.0)
         self.cell.run(insert_cable(self.holder, goal), HOLDER)
 
     def is_seated(self):

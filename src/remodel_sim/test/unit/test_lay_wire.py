@@ -14,14 +14,17 @@ from stored import put_held, shape_of
 from remodel_sim.physics import truth
 from remodel_sim.physics.plant import SimulatedPlant
 from remodel_sim.physics.wires.parked_wire import draw_parked
-from remodel_skills import goals
-from remodel_skills.abilities.detect_cable import detect_cable
-from remodel_skills.abilities.discard_cable import discard_cable
-from remodel_skills.abilities.fix_cable import fix_cable
-from remodel_skills.abilities.insert_cable import insert_cable
-from remodel_skills.abilities.lay_wire import lay_wire
-from remodel_skills.abilities.pick_cable import pick_cable
-from remodel_skills.abilities.place_cable import place_cable
+from remodel_skills.abilities.extracting import DiscardGoal, discard_cable
+from remodel_skills.abilities.inserting import FixGoal, InsertGoal, fix_cable, insert_cable
+from remodel_skills.abilities.lay_wire import LayGoal, lay_wire
+from remodel_skills.abilities.picking import (
+    DetectGoal,
+    PickGoal,
+    PlaceGoal,
+    detect_cable,
+    pick_cable,
+    place_cable,
+)
 from remodel_skills.cell import Cell
 from remodel_skills.edge.parameter_files import read_parameters
 from remodel_skills.primitives import in_ducts
@@ -74,16 +77,16 @@ def cell_of(design=DESIGN):
 def hold_an_end(cell, wire_id=WIRE, end=WireEnd.B):
     """Feed a wire and hold an end; return where the other goes, by name and as it was located."""
     cell.feed(wire_id, "")
-    do(cell, detect_cable, goals.DetectGoal(wire_id))
+    do(cell, detect_cable, DetectGoal(wire_id))
     key = cell.plant.panel.wire(wire_id).goes_to(end.other)
     socket = locate(cell, *key)
-    pick = goals.PickGoal(HOLDER, wire_id, end, 0.0)
+    pick = PickGoal(HOLDER, wire_id, end, 0.0)
     cell.run(pick_cable(cell.contexts[HOLDER], pick), HOLDER)
     return key, socket
 
 
 def lay(cell):
-    goal = goals.LayGoal(HOLDER, GUIDE, WIRE)
+    goal = LayGoal(HOLDER, GUIDE, WIRE)
     steps = lay_wire(cell.contexts[HOLDER], cell.contexts[GUIDE], goal)
     return cell.run(steps, HOLDER, GUIDE)
 
@@ -183,7 +186,7 @@ def test_a_wire_is_led_into_its_ducts_over_one_that_lies_there():
     (found,) = truth.ground_truth(cell.plant, [WIRE])
     assert found.b.seated and found.b.fixed
     assert truth.share_in_ducts(cell.plant, WIRE) >= LEAST_BELOW
-    push = goals.InsertGoal(HOLDER, WIRE, WireEnd.A, *second, at_second, 14.0)
+    push = InsertGoal(HOLDER, WIRE, WireEnd.A, *second, at_second, 14.0)
     cell.run(insert_cable(holder, push), HOLDER)
     assert truth.share_in_ducts(cell.plant, WIRE) >= LEAST_BELOW
     assert guide.commanded == at.at(z=MOTION.travel_z_m)
@@ -196,7 +199,7 @@ def test_a_wire_is_led_into_its_ducts_over_one_that_lies_there():
 def test_a_wire_that_is_kept_in_its_duct_is_let_go_before_it_is_discarded():
     cell = cell_of()
     lay_from_b(cell)
-    steps = discard_cable(cell.contexts[HOLDER], goals.DiscardGoal(HOLDER, WIRE))
+    steps = discard_cable(cell.contexts[HOLDER], DiscardGoal(HOLDER, WIRE))
     cell.run(steps, HOLDER)
     assert cell.contexts[GUIDE].device.gripper.gap > PARAMETERS.tool.open_m
     assert cell.plant.live is None
@@ -233,9 +236,9 @@ def test_a_wire_that_left_its_ducts_when_its_second_end_was_inserted_is_discarde
     insert(cell, WIRE, WireEnd.A, *key, socket, force=14.0)
     fix(cell, WIRE, *key, pull=5.0)
     lay(cell)
-    push = goals.InsertGoal(HOLDER, WIRE, WireEnd.B, *second, at_second, 14.0)
+    push = InsertGoal(HOLDER, WIRE, WireEnd.B, *second, at_second, 14.0)
     cell.run(insert_cable(holder, push), HOLDER)
-    close = goals.FixGoal(HOLDER, WIRE, *second, 5.0)
+    close = FixGoal(HOLDER, WIRE, *second, 5.0)
     fixed = cell.run(fix_cable(holder, close), HOLDER)
     share = truth.share_in_ducts(cell.plant, WIRE)
     (reported,) = re.findall(r"it lies in its ducts at (\d+)% of its route", fixed.message)
@@ -247,7 +250,7 @@ def test_a_wire_that_left_its_ducts_when_its_second_end_was_inserted_is_discarde
         check(cell)
     assert caught.value.code is Code.OUT_OF_DUCT
     assert caught.value.found["in_ducts"] == pytest.approx(0.0, abs=0.2)
-    do(cell, discard_cable, goals.DiscardGoal(GUIDE, WIRE))
+    do(cell, discard_cable, DiscardGoal(GUIDE, WIRE))
     assert WIRE not in cell.context.belief.fed
     assert cell.plant.live is None
     cell.close()
@@ -296,11 +299,11 @@ def test_a_wire_that_missed_its_terminal_leaves_the_cell_from_hand_to_hand():
     with pytest.raises(AbilityError) as caught:
         insert(cell, WIRE, WireEnd.A, *key, beside)
     assert caught.value.code is Code.INSERTION_MISALIGNED
-    let_down = do(cell, place_cable, goals.PlaceGoal(GUIDE, WIRE, socket))
+    let_down = do(cell, place_cable, PlaceGoal(GUIDE, WIRE, socket))
     assert "laid down" in let_down.message, "the other hand has the wire"
     guide = cell.contexts[GUIDE]
     guide.begin()  # its hand stays in the picture
-    dropped = cell.run(place_cable(holder, goals.PlaceGoal(HOLDER, WIRE, socket)), HOLDER)
+    dropped = cell.run(place_cable(holder, PlaceGoal(HOLDER, WIRE, socket)), HOLDER)
     assert "dropped into the scrap bin" in dropped.message
     assert cell.context.belief.fed == []
     assert cell.plant.live is None
@@ -316,8 +319,8 @@ def test_a_wire_that_hangs_from_its_first_terminal_is_discarded():
     key, socket = hold_an_end(cell, bent, end.other)
     insert(cell, bent, end, *key, socket, force=14.0)
     fix(cell, bent, *key, pull=5.0)
-    cell.run(place_cable(cell.contexts[HOLDER], goals.PlaceGoal(HOLDER, bent, socket)), HOLDER)
-    discarded = do(cell, discard_cable, goals.DiscardGoal(GUIDE, bent))
+    cell.run(place_cable(cell.contexts[HOLDER], PlaceGoal(HOLDER, bent, socket)), HOLDER)
+    discarded = do(cell, discard_cable, DiscardGoal(GUIDE, bent))
     assert "dropped into the scrap bin" in discarded.message
     assert cell.plant.live is None and bent not in cell.context.belief.fed
     cell.close()
@@ -329,14 +332,14 @@ def test_a_wire_whose_ends_are_seen_nowhere_is_picked_up_between_them():
     cell = cell_of()
     key, socket = hold_an_end(cell)
     insert(cell, WIRE, WireEnd.A, *key, socket, force=14.0)
-    let_down = goals.PlaceGoal(HOLDER, WIRE, socket)
+    let_down = PlaceGoal(HOLDER, WIRE, socket)
     cell.run(place_cable(cell.contexts[HOLDER], let_down), HOLDER)
     extract(cell, WIRE, *key, socket)
     belief = cell.context.belief
     # As if both had sprung away.
     for end in WireEnd:
         belief.expected[end] = np.array(NOWHERE)
-    discard = goals.DiscardGoal(GUIDE, WIRE)
+    discard = DiscardGoal(GUIDE, WIRE)
     kept = belief.untouched.pop()
     with pytest.raises(AbilityError) as caught:
         do(cell, discard_cable, discard)

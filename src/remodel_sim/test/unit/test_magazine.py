@@ -10,10 +10,8 @@ from place_wire import ROBOT, do, fix, insert, lay_down, locate
 from remodel_sim.physics.feeder import present
 from remodel_sim.physics.plant import SimulatedPlant
 from remodel_sim.physics.world import World
-from remodel_skills import goals
-from remodel_skills.abilities.detect_cable import detect_cable
-from remodel_skills.abilities.discard_cable import discard_cable
-from remodel_skills.abilities.pick_cable import pick_cable
+from remodel_skills.abilities.extracting import DiscardGoal, discard_cable
+from remodel_skills.abilities.picking import DetectGoal, PickGoal, detect_cable, pick_cable
 from remodel_skills.cell import Cell
 from remodel_work.cell.presenting import Magazine
 from remodel_work.edge.cell_file import read_cell
@@ -83,7 +81,7 @@ def cabinet():
 
 @pytest.mark.physics
 def test_cameras_find_both_ends_where_they_are_and_how_high(cabinet):
-    found = do(cabinet, detect_cable, goals.DetectGoal("W1"))
+    found = do(cabinet, detect_cable, DetectGoal("W1"))
     for end, seen in zip(WireEnd, found.tips, strict=True):
         tip, out = cabinet.plant.live.cable.tip(end)
         assert np.abs(seen.tip - tip).max() < 0.0015
@@ -96,7 +94,7 @@ def test_an_end_goes_from_its_clips_into_its_terminal_and_the_wire_can_be_discar
     socket = locate(cabinet, "N1", "b1")
     insert(cabinet, "W1", WireEnd.A, "N1", terminal="b1", socket=socket)
     fix(cabinet, "W1", "N1", "b1")
-    do(cabinet, discard_cable, goals.DiscardGoal(ROBOT, "W1"))
+    do(cabinet, discard_cable, DiscardGoal(ROBOT, "W1"))
     assert cabinet.plant.live is None
     assert cabinet.context.belief.fed == []
 
@@ -105,7 +103,7 @@ def test_an_end_goes_from_its_clips_into_its_terminal_and_the_wire_can_be_discar
 @pytest.mark.physics
 def test_a_wire_that_nothing_else_holds_is_dropped_wherever_it_is_to_be_laid_down(cabinet):
     cabinet.feed("W1", "")
-    do(cabinet, pick_cable, goals.PickGoal(ROBOT, "W1", WireEnd.A, 0.0))
+    do(cabinet, pick_cable, PickGoal(ROBOT, "W1", WireEnd.A, 0.0))
     lay_down(cabinet, "W1", Pose.level(5.0, 5.0, 0.06, 0.0))
     assert cabinet.context.belief.grip is None
     assert cabinet.context.belief.fed == []

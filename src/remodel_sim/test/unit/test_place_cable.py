@@ -6,10 +6,8 @@ from place_wire import BESIDE, ROBOT, carry, do, insert, locate
 from place_wire import lay_down as lay_down_wire
 
 from remodel_sim.physics.truth import ground_truth
-from remodel_skills.abilities.detect_cable import detect_cable
-from remodel_skills.abilities.pick_cable import pick_cable
+from remodel_skills.abilities.picking import DetectGoal, PickGoal, detect_cable, pick_cable
 from remodel_skills.belief_state import EndState
-from remodel_skills.goals import DetectGoal, PickGoal
 from remodel_states.core.codes import Code
 from remodel_work.errors import AbilityError
 from remodel_work.geometry import Pose

@@ -7,8 +7,7 @@ from place_wire import ROBOT, do, extract, locate
 
 from remodel_sim.physics.plant import SimulatedPlant
 from remodel_sim.physics.truth import ground_truth
-from remodel_skills import goals
-from remodel_skills.abilities.place_connector import place_connector
+from remodel_skills.abilities.inserting import ConnectGoal, place_connector
 from remodel_skills.belief_state import EndState
 from remodel_skills.cell import Cell
 from remodel_states.core.codes import Code
@@ -39,7 +38,7 @@ def connection(**changes):
         socket=FACE,
         force_limit=30.0,
     )
-    return goals.ConnectGoal(**{**fields, **changes})
+    return ConnectGoal(**{**fields, **changes})
 
 
 def place(cell, socket, force=30.0):

@@ -9,7 +9,8 @@ from stored import put_live
 
 from remodel_sim.physics.plant import SimulatedPlant
 from remodel_sim.physics.truth import lies_in
-from remodel_skills import goals
+from remodel_skills.abilities.picking import PickGoal
+from remodel_skills.abilities.route_wire import RouteGoal
 from remodel_skills.cell import Cell
 from remodel_states.core.codes import Code
 from remodel_work.errors import AbilityError
@@ -22,12 +23,12 @@ pytestmark = pytest.mark.physics
 def with_b_in_hand(board):
     cell = Cell(SimulatedPlant(board, seed=1))
     put_live(cell, "W1")
-    do.do(cell, do.pick_cable, goals.PickGoal(do.ROBOT, "W1", WireEnd.B, 0.0))
+    do.do(cell, do.pick_cable, PickGoal(do.ROBOT, "W1", WireEnd.B, 0.0))
     return cell
 
 
 def route(cell, *path):
-    return do.do(cell, do.route_wire, goals.RouteGoal(do.ROBOT, "W1", path))
+    return do.do(cell, do.route_wire, RouteGoal(do.ROBOT, "W1", path))
 
 
 def at(x, y, z=0.05):

@@ -9,9 +9,12 @@ import pytest
 from panels import example
 
 from remodel_sim.physics.plant import SimulatedPlant
-from remodel_skills import goals
-from remodel_skills.abilities.check_connection import check_connection
-from remodel_skills.abilities.locate_gearbox_component import locate_gearbox_component
+from remodel_skills.abilities.inspection import (
+    CheckGoal,
+    LocateGoal,
+    check_connection,
+    locate_gearbox_component,
+)
 from remodel_skills.cell import Cell
 from remodel_states.core.codes import Code
 from remodel_work.edge.cell_file import read_cell
@@ -30,7 +33,7 @@ def unlabelled(name, panel):
 
 def locate(cell, component):
     terminal = cell.context.panel.component(component).terminals[0].id
-    return do.do(cell, locate_gearbox_component, goals.LocateGoal(component, terminal))
+    return do.do(cell, locate_gearbox_component, LocateGoal(component, terminal))
 
 
 @pytest.mark.slow
@@ -64,7 +67,7 @@ def cell():
 def test_openings_are_checked_without_labels(cell):
     (wire, *_) = cell.context.panel.wires
     component, terminal = wire.goes_to(WireEnd.A)
-    goal = goals.CheckGoal(wire.id, WireEnd.A, component, terminal)
+    goal = CheckGoal(wire.id, WireEnd.A, component, terminal)
     assert not do.do(cell, check_connection, goal).connected
 
 

@@ -8,9 +8,8 @@ import pytest
 from panels import panel
 
 from remodel_sim.physics.plant import SimulatedPlant
-from remodel_skills import goals
-from remodel_skills.abilities.detect_cable import detect_cable
-from remodel_skills.abilities.locate_gearbox_component import locate_gearbox_component
+from remodel_skills.abilities.inspection import LocateGoal, locate_gearbox_component
+from remodel_skills.abilities.picking import DetectGoal, detect_cable
 from remodel_skills.cell import Cell
 from remodel_skills.robot_context import Observers
 from remodel_states.core.codes import Code
@@ -47,11 +46,11 @@ def cell(places):
 
 
 def locate(cell, view):
-    return do.do(cell, locate_gearbox_component, goals.LocateGoal("X1", "1", view))
+    return do.do(cell, locate_gearbox_component, LocateGoal("X1", "1", view))
 
 
 def detect(cell, view):
-    return do.do(cell, detect_cable, goals.DetectGoal("W1", view))
+    return do.do(cell, detect_cable, DetectGoal("W1", view))
 
 
 def taken(places, action):

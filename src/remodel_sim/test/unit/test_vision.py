@@ -7,8 +7,7 @@ import pytest
 from place_wire import do
 
 from remodel_sim.physics.wires.parked_wire import draw_parked
-from remodel_skills.abilities.detect_cable import detect_cable
-from remodel_skills.goals import DetectGoal
+from remodel_skills.abilities.picking import DetectGoal, detect_cable
 from remodel_states.core.codes import Code
 from remodel_vision.wire_ends import find_ends
 from remodel_work.errors import AbilityError

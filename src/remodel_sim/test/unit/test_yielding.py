@@ -7,8 +7,7 @@ from place_wire import do, insert
 
 from remodel_sim.physics.plant import SimulatedPlant
 from remodel_sim.physics.truth import ground_truth
-from remodel_skills import goals
-from remodel_skills.abilities.detect_cable import detect_cable
+from remodel_skills.abilities.picking import DetectGoal, detect_cable
 from remodel_skills.cell import Cell
 from remodel_work.edge.cell_file import read_cell
 from remodel_work.geometry import Pose
@@ -25,7 +24,7 @@ def test_an_end_that_slim_fingers_hold_too_low_or_too_high_is_seated(low_m):
     cell = Cell(SimulatedPlant(panel, design=read_cell("two_arms_formboard"), seed=1))
     key = panel.wire(WIRE).goes_to(WireEnd.A)
     cell.feed(WIRE, "")
-    do(cell, detect_cable, goals.DetectGoal(WIRE))
+    do(cell, detect_cable, DetectGoal(WIRE))
     socket = cell.plant.world_from_socket(*key)
     low = Pose(socket.position - np.array([0.0, 0.0, low_m]), socket.quaternion)
     insert(cell, WIRE, WireEnd.A, *key, low)

@@ -18,8 +18,7 @@ from remodel_skills.device import Plant
 from remodel_skills.edge.cell_memory import CellMemory
 from remodel_skills.edge.collision_check import BulletCollisionCheck
 from remodel_skills.edge.parameter_files import read_parameters
-from remodel_skills.goal_checks import check_hands_empty, check_not_in_cell
-from remodel_skills.goals import find_demand_problems
+from remodel_skills.goal_checks import check_hands_empty, check_not_in_cell, find_demand_problems
 from remodel_skills.robot_context import Observers, RobotContext, Steps, occupy, run
 from remodel_skills.space import Traffic
 from remodel_states.core.codes import Code

@@ -6,12 +6,13 @@ Each raises before anything moves.
 from __future__ import annotations
 
 import math
+from collections.abc import Collection, Iterator, Mapping
 from typing import Any, TypeAlias
 
 import numpy as np
 
 from remodel_skills.belief_state import BeliefState, Grip
-from remodel_skills.parameters import TerminalParameters
+from remodel_skills.parameters import TerminalParameters, ToolParameters
 from remodel_states.core.codes import Code
 from remodel_work.errors import AbilityError
 from remodel_work.geometry import PANEL, WORLD, Pose, wrap_angle
@@ -224,3 +225,33 @@ def pose_from(name: str, message: Message, board: Pose) -> Pose:
     p, q = message.pose.position, message.pose.orientation
     pose = Pose(np.array([p.x, p.y, p.z]), np.array([q.x, q.y, q.z, q.w]))
     return board @ pose if frame == PANEL else pose
+
+
+def find_demand_problems(
+    robots: Collection[str],
+    forces_n: Mapping[str, float],
+    there: Collection[str],
+    tool: ToolParameters,
+) -> Iterator[str]:
+    """Yield why goals of an order would be refused, one sentence each.
+
+    Args:
+        robots: that its goals name.
+        forces_n: the greatest force limit [N] of its goals, by the ability.
+        there: names of the cell's robots.
+        tool: what their grips hold.
+    """
+    for robot in robots:
+        if robot not in there:
+            yield f"the order's goals name robot {robot!r}; the cell has {', '.join(there)}"
+    limits_n = {
+        "InsertCable": tool.grip_holds_n,
+        "PlaceConnector": tool.grip_holds_connector_n,
+    }
+    for ability, force_n in forces_n.items():
+        most_n = limits_n.get(ability, float("inf"))
+        if force_n > most_n:
+            yield (
+                f"the use case has {ability} push with up to {force_n:g} N; this cell's grip "
+                f"holds at most {most_n:g} N"
+            )

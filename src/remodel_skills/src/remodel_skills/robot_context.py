@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Generator, Mapping, Sequence
 from dataclasses import dataclass
-from typing import Protocol, TypeVar
+from typing import TypeVar
 
 import numpy as np
 import numpy.typing as npt
@@ -122,12 +122,6 @@ T = TypeVar("T")
 # An ability is a generator: each `yield` lets the cell advance by one tick; what it returns is its
 # result.
 Steps = Generator[None, None, T]
-
-
-class AbilityResult(Protocol):
-    """What an ability returns: what it did, and fields named as in its action's result."""
-
-    message: str
 
 
 @dataclass

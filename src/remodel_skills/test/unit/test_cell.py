@@ -6,10 +6,9 @@ import pytest
 from panels import panel
 from scripted_device import ScriptedPlant
 
-from remodel_skills.abilities.discard_cable import discard_cable
+from remodel_skills.abilities.extracting import DiscardGoal, discard_cable
 from remodel_skills.belief_state import Grip
 from remodel_skills.cell import Cell
-from remodel_skills.goals import DiscardGoal
 from remodel_states.core.codes import Code
 from remodel_work.errors import AbilityError, PanelError
 from remodel_work.panel import Channel, WireEnd

@@ -3,7 +3,8 @@
 import pytest
 from panels import example
 
-from remodel_skills import goals
+from remodel_skills.abilities.inserting import ConnectGoal, FixGoal, InsertGoal
+from remodel_skills.abilities.inspection import CheckGoal
 from remodel_skills.belief_state import BeliefState, Feed
 from remodel_skills.edge.parameter_files import read_parameters
 from remodel_states.core.codes import Code
@@ -26,7 +27,7 @@ def connection(**changes):
         socket=FACE,
         force_limit=30.0,
     )
-    return goals.ConnectGoal(**{**fields, **changes})
+    return ConnectGoal(**{**fields, **changes})
 
 
 @pytest.mark.parametrize(
@@ -42,7 +43,7 @@ def connection(**changes):
         ),
         (lambda: connection(terminal_id="J2"), Code.INVALID_GOAL, "at the opening of 'U1/J1'"),
         (
-            lambda: goals.InsertGoal(
+            lambda: InsertGoal(
                 robot_name=ROBOT,
                 cable_id="W1",
                 end=WireEnd.A,
@@ -55,7 +56,7 @@ def connection(**changes):
             "place it with PlaceConnector",
         ),
         (
-            lambda: goals.FixGoal(
+            lambda: FixGoal(
                 robot_name=ROBOT,
                 cable_id="W1",
                 component_id="U1",
@@ -65,7 +66,7 @@ def connection(**changes):
             Code.INVALID_GOAL,
             "is a header",
         ),
-        (lambda: goals.CheckGoal("W1", WireEnd.A, "U1", "J1"), Code.INVALID_GOAL, "is a header"),
+        (lambda: CheckGoal("W1", WireEnd.A, "U1", "J1"), Code.INVALID_GOAL, "is a header"),
     ],
 )
 def test_goals_that_cannot_be_done_are_refused_with_the_reason(goal, code, words):

@@ -6,9 +6,8 @@ import pytest
 from panels import with_springs
 from scripted_device import PANEL, PARAMETERS, SOCKET, TERMINAL, before_the_opening
 
-from remodel_skills.abilities.fix_cable import fix_cable
+from remodel_skills.abilities.inserting import FixGoal, fix_cable
 from remodel_skills.belief_state import EndState
-from remodel_skills.goals import FixGoal
 from remodel_skills.primitives.pushing import tool_before
 from remodel_skills.robot_context import run
 from remodel_states.core.codes import Code

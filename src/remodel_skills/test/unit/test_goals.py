@@ -4,7 +4,11 @@ import numpy as np
 import pytest
 from panels import panel, with_springs
 
-from remodel_skills import goals
+from remodel_skills.abilities.extracting import ExtractGoal
+from remodel_skills.abilities.inserting import FixGoal, InsertGoal
+from remodel_skills.abilities.inspection import LocateGoal
+from remodel_skills.abilities.picking import PickGoal, PlaceGoal
+from remodel_skills.abilities.route_wire import RouteGoal
 from remodel_skills.belief_state import NO_CHANNEL, BeliefState, EndState, Feed, Grip
 from remodel_skills.edge.parameter_files import read_parameters
 from remodel_skills.goal_checks import parse_end
@@ -52,7 +56,7 @@ def insertion(**changes):
         socket=SOCKET,
         force_limit=8.0,
     )
-    return goals.InsertGoal(**{**fields, **changes})
+    return InsertGoal(**{**fields, **changes})
 
 
 def pose_with(position=(0.5, 0.0, 0.03), quaternion=(0.0, 0.0, 0.0, 1.0)):
@@ -72,7 +76,7 @@ TILTED = pose_with(quaternion=(0, math.sin(0.4), 0, math.cos(0.4)))
             "length is 0",
         ),
         (lambda: insertion(robot_name=" "), Code.INVALID_GOAL, "robot_name is empty"),
-        (lambda: goals.RouteGoal("robot_1", "W1", ()), Code.INVALID_GOAL, "path is empty"),
+        (lambda: RouteGoal("robot_1", "W1", ()), Code.INVALID_GOAL, "path is empty"),
         (lambda: parse_end("c"), Code.INVALID_GOAL, "'a', 'b'"),
     ],
 )
@@ -89,22 +93,22 @@ def test_a_goal_that_makes_no_sense_is_never_born(make, code, words):
         (insertion(force_limit=-1.0), fed_belief(), Code.INVALID_GOAL, "allowed: 1 to 25 N"),
         (insertion(force_limit=math.inf), fed_belief(), Code.INVALID_GOAL, "force_limit is inf"),
         (insertion(socket=TILTED), fed_belief(), Code.INVALID_GOAL, "tilted"),
-        (goals.PlaceGoal("robot_1", "W1", TILTED), fed_belief(), Code.INVALID_GOAL, "target_pose"),
-        (goals.RouteGoal("robot_1", "W1", (TILTED,)), fed_belief(), Code.INVALID_GOAL, "path.0."),
+        (PlaceGoal("robot_1", "W1", TILTED), fed_belief(), Code.INVALID_GOAL, "target_pose"),
+        (RouteGoal("robot_1", "W1", (TILTED,)), fed_belief(), Code.INVALID_GOAL, "path.0."),
         (
-            goals.ExtractGoal("robot_1", "W1", "X1", "1", TILTED),
+            ExtractGoal("robot_1", "W1", "X1", "1", TILTED),
             fed_belief(),
             Code.INVALID_GOAL,
             "socket_pose",
         ),
         (
-            goals.PickGoal("robot_1", "W1", WireEnd.A, 0.5),
+            PickGoal("robot_1", "W1", WireEnd.A, 0.5),
             fed_belief(),
             Code.INVALID_GOAL,
             "grasp_distance is 0.5 m; allowed: 0.02 to 0.08 m",
         ),
         (
-            goals.FixGoal("robot_1", "W1", "X1", "1", pull_test_force=-0.1),
+            FixGoal("robot_1", "W1", "X1", "1", pull_test_force=-0.1),
             fed_belief(),
             Code.INVALID_GOAL,
             "pull_test_force",
@@ -117,7 +121,7 @@ def test_a_goal_that_makes_no_sense_is_never_born(make, code, words):
         (insertion(terminal_id="2", component_id="X2"), fed_belief(), Code.INVALID_GOAL, "locate"),
         (insertion(), holding(WireEnd.B), Code.OTHER_CABLE_HELD, "end b"),
         (
-            goals.FixGoal(
+            FixGoal(
                 robot_name="robot_1",
                 cable_id="W1",
                 component_id="X1",
@@ -129,18 +133,18 @@ def test_a_goal_that_makes_no_sense_is_never_born(make, code, words):
             "pick",
         ),
         (
-            goals.RouteGoal("robot_1", "W1", (pose_with((1.5, 0, 0.1)),)),
+            RouteGoal("robot_1", "W1", (pose_with((1.5, 0, 0.1)),)),
             holding(WireEnd.A),
             Code.UNREACHABLE,
             "no arm posture",
         ),
         (
-            goals.PickGoal("robot_1", "W1", WireEnd.B, 0.0),
+            PickGoal("robot_1", "W1", WireEnd.B, 0.0),
             holding(WireEnd.A),
             Code.OTHER_CABLE_HELD,
             "end a",
         ),
-        (goals.LocateGoal("X9", ""), BeliefState(), Code.UNKNOWN_NAME, "X1"),
+        (LocateGoal("X9", ""), BeliefState(), Code.UNKNOWN_NAME, "X1"),
     ],
 )
 def test_a_goal_that_the_cell_cannot_take_is_refused(goal, belief, code, words):
@@ -153,16 +157,16 @@ def test_an_end_in_another_robots_hand_is_left_there():
     belief = holding(WireEnd.A)
     other = belief.beside("robot_2", belief.arm)
     assert other.grip is None
-    for goal in (goals.PickGoal("robot_2", "W1", WireEnd.A, 0.0), insertion(robot_name="robot_2")):
+    for goal in (PickGoal("robot_2", "W1", WireEnd.A, 0.0), insertion(robot_name="robot_2")):
         with pytest.raises(AbilityError, match="robot_1 holds end a") as caught:
             goal.check(panel(), other, PARAMETERS)
         assert caught.value.code is Code.OTHER_CABLE_HELD
-    goals.PickGoal("robot_2", "W1", WireEnd.B, 0.0).check(panel(), other, PARAMETERS)
+    PickGoal("robot_2", "W1", WireEnd.B, 0.0).check(panel(), other, PARAMETERS)
 
 
 def test_an_end_from_the_magazine_is_laid_down_wherever_the_goal_says():
     belief = holding(WireEnd.A)
-    goal = goals.PlaceGoal("robot_1", "W1", pose_with((1.5, 0, 0.1)))
+    goal = PlaceGoal("robot_1", "W1", pose_with((1.5, 0, 0.1)))
     with pytest.raises(AbilityError, match="no arm posture"):
         goal.check(panel(), belief, PARAMETERS)
     belief.feed = Feed("W1", NO_CHANNEL, 1)
@@ -221,4 +225,4 @@ def test_an_end_in_a_terminal_is_extracted_first():
 def test_good_goals_pass():
     insertion().check(panel(), fed_belief(), PARAMETERS)
     insertion().check(panel(), holding(WireEnd.A), PARAMETERS)
-    goals.LocateGoal("X2", "2").check(panel(), BeliefState(), PARAMETERS)
+    LocateGoal("X2", "2").check(panel(), BeliefState(), PARAMETERS)

@@ -9,10 +9,9 @@ from drawn import along
 from panels import component, example, moved_onto, panel
 from scripted_device import ScriptedPlant
 
-from remodel_skills.abilities.locate_gearbox_component import locate_gearbox_component
+from remodel_skills.abilities.inspection import LocateGoal, locate_gearbox_component
 from remodel_skills.belief_state import NO_CHANNEL, BeliefState, Feed
 from remodel_skills.cell import Cell
-from remodel_skills.goals import LocateGoal
 from remodel_skills.primitives.observation.checks import inspect_ducts
 from remodel_skills.robot_context import Cameras, Observers
 from remodel_vision.panel_pose import register_panel

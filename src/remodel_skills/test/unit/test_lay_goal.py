@@ -3,9 +3,9 @@ import dataclasses
 import pytest
 from panels import panel
 
+from remodel_skills.abilities.lay_wire import LayGoal
 from remodel_skills.belief_state import BeliefState, EndState, Feed, Grip
 from remodel_skills.edge.parameter_files import read_parameters
-from remodel_skills.goals import LayGoal
 from remodel_states.core.codes import Code
 from remodel_work.errors import AbilityError
 from remodel_work.panel import WireEnd

@@ -7,9 +7,8 @@ import pytest
 from laid_wires import HOUSEHOLD, ROUTE, WIRE, laid, led
 from scripted_device import PARAMETERS
 
-from remodel_skills.abilities.lay_wire import draw_straight, lay_wire
+from remodel_skills.abilities.lay_wire import LayGoal, draw_straight, lay_wire
 from remodel_skills.belief_state import EndState, Grip
-from remodel_skills.goals import LayGoal
 from remodel_skills.motion import Line
 from remodel_skills.primitives.together import flat_hold, hold_off, least_gap
 from remodel_states.core.codes import Code

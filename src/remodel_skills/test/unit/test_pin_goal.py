@@ -5,9 +5,9 @@ import numpy as np
 import pytest
 from panels import panel
 
+from remodel_skills.abilities.place_pin import PlacePinGoal, pin_row
 from remodel_skills.belief_state import BeliefState, EndState, Feed
 from remodel_skills.edge.parameter_files import read_parameters
-from remodel_skills.goals import PlacePinGoal, pin_row
 from remodel_states.core.codes import Code
 from remodel_work.errors import AbilityError
 from remodel_work.panel import BOARD, WireEnd

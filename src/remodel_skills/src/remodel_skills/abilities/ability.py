@@ -1,8 +1,8 @@
 """What makes a function an ability of the cell.
 
-A module directly in this folder becomes one by the decorator:
+A function in a module directly in this folder becomes one by the decorator:
 
-    @ability("PickCable", _goal)
+    @ability("PickCable", _pick_goal)
     def pick_cable(context: RobotContext, goal: PickGoal) -> Steps[CablePicked]:
 
 The name is that of the action, and of the row in the table of abilities. The goal's class checks
@@ -15,14 +15,40 @@ import pkgutil
 from collections.abc import Callable
 from dataclasses import dataclass
 from importlib import import_module
-from typing import Any, TypeVar
+from typing import Any, Protocol, TypeVar
 
 from remodel_skills import abilities
+from remodel_skills.belief_state import BeliefState
+from remodel_skills.parameters import Parameters
 from remodel_work.geometry import Pose
+from remodel_work.panel import Panel
 
 Function = TypeVar("Function", bound=Callable[..., Any])
 
 _MARK = "ability_of_the_cell"
+
+
+class Goal(Protocol):
+    """What an ability is asked for, valid from birth."""
+
+    def check(self, panel: Panel, belief: BeliefState, parameters: Parameters) -> None:
+        """Raise AbilityError when the cell cannot take the goal as it is now.
+
+        Whatever raises here is found before anything moves.
+        """
+
+
+class AbilityResult(Protocol):
+    """What an ability returns: what it did, and fields named as in its action's result."""
+
+    message: str
+
+
+@dataclass(frozen=True)
+class Done:
+    """What an ability returns that reports nothing but a message, for a person."""
+
+    message: str
 
 
 @dataclass(frozen=True)

@@ -9,28 +9,36 @@ InsertCable has inserted the free end; FixCable then inspects the ducts.
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, replace
 from functools import partial
-from itertools import pairwise
 
 import numpy as np
 
 from remodel_skills.abilities.ability import ability
-from remodel_skills.belief_state import EndState
-from remodel_skills.goal_checks import Message
-from remodel_skills.goals import LayGoal
-from remodel_skills.parameters import FixtureParameters
+from remodel_skills.belief_state import BeliefState, EndState
+from remodel_skills.goal_checks import (
+    Message,
+    check_held,
+    check_live,
+    require,
+    require_robot,
+)
+from remodel_skills.parameters import (
+    Parameters,
+)
 from remodel_skills.primitives.force_motion import ForceMotion
 from remodel_skills.primitives.grasping import check_grip, inside_terminal
 from remodel_skills.primitives.in_ducts import (
     AMONG_WIRES,
+    LedPlace,
     behind_hand,
     eyelet_yaw,
     keep_in_duct,
     keeps_room,
+    last_turn,
     lowest,
+    places_along,
     withdraw,
 )
 from remodel_skills.primitives.motions import move_to, wait
@@ -50,9 +58,74 @@ from remodel_vision.laid_wire import Passing, WireLines, uppermost_past
 from remodel_work.camera import Picture
 from remodel_work.errors import AbilityError
 from remodel_work.geometry import Array, Pose, wrap_angle
-from remodel_work.panel import Duct, WireEnd, unit_x
+from remodel_work.panel import Duct, Panel, PanelWire, WireEnd, unit_x
 from remodel_work.robot.arm import ToolPose
 from remodel_work.routes import slot_before
+
+
+@dataclass(frozen=True)
+class LayGoal:
+    """Lead the live wire into the ducts of its route.
+
+    Attributes:
+        robot_name: of the robot that holds the free end.
+        guide_name: of the robot that leads the wire.
+        cable_id: the wire.
+    """
+
+    robot_name: str
+    guide_name: str
+    cable_id: str
+
+    def __post_init__(self) -> None:
+        """Refuse unknown robots, and one robot twice."""
+        require_robot(self.robot_name)
+        require(bool(self.guide_name.strip()), "guide_name is empty; it must name a second robot")
+        require(
+            self.robot_name != self.guide_name,
+            f"robot_name and guide_name are both {self.robot_name!r}; it takes two robots",
+        )
+
+    def check(self, panel: Panel, belief: BeliefState, parameters: Parameters) -> None:
+        """Raise when a robot cannot do its part; asked for each of the two."""
+        check_live(self.cable_id, panel, belief)
+        wire = panel.wire(self.cable_id)
+        require(
+            bool(wire.ducts),
+            f"the route of {wire.id!r} passes no duct; carry it with RouteWire",
+        )
+        free = _free_end(wire, belief)
+        if belief.robot == self.guide_name:
+            _check_guide(belief)
+        else:
+            check_held(belief, free)
+
+
+def _free_end(wire: PanelWire, belief: BeliefState) -> WireEnd:
+    """Return the loose end of a wire; raises unless the other one is fixed."""
+    loose = [end for end, state in belief.ends.items() if state is EndState.LOOSE]
+    require(
+        len(loose) == 1 and belief.ends[loose[0].other] is EndState.FIXED,
+        f"of {wire.id!r}, end a is {belief.ends[WireEnd.A].value} and end b is "
+        f"{belief.ends[WireEnd.B].value}; one must be fixed and the other one loose",
+    )
+    return loose[0]
+
+
+def _check_guide(belief: BeliefState) -> None:
+    """Raise unless the hand is empty and has an eyelet."""
+    if belief.grip is not None:
+        raise AbilityError(
+            Code.OTHER_CABLE_HELD,
+            f"{belief.robot}, which leads the wire, holds end {belief.grip.end.value}; place it "
+            "first",
+        )
+    fingers = belief.arm.fingers
+    require(
+        fingers.eyelet is not None,
+        f"the fingers of {belief.robot}, {fingers.name!r}, have no eyelet; lead wires with a "
+        "robot whose fingers have one",
+    )
 
 
 @dataclass(frozen=True)
@@ -121,7 +194,7 @@ def _lead(holder: RobotContext, guide: RobotContext, route: list[Array]) -> Step
         for at in route[1:-1]
     ]
     led = [at + d for at, d in zip(route[1:-1], depths, strict=True)]
-    places = list(_places_along(led, fixture))
+    places = list(places_along(led, fixture))
     over = _rim(guide, route[1]) + fixture.duct_over_rim_m
     places.insert(0, replace(places[0], at=np.array([*places[0].at[:2], over])))
     guide.report("searching for the wire at its slot", 0.2)
@@ -179,7 +252,7 @@ def _lead(holder: RobotContext, guide: RobotContext, route: list[Array]) -> Step
         check_grip(holder)
         here, yaw = target.at, target.yaw
     # A wire that is pulled upwards would leave its ducts.
-    risen = yield from _loosen(holder, guide, target, left, _last_turn(places))
+    risen = yield from _loosen(holder, guide, target, left, last_turn(places))
     corner, slot = route[-3], route[-2]
     if keeps_room(guide, corner, slot):
         guide.report("keeping the wire in its duct", 0.95)
@@ -190,7 +263,7 @@ def _lead(holder: RobotContext, guide: RobotContext, route: list[Array]) -> Step
     return peak
 
 
-def _last(guide: RobotContext, place: _Place, here: Array, left: float) -> _Place:
+def _last(guide: RobotContext, place: LedPlace, here: Array, left: float) -> LedPlace:
     """Return where the leading hand releases the wire: at the last slot, or before it.
 
     Args:
@@ -217,50 +290,6 @@ def _outside(duct: Duct, place: Array) -> float:
     """Return how far a point (3,) is outside a duct [m], panel frame."""
     along, across = np.abs(duct.panel_from_duct.inverse().apply(place)[:2])
     return float(max(along - duct.length / 2, across - duct.width / 2))
-
-
-@dataclass(frozen=True)
-class _Place:
-    """Where the leading hand goes.
-
-    Attributes:
-        at: of the eyelet's middle, (3,) [m], world frame.
-        heading: in which the wire goes on [rad].
-        yaw: in which the eyelet looks [rad].
-    """
-
-    at: Array
-    heading: float
-    yaw: float
-
-
-def _places_along(points: list[Array], fixture: FixtureParameters) -> Iterator[_Place]:
-    """Yield where the leading hand goes along a polyline, (3,) each [m].
-
-    The eyelet turns later than the way does: it looks along the wire that lies behind it, which
-    would be kinked between its edges otherwise.
-    """
-    legs = [(a, b - a) for a, b in pairwise(points) if float(np.linalg.norm((b - a)[:2])) > 1e-3]
-    headings = [math.atan2(leg[1], leg[0]) for _, leg in legs]
-    lengths = [float(np.linalg.norm(leg)) for _, leg in legs]
-    units = [leg / length for (_, leg), length in zip(legs, lengths, strict=True)]
-    cuts = [
-        unit * min(length / 2, fixture.duct_corner_m)
-        for unit, length in zip(units, lengths, strict=True)
-    ]
-    yield _Place(legs[0][0] + cuts[0], headings[0], headings[0])
-    for i in range(1, len(legs)):
-        corner, last = legs[i][0], headings[i - 1]
-        turn = float(wrap_angle(headings[i] - last))
-        yield _Place(corner - cuts[i - 1], last, last)
-        yield _Place(corner - cuts[i - 1], last + turn / 4, last)
-        middle = corner + (cuts[i] - cuts[i - 1]) / 4
-        yield _Place(middle, last + turn / 2, last + fixture.duct_turned_shares[0] * turn)
-        yield _Place(middle, last + 3 * turn / 4, last + fixture.duct_turned_shares[0] * turn)
-        yield _Place(corner + cuts[i], headings[i], last + fixture.duct_turned_shares[1] * turn)
-        after = corner + units[i] * min(lengths[i] / 2, fixture.duct_straight_again_m)
-        yield _Place(after, headings[i], headings[i])
-    yield _Place(points[-1], headings[-1], headings[-1])
 
 
 def _find(
@@ -374,7 +403,12 @@ def _check_closed(guide: RobotContext) -> None:
 
 
 def _bring(
-    holder: RobotContext, guide: RobotContext, place: _Place, turn: float, left: float, free: Array
+    holder: RobotContext,
+    guide: RobotContext,
+    place: LedPlace,
+    turn: float,
+    left: float,
+    free: Array,
 ) -> Steps[float]:
     """Lead the wire to a place and heading; the holder keeps `left` [m] of it off the board.
 
@@ -404,7 +438,7 @@ def _bring(
 def _lead_to(
     holder: RobotContext,
     guide: RobotContext,
-    place: _Place,
+    place: LedPlace,
     tool: ToolPose,
     left: float,
     free: Array,
@@ -417,14 +451,8 @@ def _lead_to(
     return peak
 
 
-def _last_turn(places: Sequence[_Place]) -> float:
-    """Return by how much the way turns at its last corner [rad], positive to the left."""
-    turns = [float(wrap_angle(b.heading - a.heading)) for a, b in pairwise(places)]
-    return next((turn for turn in reversed(turns) if abs(turn) > 1e-6), 0.0)
-
-
 def _loosen(
-    holder: RobotContext, guide: RobotContext, place: _Place, left: float, turn: float
+    holder: RobotContext, guide: RobotContext, place: LedPlace, left: float, turn: float
 ) -> Steps[ToolPose]:
     """Give the free part of the wire slack; return where the leading hand has room to rise to.
 

@@ -12,10 +12,15 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from remodel_skills.abilities.ability import ability
-from remodel_skills.belief_state import Grip
-from remodel_skills.goal_checks import Message
-from remodel_skills.goals import PlacePinGoal, pin_row
+from remodel_skills.abilities.ability import Done, ability
+from remodel_skills.belief_state import BeliefState, EndState, Grip
+from remodel_skills.goal_checks import (
+    Message,
+    check_reach,
+    require,
+    require_number,
+)
+from remodel_skills.parameters import Parameters
 from remodel_skills.primitives.force_motion import ForceMotion
 from remodel_skills.primitives.grasping import check_grip, pick_end, release
 from remodel_skills.primitives.motions import disengage, park, rise, wait
@@ -32,19 +37,104 @@ from remodel_vision.colour import ORANGE, Drawing
 from remodel_vision.wire_ends import line_from
 from remodel_work.errors import AbilityError
 from remodel_work.geometry import Array, Pose
-from remodel_work.panel import WireEnd
+from remodel_work.layout import GRASP_DISTANCE_M
+from remodel_work.panel import Panel, PanelWire, WireEnd
 from remodel_work.robot.arm import ToolPose
 
 
 @dataclass(frozen=True)
-class PinPlaced:
-    """A wire laid between two connectors.
+class PlacePinGoal:
+    """Lay the live wire's two pins at two connectors, with two robots.
 
-    Attributes:
-        message: for a person.
+    The wire's pins are its two ferrules. They go to two neighbouring connectors, `connector_space`
+    apart; poses of the path lie between them, `path_space` apart from the first connector on. The
+    row runs along the panel's x axis, or along y when it is rotated, from the panel's origin, or
+    with its middle there when it is centered.
     """
 
-    message: str
+    robot_1: str
+    robot_2: str
+    path_space: float
+    connector_space: float
+    centered: bool
+    rotate: bool
+    show_in_tf: bool
+
+    def __post_init__(self) -> None:
+        """Refuse one robot twice."""
+        require(
+            self.robot_1 != self.robot_2,
+            f"robot_1_name and robot_2_name are both {self.robot_1!r}; it takes two robots",
+        )
+
+    def check(self, panel: Panel, belief: BeliefState, parameters: Parameters) -> None:
+        """Raise when a robot cannot lay the live wire there; asked for each of the two."""
+        wires = parameters.wire
+        require_number("path_space", self.path_space, *wires.path_space_range_m, "m")
+        require_number("connector_space", self.connector_space, *wires.connector_space_range_m, "m")
+        require(
+            self.path_space <= self.connector_space,
+            f"path_space is {self.path_space:g} m; allowed: up to connector_space, "
+            f"{self.connector_space:g} m",
+        )
+        if belief.feed is None:
+            raise AbilityError(Code.WIRE_NOT_FED, "no wire has been fed; feed one first")
+        wire = panel.wire(belief.feed.wire_id)
+        for end, state in belief.ends.items():
+            if state is not EndState.LOOSE:
+                raise AbilityError(
+                    Code.INVALID_GOAL,
+                    f"end {end.value} of {wire.id!r} is {state.value} in a terminal; extract it "
+                    "first",
+                )
+        self._check_length(wire, wires.pin_slack_range_m)
+        for name, pose in pin_row(self, wire, panel).items():
+            self._check_place(name, pose, panel, parameters.tool.finger_room_m)
+            if name.startswith("pin"):
+                x, y, z = (float(v) for v in pose.position - pose.rotation[:, 0] * GRASP_DISTANCE_M)
+                check_reach(belief.arm, ToolPose(x, y, z, pose.yaw))
+
+    def _check_length(self, wire: PanelWire, slacks: tuple[float, float]) -> None:
+        least, most = (round(wire.length - slack, 4) for slack in reversed(slacks))
+        require(
+            least <= self.connector_space <= most,
+            f"connector_space is {self.connector_space:g} m; {wire.id!r} is {wire.length:g} m "
+            f"long, allowed: {least:g} to {most:g} m",
+        )
+
+    def _check_place(self, name: str, pose: Pose, panel: Panel, room_m: float) -> None:
+        x, y, _ = (float(v) for v in panel.world_from_panel.inverse().apply(pose.position))
+        require(
+            abs(x) <= panel.size[0] / 2 and abs(y) <= panel.size[1] / 2,
+            f"{name} would lie beyond the plate, at x {x:.3f}, y {y:.3f} m; allowed: "
+            f"{panel.size[0] / 2:g} and {panel.size[1] / 2:g} m; rotate or center the row",
+        )
+        for component in panel.components:
+            local = component.panel_from_component.inverse().apply(np.array([x, y, 0.0]))
+            beside = np.abs(local[:2]) - np.array(component.size[:2]) / 2
+            require(
+                float(beside.max()) > room_m,
+                f"{name} would lie at x {x:.3f}, y {y:.3f} m of the panel, nearer than "
+                f"{room_m * 1e3:.0f} mm to component {component.id!r}; rotate or center the row",
+            )
+
+
+def pin_row(goal: PlacePinGoal, wire: PanelWire, panel: Panel) -> dict[str, Pose]:
+    """Return the poses by name, in the world: pin_1, path_1 to path_n, pin_2.
+
+    The pins' x axes point out of the wire, those of the path from the first pin to the second.
+    """
+    start = -goal.connector_space / 2 if goal.centered else 0.0
+    axis = np.array([0.0, 1.0, 0.0]) if goal.rotate else np.array([1.0, 0.0, 0.0])
+    yaw = math.pi / 2 if goal.rotate else 0.0
+
+    def at(along: float, turn: float = 0.0) -> Pose:
+        place: Array = (start + along) * axis
+        return panel.world_from_panel @ Pose.level(place[0], place[1], wire.radius, yaw + turn)
+
+    between = math.ceil(goal.connector_space / goal.path_space - 1e-9) - 1
+    path = {f"path_{k}": at(k * goal.path_space) for k in range(1, between + 1)}
+    return {"pin_1": at(0.0, math.pi), **path, "pin_2": at(goal.connector_space)}
 
 
 @dataclass(frozen=True)
@@ -69,7 +159,7 @@ def _goal(message: Message, board: Pose) -> PlacePinGoal:
 
 
 @ability("PlacePin", _goal)
-def place_pin(one: RobotContext, two: RobotContext, goal: PlacePinGoal) -> Steps[PinPlaced]:
+def place_pin(one: RobotContext, two: RobotContext, goal: PlacePinGoal) -> Steps[Done]:
     """Pick both ends, carry them together, lay them down together, and observe them."""
     motion = one.parameters.motion
     row = pin_row(goal, one.wire, one.panel)
@@ -101,7 +191,7 @@ def place_pin(one: RobotContext, two: RobotContext, goal: PlacePinGoal) -> Steps
     yield from concurrently(park(one), park(two))
     above = yield from observe_from_above(one)
     worst = _judge(one, above, hands, row)
-    return PinPlaced(
+    return Done(
         f"pins of {one.wire.id} lie {goal.connector_space * 1e3:.0f} mm apart, within "
         f"{worst * 1e3:.1f} mm of their places"
     )

@@ -7,9 +7,19 @@ from dataclasses import dataclass
 import numpy as np
 
 from remodel_skills.abilities.ability import ability
-from remodel_skills.belief_state import Grip
-from remodel_skills.goal_checks import Message, check_held, pose_from
-from remodel_skills.goals import RouteGoal
+from remodel_skills.belief_state import BeliefState, EndState, Grip
+from remodel_skills.goal_checks import (
+    Message,
+    check_held,
+    check_live,
+    check_tool_path,
+    pose_from,
+    require,
+    require_level,
+    require_pose,
+    require_robot,
+)
+from remodel_skills.parameters import Parameters
 from remodel_skills.primitives.carrying import carry, lay_down
 from remodel_skills.primitives.clips_and_forks import lay_into, let_into_forks, press_around
 from remodel_skills.primitives.grasping import check_grip
@@ -22,10 +32,50 @@ from remodel_skills.primitives.observation.checks import (
     observe_route,
 )
 from remodel_skills.robot_context import RobotContext, Steps
+from remodel_states.core.codes import Code
 from remodel_work.errors import AbilityError
 from remodel_work.geometry import Array, Pose
-from remodel_work.panel import PanelClip
+from remodel_work.panel import Panel, PanelClip
 from remodel_work.routes import clips_along, opening_of, world_from_clip
+
+
+@dataclass(frozen=True)
+class RouteGoal:
+    """Carry the held end along poses of the tool centre, x along the wire towards the tip.
+
+    Or lay the wire into the clips that the path passes.
+    """
+
+    robot_name: str
+    cable_id: str
+    path: tuple[Pose, ...]
+
+    def __post_init__(self) -> None:
+        """Refuse unknown robots, an empty path and poses that are none."""
+        require_robot(self.robot_name)
+        require(bool(self.path), "path is empty; it must have one pose or more")
+        for i, pose in enumerate(self.path):
+            require_pose(f"path[{i}]", pose)
+
+    def check(self, panel: Panel, belief: BeliefState, parameters: Parameters) -> None:
+        """Raise when nothing is held, or a pose is not level or out of reach."""
+        for i, pose in enumerate(self.path):
+            require_level(f"path[{i}]", pose, parameters.terminal.level_rad)
+        check_live(self.cable_id, panel, belief)
+        check_held(belief)
+        check_tool_path(self.path, belief)
+        clips = clips_along(self.path, panel)
+        if (
+            clips
+            and belief.grip is not None
+            and belief.ends[belief.grip.end.other] is EndState.LOOSE
+        ):
+            other = belief.grip.end.other.value
+            raise AbilityError(
+                Code.INVALID_GOAL,
+                f"the path passes clips {', '.join(clip.id for clip in clips)}, and end {other} of "
+                f"{self.cable_id!r} is loose; insert and fix it first",
+            )
 
 
 @dataclass(frozen=True)

@@ -11,6 +11,7 @@ from itertools import pairwise
 
 import numpy as np
 
+from remodel_skills.parameters import FixtureParameters
 from remodel_skills.primitives.grasping import grips_nothing, open_fingers
 from remodel_skills.primitives.motions import is_free, move_to, straight_line, wait
 from remodel_skills.primitives.observation.checks import Inspection, inspect_ducts
@@ -24,6 +25,56 @@ from remodel_work.robot.arm import ToolPose
 
 # A leading hand goes among other wires, which yield.
 AMONG_WIRES = frozenset({WIRES})
+
+
+@dataclass(frozen=True)
+class LedPlace:
+    """Where the leading hand goes.
+
+    Attributes:
+        at: of the eyelet's middle, (3,) [m], world frame.
+        heading: in which the wire goes on [rad].
+        yaw: in which the eyelet looks [rad].
+    """
+
+    at: Array
+    heading: float
+    yaw: float
+
+
+def places_along(points: list[Array], fixture: FixtureParameters) -> Iterator[LedPlace]:
+    """Yield where the leading hand goes along a polyline, (3,) each [m].
+
+    The eyelet turns later than the way does: it looks along the wire that lies behind it, which
+    would be kinked between its edges otherwise.
+    """
+    legs = [(a, b - a) for a, b in pairwise(points) if float(np.linalg.norm((b - a)[:2])) > 1e-3]
+    headings = [math.atan2(leg[1], leg[0]) for _, leg in legs]
+    lengths = [float(np.linalg.norm(leg)) for _, leg in legs]
+    units = [leg / length for (_, leg), length in zip(legs, lengths, strict=True)]
+    cuts = [
+        unit * min(length / 2, fixture.duct_corner_m)
+        for unit, length in zip(units, lengths, strict=True)
+    ]
+    yield LedPlace(legs[0][0] + cuts[0], headings[0], headings[0])
+    for i in range(1, len(legs)):
+        corner, last = legs[i][0], headings[i - 1]
+        turn = float(wrap_angle(headings[i] - last))
+        yield LedPlace(corner - cuts[i - 1], last, last)
+        yield LedPlace(corner - cuts[i - 1], last + turn / 4, last)
+        middle = corner + (cuts[i] - cuts[i - 1]) / 4
+        yield LedPlace(middle, last + turn / 2, last + fixture.duct_turned_shares[0] * turn)
+        yield LedPlace(middle, last + 3 * turn / 4, last + fixture.duct_turned_shares[0] * turn)
+        yield LedPlace(corner + cuts[i], headings[i], last + fixture.duct_turned_shares[1] * turn)
+        after = corner + units[i] * min(lengths[i] / 2, fixture.duct_straight_again_m)
+        yield LedPlace(after, headings[i], headings[i])
+    yield LedPlace(points[-1], headings[-1], headings[-1])
+
+
+def last_turn(places: Sequence[LedPlace]) -> float:
+    """Return by how much the way turns at its last corner [rad], positive to the left."""
+    turns = [float(wrap_angle(b.heading - a.heading)) for a, b in pairwise(places)]
+    return next((turn for turn in reversed(turns) if abs(turn) > 1e-6), 0.0)
 
 
 def keeps_room(guide: RobotContext, corner: Array, slot: Array) -> bool:

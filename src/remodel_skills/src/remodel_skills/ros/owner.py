@@ -21,11 +21,10 @@ from genpy import Message
 from geometry_msgs.msg import Point, PoseStamped, Quaternion
 from remodel_msgs.msg import CableObservation
 
-from remodel_skills.abilities.ability import CellAbility
-from remodel_skills.abilities.detect_cable import CableDetected
+from remodel_skills.abilities.ability import AbilityResult, CellAbility, Goal
+from remodel_skills.abilities.picking import CableDetected
 from remodel_skills.cell import Cell
-from remodel_skills.goals import Goal
-from remodel_skills.robot_context import AbilityResult, RobotContext, occupy
+from remodel_skills.robot_context import RobotContext, occupy
 from remodel_states.core import ability_error
 from remodel_states.core.codes import Code
 from remodel_states.serving import RunningGoal

@@ -13,9 +13,8 @@ from genpy import Message
 from remodel_msgs import srv
 from std_srvs.srv import Trigger, TriggerRequest, TriggerResponse
 
-from remodel_skills.abilities.ability import CellAbility
+from remodel_skills.abilities.ability import CellAbility, Goal
 from remodel_skills.goal_checks import require, require_number
-from remodel_skills.goals import Goal
 from remodel_skills.robot_context import RobotContext
 from remodel_skills.ros.owner import Job, Owner
 from remodel_states.ability_server import AbilityServer, Host

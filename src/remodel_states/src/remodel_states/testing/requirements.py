@@ -1,6 +1,6 @@
 """What each ability asks of the world before it moves.
 
-The answers are those of the simulated cell (remodel_skills.goals); reach is left out. A check
+The answers are those of the simulated cell (remodel_skills.abilities); reach is left out. A check
 raises AbilityError unless a cell can take a goal as the world is.
 """
 

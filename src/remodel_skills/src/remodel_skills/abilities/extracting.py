@@ -1,4 +1,8 @@
-"""ExtractCable: open the terminal, pull the wire's end out, and lay it down in its channel."""
+"""Wires are taken off the panel again: ExtractCable, DiscardCable.
+
+ExtractCable opens the terminal, pulls the wire's end out, and lays it down in its channel.
+DiscardCable releases a wire's connected ends, and drops the wire into the scrap bin.
+"""
 
 from __future__ import annotations
 
@@ -7,28 +11,66 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from remodel_skills.abilities.ability import ability
-from remodel_skills.belief_state import EndState, Grip
-from remodel_skills.goal_checks import Message, pose_from
-from remodel_skills.goals import ExtractGoal
-from remodel_skills.primitives.carrying import lay_down, let_down, tip_of
+from remodel_skills.abilities.ability import Done, ability
+from remodel_skills.abilities.inspection import LocateGoal, locate_gearbox_component
+from remodel_skills.belief_state import BeliefState, EndState, Grip
+from remodel_skills.goal_checks import (
+    Message,
+    check_hands_empty,
+    check_held,
+    check_live,
+    check_socket,
+    pose_from,
+    require_level,
+    require_pose,
+    require_robot,
+)
+from remodel_skills.parameters import Parameters
+from remodel_skills.primitives.carrying import drop_into_bin, lay_down, let_down, lift_out, tip_of
 from remodel_skills.primitives.force_motion import pull_out
 from remodel_skills.primitives.grasping import (
     close_on_wire,
     grasp_distance,
     holds,
     opening_beside_neighbours,
+    pick_end,
 )
 from remodel_skills.primitives.in_ducts import let_go
 from remodel_skills.primitives.motions import choose_flip, clear_hand, move_to, swing_to
-from remodel_skills.primitives.picking_up import take_up
+from remodel_skills.primitives.observation.observing import loose_ends
+from remodel_skills.primitives.picking_up import pick_up, take_up
 from remodel_skills.primitives.pushing import tool_before
 from remodel_skills.robot_context import RobotContext, Steps
 from remodel_states.core.codes import Code
+from remodel_work.cell.cell_design import bin_of
 from remodel_work.errors import AbilityError
 from remodel_work.geometry import Pose
-from remodel_work.panel import WireEnd
+from remodel_work.panel import Panel, WireEnd
 from remodel_work.robot.arm import ToolPose
+from remodel_work.routes import TerminalKey, nearest_terminal, opening_of
+
+
+@dataclass(frozen=True)
+class ExtractGoal:
+    """Pull a wire's end out of the terminal whose opening is at `socket`, x into it."""
+
+    robot_name: str
+    cable_id: str
+    component_id: str
+    terminal_id: str
+    socket: Pose
+
+    def __post_init__(self) -> None:
+        """Refuse unknown robots and poses that are none."""
+        require_robot(self.robot_name)
+        require_pose("socket_pose", self.socket)
+
+    def check(self, panel: Panel, belief: BeliefState, parameters: Parameters) -> None:
+        """Raise when the wire or the socket is not there."""
+        terminal = parameters.terminal
+        require_level("socket_pose", self.socket, terminal.level_rad)
+        check_live(self.cable_id, panel, belief)
+        check_socket((self.component_id, self.terminal_id), self.socket, panel, belief, terminal)
 
 
 @dataclass(frozen=True)
@@ -44,7 +86,7 @@ class CableExtracted:
     peak_force: float
 
 
-def _goal(message: Message, board: Pose) -> ExtractGoal:
+def _extract_goal(message: Message, board: Pose) -> ExtractGoal:
     return ExtractGoal(
         robot_name=message.robot_name,
         cable_id=message.cable_id,
@@ -54,7 +96,7 @@ def _goal(message: Message, board: Pose) -> ExtractGoal:
     )
 
 
-@ability("ExtractCable", _goal)
+@ability("ExtractCable", _extract_goal)
 def extract_cable(context: RobotContext, goal: ExtractGoal) -> Steps[CableExtracted]:
     """Bring the wire back to where its end lies loose in the channel, from wherever it is."""
     end, peak = yield from draw_out(context, goal)
@@ -184,3 +226,118 @@ def _grasp_at_opening(
     )
     context.belief.picked_at[end] = picked
     context.belief.engaged = socket
+
+
+@dataclass(frozen=True)
+class DiscardGoal:
+    """Take a wire off the panel; an empty `cable_id` means the one in the hand."""
+
+    robot_name: str
+    cable_id: str
+
+    def __post_init__(self) -> None:
+        """Refuse unknown robots."""
+        require_robot(self.robot_name)
+
+    def check(self, panel: Panel, belief: BeliefState, parameters: Parameters) -> None:
+        """Raise when nothing is held, or a hand holds what it must place first."""
+        if not self.cable_id:
+            check_held(belief)
+        elif panel.wire(self.cable_id).id not in belief.fed:
+            return  # there is nothing to discard
+        if belief.feed is not None and self.cable_id not in ("", belief.feed.wire_id):
+            check_hands_empty(belief)
+        for robot, grip in belief.hands.items():
+            if robot != belief.robot:
+                raise AbilityError(
+                    Code.OTHER_CABLE_HELD,
+                    f"{robot} holds end {grip.end.value}; have it placed first",
+                )
+
+
+def _discard_goal(message: Message, board: Pose) -> DiscardGoal:
+    return DiscardGoal(message.robot_name, message.cable_id)
+
+
+@ability("DiscardCable", _discard_goal)
+def discard_cable(context: RobotContext, goal: DiscardGoal) -> Steps[Done]:
+    """Take the live wire, or one that was parked, off the panel, whatever holds it there."""
+    belief = context.belief
+    wire_id = goal.cable_id or context.wire.id
+    if wire_id not in belief.fed:
+        return Done(f"no piece of {wire_id} is in the cell")
+    above_bin = bin_of(context.design, context.panel)
+    if belief.grip is not None and not holds(context):
+        belief.grip = None
+        if not goal.cable_id:
+            raise AbilityError(Code.NOTHING_HELD, f"{wire_id!r} slipped out of the fingers")
+    take_up(context, wire_id)
+    yield from let_go(context)
+    occupants = {wire for wire, _ in belief.occupied.values()}
+    was_connected = belief.engaged is not None or wire_id in occupants
+    yield from _release_ends(context)
+    if belief.grip is None:
+        yield from _pick(context, above_bin)
+    elif context.wire.ducts and was_connected:
+        yield from lift_out(context)
+    yield from drop_into_bin(context, (0.7, 1.0))
+    return Done(f"{wire_id} dropped into the scrap bin")
+
+
+def _release_ends(context: RobotContext) -> Steps[None]:
+    """Draw each end of the live wire out of its terminal; the last one stays in the hand."""
+    belief, wire_id = context.belief, context.wire.id
+    if belief.engaged is not None:
+        yield from _draw_out(
+            context, nearest_terminal(belief.engaged.position, context.panel, belief.seen)
+        )
+    for key in [key for key, (wire, _) in belief.occupied.items() if wire == wire_id]:
+        yield from put_away(context, (0.1, 0.2))
+        yield from _draw_out(context, key)
+
+
+def _draw_out(context: RobotContext, terminal: TerminalKey) -> Steps[None]:
+    """Draw an end out of a terminal."""
+    belief = context.belief
+    component_id, terminal_id = terminal
+    if belief.engaged is None and component_id not in belief.seen:
+        yield from locate_gearbox_component(context, LocateGoal(component_id, terminal_id))
+    socket = belief.engaged or opening_of(terminal, context.panel, belief.seen)
+    goal = ExtractGoal(
+        robot_name=context.name,
+        cable_id=context.wire.id,
+        component_id=component_id,
+        terminal_id=terminal_id,
+        socket=socket,
+    )
+    yield from draw_out(context, goal)
+
+
+def _pick(context: RobotContext, above_bin: ToolPose) -> Steps[None]:
+    """Pick a loose end, the one nearer to the bin first: then the wire trails along its channel.
+
+    Where neither is found, pick the wire up between them.
+    """
+
+    def away(end: WireEnd) -> float:
+        return float(np.linalg.norm(context.belief.expected[end][:2] - above_bin.position[:2]))
+
+    failures: list[AbilityError] = []
+    for end in sorted(loose_ends(context), key=away):
+        socket = _toward(above_bin, context, end)
+        try:
+            yield from pick_end(context, end, 0.0, socket, shares=(0.5, 0.7))
+        except AbilityError as error:
+            failures.append(error)
+        else:
+            return
+    if not (yield from pick_up(context)):
+        raise failures[-1]
+
+
+def _toward(above_bin: ToolPose, context: RobotContext, end: WireEnd) -> Pose:
+    """Return the tip's pose over the bin, pointing as it does in its channel."""
+    feed = context.belief.feed
+    assert feed is not None, "the wire is live"
+    out = feed.direction if end is WireEnd.B else -feed.direction
+    return Pose.level(above_bin.x, above_bin.y, above_bin.z, out * math.pi / 2)
