@@ -1,10 +1,11 @@
 """What FixCable makes of a clamp that closes on nothing: on a scripted device."""
 
+import math
 from dataclasses import replace
 
 import pytest
 from panels import with_springs
-from scripted_device import PANEL, PARAMETERS, SOCKET, TERMINAL, before_the_opening
+from scripted_device import COMPONENT, PANEL, PARAMETERS, SOCKET, TERMINAL, before_the_opening
 
 from remodel_skills.abilities.inserting import FixGoal, fix_cable
 from remodel_skills.belief_state import EndState
@@ -12,6 +13,7 @@ from remodel_skills.primitives.pushing import tool_before
 from remodel_skills.robot_context import run
 from remodel_states.core.codes import Code
 from remodel_work.errors import AbilityError
+from remodel_work.geometry import Pose
 from remodel_work.panel import WireEnd
 
 GOAL = FixGoal("robot_1", "W1", "X1", "1", pull_test_force=5.0)
@@ -28,15 +30,23 @@ class Clamp:
         return self.stops
 
 
-def fixed(*, stops, insertion_force=0.0):
+# The same board, held the other way round: its openings are where they were.
+TURNED = replace(
+    PANEL,
+    components=(replace(COMPONENT, pose=(-COMPONENT.pose[0], 0.0, math.pi)),),
+    world_from_panel=PANEL.world_from_panel @ Pose.level(0.0, 0.0, 0.0, math.pi),
+)
+
+
+def fixed(*, stops, insertion_force=0.0, panel=PANEL, engaged=SOCKET):
     """Fix an end at its bottom, which a spring holds; return the context."""
     context, arm = before_the_opening(
         lambda depth: -STIFF_N_M * max(0.0, TERMINAL.depth - depth),
-        with_springs(PANEL, insertion_force),
+        with_springs(panel, insertion_force),
     )
     context.device = replace(context.device, fixture=Clamp(stops=stops))
     context.drive(tool_before(SOCKET, context.belief.grip, TERMINAL.depth))
-    context.belief.engaged = SOCKET
+    context.belief.engaged = engaged
     run(arm.tick, fix_cable(context, GOAL))
     return context
 
@@ -46,6 +56,12 @@ def test_an_end_whose_clamp_stops_on_it_is_fixed_and_released():
     assert context.belief.ends[WireEnd.A] is EndState.FIXED
     assert context.belief.grip is None
     assert context.commanded.z >= PARAMETERS.motion.travel_z_m - 1e-6
+
+
+@pytest.mark.parametrize("panel", [PANEL, TURNED])
+def test_an_end_whose_opening_was_not_seen_is_pulled_out_of_where_the_panel_has_it(panel):
+    context = fixed(stops=True, panel=panel, engaged=None)
+    assert context.belief.ends[WireEnd.A] is EndState.FIXED
 
 
 def test_a_spring_clamp_is_not_closed_but_pulled_at():

@@ -217,7 +217,7 @@ def fix_cable(context: RobotContext, goal: FixGoal) -> Steps[CableFixed]:
     context.report(f"pulling with {goal.pull_test_force:.0f} N", 0.3)
     slip = 0.0
     if goal.pull_test_force > 0:
-        nominal = context.panel.panel_from_socket(*key)
+        nominal = context.panel.world_from_panel @ context.panel.panel_from_socket(*key)
         socket = nominal if belief.engaged is None else belief.engaged
         slip = yield from pull_test(
             context, socket, goal.pull_test_force, where, yielding=yielding_in(context, socket)
