@@ -41,7 +41,7 @@ LAYERS = {
     "remodel_production": ["errors", "core", "edge"],
     "remodel_tasks": ["errors", "core", "edge"],
     "remodel_tasks.core": [
-        *("condition", "cycle", "problem", "search", "plan", "use_case", "orders"),
+        *("condition", "problem", "search", "plan", "use_case", "orders"),
         *("decomposition", "task_charts"),
     ],
     "remodel_supervision": ["errors", "core", "edge", "supervisors", "ros"],

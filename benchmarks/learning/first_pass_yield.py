@@ -23,7 +23,7 @@ import numpy as np
 
 from remodel_supervision.core.learning.experience import Call, LearnedParameters
 from remodel_supervision.core.learning.parameter_choice import GuardRail
-from remodel_tasks.core.use_case.bounds import Bounds
+from remodel_tasks.core.use_case.model import Bounds
 
 ABILITY, FORCE = "InsertCable", "force_limit"
 # [N] What states push with, and what is safe.

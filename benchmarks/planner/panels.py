@@ -29,10 +29,8 @@ import numpy as np
 
 from remodel_tasks.core.plan.checker import check
 from remodel_tasks.core.problem.instance import problem_from
-from remodel_tasks.core.problem.modes import Mode
-from remodel_tasks.core.problem.problem import ActionKind, End, Problem, Stage
-from remodel_tasks.core.search.planned import Planned
-from remodel_tasks.core.search.tables import Tables, tables_of
+from remodel_tasks.core.problem.problem import ActionKind, End, Mode, Problem, Stage
+from remodel_tasks.core.search import Planned, Tables, tables_of
 from remodel_tasks.edge.anytime_planner import AnytimePlanner, Limits
 from remodel_tasks.edge.search_kernel import Kernel
 

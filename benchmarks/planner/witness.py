@@ -19,7 +19,7 @@ from pathlib import Path
 from remodel_pddl import hddl, pddl
 from remodel_pddl.symbolic import steps_of, symbols_of
 from remodel_tasks.core.problem.instance import problem_from
-from remodel_tasks.edge.order_planner import plan_problem
+from remodel_tasks.edge.anytime_planner import plan_problem
 
 sys.path.insert(0, str(Path(__file__).parents[2] / "src/remodel_tasks/test"))
 

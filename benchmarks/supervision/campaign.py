@@ -66,7 +66,7 @@ from remodel_supervision.core.runs.state import Stage
 from remodel_supervision.edge.run_log import RunLog
 from remodel_supervision.ros.action_server import ActionServer
 from remodel_supervision.ros.peers.cell import Cell
-from remodel_tasks.core.use_case.designs import DesignKind
+from remodel_tasks.core.use_case.model import DesignKind
 from remodel_tasks.edge.use_case_files import VARIABLE, use_case_folder, use_case_for
 
 # How the policies are called; the first is that of the table of faults.

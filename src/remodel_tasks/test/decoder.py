@@ -11,11 +11,11 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
 
-from remodel_tasks.core.problem.modes import Mode
 from remodel_tasks.core.problem.problem import (
     Action,
     ActionKind,
     End,
+    Mode,
     PlannedWire,
     Point,
     Problem,

@@ -19,8 +19,7 @@ from remodel_tasks.core.problem.problem import (
     Problem,
     Stage,
 )
-from remodel_tasks.core.search.planned import Planned
-from remodel_tasks.core.search.tables import Integers, Tables
+from remodel_tasks.core.search import Integers, Planned, Tables
 
 # How much longer a wire's route becomes when its terminal is moved [mm/tick]: the speed of routing.
 _ROUTE_MM_PER_TICK = 10

@@ -29,7 +29,7 @@ from remodel_cable_tree.problem import (
     with_constraints,
 )
 from remodel_tasks.core.problem.conflict import smallest_conflict
-from remodel_tasks.edge.kernel_library import declare, load_library
+from remodel_tasks.edge.search_kernel import declare, load_library
 
 _COUNTS = ("ends", "cables", "atomics", "disjunctives", "softs", "directs")
 _ARRAYS = ("atomic", "disjunctive", "soft", "direct")

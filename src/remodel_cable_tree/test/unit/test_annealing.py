@@ -3,7 +3,7 @@
 import pytest
 
 from remodel_cable_tree.problem import rounds
-from remodel_tasks.core.search.annealing import moves_per_second, slices
+from remodel_tasks.core.search import moves_per_second, slices
 
 
 @pytest.mark.parametrize("arms", [1, 2])

@@ -14,10 +14,10 @@ from remodel_pddl.symbolic import steps_of, symbols_of
 from remodel_planner.commands import export as export_command
 from remodel_planner.commands import plan as plan_command
 from remodel_production.errors import InstanceError
-from remodel_tasks.core.problem.cables import first_picks
 from remodel_tasks.core.problem.instance import problem_from
+from remodel_tasks.core.problem.part import first_picks
 from remodel_tasks.core.problem.problem import Plan
-from remodel_tasks.edge.order_planner import plan_problem
+from remodel_tasks.edge.anytime_planner import plan_problem
 
 # The action's static function, and which of its parameters that takes.
 COSTS = {

@@ -20,8 +20,7 @@ from remodel_planner.commands import plan as plan_command
 from remodel_planner.commands import sequence as sequence_command
 from remodel_planner.commands import tasks as tasks_command
 from remodel_tasks.core.problem.instance import problem_from
-from remodel_tasks.core.search import annealing
-from remodel_tasks.core.search.tables import tables_of
+from remodel_tasks.core.search import tables_of
 from remodel_tasks.edge.anytime_planner import exchange
 from remodel_tasks.edge.search_kernel import Kernel
 
@@ -142,7 +141,9 @@ def test_limits_out_of_range_are_wrong_usage(instance, option):
 def test_a_target_or_the_clock_ends_the_search(instance, capsys, monkeypatch):
     assert plan(instance, "--target", "1000000")[0] == 0
     assert "search: target reached" in capsys.readouterr().out
-    monkeypatch.setattr(annealing, "moves_per_second", lambda *_: 1e9)  # more than any machine does
+    monkeypatch.setattr(  # more than any machine does
+        "remodel_tasks.core.search.moves_per_second", lambda *_: 1e9
+    )
     assert plan(instance, "--time-limit", "0.01")[0] == 0
     assert "search: time limit reached" in capsys.readouterr().out
 

@@ -9,7 +9,7 @@ from remodel_rehearsal.core.changes import (
 )
 from remodel_rehearsal.core.forecast import forecast
 from remodel_run.rehearsal import Failure, Trial
-from remodel_tasks.core.use_case.bounds import Bounds
+from remodel_tasks.core.use_case.model import Bounds
 
 JAMMED = Failure("InsertCable", "INSERTION_JAMMED", "stopped 4 mm deep")
 

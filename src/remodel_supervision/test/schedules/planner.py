@@ -22,10 +22,8 @@ from remodel_supervision.ros.peers.board_message import board_message
 from remodel_tasks.core.orders.board_order import board_order, kind_of
 from remodel_tasks.core.orders.work_order import WorkOrder
 from remodel_tasks.core.problem.problem import End
-from remodel_tasks.core.task_charts.demands import Demands
-from remodel_tasks.core.task_charts.planned_tasks import PlannedTask
-from remodel_tasks.core.use_case.fault import Do, FaultTable
-from remodel_tasks.core.use_case.policy import Limits, Policy
+from remodel_tasks.core.task_charts.planned_tasks import Demands, PlannedTask
+from remodel_tasks.core.use_case.fault import Do, FaultTable, Limits, Policy
 from remodel_tasks.edge.fault_file import read_faults
 from remodel_tasks.edge.use_case_files import use_case_for
 

@@ -15,7 +15,7 @@ from remodel_supervision.core.run import Operation
 from remodel_supervision.core.runs.state import PERSON_FIRST
 from remodel_supervision.errors import RefusedError
 from remodel_supervision.supervisors.ports import BehaviorEnd, Doing, EndKind, UnseenError
-from remodel_tasks.core.task_charts.demands import Demands
+from remodel_tasks.core.task_charts.planned_tasks import Demands
 from schedules.cell_services import CellServices
 from schedules.engine import Engine
 from schedules.node import Node

@@ -23,7 +23,7 @@ from remodel_supervision.supervisors.ports import BehaviorEnd, EndKind, Peers, W
 from remodel_supervision.supervisors.run_record import RunRecord
 from remodel_supervision.supervisors.use_case_supervisor import UseCaseSupervisor
 from remodel_tasks.core.orders.board_order import kind_of
-from remodel_tasks.core.use_case.policy import Policy
+from remodel_tasks.core.use_case.fault import Policy
 from remodel_tasks.edge.fault_file import read_faults
 from remodel_tasks.edge.use_case_files import use_case_for
 

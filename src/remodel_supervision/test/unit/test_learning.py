@@ -19,9 +19,9 @@ from remodel_supervision.core.learning.experience import (
     tried_responses,
 )
 from remodel_supervision.core.learning.parameter_choice import GuardRail, ParameterChoice
-from remodel_tasks.core.use_case.bounds import Bounds, frozen_setting, nearer_settings, settings
-from remodel_tasks.core.use_case.context import context_of, terminal_features
+from remodel_tasks.core.condition import context_of, terminal_features
 from remodel_tasks.core.use_case.fault import Do
+from remodel_tasks.core.use_case.model import Bounds, frozen_setting, nearer_settings, settings
 from remodel_tasks.edge.use_case_files import find_use_case
 
 THIN = ("InsertCable", "clamp", "0.5")

@@ -26,8 +26,7 @@ from remodel_supervision.supervisors.ports import BehaviorEnd, EndKind
 from remodel_supervision.supervisors.task_supervisor import TaskSupervisor
 from remodel_tasks.core.orders.work_order import order_from
 from remodel_tasks.core.task_charts.task_chart import emptying
-from remodel_tasks.core.use_case.fault import Do
-from remodel_tasks.core.use_case.policy import Policy
+from remodel_tasks.core.use_case.fault import Do, Policy
 from remodel_tasks.edge.fault_file import read_error_names, read_faults
 from remodel_tasks.edge.use_case_files import find_use_case, read_use_case
 

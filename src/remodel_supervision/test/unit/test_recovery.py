@@ -10,8 +10,7 @@ from hypothesis import given
 
 from remodel_production.errors import PlannerError
 from remodel_supervision.core.recovery.decide import Failure, Spent, decide
-from remodel_tasks.core.use_case.fault import Change, Do, Response
-from remodel_tasks.core.use_case.policy import Limits, Policy, policy_from
+from remodel_tasks.core.use_case.fault import Change, Do, Limits, Policy, Response, policy_from
 from remodel_tasks.edge.fault_file import read_faults
 from remodel_tasks.errors import UseCaseError
 

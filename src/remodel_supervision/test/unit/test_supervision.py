@@ -56,8 +56,7 @@ from remodel_supervision.core.runs.step import (
     Wait,
     next_step,
 )
-from remodel_tasks.core.use_case.fault import Do, Response
-from remodel_tasks.core.use_case.policy import Limits, Policy
+from remodel_tasks.core.use_case.fault import Do, Limits, Policy, Response
 from remodel_tasks.edge.fault_file import read_faults
 
 FAULTS = read_faults()

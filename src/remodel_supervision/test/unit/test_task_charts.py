@@ -25,21 +25,19 @@ from flexbe_testing.edge.doctor import read_packages
 from remodel_production.edge.design_files import read_abilities
 from remodel_production.errors import InstanceError
 from remodel_supervision.core.recovery.decide import Adjustable, with_parameters
-from remodel_tasks.core.decomposition.preparation import prepare
-from remodel_tasks.core.decomposition.wiring_problem import decompose_order
+from remodel_tasks.core.decomposition.preparation import decompose_order, prepare
 from remodel_tasks.core.orders.work_order import order_from
 from remodel_tasks.core.problem.problem import End
-from remodel_tasks.core.task_charts.escalation import escalating
-from remodel_tasks.core.task_charts.planned_tasks import planned_tasks
+from remodel_tasks.core.task_charts.planned_tasks import escalating, planned_tasks
 from remodel_tasks.core.task_charts.task_chart import (
     behavior_name,
     content_mark,
     emptying,
     task_chart,
 )
+from remodel_tasks.edge.anytime_planner import plan_problem
 from remodel_tasks.edge.chart_folder import keep_chart
 from remodel_tasks.edge.fault_file import read_error_names
-from remodel_tasks.edge.order_planner import plan_problem
 from remodel_tasks.edge.use_case_files import find_use_case, read_use_case
 from remodel_tasks.errors import UseCaseError
 

@@ -39,8 +39,7 @@ from remodel_supervision.core.runs.state import Stage, cause_of
 from remodel_supervision.edge.task_leases import Holding, TaskLeases
 from remodel_supervision.errors import LeavingError, RefusedError
 from remodel_supervision.supervisors.ports import BehaviorEnd, EndKind, UnseenError
-from remodel_tasks.core.use_case.fault import Do, Response
-from remodel_tasks.core.use_case.policy import Policy, QuestionLimit
+from remodel_tasks.core.use_case.fault import Do, Policy, QuestionLimit, Response
 
 JAM, LOST = Code.INSERTION_JAMMED, Code.SERVER_LOST
 SLIPPED, MISSING = Code.SLIPPED_IN_GRIP, Code.COMPONENT_MISSING

@@ -20,13 +20,12 @@ from remodel_supervision.edge.work_planner import WorkPlanner
 from remodel_tasks.core.decomposition.decomposition import Decomposer
 from remodel_tasks.core.decomposition.preparation import prepare
 from remodel_tasks.core.orders.board_order import board_order
-from remodel_tasks.core.problem.modes import Mode
 from remodel_tasks.core.problem.part import defer, part_of
 from remodel_tasks.core.problem.preferences import FORMAT
-from remodel_tasks.core.problem.problem import Under
-from remodel_tasks.core.search.tables import tables_of
-from remodel_tasks.core.use_case.bounds import Bounds
+from remodel_tasks.core.problem.problem import Mode, Under
+from remodel_tasks.core.search import tables_of
 from remodel_tasks.core.use_case.fault import Do
+from remodel_tasks.core.use_case.model import Bounds
 from remodel_tasks.edge.anytime_planner import AnytimePlanner
 from remodel_tasks.edge.search_kernel import Kernel, KernelSearch
 from remodel_tasks.edge.use_case_files import read_use_case

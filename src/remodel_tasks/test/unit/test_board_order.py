@@ -31,20 +31,15 @@ from remodel_production.core.production import (
 from remodel_production.edge.design_files import read_catalogue
 from remodel_production.errors import InfeasibleError, InstanceError, OrderError
 from remodel_run.findings import ByHand
+from remodel_tasks.core.decomposition.cell_fit import triaged
 from remodel_tasks.core.decomposition.preparation import prepare
-from remodel_tasks.core.decomposition.triage import triaged
 from remodel_tasks.core.orders.board_order import board_order, kind_of
 from remodel_tasks.core.problem.defects import require_sound
 from remodel_tasks.core.problem.problem import End
 from remodel_tasks.core.task_charts.planned_tasks import planned_tasks
-from remodel_tasks.core.use_case.designs import DesignKind
-from remodel_tasks.edge.order_planner import plan_problem
-from remodel_tasks.edge.use_case_files import (
-    VARIABLE,
-    find_use_case,
-    read_use_case,
-    use_case_for,
-)
+from remodel_tasks.core.use_case.model import DesignKind
+from remodel_tasks.edge.anytime_planner import plan_problem
+from remodel_tasks.edge.use_case_files import VARIABLE, find_use_case, read_use_case, use_case_for
 from remodel_tasks.errors import UseCaseError
 
 CONFIG = Path(__file__).parents[3] / "remodel_production" / "config"

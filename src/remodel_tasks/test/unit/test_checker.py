@@ -9,7 +9,7 @@ from random_panel import random_panel
 from remodel_tasks.core.plan.checker import check
 from remodel_tasks.core.problem.instance import problem_from
 from remodel_tasks.core.problem.problem import Action, ActionKind, End, Plan
-from remodel_tasks.core.search.tables import tables_of
+from remodel_tasks.core.search import tables_of
 from remodel_tasks.edge.anytime_planner import AnytimePlanner
 from remodel_tasks.edge.search_kernel import Kernel
 

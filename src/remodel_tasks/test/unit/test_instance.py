@@ -5,8 +5,7 @@ from random_panel import random_panel
 
 from remodel_production.errors import InstanceError
 from remodel_tasks.core.problem.defects import require_sound
-from remodel_tasks.core.problem.instance import problem_from
-from remodel_tasks.core.problem.plan_form import plan_from
+from remodel_tasks.core.problem.instance import plan_from, problem_from
 
 
 def refusal(change, arms=1, wires=8):

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from remodel_tasks.core.orders.laying_order import first_ends, laying_turns
+from remodel_tasks.core.orders.board_order import first_ends, laying_turns
 from remodel_tasks.core.problem.problem import End
 
 UPPER, LOWER, CORNER_X = 300, 100, 500

@@ -16,11 +16,9 @@ from random_panel import random_panel
 from remodel_production.errors import InfeasibleError
 from remodel_tasks.core.plan.checker import check
 from remodel_tasks.core.problem.defects import require_sound
-from remodel_tasks.core.problem.instance import problem_data, problem_from
-from remodel_tasks.core.problem.modes import Mode
-from remodel_tasks.core.problem.plan_form import plan_data, plan_from
-from remodel_tasks.core.problem.problem import ActionKind, Plan
-from remodel_tasks.core.search.tables import tables_of
+from remodel_tasks.core.problem.instance import plan_data, plan_from, problem_data, problem_from
+from remodel_tasks.core.problem.problem import ActionKind, Mode, Plan
+from remodel_tasks.core.search import tables_of
 from remodel_tasks.edge.anytime_planner import AnytimePlanner, Limits
 from remodel_tasks.edge.search_kernel import Kernel
 

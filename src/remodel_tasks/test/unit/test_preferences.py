@@ -10,15 +10,12 @@ from random_panel import random_panel
 
 from remodel_production.errors import InstanceError
 from remodel_tasks.core.plan.checker import check
-from remodel_tasks.core.plan.explanation import explain, violated_constraints
-from remodel_tasks.core.plan.listing import listing_of
+from remodel_tasks.core.plan.explanation import explain, listing_of, violated_constraints
 from remodel_tasks.core.problem.defects import require_sound
 from remodel_tasks.core.problem.instance import problem_from
-from remodel_tasks.core.problem.modes import Mode
-from remodel_tasks.core.problem.order import wire_order
 from remodel_tasks.core.problem.preferences import Preferred, about_wires, apply_preferences
-from remodel_tasks.core.problem.problem import ActionKind, Detour, SoftConstraint
-from remodel_tasks.core.search.tables import tables_of
+from remodel_tasks.core.problem.problem import ActionKind, Detour, Mode, SoftConstraint, wire_order
+from remodel_tasks.core.search import tables_of
 from remodel_tasks.edge.anytime_planner import AnytimePlanner
 from remodel_tasks.edge.search_kernel import Kernel
 

@@ -16,7 +16,7 @@ from remodel_tasks.core.orders.work_order import Route, RouteClip, Task, WorkOrd
 from remodel_tasks.core.plan.checker import check
 from remodel_tasks.core.problem.problem import ActionKind, PlannedArm, PlannedTerminal
 from remodel_tasks.core.task_charts.planned_tasks import planned_tasks
-from remodel_tasks.edge.order_planner import plan_problem
+from remodel_tasks.edge.anytime_planner import plan_problem
 from remodel_tasks.edge.use_case_files import find_use_case
 
 USE_CASES = [

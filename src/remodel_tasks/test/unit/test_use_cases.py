@@ -7,18 +7,14 @@ import pytest
 import yaml
 
 from remodel_production.errors import InstanceError
-from remodel_tasks.core.decomposition.decomposed import Limits
+from remodel_tasks.core.decomposition.decomposed import Limits, outline
 from remodel_tasks.core.decomposition.decomposition import Decomposer
-from remodel_tasks.core.decomposition.outline import outline
-from remodel_tasks.core.decomposition.preparation import prepare
-from remodel_tasks.core.decomposition.wiring_problem import decompose_order, decomposer_of
+from remodel_tasks.core.decomposition.preparation import decompose_order, decomposer_of, prepare
 from remodel_tasks.core.orders.work_order import order_from
 from remodel_tasks.core.problem.problem import End
-from remodel_tasks.core.task_charts.demands import Demands, demands_of
-from remodel_tasks.core.task_charts.planned_tasks import planned_tasks
-from remodel_tasks.core.use_case.expectation import Expectation
-from remodel_tasks.core.use_case.model import Macro
-from remodel_tasks.edge.order_planner import plan_problem
+from remodel_tasks.core.task_charts.planned_tasks import Demands, demands_of, planned_tasks
+from remodel_tasks.core.use_case.model import Expectation, Macro
+from remodel_tasks.edge.anytime_planner import plan_problem
 from remodel_tasks.edge.use_case_files import VARIABLE, find_use_case, read_use_case
 from remodel_tasks.errors import UseCaseError
 

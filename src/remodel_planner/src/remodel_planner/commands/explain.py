@@ -15,10 +15,9 @@ from remodel_planner.commands.options.problem_files import (
     read_problem,
 )
 from remodel_tasks.core.plan.checker import check
-from remodel_tasks.core.plan.explanation import explain
-from remodel_tasks.core.plan.listing import Listing, listing_of
+from remodel_tasks.core.plan.explanation import Listing, explain, listing_of
 from remodel_tasks.core.problem.problem import Plan, Problem
-from remodel_tasks.core.search.tables import tables_of
+from remodel_tasks.core.search import tables_of
 from remodel_tasks.edge.anytime_planner import AnytimePlanner
 from remodel_tasks.edge.search_kernel import Kernel
 

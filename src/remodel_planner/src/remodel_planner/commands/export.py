@@ -17,9 +17,8 @@ from remodel_planner.commands.options.problem_files import (
 from remodel_production.edge.text_file import write_text
 from remodel_production.errors import InstanceError
 from remodel_tasks.core.plan.checker import check
-from remodel_tasks.core.problem.cables import first_picks
-from remodel_tasks.core.problem.instance import problem_data
-from remodel_tasks.core.problem.plan_form import plan_data
+from remodel_tasks.core.problem.instance import plan_data, problem_data
+from remodel_tasks.core.problem.part import first_picks
 from remodel_tasks.core.problem.problem import Plan, Problem
 
 _SYMBOLIC = {"pddl": pddl, "hddl": hddl}

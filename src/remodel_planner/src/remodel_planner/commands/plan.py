@@ -29,14 +29,18 @@ from remodel_planner.commands.options.problem_files import (
     read_problem,
 )
 from remodel_production.errors import InfeasibleError
-from remodel_tasks.core.plan.cable_tasks import cable_tasks
 from remodel_tasks.core.problem.conflict import keeping, requirements_in
-from remodel_tasks.core.problem.plan_form import plan_data
-from remodel_tasks.core.search.planned import Planned
-from remodel_tasks.core.search.tables import tables_of
-from remodel_tasks.edge.anytime_planner import AnytimePlanner, Limits, Result
+from remodel_tasks.core.problem.instance import plan_data
+from remodel_tasks.core.problem.part import cable_tasks
+from remodel_tasks.core.search import Planned, tables_of
+from remodel_tasks.edge.anytime_planner import (
+    AnytimePlanner,
+    Limits,
+    Result,
+    plan_problem,
+    require_valid,
+)
 from remodel_tasks.edge.document_files import write_json
-from remodel_tasks.edge.order_planner import plan_problem, require_valid
 from remodel_tasks.edge.search_kernel import Kernel
 
 

@@ -10,7 +10,7 @@ import msgspec
 from remodel_rehearsal.core.forecast import share
 from remodel_run.rehearsal import Forecast, Trial, TriedChange, WireForecast
 from remodel_tasks.core.problem.preferences import FORMAT
-from remodel_tasks.core.use_case.bounds import Bounds
+from remodel_tasks.core.use_case.model import Bounds
 
 # By so much longer [m] a wire is tried: an estimate of what a duct still takes up as slack.
 LONGER_M = 0.08

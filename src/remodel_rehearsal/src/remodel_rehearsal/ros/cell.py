@@ -16,7 +16,7 @@ from remodel_skills.ros.owner import Owner
 from remodel_states.core.codes import Code
 from remodel_states.core.wires.wire_materials import WireMaterials
 from remodel_supervision.errors import RefusedError
-from remodel_tasks.core.task_charts.demands import Demands
+from remodel_tasks.core.task_charts.planned_tasks import Demands
 from remodel_work.errors import AbilityError, CellError, PanelError
 from remodel_work.ros.panel_message import panel_from
 from remodel_work.routes import PlacedWires

@@ -28,9 +28,8 @@ from remodel_supervision.core.learning.experience import (
     numbers_from,
     tried_responses,
 )
-from remodel_tasks.core.condition import Value
+from remodel_tasks.core.condition import Value, terminal_features
 from remodel_tasks.core.task_charts.task_chart import FINISHED
-from remodel_tasks.core.use_case.context import terminal_features
 from remodel_tasks.core.use_case.fault import Do
 
 # How many records are decoded at once.

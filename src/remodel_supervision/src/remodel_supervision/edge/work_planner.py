@@ -22,15 +22,15 @@ from remodel_supervision.core.runs.events import Chosen, Decided, Part
 from remodel_supervision.edge.known_behaviors import nested_charts
 from remodel_tasks.core.decomposition.preparation import Prepared, prepare
 from remodel_tasks.core.orders.work_order import WorkOrder
-from remodel_tasks.core.plan.listing import listing_of
-from remodel_tasks.core.problem.cables import gathered, with_first
-from remodel_tasks.core.problem.modes import Mode
-from remodel_tasks.core.problem.part import defer
-from remodel_tasks.core.task_charts.demands import Demands, demands_of
-from remodel_tasks.core.task_charts.escalation import escalating
+from remodel_tasks.core.plan.explanation import listing_of
+from remodel_tasks.core.problem.part import defer, gathered, with_first
+from remodel_tasks.core.problem.problem import Mode
 from remodel_tasks.core.task_charts.planned_tasks import (
+    Demands,
     PlannedTask,
     continuing_from,
+    demands_of,
+    escalating,
     planned_task,
     planned_tasks,
     with_other_end,
@@ -39,7 +39,7 @@ from remodel_tasks.core.task_charts.planned_tasks import (
 from remodel_tasks.core.task_charts.task_chart import step_of
 from remodel_tasks.core.use_case.fault import Do
 from remodel_tasks.core.use_case.model import UseCase
-from remodel_tasks.edge.order_planner import plan_problem, replan_problem
+from remodel_tasks.edge.anytime_planner import plan_problem, replan_problem
 
 # [s] wall time that the search gets when the rest of an order is planned again: what it starts from
 # is the result of a longer search, and the robot waits. Beyond so many wires it gets less in

@@ -15,7 +15,7 @@ from remodel_supervision.core.runs.events import Event
 from remodel_supervision.core.runs.state import RunState
 from remodel_supervision.edge.task_leases import Claim
 from remodel_supervision.edge.work_planner import WorkPlanner
-from remodel_tasks.core.task_charts.demands import Demands
+from remodel_tasks.core.task_charts.planned_tasks import Demands
 from remodel_tasks.core.use_case.fault import FaultTable
 
 

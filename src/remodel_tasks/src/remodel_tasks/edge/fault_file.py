@@ -10,8 +10,7 @@ from remodel_production.errors import PlannerError
 from remodel_states.core.fault_tables import FaultTables
 from remodel_states.core.table_error import TableError
 from remodel_states.edge.exported_tables import read_faults as read_fault_tables
-from remodel_tasks.core.use_case.fault import Do, Fault, FaultTable
-from remodel_tasks.core.use_case.policy import response_from
+from remodel_tasks.core.use_case.fault import Do, Fault, FaultTable, response_from
 
 
 def read_faults() -> FaultTable:

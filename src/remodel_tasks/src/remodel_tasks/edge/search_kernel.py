@@ -8,14 +8,41 @@ from __future__ import annotations
 import ctypes
 from ctypes import POINTER, c_double, c_int32, c_int64, c_uint64, c_void_p
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 
 from remodel_production.errors import InstanceError
-from remodel_tasks.core.problem.opening import deadlock
-from remodel_tasks.core.search.tables import Integers, Tables
-from remodel_tasks.edge.kernel_library import declare, load_library
+from remodel_tasks.core.problem.defects import deadlock
+from remodel_tasks.core.search import Integers, Tables
+from remodel_tasks.errors import KernelError
+
+
+def load_library(name: str) -> ctypes.CDLL:
+    """Load a library from where the workspace's setup file says libraries are.
+
+    Args:
+        name: of its file.
+
+    Raises:
+        KernelError: if it is not there.
+    """
+    try:
+        return ctypes.CDLL(name)
+    except OSError as error:
+        raise KernelError(
+            f"{name} cannot be loaded ({error}): run `make build`, which compiles it with g++, and "
+            "source devel/setup.bash"
+        ) from error
+
+
+def declare(library: ctypes.CDLL, *functions: tuple[str, Any, list[Any]]) -> None:
+    """Set result and argument types of functions, each given as name, result and arguments."""
+    for name, result, arguments in functions:
+        function = getattr(library, name)
+        function.restype, function.argtypes = result, arguments
+
 
 _SCALARS = (
     *("wires", "components", "segments", "arms", "unders", "pins", "softs", "rankings"),

@@ -11,11 +11,10 @@ from typing import TYPE_CHECKING
 import msgspec
 
 from remodel_run import findings
-from remodel_tasks.core.plan.cable_tasks import cable_tasks
 from remodel_tasks.core.plan.checker import check
 from remodel_tasks.core.plan.explanation import against_arms, violations
-from remodel_tasks.core.problem.cables import cores_of
-from remodel_tasks.core.problem.choices import features_of
+from remodel_tasks.core.problem.part import cable_tasks, cores_of
+from remodel_tasks.core.problem.preferences import features_of
 from remodel_tasks.core.problem.problem import TICKS_PER_S
 
 if TYPE_CHECKING:
@@ -23,7 +22,7 @@ if TYPE_CHECKING:
     from remodel_tasks.core.problem.conflict import Requirement
     from remodel_tasks.core.problem.preferences import Preferred
     from remodel_tasks.core.problem.problem import Plan
-    from remodel_tasks.core.search.planned import Planned
+    from remodel_tasks.core.search import Planned
 
 _VIOLATIONS = 1000  # that are listed; a plan of thousands of wires may have millions
 

@@ -26,8 +26,7 @@ from remodel_tasks.core.problem.conflict import (
     requirements_in,
 )
 from remodel_tasks.core.problem.defects import require_sound
-from remodel_tasks.core.problem.instance import problem_from
-from remodel_tasks.core.problem.plan_form import plan_from
+from remodel_tasks.core.problem.instance import plan_from, problem_from
 from remodel_tasks.core.problem.preferences import Preferred, apply_preferences
 from remodel_tasks.core.problem.problem import Plan, Problem
 from remodel_tasks.edge.document_files import read_json, read_yaml

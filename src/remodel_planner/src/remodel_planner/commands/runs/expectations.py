@@ -15,8 +15,7 @@ from remodel_supervision.core.learning.experience import (
     setting_of,
 )
 from remodel_supervision.edge.recorded_lessons import ability_calls
-from remodel_tasks.core.use_case.bounds import frozen_setting
-from remodel_tasks.core.use_case.model import UseCase
+from remodel_tasks.core.use_case.model import UseCase, frozen_setting
 from remodel_tasks.edge.use_case_files import find_use_case
 
 

@@ -7,7 +7,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from random import Random
 
-from remodel_tasks.core.use_case.context import Context
+from remodel_tasks.core.condition import Context
 
 
 @dataclass(frozen=True)

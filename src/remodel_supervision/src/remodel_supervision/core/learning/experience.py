@@ -14,18 +14,18 @@ from remodel_supervision.core.learning.parameter_choice import (
     GuardRail,
     ParameterChoice,
 )
-from remodel_tasks.core.condition import Features, Value
-from remodel_tasks.core.use_case.bounds import (
+from remodel_tasks.core.condition import Features, Value, context_of
+from remodel_tasks.core.use_case.fault import Do
+from remodel_tasks.core.use_case.model import (
     Bounds,
+    Expectation,
+    FrozenExpectations,
     Setting,
+    UseCase,
     frozen_setting,
     nearer_settings,
     settings,
 )
-from remodel_tasks.core.use_case.context import context_of
-from remodel_tasks.core.use_case.expectation import Expectation, FrozenExpectations
-from remodel_tasks.core.use_case.fault import Do
-from remodel_tasks.core.use_case.model import UseCase
 
 # [trials] As how many real ones a rehearsed call counts. The simulated cell succeeds and fails for
 # the reasons of a real one, but not as often: five rehearsed calls weigh as much as one real one,
@@ -142,7 +142,7 @@ class LearnedParameters:
 
         Args:
             ability: such as "InsertCable".
-            features: of the task, see context.py.
+            features: of the task, see condition.py.
             bounds: parameter -> its bounds; all parameters are chosen together.
             seed: of what is left to chance, such as run, task and attempt.
 
@@ -308,7 +308,7 @@ class Experience:
 
         Args:
             ability: such as "InsertCable".
-            features: of the call, see context.py.
+            features: of the call, see condition.py.
             limits: parameter -> what it must not exceed here.
             seed: of what is left to chance, such as run, task and attempt.
 

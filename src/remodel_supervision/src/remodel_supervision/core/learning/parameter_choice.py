@@ -25,7 +25,7 @@ from types import MappingProxyType
 from typing import Generic, TypeVar
 
 from remodel_supervision.core.learning.belief import Belief, SuccessModel
-from remodel_tasks.core.use_case.context import Context
+from remodel_tasks.core.condition import Context
 
 S = TypeVar("S", bound=Hashable)
 

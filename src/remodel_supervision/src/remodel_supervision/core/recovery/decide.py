@@ -16,8 +16,7 @@ from flexbe_synthesizer.core.chart.model import (
     State,
 )
 from remodel_tasks.core.task_charts.task_chart import marked, step_of
-from remodel_tasks.core.use_case.fault import Do, Fault, Response
-from remodel_tasks.core.use_case.policy import Limits, Policy
+from remodel_tasks.core.use_case.fault import Do, Fault, Limits, Policy, Response
 
 
 @dataclass(frozen=True)

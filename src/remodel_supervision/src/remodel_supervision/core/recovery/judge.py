@@ -18,8 +18,7 @@ from remodel_supervision.core.runs.state import (
     cause_of,
 )
 from remodel_tasks.core.task_charts.task_chart import step_of
-from remodel_tasks.core.use_case.fault import Do, FaultTable
-from remodel_tasks.core.use_case.policy import Policy
+from remodel_tasks.core.use_case.fault import Do, FaultTable, Policy
 
 NO_BOUNDS: Mapping[str, float] = MappingProxyType({})
 

@@ -15,7 +15,7 @@ from sensor_msgs.msg import Image
 
 from remodel_production.errors import LostError
 from remodel_supervision.errors import RefusedError
-from remodel_tasks.core.task_charts.demands import Demands
+from remodel_tasks.core.task_charts.planned_tasks import Demands
 
 # [s] wall time between two checks whether a service is there.
 _CHECK_S = 0.1

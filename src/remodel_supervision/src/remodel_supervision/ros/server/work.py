@@ -31,7 +31,7 @@ from remodel_tasks.core.orders.order_requirements import (
 from remodel_tasks.core.orders.work_order import Task, WorkOrder
 from remodel_tasks.core.problem.preferences import about_wires
 from remodel_tasks.core.problem.problem import End
-from remodel_tasks.core.task_charts.task_values import poses
+from remodel_tasks.core.task_charts.task_chart import poses
 from remodel_tasks.core.use_case.fault import FaultTable
 from remodel_tasks.core.use_case.model import UseCase
 from remodel_tasks.edge.cell_takes import cell_takes, known_cells

@@ -22,10 +22,12 @@ from remodel_tasks.core.condition import Features, Value
 from remodel_tasks.core.decomposition.decomposed import Decomposition, Limits, Rejected, Step
 from remodel_tasks.core.orders.work_order import Access, Route, RouteClip, Task
 from remodel_tasks.core.problem.problem import End
-from remodel_tasks.core.use_case.expectation import NOTHING, Expectation, Expectations
 from remodel_tasks.core.use_case.model import (
     INSERTED,
+    NOTHING,
     Action,
+    Expectation,
+    Expectations,
     Macro,
     Method,
     Scope,

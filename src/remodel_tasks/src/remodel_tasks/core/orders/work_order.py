@@ -5,15 +5,18 @@ docs/use-cases.md describes the form. Lengths are integers in mm, as in core.
 
 from __future__ import annotations
 
+import hashlib
 import math
+import re
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from itertools import pairwise
 
+from flexbe_synthesizer.core.chart.names import is_name
 from remodel_run.findings import ByHand, OtherMethod
 from remodel_run.whole_task import WholeTask, whole_tasks
-from remodel_tasks.core.condition import Features, Value, is_number
+from remodel_tasks.core.condition import Features, Value, is_number, terminal_features
 from remodel_tasks.core.orders.order_format import FORMAT
 from remodel_tasks.core.problem.fields import Fields
 from remodel_tasks.core.problem.instance import arm_from, characteristics_of, terminal_from
@@ -25,7 +28,34 @@ from remodel_tasks.core.problem.problem import (
     SoftConstraint,
     Under,
 )
-from remodel_tasks.core.use_case.context import terminal_features
+
+_HASH_DIGITS = 6
+_NO_WORD = re.compile(r"\W+", re.ASCII)
+
+
+def plain_name(name: str) -> str:
+    """Return a name in letters, digits and `_`; one that is changed ends in digits of its hash.
+
+    So `24#2` and `24+2` stay apart, in charts and in the files of their behaviors.
+    """
+    plain = _NO_WORD.sub("_", name)
+    if plain == name and is_name(f"the {name}"):
+        return name
+    return f"{plain}_{hashlib.sha256(name.encode()).hexdigest()[:_HASH_DIGITS]}"
+
+
+def take_name(name: str, taken: set[str]) -> str:
+    """Return the name, with a number if it is taken, and take it.
+
+    Names that differ in capitals alone are one: the files of behaviors have names in lower case.
+    """
+    found, number = name, 1
+    while found.lower() in taken:
+        number += 1
+        found = f"{name}#{number}"
+    taken.add(found.lower())
+    return found
+
 
 # Of the length of a direction, for what rounding leaves.
 _UNIT_TOLERANCE = 1e-3

@@ -1,21 +1,33 @@
-"""The tasks of a plan in their order, each decomposed as the plan does it, whole or in part."""
+"""The tasks of a plan in their order, each decomposed as the plan does it, whole or in part.
+
+And what their charts leave to the supervisor (`escalating`) and demand of a cell (`demands_of`), so
+that it can refuse an order before it moves.
+"""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Collection, Iterator, Sequence
+from collections.abc import Collection, Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
 
-from flexbe_synthesizer.core.chart.model import Chart
+from flexbe_synthesizer.core.chart.error_routes import ABOVE_BEHAVIOR, SERIOUS
+from flexbe_synthesizer.core.chart.model import (
+    AnyNode,
+    Chart,
+    Connection,
+    ErrorRoute,
+    State,
+    Transition,
+    walk_nodes,
+)
 from remodel_production.errors import InstanceError
+from remodel_states.core.contract import ROBOT_FIELDS
 from remodel_tasks.core.decomposition.decomposed import Decomposition, Limits, Step
 from remodel_tasks.core.decomposition.preparation import Prepared
-from remodel_tasks.core.plan.listing import listing_of
-from remodel_tasks.core.problem.modes import Mode
-from remodel_tasks.core.problem.problem import Plan
-from remodel_tasks.core.task_charts.task_chart import emptying, in_turn, step_of, task_chart
-from remodel_tasks.core.use_case.designs import LONGER_LEG
-from remodel_tasks.core.use_case.model import Action, Macro, UseCase
+from remodel_tasks.core.plan.explanation import listing_of
+from remodel_tasks.core.problem.problem import Mode, Plan
+from remodel_tasks.core.task_charts.task_chart import emptying, in_turn, marked, step_of, task_chart
+from remodel_tasks.core.use_case.model import LONGER_LEG, Action, Macro, UseCase
 from remodel_tasks.errors import UseCaseError
 
 
@@ -242,3 +254,112 @@ def _sources(before: Sequence[Step], steps: Sequence[Step]) -> Iterator[int]:
             ]
             yield from revealing[-1:]
         known |= {fact for fact, _ in step.action.reveals}
+
+
+_FAILED, _REFUSED = "failed", "command_error"
+
+
+def escalating(chart: Chart) -> Chart:
+    """Return a task's chart in which what a supervisor handles first is not tried again.
+
+    Such failures lead to where the state is given up: to where a goal leads that is refused. Where
+    a failure is undone before the state is tried again, such as an insertion by an extraction, it
+    is undone before the state is given up as well: a wire that is jammed in its terminal cannot be
+    carried away. What is serious is left as it is: the arm may be blocked, or its server
+    unreliable.
+    """
+    nodes = {node.id: node for node in chart.nodes}
+    leaving: list[AnyNode] = []
+    last: dict[str, State] = {}
+    for node in chart.nodes:
+        undoing = _undoing(node, nodes)
+        if undoing is not None:
+            last[undoing.id] = _at_last(undoing)
+        leaving.append(_leaving(node, last[undoing.id].id if undoing else ""))
+    connections = tuple(
+        Connection(each.output_state_id, each.output, last[each.input_state_id].id, each.input)
+        for each in chart.connections
+        if each.input_state_id in last
+    )
+    return marked(
+        replace(
+            chart,
+            nodes=(*leaving, *last.values()),
+            connections=(*chart.connections, *connections),
+        )
+    )
+
+
+def _undoing(node: AnyNode, nodes: dict[str, AnyNode]) -> State | None:
+    """Return the state that undoes the failure of a state before it is tried again, if any.
+
+    It stands beside the sequence: it has no outputs, and is given up where the failed one is.
+    """
+    if not isinstance(node, State):
+        return None
+    targets = _targets(node)
+    undoing = nodes.get(targets.get(_FAILED, ""))
+    if not isinstance(undoing, State) or undoing.outputs:
+        return None
+    up = targets.get(_REFUSED)
+    goes_on = set(_targets(undoing).values()) - {up}
+    return undoing if goes_on and _targets(undoing).get(_FAILED) == up else None
+
+
+def _at_last(undoing: State) -> State:
+    """Return a state that undoes a failure, after which the task is given up."""
+    up = _targets(undoing)[_FAILED]
+    transitions = tuple(Transition(each.event, up) for each in undoing.transitions)
+    return replace(undoing, id=f"{undoing.id} and give up", transitions=transitions)
+
+
+def _leaving(node: AnyNode, undo: str) -> AnyNode:
+    """Return a node that is left with such codes; through the node `undo` if there is one."""
+    if not isinstance(node, State) or node.on_error:
+        return node
+    targets = _targets(node)
+    up = targets.get(_REFUSED)
+    if up is None or _FAILED not in targets or targets[_FAILED] == up:
+        return node
+    if not undo:
+        return replace(node, on_error=(ErrorRoute(ABOVE_BEHAVIOR, up),))
+    routes = (ErrorRoute(SERIOUS, up), ErrorRoute(ABOVE_BEHAVIOR, undo))
+    return replace(node, on_error=routes)
+
+
+def _targets(node: State) -> dict[str, str]:
+    return {transition.event: transition.target for transition in node.transitions}
+
+
+# Parameter of states that limits a force.
+_FORCE = "force_limit"
+
+
+@dataclass(frozen=True)
+class Demands:
+    """What goals of an order ask for.
+
+    Attributes:
+        robots: names, sorted.
+        forces_n: abilities with the greatest `force_limit` [N] of their goals, sorted by name.
+    """
+
+    robots: tuple[str, ...] = ()
+    forces_n: tuple[tuple[str, float], ...] = ()
+
+
+def demands_of(charts: Iterable[Chart]) -> Demands:
+    """Return what the states of charts demand, as far as the charts themselves state it."""
+    robots: set[str] = set()
+    forces_n: dict[str, float] = {}
+    for chart in charts:
+        for node in walk_nodes(chart):
+            if not isinstance(node, State):
+                continue
+            ability = node.type.removesuffix("State")
+            for param in node.params:
+                if param.name in ROBOT_FIELDS:
+                    robots.add(str(param.value))
+                elif param.name == _FORCE and isinstance(param.value, int | float):
+                    forces_n[ability] = max(forces_n.get(ability, 0.0), float(param.value))
+    return Demands(tuple(sorted(robots)), tuple(sorted(forces_n.items())))

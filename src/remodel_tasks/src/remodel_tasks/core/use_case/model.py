@@ -1,19 +1,246 @@
 """A use case: how its tasks decompose into actions, and what its users want.
 
 docs/use-cases.md explains the YAML; config/use_case.schema.json is its form.
+
+How long abilities take, and how often they succeed, is the one place where experience enters the
+planner: whatever offers `expect` can stand for a use case's frozen values. Only within `Bounds` may
+experience choose a parameter. `Designs` says for which designs a use case is meant, and what of the
+cell around the board it takes for given.
 """
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 from dataclasses import dataclass
 from enum import Enum
+from itertools import product
+from typing import Protocol
 
-from remodel_tasks.core.condition import Condition, Value, is_number
-from remodel_tasks.core.use_case.bounds import Bounds
-from remodel_tasks.core.use_case.designs import Designs
-from remodel_tasks.core.use_case.expectation import FrozenExpectations
-from remodel_tasks.core.use_case.policy import Policy
+from remodel_tasks.core.condition import Condition, Features, Value, is_number
+from remodel_tasks.core.use_case.fault import Policy
+
+# name -> value, sorted by name; hashable.
+Setting = tuple[tuple[str, float], ...]
+
+# [settings] The trials of an order cannot compare more.
+_MOST_SETTINGS = 30
+
+
+@dataclass(frozen=True)
+class Bounds:
+    """What is safe for a parameter; its unit is the parameter's.
+
+    Attributes:
+        frozen: value that is used without learning.
+        low: least safe value.
+        high: greatest safe value.
+        count: how many values are tried; the frozen one is among them.
+    """
+
+    frozen: float
+    low: float
+    high: float
+    count: int = 5
+
+    def __post_init__(self) -> None:
+        """Refuse bounds that hold no choice.
+
+        Raises:
+            ValueError: if they are not in order, or there are fewer than two values.
+        """
+        if not -math.inf < self.low <= self.frozen <= self.high < math.inf or self.count < 2:
+            raise ValueError(
+                f"bounds must be low <= frozen <= high with a count of at least 2, found "
+                f"{self.low:g}, {self.frozen:g}, {self.high:g}, {self.count}"
+            )
+
+    @property
+    def values(self) -> tuple[float, ...]:
+        """The values that are tried, evenly spaced but for the frozen one."""
+        step = (self.high - self.low) / (self.count - 1)
+        even = [self.low + step * i for i in range(self.count)]
+        nearest = min(range(self.count), key=lambda i: abs(even[i] - self.frozen))
+        even[nearest] = self.frozen
+        return tuple(sorted(set(even)))
+
+
+def frozen_setting(bounds: Mapping[str, Bounds]) -> Setting:
+    """Return the setting that is used without learning."""
+    return tuple((name, bounds[name].frozen) for name in sorted(bounds))
+
+
+def nearer_settings(bounds: Mapping[str, Bounds]) -> dict[Setting, Setting]:
+    """Return, of each setting but the frozen one, its neighbour towards the frozen one.
+
+    The parameter that is the most steps away goes one step back.
+    """
+    return {
+        setting: _nearer(setting, bounds)
+        for setting in settings(bounds)
+        if setting != frozen_setting(bounds)
+    }
+
+
+def _nearer(setting: Setting, bounds: Mapping[str, Bounds]) -> Setting:
+    steps = {name: _steps(bounds[name], value) for name, value in setting}
+    furthest = max(steps, key=lambda name: abs(steps[name]))
+    values = bounds[furthest].values
+    back = values.index(dict(setting)[furthest]) - (1 if steps[furthest] > 0 else -1)
+    return tuple((name, values[back] if name == furthest else value) for name, value in setting)
+
+
+def _steps(bounds: Bounds, value: float) -> int:
+    """Return how many values a value is above the frozen one."""
+    return bounds.values.index(value) - bounds.values.index(bounds.frozen)
+
+
+def settings(bounds: Mapping[str, Bounds]) -> tuple[Setting, ...]:
+    """Return all settings of some parameters together.
+
+    Raises:
+        ValueError: if there are too many to learn which is best.
+    """
+    names = sorted(bounds)
+    found = tuple(
+        tuple(zip(names, values, strict=True))
+        for values in product(*(bounds[name].values for name in names))
+    )
+    if len(found) > _MOST_SETTINGS:
+        raise ValueError(
+            f"{len(found)} settings of {', '.join(names)}; at most {_MOST_SETTINGS} can be "
+            "compared: learn fewer parameters, or fewer values of each"
+        )
+    return found
+
+
+@dataclass(frozen=True)
+class Expectation:
+    """What one call of an ability is expected to take [s], and the probability of its success."""
+
+    duration_s: float
+    success: float
+
+    def tried(self, attempts: int, between_s: float = 0.0) -> Expectation:
+        """Return what is expected of up to that many calls, until the first that succeeds.
+
+        Args:
+            attempts: at least 1.
+            between_s: what recovering from a failure takes.
+        """
+        failure = (1 - self.success) ** attempts
+        calls = (1 - failure) / self.success if self.success > 0 else attempts
+        return Expectation(self.duration_s * calls + between_s * (calls - 1), 1 - failure)
+
+    def then(self, other: Expectation) -> Expectation:
+        """Return what is expected of this and another call after it."""
+        return Expectation(self.duration_s + other.duration_s, self.success * other.success)
+
+
+NOTHING = Expectation(0.0, 1.0)
+
+
+class Expectations(Protocol):
+    """Knows what to expect of abilities."""
+
+    def expect(self, ability: str, features: Features) -> Expectation:
+        """Return what is expected of a call of the ability for a task with these features."""
+
+
+@dataclass(frozen=True)
+class Frozen:
+    """An expectation that a use case states, for the tasks that meet its condition.
+
+    Attributes:
+        per_m_s: [s] more for each metre of the task's length.
+    """
+
+    when: Condition
+    duration_s: float
+    per_m_s: float
+    success: float
+
+
+@dataclass(frozen=True)
+class FrozenExpectations:
+    """What a use case states, before there is experience: the first that applies counts."""
+
+    stated: dict[str, tuple[Frozen, ...]]
+
+    def expect(self, ability: str, features: Features) -> Expectation:
+        """Return what is expected of a call of the ability for a task with these features."""
+        frozen = next(item for item in self.stated[ability] if item.when.holds(features))
+        length_m = float(features.get("length_m", 0.0))
+        return Expectation(frozen.duration_s + frozen.per_m_s * length_m, frozen.success)
+
+
+# A value of `first`.
+LONGER_LEG = "longer_leg"
+
+
+class DesignKind(Enum):
+    """What an imported design describes."""
+
+    CABINET = "cabinet"
+    HARNESS = "harness"
+
+
+class DesignTasks(Enum):
+    """What of a design is a task."""
+
+    WIRES = "wires"
+    BRANCHES = "branches"
+
+
+@dataclass(frozen=True)
+class Designs:
+    """The cell around the board on which an imported design is laid out.
+
+    The magazine with the wires and the stations of the tools lie below the board, the arms rest
+    below those.
+
+    Attributes:
+        default_for: the designs that are done by this use case unless another one is asked for.
+        tasks: what becomes one.
+        arms: names of the left one and the right one; the first is the one that works alone. One
+            name: tasks are done one after another, whatever robots their actions name.
+        tool: in the arms' hands at first.
+        magazine_below_m: [m] of the slots and the stations, below the board.
+        station_beside_m: [m] of a station, beside its arm's side of the board.
+        home_below_m: [m] of the arms at first, below the board.
+        reach_beyond_m: [m] of an arm, past its side of the board.
+        reach_of_two: share of the board's width that each of two arms reaches from its side.
+        first: end of each wire that is inserted first: "a" or "b", such as the one that a magazine
+            presents in front of its terminal, or the one with the "longer_leg" in its first duct;
+            None: the planner chooses.
+        cell: name or file of the one that does it unless another one is named; empty: not known.
+    """
+
+    default_for: DesignKind | None
+    tasks: DesignTasks
+    arms: tuple[str, ...]
+    tool: str
+    magazine_below_m: float
+    station_beside_m: float
+    home_below_m: float
+    reach_beyond_m: float
+    reach_of_two: float
+    first: str | None = None
+    cell: str = ""
+
+
+def designs_from(stated: dict[str, object] | None) -> Designs | None:
+    """Return what a use case states under `designs`, in the schema's form; None for nothing."""
+    if stated is None:
+        return None
+    default_for = stated.get("default_for")
+    read: dict[str, object] = {
+        "default_for": DesignKind(default_for) if default_for else None,
+        "tasks": DesignTasks(stated["tasks"]),
+        "arms": tuple(stated["arms"]),  # type: ignore[arg-type]  # the schema says it is a list
+    }
+    return Designs(**{**stated, **read})  # type: ignore[arg-type]  # the schema has its types
+
 
 # What actions refer to for the force with which they may push.
 FORCE = "force_n"

@@ -10,24 +10,26 @@ from collections.abc import Iterable, Iterator
 from typing import Any
 
 from remodel_tasks.core.condition import Condition, Test
-from remodel_tasks.core.cycle import cycle_in
-from remodel_tasks.core.use_case.bounds import Bounds, settings
-from remodel_tasks.core.use_case.designs import designs_from
-from remodel_tasks.core.use_case.expectation import Frozen, FrozenExpectations
+from remodel_tasks.core.problem.defects import cycle_in
+from remodel_tasks.core.use_case.fault import policy_from
 from remodel_tasks.core.use_case.model import (
     INSERTED,
     Action,
+    Bounds,
     CellTimes,
     Characteristic,
     ControlRule,
     Fact,
+    Frozen,
+    FrozenExpectations,
     Macro,
     Method,
     Scope,
     Subtask,
     UseCase,
+    designs_from,
+    settings,
 )
-from remodel_tasks.core.use_case.policy import policy_from
 from remodel_tasks.errors import UseCaseError
 
 Json = dict[str, Any]
