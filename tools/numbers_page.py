@@ -122,8 +122,8 @@ NUMBERS = {
     "Supervisor": (
         (
             "the synthesizer has made a behavior of a chart; wall time",
-            f"{SUPERVISION}/ros/peers/behavior_synthesizer.py",
-            "LIMIT_S",
+            f"{SUPERVISION}/ros/peers/engine_link.py",
+            "SYNTHESIS_LIMIT_S",
         ),
         (
             "an engine without a sign is lost, and the task is resumed; wall time",
@@ -147,8 +147,8 @@ NUMBERS = {
         ),
         (
             "`CheckConnection` gets for the inspection of an end; ROS time",
-            f"{SUPERVISION}/ros/peers/inspection.py",
-            "_TIMEOUT_S",
+            f"{SUPERVISION}/ros/peers/engine_link.py",
+            "_INSPECTION_S",
         ),
         (
             "the state of a run is published although nothing changed; wall time",
@@ -157,7 +157,7 @@ NUMBERS = {
         ),
         (
             "the supervisor tries again to own the cell; wall time",
-            f"{SUPERVISION}/supervisors/cell/owned_cell.py",
+            f"{SUPERVISION}/supervisors/cell_runs.py",
             "ACQUIRE_EVERY_S",
         ),
         (

@@ -21,8 +21,8 @@ from random import Random
 import cv2
 import numpy as np
 
+from remodel_supervision.core.learning.belief import GuardRail
 from remodel_supervision.core.learning.experience import Call, LearnedParameters
-from remodel_supervision.core.learning.parameter_choice import GuardRail
 from remodel_tasks.core.use_case.model import Bounds
 
 ABILITY, FORCE = "InsertCable", "force_limit"

@@ -35,8 +35,12 @@ from remodel_supervision.core.runs.events import (
 )
 from remodel_supervision.core.runs.state import FINISHED
 from remodel_supervision.core.runs.sums import joined, statistics_of_run
-from remodel_supervision.ros.server.run_messages import sums_message
-from remodel_supervision.ros.server.state_publisher import STATE, RunView, StatePublisher
+from remodel_supervision.ros.server.state_publisher import (
+    STATE,
+    RunView,
+    StatePublisher,
+    sums_message,
+)
 from remodel_supervision.supervisors.ports import Doing
 from remodel_tasks.core.use_case.fault import Do
 

@@ -36,7 +36,7 @@ from remodel_supervision.core.runs.sums import (
 )
 from remodel_supervision.edge.run_log import RunHead
 from remodel_supervision.ros.server.record_server import summary_message
-from remodel_supervision.ros.server.run_messages import (
+from remodel_supervision.ros.server.state_publisher import (
     RunView,
     hand_wire_message,
     state_message,

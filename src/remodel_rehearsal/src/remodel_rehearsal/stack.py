@@ -36,7 +36,7 @@ from remodel_supervision.core.runs.state import RunState
 from remodel_supervision.edge.recorded_lessons import ability_calls
 from remodel_supervision.edge.run_log import RunLog
 from remodel_supervision.ros.server.work import WorkMaker
-from remodel_supervision.supervisors.cell.cell_runs import run_begun
+from remodel_supervision.supervisors.cell_runs import run_begun
 from remodel_supervision.supervisors.ports import Peers, Work
 from remodel_supervision.supervisors.run_record import RunRecord
 from remodel_supervision.supervisors.use_case_supervisor import UseCaseSupervisor

@@ -12,10 +12,9 @@ from remodel_supervision.core.runs.events import Answered, Commanded, Event, Run
 from remodel_supervision.core.runs.state import RunState
 from remodel_supervision.edge.run_log import RunLog
 from remodel_supervision.edge.task_leases import TaskLeases
-from remodel_supervision.supervisors.cell.cell_runs import CellRuns
-from remodel_supervision.supervisors.cell.owned_cell import OwnedCell
-from remodel_supervision.supervisors.cell.run_commands import RunCommands
+from remodel_supervision.supervisors.cell_runs import CellRuns, OwnedCell
 from remodel_supervision.supervisors.ports import Peers, Work
+from remodel_supervision.supervisors.run_commands import RunCommands
 from remodel_supervision.supervisors.use_case_supervisor import UseCaseSupervisor
 from schedules.database import FailingDatabase
 from schedules.planner import ORDER, SimulatedPlanner, plant

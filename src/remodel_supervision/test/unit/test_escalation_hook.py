@@ -11,7 +11,7 @@ from pathlib import Path
 
 import pytest
 
-from remodel_supervision.core.recovery.question import NoticeKind, QuestionNotice
+from remodel_supervision.core.recovery.judge import NoticeKind, QuestionNotice
 from remodel_supervision.edge.escalation_hook import EscalationHook
 from remodel_supervision.errors import HookError
 

@@ -6,7 +6,13 @@ from random import Random
 import pytest
 from taught import TAUGHT, forced
 
-from remodel_supervision.core.learning.belief import Belief, DurationModel, SuccessModel
+from remodel_supervision.core.learning.belief import (
+    Belief,
+    DurationModel,
+    GuardRail,
+    ParameterChoice,
+    SuccessModel,
+)
 from remodel_supervision.core.learning.experience import (
     REHEARSED_WEIGHT,
     Call,
@@ -18,7 +24,6 @@ from remodel_supervision.core.learning.experience import (
     numbers_from,
     tried_responses,
 )
-from remodel_supervision.core.learning.parameter_choice import GuardRail, ParameterChoice
 from remodel_tasks.core.condition import context_of, terminal_features
 from remodel_tasks.core.use_case.fault import Do
 from remodel_tasks.core.use_case.model import Bounds, frozen_setting, nearer_settings, settings

@@ -7,7 +7,7 @@ from supervisor_bench import FakeAbilities, FakeLoop
 
 from remodel_supervision.core.runs.events import Command, Commanded, Ending
 from remodel_supervision.core.runs.gate import Permit
-from remodel_supervision.supervisors.cell.run_commands import RunCommands
+from remodel_supervision.supervisors.run_commands import RunCommands
 from remodel_supervision.supervisors.run_control import REST_LIMIT_S
 
 # remodel_msgs/ErrorCode.SERVER_LOST.

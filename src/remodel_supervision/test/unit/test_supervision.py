@@ -10,8 +10,7 @@ from hypothesis import given
 
 from remodel_run.progress import Answer
 from remodel_states.core.codes import Code
-from remodel_supervision.core.recovery.judge import decide_recovery
-from remodel_supervision.core.recovery.question import question_about
+from remodel_supervision.core.recovery.judge import decide_recovery, question_about
 from remodel_supervision.core.run import Operation
 from remodel_supervision.core.runs.event_table import attempts_of, state_after
 from remodel_supervision.core.runs.events import (

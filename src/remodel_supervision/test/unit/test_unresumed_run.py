@@ -5,7 +5,7 @@ import pytest
 from remodel_production.errors import LostError
 from remodel_supervision.core.runs.events import Blocked, Command, Commanded, Ending, RunEnded
 from remodel_supervision.core.runs.replay import replayed
-from remodel_supervision.supervisors.cell.run_commands import RunCommands, UnresumedRun
+from remodel_supervision.supervisors.run_commands import RunCommands, UnresumedRun
 
 
 @pytest.fixture

@@ -4,8 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
-from remodel_supervision.core.recovery.judge import decide_recovery, failure_of
-from remodel_supervision.core.recovery.question import NoticeKind, QuestionNotice, question_about
+from remodel_supervision.core.recovery.judge import (
+    NoticeKind,
+    QuestionNotice,
+    decide_recovery,
+    failure_of,
+    question_about,
+)
 from remodel_supervision.core.runs.events import Asked, Escalated
 from remodel_supervision.core.runs.gate import Gate
 from remodel_supervision.core.runs.state import SERVER_TROUBLE

@@ -30,10 +30,8 @@ from remodel_supervision.core.runs.step import (
 )
 from remodel_supervision.errors import CellError, HaltedError, RefusedError
 from remodel_supervision.supervisors.failure_judge import FailureJudge
-from remodel_supervision.supervisors.gate_keeper import GateKeeper
-from remodel_supervision.supervisors.leases import LeaseKeeper
+from remodel_supervision.supervisors.gate_keeper import GateKeeper, LeaseKeeper, Reconnection
 from remodel_supervision.supervisors.ports import EventLoop, Peers, Work
-from remodel_supervision.supervisors.reconnection import Reconnection
 from remodel_supervision.supervisors.run_control import Reply, RunControl
 from remodel_supervision.supervisors.run_record import RunRecord
 from remodel_supervision.supervisors.task_executor import PanelLoader, TaskExecutor, TaskInspector

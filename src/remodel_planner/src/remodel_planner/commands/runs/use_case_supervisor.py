@@ -21,10 +21,8 @@ from remodel_supervision.edge.escalation_hook import EscalationHook
 from remodel_supervision.edge.run_log import RunLog
 from remodel_supervision.ros.event_loop import RosEventLoop
 from remodel_supervision.ros.peers.ability_watch import AbilityWatch
-from remodel_supervision.ros.peers.behavior_synthesizer import BehaviorSynthesizer
 from remodel_supervision.ros.peers.cell import Cell, running_cell
-from remodel_supervision.ros.peers.engine_link import EngineLink
-from remodel_supervision.ros.peers.inspection import Inspection
+from remodel_supervision.ros.peers.engine_link import BehaviorSynthesizer, EngineLink, Inspection
 from remodel_supervision.ros.peers.pictures import CellPictures
 from remodel_supervision.ros.server.record_server import RecordServer
 from remodel_supervision.ros.server.run_server import RunServer

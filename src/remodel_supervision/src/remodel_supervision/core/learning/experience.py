@@ -8,11 +8,13 @@ from dataclasses import dataclass, field, replace
 from random import Random
 
 from remodel_states.core.codes import Code
-from remodel_supervision.core.learning.belief import Belief, DurationModel, SuccessModel
-from remodel_supervision.core.learning.parameter_choice import (
+from remodel_supervision.core.learning.belief import (
     DEFAULT_GUARD,
+    Belief,
+    DurationModel,
     GuardRail,
     ParameterChoice,
+    SuccessModel,
 )
 from remodel_tasks.core.condition import Features, Value, context_of
 from remodel_tasks.core.use_case.fault import Do

@@ -1,20 +1,93 @@
-"""The behavior engine and its action server, as the task supervisor uses them."""
+"""The action servers beside the supervisor, as it uses them: engine, synthesizer, inspection."""
 
 from __future__ import annotations
 
 import time
+import uuid
 from collections.abc import Callable
+from pathlib import Path
 
 import rospy
 from actionlib_msgs.msg import GoalStatus
-from flexbe_msgs.msg import BehaviorExecutionAction, BehaviorExecutionGoal, BEStatus
+from flexbe_msgs.msg import (
+    BehaviorExecutionAction,
+    BehaviorExecutionGoal,
+    BehaviorSynthesisAction,
+    BehaviorSynthesisFeedback,
+    BehaviorSynthesisGoal,
+    BEStatus,
+    SynthesisErrorCodes,
+    SynthesisRequest,
+)
+from remodel_msgs.msg import CheckConnectionAction, CheckConnectionGoal
 from rospy import AnyMsg
 from std_msgs.msg import Empty, String
 
+from flexbe_synthesizer.core.chart.model import Chart
 from remodel_production.errors import LostError
+from remodel_supervision.edge.known_behaviors import describes
+from remodel_supervision.errors import CellError
 from remodel_supervision.ros.action_server import ActionServer, Goal
 from remodel_supervision.ros.event_loop import RosEventLoop
-from remodel_supervision.supervisors.ports import BehaviorEnd, EndKind
+from remodel_supervision.supervisors.ports import BehaviorEnd, EndKind, UnseenError
+from remodel_tasks.core.task_charts.task_chart import content_mark
+from remodel_tasks.edge.chart_folder import keep_chart
+
+SYNTHESIS_ACTION = "flexbe/synthesize"
+
+# [s] wall time for one chart; the FlexBE App gives up after 10 s.
+SYNTHESIS_LIMIT_S = 10.0
+
+
+class BehaviorSynthesizer:
+    """Has behaviors made of charts."""
+
+    def __init__(self, loop: RosEventLoop, charts: Path) -> None:
+        """Connect when the server is there; `charts` is a folder that it may read."""
+        self._loop = loop
+        self._charts = charts
+        self._server = ActionServer(SYNTHESIS_ACTION, BehaviorSynthesisAction, "synthesis_server")
+
+    def wait(self, limit_s: float) -> None:
+        """Wait for the server, up to a limit of wall time [s]; LostError if it does not come."""
+        self._loop.background(lambda: self._server.wait(limit_s))
+
+    def make(self, chart: Chart) -> None:
+        """Have the behavior of a chart made, unless it exists with the same content.
+
+        Raises:
+            CellError: with the server's own words if it refuses.
+            LostError: if it does not answer.
+            InstanceError: if the chart's file cannot be written.
+        """
+        chart_file, _ = keep_chart(chart, self._charts)
+        if not describes(chart.name, content_mark(chart)):
+            self._loop.background(lambda: self.synthesize(str(chart_file), chart.name))
+
+    def synthesize(self, chart_file: str, behavior: str) -> None:
+        """Have the behavior of a chart written where the engine finds it.
+
+        Args:
+            chart_file: absolute path, inside the server's chart folders.
+            behavior: its name.
+
+        Raises:
+            CellError: with the server's own words if it refuses.
+            LostError: if it does not answer.
+        """
+        said: list[str] = []
+
+        def on_feedback(feedback: BehaviorSynthesisFeedback) -> None:
+            said.append(feedback.status)
+
+        request = SynthesisRequest(name=f"/{behavior}", goal=chart_file)
+        goal = self._server.ended(
+            BehaviorSynthesisGoal(request=request), SYNTHESIS_LIMIT_S, on_feedback
+        )
+        result = goal.result
+        if result is None or result.error_code.value != SynthesisErrorCodes.SUCCESS:
+            reason = said[-1] if said else goal.ending
+            raise CellError(f"synthesis of {chart_file} failed: {reason}")
 
 
 class Peer:
@@ -51,7 +124,7 @@ class Peer:
         return f"{self._title} is gone: nothing publishes {self._subscriber.resolved_name}"
 
 
-ACTION = "flexbe/execute_behavior"
+EXECUTION_ACTION = "flexbe/execute_behavior"
 
 # With these words be_action_server begins the status text of a goal whose engine was lost, stalled
 # or restarted, or that it gives up itself (flexbe_widget/core/run_watch.py).
@@ -77,10 +150,10 @@ class EngineLink:
         self._code = BEStatus.READY
         self._silent_s: int | None = None
         self._goal: Goal | None = None
-        self._server = ActionServer(ACTION, BehaviorExecutionAction, "be_action_server")
+        self._server = ActionServer(EXECUTION_ACTION, BehaviorExecutionAction, "be_action_server")
         self._preempt = rospy.Publisher("flexbe/command/preempt", Empty, queue_size=10)
         self._engine = Peer("the engine", "flexbe/heartbeat", Empty, lambda _: self._on_sign())
-        self._runner = Peer("the engine's action server", f"{ACTION}/feedback")
+        self._runner = Peer("the engine's action server", f"{EXECUTION_ACTION}/feedback")
         rospy.Subscriber("flexbe/status", BEStatus, self._on_status)
         rospy.Subscriber("flexbe/behavior_update", String, self._on_entered, tcp_nodelay=True)
         # Counted, not measured: while this process itself is stopped, no other one is silent.
@@ -181,3 +254,58 @@ class EngineLink:
         self.state_path = entered.data
         if entered.data:
             self._path.append(entered.data)
+
+
+INSPECTION_ACTION = "remodel_abilities/checkconnection"
+
+# [s] ROS time that an inspection gets, and wall time after which its server counts as lost.
+_INSPECTION_S = 30.0
+_INSPECTION_LIMIT_S = 120.0
+
+# remodel_msgs/ErrorCode.INTERNAL, of an answer that there is not.
+_INTERNAL = 5
+
+
+class Inspection:
+    """Inspects terminals."""
+
+    def __init__(self, loop: RosEventLoop) -> None:
+        """Connect when the ability is there."""
+        self._loop = loop
+        self._server = ActionServer(
+            INSPECTION_ACTION, CheckConnectionAction, "the cell (remodel_sim cell)"
+        )
+
+    def wait(self, limit_s: float) -> None:
+        """Wait for the ability, up to a limit of wall time [s]; LostError if it does not come."""
+        self._loop.background(lambda: self._server.wait(limit_s))
+
+    def is_connected(self, owner: int, wire: str, end: str, component: str, terminal: str) -> bool:
+        """Return whether an end ("a" or "b") of a wire is in a terminal.
+
+        Args:
+            owner: token of the supervisor that asks.
+            wire: its name.
+            end: letter.
+            component: of the terminal.
+            terminal: of the component.
+
+        Raises:
+            UnseenError: if it could not be seen.
+            LostError: if the ability is lost.
+        """
+        goal = CheckConnectionGoal(
+            id=f"{owner}:check {wire} {end} {uuid.uuid4().hex[:8]}",
+            cable_id=wire,
+            cable_end=end,
+            component_id=component,
+            terminal_id=terminal,
+            timeout=_INSPECTION_S,
+        )
+        sent = self._loop.background(lambda: self._server.ended(goal, _INSPECTION_LIMIT_S))
+        result = sent.result
+        if result is None or not result.success:
+            code = result.error_code if result else _INTERNAL
+            text = result.error_message if result else sent.ending
+            raise UnseenError(code or _INTERNAL, text, goal.id)
+        return bool(result.connected)

@@ -27,7 +27,7 @@ from remodel_supervision.core.runs.events import Ending
 from remodel_supervision.core.runs.state import RunState
 from remodel_supervision.core.runs.sums import RunStatistics, joined, statistics_of_run, sums_of
 from remodel_supervision.edge.run_log import KeptEvent, RunHead, RunLog
-from remodel_supervision.ros.server.run_messages import sums_message
+from remodel_supervision.ros.server.state_publisher import sums_message
 
 # How many entries one answer has at most, and how many with pictures.
 _AT_ONCE = 2000

@@ -27,8 +27,8 @@ from remodel_supervision.core.run import Operation
 from remodel_supervision.core.runs.events import Answered, Command, Commanded
 from remodel_supervision.core.runs.gate import Permit
 from remodel_supervision.ros.event_loop import RosEventLoop
-from remodel_supervision.supervisors.cell.run_commands import RunCommands
 from remodel_supervision.supervisors.ports import Abilities
+from remodel_supervision.supervisors.run_commands import RunCommands
 from remodel_supervision.supervisors.run_control import Reply
 
 RECORDER = "remodel/keep_record"
