@@ -24,7 +24,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from types import SimpleNamespace
 
-from remodel_planner.commands.options.design_orders import DesignOrder, design_order
+from remodel_planner.commands.options.problem_files import DesignOrder, design_order
 from remodel_production.core.board.board import board_of
 from remodel_production.core.imports.formats import format_of, import_design
 from remodel_production.core.production import Order

@@ -18,9 +18,9 @@ import rostest
 from order_client import DESIGN, planner
 from remodel_msgs.srv import LoadPanel
 
-from remodel_planner.commands.options.design_orders import design_order
-from remodel_planner.commands.runs.built_in_cell import picture_of_cabinet, wires_in_cell
-from remodel_planner.core.reports.net_list import net_list, share_in_ducts
+from remodel_planner.commands.options.problem_files import design_order
+from remodel_planner.commands.runs.order_report import picture_of_cabinet, wires_in_cell
+from remodel_planner.core.net_list import net_list, share_in_ducts
 from remodel_production.core.board.board import board_of
 from remodel_production.edge.database.production_database import ProductionDatabase
 from remodel_production.edge.design_files import catalogue_file, read_catalogue

@@ -7,7 +7,7 @@ import rosgraph
 import rospy
 import rostest
 
-from remodel_planner.commands.runs.built_in_cell import wires_in_cell
+from remodel_planner.commands.runs.order_report import wires_in_cell
 from remodel_production.core.production import Order
 from remodel_states.edge.exported_tables import read_abilities
 from remodel_supervision.ros.peers.cell import Cell

@@ -9,7 +9,7 @@ from types import SimpleNamespace
 import pytest
 
 from remodel_planner.commands import import_design, plan, tasks
-from remodel_planner.commands.options.design_orders import design_order
+from remodel_planner.commands.options.problem_files import design_order
 from remodel_production.core.board.board import board_of
 from remodel_production.edge.database.production_database import ProductionDatabase
 from remodel_production.edge.design_files import catalogue_file, read_catalogue

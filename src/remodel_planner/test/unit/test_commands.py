@@ -22,7 +22,7 @@ from remodel_planner.commands import (
     tasks,
 )
 from remodel_planner.commands.runs import run_order
-from remodel_planner.core.reports.run_report import Report
+from remodel_planner.core.run_report import Report
 from remodel_production.edge.database.production_database import ProductionDatabase
 from remodel_production.errors import OrderError
 from remodel_supervision.ros.server.work import WorkMaker

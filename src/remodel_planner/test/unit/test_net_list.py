@@ -2,7 +2,7 @@
 
 import pytest
 
-from remodel_planner.core.reports.net_list import (
+from remodel_planner.core.net_list import (
     Connection,
     FoundEnd,
     FoundWire,

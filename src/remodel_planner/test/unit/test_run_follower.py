@@ -9,8 +9,7 @@ from house import HOUSE, owner_of
 from remodel_msgs.msg import LevelState, OperatorQuestion, UseCaseState
 
 from remodel_planner.commands.runs import run_follower
-from remodel_planner.commands.runs.run_bar import doing, share
-from remodel_planner.commands.runs.run_follower import RunFollower, attempt_line
+from remodel_planner.commands.runs.run_follower import RunFollower, attempt_line, doing, share
 from remodel_production.edge.database.production_database import ProductionDatabase
 from remodel_supervision.core.run import Execution
 from remodel_supervision.core.runs.attempts import Attempt

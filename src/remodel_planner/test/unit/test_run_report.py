@@ -7,8 +7,8 @@ from pathlib import Path
 import pytest
 from lxml import html
 
-from remodel_planner.core.reports.net_list import FoundEnd, FoundWire, net_list
-from remodel_planner.core.reports.run_report import (
+from remodel_planner.core.net_list import FoundEnd, FoundWire, net_list
+from remodel_planner.core.run_report import (
     AttemptReport,
     Drawing,
     Picture,

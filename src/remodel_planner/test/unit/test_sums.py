@@ -14,7 +14,7 @@ from test_supervision import Run, live
 
 from remodel_console.core.use_case import TaskCopy, figures
 from remodel_console.ros.use_case_link import snapshot_of, summary_of, use_case_of
-from remodel_planner.core.reports.run_report import report_data
+from remodel_planner.core.run_report import report_data
 from remodel_run.progress import Count, HandWire, sums_words
 from remodel_supervision.core.runs.event_table import attempts_of
 from remodel_supervision.core.runs.events import (

@@ -12,14 +12,15 @@ from functools import partial
 from pathlib import Path
 
 from remodel_planner.commands.options.common import add_database_option, refuses, stages
-from remodel_planner.commands.options.design_orders import (
+from remodel_planner.commands.options.documents import add_json_option, print_json, triage_of
+from remodel_planner.commands.options.problem_files import (
     DesignOrder,
     add_design_options,
+    build_of,
+    built,
     design_order,
     print_triage,
 )
-from remodel_planner.commands.options.documents import add_json_option, print_json, triage_of
-from remodel_planner.commands.options.problem_files import build_of, built
 from remodel_production.core.board.board import board_of, cut_longer, length_findings
 from remodel_production.core.board.cabinet import laid_out
 from remodel_production.core.catalogue import Catalogue

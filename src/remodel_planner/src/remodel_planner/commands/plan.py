@@ -15,7 +15,6 @@ from remodel_planner.commands.options.common import (
     stages,
     stop_on_signals,
 )
-from remodel_planner.commands.options.design_orders import print_triage
 from remodel_planner.commands.options.documents import (
     add_json_option,
     conflict_findings,
@@ -26,6 +25,7 @@ from remodel_planner.commands.options.documents import (
 from remodel_planner.commands.options.problem_files import (
     ConflictError,
     add_problem_options,
+    print_triage,
     read_problem,
 )
 from remodel_production.errors import InfeasibleError

@@ -9,7 +9,7 @@ from contextlib import closing
 from pathlib import Path
 
 from remodel_planner.commands.options.common import add_database_option, refuses
-from remodel_planner.core.reports.product_record import (
+from remodel_planner.core.product_record import (
     ProductEntry,
     as_csv,
     as_json,

@@ -5,8 +5,11 @@ from __future__ import annotations
 import argparse
 
 from remodel_planner.commands.options.common import refuses
-from remodel_planner.commands.options.design_orders import print_triage
-from remodel_planner.commands.options.problem_files import add_problem_options, read_order
+from remodel_planner.commands.options.problem_files import (
+    add_problem_options,
+    print_triage,
+    read_order,
+)
 from remodel_tasks.core.decomposition.decomposed import outline_of_order
 
 

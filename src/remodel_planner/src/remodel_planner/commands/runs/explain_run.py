@@ -5,7 +5,7 @@ from __future__ import annotations
 import argparse
 
 from remodel_planner.commands.options.common import add_database_option
-from remodel_planner.core.reports.run_explanation import explain_run
+from remodel_planner.core.run_explanation import explain_run
 from remodel_supervision.edge.run_log import kept_run
 from remodel_tasks.edge.fault_file import read_faults
 

@@ -10,10 +10,9 @@ import rospy
 
 from flexbe_core.ros.master import START_LIMIT_S, NoMasterError, join_interruptibly, require_master
 from remodel_planner.commands.options.common import add_database_option
-from remodel_planner.commands.runs.order_report import order_report
+from remodel_planner.commands.runs.order_report import order_report, write_report
 from remodel_planner.commands.runs.run_follower import RunFollower
-from remodel_planner.core.reports.run_report import summary_lines
-from remodel_planner.edge.report_files import write_report
+from remodel_planner.core.run_report import summary_lines
 from remodel_production.edge.database.production_database import ProductionDatabase
 from remodel_production.edge.database.rehearsals import last_rehearsal
 from remodel_production.errors import PlannerError

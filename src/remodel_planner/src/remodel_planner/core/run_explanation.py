@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from datetime import datetime
 
-from remodel_planner.core.reports.run_report import failure_line
+from remodel_planner.core.run_report import failure_line
 from remodel_run.progress import sums_words
 from remodel_run.record import entry_words
 from remodel_run.whole_task import counted

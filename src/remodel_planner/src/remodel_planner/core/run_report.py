@@ -12,7 +12,7 @@ from dataclasses import asdict, dataclass, field
 
 from jinja2 import Environment, StrictUndefined
 
-from remodel_planner.core.reports.net_list import Connection, Verdict, share_in_ducts
+from remodel_planner.core.net_list import Connection, Verdict, share_in_ducts
 from remodel_production.core.production import Order, Wire
 from remodel_run.progress import Sums, sums_words
 from remodel_run.rehearsal import Forecast, Share

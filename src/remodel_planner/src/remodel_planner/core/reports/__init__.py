@@ -1,1 +1,0 @@
-"""Reports: of a run, as a page and as text, and of a product."""
