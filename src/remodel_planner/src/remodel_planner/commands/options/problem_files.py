@@ -330,7 +330,6 @@ def build_of(order: Order, options: argparse.Namespace, situations: frozenset[st
     """
     from remodel_tasks.core.decomposition.preparation import prepare
     from remodel_tasks.core.orders.order_requirements import (
-        OrderRequirements,
         of_plans,
         order_requirements,
     )
