@@ -18,6 +18,7 @@ from formboards import formboard
 from panels import example, panel
 
 from remodel_sim.physics.plant import SimulatedPlant
+from remodel_skills.abilities.picking import DetectGoal, PickGoal
 from remodel_skills.belief_state import EndState, Grip
 from remodel_skills.cell import Cell
 from remodel_work.edge.cell_file import read_cell
@@ -122,11 +123,11 @@ def record_held():
     cell = Cell(SimulatedPlant(example("household"), design=read_cell("two_arms_cabinet"), seed=1))
     robot, wire_id = "robot_2", "W3"
     cell.feed(wire_id, "")
-    place_wire.do(cell, place_wire.detect_cable, place_wire.goals.DetectGoal(wire_id))
+    place_wire.do(cell, place_wire.detect_cable, DetectGoal(wire_id))
     key = cell.plant.panel.wire(wire_id).goes_to(WireEnd.A)
     socket = place_wire.locate(cell, *key)
     holder = cell.contexts[robot]
-    pick = place_wire.goals.PickGoal(robot, wire_id, WireEnd.B, 0.0)
+    pick = PickGoal(robot, wire_id, WireEnd.B, 0.0)
     cell.run(place_wire.pick_cable(holder, pick), robot)
     place_wire.insert(cell, wire_id, WireEnd.A, *key, socket)
     place_wire.fix(cell, wire_id, *key, pull=5.0)

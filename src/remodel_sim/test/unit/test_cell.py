@@ -12,6 +12,8 @@ from stored import put_live
 
 from remodel_sim.physics.plant import SimulatedPlant
 from remodel_sim.physics.truth import ground_truth
+from remodel_skills.abilities.inserting import InsertGoal
+from remodel_skills.abilities.picking import PickGoal
 from remodel_skills.cell import Cell
 from remodel_states.core.codes import Code
 from remodel_work.edge.cell_file import read_cell
@@ -120,7 +122,7 @@ def test_a_fixed_end_can_be_extracted_and_inserted_again(cell):
 def test_a_stopped_ability_leaves_a_scene_that_the_next_one_can_use(cell):
     cell.feed("W1", "A")
     socket = do.locate(cell, "X1", "1")
-    goal = do.goals.InsertGoal(
+    goal = InsertGoal(
         robot_name=do.ROBOT,
         cable_id="W1",
         end=WireEnd.A,
@@ -151,7 +153,7 @@ def left_behind(cell, wire, channel="A"):
 @pytest.mark.slow
 def test_no_piece_is_fed_beside_another_one_of_the_same_wire(cell):
     cell.feed("W1", "A")
-    do.do(cell, do.pick_cable, do.goals.PickGoal(do.ROBOT, "W1", WireEnd.A, 0.0))
+    do.do(cell, do.pick_cable, PickGoal(do.ROBOT, "W1", WireEnd.A, 0.0))
     do.lay_down(cell, "W1")
     touched = cell.plant.live
     assert "moved or connected" in left_behind(cell, "W1")

@@ -9,6 +9,7 @@ from stored import put, put_live, shape_of, stored
 from remodel_sim.physics.plant import SimulatedPlant
 from remodel_sim.physics.truth import ground_truth
 from remodel_skills.abilities.extracting import DiscardGoal, discard_cable
+from remodel_skills.abilities.picking import DetectGoal
 from remodel_skills.belief_state import EndState
 from remodel_skills.cell import Cell
 from remodel_skills.edge.cell_memory import CellMemory
@@ -116,7 +117,7 @@ def test_a_wire_that_falls_before_the_bin_is_seen_to_lie_there(cell, monkeypatch
         put(cell, "W1", *WireEnd)
     else:
         cell.feed("W1", "A")
-        do.do(cell, do.detect_cable, do.goals.DetectGoal("W1"))
+        do.do(cell, do.detect_cable, DetectGoal("W1"))
     context = cell.context
     with monkeypatch.context() as patch:
         patch.setattr(carrying, "check_grip", lambda context: None)  # as if it felt the wire

@@ -2,11 +2,11 @@
 
 import pytest
 from holds import pull_out
-from place_wire import ROBOT, carry, do, fix, goals, insert, locate
+from place_wire import ROBOT, carry, do, fix, insert, locate
 from stored import put_live
 
 from remodel_sim.physics.truth import ground_truth
-from remodel_skills.abilities.extracting import discard_cable
+from remodel_skills.abilities.extracting import DiscardGoal, discard_cable
 from remodel_states.core.codes import Code
 from remodel_work.errors import AbilityError
 from remodel_work.panel import WireEnd, unit_x
@@ -40,7 +40,7 @@ def test_an_end_that_came_out_while_the_other_one_was_placed_is_noticed(cell):
     assert caught.value.code is Code.CAME_OUT
     (truth,) = ground_truth(cell.plant, ["W1"])
     assert truth.b.fixed and not truth.a.seated
-    do(cell, discard_cable, goals.DiscardGoal(ROBOT, "W1"))
+    do(cell, discard_cable, DiscardGoal(ROBOT, "W1"))
     assert cell.plant.live is None and cell.context.belief.fed == []
 
 

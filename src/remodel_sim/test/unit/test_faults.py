@@ -6,6 +6,7 @@ import place_wire as do
 import pytest
 
 from remodel_sim.core.faults import FaultError, check_fault
+from remodel_skills.abilities.picking import PickGoal
 from remodel_work.errors import AbilityError
 from remodel_work.panel import WireEnd
 
@@ -56,7 +57,7 @@ def pull(cell, force):
 @pytest.mark.physics
 @pytest.mark.parametrize("kind", ["grip_weakened", "friction_lowered"])
 def test_a_weak_hand_lets_the_wire_slide(cell, kind):
-    goal = do.goals.PickGoal(do.ROBOT, "W1", WireEnd.A, 0.0)
+    goal = PickGoal(do.ROBOT, "W1", WireEnd.A, 0.0)
     cell.feed("W1", "A")
     do.do(cell, do.pick_cable, goal)
     assert pull(cell, 15.0) < 0.002
