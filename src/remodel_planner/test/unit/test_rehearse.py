@@ -1,6 +1,7 @@
 """What `remodel rehearse` prints and refuses; the physics is tested in remodel_rehearsal."""
 
 import argparse
+from contextlib import closing, nullcontext
 
 import pytest
 
@@ -10,6 +11,7 @@ from remodel_production.core.production import Component, Order, Side, Terminal,
 from remodel_production.edge.database.production_database import ProductionDatabase
 from remodel_rehearsal.core.changes import with_changes
 from remodel_rehearsal.core.forecast import forecast
+from remodel_rehearsal.edge.trial_store import KeptTrial
 from remodel_run.rehearsal import Failure, Trial
 
 JAMMED = Failure("InsertCable", "INSERTION_JAMMED", "end a of W2 stopped 4.0 mm deep")
@@ -53,6 +55,45 @@ def test_seeds_are_ranges_and_single_ones(text, read):
 def test_what_is_no_seed_is_refused(text):
     with pytest.raises(argparse.ArgumentTypeError, match="such as 0-99"):
         seeds(text)
+
+
+class Helped:
+    """Stands for a rehearsal of W1, which fails unless its other end is inserted first."""
+
+    def __init__(self, *_):
+        self.first = {"W1": "a"}
+
+    def trials(self):
+        return [self.kept(seed, (JAMMED,)) for seed in range(10)]
+
+    def changed(self, changes):
+        return {
+            ("W1", change): [self.kept(s, () if change.begin else (JAMMED,)) for s in range(10)]
+            for change in changes["W1"]
+        }
+
+    def kept(self, seed, failures):
+        return KeptTrial(Trial("W1", seed, True, 1 + len(failures), failures), (), "", 1.0, 1.0)
+
+
+def test_what_helped_is_adopted_and_printed(database, tmp_path, monkeypatch, capsys):
+    monkeypatch.setattr(rehearse, "Rehearsing", Helped)
+    monkeypatch.setattr(rehearse, "connected", lambda *_: nullcontext())
+    words = ["house", "--states", str(tmp_path / "states"), "--database", database]
+    assert rehearse.main(words) == 0
+    assert "adopted" not in capsys.readouterr().out
+    assert rehearse.main([*words, "--adopt"]) == 0
+    name = "rehearsed: W1 inserted at end b first, 95% at the first attempt in place of 5%"
+    assert capsys.readouterr().out.endswith(f"preferences:\n  {name}\n")
+    with closing(ProductionDatabase(database)) as opened:
+        (entry,) = opened.preferences("house")["require"]
+    assert entry == {"name": name, "begin": "W1", "at": "b"}
+
+
+@pytest.mark.parametrize("other", [["--no-changes"], ["--seed", "1"]])
+def test_nothing_is_adopted_without_changes(other):
+    with pytest.raises(SystemExit):
+        rehearse.main(["house", "--adopt", *other])
 
 
 @pytest.fixture

@@ -20,7 +20,13 @@ from remodel_planner.commands.options.common import (
 from remodel_planner.commands.options.documents import add_json_option, print_json
 from remodel_production.edge.database.production_database import ProductionDatabase
 from remodel_production.edge.database.rehearsals import keep_rehearsal
-from remodel_rehearsal.core.changes import adopted, changes_within, to_check, with_changes
+from remodel_rehearsal.core.changes import (
+    adopted,
+    adopted_names,
+    changes_within,
+    to_check,
+    with_changes,
+)
 from remodel_rehearsal.core.forecast import forecast
 from remodel_rehearsal.edge.cluster import Job, Rehearsing, connected
 from remodel_rehearsal.edge.trial_store import (
@@ -102,6 +108,8 @@ def main(arguments: list[str] | None = None) -> int:
     add_database_option(parser)
     add_json_option(parser)
     options = parser.parse_args(arguments)
+    if options.adopt and (options.no_changes or options.seed is not None):
+        parser.error("--adopt enters which changes help: leave out --no-changes and --seed")
     with closing(ProductionDatabase(options.database)) as database:
         setting = Setting(
             database.order(options.order),
@@ -113,12 +121,16 @@ def main(arguments: list[str] | None = None) -> int:
         if options.seed is not None:
             return _carry_out(setting, options.seed)
         found = _rehearse(setting, options, database)
+        preferences = database.preferences(options.order)
     if options.json:
         print_json(msgspec.to_builtins(found))
     else:
         print("\n".join(lines(found)))
         for wire in found.failing[:3]:
             print(f"picture of {wire.wire}: {_shown(wire, options.states)}")
+        if options.adopt:
+            entered = adopted_names(preferences)
+            print("adopted, in the order's preferences:", *(entered or ("nothing",)), sep="\n  ")
     return 0
 
 
@@ -181,8 +193,9 @@ def _rehearse(
             # Other settings of pushes are explored here in place of on the robot.
             explored = [each for (_, change), of in tried.items() if change.force_n for each in of]
     if options.adopt:
-        name, document = setting.order.name, setting.preferences
-        database.set_preferences(name, adopted(found, changes, document))
+        # As they are now: a rehearsal may take hours.
+        document = database.preferences(setting.order.name)
+        database.set_preferences(setting.order.name, adopted(found, changes, document))
     keep_rehearsal(
         database,
         setting.order.name,

@@ -124,6 +124,18 @@ def adopted(
     return document
 
 
+def adopted_names(document: object) -> tuple[str, ...]:
+    """Return the names of the entries of an order's preferences that come from rehearsals."""
+    sections = document.values() if isinstance(document, Mapping) else ()
+    return tuple(
+        str(entry["name"])
+        for entries in sections
+        if isinstance(entries, list)
+        for entry in entries
+        if isinstance(entry, Mapping) and str(entry.get("name", "")).startswith(ADOPTED)
+    )
+
+
 def with_entry(document: object, section: str, entry: object) -> dict[str, object]:
     """Return a document of preferences with one more entry; None: there is none yet."""
     found: dict[str, object] = {"format": FORMAT}
