@@ -79,6 +79,7 @@ def test_a_trial_that_breaks_off_is_a_failure_and_no_end_of_the_others(tmp_path,
     assert (kept.trial.placed, kept.board) == (False, empty)
     (failure,) = kept.trial.failures
     assert failure.code == "BROKEN_OFF" and "ZeroDivisionError: division by zero" in failure.text
+    assert list((tmp_path / "trials").iterdir()) == [], "it is tried again the next time"
 
 
 @pytest.mark.parametrize("place", ["boards", "trials"])

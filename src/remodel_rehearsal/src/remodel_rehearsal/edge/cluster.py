@@ -89,7 +89,8 @@ def done(
         except PlannerError:
             raise
         except Exception as error:  # noqa: BLE001 - all others go on, and this one is reported
-            kept = KeptTrial(_broken_off(wire, seed, error), (), board, cpu_s=0.0, physics_s=0.0)
+            # Not kept: what was in its way may be gone the next time, such as a full disk.
+            return KeptTrial(_broken_off(wire, seed, error), (), board, cpu_s=0.0, physics_s=0.0)
     store.put_trial(key, kept)
     return kept
 
