@@ -61,8 +61,11 @@ class OverviewTest(BehaviorTestCase):
         )
         expect(page.locator("tr.task.set_aside")).to_contain_text("W3")
         expect(page.locator(".levels")).to_contain_text("Ability: InsertCable")
+        stop = page.get_by_role("button", name="Stop", exact=True)
+        place = stop.bounding_box()
         supervisor.ask()
         expect(page.locator(".failures")).to_contain_text("W4: Insertion jammed")
+        self.assertEqual(stop.bounding_box(), place, "Stop moves away from who presses it")
         expect(page.locator(".request")).to_contain_text("10 min left to answer")
         expect(page.locator(".failures")).to_contain_text(
             "The cell tries again, because it has failed once."

@@ -129,7 +129,7 @@ _STYLES = {
 
 
 class RunHead:
-    """Shows a run; its elements stay while it changes, so that clicks are not lost."""
+    """Shows a run; its elements stay while it changes, and Stop in its place: no click is lost."""
 
     def __init__(
         self,
@@ -150,12 +150,6 @@ class RunHead:
             self._phase = ui.label()
             self._link = ui.link().classes("soft")
             self._serial = ui.label().classes("soft")
-        with ui.element("div").classes("progress wide").props('role="img"') as self._bar:
-            self._done = ui.element("div").classes("part done")
-            self._aside = ui.element("div").classes("part aside")
-        self._progress = ui.label().classes("soft")
-        self._message = ui.label()
-        self._interruptions = ui.label().classes("soft")
         with ui.row().classes("controls"):
             self._resume = button("Resume", resume, icon="play_arrow")
             self._pause = button("Pause", pause, icon="pause", look="quiet")
@@ -164,6 +158,12 @@ class RunHead:
         self._protect.classes("protect")
         self._pending = ui.label().classes("soft").props('role="status"')
         self._pending.set_visibility(False)
+        with ui.element("div").classes("progress wide").props('role="img"') as self._bar:
+            self._done = ui.element("div").classes("part done")
+            self._aside = ui.element("div").classes("part aside")
+        self._progress = ui.label().classes("soft")
+        self._message = ui.label()
+        self._interruptions = ui.label().classes("soft")
 
     def show(self, now: UseCase, pending: Iterable[str] = ()) -> None:
         """Show what may have changed.

@@ -120,8 +120,8 @@ _FIRST_LEVEL = 1  # low, as in the FlexBE App
 class RunPanel:
     """Shows what can be done with the run, and sends the engine orders.
 
-    What depends on the run is rebuilt when that changes; the Stop button never is, so that no click
-    on it is lost.
+    What depends on the run is rebuilt when that changes. The Stop button never is, and stands above
+    all of it: it does not move while it is pressed.
 
     Attributes:
         area: the whole panel.
@@ -140,8 +140,8 @@ class RunPanel:
             .classes("panel")
             .props('tabindex="0" aria-label="Commands"') as self.area
         ):
-            self._area = ui.element("div").classes("run-area")
             self._stop = page.button("Stop", self._ask_stop, icon="stop", look="stop")
+            self._area = ui.element("div").classes("run-area")
             self._userdata = self._build_userdata()
             self._where = ui.label().classes("where")
             self._count = ui.label().classes("soft")
