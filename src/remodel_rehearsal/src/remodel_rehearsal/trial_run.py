@@ -91,7 +91,7 @@ def _trial(wire: str, seed: int, outcome: Outcome) -> Trial:
     failures = tuple(
         Failure(each.ability, Code(each.error_code).name, each.text)
         for each in ended
-        if each.error_code != Code.NONE
+        if each.has_failed
     )
     is_placed, ended = wire in outcome.placed, outcome.state.ended
     if not is_placed and not failures:

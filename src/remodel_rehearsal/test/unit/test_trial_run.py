@@ -12,6 +12,7 @@ from remodel_work.routes import PlacedWires
 
 BEGUN = TaskBegun("W1", 1, Part.WHOLE, "Place Wire W1", chart="", at_s=1.0)
 JAM = Operation("/Insert", "InsertCable", "failed", 301, text="jammed", ended_s=2.0, elapsed_s=1.0)
+EMPTY = Operation("/Discard", "DiscardCable", "failed", 202, "empty", ended_s=4.0, elapsed_s=0.1)
 GOOD = Operation("/Fix", "FixCable", "fixed", 0, text="fixed", ended_s=3.0, elapsed_s=1.0)
 
 
@@ -32,8 +33,8 @@ def test_a_wire_without_a_failed_ability_is_placed_at_once(monkeypatch):
     assert found.trial.at_once and lies_as_it_should
 
 
-def test_a_failure_that_was_mended_is_kept(monkeypatch):
-    operations = (OperationEnded("W1", JAM), OperationEnded("W1", GOOD))
+def test_a_failure_that_was_mended_is_kept_and_an_empty_hand_is_none(monkeypatch):
+    operations = [OperationEnded("W1", each) for each in (JAM, EMPTY, GOOD)]
     found, _ = rehearsed(monkeypatch, BEGUN, *operations, placed=["W1"])
     assert found.trial.placed and not found.trial.at_once
     assert [(each.ability, each.code) for each in found.trial.failures] == [
