@@ -126,6 +126,7 @@ def differ(plant: SimulatedPlant, variation: Variation) -> None:
             friction=factors["pad_friction"],
             grip=factors["grip_force"],
             light=factors["light"],
+            force_noise=variation.force_noise,
             shifts={
                 name: Pose.level(shift.dx, shift.dy, 0.0, shift.turn)
                 for name, shift in variation.cameras.items()

@@ -5,7 +5,7 @@ import numpy as np
 import place_wire as do
 import pytest
 
-from remodel_sim.core.faults import FaultError, check_fault
+from remodel_sim.core.faults import Disturbances, FaultError, check_fault
 from remodel_skills.abilities.picking import PickGoal
 from remodel_work.errors import AbilityError
 from remodel_work.panel import WireEnd
@@ -84,6 +84,17 @@ def test_less_light_darkens_the_pictures_until_the_panel_is_rebuilt(cell):
     assert cell.context.cameras.take_wrist_picture().rgb.mean() == pytest.approx(usual / 2, rel=0.1)
     cell.load(cell.plant.loaded)
     assert cell.context.cameras.take_wrist_picture().rgb.mean() == pytest.approx(usual, rel=0.1)
+
+
+def test_the_readings_of_a_wrist_scatter_as_they_are_told_to(cell):
+    (robot,) = cell.plant.robots.values()
+
+    def scatter():
+        return np.std([robot.read_wrist() for _ in range(400)], axis=0)
+
+    assert (scatter() == 0.0).all()
+    cell.plant.differ(Disturbances(force_noise=0.5), {}, lambda wire: wire)
+    assert scatter() == pytest.approx(0.5, rel=0.2)
 
 
 @pytest.mark.physics

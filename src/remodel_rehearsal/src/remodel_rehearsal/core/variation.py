@@ -58,6 +58,7 @@ QUANTITIES = (
     "pad_friction",
     "grip_force",
     "light",
+    "force_noise",
     "camera_position",
     "camera_turn",
     "device_position",
@@ -80,11 +81,13 @@ class Variation:
 
     Attributes:
         factors: of the quantities without a unit, by name.
+        force_noise: standard deviation of a reading of a wrist's force, each axis [N].
         cameras: of the overhead cameras, by name.
         devices: of the components, by name.
     """
 
     factors: Mapping[str, float]
+    force_noise: float
     cameras: Mapping[str, Shift]
     devices: Mapping[str, Shift]
 
@@ -109,6 +112,7 @@ def vary(
 
     return Variation(
         {name: drawn(name) for name, each in table.items() if not each.unit},
+        drawn("force_noise"),
         dict(shifts("camera", cameras)),
         dict(shifts("device", devices)),
     )

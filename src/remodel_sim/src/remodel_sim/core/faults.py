@@ -106,6 +106,7 @@ class Disturbances:
         friction: share of the pads' friction.
         grip: share of the grip force.
         light: share of the light.
+        force_noise: standard deviation of a reading of a wrist's force, each axis [N].
         shifts: of bumped cameras by name: true optical frame in the one that the cell believes in.
         strays: pieces of cable that lie about.
     """
@@ -113,5 +114,6 @@ class Disturbances:
     friction: float = 1.0
     grip: float = 1.0
     light: float = 1.0
+    force_noise: float = 0.0
     shifts: Mapping[str, Pose] = field(default_factory=lambda: MappingProxyType({}))
     strays: tuple[Stray, ...] = ()

@@ -138,7 +138,7 @@ class SimulatedPlant:
         """Differ from the model that skills have, until a panel is built.
 
         Args:
-            disturbances: of pads, light and cameras.
+            disturbances: of pads, light, cameras and force sensors.
             components: by how much each is beside its place, dx, dy, dyaw [m, rad].
             delivered: makes the wires that are fed differ from the panel's.
         """
@@ -180,8 +180,10 @@ class SimulatedPlant:
         for wire_id, parked in self.parked.items():
             self._add_parked(self.panel.wire(wire_id), parked)
         self.robots = {
-            robot.name: Robot(self.world, tools[robot.name], robot.arm, robot.gripper)
-            for robot in self.design.robots
+            robot.name: Robot(
+                self.world, tools[robot.name], robot.arm, robot.gripper, (self.seed, place)
+            )
+            for place, robot in enumerate(self.design.robots)
         }
         self._weaken_hand()
         self._strays: list[SimulatedWire] = []
@@ -486,6 +488,7 @@ class SimulatedPlant:
     def _weaken_hand(self) -> None:
         for robot in self.robots.values():
             robot.weaken(self._disturbances.friction, self._disturbances.grip)
+            robot.force_noise = self._disturbances.force_noise
 
     def _bump_camera(self, camera: str, values: Sequence[float]) -> None:
         *shift, turn = values

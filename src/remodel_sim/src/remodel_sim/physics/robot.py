@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import tempfile
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from pathlib import Path
 
 import numpy as np
@@ -68,6 +68,7 @@ class Robot:
         arm: its kinematics.
         body: PyBullet's number of it.
         grip_force: per finger at which closing stops [N].
+        force_noise: standard deviation of a reading of the wrist, each axis [N].
         joint_names: of the axis if there is one, of the arm's seven joints and of the two fingers,
             as the makers call them.
     """
@@ -78,8 +79,9 @@ class Robot:
         start: ToolPose,
         arm: Kinematics = PANDA_AT_ORIGIN,
         gripper: Gripper = HAND_30_N,
+        seed: Sequence[int] = (0,),
     ) -> None:
-        """Load the arm in a posture, fingers open."""
+        """Load the arm in a posture, fingers open; the seed is of the noise of its readings."""
         self._bullet = world.bullet
         self._time_step = world.time_step
         self.arm = arm
@@ -104,6 +106,8 @@ class Robot:
         self._joints = list(range(len(self._joint_forces)))
         self.joint_names = [infos[i][1].decode() for i in self._joints + self._fingers]
         self.grip_force = gripper.grip_force
+        self.force_noise = 0.0
+        self._random = np.random.default_rng(seed)
         self._force = np.zeros(3)
         self._controller: Controller | None = None
         self._most = arm.fingers.opening / 2
@@ -254,7 +258,10 @@ class Robot:
 
     def read_wrist(self) -> Array:
         """Read the force at the wrist in the last step, hand frame (3,) [N], not filtered."""
-        return np.array(self._bullet.getJointState(self.body, self._wrist)[2][:3])
+        force = np.array(self._bullet.getJointState(self.body, self._wrist)[2][:3])
+        if self.force_noise:
+            force += self.force_noise * self._random.standard_normal(3)
+        return force
 
     @property
     def hand_mass(self) -> float:
