@@ -2,7 +2,10 @@
 
 import os
 import signal
+import socket
+import subprocess
 from collections import Counter
+from contextlib import ExitStack
 from pathlib import Path
 
 import pytest
@@ -129,3 +132,45 @@ def test_a_worker_that_is_killed_loses_no_trial_and_doubles_none(tmp_path, monke
     lies = {kept.trial.wire: list(store.board(kept.board).parked) for kept in found}
     assert lies == {wire: list(WIRES[: i + 1]) for i, wire in enumerate(WIRES)}
     assert len(list((tmp_path / "trials").iterdir())) == len(WIRES) * (len(seeds) + 1) - 1
+
+
+def started(stack, *words):
+    """Start a process that is killed at the end; return it."""
+    process = subprocess.Popen(["dask", *words], stderr=subprocess.DEVNULL, text=True)
+    stack.callback(process.wait)
+    stack.callback(process.kill)
+    return process
+
+
+@pytest.mark.slow
+def test_a_scheduler_that_is_killed_takes_no_trial_with_it(tmp_path, monkeypatch):
+    monkeypatch.setattr(cluster, "planned_wires", lambda _: dict.fromkeys(WIRES, ""))
+    monkeypatch.setenv("PYTHONPATH", f"{Path(__file__).parent}:{os.environ['PYTHONPATH']}")
+    job, seeds = job_in(tmp_path / "states"), range(20)
+    trials = tmp_path / "states" / "trials"
+
+    def rehearse(stack, count_to_kill):
+        with socket.create_server(("127.0.0.1", 0)) as free:
+            port = free.getsockname()[1]
+        address = f"tcp://127.0.0.1:{port}"
+        words = ("--host", "127.0.0.1", "--port", str(port), "--no-dashboard")
+        scheduler = started(stack, "scheduler", *words)
+        started(stack, "worker", "--nthreads", "1", "--no-dashboard", address)
+
+        def on_trial(kept, count, of):
+            if count == count_to_kill:
+                scheduler.kill()
+
+        client = stack.enter_context(connected(address, workers=1))
+        return Rehearsing(job, seeds, client, on_trial, work=work).trials()
+
+    with ExitStack() as stack, pytest.raises(RehearsalError, match=r"scheduler.*run the command"):
+        rehearse(stack, 20)
+    kept = {path.name: path.stat().st_mtime_ns for path in trials.iterdir()}
+    assert len(kept) >= 20
+    with ExitStack() as stack:
+        found = rehearse(stack, 0)
+    assert Counter((each.trial.wire, each.trial.seed) for each in found) == {
+        (wire, seed): 1 for wire in WIRES for seed in seeds
+    }
+    assert {path.name: path.stat().st_mtime_ns for path in trials.iterdir()}.items() >= kept.items()

@@ -207,7 +207,7 @@ class Rehearsing:
         self._before: dict[str, Any] = {}
 
     def trials(self) -> list[KeptTrial]:
-        """Return a trial of every wire with every seed; RehearsalError if workers keep dying."""
+        """Return a trial of every wire with every seed; RehearsalError if the cluster is lost."""
         futures: list[Any] = []
         board: Any = self._empty
         last = next(reversed(self.first), "")
@@ -249,6 +249,7 @@ class Rehearsing:
     def _ended(self, futures: list[Any]) -> Iterator[tuple[Any, KeptTrial]]:
         """Yield what was submitted as it ends, with its trial."""
         from distributed import KilledWorker, as_completed
+        from distributed.client import FutureCancelledError
 
         for future in as_completed(futures):
             try:
@@ -257,4 +258,9 @@ class Rehearsing:
                 raise RehearsalError(
                     f"workers died again and again at one trial: {error}; their memory may be too "
                     "small. What was computed is kept: run the command again"
+                ) from error
+            except FutureCancelledError as error:
+                raise RehearsalError(
+                    "the scheduler of Dask has ended, or cannot be reached any more. What was "
+                    "computed is kept: start it, and run the command again"
                 ) from error
