@@ -10,6 +10,7 @@ unexport PYTHONPATH PYTHONHOME ROS_PACKAGE_PATH CMAKE_PREFIX_PATH ROS_MASTER_URI
 
 demo film: WIRES ?= 6
 cabinet: WIRES ?= 52
+cabinet: DESIGN ?= $(CABINET)
 harness: WIRES ?= 12
 SEED ?= 1
 # The simulated drivers that a robot's file names, in place of the cell with the skills in its process.
@@ -50,8 +51,8 @@ docker: ## Make a container image of Debian 12 with the built workspace, by dock
 demo: build ## Wire the first wires of a real cabinet in the simulated cell (WIRES=6 SEED=1; ROBOT=simulated_cabinet: over its drivers' topics); report in out/demo/report.html
 	@$(SOURCED) tools/wire_board.sh demo $(CABINET) $(WIRES) '' seed:=$(SEED) $(DRIVERS)
 
-cabinet: build ## Wire all wires of that cabinet (WIRES=12 SEED=1); report in out/cabinet/report.html
-	@$(SOURCED) tools/wire_board.sh cabinet $(CABINET) $(WIRES) '' seed:=$(SEED) $(DRIVERS)
+cabinet: build ## Wire all wires of that cabinet, or of yours (WIRES=12 SEED=1 DESIGN=FILE CELL=large_cabinet); report in out/cabinet/report.html
+	@$(SOURCED) tools/wire_board.sh cabinet "$(DESIGN)" $(WIRES) '' seed:=$(SEED) $(if $(CELL),cell:=$(CELL)) $(DRIVERS)
 
 harness: build ## Build a harness on a formboard by two robots (WIRES=12 SEED=1); report in out/harness/report.html
 	@$(SOURCED) tools/wire_board.sh harness $(HARNESS) $(WIRES) harness_formboard cell:=two_arms_formboard seed:=$(SEED)
