@@ -1,4 +1,4 @@
-"""Draw cables as lit tubes on a table top, with the truth beside the picture.
+"""Draw random cables as lit tubes on a table top, with the truth.
 
 Independent of the cell's physics and renderer: strands are tubes with height, found per pixel from
 the nearest point of the centreline and a z-buffer, at twice the resolution; light is ambient,
@@ -61,19 +61,6 @@ class Light:
         )
 
 
-@dataclass(frozen=True, eq=False)
-class Rendered:
-    """A picture and its truth.
-
-    Attributes:
-        rgb: (height, width, 3).
-        labels: (height, width): 0 for the table, i + 1 where cable i is what one sees.
-    """
-
-    rgb: Picture
-    labels: npt.NDArray[np.uint8]
-
-
 def render(
     surface: npt.NDArray[np.float32],
     cables: tuple[CableCurve, ...],
@@ -81,8 +68,8 @@ def render(
     colours: Array,
     light: Light,
     random: np.random.Generator,
-) -> Rendered:
-    """Draw cables of colours (n, 3) on a table top (height, width, 3)."""
+) -> Picture:
+    """Draw cables of colours (n, 3) on a table top (height, width, 3); return RGB."""
     height, width = surface.shape[:2]
     fine = cv2.resize(surface, (FINE * width, FINE * height), interpolation=cv2.INTER_CUBIC)
     lifts = [_lift(i, cables, crossings) for i in range(len(cables))]
@@ -90,31 +77,10 @@ def render(
     for cable, lift in zip(cables, lifts, strict=True):
         canvas.cast(cable, lift)
     canvas.fall()
-    for i, (cable, lift) in enumerate(zip(cables, lifts, strict=True)):
-        canvas.draw(cable, lift, colours[i], i + 1)
+    for cable, lift, colour in zip(cables, lifts, colours, strict=True):
+        canvas.draw(cable, lift, colour)
     sharp = cv2.resize(canvas.rgb, (width, height), interpolation=cv2.INTER_AREA)
-    return Rendered(_expose(sharp, light, random), _coarse(canvas.labels, len(cables)))
-
-
-def paint_labels(
-    size: tuple[int, int], cables: tuple[CableCurve, ...], crossings: tuple[TrueCrossing, ...]
-) -> npt.NDArray[np.uint8]:
-    """Return the labels (height, width) of cables in a picture of size (width, height)."""
-    blank = np.zeros((FINE * size[1], FINE * size[0], 3), np.float32)
-    canvas = _Canvas(blank, Light(0.0, 1.0))
-    for i, cable in enumerate(cables):
-        canvas.draw(cable, _lift(i, cables, crossings), np.zeros(3), i + 1)
-    return _coarse(canvas.labels, len(cables))
-
-
-def _coarse(labels: npt.NDArray[np.uint8], count: int) -> npt.NDArray[np.uint8]:
-    """Return for each pixel the label that covers most of it."""
-    size = (labels.shape[1] // FINE, labels.shape[0] // FINE)
-    shares = [
-        cv2.resize(np.float32(labels == i), size, interpolation=cv2.INTER_AREA)
-        for i in range(count + 1)
-    ]
-    return np.argmax(shares, axis=0).astype(np.uint8)
+    return _expose(sharp, light, random)
 
 
 def _lift(index: int, cables: tuple[CableCurve, ...], crossings: tuple[TrueCrossing, ...]) -> Array:
@@ -135,7 +101,6 @@ class _Canvas:
 
     def __init__(self, surface: npt.NDArray[np.float32], light: Light) -> None:
         self.rgb = surface.copy()
-        self.labels = np.zeros(surface.shape[:2], np.uint8)
         self._heights = np.zeros(surface.shape[:2], np.float32)
         self._dimmed = np.zeros(surface.shape[:2], np.float32)
         self._raised = np.zeros(surface.shape[:2], np.float32)
@@ -169,16 +134,16 @@ class _Canvas:
         self._raised = cv2.GaussianBlur(self._raised, (0, 0), FINE * 0.8)
         self.rgb *= 1 - self._light.shadow * self._dimmed[..., None]
 
-    def draw(self, cable: CableCurve, lift: Array, colour: Array, label: int) -> None:
+    def draw(self, cable: CableCurve, lift: Array, colour: Array) -> None:
         """Draw a cable as a tube."""
         points = cable.points * FINE + (FINE - 1) / 2
         for start in range(0, len(points) - 1, CHUNK):
             stop = min(start + CHUNK + 1, len(points))
-            self._chunk(points[start:stop], lift[start:stop], cable.width, colour, label)
+            self._chunk(points[start:stop], lift[start:stop], cable.width, colour)
 
-    def _chunk(self, points: Array, lift: Array, width: float, colour: Array, label: int) -> None:
+    def _chunk(self, points: Array, lift: Array, width: float, colour: Array) -> None:
         radius = FINE * width / 2
-        high, wide = self.labels.shape
+        high, wide = self._heights.shape
         x0, y0 = np.maximum(np.floor(points.min(axis=0) - radius - 1).astype(int), 0)
         x1, y1 = np.minimum(np.ceil(points.max(axis=0) + radius + 2).astype(int), [wide, high])
         if x1 <= x0 or y1 <= y0:
@@ -198,7 +163,6 @@ class _Canvas:
         low = (z < width * 0.9).reshape(shape)
         tone *= 1 - self._light.shadow * (self._raised[window] * low)[..., None]
         self.rgb[window][seen] = tone[seen]
-        self.labels[window][seen] = label
         self._heights[window][seen] = top.reshape(shape)[seen]
 
     def _lit(self, normal: Array, colour: Array) -> Array:

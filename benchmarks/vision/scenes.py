@@ -3,12 +3,11 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from pathlib import Path
 
 import cv2
 import numpy as np
 import numpy.typing as npt
-from renderer import Array, CableCurve, Light, Rendered, TrueCrossing, random_cables, render
+from renderer import Array, CableCurve, Light, Picture, TrueCrossing, random_cables, render
 
 SIZE = (640, 480)
 WIDTHS_PX = (5.0, 9.0)
@@ -41,7 +40,7 @@ class Kind:
     Attributes:
         cables: how many.
         same_colour: whether all have one colour.
-        surface: of the table, or the path of a photograph; None draws one by lot.
+        surface: of the table; None draws one by lot.
         clutter: pieces that lie about.
         sheets: coloured sheets that cover a part of the table.
         rails: mounting rails across the table.
@@ -59,18 +58,16 @@ class Kind:
     @property
     def cluttered(self) -> bool:
         """Whether the table has more than one colour."""
-        return "." in (self.surface or "") or self.clutter + self.sheets + self.rails > 0
+        return self.clutter + self.sheets + self.rails > 0
 
 
 @dataclass(frozen=True, eq=False)
 class Scene:
-    """A picture, what it shows, and how it was lit."""
+    """A picture (height, width, 3), RGB, and what it shows."""
 
-    kind: Kind
+    rgb: Picture
     cables: tuple[CableCurve, ...]
     crossings: tuple[TrueCrossing, ...]
-    rendered: Rendered
-    light: Light
 
 
 def make_scene(kind: Kind, seed: int, **light: float) -> Scene:
@@ -86,8 +83,7 @@ def make_scene(kind: Kind, seed: int, **light: float) -> Scene:
     if kind.cluttered:
         colours = _seen_colours(random, surface, cables, kind)
     lit = replace(random_light(random), **light)
-    rendered = render(surface, cables, crossings, colours, lit, random)
-    return Scene(kind, cables, crossings, rendered, lit)
+    return Scene(render(surface, cables, crossings, colours, lit, random), cables, crossings)
 
 
 def random_light(random: np.random.Generator) -> Light:
@@ -159,10 +155,8 @@ RAIL = np.array([0.72, 0.73, 0.75], np.float32)
 def random_surface(random: np.random.Generator, size: tuple[int, int], kind: str) -> Image:
     """Return a table top (height, width, 3), RGB from 0 to 1, for a size (width, height).
 
-    The kind is one of SURFACES, "black", or the path of a photograph, of which a part is taken.
+    The kind is one of SURFACES or "black".
     """
-    if "." in kind:
-        return _photograph(random, size, Path(kind))
     make = {"plain": _plain, "wood": _wood, "metal": _metal, "fabric": _fabric, "black": _black}
     return make[kind](random, size)
 
@@ -223,22 +217,6 @@ def _black(random: np.random.Generator, size: tuple[int, int]) -> Image:
     base = np.clip(random.uniform(0.0, 0.03) + random.uniform(-0.004, 0.004, 3), 0.0, 1.0)
     grain = 0.3 * smooth_noise(random, size, (size[0] // 2, size[1] // 2))
     return _tinted(base, grain)
-
-
-def _photograph(random: np.random.Generator, size: tuple[int, int], path: Path) -> Image:
-    """Return a part of a photograph, enlarged by up to 1.3 and mirrored by lot."""
-    whole = cv2.imread(str(path))
-    if whole is None:
-        raise ValueError(f"{path} is no picture that OpenCV can read")
-    rgb = cv2.cvtColor(whole, cv2.COLOR_BGR2RGB)
-    scale = max(np.divide(size, rgb.shape[1::-1])) * random.uniform(1, 1.3)
-    rgb = cv2.resize(rgb, None, fx=scale, fy=scale, interpolation=cv2.INTER_AREA)
-    rgb = cv2.resize(rgb, np.maximum(size, rgb.shape[1::-1]).tolist())
-    left, top = (random.integers(n - m + 1) for n, m in zip(rgb.shape[1::-1], size, strict=True))
-    part = rgb[top : top + size[1], left : left + size[0]]
-    if random.uniform() < 0.5:
-        part = part[:, ::-1]
-    return (part / 255).astype(np.float32)
 
 
 def add_sheets(random: np.random.Generator, surface: Image, sheets: int) -> None:

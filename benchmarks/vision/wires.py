@@ -1,19 +1,18 @@
 #!/usr/bin/env python3
-# ruff: noqa: T201 - a benchmark prints
 """Measure how well the cell's own wires are found from above, against the physics.
 
-A wire of each colour is fed to the example panel with each seed, and found as DetectCable finds it.
-Prints a line for each wire, and writes the table of docs/vision.md to a file that is named.
-
-Usage: wires.py [--seeds FIRST-LAST] [--colours CODE,CODE] [--processes N] [FILE]
+wires.py [--seeds 20-23] [--processes N] [--figures FILE]; the workspace must be sourced. A wire of
+each colour is fed to the example panel with each seed, and found as DetectCable finds it. Prints a
+line for each wire, then the table of docs/vision.md.
 """
+# ruff: noqa: T201 - a benchmark prints
 
 from __future__ import annotations
 
 import argparse
-import json
 import math
 import multiprocessing
+import sys
 from dataclasses import dataclass, replace
 from itertools import pairwise
 from pathlib import Path
@@ -21,16 +20,19 @@ from pathlib import Path
 import cv2
 import numpy as np
 
+sys.path.insert(0, str(Path(__file__).parents[1]))
+sys.path.insert(0, str(Path(__file__).parents[2] / "src/remodel_work/test"))
+from figures import add_figures_option, report_table
+from panels import example
+
+from remodel_planner.commands.options.common import seeds
 from remodel_sim.physics.plant import SimulatedPlant
 from remodel_skills.cell import Cell
 from remodel_states.core.wires.wire_colours import DISTINCT_COLOURS
-from remodel_states.edge.wire_material_file import read_wire_materials
 from remodel_vision.wire_ends import find_ends, line_between
 from remodel_work.geometry import Array
 from remodel_work.panel import WireEnd
-from remodel_work.ros.panel_message import read_panel
 
-PANEL = Path(__file__).parents[2] / "src" / "remodel_sim" / "config" / "panel.yaml"
 # Of a wire is seen what lies this near to its line [mm].
 SEEN_MM = 3.0
 # Points of wires are so far apart [m].
@@ -63,7 +65,7 @@ def run(task: tuple[str, int]) -> Answer:
     """Feed a wire and find it."""
     colour, seed = task
     cv2.setNumThreads(1)
-    panel = read_panel(PANEL, read_wire_materials())
+    panel = example("panel")
     of_panel = panel.wires[seed % len(panel.wires)]
     wire = replace(of_panel, colour=colour)
     cell = Cell(SimulatedPlant(replace(panel, wires=(wire,)), seed=seed))
@@ -125,30 +127,20 @@ def table_row(name: str, answers: list[Answer]) -> dict[str, str]:
 
 def main() -> None:
     """Measure and print."""
-    parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("file", type=Path, nargs="?", help="of the table, such as wires.jsonl")
-    parser.add_argument("--seeds", default="20-23", help="of the cells, FIRST-LAST")
-    parser.add_argument("--colours", help="codes of IEC 60757; without, all")
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("--seeds", type=seeds, default=seeds("20-23"), help="of the cells")
     parser.add_argument("--processes", type=int, default=2)
+    add_figures_option(parser)
     options = parser.parse_args()
-    first, _, last = options.seeds.partition("-")
-    colours = options.colours.split(",") if options.colours else list(DISTINCT_COLOURS)
-    tasks = [(c, s) for c in colours for s in range(int(first), int(last or first) + 1)]
+    tasks = [(colour, seed) for colour in DISTINCT_COLOURS for seed in options.seeds]
     with multiprocessing.get_context("spawn").Pool(options.processes) as pool:
         answers = pool.map(run, tasks, chunksize=1)
     for a in answers:
         tips = ", ".join(f"{tip:.2f}" for tip in a.tips)
-        print(f"{a.colour:<5}seed {a.seed}: tips off {tips} mm, turned {a.turned}; ", end="")
-        print(f"line off {a.off:.2f} mm, missed {a.missed:.0f} mm")
+        print(f"{a.colour:<5}seed {a.seed}: tips off {tips} mm, line off {a.off:.2f} mm")
     light = [a for a in answers if a.colour in ("WH", "GY")]
-    rows = [
-        table_row("all colours", answers),
-        *([table_row("white, grey", light)] if light else []),
-    ]
-    for row in rows:
-        print(json.dumps(row))
-    if options.file is not None:
-        options.file.write_text("".join(f"{json.dumps(row)}\n" for row in rows), encoding="utf-8")
+    rows = [table_row("all colours", answers), table_row("white, grey", light)]
+    report_table(rows, options.figures)
 
 
 if __name__ == "__main__":
