@@ -132,11 +132,10 @@ bench-sim: build build/bench-venv/.ready ## Measure the simulated wire against t
 cabinets: build ## Import strangers' designs, and place six wires of each of ten of them in the simulated cell (BENCH="--wires 0", "FILE --seed 7")
 	@$(SOURCED) benchmarks/sim/cabinets.py $(BENCH)
 
-bench-vision: build ## Measure detecting cables and wires and locating components on rendered scenes (BENCH="--scenes 6")
+bench-vision: build ## Measure detecting cables and locating components on rendered scenes (BENCH="--scenes 6")
 	@$(SOURCED) benchmarks/vision/cables.py $(BENCH)
 	@$(SOURCED) benchmarks/vision/components.py labels $(BENCH)
 	@$(SOURCED) benchmarks/vision/components.py devices $(BENCH)
-	@$(SOURCED) benchmarks/vision/wires.py
 
 evaluate-abilities: build ## Measure the abilities over seeds, against their targets (BENCH="--seeds 0-99 --jobs 2")
 	@$(SOURCED) benchmarks/sim/abilities.py $(BENCH)

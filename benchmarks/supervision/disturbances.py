@@ -133,6 +133,7 @@ class Bystander(OrderClient):
         rospy.init_node("chaos", anonymous=True, disable_signals=True)
         super().__init__(output)
         self._watch = MotionWatch(self.world)
+        self._sent = None
 
     def order(self, tasks: int) -> None:
         """Have tasks done again."""
@@ -140,7 +141,7 @@ class Bystander(OrderClient):
 
     def refusal(self) -> str:
         """Return what is said of the order's goal."""
-        return str(self._sent.get_goal_status_text())
+        return "" if self._sent is None else str(self._sent.get_goal_status_text())
 
     def ask(self, name: str, task: str = "") -> tuple[bool, str, float]:
         """Return success, message and wall time [s] of the answer to a command."""

@@ -177,19 +177,6 @@ CONDITIONS = {
 }
 
 
-@dataclass(frozen=True)
-class Glare:
-    """A bright spot: its place (3,) [m] from straight above, world frame.
-
-    Its levels are those in its middle; it falls off over a size [m], and moves with the lens.
-    """
-
-    place: Array
-    levels: float
-    size: float
-    drift: float
-
-
 class LabelScene:
     """A plate with components under the cameras.
 
@@ -263,15 +250,13 @@ class LabelScene:
         strip = Box(tuple((away + top).tolist()), size, colour, (0.0, 0.0, way), solid=False)
         add_static(self._world.bullet, [strip], self.poses[part.id])
 
-    def _glare(self, part: Component) -> Glare:
+    def _glare(self, part: Component) -> tuple[Array, float, float, float]:
+        """Return a bright spot: place (3,) [m], levels, size [m], and share that it drifts."""
         aside = self._random.uniform(-0.5, 0.5, 2) * part.marker_size
         middle = label_corners(part).mean(axis=0) + np.array([*aside, 0.0])
-        return Glare(
-            self.poses[part.id].apply(middle),
-            self._random.uniform(*GLARE_LEVELS),
-            self._random.uniform(*GLARE_SIDE) * part.marker_size,
-            self._random.uniform(0.0, GLARE_DRIFT),
-        )
+        place, levels = self.poses[part.id].apply(middle), self._random.uniform(*GLARE_LEVELS)
+        size = self._random.uniform(*GLARE_SIDE) * part.marker_size
+        return place, levels, size, self._random.uniform(0.0, GLARE_DRIFT)
 
     def locate(self, component: Component) -> Pose | None:
         """Return where a component stands, by pictures from above and from the hand."""
@@ -307,14 +292,14 @@ class LabelScene:
             spot = random.uniform(-1, 1, 2)
             shine = np.exp(-((x - spot[0]) ** 2 + (y - spot[1]) ** 2) / 0.1)
             levels = levels * fade[..., None] + 120 * condition.uneven * shine[..., None]
-        for glare in self._glares:
+        for place, bright, size, drift in self._glares:
             lens = picture.view.world_from_camera.position[:2]
-            moved = glare.place + np.array([*(glare.drift * (lens - glare.place[:2])), 0.0])
+            moved = place + np.array([*(drift * (lens - place[:2])), 0.0])
             middle = picture.view.project(moved)[0]
-            spread = glare.size / picture.view.metres_per_pixel(float(moved[2]))
+            spread = size / picture.view.metres_per_pixel(float(moved[2]))
             columns, rows = np.meshgrid(np.arange(width), np.arange(height))
             away = np.square(columns - middle[0]) + np.square(rows - middle[1])
-            levels = levels + glare.levels * np.exp(-away / (2 * spread**2))[..., None]
+            levels = levels + bright * np.exp(-away / (2 * spread**2))[..., None]
         blur = random.uniform(*condition.blur)
         if blur > 0:
             levels = cv2.GaussianBlur(levels, (0, 0), blur)
