@@ -54,12 +54,8 @@ RESISTANCE_SPREAD_N, BENDING_SPREAD_N, GRIP_SPREAD_N = 1.2, 1.5, 2.0
 OTHERWISE = 0.99
 
 
-@dataclass(frozen=True)
-class End:
-    """An end of a wire to be inserted."""
-
-    terminal_type: str
-    section_mm2: float
+# Terminal and section [mm2] of an end.
+End = tuple[str, float]
 
 
 @dataclass(frozen=True)
@@ -83,13 +79,13 @@ class Scenario:
         margins = (
             (force_n - self.resistance(wire, end)) / RESISTANCE_SPREAD_N,
             (self.grip(wire) - force_n) / GRIP_SPREAD_N,
-            (self.bending[end.section_mm2] - force_n) / BENDING_SPREAD_N,
+            (self.bending[end[1]] - force_n) / BENDING_SPREAD_N,
         )
         return OTHERWISE * math.prod(0.5 + 0.5 * math.erf(m / math.sqrt(2.0)) for m in margins)
 
 
 def _by_table(_: int, end: End) -> float:
-    return RESISTANCE_N[end.terminal_type, end.section_mm2]
+    return RESISTANCE_N[end]
 
 
 def _worn(wire: int) -> float:
@@ -114,7 +110,7 @@ def ends(seed: int, wire: int) -> tuple[End, ...]:
     """Return the ends of a wire: of one section, each with its terminal."""
     random = Random(f"wire {seed} {wire}")
     section = random.choice((0.5, 1.5, 2.5))
-    return tuple(End(random.choice(("screw", "spring")), section) for _ in range(2))
+    return tuple((random.choice(("screw", "spring")), section) for _ in range(2))
 
 
 def luck(seed: int, wire: int, end: int, attempt: int) -> float:
@@ -133,7 +129,7 @@ def wire_up(scenario: Scenario, wires: int, seed: int, learns: bool) -> tuple[np
     first_pass, loss, worst = np.ones(wires), 0.0, 0.0
     for wire in range(wires):
         for number, end in enumerate(ends(seed, wire)):
-            features = {"terminal_type": end.terminal_type, "section_mm2": end.section_mm2}
+            features = dict(zip(("terminal_type", "section_mm2"), end, strict=True))
             for attempt in range(ATTEMPTS):
                 force_n = BOUNDS[FORCE].frozen
                 if learns:
@@ -171,11 +167,12 @@ def main() -> int:
             [100 * np.array([found[-n:] for found, _ in each]).mean() for each in (frozen, learned)]
             for n in (options.wires, LATE)
         )
-        row = {"first-pass yield [%]": scenario.title}
-        row |= dict(zip(("frozen", "learned"), (f"{share:.1f}" for share in of_all), strict=True))
-        names = (f"last {LATE}: frozen", f"last {LATE}: learned")
-        row |= dict(zip(names, (f"{share:.1f}" for share in of_last), strict=True))
-        rows.append({**row, f"worst sequence (at most {slack:g})": f"{worst:.1f}"})
+        names = ("frozen", "learned", f"last {LATE}: frozen", f"last {LATE}: learned")
+        names = (*names, f"worst sequence (at most {slack:g})")
+        shares = (f"{share:.1f}" for share in (*of_all, *of_last, worst))
+        rows.append(
+            {"first-pass yield [%]": scenario.title, **dict(zip(names, shares, strict=True))}
+        )
     report_table(rows, options.figures)
     return 0 if is_kept else 1
 

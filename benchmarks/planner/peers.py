@@ -116,13 +116,13 @@ class Domain:
         def insert(state: gtpyhop.State, wire: int, end: int) -> gtpyhop.State | None:
             if state.holding != wire or not state.located >> self.component[wire][end] & 1:
                 return None
-            state.position = self.ends[wire][end]
+            state.position, state.inserted = self.ends[wire][end], state.inserted + 1
             return state
 
         def route(state: gtpyhop.State, wire: int, end: int) -> gtpyhop.State | None:
             if state.holding != wire or self.before[wire] & ~state.done:
                 return None
-            state.position = self.ends[wire][end]
+            state.position, state.routed = self.ends[wire][end], state.routed + 1
             return state
 
         def fix(state: gtpyhop.State, wire: int, end: int) -> gtpyhop.State | None:
@@ -138,6 +138,7 @@ class Domain:
         arm, state = self.panel["arms"][0], gtpyhop.State("start")
         state.position, state.tool, state.holding = tuple(arm["home"]), arm["tool"], -1
         state.done, state.located, state.last, state.light = 0, 0, -1, False
+        state.inserted = state.routed = 0  # GTPyhop leaves out what changes nothing
         return gtpyhop.find_plan(state, [("wire_panel",)])
 
 

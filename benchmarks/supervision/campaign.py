@@ -38,7 +38,7 @@ sys.path.insert(0, str(Path(__file__).parents[2] / "src/remodel_planner/test/ros
 from figures import add_figures_option, report_table
 from order_client import OrderClient
 from rosgraph_msgs.msg import Clock
-from stack import Runs, Stack, stack
+from stack import Stack, stack
 
 from remodel_planner.commands.runs import explain_run, replay
 from remodel_states.edge.exported_tables import read_faults
@@ -185,7 +185,6 @@ class Campaign:
 
     def __init__(self, nodes: Stack, tables: Tables) -> None:
         self._output, self._tables, self._url = nodes.output, tables, nodes.database
-        self._runs = Runs(self._url)
         clock, begun = rospy.Publisher("/clock", Clock, queue_size=1), time.monotonic()
 
         def tick() -> None:
@@ -220,7 +219,7 @@ class Campaign:
         return self._judged(trial, run, time.monotonic() - began, is_hung=is_hung)
 
     def _judged(self, trial: Trial, run: int, wall_s: float, *, is_hung: bool) -> Verdict:
-        events = [kept.event for kept in self._runs.events(run)]
+        events = self._orders.events(run)
         tasks = state_after(events).tasks
         done = {name for name, task in tasks.items() if task.stage is Stage.DONE}
         found = self._orders.world.read()
