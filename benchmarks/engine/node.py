@@ -6,6 +6,7 @@ file itself: node.py GOALS.
 
 from __future__ import annotations
 
+import argparse
 import os
 import queue
 import random
@@ -326,4 +327,6 @@ def cpu_s(pid: int) -> float:
 
 
 if __name__ == "__main__":
-    plain_client(int(sys.argv[1]))
+    parser = argparse.ArgumentParser(description="Send goals one behind the other.")
+    parser.add_argument("goals", type=int)
+    plain_client(parser.parse_args().goals)

@@ -12,6 +12,7 @@ cost of an optimal plan, by A* without a heuristic, and what unified-planning fi
 
 from __future__ import annotations
 
+import argparse
 import contextlib
 import io
 import json
@@ -193,5 +194,9 @@ def by_fast_downward(folder: Path) -> Json:
 
 
 if __name__ == "__main__":
-    plan = {"gtpyhop": by_gtpyhop, "fast-downward": by_fast_downward}[sys.argv[1]]
-    print(json.dumps(plan(Path(sys.argv[2]))))
+    planners = {"gtpyhop": by_gtpyhop, "fast-downward": by_fast_downward}
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("planner", choices=planners)
+    parser.add_argument("path", type=Path)
+    options = parser.parse_args()
+    print(json.dumps(planners[options.planner](options.path)))

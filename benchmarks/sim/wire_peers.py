@@ -13,6 +13,7 @@ the CPU, has the iterations of Newton's own cable examples; the time steps are o
 
 from __future__ import annotations
 
+import argparse
 import json
 import math
 import sys
@@ -256,5 +257,10 @@ def figures(cable: Cable, wires: list[Wire]) -> dict[str, Any]:
 
 
 if __name__ == "__main__":
-    simulator = {"mujoco": MujocoCable, "newton": NewtonCable}[sys.argv[1]]
-    print(json.dumps(figures(simulator, [Wire(**each) for each in json.loads(sys.argv[2])])))
+    simulators = {"mujoco": MujocoCable, "newton": NewtonCable}
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("simulator", choices=simulators)
+    parser.add_argument("wires", type=json.loads, metavar="JSON")
+    options = parser.parse_args()
+    wires = [Wire(**each) for each in options.wires]
+    print(json.dumps(figures(simulators[options.simulator], wires)))
