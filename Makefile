@@ -2,7 +2,7 @@
 SHELL := /bin/bash
 .SHELLFLAGS := -euo pipefail -c
 .DEFAULT_GOAL := help
-.PHONY: help build demo cabinet harness console film cabinets test test-all install docker generate behaviors unit physics variants rostest lint xml bench-engine bench-planner bench-synthesis bench-console bench-drawing bench-sim bench-vision bench-learning bench-pause bench-replan bench-scale docs evaluate-abilities bench-rehearsal schedules chaos campaign clean
+.PHONY: help build demo cabinet harness console film cabinets test test-all install docker generate behaviors unit physics variants rostest lint xml bench-engine bench-planner bench-synthesis bench-console bench-sim bench-vision bench-learning bench-scale docs evaluate-abilities bench-rehearsal schedules chaos campaign clean
 
 # The workspace's own Python first, whatever else the shell has on its path; no other workspace.
 export PATH := $(CURDIR)/.venv/bin:/usr/local/sbin:/usr/local/bin:/usr/sbin:/usr/bin:/sbin:/bin
@@ -81,10 +81,10 @@ unit: $(BUILD) ## Tests that need no ROS master (PACKAGE=remodel_sim, TIER=all)
 	  --hypothesis-profile=$(TIER) $(if $(filter quick,$(TIER)),-m "not slow") $(if $(PACKAGE),$(call package_folder,test/unit))
 
 physics: build ## Run the physical tests of the cell (BENCH="-k lay_wire", BENCH="--disturbed -k lay_wire": as in make variants)
-	@$(SOURCED) benchmarks/sim/physics.py $(BENCH)
+	@$(SOURCED) tools/physics.py $(BENCH)
 
 variants: $(BUILD) ## Run the physical tests of make test as other processors calculate, and begun 1e-9 beside; part of test-all
-	@$(SOURCED) benchmarks/sim/physics.py --disturbed --jobs 2 --results $(RESULTS)/variants.xml -m "physics and not slow"
+	@$(SOURCED) tools/physics.py --disturbed --jobs 2 --results $(RESULTS)/variants.xml -m "physics and not slow"
 
 rostest: $(BUILD) ## Tests of running nodes, each file on a roscore of its own (PACKAGE=remodel_console, TIER=all)
 	@$(SOURCED) ctest --test-dir build --parallel 4 --output-on-failure --no-tests=error \
@@ -100,7 +100,7 @@ xml: .venv/.ready # part of lint, and of a commit
 	  xargs -0 python3 -c 'import sys; from lxml import etree; [etree.parse(file) for file in sys.argv[1:]]'
 
 bench-engine: build build/bench-venv/.ready ## Measure the engine, with peers; figures in docs/figures/engine.jsonl
-	@$(SOURCED) benchmarks/engine/run.py --py-trees build/bench-venv/bin/python docs/figures/engine.jsonl
+	@$(SOURCED) benchmarks/engine/run.py --peer build/bench-venv/bin/python --figures docs/figures/engine.jsonl
 
 schedules: build ## Simulate schedules of kills, stalls and commands (BENCH="--count 10000 --seed 0")
 	@$(SOURCED) PYTHONPATH="src/remodel_supervision/test:$$PYTHONPATH" python3 -m schedules $(BENCH)
@@ -108,23 +108,16 @@ schedules: build ## Simulate schedules of kills, stalls and commands (BENCH="--c
 chaos: build ## Disturb running orders at random moments (BENCH="--faults 100 --seed 77 --postgresql")
 	@$(SOURCED) benchmarks/supervision/chaos.py $(BENCH)
 
-campaign: build ## Cause every kind of fault, 20 runs each, two policies (BENCH="--kinds slipped --runs 3", BENCH=--physical)
+campaign: build ## Cause every kind of fault, 20 runs each, two policies (BENCH="--kinds slipped --runs 3")
 	@$(SOURCED) benchmarks/supervision/campaign.py $(BENCH)
-
-bench-pause: build ## Operations begun after a pause was answered, 50 random moments (BENCH="--moments 200")
-	@$(SOURCED) benchmarks/supervision/pause.py $(BENCH)
-
-bench-replan: build ## Time from a failure to the first goal of the new plan, 300 tasks left
-	@$(SOURCED) benchmarks/supervision/replan.py $(BENCH)
 
 bench-scale: build ## Resume, memory and database size of a run of 5,000 tasks (BENCH="--tasks 500")
 	@$(SOURCED) benchmarks/supervision/scale.py $(BENCH)
 
-bench-planner: build build/bench-venv/.ready ## Measure the planner beside GTPyhop and Fast Downward, against its targets
-	@$(SOURCED) benchmarks/planner/witness.py --python build/bench-venv/bin/python
-	@$(SOURCED) benchmarks/planner/panels.py --gtpyhop build/bench-venv/bin/python $(BENCH)
+bench-planner: build build/bench-venv/.ready ## Measure the planner beside GTPyhop and Fast Downward, against its targets (BENCH="--sizes 10 30")
+	@$(SOURCED) benchmarks/planner/panels.py --peers build/bench-venv/bin/python $(BENCH)
 
-bench-learning: build ## First-pass yield with learned and with frozen parameters, and the guard rail; plot in out/bench/learning.png
+bench-learning: build ## First-pass yield with learned and with frozen parameters, and the guard rail
 	@$(SOURCED) benchmarks/learning/first_pass_yield.py $(BENCH)
 
 bench-rehearsal: build ## Judge forecasts of rehearsals on seeds that they have not seen (BENCH="DESIGN --wires 6 --workers 2")
@@ -135,23 +128,21 @@ bench-synthesis: build ## CPU time of the synthesis by size of the chart, in doc
 	@$(SOURCED) PYTHONPATH="src/flexbe_synthesizer/test:$$PYTHONPATH" python3 -m random_charts --count 10000 $(BENCH)
 
 bench-sim: build build/bench-venv/.ready ## Measure the simulated wire against theory, beside MuJoCo and Newton; figures in docs/figures/sim.jsonl
-	@$(SOURCED) benchmarks/sim/plots.py out/bench
-	@$(SOURCED) benchmarks/sim/run.py --peers build/bench-venv/bin/python docs/figures/sim.jsonl
+	@$(SOURCED) benchmarks/sim/wire.py --peers build/bench-venv/bin/python --figures docs/figures/sim.jsonl
 
 cabinets: build ## Import strangers' designs, and place six wires of each of ten of them in the simulated cell (BENCH="--wires 0", "FILE --seed 7")
 	@$(SOURCED) benchmarks/sim/cabinets.py $(BENCH)
 
-bench-vision: build ## Measure detecting cables and locating components on rendered scenes (BENCH="--scenes 50")
-	@$(SOURCED) benchmarks/vision/run.py $(BENCH)
-	@$(SOURCED) benchmarks/vision/locate.py $(BENCH)
-	@$(SOURCED) benchmarks/vision/devices.py $(BENCH)
+bench-vision: build ## Measure detecting cables and locating components on rendered scenes (BENCH="--scenes 6")
+	@$(SOURCED) benchmarks/vision/cables.py $(BENCH)
+	@$(SOURCED) benchmarks/vision/components.py labels $(BENCH)
+	@$(SOURCED) benchmarks/vision/components.py devices $(BENCH)
 
 evaluate-abilities: build ## Measure the abilities over seeds, against their targets (BENCH="--seeds 0-99 --jobs 2")
-	@$(SOURCED) benchmarks/sim/evaluate_abilities.py $(BENCH)
+	@$(SOURCED) benchmarks/sim/abilities.py $(BENCH)
 
-bench-console: build ## Load of the console at 50 transitions a second, 5 minutes, in docs/figures/console.jsonl (BENCH="--seconds 30 --pages 10")
+bench-console: build ## Load of the console at 50 transitions a second, 5 minutes, in docs/figures/console.jsonl (BENCH="--seconds 30")
 	@$(SOURCED) benchmarks/console/load.py --figures docs/figures/console.jsonl $(BENCH)
-	@$(SOURCED) benchmarks/console/load.py --unpainted --seconds 60 --figures docs/figures/console_sockets.jsonl
 
 docs: build/docs-venv/.ready ## Build the site of the documentation: build/site/index.html
 	@NO_MKDOCS_2_WARNING=1 build/docs-venv/bin/mkdocs build --strict --quiet
@@ -161,9 +152,6 @@ build/docs-venv/.ready: requirements-docs.txt
 	@/usr/bin/python3 -m venv build/docs-venv
 	@build/docs-venv/bin/pip install -qq --disable-pip-version-check -r $<
 	@touch $@
-
-bench-drawing: build ## Time to draw 1,000 states in the editor, in docs/figures/drawing.jsonl (BENCH="--pages 10")
-	@$(SOURCED) benchmarks/console/drawing.py --figures docs/figures/drawing.jsonl $(BENCH)
 
 build/bench-venv/.ready: requirements-bench.txt | build
 	@/usr/bin/python3 -m venv build/bench-venv

@@ -1,5 +1,4 @@
 #!/usr/bin/env python3
-# ruff: noqa: T201 - a benchmark prints
 """Disturb a running order at random moments: chaos.py [--faults N] [--seed N] [--kinds ...].
 
 kill        SIGKILL of the use case supervisor, the behavior engine, its action server, the
@@ -9,8 +8,6 @@ stall       SIGSTOP of any of them or of the ROS master, then SIGCONT
 launch      Ctrl-C of roslaunch; all is launched again
 master      end or SIGKILL of the ROS master; master and launch are started again
 database    a crash and restart of PostgreSQL (--postgresql), or a long lock of the SQLite file
-station     another ROS master and supervisor claim the same cell
-duplicate   a latched goal, which each supervisor that starts gets
 pause, protective   by an operator or a safety controller; later the run is resumed
 skip        of a task, which is retried later
 
@@ -22,204 +19,185 @@ sent or done.
 resume: from the moment at which what was disturbed answers again to the next event of the run,
 which is a finished operation or a decision; 0 when the run went on meanwhile.
 """
+# ruff: noqa: T201 - a benchmark prints
 
 from __future__ import annotations
 
 import argparse
+import contextlib
+import io
+import json
 import shutil
 import statistics
 import sys
 import tempfile
 import time
+from collections import Counter, defaultdict
 from pathlib import Path
 from random import Random
 
-from chaos_faults import NODES, WEIGHTS, BystanderProcess, Faults, Site
-from chaos_records import LIMIT_S, PostgresServer, Records, Score, Server, SqliteFile, Struck
-from stack import (
-    ORDER,
-    TroubleError,
-    add_figures_option,
-    free_port,
-    replace_row,
-    stack,
-    wait_until,
-)
+sys.path.insert(0, str(Path(__file__).parents[1]))
+from disturbances import NODES, WEIGHTS, Disturbances, PostgresServer, SqliteFile, Struck
+from figures import add_figures_option, report_table, write_rows
+from stack import LIMIT_S, Runs, free_port, stack, wait_until
 
-from remodel_production.errors import LostError
+from remodel_planner.commands.runs import replay
+from remodel_states.testing.world import account
+from remodel_states.testing.world_file import WorldFile
+from remodel_supervision.core.runs.events import Command, Commanded, Ending
+from remodel_supervision.core.runs.state import Stage
 
-HERE = Path(__file__).parent
-
-# [s] that a run may take to go on.
-RESUME_TARGET_S = 2.0
-
-# [s] wall time between two faults.
-_BETWEEN_S = (0.2, 2.5)
+# [s] that a run may take to go on, and wall time between two disturbances.
+RESUME_TARGET_S, BETWEEN_S = 2.0, (0.2, 2.5)
 
 
 class Chaos:
-    """Runs orders while it disturbs them."""
+    """Runs orders while it disturbs them.
 
-    def __init__(self, site: Site, wires: int, kinds: list[str], faults: Faults) -> None:
-        self._site = site
-        self._records = site.records
-        self._wires = wires
-        self._kinds = kinds
-        self._faults = faults
-        self.score = Score()
+    Attributes:
+        struck: disturbances that were caused.
+        counts: of orders, and of what is wrong, by the words of the docs' table.
+        violations: what must never be, in words.
+    """
 
-    def run(self, count: int, random: Random) -> None:
-        """Cause so many faults, over as many orders as that takes."""
-        caused = 0
-        while caused < count:
-            run = self._begin()
-            struck: list[Struck] = []
-            violations = len(self.score.violations)
-            while not self._records.has_ended(run):
-                if caused + len(struck) < count:
-                    if (fault := self._strike(run, random)) is not None:
-                        struck.append(fault)
-                        _print(caused + len(struck), fault)
-                else:
-                    self._await_end(run)
-            self._records.judge(run, struck, self.score)
-            caused += len(struck)
-            for violation in self.score.violations[violations:]:
-                print(f"VIOLATION {violation}", flush=True)
+    def __init__(self, disturbances: Disturbances, runs: Runs, world: WorldFile, url: str) -> None:
+        self.struck: list[Struck] = []
+        self.counts: Counter[str] = Counter()
+        self.violations: list[str] = []
+        self._disturbances, self._runs, self._world, self._url = disturbances, runs, world, url
 
-    def _begin(self) -> int:
+    def run(self, count: int, wires: int, kinds: list[str], random: Random) -> None:
+        """Cause so many disturbances, over as many orders of so many wires as that takes."""
+        while len(self.struck) < count:
+            run = self._begin(wires)
+            while not self._runs.has_ended(run):
+                end = time.monotonic() + random.uniform(*BETWEEN_S)
+                while time.monotonic() < end and not self._runs.has_ended(run):
+                    time.sleep(0.01)
+                if len(self.struck) < count and not self._runs.has_ended(run):
+                    kind = random.choices(kinds, [WEIGHTS[each] for each in kinds])[0]
+                    self._strike(kind, run)
+            self._judge(run)
+
+    def _begin(self, wires: int) -> int:
         """Have the order done again, and return the number of the run."""
         end = time.monotonic() + LIMIT_S
         while time.monotonic() < end:
-            before = self._records.newest()
-            bystander = self._site.bystander.now
-            try:
-                bystander.order(ORDER, self._wires, LIMIT_S)
-                wait_until(lambda n=before: self._records.newest() > n, 5.0, "the run's begin")
-            except (TroubleError, LostError):
-                if refusal := bystander.refusal():
-                    print(f"refused: {refusal}")
-                continue
-            return self._records.newest()
-        raise TroubleError("no run begins")
+            before, bystander = self._runs.newest(), self._disturbances.bystander
+            with contextlib.suppress(AssertionError):
+                bystander.order(wires)
+                wait_until(lambda n=before: self._runs.newest() > n, "the run's begin", 5.0)
+                return self._runs.newest()
+            print(f"no run yet: {bystander.refusal()}", flush=True)
+        raise AssertionError("no run begins")
 
-    def _await_end(self, run: int) -> None:
-        wait_until(lambda: self._records.has_ended(run), LIMIT_S * 5, f"the end of run {run}")
+    def _strike(self, kind: str, run: int) -> None:
+        if (struck := self._disturbances.strike(kind, run)) is None:
+            return
+        self.struck.append(struck)
+        late = f"; begun after the answer: {', '.join(struck.late)}" if struck.late else ""
+        self.violations += [f"run {run}: {struck.kind}{late}"] if late else []
+        after = f"back at work after {struck.resume_s:.2f} s{late}"
+        print(f"{len(self.struck):4d}: {struck.kind:<34} {after}", flush=True)
 
-    def _strike(self, run: int, random: Random) -> Struck | None:
-        """Cause one fault after a random time, unless the run ends before."""
-        end = time.monotonic() + random.uniform(*_BETWEEN_S)
-        while time.monotonic() < end and not self._records.has_ended(run):
-            time.sleep(0.01)
-        if self._records.has_ended(run):
-            return None
-        weights = [WEIGHTS[kind] for kind in self._kinds]
-        return self._faults.strike(random.choices(self._kinds, weights)[0], run)
+    def _judge(self, run: int) -> None:
+        """Compare a run that has ended with the ledger of the world and with its replay."""
+        state = self._runs.state(run)
+        found = account(self._world.ledger(), list(state.tasks))
+        # A cell takes up only the wire fed last: a half placed one that was skipped is replaced.
+        events = [kept.event for kept in self._runs.events(run)]
+        skipped = {e.task for e in events if isinstance(e, Commanded) and e.command is Command.SKIP}
+        done = state.in_stage(Stage.DONE)
+        is_complete = state.ended is not None and state.ended.ending is Ending.COMPLETE
+        wrong = {
+            "fixed twice": [end for end in found.fixed_again if end[:-2] not in skipped],
+            "left out": [end for end in found.omitted if is_complete or end[:-2] in done],
+            "scrapped": [wire for wire in found.scrapped if wire not in skipped],
+            "differs when replayed": differences(self._url, run),
+            "not complete": [] if is_complete else [str(state.ended)],
+        }
+        self.counts.update({"orders": 1, **{what: len(each) for what, each in wrong.items()}})
+        violations = [f"run {run}: {what}: {e}" for what, each in wrong.items() for e in each]
+        print("".join(f"VIOLATION {each}\n" for each in violations), end="", flush=True)
+        self.violations += violations
+
+    def report(self) -> None:
+        """Print a line for each kind of disturbance, and what is wrong."""
+        times: dict[str, list[float]] = defaultdict(list)
+        for struck in self.struck:
+            times[struck.kind].append(struck.resume_s)
+        for kind, each in sorted(times.items()):
+            middle, worst = statistics.median(each), max(each)
+            print(f"{kind:<34}{len(each):5d} times, resume: {middle:.2f} s, worst {worst:.2f} s")
+        for violation in self.violations:
+            print(f"  {violation}")
+
+    def row(self, options: str) -> dict[str, str]:
+        """Return the row of the docs' table."""
+        counts, times = self.counts, [struck.resume_s for struck in self.struck]
+        return {
+            "options": f"`{options}`",
+            "orders complete": f"{counts['orders'] - counts['not complete']} of {counts['orders']}",
+            "ends fixed twice, left out": f"{counts['fixed twice']}, {counts['left out']}",
+            "pieces scrapped": str(counts["scrapped"]),
+            "differences when replayed": str(counts["differs when replayed"]),
+            "resume: slowest": f"{max(times, default=0.0):.2f} s",
+            f"over {RESUME_TARGET_S:g} s": str(sum(each > RESUME_TARGET_S for each in times)),
+        }
 
 
-def _print(number: int, fault: Struck) -> None:
-    late = f"; {len(fault.late)} begun after the answer" if fault.late else ""
-    resume = f"back at work after {fault.resume_s:.2f} s"
-    print(f"fault {number:4d}: {fault.kind:<34} {resume}{late}", flush=True)
+def differences(url: str, run: int) -> list[str]:
+    """Return how a run differs from what `replay` makes of its record."""
+    with contextlib.redirect_stdout(io.StringIO()) as printed:
+        exit_code = replay.main([str(run), "--quiet", "--database", url])
+    lines = [line for line in printed.getvalue().splitlines() if line.startswith("DIFFERS")]
+    return lines or ([f"exit code {exit_code}"] if exit_code else [])
 
 
 def main() -> int:
-    """Print what came of it, and return 1 if a target is missed."""
-    parser = argparse.ArgumentParser(description=(__doc__ or "").split("\n")[0])
-    parser.add_argument("--faults", "--kills", type=int, default=200)
+    """Print what came of it, and return 1 if something is wrong."""
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("--faults", type=int, default=200, help="disturbances")
     parser.add_argument("--seed", type=int, default=0)
     parser.add_argument("--kinds", nargs="+", choices=WEIGHTS, default=list(WEIGHTS))
-    parser.add_argument("--wires", type=int, default=14, help="of each order")
-    parser.add_argument("--operation", type=float, default=0.06, help="[s] wall time of one")
     parser.add_argument("--long-stalls", action="store_true", help="a third of them for 45 s")
     parser.add_argument("--postgresql", action="store_true", help="in place of SQLite")
-    parser.add_argument("--keep", action="store_true", help="keep the folder with all logs")
     add_figures_option(parser)
     options = parser.parse_args()
     output = Path(tempfile.mkdtemp(prefix="remodel_chaos_")) / "run"
-    started = time.monotonic()
-    server: Server = (
-        PostgresServer(output.parent / "postgresql") if options.postgresql else SqliteFile(output)
-    )
+    postgresql = output.parent / "postgresql"
+    server = PostgresServer(postgresql) if options.postgresql else SqliteFile(output)
+    given = {"duration_s": 0.06, "console_port": free_port()}
+    random = Random(options.seed)
     try:
-        score = _disturbed(options, output, server)
-    except TroubleError as error:
-        print(f"TROUBLE: {error}; logs in {output}")
-        return 1
+        launch = Path(__file__).with_name("chaos.launch")
+        with stack(launch, output, url=server.url, **given) as nodes:
+            nodes.wait_for(*NODES)
+            runs = Runs(server.url)
+            disturbances = Disturbances(
+                nodes, server, runs, random, long_stalls=options.long_stalls
+            )
+            chaos = Chaos(disturbances, runs, WorldFile(output / "world.sqlite"), server.url)
+            try:
+                chaos.run(options.faults, 14, options.kinds, random)
+            finally:
+                chaos.report()
+                disturbances.end()
     finally:
         server.end()
-    is_clean = _report(score, time.monotonic() - started)
-    replace_row(options.figures, _row(options, score))
-    if options.keep or not is_clean:
+    chosen = f"--faults {options.faults} --seed {options.seed}"
+    chosen += " --postgresql" * options.postgresql + " --long-stalls" * options.long_stalls
+    row, file = chaos.row(chosen), options.figures
+    report_table([row])
+    if file is not None:  # a row for each set of options
+        before = map(json.loads, file.read_text().splitlines()) if file.is_file() else ()
+        rows = {each["options"]: each for each in before}
+        write_rows({**rows, row["options"]: row}.values(), file)
+    if chaos.violations:
         print(f"logs in {output}")
-    else:
-        shutil.rmtree(output.parent)
-    return 0 if is_clean else 1
-
-
-def _row(options: argparse.Namespace, score: Score) -> dict[str, str]:
-    """Return the row of the docs' table."""
-    times = [fault.resume_s for fault in score.faults]
-    chosen = [f"--faults {options.faults} --seed {options.seed}"]
-    chosen += ["--postgresql"] * options.postgresql + ["--long-stalls"] * options.long_stalls
-    return {
-        "options": f"`{' '.join(chosen)}`",
-        "orders complete": f"{score.complete} of {score.orders}",
-        "ends fixed twice, left out": f"{score.repeated}, {score.omitted}",
-        "pieces scrapped": str(score.scrapped),
-        "differences when replayed": str(score.differences),
-        "resume: slowest": f"{max(times, default=0.0):.2f} s",
-        f"over {RESUME_TARGET_S:g} s": str(sum(time_s > RESUME_TARGET_S for time_s in times)),
-    }
-
-
-def _disturbed(options: argparse.Namespace, output: Path, server: Server) -> Score:
-    """Return what came of the orders; TroubleError if one hangs."""
-    launch = HERE / "chaos.launch"
-    given = {"duration_s": options.operation, "console_port": free_port()}
-    random = Random(options.seed)
-    with stack(launch, output, url=server.url, **given) as nodes:
-        nodes.wait_for(*NODES)
-        bystander = BystanderProcess()
-        records = Records(server.url, output / "world.sqlite")
-        site = Site(nodes, server, bystander, records)
-        faults = Faults(site, random, long_stalls=options.long_stalls)
-        chaos = Chaos(site, options.wires, options.kinds, faults)
-        try:
-            chaos.run(options.faults, random)
-        except TroubleError:
-            _report(chaos.score, 0.0)
-            raise
-        finally:
-            bystander.end()
-    return chaos.score
-
-
-def _report(score: Score, wall_s: float) -> bool:
-    """Print the table; return whether all targets but the times are met."""
-    kinds: dict[str, list[Struck]] = {}
-    for struck in score.faults:
-        kinds.setdefault(struck.kind, []).append(struck)
-    heads = f"{'times':>6}{'resume: median':>17}{'worst':>9}{'retried':>9}{'late':>6}"
-    print(f"\n{'what was done':<34}{heads}")
-    for kind, faults in sorted(kinds.items()):
-        times = [fault.resume_s for fault in faults]
-        late = sum(len(fault.late) for fault in faults)
-        print(
-            f"{kind:<34}{len(faults):6d}{statistics.median(times):15.2f} s{max(times):7.2f} s"
-            f"{score.retried[kind]:9d}{late:6d}"
-        )
-    times = [fault.resume_s for fault in score.faults]
-    print(
-        f"{len(times)} faults in {wall_s:.0f} s: {score.complete} of {score.orders} orders "
-        f"complete ({score.tasks} tasks), {score.repeated} ends fixed twice, {score.omitted} left "
-        f"out, {score.scrapped} pieces scrapped with an end fixed, {score.differences} differences "
-        f"when replayed; resume: slowest {max(times, default=0.0):.2f} s, over "
-        f"{RESUME_TARGET_S:.0f} s: {sum(time_s > RESUME_TARGET_S for time_s in times)}"
-    )
-    for violation in score.violations:
-        print(f"  {violation}")
-    return not score.violations
+        return 1
+    shutil.rmtree(output.parent)
+    return 0
 
 
 if __name__ == "__main__":

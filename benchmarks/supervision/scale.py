@@ -1,16 +1,16 @@
 #!/usr/bin/env python3
-# ruff: noqa: T201 - a benchmark prints
-"""A run of 5,000 tasks: database size, appends a second, and what resuming it takes.
+"""A run of 5,000 tasks: database size, events kept per second, and what resuming it takes.
 
-The events are appended without ROS, and without waiting for the disk except for the last ones, by
-which the rate is measured. The state is then loaded by a process of its own, which reports its time
-and its peak memory.
+scale.py [--tasks N] [--figures FILE]; the workspace must be sourced. The events are appended
+without ROS, and without waiting for the disk except for the last ones, by which the rate is
+measured. The state is then loaded by processes of their own, which report their time and their peak
+memory. Exits with 1 when a target is missed.
 """
 
 from __future__ import annotations
 
 import argparse
-import subprocess
+import multiprocessing
 import sys
 import tempfile
 import time
@@ -18,24 +18,21 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
-from long_run import long_order, long_run
 from sqlalchemy import event
 from sqlalchemy.engine import Engine
-from stack import add_figures_option, write_figures
 
-from remodel_production.core.production import Order
+sys.path.insert(0, str(Path(__file__).parents[1]))
+sys.path.insert(0, str(Path(__file__).parents[2] / "src/remodel_supervision/test/unit"))
+from figures import Figure, add_figures_option, report
+from long_run import long_order, long_run
+
 from remodel_production.edge.database.cell_ownership import CellOwnership, Owned
-from remodel_production.edge.database.database_backup import back_up
 from remodel_production.edge.database.production_database import ProductionDatabase
 from remodel_supervision.core.runs.event_table import state_after
-from remodel_supervision.core.runs.state import RunState
 from remodel_supervision.edge.run_log import RunLog
 
-# [s], [MB], [MB]: resume, its memory, and the database, for 5,000 tasks.
-_TARGETS = (0.5, 100.0, 40.0)
-_TASKS = 5000
 # How many events the rate is measured by.
-_MEASURED = 300
+MEASURED = 300
 
 
 def append_run(url: str, tasks: int) -> tuple[int, float]:
@@ -43,16 +40,20 @@ def append_run(url: str, tasks: int) -> tuple[int, float]:
     order = long_order(tasks)
     events = list(long_run(order))
     with _hasty():
-        log, token = _opened(url, order)
-        run, begun = log.begin(events[0], token)
+        database = ProductionDatabase(url)
+        database.add_order(order)
+        owned = CellOwnership(database, "cell", "bench", "the benchmark", 3600.0).acquire()
+        assert isinstance(owned, Owned), "the database is new"
+        log = RunLog(database)
+        run, begun = log.begin(events[0], owned.token)
         state = state_after([begun])
-        for each in events[1:-_MEASURED]:
-            state = log.append(run, each, state, token)
+        for each in events[1:-MEASURED]:
+            state = log.append(run, each, state, owned.token)
     log = RunLog(ProductionDatabase(url))
     start = time.monotonic()
-    for each in events[-_MEASURED:]:
-        state = log.append(run, each, state, token)
-    return len(events), _MEASURED / (time.monotonic() - start)
+    for each in events[-MEASURED:]:
+        state = log.append(run, each, state, owned.token)
+    return len(events), MEASURED / (time.monotonic() - start)
 
 
 @contextmanager
@@ -69,77 +70,40 @@ def _hasty() -> Iterator[None]:
         event.remove(Engine, "connect", hurry)
 
 
-def _opened(url: str, order: Order) -> tuple[RunLog, int]:
-    """Return the log of a database with an order, and the token of the cell's ownership."""
-    database = ProductionDatabase(url)
-    database.add_order(order)
-    owned = CellOwnership(database, "cell", "bench", "the benchmark", 3600.0).acquire()
-    if not isinstance(owned, Owned):
-        raise SystemExit(f"scale: {owned.holder} has the cell")
-    return RunLog(database), owned.token
-
-
-def resume(url: str) -> None:
-    """Load the state of the first run, and print the time [s], the peak memory [MB] and it."""
+def resume(url: str) -> tuple[float, float]:
+    """Load the state of the first run; return the time [s] and the peak memory [MB]."""
     database = ProductionDatabase(url)
     start = time.monotonic()
-    state = RunLog(database).state(1)
+    RunLog(database).state(1)
     took_s = time.monotonic() - start
+    database.close()
     # Of this program; the kernel's resource usage includes what the process was before.
     status = Path("/proc/self/status").read_text(encoding="ascii")
-    peak_mb = int(status.partition("VmHWM:")[2].split()[0]) / 1024
-    database.close()
-    print(f"{took_s} {peak_mb} {_done(state)}")
+    return took_s, int(status.partition("VmHWM:")[2].split()[0]) / 1024
 
 
-def _done(state: RunState) -> int:
-    return sum(task.stage.is_lasting for task in state.tasks.values())
+def measured(tasks: int) -> Iterator[Figure]:
+    """Yield the figures of an order of so many tasks."""
+    with tempfile.TemporaryDirectory() as folder:
+        url = f"sqlite:///{folder}/production.sqlite"
+        count, rate = append_run(url, tasks)
+        with multiprocessing.get_context("spawn").Pool(1, maxtasksperchild=1) as pool:
+            times_s, peaks_mb = zip(*pool.map(resume, [url] * 3, chunksize=1), strict=True)
+        size_mb = sum(each.stat().st_size for each in Path(folder).iterdir()) / 1e6
+    yield Figure("load the state", min(times_s), "s", most=0.5)
+    yield Figure("peak memory of the process that loads it", max(peaks_mb), "MB", most=100.0)
+    yield Figure("database (SQLite)", size_mb, "MB", most=40.0)
+    yield Figure("events of the run", count)
+    yield Figure("events kept per second, each on disk", rate)
 
 
 def main() -> int:
-    """Print the figures, and return 1 if one of 5,000 tasks misses its target."""
-    parser = argparse.ArgumentParser(description=(__doc__ or "").split("\n")[0])
-    parser.add_argument(
-        "--tasks", type=int, default=_TASKS, help="of the order (default %(default)s)"
-    )
-    parser.add_argument("--keep", metavar="FILE", help="where the database is kept afterwards")
+    """Print the figures, and return 1 if one misses its target."""
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("--tasks", type=int, default=5000, help="of the order (default 5000)")
     add_figures_option(parser)
-    parser.add_argument("--resume", metavar="URL", help=argparse.SUPPRESS)
     options = parser.parse_args()
-    if options.resume:
-        resume(options.resume)
-        return 0
-    with tempfile.TemporaryDirectory() as folder:
-        file = Path(folder) / "production.sqlite"
-        url = f"sqlite:///{file}"
-        count, rate = append_run(url, options.tasks)
-        line = [sys.executable, __file__, "--resume", url]
-        took = [subprocess.run(line, check=True, capture_output=True, text=True) for _ in range(3)]
-        runs = [tuple(map(float, each.stdout.split())) for each in took]
-        if options.keep:
-            back_up(url, Path(options.keep), replace=True)
-        size_mb = sum(each.stat().st_size for each in Path(folder).iterdir()) / 1e6
-    resume_s, peak_mb = min(r[0] for r in runs), max(r[1] for r in runs)
-    print(f"{options.tasks} tasks, {count} events, {runs[0][2]:.0f} tasks ended")
-    print(f"appends a second:   {rate:10.0f}")
-    print(f"resume [s]:         {resume_s:10.3f}   target {_TARGETS[0]} (best of 3)")
-    print(f"peak memory [MB]:   {peak_mb:10.1f}   target {_TARGETS[1]}")
-    print(f"database [MB]:      {size_mb:10.1f}   target {_TARGETS[2]}")
-    write_figures(
-        options.figures,
-        (
-            {"what": what, "value": value, "unit": unit, "most": most}
-            for what, value, unit, most in (
-                ("load the state", resume_s, "s", _TARGETS[0]),
-                ("peak memory of the process that loads it", peak_mb, "MB", _TARGETS[1]),
-                ("database (SQLite)", size_mb, "MB", _TARGETS[2]),
-                ("events of the run", count, "", None),
-                ("events kept per second, each on disk", rate, "", None),
-            )
-        ),
-    )
-    missed = [v for v, t in zip((resume_s, peak_mb, size_mb), _TARGETS, strict=True) if v > t]
-    return 1 if missed and options.tasks <= _TASKS else 0
+    return 0 if report(measured(options.tasks), options.figures) else 1
 
 
 if __name__ == "__main__":

@@ -1,53 +1,37 @@
-"""A ROS master with the nodes of a launch file, an order, and ways to disturb the nodes.
-
-And the rows of a table in the docs, written as lines of JSON; see tools/figure_tables.py.
-"""
+"""A ROS master with the nodes of a launch file and an order, ways to disturb them, and the runs."""
 
 from __future__ import annotations
 
 import contextlib
-import json
 import os
 import signal
-import socket
 import subprocess
+import sys
 import time
-from argparse import ArgumentParser
-from collections.abc import Callable, Iterable, Iterator, Mapping
+from collections.abc import Callable, Iterator
 from http.client import HTTPConnection
 from pathlib import Path
+from typing import TypeVar
 from xmlrpc.client import ServerProxy, Transport
 
 import rosgraph
 
-ORDER = "house"
-DESIGN = "/usr/share/qelectrotech/examples/tableau_domestique.qet"
-_CHECK_S = 0.02
-_START_LIMIT_S = 90.0
+sys.path.insert(0, str(Path(__file__).parents[2] / "src/remodel_planner/test/rostest"))
+from order_client import DESIGN, ORDER, planner, wait_until
+from own_launch import free_port
 
-# [s] wall time that a node gets to answer, and that roslaunch and roscore get to end.
-_ANSWER_LIMIT_S = 2.0
-_END_LIMIT_S = 60.0
+from remodel_production.edge.database.production_database import ProductionDatabase
+from remodel_production.errors import LostError
+from remodel_supervision.core.runs.state import RunState
+from remodel_supervision.edge.run_log import RunLog
+from remodel_supervision.edge.run_rows import KeptEvent
 
+# [s] wall time for what must happen; beyond it something hangs.
+LIMIT_S = 90.0
+# [s] wall time that a node gets to answer.
+_ANSWER_S = 2.0
 
-class TroubleError(Exception):
-    """The stack does not do what it must; the text says what."""
-
-
-def free_port() -> int:
-    """Return a free port."""
-    with socket.socket() as listener:
-        listener.bind(("127.0.0.1", 0))
-        return int(listener.getsockname()[1])
-
-
-def wait_until(holds: Callable[[], bool], limit_s: float, what: str) -> None:
-    """Return when something holds; TroubleError if it does not within a wall time [s]."""
-    end = time.monotonic() + limit_s
-    while not holds():
-        if time.monotonic() > end:
-            raise TroubleError(f"{what}: not within {limit_s:.0f} s")
-        time.sleep(_CHECK_S)
+T = TypeVar("T")
 
 
 @contextlib.contextmanager
@@ -70,17 +54,13 @@ def stack(
         "ROS_MASTER_URI": f"http://127.0.0.1:{port}",
         "ROS_IP": "127.0.0.1",
         "ROS_LOG_DIR": str(output / "log"),
-        "REMODEL_DATABASE": url,
         "ROS_PACKAGE_PATH": f"{output}/remodel_order_behaviors:{os.environ['ROS_PACKAGE_PATH']}",
     }
-    subprocess.run(
-        ["remodel", "import", design, "--order", ORDER],
-        check=True,
-        stdout=subprocess.DEVNULL,
-    )
-    arguments = {"output": output, "database": url, **arguments}
-    given = [f"{name}:={value}" for name, value in arguments.items()]
-    nodes = Stack(port, [str(launch), *given], output, url)
+    imported = planner("import", design, "--order", ORDER, database=url)
+    assert imported.returncode == 0, imported.stderr
+    given = {"output": output, "database": url, **arguments}
+    line = ["roslaunch", str(launch), *(f"{name}:={value}" for name, value in given.items())]
+    nodes = Stack(port, line, output, url)
     try:
         nodes.start_master()
         nodes.start_launch()
@@ -88,45 +68,6 @@ def stack(
     finally:
         nodes.end_launch()
         nodes.end_master()
-
-
-class Program:
-    """A program that is started and ended, again and again, and logs to a file."""
-
-    def __init__(
-        self, line: list[str], log: Path, environment: dict[str, str] | None = None
-    ) -> None:
-        self._line = line
-        self._log = log
-        self._environment = environment
-        self._process: subprocess.Popen[bytes] | None = None
-
-    @property
-    def runs(self) -> bool:
-        """Whether it was started and has not ended."""
-        return self._process is not None and self._process.poll() is None
-
-    def start(self) -> None:
-        """Start it."""
-        with self._log.open("a") as log:
-            self._process = subprocess.Popen(
-                self._line,
-                stdout=log,
-                stderr=subprocess.STDOUT,
-                env=self._environment,
-                start_new_session=True,
-            )
-
-    def end(self, number: int = signal.SIGINT) -> None:
-        """Send it a signal, and return when it has ended."""
-        if self._process is None:
-            return
-        self._process.send_signal(number)
-        try:
-            self._process.wait(_END_LIMIT_S)
-        except subprocess.TimeoutExpired:
-            self._process.kill()
-            self._process.wait()
 
 
 class Stack:
@@ -137,45 +78,38 @@ class Stack:
         database: its URL.
     """
 
-    def __init__(self, port: int, arguments: list[str], output: Path, database: str) -> None:
-        self.output = output
-        self.database = database
+    def __init__(self, port: int, line: list[str], output: Path, database: str) -> None:
+        self.output, self.database = output, database
+        self._port, self._line = port, line
         self._master = rosgraph.Master("/bench")
-        self._core = Program(["roscore", "-p", str(port)], output / "master.log")
-        self._nodes = Program(["roslaunch", *arguments], output / "nodes.log")
 
     def start_master(self) -> None:
         """Start the ROS master, and return when it answers."""
-        self._core.start()
-        wait_until(self._has_run_id, _START_LIMIT_S, "start of the ROS master")
+        self._core = self._started(["roscore", "-p", str(self._port)], "master.log")
+        wait_until(self._has_run_id, "start of the ROS master", LIMIT_S)
 
     def end_master(self, number: int = signal.SIGINT) -> None:
         """Send the ROS master a signal, and return when it has ended."""
         pids = (self.master_pid(), self.pid("rosout"))
-        self._core.end(number)
+        _end(self._core, number)
         if number == signal.SIGKILL:  # roscore cannot end what it has started
             for pid in filter(None, pids):
                 os.kill(pid, signal.SIGKILL)
-        wait_until(lambda: self.master_pid() == 0, _END_LIMIT_S, "end of the ROS master")
+        wait_until(lambda: self.master_pid() == 0, "end of the ROS master", LIMIT_S)
 
     def start_launch(self) -> None:
         """Start all nodes."""
-        self._nodes.start()
+        self._nodes = self._started(self._line, "nodes.log")
 
     def end_launch(self) -> None:
         """End all nodes as Ctrl-C in the terminal of roslaunch does."""
-        self._nodes.end(signal.SIGINT)
-
-    def require(self) -> None:
-        """Return if the launch runs; TroubleError if it has ended."""
-        if not self._nodes.runs:
-            raise TroubleError(f"roslaunch has ended; see {self.output}/nodes.log")
+        _end(self._nodes, signal.SIGINT)
 
     def wait_for(self, *nodes: str) -> None:
         """Return when nodes of these names answer."""
         for node in nodes:
-            wait_until(lambda node=node: self.pid(node) > 0, _START_LIMIT_S, f"start of {node}")
-            self.require()
+            wait_until(lambda node=node: self.pid(node) > 0, f"start of {node}", LIMIT_S)
+        assert self._nodes.poll() is None, f"roslaunch has ended; see {self.output}/nodes.log"
 
     def pid(self, node: str) -> int:
         """Return a node's process; 0 if it does not answer."""
@@ -188,25 +122,35 @@ class Stack:
         """Return the process of the ROS master; 0 if it does not answer."""
         return _pid(os.environ["ROS_MASTER_URI"])
 
-    def kill(self, *nodes: str, number: int = signal.SIGKILL) -> dict[str, int]:
-        """Send nodes a signal, and return the processes that they were."""
-        pids = {node: self.pid(node) for node in nodes}
-        for pid in pids.values():
-            if pid:
-                with contextlib.suppress(ProcessLookupError):
-                    os.kill(pid, number)
-        return pids
+    def kill(self, *nodes: str, number: int = signal.SIGKILL) -> None:
+        """Send nodes a signal that ends them, and return when others answer in their place."""
+        before = {node: self.pid(node) for node in nodes}
+        for pid in filter(None, before.values()):
+            with contextlib.suppress(ProcessLookupError):
+                os.kill(pid, number)
+        for node, pid in before.items():
+            wait_until(lambda n=node, p=pid: self.pid(n) not in (0, p), f"{node} back", LIMIT_S)
 
-    def wait_for_others(self, pids: dict[str, int], limit_s: float) -> None:
-        """Return when nodes answer from other processes than these."""
-        for node, pid in pids.items():
-            wait_until(lambda n=node, p=pid: self.pid(n) not in (0, p), limit_s, f"{node} back")
+    def _started(self, line: list[str], log: str) -> subprocess.Popen[bytes]:
+        with (self.output / log).open("a") as file:
+            return subprocess.Popen(
+                line, stdout=file, stderr=subprocess.STDOUT, start_new_session=True
+            )
 
     def _has_run_id(self) -> bool:
         try:
             return bool(self._master.hasParam("/run_id"))
         except (OSError, rosgraph.MasterError):
             return False
+
+
+def _end(process: subprocess.Popen[bytes], number: int) -> None:
+    process.send_signal(number)
+    try:
+        process.wait(LIMIT_S)
+    except subprocess.TimeoutExpired:
+        process.kill()
+        process.wait()
 
 
 def _pid(uri: str) -> int:
@@ -222,27 +166,39 @@ class _ImpatientTransport(Transport):
 
     def make_connection(self, host: str) -> HTTPConnection:  # type: ignore[override]
         connection = super().make_connection(host)  # type: ignore[arg-type]
-        connection.timeout = _ANSWER_LIMIT_S
+        connection.timeout = _ANSWER_S
         return connection
 
 
-def add_figures_option(parser: ArgumentParser) -> None:
-    """Add the option that names the file of a table in the docs."""
-    text = "also write the rows of the docs' table there, such as docs/figures/NAME.jsonl"
-    parser.add_argument("--figures", type=Path, metavar="FILE", help=text)
+class Runs:
+    """What the production database has of runs, once it answers."""
+
+    def __init__(self, url: str) -> None:
+        self._log = RunLog(ProductionDatabase(url))
+
+    def newest(self) -> int:
+        """Return the number of the newest run; 0 without any."""
+        return max((head.number for head in _insist(self._log.heads)), default=0)
+
+    def has_ended(self, run: int) -> bool:
+        """Return whether a run has ended."""
+        return next(head.ended for head in _insist(self._log.heads) if head.number == run)
+
+    def state(self, run: int) -> RunState:
+        """Return what is known of a run."""
+        return _insist(lambda: self._log.state(run))
+
+    def events(self, run: int, since: int = 0) -> list[KeptEvent]:
+        """Return what happened in a run since a position."""
+        return _insist(lambda: list(self._log.events(run, since)))
 
 
-def write_figures(file: Path | None, rows: Iterable[Mapping[str, object]]) -> None:
-    """Write the rows, unless there is no file."""
-    if file is not None:
-        file.write_text("".join(f"{json.dumps(row)}\n" for row in rows), encoding="utf-8")
-
-
-def replace_row(file: Path | None, row: Mapping[str, object]) -> None:
-    """Add a row, or replace the one with the same value in the first column."""
-    if file is None:
-        return
-    lines = file.read_text(encoding="utf-8").splitlines() if file.is_file() else []
-    column = next(iter(row))
-    rows = {found[column]: found for found in map(json.loads, lines)}
-    write_figures(file, {**rows, row[column]: row}.values())
+def _insist(ask: Callable[[], T]) -> T:
+    end = time.monotonic() + LIMIT_S
+    while True:
+        try:
+            return ask()
+        except LostError:
+            if time.monotonic() > end:
+                raise
+            time.sleep(0.1)

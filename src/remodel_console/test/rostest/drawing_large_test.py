@@ -16,7 +16,7 @@ from drawing_case import DrawingCase
 from flexbe_synthesizer.core.chart.chart_writer import write_chart
 from flexbe_synthesizer.core.chart.model import Chart, Outcome, Param, State, Transition
 
-FLAT = 1000  # states; `make bench-drawing` measures how soon they are drawn
+FLAT = 1000  # states
 DATASET = "(name) => document.querySelector('.canvas-frame').dataset[name]"
 DRAWN = """() => {
   const { cy } = document.querySelector('.canvas-frame').drawing;

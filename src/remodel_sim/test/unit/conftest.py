@@ -50,7 +50,7 @@ def is_marked(request, monkeypatch):
 def pushes():
     """Records of the pushes and pulls of a test; none may go far beyond its force limit.
 
-    What 99 % of them must keep to, evaluate_abilities.py measures: now and then the wire jerks
+    What 99 % of them must keep to, `make evaluate-abilities` measures: now and then the wire jerks
     between the pads.
     """
     with recorded() as records:

@@ -58,7 +58,7 @@ def rubs(depth):
     return 2 * PARAMETERS.wire.rubs_n * (depth > FACE_M) + wall(BOTTOM, depth)
 
 
-# What a wrist felt, as benchmarks/sim/record_pushes.py records it.
+# What a wrist felt in the simulated cell.
 RECORDED = json.loads(Path(__file__).with_name("recorded_pushes.json").read_text())
 
 

@@ -7,6 +7,7 @@ from pathlib import Path
 
 import pytest
 from house import owner_of
+from long_run import long_order, long_run
 from sqlalchemy import text
 
 from remodel_production.edge.database.production_database import ProductionDatabase
@@ -18,29 +19,21 @@ from remodel_supervision.core.runs.state import RunState, Stage, snapshot_of, st
 from remodel_supervision.edge import run_log
 from remodel_supervision.edge.run_log import RunLog
 
-BENCHMARKS = Path(__file__).parents[4] / "benchmarks/supervision"
+BENCHMARKS = Path(__file__).parents[4] / "benchmarks"
 TASKS = 15
 SNAPSHOT_EVERY = 80
-
-
-@pytest.fixture
-def long_run(monkeypatch):
-    monkeypatch.syspath_prepend(str(BENCHMARKS))
-    import long_run
-
-    return long_run
 
 
 class Kept:
     """A long run that was cut short, in a database."""
 
-    def __init__(self, url, long_run):
+    def __init__(self, url):
         self.database = ProductionDatabase(url)
-        order = long_run.long_order(TASKS)
+        order = long_order(TASKS)
         self.database.add_order(order)
         self.owner = owner_of(self.database)
         self.log = RunLog(self.database)
-        begun, *self.events = long_run.long_run(order)
+        begun, *self.events = long_run(order)
         self.run, self.begun = self.log.begin(begun, self.owner)
         self.state = state_after([self.begun])
         for event in self.events:
@@ -52,9 +45,9 @@ class Kept:
 
 
 @pytest.fixture
-def kept(url, long_run, monkeypatch):
+def kept(url, monkeypatch):
     monkeypatch.setattr(run_log, "SNAPSHOT_EVERY", SNAPSHOT_EVERY)
-    kept = Kept(url, long_run)
+    kept = Kept(url)
     assert 2 < len(kept.events) / SNAPSHOT_EVERY < 3
     yield kept
     kept.database.close()
@@ -112,10 +105,11 @@ def test_another_process_reads_a_snapshot():
     assert other.stdout.strip() == run_state._form()
 
 
-def test_the_benchmark_measures(monkeypatch, capsys, long_run):
+def test_the_benchmark_measures(monkeypatch, capsys):
+    monkeypatch.syspath_prepend(str(BENCHMARKS / "supervision"))
     import scale
 
     monkeypatch.setattr(sys, "argv", ["scale.py", "--tasks", "40"])
-    monkeypatch.setattr(scale, "_MEASURED", 20)
+    monkeypatch.setattr(scale, "MEASURED", 20)
     assert scale.main() == 0
-    assert "40 tasks, " in capsys.readouterr().out
+    assert "load the state" in capsys.readouterr().out

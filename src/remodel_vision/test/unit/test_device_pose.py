@@ -1,4 +1,4 @@
-"""Devices without labels in drawn pictures; benchmarks/vision/devices.py measures many more."""
+"""Devices without labels in drawn pictures; benchmarks/vision measures many more."""
 
 import dataclasses
 import math

@@ -3,7 +3,7 @@
 Whether a line is a cable is decided by five factors, whose limits were read off some 600 true and
 100 false centrelines in rendered scenes (benchmarks/vision): between the two lies a wide gap for
 each of them. How sure it is that it is one cable and all of it, is a logistic model, fitted to true
-and false answers (benchmarks/vision/fit_confidence.py).
+and false answers.
 """
 
 from __future__ import annotations

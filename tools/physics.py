@@ -1,5 +1,4 @@
 #!/usr/bin/env python3
-# ruff: noqa: T201 - a benchmark prints
 """Run the physical tests, also as other processors and other beginnings have them.
 
 physics.py [--disturbed [--results FILE]] [--jobs N] [ARGUMENT ...]; the workspace must be sourced.
@@ -29,7 +28,7 @@ from xml.etree import ElementTree
 
 from numpy.core._multiarray_umath import __cpu_dispatch__, __cpu_features__
 
-ROOT = Path(__file__).parents[2]
+ROOT = Path(__file__).parents[1]
 TESTS = ("src/remodel_sim/test/unit", "src/remodel_rehearsal/test/unit")
 SEEDS = range(1, 6)
 # What processors of earlier kinds do not have, as glibc calls it; it ignores what it does not know.

@@ -1,4 +1,4 @@
-"""A long run without ROS: an order of many wires, and the events of a run that wires them."""
+"""A long run, for tests and benchmarks: an order of many wires, and the events of its run."""
 
 from __future__ import annotations
 
@@ -27,119 +27,83 @@ _JAM_EVERY = 25
 
 _CHART = Path(__file__).parent / "long_run_chart.xml"
 
-# State, ability, outcome, what it is asked for and what it measures; {} are the wire's own values.
+# What abilities are asked for and measure; {} are the wire's own values.
 _POSE = "world {x:.6g} {y:.6g} 0.0{z} 0 0 0.7071{z} 0.7071{z}"
 _CLAMP = (("component_id", "{component}"), ("terminal_id", "{terminal}"))
-_WIRE = (("cable_id", "{wire}"),)
+_WIRE, _END, _LIMIT = (("cable_id", "{wire}"),), ("cable_end", "{end}"), ("timeout", "30.0")
 _ARM = (("robot_name", "robot_1"), *_WIRE)
-_LIMIT = (("timeout", "30.0"),)
+_PUSH = (*_ARM, _END, *_CLAMP, ("socket_pose", _POSE), ("force_limit", "8.0"), _LIMIT)
 _LOCATED = (("component_pose", _POSE), ("socket_pose", _POSE), ("residual", "0.000{z}"))
 _PICKED = (("grasp_pose", _POSE), ("grip_width", "0.00{z}"))
-_CONNECTING = (
-    (
-        "LocateGearboxComponent",
+_FIXED = (("slip", "0.0000{z}"),)
+_CONNECTED = (("connected", "True"), ("residual", "0.000{z}"))
+_PATH = f"{_POSE}; {_POSE}"
+# Ability -> outcome, parameters, measurements, text.
+_ABILITIES = {
+    "DetectCable": ("detected", (*_WIRE, ("view", "0"), _LIMIT), (), "{wire} lies in view"),
+    "PickCable": (
+        "picked",
+        (*_ARM, _END, ("grasp_distance", "0.03"), _LIMIT),
+        _PICKED,
+        "{wire} is held {z} mm from its tip",
+    ),
+    "LocateGearboxComponent": (
         "located",
-        (*_CLAMP, ("view", "0"), *_LIMIT),
+        (*_CLAMP, ("view", "0"), _LIMIT),
         _LOCATED,
         "{component}:{terminal} is located to 0.{z} mm",
     ),
-    (
-        "InsertCable",
+    "InsertCable": (
         "inserted",
-        (
-            *_ARM,
-            ("cable_end", "{end}"),
-            *_CLAMP,
-            ("socket_pose", _POSE),
-            ("force_limit", "8.0"),
-            *_LIMIT,
-        ),
+        _PUSH,
         (("depth", "0.0090{z}"), ("peak_force", "6.{z}")),
         "end {end} of {wire} sits in {component}:{terminal}",
     ),
-    (
-        "FixCable",
+    "FixCable": (
         "fixed",
-        (*_ARM, *_CLAMP, ("pull_test_force", "10.0"), *_LIMIT),
-        (("slip", "0.0000{z}"),),
+        (*_ARM, *_CLAMP, ("pull_test_force", "10.0"), _LIMIT),
+        _FIXED,
         "{wire} withstood 10 N at {component}:{terminal}",
     ),
-)
-_CHECK = (
-    "CheckConnection",
-    "connected",
-    (*_WIRE, ("cable_end", "{end}"), *_CLAMP, *_LIMIT),
-    (("connected", "True"), ("residual", "0.000{z}")),
-    "end {end} of {wire} is in {component}:{terminal}",
-)
-_STATES = (
-    (
-        "/Detect",
-        "DetectCable",
-        "detected",
-        (*_WIRE, ("view", "0"), *_LIMIT),
-        (),
-        "{wire} lies in view",
-    ),
-    (
-        "/Pick a",
-        "PickCable",
-        "picked",
-        (*_ARM, ("cable_end", "a"), ("grasp_distance", "0.03"), *_LIMIT),
-        _PICKED,
-        "{wire} is held {z} mm from its tip",
-    ),
-    *((f"/Connect a/{step[0]}", *step) for step in _CONNECTING),
-    (
-        "/Pick b",
-        "PickCable",
-        "picked",
-        (*_ARM, ("cable_end", "b"), ("grasp_distance", "0.03"), *_LIMIT),
-        _PICKED,
-        "{wire} is held {z} mm from its tip",
-    ),
-    (
-        "/Route b",
-        "RouteWire",
+    "RouteWire": (
         "routed",
-        (*_ARM, ("path", f"{_POSE}; {_POSE}"), *_LIMIT),
+        (*_ARM, ("path", _PATH), _LIMIT),
         (("reached", "2"),),
         "{wire} is routed",
     ),
-    *((f"/Connect b/{step[0]}", *step) for step in _CONNECTING),
-    *((f"/Check {end}", *_CHECK) for end in ("a", "b")),
+    "CheckConnection": (
+        "connected",
+        (*_WIRE, _END, *_CLAMP, _LIMIT),
+        _CONNECTED,
+        "end {end} of {wire} is in {component}:{terminal}",
+    ),
+}
+_CONNECTING = ("LocateGearboxComponent", "InsertCable", "FixCable")
+# State and ability of each operation of a wire.
+_STATES = (
+    ("/Detect", "DetectCable"),
+    ("/Pick a", "PickCable"),
+    *((f"/Connect a/{ability}", ability) for ability in _CONNECTING),
+    ("/Pick b", "PickCable"),
+    ("/Route b", "RouteWire"),
+    *((f"/Connect b/{ability}", ability) for ability in _CONNECTING),
+    *((f"/Check {end}", "CheckConnection") for end in "ab"),
 )
 
 
 def long_order(wires: int, name: str = "long") -> Order:
     """Return an order of many wires, each between two terminals of its own."""
-    rows = -(-wires // _TERMINALS)
-    parts = [
-        Component(
-            f"{letter}{row}",
-            "terminal block",
-            tuple(Terminal(f"{side.value[0]}{i}", side) for i in range(_TERMINALS)),
-        )
-        for letter, side in (("Q", Side.BOTTOM), ("X", Side.TOP))
-        for row in range(rows)
-    ]
-    return Order(
-        name,
-        "",
-        "",
-        tuple(parts),
-        tuple(
-            Wire(
-                f"W{i}",
-                TerminalRef(f"Q{i // _TERMINALS}", f"b{i % _TERMINALS}"),
-                TerminalRef(f"X{i // _TERMINALS}", f"t{i % _TERMINALS}"),
-                "BU",
-                1.5,
-                f"line {i}",
-            )
-            for i in range(wires)
-        ),
-    )
+    parts = []
+    for letter, side in (("Q", Side.BOTTOM), ("X", Side.TOP)):
+        terminals = tuple(Terminal(f"{side.value[0]}{i}", side) for i in range(_TERMINALS))
+        rows = range(-(-wires // _TERMINALS))
+        parts += [Component(f"{letter}{row}", "terminal block", terminals) for row in rows]
+    placed = []
+    for number in range(wires):
+        row, i = divmod(number, _TERMINALS)
+        ends = TerminalRef(f"Q{row}", f"b{i}"), TerminalRef(f"X{row}", f"t{i}")
+        placed.append(Wire(f"W{number}", *ends, "BU", 1.5, f"line {number}"))
+    return Order(name, "", "", tuple(parts), tuple(placed))
 
 
 def long_run(order: Order, cell: str = "cell") -> Iterator[Event]:
@@ -183,17 +147,16 @@ def _attempt(
     part: Part,
     xml: str,
     at_s: float,
-    states: Sequence[tuple],
+    states: Sequence[tuple[str, str]],
     *,
     jams: bool = False,
 ) -> Iterator[Event]:
-    name = f"Place Wire {wire.name}"
-    yield TaskBegun(wire.name, attempt, part, name, xml, at_s)
-    for position, state in enumerate(states):
+    yield TaskBegun(wire.name, attempt, part, f"Place Wire {wire.name}", xml, at_s)
+    for state in states:
         at_s += 5.4
-        failed = jams and position == len(states) - 1
-        yield OperationEnded(wire.name, _operation(wire, number, state, at_s, failed=failed))
-    path = tuple(f"{state[0]} > {state[2]}" for state in states)
+        failed = jams and state is states[-1]
+        yield OperationEnded(wire.name, _operation(wire, number, *state, at_s, failed=failed))
+    path = tuple(f"{state} > {_ABILITIES[ability][0]}" for state, ability in states)
     pictures = tuple(
         f"{wire.name}-{attempt}-{part.value}-{camera}-{at_s:.3f}.jpg"
         for camera in ("overhead", "wrist", "scene")
@@ -201,8 +164,10 @@ def _attempt(
     yield TaskEnded(wire.name, "failed" if jams else "finished", at_s, not jams, path, pictures)
 
 
-def _operation(wire: Wire, number: int, state: tuple, at_s: float, *, failed: bool) -> Operation:
-    path, ability, outcome, parameters, measurements, text = state
+def _operation(
+    wire: Wire, number: int, path: str, ability: str, at_s: float, *, failed: bool
+) -> Operation:
+    outcome, parameters, measurements, text = _ABILITIES[ability]
     end = "b" if "b" in path.split("/")[1].split() else "a"
     terminal = wire.b if end == "b" else wire.a
     digest = hashlib.sha256(f"{number} {path}".encode()).hexdigest()

@@ -1,13 +1,10 @@
 #!/usr/bin/env python3
-# ruff: noqa: T201 - a benchmark prints
-"""Measure the simulated physics against theory, and beside others: run.py [--peers PYTHON] [FILE].
+"""Measure the simulated wire against theory, and beside other simulators.
 
-Lines of JSON go to FILE (out/bench/sim.jsonl): sag and buckling against the elastica; what holds a
-wire, pulled until it slips, against Coulomb and against what was ordered; the real-time factor;
-wires of 1 to 3 m, cut into links as the cell does. laid_board.py measures the real-time factor
-while an end is inserted over laid wires; mujoco_peer.py and newton_peer.py measure MuJoCo's cable
-plugin and Newton's VBD cable. Exits with 1 when a target is missed. evaluate_abilities.py measures
-the abilities.
+wire.py [--peers PYTHON] [--figures FILE]; the workspace must be sourced. Sag and buckling against
+the elastica; what holds a wire, pulled until it slips, against Coulomb and against what was
+ordered; the real-time factor; wires of 1 to 3 m, cut into links as the cell does. PYTHON has MuJoCo
+and Newton. Exits with 1 when a target is missed.
 """
 
 from __future__ import annotations
@@ -20,40 +17,30 @@ import sys
 import time
 from collections.abc import Iterator
 from dataclasses import asdict
+from itertools import chain as joined
 from pathlib import Path
-from subprocess import DEVNULL
 
 import numpy as np
 
-HERE = Path(__file__).parent
 # The rigs are those of the unit tests.
-for folder in ("remodel_sim/test/unit", "remodel_work/test"):
-    sys.path.insert(0, str(HERE.parents[1] / "src" / folder))
+sys.path.insert(0, str(Path(__file__).parents[1]))
+sys.path.insert(0, str(Path(__file__).parents[2] / "src/remodel_sim/test/unit"))
+sys.path.insert(0, str(Path(__file__).parents[2] / "src/remodel_work/test"))
+import rods
+from elastica import buckled_tip_angle, cantilever_drop
+from figures import Figure, add_figures_option, report
+from fingerprint import fingerprint_elsewhere
+from holds import clamp_pull_out, clip_forces, grip_pull_out
+from panels import wire
+from wire_peers import REPEATS, SAG_LOAD, SHORT_REPEATS, Wire
 
-import laid_board  # noqa: E402
-import rods  # noqa: E402
-from elastica import buckled_tip_angle, cantilever_drop  # noqa: E402
-from fingerprint import fingerprint_elsewhere  # noqa: E402
-from holds import clamp_pull_out, clip_forces, grip_pull_out, spring_forces  # noqa: E402
-from panels import wire  # noqa: E402
-from peer_wire import REPEATS, SAG_LOAD, PeerWire  # noqa: E402
-from row import Row, head, report  # noqa: E402
-
-from remodel_sim.core.wires.wire_mechanics import (  # noqa: E402
-    GRAVITY,
-    Piece,
-    chain,
-    discretise,
-)
-from remodel_sim.physics.fixtures.panel_scene import (  # noqa: E402
-    PLATE_FRICTION,
-    add_plate_surface,
-)
-from remodel_sim.physics.robot import Robot  # noqa: E402
-from remodel_sim.physics.wires.cable import SimulatedWire  # noqa: E402
-from remodel_sim.physics.world import World  # noqa: E402
-from remodel_work.edge.cell_file import read_cell  # noqa: E402
-from remodel_work.panel import WireEnd  # noqa: E402
+from remodel_sim.core.wires.wire_mechanics import GRAVITY, Piece, chain, discretise
+from remodel_sim.physics.fixtures.panel_scene import PLATE_FRICTION, add_plate_surface
+from remodel_sim.physics.robot import Robot
+from remodel_sim.physics.wires.cable import SimulatedWire
+from remodel_sim.physics.world import World
+from remodel_work.edge.cell_file import read_cell
+from remodel_work.panel import WireEnd
 
 # Statics.
 LOADS = (1.0, 5.0, 21.0)
@@ -71,7 +58,6 @@ CLIPS = ((5.0, 0.003), (10.0, 0.003), (10.0, 0.006), (20.0, 0.006))
 SHORT_M = 0.384
 WAVE_1_M = 4.0
 SPEED_TARGETS = {240.0: 5.0, 500.0: 2.5}
-SHORT_REPEATS = 5
 REST_S = 0.5
 MEASURED_S = 1.5
 
@@ -85,50 +71,33 @@ DAMPING_N_S_M = 1.0
 SLIDES_S = 1.0
 
 
-def statics_rows() -> Iterator[Row]:
+def statics_rows() -> Iterator[Figure]:
     """Yield the errors of sag, and of the shape after buckling, against the elastica."""
     cuts = [(load, None, "") for load in LOADS] + [(5.0, CELLS // 2, ", two bodies")]
     for load, cut, words in cuts:
         exact = cantilever_drop(rods.LENGTH, 1.0, load / rods.LENGTH**3)
         found = rods.sag(load, cells=CELLS, **({"cut": cut} if cut else {}))
         what = f"sag error, w L^3 / EI = {load:g}, N = {CELLS}{words}"
-        yield Row(what, _error(found, exact), "%", most=0.3)
+        yield Figure(what, _error(found, exact), "%", most=0.3)
     for ratio in RATIOS:
         angle = math.degrees(rods.buckle(ratio, cells=CELLS))
         exact = math.degrees(buckled_tip_angle(ratio))
-        yield Row(f"tip angle error, P / Pcr = {ratio:g}", abs(angle - exact), "deg", most=0.5)
+        yield Figure(f"tip angle error, P / Pcr = {ratio:g}", abs(angle - exact), "deg", most=0.5)
 
 
-def retention_rows() -> Iterator[Row]:
+def retention_rows() -> Iterator[Figure]:
     """Yield the errors of what holds a wire; of each kind the worst."""
     for hz in RATES_HZ:
         grips = [grip_pull_out(grip, friction, hz) for grip in GRIPS_N for friction in FRICTIONS]
-        springs = [(spring_forces(f / 4, f, hz), f) for f in RETENTIONS_N]
+        clamps = [(clamp_pull_out(f, hz), f) for f in RETENTIONS_N]
+        clips = [(clip_forces(f, diameter, hz)[1], f) for f, diameter in CLIPS]
         for what, pairs, most in (
             (f"grip pull-out against 2 mu F, 10 to 30 N, worst of {len(grips)}", grips, 15.0),
-            (
-                "clamp pull-out against its retention, 10 to 80 N, worst",
-                [(clamp_pull_out(f, hz), f) for f in RETENTIONS_N],
-                10.0,
-            ),
-            (
-                "spring clamp against its insertion force, 2.5 to 20 N, worst",
-                [(forces[0], f / 4) for forces, f in springs],
-                15.0,
-            ),
-            (
-                "spring clamp pull-out against its retention, 10 to 80 N, worst",
-                [(forces[1], f) for forces, f in springs],
-                10.0,
-            ),
-            (
-                "clip pull-out against its retention, 5 to 20 N, worst",
-                [(clip_forces(f, diameter, hz)[1], f) for f, diameter in CLIPS],
-                10.0,
-            ),
+            ("clamp pull-out against its retention, 10 to 80 N, worst", clamps, 10.0),
+            ("clip pull-out against its retention, 5 to 20 N, worst", clips, 10.0),
         ):
             worst = max(_error(held, expected) for held, expected in pairs)
-            yield Row(f"{what}, {hz:g} Hz", worst, "%", most=most)
+            yield Figure(f"{what}, {hz:g} Hz", worst, "%", most=most)
 
 
 def _error(found: float, exact: float) -> float:
@@ -136,28 +105,28 @@ def _error(found: float, exact: float) -> float:
     return 100 * abs(found / exact - 1)
 
 
-def determinism_rows() -> Iterator[Row]:
+def determinism_rows() -> Iterator[Figure]:
     """Yield whether two processes leave the same bits."""
     same = fingerprint_elsewhere() == fingerprint_elsewhere()
-    yield Row("same seed and goals in two processes: equal bits", float(same), "", least=1.0)
+    yield Figure("same seed and goals in two processes: equal bits", float(same), "", least=1.0)
 
 
-def speed_rows(mujoco: dict | None) -> Iterator[Row]:
+def speed_rows(mujoco: dict | None) -> Iterator[Figure]:
     """Yield real-time factors, the best of a few runs, and their ratios to MuJoCo's."""
     own = []
     for hz, least in SPEED_TARGETS.items():
         own.append(max(_speed(_beside_an_arm(hz)) for _ in range(SHORT_REPEATS)))
         what = f"real-time factor, arm and a {CELLS}-link wire on the plate, {hz:g} Hz"
-        yield Row(what, own[-1], "x", least=least)
+        yield Figure(what, own[-1], "x", least=least)
     if mujoco is None:
         return
     beam = "sag error, w L^3 / EI = 5, N = 24"
-    yield Row(f"MuJoCo's cable: {beam}", mujoco["sag_raw"], "%")
-    yield Row(f"MuJoCo's cable: {beam}, clamp half a cell out", mujoco["sag_shifted"], "%")
+    yield Figure(f"MuJoCo's cable: {beam}", mujoco["sag_raw"], "%")
+    yield Figure(f"MuJoCo's cable: {beam}, clamp half a cell out", mujoco["sag_shifted"], "%")
     for value, (rate, factor) in zip(own, mujoco["speed"].items(), strict=True):
         hertz = f"{float(rate):g} Hz"
-        yield Row(f"MuJoCo's cable: real-time factor, the same scene, {hertz}", factor, "x")
-        yield Row(f"real-time factor over MuJoCo's, {hertz}", value / factor, "", least=1.0)
+        yield Figure(f"MuJoCo's cable: real-time factor, the same scene, {hertz}", factor, "x")
+        yield Figure(f"real-time factor over MuJoCo's, {hertz}", value / factor, "", least=1.0)
 
 
 def _beside_an_arm(rate_hz: float) -> World:
@@ -187,29 +156,29 @@ def _speed(world: World) -> float:
     return steps * world.time_step / cpu
 
 
-def long_rows() -> Iterator[Row]:
+def long_rows() -> Iterator[Figure]:
     """Yield sag, drag along the plate, and the real-time factor of wires of 2.5 mm2."""
     for length in LENGTHS_M:
         exact = cantilever_drop(length, 1.0, SAG_LOAD / length**3)
         found = rods.drop_at_rest(rods.CellRod(length, SAG_LOAD))
-        yield Row(_sag_row(length), _error(found, exact), "%", most=0.3)
+        yield Figure(_sag_row(length), _error(found, exact), "%", most=0.3)
     for length in LENGTHS_M:
         what = f"drag along the plate against mu m g, 2.5 mm2, {length:g} m"
-        yield Row(what, _error(*drag(length)), "%", most=5.0)
+        yield Figure(what, _error(*drag(length)), "%", most=5.0)
     for length in LENGTHS_M:
         curvature = rods.cell_wire(length).rest_curvature
         worlds = (_on_plate(length, curvature=curvature)[0] for _ in range(REPEATS))
-        yield Row(_speed_row(length), max(map(_speed, worlds)), "x")
+        yield Figure(_speed_row(length), max(map(_speed, worlds)), "x")
 
 
-def peer_rows(peer: str, figures: dict | None) -> Iterator[Row]:
+def peer_rows(peer: str, figures: dict | None) -> Iterator[Figure]:
     """Yield another simulator's figures of the same long wires, if there are any."""
     if figures is None:
         return
     for length, error in zip(LENGTHS_M, figures["long_sag"], strict=True):
-        yield Row(f"{peer}: {_sag_row(length)}, clamp half a cell out", error, "%")
+        yield Figure(f"{peer}: {_sag_row(length)}, clamp half a cell out", error, "%")
     for length, factor in zip(LENGTHS_M, figures["long_speed"], strict=True):
-        yield Row(f"{peer}: {_speed_row(length)}", factor, "x")
+        yield Figure(f"{peer}: {_speed_row(length)}", factor, "x")
 
 
 def _sag_row(length: float) -> str:
@@ -220,13 +189,13 @@ def _speed_row(length: float) -> str:
     return f"real-time factor, only a wire of {length:g} m on the plate, {RATE_HZ:g} Hz"
 
 
-def peer_wires() -> list[PeerWire]:
+def peer_wires() -> list[Wire]:
     """Return the wires as other simulators are to model them: as many cells, without ferrules."""
     wires = []
     for length in LENGTHS_M:
         specimen = rods.cell_wire(length)
         model = discretise(specimen, 1.0 / RATE_HZ)
-        peer = PeerWire(
+        peer = Wire(
             length=length,
             cells=len(model.lengths) - 2 - int(np.count_nonzero(model.spans == 0.0)),
             radius=specimen.radius,
@@ -273,41 +242,32 @@ def _on_plate(length: float, *, curvature: float) -> tuple[World, SimulatedWire]
 
 
 def figures_of(python: str | None, name: str) -> dict | None:
-    """Return what another simulator's program prints; None, and a line, where it is not installed.
-
-    Raises:
-        subprocess.CalledProcessError: the program failed.
-    """
-    found = python and not subprocess.call([python, "-c", f"import {name}"], stderr=DEVNULL)
-    if not found:
-        print(f"{name} is not installed in {python}: its rows are left out")
+    """Return what another simulator finds; None without a Python that has it."""
+    if python is None:
         return None
     wires = json.dumps([asdict(wire) for wire in peer_wires()])
-    text = subprocess.check_output([python, str(HERE / f"{name}_peer.py"), wires], text=True)
+    line = [python, str(Path(__file__).with_name("wire_peers.py")), name, wires]
+    text = subprocess.check_output(line, text=True)
     return json.loads(text.splitlines()[-1])  # Newton's compiler prints too
 
 
 def main() -> int:
-    """Print the table; returns the exit code."""
+    """Print the table; return the exit code."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("file", nargs="?", type=Path, default=Path("out/bench/sim.jsonl"))
     parser.add_argument("--peers", metavar="PYTHON", help="a Python that has mujoco and newton")
+    add_figures_option(parser)
     options = parser.parse_args()
-    options.file.parent.mkdir(parents=True, exist_ok=True)
-    options.file.write_text("")
     mujoco, newton = (figures_of(options.peers, name) for name in ("mujoco", "newton"))
-    print(head())
-    parts = (
+    figures = joined(
         statics_rows(),
         retention_rows(),
         determinism_rows(),
         speed_rows(mujoco),
-        laid_board.rows(),
         long_rows(),
         peer_rows("MuJoCo's cable", mujoco),
         peer_rows("Newton's VBD cable", newton),
     )
-    return 0 if all([report(rows, options.file) for rows in parts]) else 1
+    return 0 if report(figures, options.figures) else 1
 
 
 if __name__ == "__main__":

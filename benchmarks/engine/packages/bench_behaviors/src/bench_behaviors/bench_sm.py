@@ -1,13 +1,12 @@
-"""States as users write them: polling, and with no knowledge of this engine."""
+"""A behavior as users write them: polling states, with no knowledge of this engine."""
 # ruff: noqa: ANN001, ANN201, ANN204, D102
 
 import time
 
-import rospy
 from actionlib.msg import TestAction, TestGoal
 from std_msgs.msg import Float64, String
 
-from flexbe_core import EventState
+from flexbe_core import Behavior, EventState, OperatableStateMachine
 from flexbe_core.proxy import ProxyActionClient, ProxyPublisher, ProxySubscriberCached
 
 ACTION = "bench/action"
@@ -81,32 +80,26 @@ class NothingState(EventState):
         return "done"
 
 
-class LoopState(EventState):
-    """Count rounds of a loop."""
+class BenchSM(Behavior):
+    """A chain of states between two marks, or a state that sends goals or waits for messages."""
 
-    def __init__(self, rounds):
-        super().__init__(outcomes=["again", "done"])
-        self._rounds = rounds
+    def __init__(self):
+        super().__init__()
+        self.name = "Bench"
+        self.add_parameter("kind", "chain")
+        self.add_parameter("count", 10)
 
-    def execute(self, userdata):
-        self._rounds -= 1
-        return "again" if self._rounds > 0 else "done"
-
-
-class OvershootState(EventState):
-    """Mark how late [s] a wait that began with the last visit was over."""
-
-    def __init__(self, wait_s):
-        super().__init__(outcomes=["done"])
-        self._pub = ProxyPublisher({MARKS: Float64})
-        self._wait_s = wait_s
-        self._last = None
-
-    def on_enter(self, userdata):
-        now = rospy.get_time()
-        if self._last is not None:
-            self._pub.publish(MARKS, Float64(now - self._last - self._wait_s))
-        self._last = now
-
-    def execute(self, userdata):
-        return "done"
+    def create(self):
+        root = OperatableStateMachine(outcomes=["finished"])
+        labels = [f"State {index}" for index in range(self.count)]
+        with root:
+            if self.kind == "chain":
+                OperatableStateMachine.add("Begin", MarkState(), {"done": labels[0]})
+                for label, following in zip(labels, [*labels[1:], "End"], strict=True):
+                    OperatableStateMachine.add(label, NothingState(), {"done": following})
+                OperatableStateMachine.add("End", MarkState(), {"done": "finished"})
+            else:
+                state = GoalState if self.kind == "goals" else MessageState
+                targets = {"again": "Loop", "done": "finished"}
+                OperatableStateMachine.add("Loop", state(self.count), targets)
+        return root
