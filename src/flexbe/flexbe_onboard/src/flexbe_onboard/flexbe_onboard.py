@@ -32,8 +32,7 @@ from std_msgs.msg import Empty
 from flexbe_core import Behavior, BehaviorLibrary, Logger
 from flexbe_core.engine.engine import ErrorPolicy, MigratingState
 from flexbe_core.engine.user_data import BehaviorFailure, StateMachineError
-from flexbe_core.proxy.action_connection import WAITS
-from flexbe_core.proxy.proxy_action_client import cancel_all_goals
+from flexbe_core.proxy.proxy_action_client import WAITS, cancel_all_goals
 from flexbe_core.ros import session
 from flexbe_core.ros.command_hub import HUB
 from flexbe_core.ros.topics import START_AT
