@@ -31,7 +31,7 @@ sys.path.insert(0, str(Path(__file__).parents[2] / "src" / "remodel_sim" / "test
 from row import Row, head, report
 from trials import TRIALS, Outcome, Trial, run
 
-from remodel_states.edge.wire_material_file import read_wire_materials
+from remodel_states.edge.exported_tables import read_wire_materials
 from remodel_work.ros.panel_message import read_panel
 
 CONFIG = Path(__file__).parents[2] / "src" / "remodel_sim" / "config"

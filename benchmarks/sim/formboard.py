@@ -49,7 +49,7 @@ from remodel_skills.abilities.route_wire import RouteGoal, route_wire
 from remodel_skills.cell import Cell
 from remodel_skills.robot_context import Image, Observers, OnObservation, RobotContext, Steps
 from remodel_states.core.codes import Code
-from remodel_states.edge.wire_material_file import read_wire_materials
+from remodel_states.edge.exported_tables import read_wire_materials
 from remodel_work.camera import Picture
 from remodel_work.edge.cell_file import read_cell
 from remodel_work.errors import AbilityError

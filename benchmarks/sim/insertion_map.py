@@ -24,7 +24,7 @@ from remodel_sim.physics.plant import SimulatedPlant
 from remodel_sim.physics.truth import ground_truth
 from remodel_skills.abilities.inserting import InsertGoal, insert_cable
 from remodel_skills.cell import Cell
-from remodel_states.edge.wire_material_file import read_wire_materials
+from remodel_states.edge.exported_tables import read_wire_materials
 from remodel_work.errors import AbilityError
 from remodel_work.geometry import Pose
 from remodel_work.panel import Panel, WireEnd

@@ -21,7 +21,7 @@ from row import Row
 
 from remodel_sim.core.wires.wire_mechanics import as_nodes, discretise
 from remodel_sim.physics.plant import SimulatedPlant
-from remodel_states.edge.wire_material_file import read_wire_materials
+from remodel_states.edge.exported_tables import read_wire_materials
 from remodel_work.edge.cell_file import read_cell
 from remodel_work.geometry import Array
 from remodel_work.panel import BOARD, Panel, PanelWire, WireEnd

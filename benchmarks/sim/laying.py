@@ -32,7 +32,7 @@ from remodel_skills.abilities.lay_wire import LayGoal, lay_wire
 from remodel_skills.abilities.picking import DetectGoal, PickGoal, detect_cable, pick_cable
 from remodel_skills.cell import Cell
 from remodel_skills.robot_context import RobotContext, Steps
-from remodel_states.edge.wire_material_file import read_wire_materials
+from remodel_states.edge.exported_tables import read_wire_materials
 from remodel_tasks.core.orders.board_order import first_ends
 from remodel_work.edge.cell_file import read_cell
 from remodel_work.errors import AbilityError

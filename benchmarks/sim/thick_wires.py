@@ -22,7 +22,7 @@ from remodel_production.edge.design_files import catalogue_file, read_catalogue
 from remodel_sim.physics.plant import SimulatedPlant
 from remodel_sim.physics.truth import ground_truth, share_in_ducts
 from remodel_skills.cell import Cell
-from remodel_states.edge.wire_material_file import read_wire_materials
+from remodel_states.edge.exported_tables import read_wire_materials
 from remodel_supervision.ros.peers.board_message import board_message
 from remodel_tasks.core.orders.board_order import board_order
 from remodel_work.edge.cell_file import read_cell

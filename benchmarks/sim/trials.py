@@ -25,7 +25,7 @@ from remodel_skills.force_control import ForceLoop
 from remodel_skills.primitives.grasping import release
 from remodel_skills.primitives.motions import rise
 from remodel_states.core.codes import Code
-from remodel_states.core.wires.wire_colours import DISTINCT_COLOURS
+from remodel_states.core.wires import DISTINCT_COLOURS
 from remodel_work.errors import AbilityError
 from remodel_work.geometry import Pose
 from remodel_work.panel import Panel, PanelWire, WireEnd

@@ -27,7 +27,7 @@ from remodel_sim.physics.cameras import take
 from remodel_sim.physics.fixtures.panel_scene import PanelScene
 from remodel_sim.physics.world import World
 from remodel_skills.edge.parameter_files import read_parameters
-from remodel_states.edge.wire_material_file import read_wire_materials
+from remodel_states.edge.exported_tables import read_wire_materials
 from remodel_vision.device_pose import DeviceView, locate_device, search_device, stands_there
 from remodel_vision.panel_pose import register_panel
 from remodel_work.camera import Picture, View, looking_down

@@ -28,8 +28,8 @@ from remodel_sim.physics.fixtures.panel_scene import PanelScene
 from remodel_sim.physics.wires.parked_wire import draw_parked
 from remodel_sim.physics.world import World
 from remodel_skills.edge.parameter_files import read_parameters
-from remodel_states.core.wires.wire_colours import DISTINCT_COLOURS
-from remodel_states.edge.wire_material_file import read_wire_materials
+from remodel_states.core.wires import DISTINCT_COLOURS
+from remodel_states.edge.exported_tables import read_wire_materials
 from remodel_vision.label_pose import LabelView, locate_component
 from remodel_vision.labels import find_labels, search_label
 from remodel_work.camera import Picture, View, looking_down

@@ -23,8 +23,8 @@ import numpy as np
 
 from remodel_sim.physics.plant import SimulatedPlant
 from remodel_skills.cell import Cell
-from remodel_states.core.wires.wire_colours import DISTINCT_COLOURS
-from remodel_states.edge.wire_material_file import read_wire_materials
+from remodel_states.core.wires import DISTINCT_COLOURS
+from remodel_states.edge.exported_tables import read_wire_materials
 from remodel_vision.wire_ends import find_ends, line_between
 from remodel_work.geometry import Array
 from remodel_work.panel import WireEnd

@@ -27,8 +27,7 @@ from remodel_skills.abilities.ability import cell_abilities
 from remodel_skills.cell import Cell
 from remodel_skills.ros.owner import Owner
 from remodel_skills.ros.servers import CellAbilityServer
-from remodel_states.edge.exported_tables import read_abilities
-from remodel_states.edge.wire_material_file import read_wire_materials
+from remodel_states.edge.exported_tables import read_abilities, read_wire_materials
 from remodel_supervision.core.learning.experience import Call, Experience
 from remodel_supervision.core.runs.event_table import state_after
 from remodel_supervision.core.runs.events import Event

@@ -15,10 +15,8 @@ from remodel_msgs.msg import ErrorCode
 from roslib.message import get_message_class
 
 from remodel_states.core.ability_error import AbilityError
-from remodel_states.core.ability_tables import Ability
-from remodel_states.core.contract import CLOCKS_DIFFER_S, LATE_S
-from remodel_states.core.ros_stopwatch import RosStopwatch
-from remodel_states.core.table_error import TableError
+from remodel_states.core.contract import CLOCKS_DIFFER_S, LATE_S, RosStopwatch
+from remodel_states.core.tables import Ability, TableError
 
 # A goal that an ability server has accepted: its feedback, its limits and its end
 

@@ -2,7 +2,7 @@
 
 import pytest
 
-from remodel_states.core.ability_tables import chosen_abilities
+from remodel_states.core.tables import chosen_abilities
 
 KNOWN = ["DetectCable", "InsertCable", "PickCable"]
 

@@ -4,9 +4,8 @@ from pathlib import Path
 
 import pytest
 
-from remodel_states.core.ability_tables import abilities_from, action_from
 from remodel_states.core.state_source import module_name, state_source
-from remodel_states.core.table_error import TableError
+from remodel_states.core.tables import TableError, abilities_from, action_from
 from remodel_states.edge.exported_tables import abilities_in, faults_from
 
 MSGS = Path(__file__).parents[3] / "remodel_msgs"

@@ -6,7 +6,7 @@ from pathlib import Path
 import pytest
 import yaml
 
-from remodel_states.core.table_error import TableError
+from remodel_states.core.tables import TableError
 from remodel_states.edge.exported_tables import faults_from
 
 MSGS = Path(__file__).parents[3] / "remodel_msgs"

@@ -5,7 +5,7 @@ from types import SimpleNamespace
 import pytest
 
 from remodel_states.core.contract import beyond_limit, limits_of
-from remodel_states.core.table_error import TableError
+from remodel_states.core.tables import TableError
 
 TABLE = {"force_limit": 25, "speed_m_s": 0.25, "InsertCable": {"force_limit": 20.0}}
 

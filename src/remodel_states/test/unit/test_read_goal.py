@@ -3,7 +3,7 @@
 import pytest
 from remodel_msgs.msg import DetectCableAction
 
-from remodel_states.conformance.goals import GoalError, action_class
+from remodel_states.conformance.probe import GoalError, action_class
 
 
 @pytest.mark.parametrize("name", ["DetectCable", "DetectCableAction", "remodel_msgs/DetectCable"])

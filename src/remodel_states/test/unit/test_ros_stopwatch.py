@@ -2,7 +2,7 @@
 
 import pytest
 
-from remodel_states.core.ros_stopwatch import RosStopwatch
+from remodel_states.core.contract import RosStopwatch
 
 
 def elapsed(readings):

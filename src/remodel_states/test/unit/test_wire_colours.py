@@ -2,7 +2,7 @@
 
 import pytest
 
-from remodel_states.core.wires.wire_colours import (
+from remodel_states.core.wires import (
     DISTINCT_COLOURS,
     WIRE_RGB,
     hex_colours,

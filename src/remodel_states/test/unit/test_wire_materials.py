@@ -5,8 +5,8 @@ import os
 import pytest
 import yaml
 
-from remodel_states.core.wires.wire_materials import PROPERTIES, MaterialError, materials_from
-from remodel_states.edge.wire_material_file import read_wire_materials
+from remodel_states.core.wires import PROPERTIES, MaterialError, materials_from
+from remodel_states.edge.exported_tables import read_wire_materials
 
 ROW = dict.fromkeys(PROPERTIES, 0.5)
 # American wire gauges 26 to 10 [mm^2], ASTM B258, and the metric sections of control cabinets.

@@ -39,10 +39,10 @@ from remodel_production.errors import (
     PlannerError,
     blamed,
 )
-from remodel_states.core.table_error import TableError, schema_problems
-from remodel_states.core.wires.wire_materials import MaterialError
+from remodel_states.core.tables import TableError, schema_problems
+from remodel_states.core.wires import MaterialError
 from remodel_states.edge import exported_tables
-from remodel_states.edge.wire_material_file import read_wire_materials
+from remodel_states.edge.exported_tables import read_wire_materials
 
 
 def package_folder(package: str) -> Path:

@@ -14,7 +14,7 @@ from remodel_sim.physics.plant import SimulatedPlant
 from remodel_sim.physics.truth import ground_truth
 from remodel_skills.ros.owner import Owner
 from remodel_states.core.codes import Code
-from remodel_states.core.wires.wire_materials import WireMaterials
+from remodel_states.core.wires import WireMaterials
 from remodel_supervision.errors import RefusedError
 from remodel_tasks.core.task_charts.planned_tasks import Demands
 from remodel_work.errors import AbilityError, CellError, PanelError

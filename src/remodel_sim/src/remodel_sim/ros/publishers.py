@@ -17,7 +17,7 @@ from remodel_sim.core.faults import FilmError
 from remodel_sim.edge.film import Film
 from remodel_sim.physics.plant import SimulatedPlant
 from remodel_sim.ros.sim_clock import SimClock
-from remodel_states.core.wires.wire_colours import Rgb, rgbs_of
+from remodel_states.core.wires import Rgb, rgbs_of
 from remodel_vision.ros.image_message import FixedFrames, optical_frame, transform
 from remodel_work.cell.cell_design import RobotDesign
 from remodel_work.component_shape import HOUSING

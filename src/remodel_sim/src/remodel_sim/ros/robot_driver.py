@@ -23,8 +23,8 @@ from remodel_sim.physics.plant import SimulatedPlant
 from remodel_sim.ros.publishers import Markers, RobotState
 from remodel_sim.ros.services import Services
 from remodel_sim.ros.sim_clock import SimClock
-from remodel_states.core.wires.wire_materials import WireMaterials
-from remodel_states.edge.wire_material_file import read_wire_materials
+from remodel_states.core.wires import WireMaterials
+from remodel_states.edge.exported_tables import read_wire_materials
 from remodel_vision.ros.image_message import (
     FixedFrames,
     camera_info,

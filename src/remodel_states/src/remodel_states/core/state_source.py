@@ -9,7 +9,8 @@ from __future__ import annotations
 import re
 from collections.abc import Iterable, Mapping, Sequence
 
-from remodel_states.core.ability_tables import (
+from remodel_states.core.contract import GRACE_S
+from remodel_states.core.tables import (
     PLAIN_TYPES,
     POSE,
     POSES,
@@ -17,7 +18,6 @@ from remodel_states.core.ability_tables import (
     AbilityState,
     Parameter,
 )
-from remodel_states.core.contract import GRACE_S
 
 _WIDTH = 100
 _BY = "generated from config/abilities.yaml: change that"

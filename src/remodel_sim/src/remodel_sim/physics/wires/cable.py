@@ -15,7 +15,7 @@ from remodel_sim.physics.wires.bolt import Bolt
 from remodel_sim.physics.wires.cable_body import CableBody
 from remodel_sim.physics.wires.resting import Movers, RestingParts
 from remodel_sim.physics.world import World
-from remodel_states.core.wires.wire_colours import Rgb, rgbs_of
+from remodel_states.core.wires import Rgb, rgbs_of
 from remodel_work.component_shape import FERRULE_RGB, Solid
 from remodel_work.geometry import Array, multiply_quaternions, rotation_matrix
 from remodel_work.panel import WireEnd

@@ -8,7 +8,7 @@ import numpy as np
 
 from remodel_sim.core.wires.wire_mechanics import CableModel
 from remodel_sim.physics.world import MASS_SCALE, World
-from remodel_states.core.wires.wire_colours import Rgb
+from remodel_states.core.wires import Rgb
 from remodel_work.component_shape import BODY_FRICTION, Solid
 from remodel_work.geometry import Array
 
