@@ -19,7 +19,7 @@ from pathlib import Path
 import numpy as np
 from row import Row
 
-from remodel_sim.core.wires.wire_mechanics import as_nodes, discretise
+from remodel_sim.core.wire_mechanics import as_nodes, discretise
 from remodel_sim.physics.plant import SimulatedPlant
 from remodel_states.edge.exported_tables import read_wire_materials
 from remodel_work.edge.cell_file import read_cell

@@ -39,7 +39,7 @@ from panels import wire  # noqa: E402
 from peer_wire import REPEATS, SAG_LOAD, PeerWire  # noqa: E402
 from row import Row, head, report  # noqa: E402
 
-from remodel_sim.core.wires.wire_mechanics import (  # noqa: E402
+from remodel_sim.core.wire_mechanics import (  # noqa: E402
     GRAVITY,
     Piece,
     chain,

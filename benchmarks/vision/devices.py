@@ -23,9 +23,8 @@ import cv2
 import numpy as np
 from row import Row, report
 
-from remodel_sim.physics.cameras import take
 from remodel_sim.physics.fixtures.panel_scene import PanelScene
-from remodel_sim.physics.world import World
+from remodel_sim.physics.world import World, take
 from remodel_skills.edge.parameter_files import read_parameters
 from remodel_states.edge.exported_tables import read_wire_materials
 from remodel_vision.device_pose import DeviceView, locate_device, search_device, stands_there

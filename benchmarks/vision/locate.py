@@ -23,10 +23,9 @@ import numpy as np
 import numpy.typing as npt
 from row import Row, report
 
-from remodel_sim.physics.cameras import NOISE_LEVELS, take
 from remodel_sim.physics.fixtures.panel_scene import PanelScene
 from remodel_sim.physics.wires.parked_wire import draw_parked
-from remodel_sim.physics.world import World
+from remodel_sim.physics.world import NOISE_LEVELS, World, take
 from remodel_skills.edge.parameter_files import read_parameters
 from remodel_states.core.wires import DISTINCT_COLOURS
 from remodel_states.edge.exported_tables import read_wire_materials

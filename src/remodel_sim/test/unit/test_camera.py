@@ -4,8 +4,7 @@ import cv2
 import numpy as np
 import pytest
 
-from remodel_sim.physics.cameras import take
-from remodel_sim.physics.world import World
+from remodel_sim.physics.world import World, take
 from remodel_work.camera import Lens, View, looking_at, looking_down
 
 VIEWS = {

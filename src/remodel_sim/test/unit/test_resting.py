@@ -9,7 +9,7 @@ from elastica import cantilever_drop
 from holds import pull_out, wire_in_hand
 from panels import panel, wire
 
-from remodel_sim.core.wires.wire_mechanics import GRAVITY, discretise
+from remodel_sim.core.wire_mechanics import GRAVITY, discretise
 from remodel_sim.physics.fixtures.panel_scene import PLATE_FRICTION, add_plate_surface
 from remodel_sim.physics.plant import SimulatedPlant
 from remodel_sim.physics.robot import HAND_30_N

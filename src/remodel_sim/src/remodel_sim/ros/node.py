@@ -9,9 +9,15 @@ import rospy
 
 from remodel_sim.edge.film import Film
 from remodel_sim.physics.plant import SimulatedPlant
-from remodel_sim.ros.publishers import Filming, Markers, RobotState
-from remodel_sim.ros.services import Owner, Services
-from remodel_sim.ros.sim_clock import KeptTime, SimClock
+from remodel_sim.ros.interfaces import (
+    Filming,
+    KeptTime,
+    Markers,
+    Owner,
+    RobotState,
+    Services,
+    SimClock,
+)
 from remodel_vision.ros.image_message import FixedFrames
 from remodel_work.cell.cell_design import CellDesign
 from remodel_work.edge.cell_file import read_cell

@@ -9,10 +9,8 @@ from types import MappingProxyType
 
 import numpy as np
 
-from remodel_sim.core.wires.elastic_joints import ElasticJoints
-from remodel_sim.core.wires.wire_mechanics import CableModel, as_nodes, link_frames
-from remodel_sim.physics.wires.bolt import Bolt
-from remodel_sim.physics.wires.cable_body import CableBody
+from remodel_sim.core.wire_mechanics import CableModel, ElasticJoints, as_nodes, link_frames
+from remodel_sim.physics.wires.cable_body import Bolt, CableBody
 from remodel_sim.physics.wires.resting import Movers, RestingParts
 from remodel_sim.physics.world import World
 from remodel_states.core.wires import Rgb, rgbs_of

@@ -16,7 +16,7 @@ from pathlib import Path
 
 import numpy as np
 
-from remodel_sim.core.wires.wire_mechanics import CELL_TARGET_M
+from remodel_sim.core.wire_mechanics import CELL_TARGET_M
 from remodel_sim.physics.wires.cable_body import connector_shapes
 from remodel_sim.physics.world import World
 from remodel_states.core.wires import rgbs_of

@@ -17,9 +17,8 @@ from itertools import pairwise
 import numpy as np
 import numpy.typing as npt
 
-from remodel_sim.core.wires.wire_mechanics import GRAVITY
-from remodel_sim.physics.wires.bolt import REMEMBERED, Bolt
-from remodel_sim.physics.wires.cable_body import CableBody
+from remodel_sim.core.wire_mechanics import GRAVITY
+from remodel_sim.physics.wires.cable_body import REMEMBERED, Bolt, CableBody
 from remodel_sim.physics.world import World
 from remodel_work.edge.bullet import MOVING_GROUP, PARKED_GROUP, STATIC_GROUP
 from remodel_work.geometry import Array

@@ -1,31 +1,112 @@
-"""What the cell publishes: states, pictures of films, and markers."""
+"""What the cell publishes and serves: its time, states, markers and films; faults and the truth.
+
+Faults and, for scoring only, the truth are the simulator's own services.
+"""
 
 from __future__ import annotations
 
+import os
+import signal
+import threading
 import time
+from collections.abc import Callable
+from typing import Protocol, TypeVar
 
 import numpy as np
 import rospy
 from geometry_msgs.msg import Point, Quaternion, Vector3, WrenchStamped
 from geometry_msgs.msg import Pose as PoseMsg
+from remodel_msgs import srv
+from remodel_msgs.msg import WireTruth as WireTruthMsg
+from rosgraph_msgs.msg import Clock
 from sensor_msgs.msg import JointState
 from std_msgs.msg import ColorRGBA
 from tf2_ros import TransformBroadcaster
 from visualization_msgs.msg import Marker, MarkerArray
 
-from remodel_sim.core.faults import FilmError
+from remodel_sim.core.faults import FilmError, check_fault
 from remodel_sim.edge.film import Film
 from remodel_sim.physics.plant import SimulatedPlant
-from remodel_sim.ros.sim_clock import SimClock
+from remodel_sim.physics.truth import WireTruth, ground_truth
 from remodel_states.core.wires import Rgb, rgbs_of
 from remodel_vision.ros.image_message import FixedFrames, optical_frame, transform
 from remodel_work.cell.cell_design import RobotDesign
 from remodel_work.component_shape import HOUSING
 from remodel_work.edge.robot_description import HAND, RAIL, foot_link, robot_description
+from remodel_work.errors import CellError
 from remodel_work.geometry import PANEL, WORLD, Pose
 from remodel_work.panel import Component, PanelWire
 from remodel_work.robot.arm import Kinematics
 from remodel_work.robot.fingers import CAMERA_MOUNT
+
+# How often the clock is published [s of simulated time].
+PERIOD_S = 0.02
+# A pause of the process, as for a render, is not made up for by more than this at once [s].
+MAX_CATCH_UP_S = 0.1
+
+
+class KeptTime(Protocol):
+    """What keeps the time of a cell that is killed."""
+
+    time_s: float
+
+    def keep_time(self, now_s: float) -> None:
+        """Keep the time [s]."""
+
+
+class SimClock:
+    """Time that the cell makes.
+
+    As fast as it can while an ability runs, at the pace of the wall between goals.
+
+    Attributes:
+        listeners: are called whenever time has passed.
+    """
+
+    def __init__(self, memory: KeptTime | None = None) -> None:
+        """Start at one second: zero means "no time yet" in ROS.
+
+        `memory` keeps the time; with it a restarted cell continues where it was, since nodes
+        take time that goes back for a restart of the simulation.
+        """
+        self._memory = memory
+        self.listeners: list[Callable[[], None]] = []
+        kept_s = memory.time_s if memory else 0.0
+        self.now_s = kept_s + PERIOD_S if kept_s else 1.0
+        self._published_s = 0.0
+        self._wall = time.monotonic()
+        self._publisher = rospy.Publisher("/clock", Clock, queue_size=10)
+        self._publish()
+
+    @property
+    def now(self) -> rospy.Time:
+        """The simulated time."""
+        return rospy.Time.from_sec(self.now_s)
+
+    def advance(self, seconds: float) -> None:
+        """Let simulated time pass."""
+        self._wall = time.monotonic()
+        self._move(seconds)
+
+    def idle(self) -> None:
+        """Let as much simulated time pass as wall time has passed."""
+        wall = time.monotonic()
+        self._move(min(wall - self._wall, MAX_CATCH_UP_S))
+        self._wall = wall
+
+    def _move(self, seconds: float) -> None:
+        self.now_s += seconds
+        if self.now_s - self._published_s >= PERIOD_S:
+            self._publish()
+        for listener in self.listeners:
+            listener()
+
+    def _publish(self) -> None:
+        self._published_s = self.now_s
+        if self._memory is not None:
+            self._memory.keep_time(self.now_s)
+        self._publisher.publish(Clock(self.now))
+
 
 # Between two pictures [s of simulated time]; the film shows ten a second, so it runs at four times
 # the cell's pace.
@@ -195,3 +276,80 @@ def _described(robot: RobotDesign) -> dict[str, str]:
 def _foot(arm: Kinematics) -> str:
     """Return the link of a robot that is bolted down."""
     return foot_link(arm) if arm.axis is None else RAIL
+
+
+T = TypeVar("T")
+
+# The longest request waits for a picture that a skill takes [s].
+TIMEOUT_S = 60.0
+SERVER_FAULTS = ("server_frozen", "server_killed")
+# A node that is to be killed answers first; so long the answer has to get out [s].
+ANSWER_S = 0.2
+
+
+class Owner(Protocol):
+    """Who owns the plant: what is asked is done in its thread, between two ticks."""
+
+    def ask(self, question: Callable[[], T], timeout_s: float) -> T:
+        """Evaluate a function; raises CellError when there is no answer in time, or its error."""
+
+    def freeze(self, seconds: float) -> None:
+        """Do nothing for so long."""
+
+
+class Services:
+    """Answers the simulator's services."""
+
+    def __init__(self, plant: SimulatedPlant, owner: Owner) -> None:
+        """Advertise all of them."""
+        self._plant, self._owner = plant, owner
+        for name, kind, answer in (
+            ("ground_truth", srv.GetGroundTruth, self._ground_truth),
+            ("inject_fault", srv.InjectFault, self._inject_fault),
+        ):
+            rospy.Service(f"cell/{name}", kind, answer)
+
+    def _inject_fault(self, request: srv.InjectFaultRequest) -> srv.InjectFaultResponse:
+        text = f"{request.kind} {request.target!r}"
+
+        def disturb() -> None:
+            values = tuple(request.values)
+            if request.kind not in SERVER_FAULTS:
+                self._plant.disturb(request.kind, request.target, values)
+                return
+            check_fault(request.kind, request.target, values)
+            if request.kind == "server_frozen":
+                self._owner.freeze(values[0])
+            else:
+                threading.Timer(ANSWER_S, os.kill, (os.getpid(), signal.SIGKILL)).start()
+
+        return srv.InjectFaultResponse(*self._done(disturb, text))
+
+    def _ground_truth(self, _: srv.GetGroundTruthRequest) -> srv.GetGroundTruthResponse:
+        plant = self._plant
+        truths = self._owner.ask(lambda: ground_truth(plant, list(plant.shapes())), TIMEOUT_S)
+        return srv.GetGroundTruthResponse([truth_message(truth) for truth in truths])
+
+    def _done(self, action: Callable[[], None], text: str) -> tuple[bool, str]:
+        try:
+            self._owner.ask(action, TIMEOUT_S)
+        except CellError as error:
+            return False, str(error)
+        return True, text
+
+
+def truth_message(truth: WireTruth) -> WireTruthMsg:
+    """Return the truth about a wire as a message."""
+    a, b = truth.a, truth.b
+    return WireTruthMsg(
+        wire_id=truth.wire_id,
+        placed=truth.placed,
+        a_at=a.at,
+        b_at=b.at,
+        a_depth=a.depth,
+        b_depth=b.depth,
+        a_fixed=a.fixed,
+        b_fixed=b.fixed,
+        duct_length=truth.duct_length,
+        in_ducts=truth.in_ducts,
+    )
