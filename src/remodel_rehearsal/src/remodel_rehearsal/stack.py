@@ -18,9 +18,8 @@ from remodel_production.core.production import Order
 from remodel_production.edge.database.cell_ownership import CellOwnership, Owned
 from remodel_production.edge.database.production_database import ProductionDatabase
 from remodel_rehearsal.ros.abilities import Exchange, Inspection, SupervisedLine
-from remodel_rehearsal.ros.cell import CellServices, FailurePictures
+from remodel_rehearsal.ros.cell import CellClock, CellLoop, CellServices, FailurePictures
 from remodel_rehearsal.ros.engine import BehaviorMaker, LocalEngine
-from remodel_rehearsal.ros.loop import CellClock, CellLoop
 from remodel_sim.physics.plant import SimulatedPlant
 from remodel_sim.physics.truth import ground_truth
 from remodel_skills.abilities.ability import cell_abilities

@@ -11,7 +11,7 @@ from remodel_production.edge.design_files import (
     read_catalogue,
     read_mappings,
 )
-from remodel_rehearsal.edge.uncertainty_file import read_uncertainty
+from remodel_rehearsal.edge.rehearsal_files import read_uncertainty
 from remodel_rehearsal.stack import Setting, planned_wires
 from remodel_rehearsal.trial_run import rehearse_wire
 from remodel_work.panel import WireEnd
