@@ -25,7 +25,7 @@ from panels import panel
 from flexbe_core.ros.master import join
 from remodel_console.testing.browser_test import free_port
 from remodel_sim.physics.plant import SimulatedPlant
-from remodel_sim.ros.interfaces import FixedFrames, Markers, RobotState, SimClock
+from remodel_sim.ros.simulated_cell import FixedFrames, Markers, RobotState, SimClock
 from remodel_skills.cell import Cell
 
 SLICE_S = 2.0  # of simulated time

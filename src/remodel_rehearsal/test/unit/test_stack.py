@@ -12,8 +12,7 @@ from remodel_production.edge.design_files import (
     read_mappings,
 )
 from remodel_rehearsal.edge.rehearsal_files import read_uncertainty
-from remodel_rehearsal.stack import Setting, planned_wires
-from remodel_rehearsal.trial_run import rehearse_wire
+from remodel_rehearsal.stack import Setting, planned_wires, rehearse_wire
 from remodel_work.panel import WireEnd
 from remodel_work.routes import PlacedWires
 

@@ -4,7 +4,7 @@ from types import SimpleNamespace
 
 import pytest
 
-from remodel_rehearsal import trial_run
+from remodel_rehearsal import stack
 from remodel_rehearsal.stack import Outcome, Setting
 from remodel_supervision.core.run import Operation
 from remodel_supervision.core.runs.events import OperationEnded, Part, TaskBegun
@@ -19,9 +19,9 @@ def rehearsed(monkeypatch, *events, placed=()):
     state = SimpleNamespace(ended=SimpleNamespace(because="the panel is refused"))
     after = PlacedWires({"W1": None})
     outcome = Outcome(state, events, frozenset(placed), (), after, cell_s=60.0)
-    monkeypatch.setattr(trial_run, "carry_out", lambda *_, **__: outcome)
+    monkeypatch.setattr(stack, "carry_out", lambda *_, **__: outcome)
     before = PlacedWires()
-    found = trial_run.rehearse_wire(Setting(None), "W1", 3, before, {})
+    found = stack.rehearse_wire(Setting(None), "W1", 3, before, {})
     return found, found.board is (after if placed else before)
 
 

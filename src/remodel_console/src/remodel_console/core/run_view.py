@@ -8,8 +8,7 @@ from typing import TypeAlias
 
 from flexbe_synthesizer.core.chart.names import FAILED
 from flexbe_synthesizer.core.machine.lower import OTHER
-from remodel_console.core.order import UNATTENDED
-from remodel_console.core.running_chart import FAILURES, ChartState, Structure, chart_state
+from remodel_console.core.running import FAILURES, UNATTENDED, ChartState, Structure, chart_state
 
 _WITHDRAWN = 255  # the outcome of a request that takes the previous one back
 

@@ -18,8 +18,7 @@ from remodel_planner.commands.options.common import (
     seeds,
 )
 from remodel_planner.commands.options.documents import add_json_option, print_json
-from remodel_production.edge.database.production_database import ProductionDatabase
-from remodel_production.edge.database.rehearsals import keep_rehearsal
+from remodel_production.edge.database.production_database import ProductionDatabase, keep_rehearsal
 from remodel_rehearsal.core.forecast import (
     adopted,
     adopted_names,

@@ -19,7 +19,7 @@ from trajectory_msgs.msg import JointTrajectory
 
 from flexbe_core.ros.master import join, spin
 from remodel_sim.physics.plant import SimulatedPlant
-from remodel_sim.ros.interfaces import Markers, RobotState, Services, SimClock
+from remodel_sim.ros.simulated_cell import Markers, RobotState, Services, SimClock
 from remodel_states.core.wires import WireMaterials
 from remodel_states.edge.exported_tables import read_wire_materials
 from remodel_vision.ros.image_message import (
