@@ -334,16 +334,25 @@ class _Plant(Protocol):
         """By name."""
 
 
-class SimulatedArm:
-    """The arm of a robot in the plant, which rebuilds it for every wire."""
+class _PartOfRobot:
+    """What finds its robot in the plant, which rebuilds it for every wire."""
 
-    def __init__(self, plant: _Plant, design: RobotDesign) -> None:
+    def __init__(self, plant: _Plant, name: str) -> None:
         """Name the robot."""
-        self._plant, self._name, self._arm = plant, design.name, design.arm
+        self._plant, self._name = plant, name
 
     @property
     def _robot(self) -> Robot:
         return self._plant.robots[self._name]
+
+
+class SimulatedArm(_PartOfRobot):
+    """The arm of a robot in the plant."""
+
+    def __init__(self, plant: _Plant, design: RobotDesign) -> None:
+        """Take the robot of a design."""
+        super().__init__(plant, design.name)
+        self._arm = design.arm
 
     @property
     def tool(self) -> ToolPose:
@@ -374,16 +383,8 @@ class SimulatedArm:
         self._robot.drive_by(loop.step)
 
 
-class SimulatedGripper:
+class SimulatedGripper(_PartOfRobot):
     """The fingers of a robot in the plant."""
-
-    def __init__(self, plant: _Plant, name: str) -> None:
-        """Name the robot."""
-        self._plant, self._name = plant, name
-
-    @property
-    def _robot(self) -> Robot:
-        return self._plant.robots[self._name]
 
     @property
     def gap(self) -> float:
