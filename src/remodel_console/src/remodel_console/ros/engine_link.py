@@ -85,7 +85,11 @@ class EngineLink:
         subscribe(topics.REQUEST, OutcomeRequest, lambda m: report(Asked(m.target, m.outcome)))
         subscribe(topics.STRUCTURE, ContainerStructure, lambda m: report(_structure(m)))
         subscribe(topics.FEEDBACK, CommandFeedback, self._take_feedback)
-        subscribe(topics.LOG, BehaviorLog, lambda m: report_line(_log_line(m)))
+        subscribe(
+            topics.LOG,
+            BehaviorLog,
+            lambda m: report_line(LogLine(time.time(), m.status_code, m.text)),
+        )
         threading.Thread(target=self._watch, name="engine", daemon=True).start()
 
     @property
@@ -225,7 +229,3 @@ def _structure(message: ContainerStructure) -> Structure:
         for c in message.containers
     )
     return Structure(message.behavior_id, tuple(levels))
-
-
-def _log_line(message: BehaviorLog) -> LogLine:
-    return LogLine(time.time(), message.status_code, message.text)

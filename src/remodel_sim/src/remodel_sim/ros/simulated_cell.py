@@ -33,7 +33,7 @@ from remodel_sim.physics.plant import SimulatedPlant
 from remodel_sim.physics.truth import WireTruth, ground_truth
 from remodel_states.core.wires import Rgb, rgbs_of
 from remodel_vision.ros.image_message import FixedFrames, optical_frame, transform
-from remodel_work.cell.cell_design import CellDesign, RobotDesign
+from remodel_work.cell.cell_design import CellDesign
 from remodel_work.component_shape import HOUSING
 from remodel_work.edge.cell_file import read_cell
 from remodel_work.edge.robot_description import HAND, RAIL, foot_link, robot_description
@@ -228,7 +228,11 @@ class RobotState:
         self._plant = plant
         self._clock = clock
         self._published_s = 0.0
-        robots = {robot.name: _described(robot) for robot in plant.design.robots}
+        # What a viewer draws a robot by: its URDF, and what precedes its names elsewhere.
+        robots = {
+            robot.name: {"description": robot_description(robot.arm), "prefix": robot.prefix}
+            for robot in plant.design.robots
+        }
         rospy.set_param("cell/robots", robots)
         self._joints = rospy.Publisher("/joint_states", JointState, queue_size=5)
         self._wrenches = {
@@ -270,11 +274,6 @@ class RobotState:
                 [transform(WORLD, frame, pose, self._clock.now) for frame, pose in moving.items()]
             )
         self._joints.publish(message)
-
-
-def _described(robot: RobotDesign) -> dict[str, str]:
-    """Return what a viewer draws a robot by: its URDF, and what precedes its names elsewhere."""
-    return {"description": robot_description(robot.arm), "prefix": robot.prefix}
 
 
 def _foot(arm: Kinematics) -> str:
