@@ -43,6 +43,8 @@ from remodel_work.panel import Component, Panel, PanelWire
 from remodel_work.robot.arm import Kinematics
 from remodel_work.robot.fingers import CAMERA_MOUNT
 
+T = TypeVar("T")
+
 # How often the clock is published [s of simulated time].
 PERIOD_S = 0.02
 # A pause of the process, as for a render, is not made up for by more than this at once [s].
@@ -280,8 +282,6 @@ def _foot(arm: Kinematics) -> str:
     """Return the link of a robot that is bolted down."""
     return foot_link(arm) if arm.axis is None else RAIL
 
-
-T = TypeVar("T")
 
 # The longest request waits for a picture that a skill takes [s].
 TIMEOUT_S = 60.0
