@@ -1,6 +1,5 @@
 #!/usr/bin/env python3
 # ruff: noqa: T201 - a command prints
-
 """Draw examples of the detection, good and bad, for docs/vision.md.
 
 Usage: pictures.py FOLDER
