@@ -3,7 +3,7 @@
 import re
 from collections.abc import Iterable
 
-from remodel_states.core.ability_tables import Ability
+from remodel_states.core.tables import Ability
 
 _REGION = re.compile(
     r"(?<=<!-- drawn by make generate -->\n).*?(?=<!-- end of what is drawn -->)", re.DOTALL

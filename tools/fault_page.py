@@ -3,7 +3,7 @@
 from collections.abc import Mapping
 from typing import Any
 
-from remodel_states.core.fault_tables import FaultTables
+from remodel_states.core.tables import FaultTables
 
 HEAD = """\
 # Faults

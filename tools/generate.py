@@ -19,9 +19,8 @@ from fault_page import fault_page  # noqa: E402
 from figure_tables import pages_with_figures  # noqa: E402
 from numbers_page import numbers_page  # noqa: E402
 
-from remodel_states.core.fault_tables import CONTRACT, FaultTables  # noqa: E402
 from remodel_states.core.state_source import state_modules  # noqa: E402
-from remodel_states.core.table_error import TableError  # noqa: E402
+from remodel_states.core.tables import CONTRACT, FaultTables, TableError  # noqa: E402
 from remodel_states.edge.exported_tables import abilities_in, faults_from  # noqa: E402
 
 MSGS = SRC / CONTRACT

@@ -58,17 +58,17 @@ NUMBERS = {
             f"{STATES}/serving.py",
             "_QUIET_S",
         ),
-        ("error codes of packages of your own", f"{STATES}/core/fault_tables.py", "OTHER_CODES"),
+        ("error codes of packages of your own", f"{STATES}/core/tables.py", "OTHER_CODES"),
     ),
     "states": (
         (
             "a server that publishes no status hangs: `command_error`; both times",
-            f"{CORE}/proxy/action_connection.py",
+            f"{CORE}/proxy/proxy_action_client.py",
             "SILENCE_S",
         ),
         (
             "a server that lists other goals never received this one; wall time",
-            f"{CORE}/proxy/action_connection.py",
+            f"{CORE}/proxy/proxy_action_client.py",
             "UNNOTICED_S",
         ),
         (
@@ -78,12 +78,12 @@ NUMBERS = {
         ),
         (
             "a state asks the supervisor again after HELD; wall time",
-            f"{STATES}/record_keeping.py",
+            f"{STATES}/line.py",
             "_RETRY_S",
         ),
         (
             "a warning repeats that nothing moves without the supervisor; wall time",
-            f"{STATES}/record_keeping.py",
+            f"{STATES}/line.py",
             "WARN_EVERY_S",
         ),
     ),

@@ -40,11 +40,21 @@ from remodel_production.edge.design_files import (
     read_catalogue,
     read_mappings,
 )
-from remodel_rehearsal.core.changes import adopted, changes_within, to_check, with_changes
-from remodel_rehearsal.core.forecast import brier_score, forecast
+from remodel_rehearsal.core.forecast import (
+    adopted,
+    brier_score,
+    changes_within,
+    forecast,
+    to_check,
+    with_changes,
+)
 from remodel_rehearsal.edge.cluster import Job, Rehearsing, connected
-from remodel_rehearsal.edge.trial_store import KeptTrial, hash_of_sources, mark_of
-from remodel_rehearsal.edge.uncertainty_file import read_uncertainty
+from remodel_rehearsal.edge.rehearsal_files import (
+    KeptTrial,
+    hash_of_sources,
+    mark_of,
+    read_uncertainty,
+)
 from remodel_rehearsal.stack import Setting, use_case_of
 from remodel_tasks.core.use_case.model import UseCase
 

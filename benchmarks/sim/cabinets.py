@@ -35,10 +35,9 @@ from remodel_production.edge.design_files import (
     read_mappings,
 )
 from remodel_production.errors import PlannerError
-from remodel_rehearsal.stack import Setting
-from remodel_rehearsal.trial_run import rehearse_wire
+from remodel_rehearsal.stack import Setting, rehearse_wire
 from remodel_run.rehearsal import Trial
-from remodel_states.edge.wire_material_file import read_wire_materials
+from remodel_states.edge.exported_tables import read_wire_materials
 from remodel_supervision.ros.peers.board_message import board_message
 from remodel_tasks.core.decomposition.cell_fit import misfits
 from remodel_tasks.core.orders.board_order import board_order

@@ -34,7 +34,7 @@ from holds import clamp_pull_out, clip_forces, grip_pull_out
 from panels import wire
 from wire_peers import REPEATS, SAG_LOAD, SHORT_REPEATS, Wire
 
-from remodel_sim.core.wires.wire_mechanics import GRAVITY, Piece, chain, discretise
+from remodel_sim.core.wire_mechanics import GRAVITY, Piece, chain, discretise
 from remodel_sim.physics.fixtures.panel_scene import PLATE_FRICTION, add_plate_surface
 from remodel_sim.physics.robot import Robot
 from remodel_sim.physics.wires.cable import SimulatedWire

@@ -33,12 +33,11 @@ sys.path.insert(0, str(Path(__file__).parents[2] / "src/remodel_work/test"))
 from figures import add_figures_option, report_table
 from panels import example
 
-from remodel_sim.physics.cameras import NOISE_LEVELS, take
 from remodel_sim.physics.fixtures.panel_scene import PanelScene
 from remodel_sim.physics.wires.parked_wire import draw_parked
-from remodel_sim.physics.world import World
+from remodel_sim.physics.world import NOISE_LEVELS, World, take_picture
 from remodel_skills.edge.parameter_files import read_parameters
-from remodel_states.core.wires.wire_colours import DISTINCT_COLOURS
+from remodel_states.core.wires import DISTINCT_COLOURS
 from remodel_vision.device_pose import DeviceView, locate_device, search_device, stands_there
 from remodel_vision.label_pose import LabelView, locate_component
 from remodel_vision.labels import find_labels, search_label
@@ -113,7 +112,7 @@ class Cameras:
         self, view: View, light: tuple[float, float] | None, *, depth: bool = False
     ) -> Picture:
         share = 1.0 if light is None else self._random.uniform(*light)
-        return take(self._world, view, self._random, depth=depth, light=share)
+        return take_picture(self._world, view, self._random, depth=depth, light=share)
 
 
 # Components with labels.

@@ -10,7 +10,7 @@ from itertools import pairwise
 import cv2
 import numpy as np
 
-from remodel_states.core.wires.wire_colours import rgbs_of
+from remodel_states.core.wires import rgbs_of
 from remodel_work.camera import Picture, View
 from remodel_work.component_shape import FERRULE_RGB, PLATE_RGB, Box, component_boxes
 from remodel_work.fixtures import duct_boxes, rail_box

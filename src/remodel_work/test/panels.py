@@ -5,7 +5,7 @@ import math
 from functools import cache
 from pathlib import Path
 
-from remodel_states.edge.wire_material_file import read_wire_materials
+from remodel_states.edge.exported_tables import read_wire_materials
 from remodel_work.panel import Channel, Component, Panel, PanelTerminal, PanelWire
 from remodel_work.ros.panel_message import read_panel
 

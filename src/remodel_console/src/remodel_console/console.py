@@ -14,10 +14,9 @@ from typing import Protocol
 from flexbe_synthesizer.core.chart.model import Chart
 from remodel_console.core.commands import Door, Role, User
 from remodel_console.core.drawing import drawn_paths, opened
-from remodel_console.core.order import FULL, Attach
 from remodel_console.core.record import Record, Summary, in_chart_terms
 from remodel_console.core.run_view import Event, Phase
-from remodel_console.core.running_chart import Decisions, decisions_of
+from remodel_console.core.running import FULL, Attach, Decisions, decisions_of
 from remodel_console.core.world import Card, Option, Part
 from remodel_console.edge.kept_files import HandWires, SceneFiles, SettingsFile
 from remodel_console.edge.order_drafts import OrderDraft, OrderDrafts

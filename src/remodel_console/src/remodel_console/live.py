@@ -12,8 +12,10 @@ from dataclasses import replace
 from typing import Protocol
 
 from remodel_console.core.commands import DONE, FAILED, REFUSED, Actor, CommandResult, Role
-from remodel_console.core.order import (
+from remodel_console.core.run_view import EngineSeen, Event, Ordered, Phase, Troubled, step
+from remodel_console.core.running import (
     Attach,
+    Decisions,
     LogLine,
     Order,
     SetAutonomy,
@@ -22,8 +24,6 @@ from remodel_console.core.order import (
     Switch,
     TakeOutcome,
 )
-from remodel_console.core.run_view import EngineSeen, Event, Ordered, Phase, Troubled, step
-from remodel_console.core.running_chart import Decisions
 from remodel_console.core.use_case import UseCase
 from remodel_console.core.world import (
     CellKind,

@@ -25,8 +25,7 @@ from remodel_console.core.editing import (
     read_path,
     with_container,
 )
-from remodel_console.core.inspection import ServerRequest
-from remodel_console.core.server_states import chart_from_states
+from remodel_console.core.server_states import ServerRequest, chart_from_states
 from remodel_console.core.settings import Settings
 from remodel_console.edge.workspace import Workspace
 from remodel_console.errors import ChartErrorsError, CommandError

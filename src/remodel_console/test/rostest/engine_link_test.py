@@ -10,8 +10,8 @@ import rostest
 from flexbe_msgs.msg import BehaviorSelection
 from std_msgs.msg import Empty, UInt8
 
-from remodel_console.core.order import Attach
 from remodel_console.core.run_view import EngineSeen
+from remodel_console.core.running import Attach
 from remodel_console.errors import CommandError
 from remodel_console.ros import topics
 from remodel_console.ros.engine_link import EngineLink

@@ -4,9 +4,8 @@ from dataclasses import replace
 
 from flexbe_synthesizer.core.chart.chart_reader import parse_chart
 from remodel_console.core.commands import as_literal, value_words
-from remodel_console.core.order import TakeOutcome
 from remodel_console.core.run_view import Asked, Phase, RunView
-from remodel_console.core.running_chart import Level, Structure, decisions_of
+from remodel_console.core.running import Level, Structure, TakeOutcome, decisions_of
 from remodel_console.core.use_case import Question, UseCase
 from remodel_console.core.world import InputRequest, Kind, World, cards
 from remodel_run.progress import Answer

@@ -10,7 +10,7 @@ import rospy
 from flexbe_core.testing import wait_until
 from remodel_console.core.cell import CellState, StateValues
 from remodel_console.core.commands import Actor, Role
-from remodel_console.core.order import LogLine
+from remodel_console.core.running import LogLine
 from remodel_console.edge.kept_files import Journal, LogFile, SceneFiles
 from remodel_console.live import Desk, Live
 from remodel_console.ros.watched_links import SceneRecorder

@@ -20,7 +20,7 @@ from remodel_console.core.cell import (
     state_after,
 )
 from remodel_console.core.record import Record, force_words, recorded_wire_words
-from remodel_console.edge.kept_files import SceneFiles
+from remodel_console.edge.kept_files import RUNS_KEPT, SceneFiles
 from remodel_run.record import Entry, Kind
 
 URDF = '<robot name="r"><link name="base"/></robot>'
@@ -154,16 +154,15 @@ def test_a_console_that_restarts_goes_on_with_the_recording_of_the_run(tmp_path)
     assert len(files.read(1, "cabinet", 900.0).frames) == 1
 
 
-def test_the_oldest_recordings_are_deleted(tmp_path, monkeypatch):
-    monkeypatch.setattr("remodel_console.edge.kept_files._RUNS_KEPT", 3)
+def test_the_oldest_recordings_are_deleted(tmp_path):
     files = SceneFiles(tmp_path)
-    for run in range(1, 6):
+    runs = range(1, RUNS_KEPT + 3)
+    for run in runs:
         record(files, run, 100.0 * run, [moved(1)])
         for path in tmp_path.glob(f"*-{run}.scene.jsonl"):
             os.utime(path, (run, run))
-    assert [files.read(run, "cabinet", 100.0 * run) is not None for run in range(1, 6)] == [
-        False, False, True, True, True,
-    ]  # fmt: skip
+    kept = [run for run in runs if files.read(run, "cabinet", 100.0 * run) is not None]
+    assert kept == list(runs[2:])
 
 
 def test_a_wire_has_its_forces_and_its_history():

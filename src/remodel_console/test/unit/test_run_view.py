@@ -19,7 +19,7 @@ from remodel_console.core.run_view import (
     state_words,
     step,
 )
-from remodel_console.core.running_chart import Level, Structure, chart_state
+from remodel_console.core.running import Level, Structure, chart_state
 
 READY, STARTED = EngineStatus(20, 0), EngineStatus(0, 7)
 TREE = Structure(

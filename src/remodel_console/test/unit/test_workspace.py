@@ -4,6 +4,7 @@ import os
 import re
 import shutil
 import signal
+from itertools import count
 from pathlib import Path
 from types import SimpleNamespace
 
@@ -131,7 +132,7 @@ def test_behaviors_that_the_supervisor_has_made_are_known_from_others(package, t
 
 
 def test_folders_that_take_too_long_are_named(package, monkeypatch):
-    monkeypatch.setattr("remodel_console.edge.workspace._READ_WITHIN_S", -1.0)
+    monkeypatch.setattr("remodel_console.edge.workspace.time.monotonic", count(0, 20).__next__)
     with pytest.raises(CommandError, match=r"takes more than .* move other files out of .*"):
         list(ChartFolders((package / "charts",)).names())
 

@@ -25,7 +25,7 @@ from remodel_production.core.board.board import board_of
 from remodel_production.edge.database.production_database import ProductionDatabase
 from remodel_production.edge.design_files import catalogue_file, read_catalogue
 from remodel_skills.edge.cell_memory import CellMemory
-from remodel_states.edge.wire_material_file import read_wire_materials
+from remodel_states.edge.exported_tables import read_wire_materials
 from remodel_supervision.ros.peers.board_message import board_message
 from remodel_tasks.core.orders.board_order import board_order
 from remodel_work.panel import BOARD, WireEnd

@@ -14,8 +14,7 @@ from remodel_production.core.board.board import board_of
 from remodel_production.edge.database.production_database import ProductionDatabase
 from remodel_production.edge.design_files import catalogue_file, read_catalogue
 from remodel_production.errors import OrderError
-from remodel_states.edge.cell_files import read_cell_limits
-from remodel_states.edge.wire_material_file import read_wire_materials
+from remodel_states.edge.exported_tables import read_cell_limits, read_wire_materials
 from remodel_supervision.ros.peers.board_message import board_message
 from remodel_supervision.ros.server.work import WorkMaker
 from remodel_tasks.core.decomposition.cell_fit import misfits

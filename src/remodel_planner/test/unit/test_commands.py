@@ -432,11 +432,11 @@ def test_a_format_can_be_forced(tmp_path, database, capsys):
     assert "line 2: colour not given, BK taken" in capsys.readouterr().out
 
 
-def test_a_file_that_is_larger_than_any_design_is_refused(tmp_path, database, capsys, monkeypatch):
-    monkeypatch.setattr("remodel_production.edge.design_files._MOST_BYTES", 5000)
+def test_a_file_that_is_larger_than_any_design_is_refused(tmp_path, database, capsys):
     file = tmp_path / "large.csv"
-    file.write_text("From,To\n" * 1000)
-    assert f"{file}: is larger than 0 MB" in refused_import(file, database, capsys)
+    with file.open("wb") as stream:
+        stream.truncate(100_000_001)
+    assert f"{file}: is larger than 100 MB" in refused_import(file, database, capsys)
 
 
 def test_the_board_of_an_order_is_drawn(tmp_path, database, capsys):

@@ -9,9 +9,8 @@ from remodel_planner.commands import rehearse
 from remodel_planner.commands.options.common import seeds
 from remodel_production.core.production import Component, Order, Side, Terminal, TerminalRef, Wire
 from remodel_production.edge.database.production_database import ProductionDatabase
-from remodel_rehearsal.core.changes import with_changes
-from remodel_rehearsal.core.forecast import forecast
-from remodel_rehearsal.edge.trial_store import KeptTrial
+from remodel_rehearsal.core.forecast import forecast, with_changes
+from remodel_rehearsal.edge.rehearsal_files import KeptTrial
 from remodel_run.rehearsal import Failure, Trial
 
 JAMMED = Failure("InsertCable", "INSERTION_JAMMED", "end a of W2 stopped 4.0 mm deep")

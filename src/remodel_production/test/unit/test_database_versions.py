@@ -63,13 +63,13 @@ def test_a_database_of_a_newer_program_is_refused_and_left_alone(url):
 def test_a_database_of_the_version_before_is_migrated(url, tmp_path, monkeypatch):
     open_and_close(url)
     migrations = tmp_path / "migrations"
-    shutil.copytree(production_database._MIGRATIONS, migrations)
+    shutil.copytree(production_database.MIGRATIONS, migrations)
     (migrations / "versions/m0009_more.py").write_text(
         "from alembic import op\n\n"
         "revision, down_revision = '0009', '0008'\n\n\n"
         "def upgrade():\n    op.execute('CREATE TABLE more (id INTEGER)')\n"
     )
-    monkeypatch.setattr(production_database, "_MIGRATIONS", migrations)
+    monkeypatch.setattr(production_database, "MIGRATIONS", migrations)
     monkeypatch.setattr(production_database, "NEWEST", "0009")
     open_and_close(url)
     assert execute(url, "SELECT version_num FROM alembic_version") == [("0009",)]

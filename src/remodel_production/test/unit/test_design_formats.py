@@ -20,7 +20,7 @@ from remodel_production.core.imports.wireviz_parts import COLOUR_CODES, core_col
 from remodel_production.core.production import Side, TerminalRef
 from remodel_production.edge.design_files import read_catalogue
 from remodel_production.errors import DesignError
-from remodel_states.core.wires.wire_colours import is_colour
+from remodel_states.core.wires import is_colour
 
 CONFIG = Path(__file__).parents[2] / "config"
 CATALOGUE = read_catalogue(CONFIG / "catalogue.yaml")

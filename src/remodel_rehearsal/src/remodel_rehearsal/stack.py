@@ -10,28 +10,30 @@ from __future__ import annotations
 import time
 from collections.abc import Callable, Mapping
 from contextlib import ExitStack
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from hashlib import sha256
 from pathlib import Path
 
 from remodel_production.core.production import Order
 from remodel_production.edge.database.cell_ownership import CellOwnership, Owned
 from remodel_production.edge.database.production_database import ProductionDatabase
+from remodel_rehearsal.core.variation import Uncertain, Variation, vary
 from remodel_rehearsal.ros.abilities import Exchange, Inspection, SupervisedLine
-from remodel_rehearsal.ros.cell import CellServices, FailurePictures
+from remodel_rehearsal.ros.cell import CellClock, CellLoop, CellServices, FailurePictures
 from remodel_rehearsal.ros.engine import BehaviorMaker, LocalEngine
-from remodel_rehearsal.ros.loop import CellClock, CellLoop
+from remodel_run.rehearsal import Failure, RehearsedCall, Trial
+from remodel_sim.core.faults import Disturbances
 from remodel_sim.physics.plant import SimulatedPlant
 from remodel_sim.physics.truth import ground_truth
 from remodel_skills.abilities.ability import cell_abilities
 from remodel_skills.cell import Cell
 from remodel_skills.ros.owner import Owner
 from remodel_skills.ros.servers import CellAbilityServer
-from remodel_states.edge.exported_tables import read_abilities
-from remodel_states.edge.wire_material_file import read_wire_materials
+from remodel_states.core.codes import Code
+from remodel_states.edge.exported_tables import read_abilities, read_wire_materials
 from remodel_supervision.core.learning.experience import Call, Experience
 from remodel_supervision.core.runs.event_table import state_after
-from remodel_supervision.core.runs.events import Event
+from remodel_supervision.core.runs.events import Event, OperationEnded, TaskBegun
 from remodel_supervision.core.runs.state import RunState
 from remodel_supervision.edge.recorded_lessons import ability_calls
 from remodel_supervision.edge.run_log import RunLog
@@ -44,6 +46,8 @@ from remodel_tasks.core.condition import Features
 from remodel_tasks.core.use_case.model import UseCase
 from remodel_tasks.edge.fault_file import read_faults
 from remodel_work.edge.cell_file import read_cell
+from remodel_work.geometry import Pose
+from remodel_work.panel import PanelWire
 from remodel_work.ros.panel_message import panel_from
 from remodel_work.routes import PlacedWires
 
@@ -271,4 +275,138 @@ def _work_maker(database: ProductionDatabase, setting: Setting) -> WorkMaker:
         search_s=_SEARCH_S,
         cell_design=lambda: setting.cell,
         clock=lambda: 0.0,
+    )
+
+
+# One wire with one seed: from a board as it lies before, to what came of it
+
+
+@dataclass(frozen=True)
+class Rehearsed:
+    """What a trial leaves.
+
+    Attributes:
+        trial: what came of it.
+        calls: of abilities.
+        board: with the wire, if it has its place; otherwise as before.
+        cpu_s: CPU time [s], of which so much was physics, vision and skills.
+        physics_s: see cpu_s.
+    """
+
+    trial: Trial
+    calls: tuple[RehearsedCall, ...]
+    board: PlacedWires
+    cpu_s: float
+    physics_s: float
+
+
+def rehearse_wire(
+    setting: Setting,
+    wire: str,
+    seed: int,
+    board: PlacedWires,
+    table: Mapping[str, Uncertain],
+    pictures: Path | None = None,
+) -> Rehearsed:
+    """Have one wire of an order placed on a board.
+
+    Args:
+        setting: of the order.
+        wire: its name.
+        seed: of chance, and of how the cell differs from its model.
+        board: the wires that lie there before.
+        table: what is uncertain; empty: the cell is as its model.
+        pictures: folder for a picture of its failure; None: none is kept.
+
+    Raises:
+        PlannerError: if the order cannot be carried out.
+    """
+    outcome = carry_out(
+        replace(setting, wires=(wire,)),
+        seed=seed,
+        placed=board,
+        disturb=_varied(table, seed),
+        pictures=pictures,
+    )
+    is_placed = wire in outcome.placed
+    return Rehearsed(
+        _trial(wire, seed, outcome),
+        tuple(
+            RehearsedCall(
+                each.ability,
+                each.features,
+                each.error_code,
+                each.elapsed_s,
+                each.parameters,
+            )
+            for each in outcome.calls
+        ),
+        outcome.board if is_placed else board,
+        cpu_s=outcome.total_s,
+        physics_s=outcome.physics_s,
+    )
+
+
+def _trial(wire: str, seed: int, outcome: Outcome) -> Trial:
+    """Return what the events of a run of one wire come to."""
+    begun = [e for e in outcome.events if isinstance(e, TaskBegun) and e.part.is_attempt]
+    ended = [e.operation for e in outcome.events if isinstance(e, OperationEnded)]
+    failures = tuple(
+        Failure(each.ability, Code(each.error_code).name, each.text)
+        for each in ended
+        if each.has_failed
+    )
+    is_placed, ended = wire in outcome.placed, outcome.state.ended
+    if not is_placed and not failures:
+        # No ability failed: the cell, or its feeder, refused.
+        failures = (Failure("", "NOT_PLACED", ended.because if ended is not None else ""),)
+    pictures = list(outcome.pictures.values())
+    return Trial(
+        wire,
+        seed,
+        placed=is_placed,
+        attempts=len(begun),
+        failures=failures,
+        cell_s=outcome.cell_s,
+        picture=pictures[0].name if pictures else "",
+    )
+
+
+def _varied(table: Mapping[str, Uncertain], seed: int) -> Disturb:
+    def disturb(plant: SimulatedPlant) -> None:
+        devices = [component.id for component in plant.panel.components]
+        if table:
+            differ(plant, vary(table, seed, plant.design.overhead_names, devices))
+
+    return disturb
+
+
+def differ(plant: SimulatedPlant, variation: Variation) -> None:
+    """Have a plant differ from its model."""
+    factors = variation.factors
+    plant.differ(
+        Disturbances(
+            friction=factors["pad_friction"],
+            grip=factors["grip_force"],
+            light=factors["light"],
+            force_noise=variation.force_noise,
+            shifts={
+                name: Pose.level(shift.dx, shift.dy, 0.0, shift.turn)
+                for name, shift in variation.cameras.items()
+            },
+        ),
+        {name: (shift.dx, shift.dy, shift.turn) for name, shift in variation.devices.items()},
+        delivered=lambda wire: _delivered(wire, factors),
+    )
+
+
+def _delivered(wire: PanelWire, factors: Mapping[str, float]) -> PanelWire:
+    """Return a wire as the spool gives it."""
+    stiffness = factors["wire_stiffness"]
+    return replace(
+        wire,
+        bending_stiffness=wire.bending_stiffness * stiffness,
+        torsional_stiffness=wire.torsional_stiffness * stiffness,
+        friction=wire.friction * factors["wire_friction"],
+        rest_curvature=wire.rest_curvature * factors["wire_curvature"],
     )

@@ -4,7 +4,7 @@ import time
 
 import numpy as np
 
-from remodel_rehearsal.edge.trial_store import KeptTrial, TrialStore, trial_key
+from remodel_rehearsal.edge.rehearsal_files import KeptTrial, TrialStore, trial_key
 from remodel_run.rehearsal import RehearsedCall, Trial
 from remodel_work.panel import WireEnd
 from remodel_work.routes import ParkedWire, PlacedWires

@@ -1,13 +1,13 @@
 """What is tried against failures, and which of it helps."""
 
-from remodel_rehearsal.core.changes import (
+from remodel_rehearsal.core.forecast import (
     Change,
     adopted,
     changes_within,
+    forecast,
     to_check,
     with_changes,
 )
-from remodel_rehearsal.core.forecast import forecast
 from remodel_run.rehearsal import Failure, Trial
 from remodel_tasks.core.use_case.model import Bounds
 

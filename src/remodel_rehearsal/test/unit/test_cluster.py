@@ -12,13 +12,11 @@ import pytest
 from scripted_trial import CALL, board_of, work
 
 from remodel_production.core.production import Order
-from remodel_rehearsal.core.changes import Change
+from remodel_rehearsal.core.forecast import Change
 from remodel_rehearsal.edge import cluster
 from remodel_rehearsal.edge.cluster import Job, Rehearsing, connected, done
-from remodel_rehearsal.edge.trial_store import TrialStore, mark_of
-from remodel_rehearsal.errors import RehearsalError
-from remodel_rehearsal.stack import Setting
-from remodel_rehearsal.trial_run import Rehearsed
+from remodel_rehearsal.edge.rehearsal_files import RehearsalError, TrialStore, mark_of
+from remodel_rehearsal.stack import Rehearsed, Setting
 from remodel_run.rehearsal import Failure, Trial
 from remodel_work.routes import PlacedWires
 

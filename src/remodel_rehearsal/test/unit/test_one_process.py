@@ -7,8 +7,8 @@ from remodel_msgs.msg import ErrorCode
 
 from flexbe_synthesizer.core.chart.chart_reader import parse_chart
 from remodel_rehearsal.ros.abilities import Exchange, Inspection, SupervisedLine
+from remodel_rehearsal.ros.cell import CellClock, CellLoop, StuckError
 from remodel_rehearsal.ros.engine import BehaviorMaker, LocalEngine, made
-from remodel_rehearsal.ros.loop import CellClock, CellLoop, StuckError
 from remodel_states.ability_server import AbilityServer
 from remodel_states.core.ability_error import AbilityError
 from remodel_supervision.core.runs.gate import Permit

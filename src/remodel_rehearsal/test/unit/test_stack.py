@@ -1,6 +1,7 @@
-"""A wire of a stranger's cabinet, through the whole stack in one process."""
+"""A wire through the whole stack in one process, and what the events of a run come to."""
 
 from pathlib import Path
+from types import SimpleNamespace
 
 import pytest
 
@@ -11,9 +12,11 @@ from remodel_production.edge.design_files import (
     read_catalogue,
     read_mappings,
 )
-from remodel_rehearsal.edge.uncertainty_file import read_uncertainty
-from remodel_rehearsal.stack import Setting, planned_wires
-from remodel_rehearsal.trial_run import rehearse_wire
+from remodel_rehearsal import stack
+from remodel_rehearsal.edge.rehearsal_files import read_uncertainty
+from remodel_rehearsal.stack import Outcome, Setting, planned_wires, rehearse_wire
+from remodel_supervision.core.run import Operation
+from remodel_supervision.core.runs.events import OperationEnded, Part, TaskBegun
 from remodel_work.panel import WireEnd
 from remodel_work.routes import PlacedWires
 
@@ -44,3 +47,43 @@ def test_a_wire_of_a_strangers_cabinet_is_placed_in_a_cell_that_differs_from_its
     assert {"LayWire", "InsertCable", "FixCable"} <= {call.ability for call in found.calls}
     # What is not physics, vision and skills takes little.
     assert found.cpu_s < 1.25 * found.physics_s
+
+
+BEGUN = TaskBegun("W1", 1, Part.WHOLE, "Place Wire W1", chart="", at_s=1.0)
+JAM = Operation("/Insert", "InsertCable", "failed", 301, text="jammed", ended_s=2.0, elapsed_s=1.0)
+EMPTY = Operation("/Discard", "DiscardCable", "failed", 202, "empty", ended_s=4.0, elapsed_s=0.1)
+GOOD = Operation("/Fix", "FixCable", "fixed", 0, text="fixed", ended_s=3.0, elapsed_s=1.0)
+
+
+def rehearsed(monkeypatch, *events, placed=()):
+    state = SimpleNamespace(ended=SimpleNamespace(because="the panel is refused"))
+    after = PlacedWires({"W1": None})
+    outcome = Outcome(state, events, frozenset(placed), (), after, cell_s=60.0)
+    monkeypatch.setattr(stack, "carry_out", lambda *_, **__: outcome)
+    before = PlacedWires()
+    found = stack.rehearse_wire(Setting(None), "W1", 3, before, {})
+    return found, found.board is (after if placed else before)
+
+
+def test_a_wire_without_a_failed_ability_is_placed_at_once(monkeypatch):
+    found, lies_as_it_should = rehearsed(
+        monkeypatch, BEGUN, OperationEnded("W1", GOOD), placed=["W1"]
+    )
+    assert found.trial.at_once and lies_as_it_should
+
+
+def test_a_failure_that_was_mended_is_kept_and_an_empty_hand_is_none(monkeypatch):
+    operations = [OperationEnded("W1", each) for each in (JAM, EMPTY, GOOD)]
+    found, _ = rehearsed(monkeypatch, BEGUN, *operations, placed=["W1"])
+    assert found.trial.placed and not found.trial.at_once
+    assert [(each.ability, each.code) for each in found.trial.failures] == [
+        ("InsertCable", "INSERTION_JAMMED")
+    ]
+
+
+@pytest.mark.parametrize("events", [(), (BEGUN, OperationEnded("W1", GOOD))])
+def test_a_wire_that_is_not_placed_has_a_reason_though_no_ability_failed(monkeypatch, events):
+    found, lies_as_it_should = rehearsed(monkeypatch, *events)
+    (failure,) = found.trial.failures
+    assert (failure.code, failure.text) == ("NOT_PLACED", "the panel is refused")
+    assert lies_as_it_should

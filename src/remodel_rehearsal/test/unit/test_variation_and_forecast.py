@@ -6,8 +6,7 @@ import pytest
 
 from remodel_rehearsal.core.forecast import brier_score, forecast, share
 from remodel_rehearsal.core.variation import QUANTITIES, Uncertain, vary
-from remodel_rehearsal.edge.uncertainty_file import read_uncertainty
-from remodel_rehearsal.errors import RehearsalError
+from remodel_rehearsal.edge.rehearsal_files import RehearsalError, read_uncertainty
 from remodel_run.rehearsal import Failure, Trial
 
 JAMMED = Failure("InsertCable", "INSERTION_JAMMED", "stopped 4 mm deep")

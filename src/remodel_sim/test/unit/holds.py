@@ -6,10 +6,9 @@ import math
 import numpy as np
 from panels import component, wire
 
-from remodel_sim.core.wires.wire_mechanics import Piece, chain, discretise
+from remodel_sim.core.wire_mechanics import Piece, chain, discretise
 from remodel_sim.physics.fixtures.clamps import Socket, Springs, close_clamp
-from remodel_sim.physics.fixtures.clips import add_clip
-from remodel_sim.physics.fixtures.panel_scene import add_plate_surface
+from remodel_sim.physics.fixtures.panel_scene import add_clip, add_plate_surface
 from remodel_sim.physics.robot import HAND_30_N, Robot
 from remodel_sim.physics.wires.cable import SimulatedWire
 from remodel_sim.physics.world import CONTACT_DAMPING, CONTACT_STIFFNESS, World

@@ -7,10 +7,10 @@ import numpy as np
 from elastica import buckling_load
 from panels import wire
 
-from remodel_sim.core.wires.wire_mechanics import Piece, chain, discretise
+from remodel_sim.core.wire_mechanics import Piece, chain, discretise
 from remodel_sim.physics.wires.cable import SimulatedWire
 from remodel_sim.physics.world import GRAVITY, World
-from remodel_states.edge.wire_material_file import read_wire_materials
+from remodel_states.edge.exported_tables import read_wire_materials
 from remodel_work.panel import WireEnd
 
 LENGTH = 0.30

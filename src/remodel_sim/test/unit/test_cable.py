@@ -7,12 +7,12 @@ import rods
 from elastica import buckled_tip_angle, cantilever_drop
 from panels import wire
 
-from remodel_sim.core.wires.wire_mechanics import MAX_LINKS, discretise
+from remodel_sim.core.wire_mechanics import MAX_LINKS, discretise
 from remodel_sim.physics.fixtures.panel_scene import add_plate_surface
 from remodel_sim.physics.wires.cable import SimulatedWire, link_colours
 from remodel_sim.physics.wires.parked_wire import add_solid, draw_parked
 from remodel_sim.physics.world import World
-from remodel_states.core.wires.wire_colours import rgbs_of
+from remodel_states.core.wires import rgbs_of
 from remodel_vision.colour import wire_likelihood
 from remodel_work.component_shape import FERRULE_RGB
 from remodel_work.panel import WireEnd

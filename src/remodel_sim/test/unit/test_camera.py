@@ -4,8 +4,7 @@ import cv2
 import numpy as np
 import pytest
 
-from remodel_sim.physics.cameras import take
-from remodel_sim.physics.world import World
+from remodel_sim.physics.world import World, take_picture
 from remodel_work.camera import Lens, View, looking_at, looking_down
 
 VIEWS = {
@@ -30,7 +29,7 @@ def test_rendered_spheres_appear_where_the_model_says(name):
     ]
     for place in grid:
         world.bullet.createMultiBody(0, -1, ball, place)
-    picture = take(world, view, np.random.default_rng(0), depth=True)
+    picture = take_picture(world, view, np.random.default_rng(0), depth=True)
     red = picture.rgb[:, :, 0].astype(int) - picture.rgb[:, :, 1] > 80
     count, _, stats, centres = cv2.connectedComponentsWithStats(red.astype(np.uint8))
     expected = view.project(np.array(grid))

@@ -4,8 +4,7 @@ import numpy as np
 import pytest
 from panels import wire
 
-from remodel_sim.core.wires.hanging_loop import HeldEnd, hanging_loop
-from remodel_sim.core.wires.wire_mechanics import discretise
+from remodel_sim.core.wire_mechanics import HeldEnd, discretise, hanging_loop
 from remodel_sim.physics.live_wire import hanging_cable
 from remodel_sim.physics.world import World
 from remodel_work.panel import WireEnd

@@ -10,7 +10,7 @@ from panels import panel
 
 from remodel_sim.physics import world
 from remodel_sim.physics.plant import SimulatedPlant
-from remodel_sim.ros import node, robot_driver
+from remodel_sim.ros import robot_driver, simulated_cell
 from remodel_skills.ros import driven_cell
 from remodel_skills.ros import node as skills_node
 from remodel_states.edge.exported_tables import read_abilities
@@ -32,7 +32,10 @@ def test_the_node_comes_again_if_that_is_asked_for():
 def test_each_argument_is_a_parameter_that_the_node_reads(name):
     passed = {param.get("name"): param.get("value") for param in LAUNCH.find("node")}
     assert passed[name] == f"$(arg {name})"
-    assert f'"~{name}"' in Path(node.__file__).read_text() + Path(skills_node.__file__).read_text()
+    assert (
+        f'"~{name}"'
+        in Path(simulated_cell.__file__).read_text() + Path(skills_node.__file__).read_text()
+    )
 
 
 SKILLS = Path(__file__).parents[3] / "remodel_skills"

@@ -7,7 +7,7 @@ import pytest
 from dense_board import board_wire, dense_panel
 from place_wire import ROBOT, do, fix, insert, lay_down, locate
 
-from remodel_sim.physics.feeder import present
+from remodel_sim.physics.live_wire import present
 from remodel_sim.physics.plant import SimulatedPlant
 from remodel_sim.physics.world import World
 from remodel_skills.abilities.extracting import DiscardGoal, discard_cable

@@ -9,12 +9,11 @@ from elastica import cantilever_drop
 from holds import pull_out, wire_in_hand
 from panels import panel, wire
 
-from remodel_sim.core.wires.wire_mechanics import GRAVITY, discretise
+from remodel_sim.core.wire_mechanics import GRAVITY, discretise
 from remodel_sim.physics.fixtures.panel_scene import PLATE_FRICTION, add_plate_surface
 from remodel_sim.physics.plant import SimulatedPlant
 from remodel_sim.physics.robot import HAND_30_N
-from remodel_sim.physics.wires.cable import SimulatedWire
-from remodel_sim.physics.wires.resting import CLEAR_M, NEAR_M, STILL_M, STILL_S
+from remodel_sim.physics.wires.cable import CLEAR_M, NEAR_M, STILL_M, STILL_S, SimulatedWire
 from remodel_sim.physics.world import World
 from remodel_work.panel import WireEnd
 

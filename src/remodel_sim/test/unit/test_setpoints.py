@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from remodel_sim.core.setpoints import Setpoints
+from remodel_sim.ros.robot_driver import Setpoints
 
 STEP_S = 0.01
 

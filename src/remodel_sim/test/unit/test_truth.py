@@ -8,7 +8,7 @@ from panels import example
 
 from remodel_sim.physics.plant import SimulatedPlant
 from remodel_sim.physics.truth import ground_truth, share_in_ducts
-from remodel_sim.ros.services import truth_message
+from remodel_sim.ros.simulated_cell import truth_message
 from remodel_skills.cell import Cell
 from remodel_work.edge.cell_file import read_cell
 from remodel_work.panel import BOARD, WireEnd

@@ -44,10 +44,8 @@ from remodel_msgs.srv import BeginOperationRequest
 
 from flexbe_core import EventState
 from flexbe_core.core import UserData
-from remodel_states.core.contract import GRACE_S
-from remodel_states.core.ros_stopwatch import RosStopwatch
-from remodel_states.line import line
-from remodel_states.record_keeping import Keeping, Permit, described, owned_id
+from remodel_states.core.contract import GRACE_S, RosStopwatch
+from remodel_states.line import Keeping, Permit, described, line, owned_id
 
 # [Hz] of polling: FlexBE's default, and while the supervisor is asked, which takes milliseconds.
 _RATE_HZ = 10.0

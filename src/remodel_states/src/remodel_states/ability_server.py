@@ -44,9 +44,8 @@ from remodel_msgs.msg import ErrorCode
 
 from flexbe_core.ros.master import SteadyActionServer
 from remodel_states.core.ability_error import AbilityError
-from remodel_states.core.ability_tables import Ability
 from remodel_states.core.contract import beyond_limit, limits_of, owner_of
-from remodel_states.core.table_error import TableError
+from remodel_states.core.tables import Ability, TableError
 from remodel_states.edge.exported_tables import read_abilities
 from remodel_states.serving import Robot, RunningGoal, message_class, why_invalid, why_late
 

@@ -15,10 +15,8 @@ from remodel_msgs.msg import ErrorCode
 from roslib.message import get_message_class
 
 from remodel_states.core.ability_error import AbilityError
-from remodel_states.core.ability_tables import Ability
-from remodel_states.core.contract import CLOCKS_DIFFER_S, LATE_S
-from remodel_states.core.ros_stopwatch import RosStopwatch
-from remodel_states.core.table_error import TableError
+from remodel_states.core.contract import CLOCKS_DIFFER_S, LATE_S, RosStopwatch
+from remodel_states.core.tables import Ability, TableError
 
 # A goal that an ability server has accepted: its feedback, its limits and its end
 
@@ -59,7 +57,9 @@ class RunningGoal:
         self._handle = handle
         self._result = message_class(ability, "Result")
         self._feedback = message_class(ability, "Feedback")
-        self._elapsed = elapsed or _stopwatch().read
+        self._elapsed = (
+            elapsed or RosStopwatch(lambda: rospy.Time.now().to_sec(), time.monotonic).read
+        )
         self._cancelled = threading.Event()
         self._latest = ("", 0.0)
         self._reported_s = 0.0
@@ -167,11 +167,6 @@ class RunningGoal:
         self._reported_s = time.monotonic()
         feedback = self._feedback(self.goal.id, message, self.elapsed_s, share)
         self._handle.publish_feedback(feedback)
-
-
-def _stopwatch() -> RosStopwatch:
-    """Return a stopwatch that starts now."""
-    return RosStopwatch(lambda: rospy.Time.now().to_sec(), time.monotonic)
 
 
 # Goals that are invalid, whatever the ability

@@ -32,11 +32,11 @@ from flexbe_core.core import UserData
 from flexbe_core.proxy import ProxyActionClient
 from flexbe_core.testing import wait_until
 from flexbe_synthesizer.core.library.sources import read_state_class
-from remodel_states import record_keeping
-from remodel_states.core.ability_tables import POSE as POSE_TYPE
-from remodel_states.core.ability_tables import POSES as POSES_TYPE
+from remodel_states import line
 from remodel_states.core.contract import GRACE_S, LATE_S
 from remodel_states.core.state_source import module_name
+from remodel_states.core.tables import POSE as POSE_TYPE
+from remodel_states.core.tables import POSES as POSES_TYPE
 from remodel_states.count_attempts_state import CountAttemptsState
 from remodel_states.edge.exported_tables import read_abilities
 from remodel_states.place_pin_state import SLOW, PlacePinState
@@ -135,12 +135,12 @@ class Recorder:
 @contextmanager
 def recorded_by(service):
     """Have records kept by a service."""
-    rospy.set_param(record_keeping.RECORDER_PARAMETER, service)
+    rospy.set_param(line.RECORDER_PARAMETER, service)
     try:
         yield
     finally:
-        if rospy.has_param(record_keeping.RECORDER_PARAMETER):
-            rospy.delete_param(record_keeping.RECORDER_PARAMETER)
+        if rospy.has_param(line.RECORDER_PARAMETER):
+            rospy.delete_param(line.RECORDER_PARAMETER)
 
 
 class AbilityStatesTest(unittest.TestCase):
@@ -482,7 +482,7 @@ class AbilityStatesTest(unittest.TestCase):
         self.fakes["FixCable"].script(FakeAnswer())
         with (
             self.recorder() as recorder,
-            mock.patch.object(record_keeping, "WARN_EVERY_S", 0.3),
+            mock.patch.object(line, "WARN_EVERY_S", 0.3),
             mock.patch.object(Logger, "logwarn") as warn,
         ):
             recorder.says = KeepRecordResponse(False, "the disk is full")
@@ -527,7 +527,7 @@ class AbilityStatesTest(unittest.TestCase):
             state, data = self.state("InsertCable"), userdata()
             self.assertTrue(wait_until(lambda: state.execute(data) or len(recorder.asked) > 2))
             # A master that lost its parameters must not end a pause.
-            rospy.delete_param(record_keeping.RECORDER_PARAMETER)
+            rospy.delete_param(line.RECORDER_PARAMETER)
             asked = len(recorder.asked)
             self.assertTrue(wait_until(lambda: state.execute(data) or len(recorder.asked) > asked))
             self.assertEqual(fake.goals, [])
@@ -601,7 +601,7 @@ class AbilityStatesTest(unittest.TestCase):
             recorder.may_answer.set()
             state, data = self.state("FixCable"), userdata()
             self.assertTrue(wait_until(lambda: state.execute(data) or recorder.came))
-            rospy.delete_param(record_keeping.RECORDER_PARAMETER)
+            rospy.delete_param(line.RECORDER_PARAMETER)
             self.assertEqual(run(state, data), "fixed")
 
     def test_a_state_that_is_left_while_its_record_is_not_kept_sends_it_once_more(self):

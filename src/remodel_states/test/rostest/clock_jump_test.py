@@ -12,7 +12,7 @@ from remodel_msgs.msg import ErrorCode
 from rosgraph_msgs.msg import Clock
 
 from flexbe_core.core import UserData
-from flexbe_core.proxy.action_connection import SILENCE_S
+from flexbe_core.proxy.proxy_action_client import SILENCE_S
 from remodel_states.fix_cable_state import FixCableState
 from remodel_states.testing import FakeAbility, FakeAnswer
 

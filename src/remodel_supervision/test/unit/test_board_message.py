@@ -12,7 +12,7 @@ from remodel_production.core.board.panel import panel_of
 from remodel_production.core.imports.kbl import import_kbl
 from remodel_production.core.imports.qet import import_qet
 from remodel_production.edge.design_files import catalogue_file, read_catalogue
-from remodel_states.core.wires.wire_materials import PROPERTIES
+from remodel_states.core.wires import PROPERTIES
 from remodel_supervision.ros.peers.board_message import board_message, panel_text
 from remodel_tasks.core.orders.board_order import board_order
 from remodel_tasks.edge.use_case_files import find_use_case

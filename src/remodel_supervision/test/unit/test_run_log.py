@@ -12,8 +12,11 @@ from sqlalchemy import create_engine, text
 from remodel_production.core.production import Component, Order, Side, Terminal, TerminalRef, Wire
 from remodel_production.edge.database import production_database
 from remodel_production.edge.database.cell_ownership import database_time_s
-from remodel_production.edge.database.production_database import ProductionDatabase
-from remodel_production.edge.database.rehearsals import keep_rehearsal, last_rehearsal
+from remodel_production.edge.database.production_database import (
+    ProductionDatabase,
+    keep_rehearsal,
+    last_rehearsal,
+)
 from remodel_production.errors import LostError, OrderError, OwnerError, RecordLostError
 from remodel_run.rehearsal import Forecast, Rehearsal, RehearsedCall, Trial
 from remodel_supervision.core.learning.experience import REHEARSED_WEIGHT, TriedResponse
@@ -381,7 +384,7 @@ def test_a_file_that_was_put_in_place_of_the_database_is_used(in_file, file):
 
 
 def test_a_database_that_does_not_answer_counts_as_lost(in_file, monkeypatch):
-    monkeypatch.setattr(production_database, "_WAIT_S", 0)
+    monkeypatch.setattr(production_database, "WAIT_S", 0)
     log, owner = RunLog(in_file), owner_of(in_file)
     with in_file.transaction() as connection:
         connection.execute(text("SELECT 1"))

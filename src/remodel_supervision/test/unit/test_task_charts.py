@@ -36,7 +36,7 @@ from remodel_tasks.core.task_charts.task_chart import (
     task_chart,
 )
 from remodel_tasks.edge.anytime_planner import plan_problem
-from remodel_tasks.edge.chart_folder import keep_chart
+from remodel_tasks.edge.document_files import keep_chart
 from remodel_tasks.edge.fault_file import read_error_names
 from remodel_tasks.edge.use_case_files import find_use_case, read_use_case
 from remodel_tasks.errors import UseCaseError

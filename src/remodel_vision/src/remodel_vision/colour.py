@@ -8,7 +8,7 @@ import cv2
 import numpy as np
 import numpy.typing as npt
 
-from remodel_states.core.wires.wire_colours import Rgb, rgbs_of
+from remodel_states.core.wires import Rgb, rgbs_of
 from remodel_work.camera import View
 from remodel_work.component_shape import PLATE_RGB
 from remodel_work.geometry import Array, Pose

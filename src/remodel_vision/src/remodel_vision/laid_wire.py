@@ -15,7 +15,7 @@ import cv2
 import numpy as np
 import numpy.typing as npt
 
-from remodel_states.core.wires.wire_colours import rgbs_of
+from remodel_states.core.wires import rgbs_of
 from remodel_vision.cables import detect_cables
 from remodel_vision.cables.lines import across_gap, arc_lengths
 from remodel_work.camera import Picture

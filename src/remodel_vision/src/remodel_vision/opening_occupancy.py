@@ -25,7 +25,7 @@ import cv2
 import numpy as np
 import numpy.typing as npt
 
-from remodel_states.core.wires.wire_colours import DISTINCT_COLOURS, rgbs_of
+from remodel_states.core.wires import DISTINCT_COLOURS, rgbs_of
 from remodel_vision.colour import WIRE_SHADES, ferrule_mask
 from remodel_vision.laid_wire import WireLines, crossings
 from remodel_work.camera import Picture

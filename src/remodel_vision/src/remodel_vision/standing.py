@@ -9,7 +9,7 @@ import cv2
 import numpy as np
 import numpy.typing as npt
 
-from remodel_states.core.wires.wire_colours import WIRE_RGB
+from remodel_states.core.wires import WIRE_RGB
 from remodel_work.camera import Picture, are_nearest
 from remodel_work.component_shape import Box
 from remodel_work.geometry import Array, Pose

@@ -10,7 +10,7 @@ from drawn import bow, boxes_of, picture, standing, tip_of
 from panels import panel
 
 from remodel_states.core.codes import Code
-from remodel_states.core.wires.wire_colours import DISTINCT_COLOURS
+from remodel_states.core.wires import DISTINCT_COLOURS
 from remodel_vision.label_pose import LabelView, locate_component
 from remodel_vision.labels import find_labels
 from remodel_vision.wire_ends import find_ends, line_between

@@ -8,7 +8,7 @@ import pytest
 from drawn import bow, boxes_of, picture, tip_of
 from panels import panel
 
-from remodel_states.core.wires.wire_colours import WIRE_RGB
+from remodel_states.core.wires import WIRE_RGB
 from remodel_vision.laid_wire import WireLines, follow, joined, wire_around, wire_past
 from remodel_work.edge.cell_file import read_cell
 from remodel_work.geometry import Pose

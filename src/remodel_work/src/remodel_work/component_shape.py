@@ -25,7 +25,7 @@ import cv2
 import numpy as np
 import numpy.typing as npt
 
-from remodel_states.core.wires.wire_colours import Rgb, rgbs_of
+from remodel_states.core.wires import Rgb, rgbs_of
 from remodel_work.geometry import Array
 from remodel_work.panel import Component, Connector, PanelTerminal, PanelWire, WireEnd
 

@@ -9,7 +9,7 @@ from dataclasses import fields, is_dataclass
 from itertools import pairwise
 
 from remodel_states.core.cell import CellLimits, footprint, overlaps, within
-from remodel_states.core.wires.wire_colours import WIRE_RGB, is_colour
+from remodel_states.core.wires import WIRE_RGB, is_colour
 from remodel_work.board_rules import board_problems
 from remodel_work.geometry import Pose, wrap_angle
 from remodel_work.panel import (

@@ -5,7 +5,7 @@ import dataclasses
 import pytest
 from panels import EXAMPLES, example
 
-from remodel_states.edge.wire_material_file import read_wire_materials
+from remodel_states.edge.exported_tables import read_wire_materials
 from remodel_work.edge.cell_file import read_cell
 from remodel_work.errors import PanelError
 from remodel_work.layout import find_problems as problems_of

@@ -6,7 +6,7 @@ from panels import EXAMPLES, example
 from remodel_msgs.msg import Component, Duct, Rail, Terminal, Wire
 from remodel_msgs.msg import Panel as PanelMsg
 
-from remodel_states.core.wires.wire_materials import PROPERTIES, WireMaterials
+from remodel_states.core.wires import PROPERTIES, WireMaterials
 from remodel_work import panel as values
 from remodel_work.ros.panel_message import panel_from, panel_message
 

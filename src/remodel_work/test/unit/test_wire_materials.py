@@ -5,8 +5,8 @@ import pytest
 from remodel_msgs.msg import Panel as PanelMsg
 from remodel_msgs.msg import Wire as WireMsg
 
-from remodel_states.core.wires.wire_materials import PROPERTIES
-from remodel_states.edge.wire_material_file import read_wire_materials
+from remodel_states.core.wires import PROPERTIES
+from remodel_states.edge.exported_tables import read_wire_materials
 from remodel_work.errors import PanelError
 from remodel_work.ros.panel_message import panel_from
 

@@ -1,7 +1,6 @@
 """FlexBE's Python API: what behaviors and states import."""
 
-from flexbe_core.autonomy import Autonomy
-from flexbe_core.behavior import Behavior
+from flexbe_core.behavior import Autonomy, Behavior
 from flexbe_core.behavior_library import BehaviorLibrary
 from flexbe_core.core import (
     ConcurrencyContainer,

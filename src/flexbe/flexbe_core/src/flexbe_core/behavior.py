@@ -1,4 +1,4 @@
-"""A behavior, as users define it: a root container and the parameters it is built from."""
+"""A behavior, as users define it: a root container, parameters, and autonomy levels."""
 
 from __future__ import annotations
 
@@ -18,6 +18,19 @@ from flexbe_core.ros.session import own_session
 
 # Attributes of every behavior that are not parameters.
 _NO_PARAMETERS = frozenset({"name", "id", "contains", "requested_state_path"})
+
+
+class Autonomy:
+    """How much a transition needs.
+
+    A transition is taken without asking if its level is below the behavior's.
+    """
+
+    Inherit = 0
+    Off = 0
+    Low = 1
+    High = 2
+    Full = 3
 
 
 class Behavior:

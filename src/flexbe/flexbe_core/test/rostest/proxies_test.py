@@ -27,8 +27,12 @@ from flexbe_core.proxy import (
     ProxySubscriberCached,
     ProxyTransformListener,
 )
-from flexbe_core.proxy.action_connection import SILENCE_S, ActionConnection
-from flexbe_core.proxy.proxy_action_client import LOST_GRACE_S, ActionServerLostError
+from flexbe_core.proxy.proxy_action_client import (
+    LOST_GRACE_S,
+    SILENCE_S,
+    ActionConnection,
+    ActionServerLostError,
+)
 from flexbe_core.testing import wait_until
 
 LIMIT_S = 90.0

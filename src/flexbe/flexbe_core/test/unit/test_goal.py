@@ -2,7 +2,7 @@
 
 from actionlib_msgs.msg import GoalStatus
 
-from flexbe_core.proxy.action_connection import UNNOTICED_S, Goal
+from flexbe_core.proxy.proxy_action_client import UNNOTICED_S, Goal
 
 
 def status(code, text=""):

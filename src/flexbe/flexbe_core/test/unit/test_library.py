@@ -21,7 +21,7 @@ def workspace(tmp_path, monkeypatch):
 @pytest.fixture
 def warnings(monkeypatch):
     warned = []
-    monkeypatch.setattr(BehaviorLibrary, "_warn", lambda self, text: warned.append(text))
+    monkeypatch.setattr("rospy.logwarn", lambda form, *args: warned.append(form % args))
     return warned
 
 
@@ -132,14 +132,12 @@ def test_of_two_behaviors_with_one_name_the_first_is_used(workspace, warnings):
     assert "there are two behaviors named 'Same'" in warnings[0]
 
 
-def test_warnings_are_logged_once(workspace, monkeypatch):
-    warned = []
-    monkeypatch.setattr("rospy.logwarn", lambda form, *args: warned.append(form % args))
+def test_warnings_are_logged_once(workspace, warnings):
     add_package(workspace, "cell", {"Good": "good_sm"})
     write(workspace / "cell" / "manifest" / "broken.xml", "<beh")
     library = BehaviorLibrary()
     library.find_behavior("Nothing")
-    assert len(warned) == 1
+    assert len(warnings) == 1
 
 
 def test_a_package_inside_a_folder_that_is_no_part_of_the_workspace_is_ignored(workspace):

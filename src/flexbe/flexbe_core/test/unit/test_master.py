@@ -29,8 +29,8 @@ def port(monkeypatch):
         free.bind(("127.0.0.1", 0))
         port = free.getsockname()[1]
     monkeypatch.setenv("ROS_MASTER_URI", f"http://127.0.0.1:{port}")
-    monkeypatch.setattr(master, "_WATCH_EVERY_S", 0.02)
-    monkeypatch.setattr(master, "_CALL_LIMIT_S", 0.2)
+    monkeypatch.setattr(master, "WATCH_EVERY_S", 0.02)
+    monkeypatch.setattr(master, "CALL_LIMIT_S", 0.2)
     monkeypatch.setattr(master, "SILENCE_S", 0.3)
     return port
 
@@ -159,7 +159,6 @@ def test_a_node_ends_by_a_signal_that_another_thread_received(port, monkeypatch)
     monkeypatch.setattr(master.rospy, "on_shutdown", on_shutdown.append)
     # This process is no node, and goes on.
     monkeypatch.setattr(master.rospy, "signal_shutdown", lambda reason: None)
-    monkeypatch.setattr(master, "_ended", threading.Event())
 
     def end(*_):
         for call in on_shutdown:

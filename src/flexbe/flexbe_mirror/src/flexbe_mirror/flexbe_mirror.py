@@ -1,7 +1,20 @@
-"""The mirror as a ROS node, at stock FlexBE's import path: publishes which state is active.
+"""The mirror: follow one behavior after the other in the tree of its states and containers.
 
-`flexbe/behavior_update` is latched: a late subscriber receives the active state at once. ROS
-callbacks put messages into a queue, and one thread handles them, so that their order is kept.
+    idle --STARTED--> waiting for the structure --structure--> following
+      ^                     |  (asks for it after ASK_AFTER_S)     |
+      +---------------------+-------- any end, silence -----------+
+
+An engine of this workspace publishes its active state, in the order of the run: on_active_state.
+With any other engine, on_outcome goes from state to state through the structure, and on_sync
+jumps. Outcomes and syncs arrive on separate topics, and may overtake each other.
+
+While an engine is silent, no state is shown; when its heartbeat resumes, the mirror follows it
+again. Each method of Mirror returns what to do: Show, AskForStructure, AskWhere. A mirror that
+joins late, or gets the structure late, does not know the active state and asks for it.
+
+FlexbeMirror is the node's part, at stock FlexBE's import path. `flexbe/behavior_update` is latched:
+a late subscriber receives the active state at once. ROS callbacks put messages into a queue, and
+one thread handles them, so that their order is kept.
 """
 
 from __future__ import annotations
@@ -9,24 +22,230 @@ from __future__ import annotations
 import queue
 import threading
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
+from dataclasses import dataclass
 
 import rospy
 from flexbe_msgs.msg import BehaviorSync, BEStatus, ContainerStructure
 from genpy import Message
 from std_msgs.msg import Empty, Int32, String, UInt8
 
+from flexbe_core.engine.supervision import StatusCode, checksum
 from flexbe_core.ros import topics
-from flexbe_mirror.mirror import (
-    Action,
-    AskForStructure,
-    AskWhere,
-    Mirror,
-    Part,
-    Show,
-    StructureError,
-    Tree,
-)
+
+
+class StructureError(ValueError):
+    """A structure message that does not describe a whole behavior."""
+
+
+@dataclass(frozen=True)
+class Part:
+    """A container or state.
+
+    Attributes:
+        path: its path; empty for the root.
+        children: labels of its children; none for a state.
+        transitions: outcomes in their order -> label or outcome of the container around it.
+    """
+
+    path: str
+    children: tuple[str, ...]
+    transitions: tuple[tuple[str, str], ...]
+
+
+class Tree:
+    """The parts of one behavior.
+
+    Attributes:
+        parts: path -> part.
+    """
+
+    def __init__(self, parts: Iterable[Part]) -> None:
+        """Put the parts together; their order does not matter.
+
+        Raises:
+            StructureError: if there is no root, or a child is missing.
+        """
+        self.parts = {part.path: part for part in parts}
+        if "" not in self.parts:
+            raise StructureError("the structure has no root, a container with an empty path")
+        missing = [
+            f"{part.path}/{label}"
+            for part in self.parts.values()
+            for label in part.children
+            if f"{part.path}/{label}" not in self.parts
+        ]
+        if missing:
+            raise StructureError(f"the structure lacks {', '.join(missing)}")
+
+    def first_state(self, path: str = "") -> str:
+        """Return the state that is active first in a container; a state stands for itself."""
+        while self.parts[path].children:
+            path = f"{path}/{self.parts[path].children[0]}"
+        return path
+
+    def state_with(self, path_checksum: int) -> str | None:
+        """Return the part whose path has this checksum; None if there is none."""
+        return next((path for path in self.parts if checksum(path) == path_checksum), None)
+
+    def follow(self, path: str, outcome_index: int) -> str | None:
+        """Return the state that is active after a state took an outcome; None after the last.
+
+        Raises:
+            IndexError: if the state has no such outcome.
+        """
+        if not 0 <= outcome_index < len(self.parts[path].transitions):
+            raise IndexError(f"{path} has no outcome {outcome_index}")
+        target = self.parts[path].transitions[outcome_index][1]
+        while path:
+            container = path.rpartition("/")[0]
+            if target in self.parts[container].children:
+                return self.first_state(f"{container}/{target}")
+            path = container
+            target = dict(self.parts[path].transitions).get(target, target)
+        return None
+
+
+# [s] The structure arrives by itself with a behavior that an operator starts; otherwise the mirror
+# asks for it after this long, and again until it arrives.
+ASK_AFTER_S = 0.2
+ASK_AGAIN_S = 1.0
+
+# [s] The engine beats once per second.
+SILENCE_S = 5.0
+
+
+@dataclass(frozen=True)
+class Show:
+    """Publish that this state is active; empty if none is."""
+
+    path: str
+
+
+@dataclass(frozen=True)
+class AskForStructure:
+    """Ask the engine for the structure of the behavior with this id."""
+
+    behavior_id: int
+
+
+@dataclass(frozen=True)
+class AskWhere:
+    """Ask the engine which state is active."""
+
+
+Action = Show | AskForStructure | AskWhere
+
+_ENDS = {StatusCode.FINISHED, StatusCode.FAILED, StatusCode.SWITCHING, StatusCode.READY}
+
+
+class Mirror:
+    """The active state of the running behavior.
+
+    Attributes:
+        path: of the active state; empty if none is, or it is not known.
+    """
+
+    def __init__(self) -> None:
+        self.path = ""
+        self._is_new = True
+        self._behavior_id: int | None = None
+        self._tree: Tree | None = None
+        self._buffered: dict[int, Tree] = {}
+        self._ask_at = 0.0
+        self._heard_at = 0.0
+        self._lost: int | None = None
+        self._named = ""
+        self._is_first = False
+
+    def on_heartbeat(self, now: float) -> list[Action]:
+        """Take a sign of life of the engine; `now` [s] is wall time."""
+        self._heard_at = now
+        lost, self._lost = self._lost, None
+        return [] if lost is None else self._begin(lost, None, now)
+
+    def on_status(
+        self, code: int, behavior_id: int, args: tuple[str, ...], now: float
+    ) -> list[Action]:
+        """Take a status of the engine; `now` [s] is wall time."""
+        self._heard_at, self._lost = now, None
+        if code == StatusCode.STARTED:
+            return self._begin(behavior_id, args[0] if args else None, now)
+        if self._behavior_id is None:
+            return self._show("") if self._is_new else []
+        is_end = code in _ENDS or (code == StatusCode.ERROR and behavior_id == self._behavior_id)
+        return self._end() if is_end else []
+
+    def on_structure(self, behavior_id: int, tree: Tree) -> list[Action]:
+        """Take the structure of a behavior; it may arrive before the behavior is started."""
+        self._buffered = {behavior_id: tree}
+        if behavior_id != self._behavior_id or self._tree is not None:
+            return []
+        self._tree = tree
+        return [AskWhere()]
+
+    def on_active_state(self, path: str) -> list[Action]:
+        """Take the active state from an engine that publishes it, perhaps before STARTED."""
+        self._named = path
+        is_known = self._is_first and path == self.path
+        # A status reports that no state is active.
+        return [] if self._behavior_id is None or not path or is_known else self._show(path)
+
+    def on_outcome(self, index: int) -> list[Action]:
+        """Take the outcome of the active state."""
+        if self._tree is None or not self.path:
+            return []
+        try:
+            following = self._tree.follow(self.path, index)
+        except IndexError:
+            return [AskWhere()]
+        return [] if following is None else self._show(following)
+
+    def on_sync(self, behavior_id: int, path_checksum: int) -> list[Action]:
+        """Take the active state, by the checksum of its path."""
+        if self._tree is None or behavior_id != self._behavior_id:
+            return []
+        path = self._tree.state_with(path_checksum)
+        return [] if path is None else self._show(path)
+
+    def on_time(self, now: float) -> list[Action]:
+        """Ask for what is missing, once it is late; `now` [s] is wall time."""
+        if self._behavior_id is None:
+            return []
+        if now - self._heard_at > SILENCE_S:
+            self._lost = self._behavior_id
+            return self._end()
+        if self.path or now < self._ask_at:
+            return []
+        self._ask_at = now + ASK_AGAIN_S
+        return [AskForStructure(self._behavior_id) if self._tree is None else AskWhere()]
+
+    def _begin(self, behavior_id: int, resume_at: str | None, now: float) -> list[Action]:
+        self._behavior_id = behavior_id
+        self._tree, self.path = self._buffered.get(behavior_id), ""
+        self._ask_at = now + ASK_AFTER_S
+        if self._named:
+            return self._show(self._named)
+        if self._tree is None:
+            return []
+        is_there = resume_at in self._tree.parts
+        actions = self._show(resume_at if is_there else self._tree.first_state())
+        self._is_first = True  # and not to be shown again when the engine names it
+        return actions
+
+    def _show(self, path: str | None) -> list[Action]:
+        self._is_new = self._is_first = False
+        self.path = path or ""
+        return [Show(self.path)]
+
+    def _end(self) -> list[Action]:
+        # A request for the structure makes the engine supervise the run; each run needs one.
+        if self._behavior_id is not None:
+            self._buffered.pop(self._behavior_id, None)
+        self._behavior_id = self._tree = None
+        self._named = ""
+        return self._show("")
+
 
 # [s] Wall time between two checks of what is late.
 _CHECK_EVERY_S = 0.1
@@ -108,6 +327,3 @@ class FlexbeMirror:
     def _is_named(self) -> bool:
         """Return whether the engine names its active state itself, in the order of the run."""
         return self._names.get_num_connections() > 0
-
-
-__all__ = ["FlexbeMirror"]

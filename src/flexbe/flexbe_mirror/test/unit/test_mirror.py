@@ -3,7 +3,7 @@
 import pytest
 
 from flexbe_core.engine.supervision import StatusCode, checksum
-from flexbe_mirror.mirror import (
+from flexbe_mirror.flexbe_mirror import (
     ASK_AFTER_S,
     ASK_AGAIN_S,
     SILENCE_S,

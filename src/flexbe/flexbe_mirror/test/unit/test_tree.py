@@ -6,7 +6,7 @@ from flexbe_core import OperatableStateMachine
 from flexbe_core.engine.definitions import structure_of
 from flexbe_core.engine.supervision import checksum
 from flexbe_core.testing import ScriptedState
-from flexbe_mirror.mirror import Part, StructureError, Tree
+from flexbe_mirror.flexbe_mirror import Part, StructureError, Tree
 
 
 def tree():

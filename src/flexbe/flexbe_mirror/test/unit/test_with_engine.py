@@ -22,7 +22,7 @@ from flexbe_core.engine.leaf import Leaf
 from flexbe_core.engine.supervision import Left, Shown, StatusCode, Synced, checksum
 from flexbe_core.engine.user_data import BehaviorFailure
 from flexbe_core.testing import ScriptedState
-from flexbe_mirror.mirror import AskWhere, Mirror, Part, Show, Tree
+from flexbe_mirror.flexbe_mirror import AskWhere, Mirror, Part, Show, Tree
 
 RUNS = 1000
 RUNS_PER_TEST = 250

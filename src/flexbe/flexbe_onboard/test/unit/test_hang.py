@@ -1,6 +1,6 @@
 """When an execution counts as a hang."""
 
-from flexbe_onboard.hang_watch import REPORT_AGAIN_S, Execution, HangAlarm
+from flexbe_onboard.run_watch import REPORT_AGAIN_S, Execution, HangAlarm
 
 
 def test_a_hang_is_reported_once_and_again_later():

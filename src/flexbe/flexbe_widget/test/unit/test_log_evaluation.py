@@ -3,8 +3,7 @@
 import pytest
 
 from flexbe_widget.core.log_evaluation import evaluate, table
-from flexbe_widget.edge.files import read_log
-from flexbe_widget.errors import LogError
+from flexbe_widget.edge.files import LogError, read_log
 
 SAY = "name: Say, state: LogState, path: /Say"
 RECORD = f"""\

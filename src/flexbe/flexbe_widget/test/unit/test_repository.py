@@ -7,9 +7,8 @@ from catkin_pkg.package import parse_package_string
 
 from flexbe_testing.core.app_behavior import read_state
 from flexbe_widget.core.command_line import read_breakpoints
-from flexbe_widget.core.repository import repository
+from flexbe_widget.core.repository import RepositoryError, repository
 from flexbe_widget.edge.files import write_new_files
-from flexbe_widget.errors import RepositoryError
 
 
 def test_both_packages_are_valid_and_export_what_they_hold():

@@ -4,7 +4,7 @@ from types import SimpleNamespace
 
 import pytest
 
-from flexbe_widget.errors import RequestError
+from flexbe_widget.edge.files import RequestError
 from flexbe_widget.ros.request_server import start_request
 
 

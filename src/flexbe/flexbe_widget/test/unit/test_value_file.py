@@ -2,8 +2,7 @@
 
 import pytest
 
-from flexbe_widget.edge.files import resolved, yaml_text
-from flexbe_widget.errors import RequestError
+from flexbe_widget.edge.files import RequestError, resolved, yaml_text
 
 
 @pytest.fixture

@@ -33,25 +33,6 @@ from remodel_console.core.editing import Path, change_at, container_at
 
 
 @dataclass(frozen=True)
-class ServerRequest:
-    """A request to a synthesis server.
-
-    Attributes:
-        topic: name of its action.
-        system: name of the robot system; may be empty.
-        path: of the container to fill, such as `/Place/Insert`.
-        initial: where it starts; empty for where the chart itself does.
-        goal: path of the chart.
-    """
-
-    topic: str
-    system: str
-    path: str
-    initial: str
-    goal: str
-
-
-@dataclass(frozen=True)
 class Inspection:
     """What the checks found.
 

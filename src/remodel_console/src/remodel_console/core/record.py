@@ -14,7 +14,7 @@ from difflib import SequenceMatcher
 from functools import cache, cached_property
 from itertools import accumulate, zip_longest
 
-from remodel_console.core.running_chart import recorded_state
+from remodel_console.core.running import recorded_state
 from remodel_console.core.use_case import UseCase, duration_words
 from remodel_run.progress import Sums
 from remodel_run.record import Entry, Kind, decision_words, entry_words, fault_words

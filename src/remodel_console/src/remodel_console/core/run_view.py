@@ -8,8 +8,7 @@ from typing import TypeAlias
 
 from flexbe_synthesizer.core.chart.names import FAILED
 from flexbe_synthesizer.core.machine.lower import OTHER
-from remodel_console.core.order import UNATTENDED
-from remodel_console.core.running_chart import FAILURES, ChartState, Structure, chart_state
+from remodel_console.core.running import FAILURES, UNATTENDED, ChartState, Structure, chart_state
 
 _WITHDRAWN = 255  # the outcome of a request that takes the previous one back
 
@@ -371,10 +370,6 @@ def _without_ask(view: RunView, path: str) -> RunView:
     return view if asks == view.asks else replace(view, asks=asks)
 
 
-def _label(path: str) -> str:
-    return path.rpartition("/")[2]
-
-
 def _back(view: RunView, before: RunView, path: str) -> RunView:
     """Return the view after a request has ended with the state active that is shown then.
 
@@ -413,7 +408,7 @@ def _on_acknowledged(view: RunView, event: Acknowledged) -> RunView:
     if event.command == "transition" and has_worked:
         # The next state may have asked before this arrives: topics have no order.
         about = [ask.path for ask in view.asks if args[0] == ask.path]
-        about = about or [ask.path for ask in view.asks if args[0] == _label(ask.path)]
+        about = about or [ask.path for ask in view.asks if args[0] == ask.path.rpartition("/")[2]]
         if len(about) == 1:  # else `Left` names the one
             return _back(_without_ask(view, about[0]), view, about[0])
     return view

@@ -1,10 +1,13 @@
-"""What a synthesis server returns as a chart: the inverse of the synthesizer's `instantiate`."""
+"""Requests to a synthesis server, and what it returns as a chart.
+
+The latter is the inverse of the synthesizer's `instantiate`.
+"""
 
 from __future__ import annotations
 
 import ast
 from collections.abc import Iterable, Iterator
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 from flexbe_synthesizer.core.chart.model import Autonomy, Chart, freeze
 from flexbe_synthesizer.core.export.layout import WRITER, Instantiation
@@ -32,6 +35,25 @@ _KINDS = {
 }
 _BEHAVIOR = ":BEHAVIOR"
 _LEVELS = (None, Autonomy.LOW, Autonomy.HIGH, Autonomy.FULL)  # off is the default of states
+
+
+@dataclass(frozen=True)
+class ServerRequest:
+    """A request to a synthesis server.
+
+    Attributes:
+        topic: name of its action.
+        system: name of the robot system; may be empty.
+        path: of the container to fill, such as `/Place/Insert`.
+        initial: where it starts; empty for where the chart itself does.
+        goal: path of the chart.
+    """
+
+    topic: str
+    system: str
+    path: str
+    initial: str
+    goal: str
 
 
 def chart_from_states(states: Iterable[Instantiation], name: str, library: Library) -> Chart:

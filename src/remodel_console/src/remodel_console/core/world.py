@@ -10,9 +10,8 @@ from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass, field, replace
 from enum import Enum
 
-from remodel_console.core.order import TakeOutcome
 from remodel_console.core.run_view import Phase, RunView
-from remodel_console.core.running_chart import Decision, Decisions
+from remodel_console.core.running import Decision, Decisions, TakeOutcome
 from remodel_console.core.use_case import Question, UseCase
 from remodel_run.progress import Answer
 from remodel_run.progress import Phase as UseCasePhase

@@ -22,7 +22,7 @@ import numpy as np
 from flexbe_synthesizer.edge.package_path import find_packages
 from remodel_console.core.cell import Recording
 from remodel_console.core.commands import Actor, CommandResult, Entry
-from remodel_console.core.order import LogLine
+from remodel_console.core.running import LogLine
 from remodel_console.core.settings import Settings, read_settings, write_settings
 from remodel_console.errors import CommandError, PictureError
 from remodel_run.progress import HandWire
@@ -355,7 +355,7 @@ def _triangles(text: str) -> Iterator[tuple[Vertex, Vertex, Vertex]]:
                 yield corners[0], second, third
 
 
-_RUNS_KEPT = 100  # runs; the oldest are deleted
+RUNS_KEPT = 100  # runs; the oldest are deleted
 _LARGEST = 2 * 1024**3  # bytes of all files
 _MINE = ".scene.jsonl"
 
@@ -421,7 +421,7 @@ class SceneFiles:
         """Delete the oldest recordings if there are too many."""
         files = sorted(self._files(), key=lambda path: path.stat().st_mtime)
         total = sum(path.stat().st_size for path in files)
-        while files and (len(files) >= _RUNS_KEPT or total > _LARGEST):
+        while files and (len(files) >= RUNS_KEPT or total > _LARGEST):
             oldest = files.pop(0)
             total -= oldest.stat().st_size
             oldest.unlink()

@@ -12,12 +12,12 @@ import ast
 import sys
 import threading
 import time
-import zlib
 from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass, field, replace
 from functools import wraps
 from pathlib import Path
 
+from flexbe_core.engine.supervision import checksum
 from flexbe_synthesizer.core.chart import names
 from flexbe_synthesizer.core.chart.chart_reader import read_chart
 from flexbe_synthesizer.core.chart.chart_writer import write_chart
@@ -477,7 +477,7 @@ class Catalogue:
         for behavior in inventory.library.behaviors:
             text = _text(_file(folders[behavior.package], behavior.module))
             if text is not None:
-                found.append(Installed(behavior, _checksum(behavior.module), _checksum(text)))
+                found.append(Installed(behavior, checksum(behavior.module), checksum(text)))
         return tuple(sorted(found, key=lambda one: one.name))
 
     def states(self) -> tuple[StateClass, ...]:
@@ -509,11 +509,6 @@ def _text(file: Path) -> str | None:
         return read_regular_text(file)
     except (OSError, ValueError):
         return None
-
-
-def _checksum(text: str) -> int:
-    """Return the checksum of FlexBE's wire protocol: Adler-32, cut to 31 bits."""
-    return zlib.adler32(text.encode()) & 0x7FFFFFFF
 
 
 _FIXED = (3, 11, 5)

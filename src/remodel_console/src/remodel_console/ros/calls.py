@@ -25,7 +25,7 @@ from std_msgs.msg import String
 from flexbe_core.ros.master import senders
 from flexbe_synthesizer.core.export.layout import Instantiation
 from remodel_console.core.commands import CommandResult, read_answer, trouble_words
-from remodel_console.core.inspection import ServerRequest
+from remodel_console.core.server_states import ServerRequest
 from remodel_console.errors import CommandError
 from remodel_console.ros import topics
 

@@ -24,7 +24,7 @@ from remodel_console.core.commands import (
     is_allowed,
     read_command,
 )
-from remodel_console.core.order import Hold, Release
+from remodel_console.core.running import Hold, Release
 from remodel_console.core.settings import Settings
 from remodel_console.core.world import InputRequest
 from remodel_console.errors import CommandError

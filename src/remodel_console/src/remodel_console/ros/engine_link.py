@@ -22,8 +22,7 @@ from std_msgs.msg import Bool, Empty, Int32, String, UInt8
 
 from flexbe_core.ros.master import is_heard
 from flexbe_core.ros.topics import START_AT
-from remodel_console.core import order as orders
-from remodel_console.core.order import LogLine
+from remodel_console.core import running
 from remodel_console.core.run_view import (
     Acknowledged,
     Asked,
@@ -34,7 +33,7 @@ from remodel_console.core.run_view import (
     Left,
     LevelSeen,
 )
-from remodel_console.core.running_chart import Level, Structure
+from remodel_console.core.running import Level, LogLine, Structure
 from remodel_console.errors import CommandError
 from remodel_console.ros import topics
 
@@ -86,7 +85,11 @@ class EngineLink:
         subscribe(topics.REQUEST, OutcomeRequest, lambda m: report(Asked(m.target, m.outcome)))
         subscribe(topics.STRUCTURE, ContainerStructure, lambda m: report(_structure(m)))
         subscribe(topics.FEEDBACK, CommandFeedback, self._take_feedback)
-        subscribe(topics.LOG, BehaviorLog, lambda m: report_line(_log_line(m)))
+        subscribe(
+            topics.LOG,
+            BehaviorLog,
+            lambda m: report_line(LogLine(time.time(), m.status_code, m.text)),
+        )
         threading.Thread(target=self._watch, name="engine", daemon=True).start()
 
     @property
@@ -94,7 +97,7 @@ class EngineLink:
         """Return whether a mirror publishes the active state, besides the engine."""
         return self._updates.get_num_connections() > (1 if self._was_there else 0)
 
-    def send(self, order: orders.Order) -> None:
+    def send(self, order: running.Order) -> None:
         """Send an order, once the engine has subscribed to its topic.
 
         Raises:
@@ -170,38 +173,38 @@ class EngineLink:
         self._report(Acknowledged(message.command, tuple(message.args)))
 
 
-def _messages(order: orders.Order) -> tuple[tuple[str, Message], ...]:
+def _messages(order: running.Order) -> tuple[tuple[str, Message], ...]:
     """Return the topics and messages that an order becomes."""
     match order:
-        case orders.Start():
+        case running.Start():
             return ((topics.START, _selection(order)),)
-        case orders.Switch(_, behavior_id, checksum, level):
+        case running.Switch(_, behavior_id, checksum, level):
             version = BehaviorSelection(
                 behavior_id=behavior_id, behavior_checksum=checksum, autonomy_level=level
             )
             return ((topics.START, version),)
-        case orders.Attach(level):
+        case running.Attach(level):
             return ((topics.ATTACH, UInt8(level)),)
-        case orders.SetAutonomy(level):
+        case running.SetAutonomy(level):
             return ((topics.AUTONOMY, UInt8(level)),)
-        case orders.TakeOutcome(path, index):
+        case running.TakeOutcome(path, index):
             target = path if order.is_by_path else path.rpartition("/")[2]
             return ((topics.TRANSITION, OutcomeRequest(index, target)),)
-        case orders.Hold(path):
+        case running.Hold(path):
             return ((topics.LOCK, String(path)),)
-        case orders.Release(path):
+        case running.Release(path):
             return ((topics.UNLOCK, String(path)),)
-        case orders.Pause() | orders.Resume():
-            return ((topics.PAUSE, Bool(isinstance(order, orders.Pause))),)
-        case orders.Repeat():
+        case running.Pause() | running.Resume():
+            return ((topics.PAUSE, Bool(isinstance(order, running.Pause))),)
+        case running.Repeat():
             return ((topics.REPEAT, Empty()),)
-        case orders.ShowStructure():
+        case running.ShowStructure():
             return ((topics.SHOW_STRUCTURE, Int32(0)),)
-        case orders.Preempt():
+        case running.Preempt():
             return ((topics.PREEMPT, Empty()),)
 
 
-def _selection(order: orders.Start) -> BehaviorSelection:
+def _selection(order: running.Start) -> BehaviorSelection:
     start = ((START_AT, order.start_at),) if order.start_at else ()
     parameters = (*order.parameters, *start)
     return BehaviorSelection(
@@ -226,7 +229,3 @@ def _structure(message: ContainerStructure) -> Structure:
         for c in message.containers
     )
     return Structure(message.behavior_id, tuple(levels))
-
-
-def _log_line(message: BehaviorLog) -> LogLine:
-    return LogLine(time.time(), message.status_code, message.text)

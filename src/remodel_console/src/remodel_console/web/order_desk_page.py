@@ -22,12 +22,12 @@ from remodel_console.web.order_panels import (
     ColumnsPanel,
     show_account,
     show_before_start,
+    show_forecast,
     show_plan,
     show_triage,
 )
 from remodel_console.web.page import Page, card
 from remodel_console.web.preferences_panel import PreferencesPanel
-from remodel_console.web.rehearsal_panel import show_forecast
 from remodel_run.findings import CellFit, Triage
 
 

@@ -9,9 +9,9 @@ from nicegui import background_tasks, run, ui
 
 from remodel_console.core.cell import CellState, Recording, Value, differences
 from remodel_console.core.commands import DONE, Command, Verb
-from remodel_console.core.order import FULL, Pairs, Start
 from remodel_console.core.record import Moment, Record, Summary, recorded_wire_words
 from remodel_console.core.run_view import Phase
+from remodel_console.core.running import FULL, Pairs, Start
 from remodel_console.core.world import ALL_PARTS, World
 from remodel_console.edge.workspace import Installed
 from remodel_console.errors import CommandError

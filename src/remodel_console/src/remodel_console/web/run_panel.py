@@ -8,7 +8,8 @@ from functools import partial
 from nicegui import run, ui
 
 from flexbe_synthesizer.core.chart.model import Literal, format_literal
-from remodel_console.core.order import (
+from remodel_console.core.run_view import Phase, RunView, count_words
+from remodel_console.core.running import (
     LEVELS,
     STEP,
     UNATTENDED,
@@ -25,7 +26,6 @@ from remodel_console.core.order import (
     Switch,
     TakeOutcome,
 )
-from remodel_console.core.run_view import Phase, RunView, count_words
 from remodel_console.edge.workspace import Installed
 from remodel_console.errors import CommandError
 from remodel_console.web.page import Page, table

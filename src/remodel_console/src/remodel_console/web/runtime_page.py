@@ -11,9 +11,18 @@ from nicegui.element import Element
 
 from remodel_console.console import Console
 from remodel_console.core.cell import Row
-from remodel_console.core.order import Hold, LogLine, Order, Pause, Release, Repeat, Resume, Switch
 from remodel_console.core.plots import WINDOW_S, recent_plot
 from remodel_console.core.run_view import Phase, RunView, path_words, state_words
+from remodel_console.core.running import (
+    Hold,
+    LogLine,
+    Order,
+    Pause,
+    Release,
+    Repeat,
+    Resume,
+    Switch,
+)
 from remodel_console.core.world import Kind, World
 from remodel_console.errors import CommandError
 from remodel_console.web.canvas import BehaviorDrawing

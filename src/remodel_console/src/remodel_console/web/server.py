@@ -27,11 +27,10 @@ from remodel_console.web.editing_page import SESSION, released
 from remodel_console.web.editor_page import EditorPage
 from remodel_console.web.guard import Guard
 from remodel_console.web.order_desk_page import ADDRESS, FILE_ADDRESS, OrderDeskPage, take_design
-from remodel_console.web.overview_page import OverviewPage
+from remodel_console.web.overview_page import OverviewPage, StatisticsPage
 from remodel_console.web.page import Broadcast
 from remodel_console.web.replay_page import ReplayPage
 from remodel_console.web.runtime_page import RuntimePage
-from remodel_console.web.statistics_page import StatisticsPage
 from remodel_run.progress import Count, Phase
 
 

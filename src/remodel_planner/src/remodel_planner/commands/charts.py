@@ -13,7 +13,7 @@ from remodel_planner.commands.options.problem_files import (
 )
 from remodel_tasks.core.plan.checker import check
 from remodel_tasks.core.task_charts.planned_tasks import planned_tasks
-from remodel_tasks.edge.chart_folder import keep_chart
+from remodel_tasks.edge.document_files import keep_chart
 
 
 @refuses("charts")

@@ -11,9 +11,9 @@ from remodel_planner.commands.options.problem_files import (
     read_plan,
     read_problem,
 )
-from remodel_production.edge.text_file import write_text
 from remodel_tasks.core.plan.checker import check
 from remodel_tasks.core.plan.drawing import draw_plan
+from remodel_tasks.edge.document_files import write_text
 
 
 @refuses("draw")

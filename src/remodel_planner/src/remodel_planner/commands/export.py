@@ -14,12 +14,12 @@ from remodel_planner.commands.options.problem_files import (
     read_plan,
     read_problem,
 )
-from remodel_production.edge.text_file import write_text
 from remodel_production.errors import InstanceError
 from remodel_tasks.core.plan.checker import check
 from remodel_tasks.core.problem.instance import plan_data, problem_data
 from remodel_tasks.core.problem.part import first_picks
 from remodel_tasks.core.problem.problem import Plan, Problem
+from remodel_tasks.edge.document_files import write_text
 
 _SYMBOLIC = {"pddl": pddl, "hddl": hddl}
 _NUMERIC = "planbench"

@@ -12,12 +12,12 @@ from remodel_production.core.board.drawing import draw_board
 from remodel_production.core.board.panel import panel_of
 from remodel_production.edge.database.production_database import ProductionDatabase
 from remodel_production.edge.design_files import catalogue_file, read_catalogue
-from remodel_production.edge.text_file import write_text
 from remodel_run.whole_task import counted
 from remodel_supervision.ros.peers.board_message import board_message, panel_text
 from remodel_tasks.core.decomposition.cell_fit import fitted
 from remodel_tasks.core.orders.board_order import board_order, kind_of
 from remodel_tasks.edge.cell_takes import cell_takes
+from remodel_tasks.edge.document_files import write_text
 from remodel_tasks.edge.use_case_files import use_case_for
 
 

@@ -16,8 +16,8 @@ from remodel_planner.core.product_record import (
     product_entries,
 )
 from remodel_production.edge.database.production_database import ProductionDatabase
-from remodel_production.edge.text_file import write_text
 from remodel_supervision.edge.run_log import RunLog
+from remodel_tasks.edge.document_files import write_text
 
 
 @refuses("product")

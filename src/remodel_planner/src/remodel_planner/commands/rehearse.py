@@ -18,24 +18,23 @@ from remodel_planner.commands.options.common import (
     seeds,
 )
 from remodel_planner.commands.options.documents import add_json_option, print_json
-from remodel_production.edge.database.production_database import ProductionDatabase
-from remodel_production.edge.database.rehearsals import keep_rehearsal
-from remodel_rehearsal.core.changes import (
+from remodel_production.edge.database.production_database import ProductionDatabase, keep_rehearsal
+from remodel_rehearsal.core.forecast import (
     adopted,
     adopted_names,
     changes_within,
+    forecast,
     to_check,
     with_changes,
 )
-from remodel_rehearsal.core.forecast import forecast
 from remodel_rehearsal.edge.cluster import Job, Rehearsing, connected
-from remodel_rehearsal.edge.trial_store import (
+from remodel_rehearsal.edge.rehearsal_files import (
     KeptTrial,
     TrialStore,
     hash_of_sources,
     mark_of,
+    read_uncertainty,
 )
-from remodel_rehearsal.edge.uncertainty_file import read_uncertainty
 from remodel_rehearsal.stack import Setting, carry_out, planned_wires, use_case_of
 from remodel_run.rehearsal import Forecast, Rehearsal, WireForecast
 from remodel_supervision.core.runs.events import Ending

@@ -10,8 +10,8 @@ from pathlib import Path
 from remodel_cable_tree.cable_tree_planner import Feasibility, contradiction, sequence
 from remodel_cable_tree.problem import CableTree, cost_of, parse_cable_tree, violations
 from remodel_planner.commands.options.common import refuses, seconds, seed, stop_on_signals
-from remodel_production.edge.text_file import read_text
 from remodel_production.errors import blamed
+from remodel_tasks.edge.document_files import read_text
 from remodel_tasks.errors import KernelError
 
 _STATUS = {

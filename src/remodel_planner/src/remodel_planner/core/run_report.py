@@ -17,7 +17,7 @@ from remodel_production.core.production import Order, Wire
 from remodel_run.progress import Sums, sums_words
 from remodel_run.rehearsal import Forecast, Share
 from remodel_run.whole_task import WholeTask, counted
-from remodel_states.core.wires.wire_colours import hex_colours
+from remodel_states.core.wires import hex_colours
 from remodel_supervision.core.run import Execution, Operation
 from remodel_supervision.core.runs.attempts import Attempt
 from remodel_supervision.core.runs.events import Part

@@ -20,7 +20,7 @@ from typing import Any
 from remodel_production.core.production import Component, Mount, Order, Role, TerminalRef
 from remodel_production.errors import CatalogueError
 from remodel_run.whole_task import counted
-from remodel_states.core.wires.wire_materials import MaterialError, WireMaterial, WireMaterials
+from remodel_states.core.wires import MaterialError, WireMaterial, WireMaterials
 
 
 class Place(Enum):

@@ -39,10 +39,9 @@ from remodel_production.errors import (
     PlannerError,
     blamed,
 )
-from remodel_states.core.table_error import TableError, schema_problems
-from remodel_states.core.wires.wire_materials import MaterialError
+from remodel_states.core.tables import TableError, schema_problems
+from remodel_states.core.wires import MaterialError
 from remodel_states.edge import exported_tables
-from remodel_states.edge.wire_material_file import read_wire_materials
 
 
 def package_folder(package: str) -> Path:
@@ -76,7 +75,7 @@ def read_catalogue(path: Path) -> Catalogue:
     if problems:
         raise CatalogueError(f"{path}: " + "\n  ".join(problems))
     try:
-        materials = read_wire_materials()
+        materials = exported_tables.read_wire_materials()
     except MaterialError as error:
         raise CatalogueError(str(error)) from error
     with blamed(path):

@@ -19,12 +19,10 @@ from typing import Any
 import msgspec
 
 from remodel_production.errors import PlannerError
-from remodel_rehearsal.core.changes import Change, with_entry
+from remodel_rehearsal.core.forecast import Change, with_entry
 from remodel_rehearsal.core.variation import Uncertain
-from remodel_rehearsal.edge.trial_store import KeptTrial, TrialStore, trial_key
-from remodel_rehearsal.errors import RehearsalError
-from remodel_rehearsal.stack import Setting, planned_wires
-from remodel_rehearsal.trial_run import Rehearsed, rehearse_wire
+from remodel_rehearsal.edge.rehearsal_files import KeptTrial, RehearsalError, TrialStore, trial_key
+from remodel_rehearsal.stack import Rehearsed, Setting, planned_wires, rehearse_wire
 from remodel_run.rehearsal import Failure, Trial
 from remodel_work.routes import PlacedWires
 

@@ -12,10 +12,10 @@ from genpy import Message
 from remodel_msgs.msg import AbilityRecord, CheckConnectionGoal
 from remodel_msgs.srv import BeginOperationRequest, BeginOperationResponse
 
-from remodel_rehearsal.ros.loop import CellLoop
+from remodel_rehearsal.ros.cell import CellLoop
 from remodel_states.core.codes import Code
 from remodel_states.core.contract import owner_of
-from remodel_states.record_keeping import Keeping, Permit, Request
+from remodel_states.line import Keeping, Permit, Request
 from remodel_supervision.core.run import Operation
 from remodel_supervision.core.runs.gate import Permit as Answer
 from remodel_supervision.core.runs.state import PERSON_FIRST

@@ -21,7 +21,7 @@ from flexbe_synthesizer.core.export.layout import lay_out
 from flexbe_synthesizer.core.export.render_python import render_python
 from flexbe_synthesizer.core.library.signature import Library
 from flexbe_synthesizer.edge.package_path import find_packages, read_library
-from remodel_rehearsal.ros.loop import CellClock
+from remodel_rehearsal.ros.cell import CellClock
 from remodel_states.line import Line, by_line
 from remodel_supervision.errors import CellError
 from remodel_supervision.supervisors.ports import BehaviorEnd, EndKind

@@ -15,17 +15,20 @@ import numpy as np
 import numpy.typing as npt
 
 from remodel_sim.core.faults import Disturbances, FaultError, Stray, check_fault
-from remodel_sim.core.wires.wire_mechanics import discretise
-from remodel_sim.physics import cameras
-from remodel_sim.physics.device import SimulatedArm, SimulatedCamera, SimulatedGripper
-from remodel_sim.physics.feeder import lay, present
+from remodel_sim.core.wire_mechanics import discretise
 from remodel_sim.physics.fixtures.clamps import Socket, close_clamp
 from remodel_sim.physics.fixtures.panel_scene import PanelScene
-from remodel_sim.physics.live_wire import LiveWire, bent_cable
-from remodel_sim.physics.robot import Robot
+from remodel_sim.physics.live_wire import LiveWire, bent_cable, lay, present
+from remodel_sim.physics.robot import Robot, SimulatedArm, SimulatedCamera, SimulatedGripper
 from remodel_sim.physics.wires.cable import SimulatedWire
 from remodel_sim.physics.wires.parked_wire import add_solid, draw_parked
-from remodel_sim.physics.world import CONTACT_DAMPING, CONTACT_STIFFNESS, World
+from remodel_sim.physics.world import (
+    CONTACT_DAMPING,
+    CONTACT_STIFFNESS,
+    World,
+    photograph,
+    take_picture,
+)
 from remodel_skills.device import Device, PlacedEnds
 from remodel_work.camera import Picture, View
 from remodel_work.cell.cell_design import CellDesign, WristCamera, find_panel_problems, held_panel
@@ -564,7 +567,7 @@ class SimulatedPlant:
     def _take_picture(self, camera: str, believed: View, *, depth: bool) -> Picture:
         shift = self._disturbances.shifts.get(camera)
         seen_from = None if shift is None else believed.world_from_camera @ shift
-        return cameras.take(
+        return take_picture(
             self.world,
             believed,
             self._noise,
@@ -586,7 +589,7 @@ class SimulatedPlant:
 
     def photograph(self, camera: str) -> Picture:
         """Take a clean picture for people."""
-        return cameras.photograph(self.world, self.views[camera])
+        return photograph(self.world, self.views[camera])
 
     def film(self, camera: str) -> npt.NDArray[np.uint8]:
         """Take a small clean picture at once, (height, width, 3): for a film."""
@@ -594,4 +597,4 @@ class SimulatedPlant:
         height = round(FILM_WIDTH_PX * view.lens.height / view.lens.width)
         lens = replace(view.lens, width=FILM_WIDTH_PX, height=height)
         small = View(lens, view.world_from_camera)
-        return cameras.photograph(self.world, small, shadow=False).rgb
+        return photograph(self.world, small, shadow=False).rgb

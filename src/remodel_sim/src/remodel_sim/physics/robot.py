@@ -1,15 +1,22 @@
-"""The arm in the world: drives joints and fingers, and reads what a real arm's sensors measure."""
+"""A robot in the world: drives joints and fingers, and reads what a real arm's sensors measure.
+
+The skills command it as a device of their port, `remodel_skills.device`.
+"""
 
 from __future__ import annotations
 
 import tempfile
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
 from pathlib import Path
+from typing import Protocol
 
 import numpy as np
 
 from remodel_sim.physics.world import CONTACT_DAMPING, CONTACT_STIFFNESS, World
-from remodel_work.cell.cell_design import Gripper
+from remodel_skills.force_control import ForceLoop
+from remodel_work.camera import Picture, View
+from remodel_work.cell.cell_design import Gripper, RobotDesign
 from remodel_work.edge.bullet import PARKED_GROUP
 from remodel_work.edge.robot_description import (
     AXIS_FORCE_N,
@@ -319,3 +326,104 @@ class Robot:
     def world_from_camera(self) -> Pose:
         """The wrist camera's optical frame: x right, y down the picture, z along the view."""
         return self.world_from_hand @ Pose(np.array(CAMERA_MOUNT), np.array([0.0, 0.0, 0.0, 1.0]))
+
+
+# As a device of the skills' port
+
+
+class _Plant(Protocol):
+    """Where robots are; it builds them for every wire."""
+
+    steps_per_tick: int
+
+    @property
+    def robots(self) -> Mapping[str, Robot]:
+        """By name."""
+
+
+class _PartOfRobot:
+    """What finds its robot in the plant, which rebuilds it for every wire."""
+
+    def __init__(self, plant: _Plant, name: str) -> None:
+        """Name the robot."""
+        self._plant, self._name = plant, name
+
+    @property
+    def _robot(self) -> Robot:
+        return self._plant.robots[self._name]
+
+
+class SimulatedArm(_PartOfRobot):
+    """The arm of a robot in the plant."""
+
+    def __init__(self, plant: _Plant, design: RobotDesign) -> None:
+        """Take the robot of a design."""
+        super().__init__(plant, design.name)
+        self._arm = design.arm
+
+    @property
+    def tool(self) -> ToolPose:
+        """The measured tool pose."""
+        return self._robot.tool
+
+    @property
+    def force(self) -> Array:
+        """The measured force of the wrist on the hand, low-passed, world frame, (3,) [N]."""
+        robot = self._robot
+        return robot.world_from_hand.rotation @ robot.wrist_force
+
+    @property
+    def hand_mass(self) -> float:
+        """What the wrist carries [kg]."""
+        return self._robot.hand_mass
+
+    def go(self, tool: ToolPose) -> None:
+        """Be at a tool pose after a tick; raises AbilityError UNREACHABLE."""
+        self.go_joints(self._arm.joints_for(tool))
+
+    def go_joints(self, joints: Array) -> None:
+        """Be in a posture after a tick, (joints,)."""
+        self._robot.drive(joints, self._plant.steps_per_tick)
+
+    def press(self, loop: ForceLoop) -> None:
+        """Move under force control at each step of the physics, until another command."""
+        self._robot.drive_by(loop.step)
+
+
+class SimulatedGripper(_PartOfRobot):
+    """The fingers of a robot in the plant."""
+
+    @property
+    def gap(self) -> float:
+        """The measured distance between the pads [m]."""
+        return self._robot.finger_gap
+
+    @property
+    def load(self) -> float:
+        """The measured closing force of the weaker finger [N]."""
+        return self._robot.finger_load
+
+    def open_to(self, opening: float) -> None:
+        """Send each finger to a distance from the middle [m]."""
+        self._robot.drive_fingers(opening)
+
+    def close_on(self, thickness: float, slow_before: float) -> None:
+        """Close until the fingers stop on what they grip, about so thick, slowly before it [m]."""
+        self._robot.drive_fingers(0.0, max(TOUCH_GAP, thickness + slow_before))
+
+
+@dataclass(frozen=True)
+class SimulatedCamera:
+    """A camera of the plant, by what it sees from and what it sees."""
+
+    see_from: Callable[[], View]
+    see: Callable[[], Picture]
+
+    @property
+    def view(self) -> View:
+        """Where it is now."""
+        return self.see_from()
+
+    def take(self) -> Picture:
+        """Take a picture."""
+        return self.see()

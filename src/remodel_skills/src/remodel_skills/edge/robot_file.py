@@ -10,7 +10,7 @@ from typing import Any
 import rospkg
 import yaml
 
-from remodel_states.core.table_error import schema_problems
+from remodel_states.core.tables import schema_problems
 from remodel_work.cell.cell_design import CellDesign
 from remodel_work.edge.cell_file import read_cell
 from remodel_work.errors import CellError

@@ -24,9 +24,8 @@ from remodel_skills.edge.parameter_files import read_parameters
 from remodel_skills.robot_context import Observers
 from remodel_skills.ros.owner import Clock, Owner
 from remodel_skills.ros.servers import CellAbilityServer, Services
-from remodel_states.core.ability_tables import chosen_abilities
-from remodel_states.edge.exported_tables import read_abilities
-from remodel_states.edge.wire_material_file import read_wire_materials
+from remodel_states.core.tables import chosen_abilities
+from remodel_states.edge.exported_tables import read_abilities, read_wire_materials
 from remodel_vision.ros.image_message import FixedFrames, camera_info, image, optical_frame
 from remodel_work.camera import Picture
 from remodel_work.cell.cell_design import CellDesign

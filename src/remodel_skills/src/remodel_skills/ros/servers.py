@@ -18,10 +18,10 @@ from remodel_skills.goal_checks import require, require_number
 from remodel_skills.robot_context import RobotContext
 from remodel_skills.ros.owner import Job, Owner
 from remodel_states.ability_server import AbilityServer, Host
-from remodel_states.core.ability_tables import Ability
 from remodel_states.core.codes import Code
 from remodel_states.core.contract import ROBOT_FIELDS, owner_of
-from remodel_states.core.wires.wire_materials import WireMaterials
+from remodel_states.core.tables import Ability
+from remodel_states.core.wires import WireMaterials
 from remodel_states.serving import RunningGoal
 from remodel_vision.ros.image_message import image
 from remodel_work.errors import AbilityError, CellError, PanelError

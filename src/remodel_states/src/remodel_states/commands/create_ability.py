@@ -4,17 +4,15 @@ from __future__ import annotations
 
 import argparse
 import sys
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 
 from rospkg import RosPack
 
 from remodel_states.commands.generate_states import write_states
-from remodel_states.core.fault_tables import OTHER_CODES
 from remodel_states.core.state_source import name_problems, package_files, snake_case
-from remodel_states.core.table_error import TableError
+from remodel_states.core.tables import OTHER_CODES, TableError
 from remodel_states.edge.exported_tables import read_abilities, read_faults
-from remodel_states.edge.new_package import read_templates, write_package
 
 NEXT = """\
 next:
@@ -72,3 +70,24 @@ def _taken(ability: str, package: str, folder: Path) -> list[str]:
 def _free_code() -> int:
     """Return the first number after those of all tables."""
     return max([OTHER_CODES.start - 1, *read_faults().numbers.values()]) + 1
+
+
+# Folders whose files are programs.
+_PROGRAMS = ("nodes", "test/rostest")
+
+
+def read_templates(folder: Path) -> dict[str, str]:
+    """Return the templates below a folder: path in it -> text."""
+    files = sorted(path for path in folder.rglob("*.in") if path.is_file())
+    return {str(file.relative_to(folder)): file.read_text(encoding="utf-8") for file in files}
+
+
+def write_package(folder: Path, files: Mapping[str, str]) -> None:
+    """Write the files of a new package; `folder` must not exist."""
+    folder.mkdir(parents=True)
+    for path, text in files.items():
+        file = folder / path
+        file.parent.mkdir(parents=True, exist_ok=True)
+        file.write_text(text, encoding="utf-8")
+        if text.startswith("#!") and path.startswith(_PROGRAMS):
+            file.chmod(0o755)

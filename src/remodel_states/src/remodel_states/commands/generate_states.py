@@ -8,7 +8,7 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from remodel_states.core.state_source import state_modules
-from remodel_states.core.table_error import TableError
+from remodel_states.core.tables import TableError
 from remodel_states.edge.exported_tables import read_abilities_of
 
 

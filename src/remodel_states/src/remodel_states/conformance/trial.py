@@ -26,12 +26,12 @@ from remodel_states.conformance.clauses import (
     UNKNOWN_NAME,
     TrialKind,
 )
-from remodel_states.conformance.goals import (
+from remodel_states.conformance.probe import (
+    Probe,
     goals_with_unknown_names,
     invalid_goals,
     names_left_empty,
 )
-from remodel_states.conformance.probe import Probe
 from remodel_states.conformance.rules import Exchange, Rule, Violation
 from remodel_states.core.contract import GRACE_S, SILENT_LIMIT_S
 

@@ -197,7 +197,7 @@ def _about_forks(
 ) -> Iterator[Objection]:
     """Yield why a wire with a route of a length [m] cannot be let down into its forks."""
     headings = [math.atan2(q[1] - p[1], q[0] - p[0]) for p, q in pairwise(route)]
-    turn = max((abs(_wrapped(b - a)) for a, b in pairwise(headings)), default=0.0)
+    turn = max((abs(math.remainder(b - a, math.tau)) for a, b in pairwise(headings)), default=0.0)
     if turn > STRAIGHT_RAD:
         yield Objection(
             "not straight through forks",
@@ -213,11 +213,6 @@ def _about_forks(
             f"allowed: {least * 1e3:.0f} to {most * 1e3:.0f} mm more: cut it to "
             f"{along + least:.3f} to {along + most:.3f} m",
         )
-
-
-def _wrapped(angle: float) -> float:
-    """Return an angle [rad] between -pi and pi."""
-    return math.remainder(angle, math.tau)
 
 
 # Which components of a board would stand in each other; import and cell both ask here

@@ -9,7 +9,8 @@ from __future__ import annotations
 import re
 from collections.abc import Iterable, Mapping, Sequence
 
-from remodel_states.core.ability_tables import (
+from remodel_states.core.contract import GRACE_S
+from remodel_states.core.tables import (
     PLAIN_TYPES,
     POSE,
     POSES,
@@ -17,7 +18,6 @@ from remodel_states.core.ability_tables import (
     AbilityState,
     Parameter,
 )
-from remodel_states.core.contract import GRACE_S
 
 _WIDTH = 100
 _BY = "generated from config/abilities.yaml: change that"
@@ -88,7 +88,10 @@ def _imports(ability: Ability, state: AbilityState) -> str:
 
 
 def _docstring(ability: Ability, state: AbilityState) -> str:
-    lines = [f"-- {p.name}  {_documented_type(p)}  {_parameter_text(p)}" for p in state.parameters]
+    lines = [
+        f"-- {p.name}  {PLAIN_TYPES.get(p.field.type, 'list')}  {_parameter_text(p)}"
+        for p in state.parameters
+    ]
     lines += [f"-- timeout_s  float  [s] ROS time that the ability gets [grace {GRACE_S:g} s]."]
     lines += ["-- topic  string  Action topic of the ability server.", ""]
     lines += [
@@ -103,10 +106,6 @@ def _docstring(ability: Ability, state: AbilityState) -> str:
     return (
         f'    """{_text(ability.action.title)}\n\n{body}{_ERRORS}\n{done}{_FAILURES}\n    """\n\n'
     )
-
-
-def _documented_type(parameter: Parameter) -> str:
-    return PLAIN_TYPES.get(parameter.field.type, "list")
 
 
 def _parameter_text(parameter: Parameter) -> str:

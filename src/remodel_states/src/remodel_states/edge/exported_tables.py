@@ -1,16 +1,21 @@
-"""Find the tables of abilities and faults of all packages on the ROS package path.
+"""Find the tables of all packages on the ROS package path, and the files of cells; read them.
 
-A package exports its tables in its package.xml:
+A package exports its tables, and the folder of its cells, in its package.xml:
 
     <export>
       <remodel_states abilities="${prefix}/config/abilities.yaml"
-                      faults="${prefix}/config/faults.yaml"/>
+                      faults="${prefix}/config/faults.yaml"
+                      cells="${prefix}/config/cells"/>
     </export>
+
+Of the file `NAME.yaml` of a cell, `name` and `takes` are read here; the rest is for those who run
+it. The table of wire materials is that of remodel_msgs, with the user's own beside it.
 """
 
 from __future__ import annotations
 
 import json
+import os
 from collections.abc import Collection, Mapping, Sequence
 from pathlib import Path
 from typing import Any
@@ -19,9 +24,19 @@ from xml.etree import ElementTree
 import rospkg
 import yaml
 
-from remodel_states.core.ability_tables import Ability, Action, abilities_from, action_from
-from remodel_states.core.fault_tables import CONTRACT, FaultTables, join_fault_tables
-from remodel_states.core.table_error import TableError, schema_problems
+from remodel_states.core.cell import SCHEMA, CellLimits
+from remodel_states.core.tables import (
+    CONTRACT,
+    Ability,
+    Action,
+    FaultTables,
+    TableError,
+    abilities_from,
+    action_from,
+    join_fault_tables,
+    schema_problems,
+)
+from remodel_states.core.wires import MaterialError, WireMaterials, materials_from
 
 EXPORT = "remodel_states"
 
@@ -214,3 +229,72 @@ def read_table(file: Path, schema: Path, sections: Sequence[str]) -> dict[str, A
     if problems:
         raise TableError(str(file), problems)
     return parsed
+
+
+# Wire materials, and what cells take
+
+
+# Files of a user's own materials, separated like those of PATH.
+VARIABLE = "REMODEL_WIRE_MATERIALS"
+
+
+def read_wire_materials() -> WireMaterials:
+    """Return the materials in the files that REMODEL_WIRE_MATERIALS names, then the project's.
+
+    Raises:
+        MaterialError: if a file cannot be read or is no such table.
+    """
+    materials = _read_materials(
+        Path(rospkg.RosPack().get_path(CONTRACT)) / "config/wire_materials.yaml"
+    )
+    own = [Path(part) for part in os.environ.get(VARIABLE, "").split(os.pathsep) if part]
+    for file in reversed(own):
+        materials = materials.beside(_read_materials(file))
+    return materials
+
+
+def _read_materials(file: Path) -> WireMaterials:
+    try:
+        return materials_from(yaml.load(file.read_text(encoding="utf-8"), Loader=_LOADER))
+    except (OSError, UnicodeDecodeError, yaml.YAMLError, MaterialError) as error:
+        raise MaterialError(f"{file}: {error}") from error
+
+
+_CELL_FORM = {
+    "type": "object",
+    "required": ["name", "takes"],
+    "properties": {"name": {"type": "string", "minLength": 1}, "takes": dict(SCHEMA)},
+}
+
+
+def cell_names() -> tuple[str, ...]:
+    """Return the names of the cells of all packages, sorted."""
+    return tuple(sorted(_cell_files()))
+
+
+def read_cell_limits(cell: str) -> CellLimits:
+    """Return what a cell takes: one of a package by its name, or one of your own by its file.
+
+    Raises:
+        TableError: if there is no such cell, or its file does not say what it takes.
+    """
+    known = {} if cell.endswith((".yaml", ".yml")) else _cell_files()
+    file = known.get(cell, Path(cell))
+    if not file.is_file():
+        there_are = ", ".join(sorted(known or _cell_files()))
+        problem = f"no such cell or file; there are: {there_are}, or the path of a .yaml file"
+        raise TableError(cell, [problem])
+    try:
+        parsed = yaml.safe_load(file.read_text(encoding="utf-8"))
+    except (OSError, ValueError, yaml.YAMLError) as error:
+        raise TableError(str(file), [str(error)]) from error
+    problems = list(schema_problems(parsed, _CELL_FORM))
+    if problems:
+        raise TableError(str(file), problems)
+    return CellLimits.stated(parsed["name"], parsed["takes"])
+
+
+def _cell_files() -> dict[str, Path]:
+    """Return the files of cells by the names of the files."""
+    folders = exported_paths("cells").values()
+    return {file.stem: file for folder in folders for file in sorted(folder.glob("*.yaml"))}

@@ -17,7 +17,7 @@ from remodel_states.edge.exported_tables import read_faults
 from remodel_states.serving import admitted
 from remodel_states.testing.cell_ability import Course, RobotLock, Site, panel_from, truth_of
 from remodel_states.testing.faults import Cure, InjectedFault, fault_from, when_fed, when_mended
-from remodel_states.testing.requirements import check_demands
+from remodel_states.testing.operations import check_demands
 from remodel_states.testing.world import Deed, Entry
 
 CAMERAS = ("overhead", "wrist", "scene")

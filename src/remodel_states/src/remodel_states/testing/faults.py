@@ -19,7 +19,7 @@ from dataclasses import dataclass, replace
 from enum import Enum
 from typing import Any
 
-from remodel_states.testing.requirements import Goal
+from remodel_states.testing.world import Goal
 
 LOOKING = frozenset({"DetectCable", "LocateGearboxComponent"})
 

@@ -10,6 +10,7 @@ from collections import Counter
 from collections.abc import Collection, Iterable, Iterator, Mapping
 from dataclasses import dataclass, field, replace
 from enum import Enum
+from typing import Any, TypeAlias
 
 from remodel_msgs.msg import ErrorCode
 
@@ -17,6 +18,9 @@ from remodel_states.core.ability_error import AbilityError
 
 # x, y, z [m] and yaw [rad]; panel frame.
 Place = tuple[float, float, float, float]
+
+# A goal message, or anything with its fields: generated messages have no types.
+Goal: TypeAlias = Any
 
 
 @dataclass(frozen=True)

@@ -9,7 +9,7 @@ from sqlalchemy import and_, select
 from sqlalchemy.engine import Connection
 
 from remodel_production.core.production import terminal_type
-from remodel_production.edge.database.production_database import ProductionDatabase
+from remodel_production.edge.database.production_database import ProductionDatabase, rehearsals
 from remodel_production.edge.database.production_models import (
     AbilityRecordRow,
     ComponentRow,
@@ -20,7 +20,6 @@ from remodel_production.edge.database.production_models import (
     TerminalRow,
     WireRow,
 )
-from remodel_production.edge.database.rehearsals import rehearsals
 from remodel_supervision.core.learning.experience import (
     REHEARSED_WEIGHT,
     Call,

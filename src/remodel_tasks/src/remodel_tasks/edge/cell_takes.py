@@ -6,8 +6,8 @@ from contextlib import suppress
 
 from remodel_production.errors import InstanceError
 from remodel_states.core.cell import CellLimits
-from remodel_states.core.table_error import TableError
-from remodel_states.edge.cell_files import cell_names, read_cell_limits
+from remodel_states.core.tables import TableError
+from remodel_states.edge.exported_tables import cell_names, read_cell_limits
 from remodel_tasks.core.use_case.model import UseCase
 
 

@@ -1,14 +1,48 @@
-"""YAML and JSON documents on disk."""
+"""Texts, documents and charts on disk."""
 
 from __future__ import annotations
 
+import contextlib
 import json
+import os
+import re
 from pathlib import Path
 
 import yaml
 
-from remodel_production.edge.text_file import read_text, write_text
+from flexbe_synthesizer.core.chart.chart_writer import write_chart
+from flexbe_synthesizer.core.chart.model import Chart
 from remodel_production.errors import InstanceError
+
+
+def read_text(file: Path) -> str:
+    """Return the text of a file.
+
+    Raises:
+        InstanceError: if it cannot be read as UTF-8.
+    """
+    try:
+        return file.read_text(encoding="utf-8")
+    except OSError as error:
+        raise InstanceError(f"cannot be read: {error.strerror}") from error
+    except UnicodeDecodeError as error:
+        raise InstanceError(f"is no UTF-8 text: {error.reason} at byte {error.start}") from error
+
+
+def write_text(file: Path, text: str) -> None:
+    """Write a text so that the file always holds the whole old one or the whole new one.
+
+    Raises:
+        InstanceError: if it cannot be written.
+    """
+    beside = file.with_name(f".{file.name}.{os.getpid()}")
+    try:
+        beside.write_text(text, encoding="utf-8")
+        beside.replace(file)
+    except OSError as error:
+        with contextlib.suppress(OSError):
+            beside.unlink()
+        raise InstanceError(f"{file} cannot be written: {error.strerror}") from error
 
 
 def read_yaml(file: Path) -> object:
@@ -52,3 +86,21 @@ def write_json(file: Path, document: object) -> None:
         InstanceError: if it cannot be written.
     """
     write_text(file, json.dumps(document, separators=(",", ":")) + "\n")
+
+
+def keep_chart(chart: Chart, folder: Path) -> tuple[Path, bool]:
+    """Write a chart unless it is there, unchanged; return its file, and whether it was written.
+
+    Raises:
+        InstanceError: if the folder or the file cannot be written.
+    """
+    file = folder / f"{re.sub(r'[^a-z0-9]+', '_', chart.name.lower()).strip('_')}.xml"
+    text = write_chart(chart)
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+        if file.is_file() and file.read_text(encoding="utf-8") == text:
+            return file, False
+    except (OSError, UnicodeDecodeError) as error:
+        raise InstanceError(f"{file}: cannot be used: {error}") from error
+    write_text(file, text)
+    return file, True

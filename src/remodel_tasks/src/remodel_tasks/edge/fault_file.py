@@ -7,8 +7,7 @@ from typing import Any
 
 from flexbe_synthesizer.core.chart.error_routes import ListedCode, error_names
 from remodel_production.errors import PlannerError
-from remodel_states.core.fault_tables import FaultTables
-from remodel_states.core.table_error import TableError
+from remodel_states.core.tables import FaultTables, TableError
 from remodel_states.edge.exported_tables import read_faults as read_fault_tables
 from remodel_tasks.core.use_case.fault import Do, Fault, FaultTable, response_from
 

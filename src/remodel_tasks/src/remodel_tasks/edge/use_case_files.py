@@ -8,7 +8,7 @@ from pathlib import Path
 
 from remodel_production.edge.design_files import package_folder
 from remodel_production.errors import InstanceError
-from remodel_states.core.table_error import schema_problems
+from remodel_states.core.tables import schema_problems
 from remodel_tasks.core.use_case.model import DesignKind, UseCase
 from remodel_tasks.core.use_case.reading import use_case_from
 from remodel_tasks.edge.document_files import read_yaml

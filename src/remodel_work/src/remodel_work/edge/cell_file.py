@@ -12,7 +12,7 @@ import rospkg
 import yaml
 
 from remodel_states.core.cell import CellLimits
-from remodel_states.core.table_error import schema_problems
+from remodel_states.core.tables import schema_problems
 from remodel_work.camera import Lens, View, looking_at, looking_down
 from remodel_work.cell.cell_design import (
     CellDesign,

@@ -22,7 +22,7 @@ from remodel_msgs.msg import Rail as RailMsg
 from remodel_msgs.msg import Terminal as TerminalMsg
 from remodel_msgs.msg import Wire as WireMsg
 
-from remodel_states.core.wires.wire_materials import PROPERTIES, MaterialError, WireMaterials
+from remodel_states.core.wires import PROPERTIES, MaterialError, WireMaterials
 from remodel_work.errors import PanelError
 from remodel_work.panel import (
     Channel,

@@ -31,11 +31,11 @@ from flexbe_core.ros.clock import report_standstill
 START_LIMIT_S = 5.0
 
 # [s] Wall time after which a call to the master is given up.
-_CALL_LIMIT_S = 2.0
+CALL_LIMIT_S = 2.0
 
 # [s] Wall time between two calls while a master is waited for, and while one is watched.
 _WAIT_EVERY_S = 0.1
-_WATCH_EVERY_S = 1.0
+WATCH_EVERY_S = 1.0
 
 # [s] Wall time between two wake-ups of a node's main thread.
 _SIGNALS_EVERY_S = 0.5
@@ -79,7 +79,7 @@ class _Transport(xmlrpc.client.Transport):
 
     def make_connection(self, host: str | tuple[str, dict[str, str]]) -> http.client.HTTPConnection:
         connection = super().make_connection(host)
-        connection.timeout = _CALL_LIMIT_S
+        connection.timeout = CALL_LIMIT_S
         return connection
 
 
@@ -146,7 +146,7 @@ class MasterWatch:
         self._ended.set()
 
     def _watch(self) -> None:
-        while not self._ended.wait(_WATCH_EVERY_S):
+        while not self._ended.wait(WATCH_EVERY_S):
             found = master_identity()
             if self._ended.is_set():
                 return
@@ -250,6 +250,39 @@ def join_interruptibly(name: str, anonymous: bool = True) -> None:
         signal.signal(signal.SIGTERM, signal.default_int_handler)
     rospy.init_node(name, anonymous=anonymous, disable_signals=True)
     _check_node()
+
+
+def begin_node(name: str, limit_s: float) -> Callable[[], None]:
+    """Become an anonymous node in the background, without handlers of signals.
+
+    Registering takes about 0.1 s of talking to the master, which a short program can use.
+
+    Args:
+        name: of the node.
+        limit_s: [s] how long to wait for a master.
+
+    Returns:
+        what waits until the process is a node; it raises NoMasterError if there is no master, and
+        what rospy.init_node raised.
+    """
+    errors: list[Exception] = []
+
+    def begin() -> None:
+        try:
+            require_master(limit_s)
+            join_interruptibly(name)
+        except Exception as error:  # noqa: BLE001 - raised in the thread that waits
+            errors.append(error)
+
+    thread = threading.Thread(target=begin, daemon=True)
+    thread.start()
+
+    def wait() -> None:
+        thread.join()
+        for error in errors:
+            raise error
+
+    return wait
 
 
 def _wait(is_over: Callable[[], bool]) -> None:

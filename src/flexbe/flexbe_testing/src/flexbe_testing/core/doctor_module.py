@@ -66,8 +66,9 @@ class Report:
 
     def as_text(self, folder: str) -> str:
         """Return one line for each finding, with files relative to a folder, and a summary."""
+        above = f"{folder.rstrip('/')}/"
         lines = [
-            f"{_relative(f.file, folder)}:{f.line}: {f.severity.value} [{f.rule}] {f.text}"
+            f"{f.file.removeprefix(above)}:{f.line}: {f.severity.value} [{f.rule}] {f.text}"
             for f in self.findings
         ]
         counts = ", ".join(f"{self.count(severity)} {severity.value}s" for severity in Severity)
@@ -93,10 +94,6 @@ def sorted_findings(findings: Sequence[Finding]) -> tuple[Finding, ...]:
     """Return findings by file and line, each once."""
     unique = set(findings)
     return tuple(sorted(unique, key=lambda f: (f.file, f.line, f.rule, f.text)))
-
-
-def _relative(file: str, folder: str) -> str:
-    return file.removeprefix(f"{folder.rstrip('/')}/")
 
 
 # A user's module, parsed: its FlexBE classes and their methods

@@ -28,14 +28,14 @@ from flexbe_testing.core.scenario import (
     table,
 )
 from flexbe_testing.ros.bench import PACKAGE, Bench, StuckError
-from flexbe_testing.ros.scenarios import commands, containers, mirroring, starting
+from flexbe_testing.ros.scenarios import commands, running, starting
 from flexbe_testing.ros.wire import EngineWire, Interrupt, InterruptedByUserError, NoEngineError
 
 # Without this one nothing else can be judged.
 FIRST: Scenario = starting.runs_behaviors
 # All scenarios, in the order in which they are played.
 ALL: tuple[Scenario, ...] = tuple(
-    item for module in (starting, commands, mirroring, containers) for item in scenarios_of(module)
+    item for module in (starting, commands, running) for item in scenarios_of(module)
 )
 
 KEPT, BROKEN, USAGE, NO_ENGINE, INTERRUPTED = 0, 1, 2, 4, 130

@@ -163,7 +163,7 @@ class Construction:
             return  # with the values of a behavior that uses it
         try:
             if issubclass(found, Behavior):
-                _build(found())
+                _check(found().create())
             else:
                 found()
         except (Exception, SystemExit) as error:  # noqa: BLE001 - user code
@@ -200,11 +200,6 @@ def _needed(found: type) -> Iterator[str]:
         is_named = parameter.kind in (parameter.POSITIONAL_OR_KEYWORD, parameter.KEYWORD_ONLY)
         if is_named and parameter.default is _NO_VALUE:
             yield parameter.name
-
-
-def _build(behavior: Behavior) -> None:
-    """Build the state machine of a behavior, and check where its outcomes lead."""
-    _check(behavior.create())
 
 
 def _check(machine: StateMachine) -> None:

@@ -4,8 +4,6 @@ from __future__ import annotations
 
 import re
 
-from flexbe_widget.errors import RepositoryError
-
 _PACKAGE = """\
 <?xml version="1.0"?>
 <package format="3">
@@ -82,6 +80,10 @@ params: {{rounds: 3}}
 output: {{count: 3}}
 outcome: done
 """
+
+
+class RepositoryError(Exception):
+    """A repository that cannot be made."""
 
 
 def repository(name: str) -> dict[str, str]:

@@ -9,7 +9,16 @@ from typing import Any
 import rospkg
 import yaml
 
-from flexbe_widget.errors import LogError, RepositoryError, RequestError
+from flexbe_widget.core.repository import RepositoryError
+
+
+class RequestError(Exception):
+    """An invalid request; the text says what was found, what there is, what to do."""
+
+
+class LogError(Exception):
+    """A run log that cannot be read."""
+
 
 # Values that are kept in files.
 #

@@ -50,7 +50,7 @@ from flexbe_widget.core.run_watch import (
     RunWatch,
     is_busy,
 )
-from flexbe_widget.errors import RequestError
+from flexbe_widget.edge.files import RequestError
 from flexbe_widget.ros.engine_link import EngineLink, Entered, Status
 from flexbe_widget.ros.request_server import start_request
 

@@ -143,13 +143,13 @@ class EngineLink:
         """Return the wall time [s] since the last message of the engine."""
         return time.monotonic() - self._heard
 
-    def why(self, limit_s: float = _LOG_LIMIT_S) -> str:
-        """Return the error that was logged since the last request; wait for it up to `limit_s` [s].
+    def why(self) -> str:
+        """Return the error that was logged since the last request; wait a moment for it.
 
         It is sent before the status that it explains, but on another connection.
         """
         with self._has_error:
-            self._has_error.wait_for(lambda: self.last_error, limit_s)
+            self._has_error.wait_for(lambda: self.last_error, _LOG_LIMIT_S)
         return self.last_error
 
     def _on_status(self, message: BEStatus) -> None:

@@ -14,8 +14,7 @@ from std_msgs.msg import String
 
 from flexbe_core import BehaviorLibrary, Logger
 from flexbe_core.engine.supervision import UNSUPERVISED, checksum
-from flexbe_widget.edge.files import resolved, yaml_text
-from flexbe_widget.errors import RequestError
+from flexbe_widget.edge.files import RequestError, resolved, yaml_text
 from flexbe_widget.ros.engine_link import EngineLink, Event
 
 Pairs = Sequence[tuple[str, str]]

@@ -13,8 +13,7 @@ from remodel_planner.commands.options.common import add_database_option
 from remodel_planner.commands.runs.order_report import order_report, write_report
 from remodel_planner.commands.runs.run_follower import RunFollower
 from remodel_planner.core.run_report import summary_lines
-from remodel_production.edge.database.production_database import ProductionDatabase
-from remodel_production.edge.database.rehearsals import last_rehearsal
+from remodel_production.edge.database.production_database import ProductionDatabase, last_rehearsal
 from remodel_production.errors import PlannerError
 from remodel_supervision.core.runs.step import abridged
 from remodel_supervision.edge.run_log import RunLog

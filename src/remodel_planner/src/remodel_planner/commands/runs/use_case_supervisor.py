@@ -16,7 +16,7 @@ from remodel_planner.commands.options.common import add_database_option
 from remodel_production.edge.database.cell_ownership import CellOwnership
 from remodel_production.edge.database.production_database import ProductionDatabase
 from remodel_production.errors import PlannerError
-from remodel_states.core.table_error import TableError
+from remodel_states.core.tables import TableError
 from remodel_supervision.edge.escalation_hook import EscalationHook
 from remodel_supervision.edge.run_log import RunLog
 from remodel_supervision.ros.event_loop import RosEventLoop

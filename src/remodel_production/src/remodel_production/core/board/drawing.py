@@ -16,7 +16,7 @@ from remodel_production.core.board.formboard import Point
 from remodel_production.core.board.panel import panel_of
 from remodel_production.core.catalogue import Catalogue
 from remodel_production.core.production import TerminalRef, Wire
-from remodel_states.core.wires.wire_colours import hex_colours
+from remodel_states.core.wires import hex_colours
 
 # Pixels of the drawing.
 _WIDTH = 1600

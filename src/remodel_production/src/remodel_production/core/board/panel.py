@@ -29,7 +29,7 @@ from remodel_production.core.production import (
     Vector,
     Wire,
 )
-from remodel_states.core.wires.wire_materials import WireMaterial
+from remodel_states.core.wires import WireMaterial
 
 # x, y [m] and the angle about z [rad].
 Pose2 = tuple[float, float, float]

@@ -28,7 +28,7 @@ from remodel_production.core.imports.wire_list_table import has_headings, withou
 from remodel_production.core.imports.wireviz import import_wireviz, join_files
 from remodel_production.errors import DesignError
 from remodel_run.whole_task import counted
-from remodel_states.core.wires.wire_materials import MaterialError
+from remodel_states.core.wires import MaterialError
 
 
 def with_wire_properties(imported: Imported, catalogue: Catalogue) -> Imported:

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from remodel_production.core.catalogue import Catalogue
 from remodel_production.core.production import Order
 from remodel_run.findings import UNKNOWN_COLOUR, Account, LeftOut
-from remodel_states.core.wires.wire_colours import WIRE_RGB, joined_colours, nearest_code
+from remodel_states.core.wires import WIRE_RGB, joined_colours, nearest_code
 
 __all__ = ["Account", "Imported", "LeftOut"]
 

@@ -12,9 +12,11 @@ import sqlite3
 import zlib
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
+from datetime import UTC, datetime
 from pathlib import Path
 from typing import Any
 
+import msgspec
 from sqlalchemy import and_, bindparam, create_engine, delete, event, insert, inspect, select, text
 from sqlalchemy.engine import Connection, Engine, Row, make_url
 from sqlalchemy.exc import (
@@ -35,6 +37,7 @@ from remodel_production.edge.database.production_models import (
     ConstraintRow,
     OrderRow,
     PreferenceRow,
+    RehearsalRow,
     TaskRow,
     WireRow,
 )
@@ -45,6 +48,7 @@ from remodel_production.edge.database.production_rows import (
     preferences_of_rows,
 )
 from remodel_production.errors import LostError, OrderError, RecordLostError
+from remodel_run.rehearsal import Rehearsal
 from remodel_states.edge.write_ahead import write_ahead
 
 # Texts of OperationalError that waiting does not help against: SQLite's of a table or file that is
@@ -95,7 +99,7 @@ def _may_come_back(error: DBAPIError, line: str) -> bool:
 
 NEWEST = "0008"
 _VERSION_TABLE = "alembic_version"
-_MIGRATIONS = Path(__file__).parent / "migrations"
+MIGRATIONS = Path(__file__).parent / "migrations"
 # Any number that no other program takes a lock by, in one database.
 _LOCK = 5_151_002
 
@@ -129,7 +133,7 @@ def upgrade(connection: Connection) -> None:
     from alembic.script import ScriptDirectory
 
     config = Config()
-    config.set_main_option("script_location", str(_MIGRATIONS))
+    config.set_main_option("script_location", str(MIGRATIONS))
     config.attributes["connection"] = connection
     if version is None:
         Base.metadata.create_all(connection, checkfirst=False)
@@ -145,7 +149,7 @@ def upgrade(connection: Connection) -> None:
 
 
 # [s] that a program waits for another one's transaction; an import takes one second.
-_WAIT_S = 30
+WAIT_S = 30
 
 _ORDER = select(OrderRow).where(OrderRow.name == bindparam("order"))
 _LOCKED_ORDER = _ORDER.with_for_update()
@@ -342,9 +346,9 @@ def _identity(file: str) -> tuple[int, int]:
 def _prepare_sqlite(connection: sqlite3.Connection, _record: object) -> None:
     """Set what SQLite forgets with each connection; the driver is not to begin transactions."""
     connection.isolation_level = None
-    for setting in ("foreign_keys=ON", f"busy_timeout={_WAIT_S * 1000}"):
+    for setting in ("foreign_keys=ON", f"busy_timeout={WAIT_S * 1000}"):
         connection.execute(f"PRAGMA {setting}")
-    write_ahead(connection, _WAIT_S)
+    write_ahead(connection, WAIT_S)
 
 
 def _shown(url: str) -> str:
@@ -399,3 +403,42 @@ def _ability(connection: Connection, row: Row) -> Ability:
     )
     parameters = tuple(AbilityParameter(p.name, p.type, p.description) for p in rows)
     return Ability(row.name, row.description, parameters)
+
+
+def keep_rehearsal(database: ProductionDatabase, order: str, rehearsal: Rehearsal) -> None:
+    """Keep a rehearsal of an order; OrderError if there is no such order."""
+    with database.transaction() as connection:
+        connection.execute(
+            insert(RehearsalRow),
+            {
+                "order_id": order_row(connection, order).id,
+                "made": datetime.now(UTC).replace(tzinfo=None),
+                "data": msgspec.to_builtins(rehearsal),
+            },
+        )
+
+
+def last_rehearsal(database: ProductionDatabase, order: str) -> Rehearsal | None:
+    """Return the newest rehearsal of an order; None if there is none.
+
+    Raises:
+        OrderError: if there is no such order.
+    """
+    with database.reading() as connection:
+        number = order_row(connection, order).id
+        data = connection.scalar(
+            select(RehearsalRow.data)
+            .where(RehearsalRow.order_id == number)
+            .order_by(RehearsalRow.id.desc())
+            .limit(1)
+        )
+    return None if data is None else msgspec.convert(data, Rehearsal)
+
+
+def rehearsals(connection: Connection) -> tuple[Rehearsal, ...]:
+    """Return the newest rehearsal of each order."""
+    rows = connection.execute(
+        select(RehearsalRow.order_id, RehearsalRow.data).order_by(RehearsalRow.id)
+    )
+    newest = {order: data for order, data in rows}
+    return tuple(msgspec.convert(data, Rehearsal) for data in newest.values())

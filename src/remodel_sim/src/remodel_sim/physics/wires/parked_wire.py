@@ -16,10 +16,10 @@ from pathlib import Path
 
 import numpy as np
 
-from remodel_sim.core.wires.wire_mechanics import CELL_TARGET_M
+from remodel_sim.core.wire_mechanics import CELL_TARGET_M
 from remodel_sim.physics.wires.cable_body import connector_shapes
 from remodel_sim.physics.world import World
-from remodel_states.core.wires.wire_colours import rgbs_of
+from remodel_states.core.wires import rgbs_of
 from remodel_work.component_shape import FERRULE_RGB, connector_solids
 from remodel_work.edge.bullet import MOVING_GROUP, PARKED_GROUP, add_described
 from remodel_work.geometry import Array, Pose

@@ -45,7 +45,7 @@ class AbilityWatch:
         """Subscribe to what every ability publishes.
 
         Raises:
-            remodel_states.core.table_error.TableError: if a table of abilities cannot be read.
+            remodel_states.core.tables.TableError: if a table of abilities cannot be read.
         """
         self._abilities = read_abilities()
         self.latest: Doing | None = None

@@ -21,7 +21,7 @@ from remodel_production.core.board.panel import (
     PanelWire,
 )
 from remodel_production.core.production import TerminalRef
-from remodel_states.core.wires.wire_materials import PROPERTIES
+from remodel_states.core.wires import PROPERTIES
 from remodel_tasks.core.orders.work_order import WorkOrder
 
 # Columns of a panel's text.

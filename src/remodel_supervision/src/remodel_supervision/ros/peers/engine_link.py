@@ -31,7 +31,7 @@ from remodel_supervision.ros.action_server import ActionServer, Goal
 from remodel_supervision.ros.event_loop import RosEventLoop
 from remodel_supervision.supervisors.ports import BehaviorEnd, EndKind, UnseenError
 from remodel_tasks.core.task_charts.task_chart import content_mark
-from remodel_tasks.edge.chart_folder import keep_chart
+from remodel_tasks.edge.document_files import keep_chart
 
 SYNTHESIS_ACTION = "flexbe/synthesize"
 

@@ -18,7 +18,7 @@ from remodel_production.errors import InstanceError, OrderError
 from remodel_run.findings import ByHand, OtherMethod
 from remodel_run.whole_task import counted, whole_tasks
 from remodel_states.core.cell import CellLimits, Passage, footprint, objections, overlaps
-from remodel_states.core.wires.wire_colours import WIRE_RGB, is_colour
+from remodel_states.core.wires import WIRE_RGB, is_colour
 from remodel_tasks.core.condition import Features, Value
 from remodel_tasks.core.decomposition.decomposed import Decomposition
 from remodel_tasks.core.decomposition.preparation import decompose_task, decomposer_of

@@ -1,4 +1,4 @@
-"""Watch whether the states of the running behavior return, and report a hang.
+"""What is seen of the engine beside its status: hangs of states, userdata, and that it is alive.
 
 Python cannot end a thread that hangs. The node can only report it, or end as a whole: roslaunch
 then respawns it, and its clients notice that.
@@ -6,10 +6,16 @@ then respawns it, and its clients notice that.
 
 from __future__ import annotations
 
+import threading
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from enum import Enum
+
+import rospy
+from flexbe_msgs.msg import UserdataInfo
+from flexbe_msgs.srv import GetUserdata, GetUserdataRequest, GetUserdataResponse
+from std_msgs.msg import Empty
 
 from flexbe_core import Behavior, Logger
 
@@ -93,3 +99,58 @@ class HangWatch:
                 *(execution.path or "the behavior's only state", hanging_s),
             )
             self._on_hang(behavior, execution.path)
+
+
+# Serve the userdata of the running behavior
+
+
+class UserdataService:
+    """Serves flexbe/get_userdata."""
+
+    def __init__(self, running: Callable[[], Behavior | None]) -> None:
+        """Serve what `running` returns."""
+        self._running = running
+        rospy.Service("flexbe/get_userdata", GetUserdata, self._answer)
+
+    def _answer(self, request: GetUserdataRequest) -> GetUserdataResponse:
+        behavior = self._running()
+        if behavior is None:
+            return GetUserdataResponse(success=False, message="no behavior is running")
+        wanted = request.userdata_key
+        found = [info for info in _userdata(behavior) if wanted in ("", info.key)]
+        if not found:
+            text = f"{behavior.name} has no userdata" + (f" with key {wanted!r}" if wanted else "")
+            return GetUserdataResponse(success=False, message=text)
+        return GetUserdataResponse(True, f"{len(found)} values of {behavior.name}", found)
+
+
+def _userdata(behavior: Behavior) -> Iterator[UserdataInfo]:
+    for path, data in behavior.get_userdata().items():
+        state = f"{behavior.name}{path}/" if path else behavior.name
+        for key, value in data.items():
+            yield UserdataInfo(state, key, type(value).__name__, str(value))
+
+
+# Publish that the engine is alive
+
+
+# [s] Wall time; operators expect 1 Hz.
+_PERIOD_S = 1.0
+
+
+class Heartbeat:
+    """Publishes flexbe/heartbeat as long as the process lives."""
+
+    def __init__(self, at_each_beat: Callable[[], None]) -> None:
+        """Begin at once, and call `at_each_beat` too: an idle engine has one thread that wakes."""
+        self._at_each_beat = at_each_beat
+        self._publisher = rospy.Publisher("flexbe/heartbeat", Empty, queue_size=100)
+        self._ended = threading.Event()
+        rospy.on_shutdown(self._ended.set)
+        threading.Thread(target=self._beat, name="heartbeat", daemon=True).start()
+
+    def _beat(self) -> None:
+        self._publisher.publish()
+        while not self._ended.wait(_PERIOD_S):
+            self._publisher.publish()
+            self._at_each_beat()

@@ -1,15 +1,202 @@
-"""Abilities of all packages, from their parsed tables and action files.
+"""Abilities, error codes and faults of all packages, from their parsed tables and action files.
 
-remodel_msgs/config/abilities.yaml explains the fields; abilities.schema.json, beside it, is its
-form.
+remodel_msgs/config/abilities.yaml and faults.yaml explain the fields; abilities.schema.json and
+faults.schema.json, beside them, are their forms.
 """
 
 from __future__ import annotations
 
+import math
 import re
-from collections.abc import Collection, Iterator, Mapping
+from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import Any
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    import jsonschema
+
+
+class TableError(Exception):
+    """A table of abilities or faults cannot be read or contradicts another one.
+
+    Attributes:
+        problems: every problem: its place in the file, what was found, and what is allowed.
+    """
+
+    def __init__(self, file: str, problems: Sequence[str]) -> None:
+        """List every problem at once."""
+        lines = "\n".join(f"  - {problem}" for problem in problems)
+        count = f"{len(problems)} problem{'s' if len(problems) != 1 else ''}"
+        super().__init__(f"{file}: {count}:\n{lines}")
+        self.problems = tuple(problems)
+
+
+# Explain where a document does not have the form of a JSON schema
+
+
+_ALLOWED = {
+    "type": "a value of type {}",
+    "minimum": "{} or more",
+    "maximum": "{} or less",
+    "exclusiveMinimum": "more than {}",
+    "minItems": "{} entries or more",
+    "maxItems": "{} entries or fewer",
+    "minProperties": "{} entries or more",
+    "pattern": "text that matches {}",
+}
+
+
+def schema_problems(parsed: object, schema: dict[str, Any]) -> Iterator[str]:
+    """Yield each problem: its place in the document, what was found and what is allowed."""
+    import jsonschema  # loads a web client, and most commands check no document
+
+    errors = jsonschema.Draft7Validator(schema).iter_errors(parsed)
+    for error in sorted(errors, key=lambda error: [str(part) for part in error.absolute_path]):
+        # Of alternatives (anyOf), the one that fits best.
+        deepest = jsonschema.exceptions.best_match([error])
+        yield f"{_place(deepest) or 'the file'}: {_explanation(deepest)}"
+    yield from _not_finite(parsed, "")
+
+
+def _place(error: jsonschema.ValidationError) -> str:
+    parts = (f"[{part}]" if isinstance(part, int) else f".{part}" for part in error.absolute_path)
+    return "".join(parts).lstrip(".")
+
+
+def _explanation(error: jsonschema.ValidationError) -> str:
+    """Return what was found and what is allowed."""
+    found, rule = error.instance, error.validator_value
+    if error.validator == "required":
+        missing = ", ".join(name for name in rule if name not in found)
+        return f"found {', '.join(found) or 'nothing'}; missing: {missing}"
+    if error.validator == "additionalProperties":
+        allowed = error.schema["properties"]
+        unknown = ", ".join(str(name) for name in found if name not in allowed)
+        return f"found {unknown}; allowed: {', '.join(allowed)}"
+    if error.validator == "enum":
+        return f"found {found!r}; allowed: {', '.join(map(str, rule))}"
+    if error.validator in _ALLOWED:
+        return f"found {found!r}; allowed: {_ALLOWED[error.validator].format(rule)}"
+    return str(error.message)
+
+
+def _not_finite(value: object, place: str) -> Iterator[str]:
+    """Yield the numbers that a schema accepts although they are NaN or infinite."""
+    if isinstance(value, float) and not math.isfinite(value):
+        yield f"{place}: found {value}; allowed: a finite number"
+    elif isinstance(value, dict):
+        for key, item in value.items():
+            yield from _not_finite(item, f"{place}.{key}".lstrip("."))
+    elif isinstance(value, list):
+        for i, item in enumerate(value):
+            yield from _not_finite(item, f"{place}[{i}]")
+
+
+# Error codes and faults
+
+
+# The package whose table belongs to the contract, and its numbers; other packages have the rest.
+CONTRACT = "remodel_msgs"
+CONTRACT_CODES = range(0, 500)
+OTHER_CODES = range(1000, 10000)
+
+Row = Mapping[str, Any]
+
+
+@dataclass(frozen=True)
+class ListedCode:
+    """An error code; `package` is the one whose table lists it."""
+
+    number: int
+    name: str
+    meaning: str
+    remedy: str
+    package: str
+
+
+@dataclass(frozen=True)
+class FaultTables:
+    """What can go wrong, over all packages.
+
+    Attributes:
+        codes: by name, ordered by package, then number.
+        faults: rows by name; `codes` are names, in rows with `after` too.
+    """
+
+    codes: Mapping[str, ListedCode]
+    faults: Mapping[str, Row]
+
+    @property
+    def numbers(self) -> dict[str, int]:
+        """The numbers of the codes by their names."""
+        return {name: code.number for name, code in self.codes.items()}
+
+
+def join_fault_tables(
+    tables: Mapping[str, Sequence[Row]],
+) -> tuple[FaultTables, list[str]]:
+    """Return the tables of all packages as one, and what contradicts itself in them.
+
+    Args:
+        tables: package -> its parsed tables, in the form of the schema; the contract's first.
+    """
+    each = [(package, table) for package, own in tables.items() for table in own]
+    listed = [code for package, table in each for code in _codes(package, table)]
+    rows = [row for _, table in each for row in table.get("faults", [])]
+    by_name = {row["fault"]: row for row in rows}
+    problems = [*_wrong_numbers(listed), *_repeated(listed, rows)]
+    problems += [
+        f"fault {row['fault']}: after.fault {row['after']['fault']} is not a fault with codes"
+        for row in rows
+        if "after" in row and "codes" not in by_name.get(row["after"]["fault"], {})
+    ]
+    if problems:
+        return FaultTables({}, {}), problems
+    order = list(tables)
+    listed.sort(key=lambda code: (order.index(code.package), code.number))
+    faults = {name: {**row, "codes": _code_names(row, by_name)} for name, row in by_name.items()}
+    return FaultTables({code.name: code for code in listed}, faults), []
+
+
+def _codes(package: str, table: Row) -> Iterable[ListedCode]:
+    groups = [table.get("no_fault", []), *(row.get("codes", []) for row in table.get("faults", []))]
+    for row in (row for group in groups for row in group):
+        yield ListedCode(row["code"], row["name"], row["meaning"], row["remedy"], package=package)
+
+
+def _code_names(row: Row, by_name: Mapping[str, Row]) -> list[str]:
+    source = by_name[row["after"]["fault"]] if "after" in row else row
+    return [code["name"] for code in source["codes"]]
+
+
+def _wrong_numbers(codes: Sequence[ListedCode]) -> Iterable[str]:
+    for code in codes:
+        allowed = CONTRACT_CODES if code.package == CONTRACT else OTHER_CODES
+        if code.number not in allowed:
+            yield (
+                f"code {code.number} {code.name} of {code.package}: allowed: {allowed.start} to "
+                f"{allowed.stop - 1}"
+            )
+
+
+def _repeated(codes: Sequence[ListedCode], rows: Sequence[Row]) -> Iterable[str]:
+    seen: dict[object, ListedCode] = {}
+    for code in codes:
+        for key in (code.number, code.name):
+            other = seen.setdefault(key, code)
+            if other is not code:
+                yield (
+                    f"code {code.number} {code.name} of {code.package}: {key} is "
+                    f"{other.number} {other.name} of {other.package} already"
+                )
+    names = [row["fault"] for row in rows]
+    yield from (
+        f"fault {n}: listed twice" for n in sorted({n for n in names if names.count(n) > 1})
+    )
+
+
+# Abilities
+
 
 # Types of goal fields that a parameter of a state can give: ROS type -> type in the docstring.
 PLAIN_TYPES = {"string": "string", "bool": "bool", "float64": "float", "uint8": "int"}

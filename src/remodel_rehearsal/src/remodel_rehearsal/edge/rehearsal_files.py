@@ -1,9 +1,12 @@
-"""Boards and trials in a folder or an object store, under the hash of what they are.
+"""What is uncertain about a cell, and the boards and trials that rehearsals keep.
 
-A board has the hash of its content; a trial that of everything that it follows from: order, cell,
-wire, seed, board, what is uncertain, and the sources of this workspace. So what was computed once
-is never computed again, and a rehearsal that was cut short goes on from what is there. Any URL of
-fsspec is a place: a folder, s3://, gs://, sftp://, memory://.
+The uncertain quantities are those of config/uncertainty.yaml, and of a user's own file.
+
+Boards and trials lie in a folder or an object store, under the hash of what they are. A board has
+the hash of its content; a trial that of everything that it follows from: order, cell, wire, seed,
+board, what is uncertain, and the sources of this workspace. So what was computed once is never
+computed again, and a rehearsal that was cut short goes on from what is there. Any URL of fsspec is
+a place: a folder, s3://, gs://, sftp://, memory://.
 """
 
 from __future__ import annotations
@@ -19,13 +22,53 @@ import fsspec
 import msgspec
 import numpy as np
 import rospkg
+import yaml
 
-from remodel_rehearsal.core.variation import Uncertain
-from remodel_rehearsal.errors import RehearsalError
+from remodel_production.errors import PlannerError
+from remodel_rehearsal.core.variation import QUANTITIES, Uncertain
 from remodel_rehearsal.stack import Setting
 from remodel_run.rehearsal import RehearsedCall, Trial
 from remodel_work.panel import WireEnd
 from remodel_work.routes import ParkedWire, PlacedWires
+
+
+class RehearsalError(PlannerError):
+    """A rehearsal cannot be done as it is asked for."""
+
+
+def read_uncertainty(own: Path | None = None) -> Mapping[str, Uncertain]:
+    """Return the quantities by name, those of a file of the user's own in place of the shipped.
+
+    Raises:
+        RehearsalError: if the file cannot be read, or has something else in it.
+    """
+    shipped = Path(rospkg.RosPack().get_path("remodel_rehearsal")) / "config" / "uncertainty.yaml"
+    rows = _rows(shipped)
+    for name, changes in (_rows(own) if own is not None else {}).items():
+        if name not in QUANTITIES:
+            there_are = ", ".join(QUANTITIES)
+            raise RehearsalError(f"{own}: no quantity {name}; there are: {there_are}")
+        if not isinstance(changes, Mapping):
+            raise RehearsalError(f"{own}: {name} is {changes!r}; needed: {{spread: NUMBER, ...}}")
+        rows[name] = {**rows[name], **changes}
+    found = {}
+    for name, row in rows.items():
+        try:
+            found[name] = msgspec.convert(row, Uncertain)
+        except (msgspec.ValidationError, ValueError) as error:
+            raise RehearsalError(f"{own or shipped}: {name}: {error}") from error
+    return found
+
+
+def _rows(file: Path) -> dict[str, object]:
+    try:
+        rows = yaml.safe_load(file.read_text(encoding="utf-8")) or {}
+    except (OSError, UnicodeDecodeError, yaml.YAMLError) as error:
+        raise RehearsalError(f"{file}: {error}") from error
+    if not isinstance(rows, dict):
+        raise RehearsalError(f"{file} is no table of quantities: {{NAME: {{spread: NUMBER}}}}")
+    return rows
+
 
 T = TypeVar("T")
 

@@ -1,1 +1,0 @@
-"""How wires bend: discrete rods, and the forms in which they hang."""

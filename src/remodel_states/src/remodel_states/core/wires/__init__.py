@@ -1,1 +1,0 @@
-"""What planner and cell both know of wires."""
