@@ -18,6 +18,19 @@ IIWA_ON_AXIS = replace(IIWA, axis=ON_AXIS.axis)
 ARMS = pytest.mark.parametrize("arm", [PANDA_AT_ORIGIN, FACING_PANDA, IIWA, ON_AXIS, IIWA_ON_AXIS])
 
 
+@pytest.mark.physics
+def test_where_a_moving_arm_is_does_not_follow_from_who_has_looked():
+    world = World(240)
+    robot = Robot(world, ToolPose(0.5, 0.0, 0.1, 0.0), PANDA_AT_ORIGIN)
+    robot.drive(robot.joints + 0.1, steps=20)
+    for _ in range(10):
+        world.step()
+    boxes = robot.boxes()
+    assert robot.world_from_hand is not None
+    np.testing.assert_array_equal(robot.boxes(), boxes)
+    world.close()
+
+
 @ARMS
 def test_the_closed_form_agrees_with_the_physics_engine(arm):
     world = World(240)

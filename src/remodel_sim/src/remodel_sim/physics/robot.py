@@ -282,7 +282,12 @@ class Robot:
         return self._force.copy()
 
     def boxes(self) -> tuple[Array, Array]:
-        """Return the lower and upper corners of boxes around its solid links, each (n, 3) [m]."""
+        """Return the lower and upper corners of boxes around its solid links, each (n, 3) [m].
+
+        PyBullet's boxes are of the last forward kinematics: without that of now, they would follow
+        from who else has read a pose since the last step, such as a publisher.
+        """
+        self._link_pose(self._wrist)
         boxes = np.array([self._bullet.getAABB(self.body, link) for link in self._solid])
         return boxes[:, 0], boxes[:, 1]
 
@@ -312,14 +317,17 @@ class Robot:
         """The arm's base as measured: an axis carries it."""
         if self._base is None:
             return self.arm.world_from_base
-        # Link frames of a body are about the centre of mass; [4:6] is the frame of the description.
-        state = self._bullet.getLinkState(self.body, self._base, computeForwardKinematics=True)
-        return Pose(np.array(state[4]), np.array(state[5]))
+        return self._link_pose(self._base)
 
     @property
     def world_from_hand(self) -> Pose:
         """The hand frame as measured."""
-        state = self._bullet.getLinkState(self.body, self._wrist, computeForwardKinematics=True)
+        return self._link_pose(self._wrist)
+
+    def _link_pose(self, link: int) -> Pose:
+        """Return where a link is now, by forward kinematics of the whole body."""
+        # Link frames of a body are about the centre of mass; [4:6] is the frame of the description.
+        state = self._bullet.getLinkState(self.body, link, computeForwardKinematics=True)
         return Pose(np.array(state[4]), np.array(state[5]))
 
     @property
