@@ -129,17 +129,10 @@ def score(task: Task) -> Score:
     pairs = paired(truths, found.cables)
     errors, tips, rights = [], [], []
     for t, f in pairs.items():
-        cable, truth = found.cables[f], scene.cables[t]
-        forth, back = (
-            distances(cable.centreline, truths[t]),
-            distances(truths[t], cable.centreline),
-        )
-        errors.append(float((forth.mean() + back.mean()) / 2))
-        far = max(np.quantile(forth, 0.98), np.quantile(back, 0.98))
-        ends, ends_right = compared_ends(truth, cable)
+        error, ends, is_right = compared(scene.cables[t], found.cables[f])
+        errors.append(error)
         tips += ends
-        near = errors[-1] < MEAN_LIMIT_PX and far < FAR_LIMIT_WIDTHS * truth.width
-        rights.append(bool(near) and ends_right)
+        rights.append(is_right)
     count_right = len(found.cables) == len(truths)
     return Score(
         count_right,
@@ -149,6 +142,17 @@ def score(task: Task) -> Score:
         tuple(tips),
         tuple(upper_right(scene, found)),
     )
+
+
+def compared(truth: CableCurve, found: DetectedCable) -> tuple[float, list[float], bool]:
+    """Return the mean error of a line, those of its loose tips [px], and whether all is right."""
+    line = visible(truth)
+    forth, back = distances(found.centreline, line), distances(line, found.centreline)
+    error = float((forth.mean() + back.mean()) / 2)
+    far = max(np.quantile(forth, 0.98), np.quantile(back, 0.98))
+    ends, ends_right = compared_ends(truth, found)
+    is_near = error < MEAN_LIMIT_PX and far < FAR_LIMIT_WIDTHS * truth.width
+    return error, ends, bool(is_near) and ends_right
 
 
 def visible(cable: CableCurve) -> Array:
@@ -310,14 +314,18 @@ def clutter(answers: list[tuple[int, list[tuple[float, bool]]]]) -> dict[str, st
     right = np.cumsum(is_one)
     precise = np.flatnonzero(right >= 0.9 * np.arange(1, len(lines) + 1))
     found = right[precise[-1]] if len(precise) else 0
-    good, bad = confidences[is_one], confidences[~is_one]
-    auc = np.mean((good[:, None] > bad) + 0.5 * (good[:, None] == bad))
+    bad = confidences[~is_one]
     return {
         "cables found at precision 0.9": f"{100 * found / sum(n for n, _ in answers):.0f} %",
         "false lines on 60 pictures": f"{len(bad) * 60 / len(answers):.3g}",
         "the same from confidence 0.5 on": f"{np.sum(bad >= SURE) * 60 / len(answers):.3g}",
-        "confidence, AUC": f"{auc:.3g}",
+        "confidence, AUC": f"{auc(confidences[is_one], bad):.3g}",
     }
+
+
+def auc(right: Array, wrong: Array) -> float:
+    """Return how often what is right has more confidence than what is wrong, (n,) and (m,)."""
+    return float(np.mean((right[:, None] > wrong) + 0.5 * (right[:, None] == wrong)))
 
 
 def table(**groups: dict[str, str]) -> list[dict[str, str]]:

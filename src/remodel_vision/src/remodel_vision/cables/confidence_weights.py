@@ -1,4 +1,4 @@
-"""Weights of the confidence, fitted to rendered scenes and cluttered tables."""
+"""Weights of the confidence, written by benchmarks/vision/fit_confidence.py."""
 
 BIAS = -31.1232
 WEIGHTS = {
