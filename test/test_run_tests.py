@@ -160,6 +160,16 @@ def test_failures_are_named_and_counted_also_without_an_entry(workspace):
     assert done.stdout.endswith("1 passed, 3 failed\n")
 
 
+def test_both_ends_of_a_long_reason_are_printed(workspace):
+    reason = "3 != 4\n" + "frame\n" * 500 + "raise error"
+    bad = '<testsuite failures="1"><testcase classname="Arm" name="moves">'
+    bad += f"<failure>{reason}</failure></testcase></testsuite>"
+    workspace.rostest(whole=WHOLE.format(0, ""), case=bad)
+    done = workspace.run()
+    assert "failed: rosunit-test_arm_moves: Arm.moves\n  3 != 4\n" in done.stdout
+    assert "  raise error\n" in done.stdout and done.stdout.count("frame") < 200
+
+
 def test_a_test_file_that_no_cmakelists_adds_is_red(workspace):
     workspace.test.with_name("leg.test").write_text(NAMED)
     done = workspace.run()

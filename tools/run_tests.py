@@ -35,8 +35,8 @@ PARTS = {"quick": ("lint", "unit", "rostest"), "all": ("lint", "unit", "rostest"
 VARIANTS = RESULTS / "variants.xml"
 AT_MOST_ALONE = 8
 """Failed tests that are run again, alone; more have a common cause."""
-REASON = 600
-"""Characters of a failure's reason that are printed, from its end."""
+REASON = 400
+"""Characters of a failure's reason that are printed, from its beginning and from its end."""
 
 
 @dataclass
@@ -77,6 +77,12 @@ def read(path: Path) -> ElementTree.Element:
         return ElementTree.Element("testsuite")
 
 
+def shortened(reason: str) -> str:
+    """Return both ends of a reason: what was wrong may stand before a traceback or after it."""
+    is_short = len(reason) <= 2 * REASON
+    return reason if is_short else f"{reason[:REASON]}\n[...]\n{reason[-REASON:]}"
+
+
 def count_cases(path: Path) -> Count:
     """Return how the test cases of a result file ended.
 
@@ -90,7 +96,7 @@ def count_cases(path: Path) -> Count:
             line = f"{path.stem}: {case.get('classname')}.{case.get('name')}"
             reason = ended[0].get("message") or (ended[0].text or "").strip()
             found.failed.append(line)
-            found.reasons[line] = reason[-REASON:]
+            found.reasons[line] = shortened(reason)
         elif case.find("skipped") is not None:
             found.skipped += 1
         elif not path.name.startswith("rostest-"):
