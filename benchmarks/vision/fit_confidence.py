@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Fit the weights of the detector's confidence, and print how well they tell right from wrong.
+"""Fit the weights of the detector's confidence, and print how well they separate right and wrong.
 
 fit_confidence.py [--scenes N] [--seed FIRST] [--processes N] [--write]
 
