@@ -13,13 +13,19 @@ from remodel_production.edge.design_files import (
     read_mappings,
 )
 from remodel_rehearsal import stack
+from remodel_rehearsal.core.variation import vary
 from remodel_rehearsal.edge.rehearsal_files import read_uncertainty
-from remodel_rehearsal.stack import Outcome, Setting, planned_wires, rehearse_wire
+from remodel_rehearsal.stack import Outcome, Setting, differ, planned_wires, rehearse_wire
+from remodel_sim.physics.plant import SimulatedPlant
+from remodel_states.edge.exported_tables import read_wire_materials
 from remodel_supervision.core.run import Operation
 from remodel_supervision.core.runs.events import OperationEnded, Part, TaskBegun
+from remodel_work.edge.cell_file import read_cell
 from remodel_work.panel import WireEnd
+from remodel_work.ros.panel_message import read_panel
 from remodel_work.routes import PlacedWires
 
+PANEL = Path(__file__).parents[3] / "remodel_sim/config/household.yaml"
 # A machine's cabinet of Debian's package qelectrotech-examples.
 DESIGN = Path("/usr/share/qelectrotech/examples/schema_indus.qet")
 
@@ -36,6 +42,16 @@ def test_the_wires_are_planned_in_the_same_order_each_time(setting):
     wires = Setting(setting.order)
     assert list(planned_wires(wires).items()) == list(planned_wires(wires).items())
     assert planned_wires(setting).items() <= planned_wires(wires).items()
+
+
+def test_a_plant_differs_from_its_model_as_its_seed_draws():
+    plant = SimulatedPlant(read_panel(PANEL, read_wire_materials()), design=read_cell("cabinet"))
+    drawn = vary(read_uncertainty(), 4, plant.design.overhead_names, [])
+    differ(plant, drawn)
+    (robot,), (design,) = plant.robots.values(), plant.design.robots
+    assert robot.force_noise == drawn.force_noise > 0.0
+    assert robot.grip_force == drawn.factors["grip_force"] * design.gripper.grip_force
+    plant.close()
 
 
 @pytest.mark.physics

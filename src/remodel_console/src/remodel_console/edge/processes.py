@@ -14,9 +14,8 @@ from typing import BinaryIO
 
 from remodel_console.errors import CommandError
 
-# The planner yields to the cell, which may be working on the same computer: beside each process
-# that keeps a core busy it gets a quarter of the time. With nice 10, which is a tenth, a person
-# waited two minutes for the plan of three wires.
+# The planner yields to the cell, which may be working on the same computer: beside a process that
+# keeps a core busy it gets a quarter of that core, and a person waits for what it plans.
 _COMMAND = ("nice", "-n", "5", "remodel")
 LIMIT_S = 900.0  # of wall time; the largest harnesses take a minute
 _STAGE = "stage "  # what a line on the standard error begins with that says what a command does
