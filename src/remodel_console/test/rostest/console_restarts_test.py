@@ -145,11 +145,25 @@ class ConsoleRestartsTest(ConsoleCase):
         expect(self.page.locator(".notice", has_text="mirror")).to_have_count(0)
         self.page.evaluate("() => { window.isOld = true; }")
         self.kill("console")
-        away = self.page.get_by_text("The console is not running:")
+        away = self.page.get_by_text("The console does not answer:")
         expect(away).to_be_visible()
         self.take_picture(self.page, "runtime-console-away")
         self.start_console()
         self.page.wait_for_function(SEES_PATROL)
+
+    def test_what_is_pressed_while_the_console_stands_still_is_not_lost(self):
+        page = self.page
+        self.load(page, "Patrol")
+        self.press(page, "Start")
+        self.press(page, "Stop")
+        yes = page.get_by_role("dialog").get_by_role("button", name="Stop", exact=True)
+        expect(yes).to_be_visible()
+        away = page.get_by_text("The console does not answer:")
+        with self.held_still("console"):
+            yes.click()
+            expect(away).to_be_visible()
+        expect(page.locator(".ending")).to_have_text("The last run was stopped.")
+        expect(away).to_be_hidden()
 
     def test_who_only_watches_sees_ros_come_late_go_and_come_back(self):
         port, master = free_port(), free_port()

@@ -11,7 +11,8 @@ import tempfile
 import threading
 import time
 import unittest
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Any, ClassVar
 
@@ -180,6 +181,17 @@ class BrowserTest(unittest.TestCase):
         process = cls.processes.pop(name)
         os.killpg(process.pid, signal.SIGKILL)
         process.wait(LIMIT_S)
+
+    @classmethod
+    @contextmanager
+    def held_still(cls, name: str) -> Iterator[None]:
+        """Keep a process from computing meanwhile, as an overloaded computer does."""
+        group = cls.processes[name].pid
+        os.killpg(group, signal.SIGSTOP)
+        try:
+            yield
+        finally:
+            os.killpg(group, signal.SIGCONT)
 
     @classmethod
     def end(cls, *names: str) -> None:

@@ -103,7 +103,9 @@ _PICTURE_ONLY = {
     "Cache-Control": "no-store",
 }
 _RECONNECT_S = 30.0  # for which the page of a browser that has lost us is kept
-_PING_S, _PONG_S = 2.0, 3.0  # a page whose network is gone says so after both
+# A page without pings says so after 5 s. It is given up later: what was pressed while we, or the
+# page, stood still would be lost with the connection.
+_PING_S, _PONG_S = 2.0, 10.0
 
 
 def serve(console: Console, port: int, users: UsersFile | None = None) -> None:
