@@ -298,9 +298,9 @@ class Console:
             raise CommandError("give the order a name")
         return draft.store(name, self.database)
 
-    def rehearse(self, draft: OrderDraft, seeds: int, wires: int) -> str:
+    def rehearse(self, draft: OrderDraft, seeds: int, wires: int, *, adopts: bool) -> str:
         """Rehearse a stored order; see OrderDraft.rehearse."""
-        return draft.rehearse(self.database, seeds, wires)
+        return draft.rehearse(self.database, seeds, wires, adopts=adopts)
 
     def require_order(self, name: str) -> None:
         """Check that the supervisor knows an order.

@@ -378,6 +378,8 @@ def test_a_stored_order_is_rehearsed_in_the_production_database(tmp_path):
     assert draft.now.forecast.failing == (wire,)
     assert draft.picture("abc.png").parent.name == "pictures"
     assert draft.picture("../../orders.sqlite") == draft.picture("orders.sqlite")
+    draft.rehearse("sqlite:///p", seeds=10, wires=3, adopts=True)
+    assert "--adopt" in given[1][0] and "--adopt" not in words
 
 
 def test_two_drafts_of_one_file_have_two_names(tmp_path):

@@ -128,11 +128,14 @@ class Forecast(msgspec.Struct, frozen=True):
         all_at_once: probability that every wire is placed at the first attempt, if they fail
             independently of each other.
         cell_s: time of the whole order [s]: mean, and 5 % and 95 % of sums of what was rehearsed.
+        adopted: names of the entries of the order's preferences that come from rehearsals; None:
+            what helps was not adopted.
     """
 
     wires: tuple[WireForecast, ...]
     all_at_once: float
     cell_s: tuple[float, float, float]
+    adopted: tuple[str, ...] | None = None
 
     @property
     def failing(self) -> tuple[WireForecast, ...]:

@@ -204,13 +204,15 @@ class OrderDraft:
             self._change(stored_as=order)
             return f"stored order '{order}'"
 
-    def rehearse(self, database: str, seeds: int, wires: int) -> str:
+    def rehearse(self, database: str, seeds: int, wires: int, *, adopts: bool = False) -> str:
         """Rehearse the stored order, and return the answer; it takes minutes for each wire.
 
         Args:
             database: URL of the production database, which keeps the rehearsal.
             seeds: with how many each wire is rehearsed.
             wires: how many, from the first; 0 for all.
+            adopts: what helps is entered into the order's preferences. Trials that were made
+                already are not repeated.
 
         Raises:
             CommandError: the command's own error, if the cell cannot carry the order out.
@@ -219,6 +221,7 @@ class OrderDraft:
             words = ["rehearse", self.now.stored_as, "--seeds", f"{_SEED}-{_SEED + seeds - 1}"]
             words += ["--wires", str(wires)] if wires else []
             words += ["--use-case", self.now.use_case] if self.now.use_case else []
+            words += ["--adopt"] if adopts else []
             words += ["--states", str(self.folder / _REHEARSAL), "--json"]
             finished = self._finish(*words, database=database, limit_s=_REHEARSAL_S)
             if finished.code != 0:

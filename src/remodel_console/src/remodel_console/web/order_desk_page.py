@@ -20,6 +20,7 @@ from remodel_console.errors import CommandError
 from remodel_console.web.guard import user_of
 from remodel_console.web.order_panels import (
     ColumnsPanel,
+    can_be_adopted,
     show_account,
     show_before_start,
     show_forecast,
@@ -300,10 +301,10 @@ class OrderDeskPage(Page):
                 trials.on_value_change(lambda: setattr(self, "_trials", int(trials.value or 1)))
                 trials.set_enabled(self.is_operator)
 
-                async def rehearse() -> None:
-                    await self._rehearse(self._trials)
-
-                self.button("Rehearse", rehearse, icon="theater_comedy", look="quiet")
+                self.button("Rehearse", self._rehearse, icon="theater_comedy", look="quiet")
+                if can_be_adopted(now.forecast):
+                    adopt = partial(self._rehearse, adopts=True)
+                    self.button("Adopt what helps", adopt, icon="playlist_add_check", look="quiet")
             if now.forecast is not None:
                 show_forecast(now.forecast, lambda name: f"{ADDRESS}/rehearsal/{draft.key}/{name}")
             else:
@@ -376,13 +377,14 @@ class OrderDeskPage(Page):
         )
         return answer.state == DONE
 
-    async def _rehearse(self, seeds: int) -> None:
-        draft, wires = self._draft, int(self._tasks or 0)
+    async def _rehearse(self, *, adopts: bool = False) -> None:
+        draft, seeds, wires = self._draft, self._trials, int(self._tasks or 0)
         if draft is None or not await self._store():
             return
+        what = ", and adopt what helps" if adopts else ""
         await self.give(
-            f"rehearse order '{draft.now.stored_as}', {seeds} trials of each wire",
-            lambda: self.console.rehearse(draft, seeds, wires),
+            f"rehearse order '{draft.now.stored_as}', {seeds} trials of each wire{what}",
+            lambda: self.console.rehearse(draft, seeds, wires, adopts=adopts),
         )
 
     async def _start(self) -> None:

@@ -305,6 +305,13 @@ def _show(plan: Plan, explanation: str) -> None:
 _LISTED = 300  # wires
 
 
+def can_be_adopted(found: Forecast | None) -> bool:
+    """Return whether changes were tried that are not in the order's preferences."""
+    return (
+        found is not None and found.adopted is None and any(wire.changes for wire in found.failing)
+    )
+
+
 def show_forecast(found: Forecast, address_of: Callable[[str], str]) -> None:
     """Add the forecast of an order.
 
@@ -316,6 +323,11 @@ def show_forecast(found: Forecast, address_of: Callable[[str], str]) -> None:
     ui.label(
         f"{found.all_at_once:.0%} without a failure; {mean} in the cell, {low} to {high}"
     ).classes("plan-words")
+    if found.adopted is not None:
+        with ui.element("div").classes("held").props('role="status"'):
+            ui.label("Adopted, in the order's preferences:").classes("question")
+            for name in found.adopted or ("nothing: no change helps for certain",):
+                ui.label(name).classes("lines")
     for wire in found.failing[:3]:
         _show_failing(wire, address_of)
     with ui.element("details").classes("wide"):

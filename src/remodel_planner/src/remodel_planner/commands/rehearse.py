@@ -120,16 +120,16 @@ def main(arguments: list[str] | None = None) -> int:
         if options.seed is not None:
             return _carry_out(setting, options.seed)
         found = _rehearse(setting, options, database)
-        preferences = database.preferences(options.order)
     if options.json:
         print_json(msgspec.to_builtins(found))
     else:
         print("\n".join(lines(found)))
         for wire in found.failing[:3]:
             print(f"picture of {wire.wire}: {_shown(wire, options.states)}")
-        if options.adopt:
-            entered = adopted_names(preferences)
-            print("adopted, in the order's preferences:", *(entered or ("nothing",)), sep="\n  ")
+        if found.adopted is not None:
+            print(
+                "adopted, in the order's preferences:", *(found.adopted or ("nothing",)), sep="\n  "
+            )
     return 0
 
 
@@ -193,8 +193,9 @@ def _rehearse(
             explored = [each for (_, change), of in tried.items() if change.force_n for each in of]
     if options.adopt:
         # As they are now: a rehearsal may take hours.
-        document = database.preferences(setting.order.name)
-        database.set_preferences(setting.order.name, adopted(found, changes, document))
+        document = adopted(found, changes, database.preferences(setting.order.name))
+        database.set_preferences(setting.order.name, document)
+        found = msgspec.structs.replace(found, adopted=adopted_names(document))
     keep_rehearsal(
         database,
         setting.order.name,
