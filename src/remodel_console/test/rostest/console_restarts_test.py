@@ -151,7 +151,7 @@ class ConsoleRestartsTest(ConsoleCase):
         self.start_console()
         self.page.wait_for_function(SEES_PATROL)
 
-    def test_what_is_pressed_while_the_console_stands_still_is_not_lost(self):
+    def test_what_is_pressed_while_the_console_is_stalled_is_not_lost(self):
         page = self.page
         self.load(page, "Patrol")
         self.press(page, "Start")
@@ -159,7 +159,7 @@ class ConsoleRestartsTest(ConsoleCase):
         yes = page.get_by_role("dialog").get_by_role("button", name="Stop", exact=True)
         expect(yes).to_be_visible()
         away = page.get_by_text("The console does not answer:")
-        with self.held_still("console"):
+        with self.stalled("console"):
             yes.click()
             expect(away).to_be_visible()
         expect(page.locator(".ending")).to_have_text("The last run was stopped.")

@@ -184,7 +184,7 @@ class BrowserTest(unittest.TestCase):
 
     @classmethod
     @contextmanager
-    def held_still(cls, name: str) -> Iterator[None]:
+    def stalled(cls, name: str) -> Iterator[None]:
         """Keep a process from computing meanwhile, as an overloaded computer does."""
         group = cls.processes[name].pid
         os.killpg(group, signal.SIGSTOP)

@@ -104,7 +104,7 @@ _PICTURE_ONLY = {
 }
 _RECONNECT_S = 30.0  # for which the page of a browser that has lost us is kept
 # A page without pings says so after 5 s. It is given up later: what was pressed while we, or the
-# page, stood still would be lost with the connection.
+# page, were stalled would be lost with the connection.
 _PING_S, _PONG_S = 2.0, 10.0
 
 

@@ -1,5 +1,5 @@
 // What a page does while the console does not answer: it shows that, and reconnects soon after a restart.
-const SILENCE_MS = 5000; // the console pings every 2 s; one that only stands still keeps its connection longer
+const SILENCE_MS = 5000; // the console pings every 2 s; one that is only stalled keeps its connection longer
 
 function watchConnection() {
   const manager = window.socket.io;
