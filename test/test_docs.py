@@ -1,4 +1,4 @@
-"""Every link, anchor and command in the docs exists; every page has a place on the site."""
+"""Every link, anchor and command in the docs exists; every page and picture has its place."""
 
 import os
 import re
@@ -151,6 +151,18 @@ def test_every_kind_of_mistake_is_found(tmp_path):
     )
     assert len([*broken_links(page)]) == 2
     assert len([*broken_commands(page)]) == 6
+
+
+def test_every_picture_is_shown_by_a_page():
+    shown = {
+        (page.parent / unquote(link)).resolve()
+        for page in PAGES
+        for link in LINK.findall(prose(page))
+        if ":" not in link
+    }
+    pictures = {p for kind in ("png", "webp") for p in (ROOT / "docs").rglob(f"*.{kind}")}
+    assert len(pictures) > 10
+    assert sorted(pictures - shown) == []
 
 
 def test_each_difference_from_flexbe_has_its_test():
