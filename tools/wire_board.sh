@@ -4,7 +4,10 @@
 set -euo pipefail
 cd "$(dirname "$0")/.."
 
-name=$1 design=$2 wires=$3 use_case=$4
+name=$1 design=$2 wires=$3 use_case=$4 cell=
+for argument in "${@:5}"; do
+  [[ $argument != cell:=* ]] || cell=${argument#cell:=}
+done
 out=$PWD/out/$name
 rm -rf "$out"
 mkdir -p "$out/charts"
@@ -15,7 +18,7 @@ export ROS_MASTER_URI=http://127.0.0.1:$port ROS_IP=127.0.0.1 ROS_LOG_DIR=$out/l
 export REMODEL_DATABASE=sqlite:///$out/production.sqlite
 export ROS_PACKAGE_PATH=$out/remodel_order_behaviors:$ROS_PACKAGE_PATH
 
-remodel import "$design" --order "$name" ${use_case:+--use-case "$use_case"}
+remodel import "$design" --order "$name" ${use_case:+--use-case "$use_case"} ${cell:+--cell "$cell"}
 
 roslaunch -p "$port" remodel_planner order.launch output:="$out" database:="$REMODEL_DATABASE" "${@:5}" >"$out/nodes.log" 2>&1 &
 nodes=$!
