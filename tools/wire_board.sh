@@ -1,6 +1,7 @@
 #!/usr/bin/env bash
 # Import a design, and wire it in the simulated cell; the report is in out/NAME.
-# Usage: wire_board.sh NAME DESIGN WIRES USE_CASE [argument of order.launch]...; an empty USE_CASE is the default of such designs.
+# Usage: wire_board.sh NAME DESIGN WIRES USE_CASE [argument of order.launch]...; an empty USE_CASE is the default of such designs,
+# and a cell:=NAME is also the cell that the design is imported for.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 

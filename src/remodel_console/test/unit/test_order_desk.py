@@ -33,8 +33,9 @@ from remodel_console.core.order_desk import (
 from remodel_console.edge.order_drafts import OrderDrafts, plain_file_name, read_findings
 from remodel_console.edge.processes import LIMIT_S, Finished, PlannerProcess
 from remodel_console.errors import CommandError
+from remodel_console.web.order_panels import can_be_adopted
 from remodel_run.findings import NoPlan, Plan
-from remodel_run.rehearsal import Failure, Forecast, Share, WireForecast
+from remodel_run.rehearsal import Failure, Forecast, Share, TriedChange, WireForecast
 
 BEFORE = next(kind for kind in KINDS if kind.fields == ("pick", "before", "weight"))
 TEXTS = {"pick": "{colour: [BU, 'BK']}", "before": "all", "weight": "3"}
@@ -380,6 +381,20 @@ def test_a_stored_order_is_rehearsed_in_the_production_database(tmp_path):
     assert draft.picture("../../orders.sqlite") == draft.picture("orders.sqlite")
     draft.rehearse("sqlite:///p", seeds=10, wires=3, adopts=True)
     assert "--adopt" in given[1][0] and "--adopt" not in words
+
+
+@pytest.mark.parametrize(
+    ("changes", "adopted", "expected"),
+    [((), None, False), (("8 cm longer",), None, True), (("8 cm longer",), (), False)],
+)
+def test_only_changes_that_are_not_adopted_yet_can_be(changes, adopted, expected):
+    share = Share(0.5, 0.2, 0.8)
+    tried = tuple(TriedChange(text, share) for text in changes)
+    jammed = Failure("InsertCable", "INSERTION_JAMMED", "stopped")
+    wire = WireForecast("W1", 10, share, share, jammed, 60.0, "", tried)
+    found = Forecast((wire,), 0.5, (60.0, 50.0, 70.0), adopted)
+    assert can_be_adopted(found) == expected
+    assert not can_be_adopted(None)
 
 
 def test_two_drafts_of_one_file_have_two_names(tmp_path):

@@ -3,6 +3,7 @@
 import argparse
 from contextlib import closing, nullcontext
 
+import msgspec
 import pytest
 
 from remodel_planner.commands import rehearse
@@ -11,7 +12,7 @@ from remodel_production.core.production import Component, Order, Side, Terminal,
 from remodel_production.edge.database.production_database import ProductionDatabase
 from remodel_rehearsal.core.forecast import forecast, with_changes
 from remodel_rehearsal.edge.rehearsal_files import KeptTrial
-from remodel_run.rehearsal import Failure, Trial
+from remodel_run.rehearsal import Failure, Forecast, Trial
 
 JAMMED = Failure("InsertCable", "INSERTION_JAMMED", "end a of W2 stopped 4.0 mm deep")
 ORDER = Order(
@@ -87,6 +88,8 @@ def test_what_helped_is_adopted_and_printed(database, tmp_path, monkeypatch, cap
     with closing(ProductionDatabase(database)) as opened:
         (entry,) = opened.preferences("house")["require"]
     assert entry == {"name": name, "begin": "W1", "at": "b"}
+    assert rehearse.main([*words, "--adopt", "--json"]) == 0
+    assert msgspec.json.decode(capsys.readouterr().out, type=Forecast).adopted == (name,)
 
 
 @pytest.mark.parametrize("other", [["--no-changes"], ["--seed", "1"]])

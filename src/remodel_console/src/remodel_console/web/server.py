@@ -103,8 +103,8 @@ _PICTURE_ONLY = {
     "Cache-Control": "no-store",
 }
 _RECONNECT_S = 30.0  # for which the page of a browser that has lost us is kept
-# A page without pings says so after 5 s. It is given up later: what was pressed while we, or the
-# page, were stalled would be lost with the connection.
+# A page without pings says so after 5 s. Its connection is kept longer, since what was pressed
+# while we were stalled would be lost with it, but not so long that a late command surprises.
 _PING_S, _PONG_S = 2.0, 10.0
 
 
