@@ -13,7 +13,7 @@ from catkin_pkg.packages import find_packages
 ROOT = Path(__file__).parents[1]
 INSTALLER = ROOT / "src/remodel_environment/install_environment.py"
 # [s] Wall time of one command; the machine may be busy.
-LIMIT_S = 600.0
+LIMIT_S = 1800.0
 # What a shell of a user has who has set up nothing.
 BARE = {"HOME": os.environ.get("HOME", "/"), "PATH": "/usr/bin:/bin", "LANG": "C.UTF-8"}
 
