@@ -40,7 +40,8 @@ from order_client import OrderClient
 from rosgraph_msgs.msg import Clock
 from stack import Stack, stack
 
-from remodel_planner.commands.runs import explain_run, replay
+from remodel_planner.commands import explain
+from remodel_planner.commands.runs import replay
 from remodel_states.edge.exported_tables import read_faults
 from remodel_supervision.core.run import Operation
 from remodel_supervision.core.runs.event_table import state_after
@@ -225,7 +226,7 @@ class Campaign:
         found = self._orders.world.read()
         placed = {name for name in tasks if found.world.is_placed(name)}
         words = [str(run), "--database", self._url]
-        explanation = printed(explain_run.main, words)
+        explanation = printed(explain.main, words)
         played = printed(replay.main, [*words, "--quiet"])
         wrong = {
             "hung": is_hung,

@@ -4,7 +4,7 @@ from remodel_msgs.msg import DetectCableAction, DetectCableGoal
 
 from flexbe_core import EventState
 from remodel_states.ability_call import AbilityCall
-from remodel_states.parameters.checked_byte import checked_byte
+from remodel_states.parameters import checked_byte
 
 
 class DetectCableState(EventState):

@@ -4,7 +4,7 @@ from remodel_msgs.msg import RouteWireAction, RouteWireGoal
 
 from flexbe_core import EventState
 from remodel_states.ability_call import AbilityCall
-from remodel_states.parameters.panel_pose import panel_pose
+from remodel_states.parameters import panel_pose
 
 
 class RouteWireState(EventState):

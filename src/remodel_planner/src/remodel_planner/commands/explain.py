@@ -8,7 +8,7 @@ from pathlib import Path
 
 import numpy as np
 
-from remodel_planner.commands.options.common import refuses
+from remodel_planner.commands.options.common import add_database_option, refuses
 from remodel_planner.commands.options.problem_files import (
     add_problem_options,
     read_plan,
@@ -27,9 +27,7 @@ def main(arguments: list[str] | None = None) -> int:
     """Print the explanation of a plan, or of a run, and return the exit code."""
     words = sys.argv[1:] if arguments is None else arguments
     if words and words[0].isdigit():
-        from remodel_planner.commands.runs import explain_run  # the database takes long to load
-
-        return explain_run.main(words)
+        return _explain_run(words)
     parser = argparse.ArgumentParser(
         prog="remodel explain",
         description="Print what a plan costs, which preferences it violates, why, and what "
@@ -52,6 +50,26 @@ def main(arguments: list[str] | None = None) -> int:
     alternatives = _Alternatives(preferred.problem, plan)
     lines = list(explain(preferred, plan, verdict, alternatives))
     print("\n".join(lines))
+    return 0
+
+
+def _explain_run(words: list[str]) -> int:
+    """Print the explanation of a run; exit code 3 without such a run or database."""
+    from remodel_planner.core.run_explanation import explain_run
+    from remodel_supervision.edge.run_log import kept_run  # the database takes long to load
+    from remodel_tasks.edge.fault_file import read_faults
+
+    parser = argparse.ArgumentParser(
+        prog="remodel explain",
+        description="Print what was done in a recorded run, what failed, what was decided and why.",
+        epilog="Exit code: 0 printed, 2 wrong usage, 3 no such run or database.",
+    )
+    parser.add_argument("run", type=int, metavar="RUN", help="number of the run")
+    add_database_option(parser)
+    options = parser.parse_args(words)
+    kept = kept_run(options.database, options.run)
+    events = [each.event for each in kept]
+    print("\n".join(explain_run(options.run, kept[0].at, events, read_faults())))
     return 0
 
 

@@ -79,10 +79,9 @@ def _imports(ability: Ability, state: AbilityState) -> str:
     name, package = ability.name, ability.package
     types = {parameter.field.type for parameter in state.parameters}
     helpers = ["from remodel_states.ability_call import AbilityCall"]
-    if "uint8" in types:
-        helpers.append("from remodel_states.parameters.checked_byte import checked_byte")
-    if types & {POSE, POSES}:
-        helpers.append("from remodel_states.parameters.panel_pose import panel_pose")
+    checks = ["checked_byte"] * ("uint8" in types) + ["panel_pose"] * bool(types & {POSE, POSES})
+    if checks:
+        helpers.append(f"from remodel_states.parameters import {', '.join(checks)}")
     messages = f"from {package}.msg import {name}Action, {name}Goal"
     return "\n".join([messages, "", "from flexbe_core import EventState", *helpers, ""])
 

@@ -1,11 +1,25 @@
-"""Poses that charts give as numbers."""
+"""Parameters of states that need a check or a conversion before they fit into a goal."""
+
+from __future__ import annotations
 
 import math
 from collections.abc import Sequence
 
 from geometry_msgs.msg import PoseStamped
 
+_MOST = 255  # of a goal's field of type uint8
 PANEL_FRAME = "panel"
+
+
+def checked_byte(name: str, value: object) -> int:
+    """Return the value of a parameter, a whole number that fits into a goal's uint8.
+
+    Raises:
+        ValueError: if it does not fit into a goal.
+    """
+    if isinstance(value, bool) or not isinstance(value, int) or not 0 <= value <= _MOST:
+        raise ValueError(f"{name} must be a whole number from 0 to {_MOST}, found {value!r}")
+    return value
 
 
 def panel_pose(numbers: Sequence[float]) -> PoseStamped:
