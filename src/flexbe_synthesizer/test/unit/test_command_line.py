@@ -72,9 +72,11 @@ def test_a_chart_that_another_one_names_is_written_too(run, charts, tmp_path):
     assert "from out.place_connector_sm import PlaceConnectorSM" in code_text
 
 
-def test_what_is_written_does_not_depend_on_where_the_command_runs(run, charts, tmp_path):
+def test_what_is_written_does_not_depend_on_where_the_command_runs(
+    run, charts, tmp_path, monkeypatch
+):
     run(*sorted(charts.glob("*.xml")), "--output", tmp_path / "a" / "out")
-    os.chdir(charts)
+    monkeypatch.chdir(charts)
     run("wire_task.xml", "./plain.xml", "two_arms.xml", "--output", tmp_path / "b" / "out")
     assert tree(tmp_path / "a") == tree(tmp_path / "b")
 
@@ -112,15 +114,8 @@ def test_errors_of_a_chart_that_is_named_count_too(run, charts):
     assert err.endswith("1 error; nothing was written\n")
 
 
-def test_a_named_chart_that_is_missing_or_broken_is_reported_where_it_is_named(run, charts):
+def test_a_named_chart_that_is_broken_is_reported_where_it_is_named_too(run, charts):
     inner = charts / "place_connector.xml"
-    inner.unlink()
-    code, _, err = run(charts / "wire_task.xml")
-    assert code == 1
-    (line, count) = err.splitlines()
-    assert line.startswith(f"{charts}/wire_task.xml:23:24: [unknown-behavior]")
-    assert line.endswith("cannot be read: No such file or directory.")
-    assert count == "1 error; nothing was written"
     inner.write_text("<statemachine>")
     code, _, err = run(charts / "wire_task.xml")
     assert code == 1
@@ -227,9 +222,6 @@ def test_the_command_itself_passes_the_exit_code_on(charts, package_path):
 
     assert exit_code(charts / "plain.xml", "--check") == 0
     assert exit_code(charts / "none.xml") == 2
-    bad = charts / "bad.xml"
-    bad.write_text("<statemachine>")
-    assert exit_code(bad) == 1
 
 
 def test_what_is_found_can_be_had_as_json(run, charts, golden):

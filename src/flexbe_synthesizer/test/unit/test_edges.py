@@ -133,39 +133,10 @@ def test_a_broken_package_costs_a_warning_and_nothing_else(tmp_path, package_pat
     assert [b.name for b in library.unreadable_behaviors] == ["Lost"]
 
 
-def test_a_behavior_that_changes_is_read_again(tmp_path, package_path):
-    shutil.copytree(package_path, tmp_path / "good")
-    manifest = tmp_path / "good" / "cell_behaviors" / "manifest" / "clean_up.xml"
-    packages, _ = find_packages(str(tmp_path / "good"))
-    (before,) = read_library(packages)[0].behaviors
-    source = packages[0].folder.parent / "cell_behaviors" / "src" / "cell_behaviors"
-    source = source / f"{before.module.rpartition('.')[2]}.py"
-    source.write_text(source.read_text().replace(before.outcomes[0], "swept_clean"))
-    (after,) = read_library(packages)[0].behaviors
-    assert "swept_clean" in after.outcomes
-    manifest.write_text(manifest.read_text().replace("Clean Up", "Sweep the Cell"))
-    assert [b.name for b in read_library(packages)[0].behaviors] == ["Sweep the Cell"]
-    source.unlink()
-    (lost,) = read_library(packages)[0].unreadable_behaviors
-    assert lost.name == "Sweep the Cell"
-
-
 def test_of_two_packages_of_one_name_the_first_on_the_path_counts(tmp_path, package_path):
     shutil.copytree(package_path, tmp_path / "overlay")
     packages, _ = find_packages(f"{tmp_path / 'overlay'}:{package_path}")
     assert {str(p.folder.parent) for p in packages} == {str(tmp_path / "overlay")}
-
-
-def test_an_installed_package_is_found_where_python_has_it(tmp_path, monkeypatch, package_path):
-    share = tmp_path / "share" / "cell_states"
-    share.mkdir(parents=True)
-    source = f"{package_path}/cell_states"
-    shutil.copy(f"{source}/package.xml", share)
-    shutil.copytree(f"{source}/src/cell_states", tmp_path / "lib" / "cell_states")
-    monkeypatch.syspath_prepend(str(tmp_path / "lib"))
-    library, _ = read_library(find_packages(str(tmp_path / "share"))[0])
-    (state,) = library.find_states("LocateComponentState")
-    assert state.module == "cell_states.locate_component_state"
 
 
 def test_a_folder_without_a_package_becomes_one(tmp_path):

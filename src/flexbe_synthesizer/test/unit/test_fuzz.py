@@ -4,6 +4,7 @@ import ast
 import cProfile
 import math
 import pstats
+import re
 import time
 
 import pytest
@@ -29,6 +30,8 @@ TAGS += ["ext:condition", "ext:when", "x"]
 ATTRIBUTES = ["name", "initial", "id", "type", "event", "target", "value", "topic", "state"]
 ATTRIBUTES += ["ext:attempts", "ext:timeout_s", "ext:on_error", "ext:default", "outcome", "input"]
 VALUES = ["A", "done", "failed", "3", "UserDataState", "ChooseState", "1-2: A", "", "preempted"]
+NASTY = ["", " ", "a/b", "'", "preempted", "Locate", "failed", "Fix"]
+NASTY += ["0", "-1", "[", "é", "x def y"]
 CODE = [
     "__import__('os').system('touch /tmp/pwned')",
     "'''\nimport os\n'''",
@@ -93,6 +96,44 @@ def test_trees(holds, data):
 @given(charts(types=st.sampled_from(["UserDataState", "ChooseState", "CountState", "Clean Up"])))
 def test_models(holds, chart):
     holds(write_chart(chart))
+
+
+@st.composite
+def damaged(draw, text):
+    """Draw the text with up to four attribute values, names or lines changed."""
+    for _ in range(draw(st.integers(1, 4))):
+        lines = text.splitlines()
+        kind = draw(st.sampled_from(["value", "name", "drop", "double", "swap", "byte"]))
+        index, other = (draw(st.integers(1, len(lines) - 1)) for _ in range(2))
+        if kind == "drop":
+            del lines[index]
+        elif kind == "double":
+            lines.insert(other, lines[index])
+        elif kind == "swap":
+            lines[index], lines[other] = lines[other], lines[index]
+        elif kind == "byte":
+            at = draw(st.integers(0, len(lines[index])))
+            lines[index] = lines[index][:at] + draw(st.characters()) + lines[index][at:]
+        else:
+            values = re.findall('="([^"]*)"', text)
+            new = draw(st.sampled_from(values) | st.sampled_from(NASTY) | st.text(max_size=4))
+            pattern = '="[^"]*"' if kind == "value" else r"\w+(?==)"
+            found = list(re.finditer(pattern, lines[index]))
+            if found:
+                where = draw(st.sampled_from(found))
+                put = f'="{new}"' if kind == "value" else new
+                lines[index] = lines[index][: where.start()] + put + lines[index][where.end() :]
+        text = "\n".join(lines)
+    return text
+
+
+@pytest.mark.parametrize("name", ["plain.xml", "place_connector.xml"])
+def test_damaged_charts(name, golden, holds):
+    @given(damaged((golden / "charts" / name).read_text()))
+    def hold(text):
+        assert all(p.position.line <= text.count("\n") + 1 for p in holds(text))
+
+    hold()
 
 
 @pytest.mark.parametrize("code", CODE)

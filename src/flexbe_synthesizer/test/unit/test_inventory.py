@@ -161,6 +161,6 @@ def test_an_installed_package_is_read_again_when_its_python_package_changes(
     path = str(tmp_path / "share")
     assert read_inventory(path) is read_inventory(path)
     (code / "pause_state.py").unlink()
-    names = [state.name for state in read_inventory(path).library.states]
-    assert "LocateComponentState" in names
-    assert "PauseState" not in names
+    modules = [state.module for state in read_inventory(path).library.states]
+    assert "cell_states.locate_component_state" in modules
+    assert "cell_states.pause_state" not in modules
