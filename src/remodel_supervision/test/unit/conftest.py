@@ -34,8 +34,24 @@ def house_url(house_file, tmp_path):
 
 
 @pytest.fixture
-def bench(house_url):
-    """Return a supervisor of the order HOUSE, with everything beside it faked but the database."""
-    bench = Bench(house_url)
-    yield bench
-    bench.database.close()
+def make_bench(house_url):
+    """Return what makes a supervisor of the order HOUSE, faking all beside it but the database."""
+    made = []
+
+    def make(**options):
+        made.append(Bench(house_url, **options))
+        return made[-1]
+
+    yield make
+    for bench in made:
+        bench.database.close()
+
+
+@pytest.fixture
+def bench(make_bench):
+    return make_bench()
+
+
+@pytest.fixture
+def attended_bench(make_bench):
+    return make_bench(attended=True)

@@ -11,7 +11,7 @@ from remodel_production.errors import LostError
 from remodel_supervision.core.learning.experience import Experience
 from remodel_supervision.core.run import Operation
 from remodel_supervision.core.runs.event_table import state_after
-from remodel_supervision.core.runs.events import Commanded, RunBegun
+from remodel_supervision.core.runs.events import Answered, Commanded, RunBegun
 from remodel_supervision.core.runs.gate import Permit
 from remodel_supervision.edge.recorded_lessons import ability_calls
 from remodel_supervision.edge.run_log import RunLog
@@ -28,6 +28,9 @@ from remodel_tasks.edge.fault_file import read_faults
 from remodel_tasks.edge.use_case_files import use_case_for
 
 FAULTS = read_faults()
+
+# What a call returns with which a behavior begins that then goes on until it is cancelled.
+GOES_ON = object()
 
 
 class FakeLoop:
@@ -161,8 +164,8 @@ class FakeEngine:
             return
         ending = self.endings.pop(0) if self.endings else "finished"
         if callable(ending):
-            ending()
-            self.end = self.end or BehaviorEnd(EndKind.FINISHED, "finished")
+            if ending() is not GOES_ON:
+                self.end = self.end or BehaviorEnd(EndKind.FINISHED, "finished")
         elif isinstance(ending, LostError):
             self.trouble = str(ending)
         elif isinstance(ending, BaseException):
@@ -281,6 +284,16 @@ class Bench:
         event = Commanded(command, task, "ann")
         self.supervisor.command(event, lambda granted, text: replies.append((granted, text)))
         return replies
+
+    def answer_questions(self, choice):
+        """Have an operator answer each question some seconds after it is asked."""
+
+        def answer():
+            if question := self.supervisor.state.question:
+                event = Answered(question.number, choice, "ann")
+                self.supervisor.answer(event, lambda *reply: None)
+
+        self.loop.every(10.0, answer)
 
     def events(self, *kinds):
         return [k.event for k in self.log.events(self.number) if isinstance(k.event, kinds)]

@@ -5,7 +5,7 @@ from dataclasses import replace
 import pytest
 
 from remodel_supervision.core.runs.event_table import attempts_of
-from remodel_supervision.core.runs.events import Part, TaskBegun, TaskEnded
+from remodel_supervision.core.runs.events import Interrupted, Part, Settled, TaskBegun, TaskEnded
 
 BEGUN = TaskBegun("W1", 1, Part.WHOLE, "Place Wire W1", chart="", at_s=1.0)
 # Both ends are fixed, but the wire lies outside its ducts.
@@ -43,3 +43,14 @@ def test_what_came_apart_in_a_failed_discarding_does_not_count_as_placed():
     apart = TaskEnded("W1", "failed", 4.0, placed=False, denied=True)
     attempts = attempts_of([BEGUN, FAILED, begun, apart])
     assert [each.execution.placed for each in attempts] == [False, False]
+
+
+@pytest.mark.parametrize(
+    ("is_placed", "settled", "found"),
+    [(False, (), False), (True, (), True), (False, (Settled("W1", ("a", "b"), 0),), True)],
+)
+def test_an_interrupted_attempt_counts_as_placed_when_it_is_found_so(is_placed, settled, found):
+    cleared = [replace(BEGUN, part=Part.CLEAR), TaskEnded("W1", "finished", 2.0, is_placed)]
+    whole, clear = attempts_of([BEGUN, Interrupted("killed"), *cleared, *settled])
+    assert (whole.part, clear.part) == (Part.WHOLE, Part.CLEAR)
+    assert (whole.execution.placed, clear.execution.placed) == (found, is_placed)

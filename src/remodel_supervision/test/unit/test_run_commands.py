@@ -72,7 +72,6 @@ def test_a_protective_stop_holds_the_cell_when_its_run_has_been_stopped(bench):
     cell, replies = Cell(bench), []
 
     def stop():
-        bench.engine.end = None
         replies.append(cell.command(Command.PROTECTIVE_STOP))
         replies.append(cell.command(Command.STOP))
         bench.engine.cancel()

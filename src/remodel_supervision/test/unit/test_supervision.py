@@ -12,7 +12,7 @@ from remodel_run.progress import Answer
 from remodel_states.core.codes import Code
 from remodel_supervision.core.recovery.judge import decide_recovery, question_about
 from remodel_supervision.core.run import Operation
-from remodel_supervision.core.runs.event_table import attempts_of, state_after
+from remodel_supervision.core.runs.event_table import state_after
 from remodel_supervision.core.runs.events import (
     Answered,
     AsLeft,
@@ -101,6 +101,20 @@ class Run:
             self.add(OperationEnded(task, operation(code, self.now_s)))
         return self.add(TaskEnded(task, outcome, self.now_s, outcome == "finished"))
 
+    def fail(self, task, code, part=Part.WHOLE):
+        """Begin a part of a task, and have it fail."""
+        self.begin(task, part)
+        return self.end(task, "failed", code)
+
+    def fail_and_decide(self, task, code):
+        self.fail(task, code)
+        return self.decide(task)
+
+    def interrupt(self, task):
+        """Begin a task, and have it interrupted."""
+        self.begin(task)
+        return self.add(Interrupted("killed"))
+
     def clear(self, task):
         self.begin(task, Part.CLEAR)
         return self.end(task)
@@ -145,10 +159,8 @@ def test_tasks_are_done_one_after_another(run):
 
 
 def test_what_was_interrupted_is_cleared_inspected_and_only_what_is_left_done(run):
-    run.begin("W1")
-    assert run.add(Interrupted("killed")) == Execute("W1", Part.CLEAR)
-    run.begin("W1", Part.CLEAR)
-    assert run.end("W1", "failed", NOTHING_HELD) == Settle("W1"), "nothing was in the hand"
+    assert run.interrupt("W1") == Execute("W1", Part.CLEAR)
+    assert run.fail("W1", NOTHING_HELD, Part.CLEAR) == Settle("W1"), "nothing was in the hand"
     assert run.add(Settled("W1", ("a",), 3)) == Execute("W1", Part.REST)
     run.begin("W1", Part.REST)
     assert run.end("W1") == Execute("W2", Part.WHOLE)
@@ -220,20 +232,20 @@ def test_a_fixing_that_fails_is_tried_again_with_more_force_of_its_insertion(run
     assert (decided.do, decided.change) == (Do.RETRY_WITH, (("force_limit", 12.0),))
 
 
-def test_what_turns_out_to_be_done_is_not_done_again(run):
-    run.begin("W1")
-    run.add(Interrupted("killed"))
-    run.begin("W1", Part.CLEAR)
-    run.end("W1")
-    assert run.add(Settled("W1", ("a", "b"), 0)) == Execute("W2", Part.WHOLE)
-    assert run.state.tasks["W1"].stage is Stage.DONE
-
-
-def test_the_piece_of_an_interrupted_behavior_is_placed_again(run):
-    run.begin("W1")
-    run.add(Interrupted("killed"))
+@pytest.mark.parametrize(
+    ("settled", "comes", "stage"),
+    [
+        (Settled("W1", (), 5), Execute("W1", Part.AGAIN), Stage.READY),
+        (Settled("W1", ("a", "b"), 0), Execute("W2", Part.WHOLE), Stage.DONE),
+    ],
+)
+def test_an_interrupted_task_is_done_again_unless_it_turns_out_to_be_done(
+    run, settled, comes, stage
+):
+    run.interrupt("W1")
     run.clear("W1")
-    assert run.add(Settled("W1", (), 5)) == Execute("W1", Part.AGAIN)
+    assert run.add(settled) == comes
+    assert run.state.tasks["W1"].stage is stage
 
 
 def test_a_feeder_that_refuses_is_a_failure_of_the_task_and_the_hand_is_emptied(run):
@@ -248,8 +260,7 @@ def test_a_feeder_that_refuses_is_a_failure_of_the_task_and_the_hand_is_emptied(
 
 @pytest.mark.parametrize("codes", [(200, 0), (200, Code.NOTHING_HELD)])
 def test_the_hands_are_empty_when_each_of_them_is(run, codes):
-    run.begin("W1")
-    run.add(Interrupted("killed"))
+    run.interrupt("W1")
     run.begin("W1", Part.CLEAR)
     for code in codes:
         run.add(OperationEnded("W1", replace(operation(code), ability="PlaceCable")))
@@ -263,8 +274,7 @@ def test_the_hands_are_empty_when_each_of_them_is(run, codes):
 
 
 def test_a_hand_that_cannot_be_emptied_needs_a_person(run):
-    run.begin("W1")
-    run.add(Interrupted("killed"))
+    run.interrupt("W1")
     for _ in range(STUCK_HAND_LIMIT + 1):
         assert run.next == Execute("W1", Part.CLEAR)
         run.begin("W1", Part.CLEAR)
@@ -282,11 +292,9 @@ def test_a_hand_that_cannot_be_emptied_needs_a_person(run):
 
 def test_without_a_person_a_hand_that_cannot_be_emptied_stops_the_run(run):
     run.possible = POSSIBLE - {Do.ASK_OPERATOR}
-    run.begin("W1")
-    run.add(Interrupted("killed"))
+    run.interrupt("W1")
     for _ in range(STUCK_HAND_LIMIT + 1):
-        run.begin("W1", Part.CLEAR)
-        run.end("W1", "failed", LOST)
+        run.fail("W1", LOST, Part.CLEAR)
     run.decide("W1")
     assert isinstance(run.next, EndRun)
     assert "could not be emptied" in run.next.because
@@ -294,9 +302,7 @@ def test_without_a_person_a_hand_that_cannot_be_emptied_stops_the_run(run):
 
 def test_a_piece_that_cannot_be_discarded_is_not_replaced(run):
     run.policy = answering(Response(Do.NEW_PART), Response(Do.SET_ASIDE))
-    run.begin("W1")
-    run.end("W1", "failed", JAM)
-    run.decide("W1")
+    run.fail_and_decide("W1", JAM)
     assert run.next == Execute("W1", Part.DISCARD)
     run.begin("W1", Part.DISCARD)
     stuck = replace(operation(306), ability="DiscardCable", state_path="/Discard")
@@ -321,9 +327,7 @@ def test_nothing_moves_after_a_protective_stop_until_the_run_is_resumed(run):
 
 def test_an_unanswered_question_escalates(run):
     run.policy = answering(Response(Do.ASK_OPERATOR))
-    run.begin("W1")
-    run.end("W1", "failed", JAM)
-    run.decide("W1")
+    run.fail_and_decide("W1", JAM)
     run.ask("W1")
     run.add(Escalated(1, "W1", Do.SET_ASIDE))
     assert run.state.question is None
@@ -334,8 +338,7 @@ def test_an_unanswered_question_escalates(run):
 
 
 def test_clearing_that_is_interrupted_is_done_again(run):
-    run.begin("W1")
-    run.add(Interrupted("killed"))
+    run.interrupt("W1")
     run.begin("W1", Part.CLEAR)
     assert run.add(Interrupted("killed")) == Execute("W1", Part.CLEAR)
     assert run.state.tasks["W1"].interruptions == 2
@@ -343,10 +346,8 @@ def test_clearing_that_is_interrupted_is_done_again(run):
 
 def test_a_task_that_kills_its_processes_fails_at_last(run):
     for _ in range(INTERRUPTION_LIMIT):
-        run.begin("W1")
-        assert run.add(Interrupted("crash")) == Execute("W1", Part.CLEAR)
-    run.begin("W1")
-    assert run.add(Interrupted("crash")) == Decide("W1")
+        assert run.interrupt("W1") == Execute("W1", Part.CLEAR)
+    assert run.interrupt("W1") == Decide("W1")
 
 
 def test_an_interruption_between_tasks_changes_nothing(run):
@@ -358,8 +359,7 @@ def test_an_interruption_between_tasks_changes_nothing(run):
 @pytest.mark.parametrize("do", [Do.RETRY, Do.LOOK_AGAIN, Do.OTHER_METHOD])
 def test_before_a_task_is_tried_again_it_is_looked(run, do):
     run.policy, run.possible = answering(Response(do)), frozenset(Do)
-    run.begin("W1")
-    assert run.end("W1", "failed", JAM) == Decide("W1")
+    assert run.fail("W1", JAM) == Decide("W1")
     assert run.decide("W1").do is do
     assert run.next == Settle("W1")
     assert run.add(Settled("W1", (), 5)) == Execute("W1", Part.AGAIN)
@@ -367,13 +367,9 @@ def test_before_a_task_is_tried_again_it_is_looked(run, do):
 
 def test_a_new_piece_is_placed_when_the_old_one_is_discarded(run):
     run.policy = answering(Response(Do.NEW_PART), Response(Do.SET_ASIDE))
-    run.begin("W1")
-    run.end("W1", "failed", JAM)
-    run.decide("W1")
+    run.fail_and_decide("W1", JAM)
     assert run.discard("W1") == Execute("W1", Part.WHOLE)
-    run.begin("W1")
-    run.end("W1", "failed", JAM)
-    run.decide("W1")
+    run.fail_and_decide("W1", JAM)
     assert run.next == Settle("W1")
     run.add(Settled("W1", ("a",), 2))
     assert run.discard("W1") == Execute("W2", Part.WHOLE), "it would be in the way of W2"
@@ -398,16 +394,12 @@ def test_a_run_whose_behaviors_are_all_interrupted_stops(run):
 
 def test_a_server_that_was_lost_may_have_left_something_in_the_hand(run):
     run.policy = Policy({"server_lost": (Response(Do.NEW_PART), Response(Do.SET_ASIDE))})
-    run.begin("W1")
-    run.end("W1", "failed", LOST)
-    run.decide("W1")
+    run.fail_and_decide("W1", LOST)
     assert run.next == Execute("W1", Part.CLEAR)
     assert run.clear("W1") == Settle("W1"), "it may be done all the same"
     run.add(Settled("W1", (), 5))
     assert run.discard("W1") == Execute("W1", Part.WHOLE)
-    run.begin("W1")
-    run.end("W1", "failed", LOST)
-    run.decide("W1")
+    run.fail_and_decide("W1", LOST)
     assert run.clear("W1") == Settle("W1")
     run.add(Settled("W1", (), 5))
     assert run.discard("W1") == Execute("W2", Part.WHOLE)
@@ -415,9 +407,7 @@ def test_a_server_that_was_lost_may_have_left_something_in_the_hand(run):
 
 def test_a_wire_beside_its_duct_is_not_done_when_both_ends_are_connected(run):
     run.policy = Policy({"out_of_duct": (Response(Do.SET_ASIDE),)})
-    run.begin("W1")
-    run.end("W1", "failed", Code.OUT_OF_DUCT)
-    run.decide("W1")
+    run.fail_and_decide("W1", Code.OUT_OF_DUCT)
     assert run.next == Settle("W1")
     assert run.add(Settled("W1", ("a", "b"), 0)) == Execute("W1", Part.DISCARD)
     assert run.discard("W1") == Execute("W2", Part.WHOLE)
@@ -426,25 +416,18 @@ def test_a_wire_beside_its_duct_is_not_done_when_both_ends_are_connected(run):
 
 def test_a_wire_beside_its_duct_is_not_done_when_the_arms_could_not_discard_it_at_first(run):
     run.policy = Policy({"out_of_duct": (Response(Do.NEW_PART, 3),)})
-    run.begin("W1")
-    run.end("W1", "failed", Code.OUT_OF_DUCT)
-    run.decide("W1")
-    run.begin("W1", Part.DISCARD)
-    run.end("W1", "failed", Code.ROBOT_IN_THE_WAY)
+    run.fail_and_decide("W1", Code.OUT_OF_DUCT)
+    run.fail("W1", Code.ROBOT_IN_THE_WAY, Part.DISCARD)
     assert run.decide("W1").do is Do.LOOK_AGAIN
     assert run.add(Settled("W1", ("a", "b"), 0)) == Decide("W1")
     assert run.decide("W1").do is Do.NEW_PART
     assert run.discard("W1") == Execute("W1", Part.WHOLE)
-    run.begin("W1")
-    run.end("W1", "failed", Code.NOT_SEATED)
-    run.decide("W1")
+    run.fail_and_decide("W1", Code.NOT_SEATED)
     assert run.add(Settled("W1", ("a", "b"), 0)) == Execute("W2", Part.WHOLE), "of the new piece"
 
 
 def test_the_operator_is_asked_about_a_wire_beside_its_duct_with_both_ends_connected(run):
-    run.begin("W1")
-    run.end("W1", "failed", Code.OUT_OF_DUCT)
-    assert run.decide("W1").do is Do.LOOK_AGAIN
+    assert run.fail_and_decide("W1", Code.OUT_OF_DUCT).do is Do.LOOK_AGAIN
     assert run.add(Settled("W1", ("a", "b"), 0)) == Decide("W1")
     assert run.decide("W1").do is Do.ASK_OPERATOR, "looking once more would change nothing"
     run.ask("W1")
@@ -453,8 +436,7 @@ def test_the_operator_is_asked_about_a_wire_beside_its_duct_with_both_ends_conne
 
 
 def test_a_skipped_wire_beside_its_duct_gets_a_new_piece_when_it_is_retried(run):
-    run.begin("W1")
-    run.end("W1", "failed", Code.OUT_OF_DUCT)
+    run.fail("W1", Code.OUT_OF_DUCT)
     run.add(Commanded(Command.SKIP, "W1", "ann"))
     run.decide("W1")
     assert run.add(Settled("W1", ("a", "b"), 0)) == Execute("W2", Part.WHOLE), "left to ann"
@@ -492,9 +474,7 @@ def test_what_cannot_be_seen_is_given_up_as_it_was_decided(run):
 
 def test_what_is_put_off_is_done_when_the_rest_is(run):
     run.policy = answering(Response(Do.REPLAN), Response(Do.SET_ASIDE))
-    run.begin("W1")
-    run.end("W1", "failed", JAM)
-    run.decide("W1")
+    run.fail_and_decide("W1", JAM)
     assert isinstance(run.discard("W1"), Plan)
     assert run.add(Planned(("W2", "W1"), "a failure")) == Execute("W2", Part.WHOLE)
     run.begin("W2")
@@ -503,9 +483,7 @@ def test_what_is_put_off_is_done_when_the_rest_is(run):
 
 def test_an_operator_is_asked_and_answers(run):
     run.policy = answering(Response(Do.ASK_OPERATOR))
-    run.begin("W1")
-    run.end("W1", "failed", JAM)
-    run.decide("W1")
+    run.fail_and_decide("W1", JAM)
     assert run.next == Ask("W1")
     asked = question_about(run.state, "W1", FAULTS, run.now_s)
     assert asked.text.startswith("Insertion jammed: no. ")
@@ -514,8 +492,7 @@ def test_an_operator_is_asked_and_answers(run):
     assert run.add(asked) == Wait("question 1 is to be answered")
     assert run.add(Answered(1, Answer.FIXED, "ann")) == Settle("W1")
     run.add(Settled("W1", ("a",), 2))
-    run.begin("W1", Part.REST)
-    run.end("W1", "failed", JAM)
+    run.fail("W1", JAM, Part.REST)
     run.decide("W1")
     run.ask("W1")
     assert run.add(Answered(2, Answer.MARK_DONE, "ann")) == Execute("W2", Part.WHOLE)
@@ -533,9 +510,7 @@ def test_an_operator_is_asked_and_answers(run):
 )
 def test_each_answer_is_applied(run, answer, comes):
     run.policy = answering(Response(Do.ASK_OPERATOR))
-    run.begin("W1")
-    run.end("W1", "failed", JAM)
-    run.decide("W1")
+    run.fail_and_decide("W1", JAM)
     run.ask("W1")
     assert run.add(Answered(1, answer, "ann")) == comes
 
@@ -623,16 +598,13 @@ def test_a_behavior_that_another_client_stops_stops_the_run(run):
 
 def test_what_cannot_be_seen_is_not_assumed(run):
     run.possible = POSSIBLE - {Do.ASK_OPERATOR}
-    run.begin("W1")
-    run.add(Interrupted("killed"))
-    run.begin("W1", Part.CLEAR)
-    run.end("W1")
+    run.interrupt("W1")
+    run.clear("W1")
     while isinstance(run.next, Settle | Decide) or run.next == Execute("W1", Part.DISCARD):
         if isinstance(run.next, Execute):
             run.discard("W1")
             assert run.next == Execute("W1", Part.WHOLE)
-            run.begin("W1")
-            run.end("W1", "failed", LOST)
+            run.fail("W1", LOST)
         elif isinstance(run.next, Settle):
             run.add(Settled("W1", (), 1, 114, "the arm is in front of it"))
         else:
@@ -649,24 +621,6 @@ def test_other_cells_tasks_are_left_to_them_and_taken_over(run):
     assert run.add(TaskElsewhere("W1", "third", AsLeft.DONE)) == EndRun(
         Ending.COMPLETE, "all tasks are done"
     )
-
-
-def test_nothing_moves_after_a_motion_fault_before_a_person_has_confirmed(run):
-    run.begin("W1")
-    assert run.end("W1", "failed", MOTION_FAULT) == Decide("W1")
-    assert run.decide("W1").do is Do.ASK_OPERATOR
-    run.ask("W1")
-    assert run.next == Wait("question 1 is to be answered")
-    run.add(Answered(1, Answer.FIXED, "ann"))
-    assert run.next == Execute("W1", Part.CLEAR), "the behavior could not lay the wire down"
-
-
-def test_a_hand_is_not_emptied_again_after_a_motion_fault(run):
-    run.begin("W1")
-    run.add(Interrupted("killed"))
-    run.begin("W1", Part.CLEAR)
-    assert run.end("W1", "failed", MOTION_FAULT) == Decide("W1")
-    assert run.decide("W1").do is Do.ASK_OPERATOR
 
 
 def test_a_motion_fault_while_inspecting_needs_a_person_whatever_was_decided(run):
@@ -688,14 +642,19 @@ def test_a_skip_does_not_pass_over_a_motion_fault(run):
 
 
 @pytest.mark.parametrize("code", sorted(PERSON_FIRST))
+@pytest.mark.parametrize("ended", [Interrupted("killed"), TaskEnded("W1", "failed", 2.0, False)])
 @pytest.mark.parametrize("part", list(Part))
-def test_an_interruption_does_not_pass_over_what_a_person_is_to_answer_first(run, part, code):
+def test_nothing_moves_before_a_person_has_answered_whatever_a_use_case_says(
+    run, part, ended, code
+):
+    responses = (Response(Do.LOOK_AGAIN), Response(Do.SET_ASIDE))
+    run.policy = Policy({FAULTS.of(code).name: responses})
     run.begin("W1")
     if part is not Part.WHOLE:
         run.add(Interrupted("killed"))
         run.begin("W1", part)
     run.add(OperationEnded("W1", operation(code)))
-    assert run.add(Interrupted("killed")) == Decide("W1")
+    assert run.add(ended) == Decide("W1")
     assert run.decide("W1").do is Do.ASK_OPERATOR
     run.ask("W1")
     assert run.next == Wait("question 1 is to be answered")
@@ -709,8 +668,7 @@ def stop_reported():
 @pytest.mark.parametrize("ended", [Interrupted("stopped"), TaskEnded("W1", "finished", 2.0, True)])
 @pytest.mark.parametrize("part", list(Part))
 def test_a_stop_that_is_reported_late_ends_the_behavior_and_a_person_is_asked(run, part, ended):
-    run.begin("W1")
-    run.add(Interrupted("killed"))
+    run.interrupt("W1")
     run.begin("W1", part)
     run.add(stop_reported())
     assert "a person is to answer" in run.state.tasks["W1"].halt
@@ -722,8 +680,7 @@ def test_a_stop_that_is_reported_late_ends_the_behavior_and_a_person_is_asked(ru
 
 
 def test_a_stop_that_is_reported_late_is_asked_about_whatever_was_to_come_next(run):
-    run.begin("W1")
-    run.add(Interrupted("killed"))
+    run.interrupt("W1")
     for _ in range(2):
         run.clear("W1") if run.next == Execute("W1", Part.CLEAR) else None
         assert run.next in (Settle("W1"), Wait("question 1 is to be answered"))
@@ -748,15 +705,6 @@ def test_a_run_whose_task_another_cell_has_taken_ends_if_a_person_is_needed_at_t
     run.add(TaskElsewhere("W1", "other", AsLeft.RUNNING))
     assert isinstance(run.next, EndRun)
     assert "a person is needed" in run.next.because
-
-
-@pytest.mark.parametrize("code", sorted(PERSON_FIRST))
-def test_no_use_case_has_anything_move_before_a_person_has_answered(run, code):
-    fault = FAULTS.of(code).name
-    run.policy = Policy({fault: (Response(Do.LOOK_AGAIN), Response(Do.SET_ASIDE))})
-    run.begin("W1")
-    run.end("W1", "failed", code)
-    assert run.decide("W1").do is Do.ASK_OPERATOR
 
 
 def test_a_person_is_asked_first_where_the_table_asks_one_at_once_and_stops_without_one():
@@ -837,17 +785,3 @@ def test_every_run_ends_and_every_event_survives_the_database(seed):
     done = [e.task for e in run.events if isinstance(e, TaskEnded) and e.outcome == "finished"]
     assert state_after(run.events) == run.state
     assert len(done) < 400
-
-
-@pytest.mark.parametrize("placed", [True, False])
-def test_an_interrupted_attempt_counts_as_placed_when_it_is_found_so(placed):
-    events = [
-        TaskBegun("W1", 1, Part.WHOLE, "Place Wire W1", "<chart/>", 0.0),
-        Interrupted("the engine is gone"),
-        TaskBegun("W1", 1, Part.CLEAR, "Place Wire W1 Clear", "<chart/>", 5.0),
-        TaskEnded("W1", "failed", 6.0, placed),
-    ]
-    whole, clear = attempts_of(events)
-    assert whole.part is Part.WHOLE
-    assert whole.execution.placed is placed
-    assert clear.part is Part.CLEAR

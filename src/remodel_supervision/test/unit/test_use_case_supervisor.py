@@ -6,7 +6,7 @@ from dataclasses import replace
 import pytest
 from house import owner_of
 from sqlalchemy import text
-from supervisor_bench import Bench
+from supervisor_bench import GOES_ON
 
 from remodel_production.edge.database.production_database import ProductionDatabase
 from remodel_production.errors import LostError, OwnerError
@@ -17,6 +17,7 @@ from remodel_supervision.core.run import Operation
 from remodel_supervision.core.runs.event_table import attempts_of
 from remodel_supervision.core.runs.events import (
     Answered,
+    Asked,
     Command,
     Commanded,
     Decided,
@@ -47,14 +48,9 @@ STALE_OWNER, SEVERAL_SERVERS = Code.STALE_OWNER, Code.SEVERAL_SERVERS
 STUCK, MOTION_FAULT = Code.EXTRACTION_STUCK, Code.MOTION_FAULT
 
 
-@pytest.fixture
-def attended_bench(house_url):
-    bench = Bench(house_url, attended=True)
-    yield bench
-    bench.database.close()
-
-
-def test_an_order_is_done_task_by_task(bench):
+@pytest.mark.parametrize("truth", [True, None])
+def test_an_order_is_done_task_by_task_whether_a_cell_has_ground_truth_or_not(bench, truth):
+    bench.cell.truth = truth
     state = bench.run()
     assert state.ended.ending is Ending.COMPLETE
     first, second = bench.events(Planned)[0].tasks
@@ -64,27 +60,7 @@ def test_an_order_is_done_task_by_task(bench):
     assert [name.removeprefix("Place Wire ") for name in bench.maker.asked] == bench.ran
     attempts = attempts_of(bench.events(object))
     assert [attempt.path for attempt in attempts] == [bench.engine.path()] * 2
-
-
-@pytest.mark.parametrize("truth", [True, None])
-def test_wires_count_as_placed_by_ground_truth_or_without_it_by_their_behaviors(bench, truth):
-    bench.cell.truth = truth
-    assert bench.run().ended.ending is Ending.COMPLETE
-    attempts = attempts_of(bench.events(object))
     assert [attempt.execution.placed for attempt in attempts] == [True, True]
-
-
-def test_an_interrupted_attempt_counts_as_placed_when_the_task_is_found_done():
-    events = [
-        TaskBegun("W1", 1, Part.WHOLE, "Place Wire W1", chart="", at_s=0.0),
-        Interrupted("the engine was lost"),
-        TaskBegun("W1", 1, Part.CLEAR, "Place Wire W1 Clear", chart="", at_s=1.0),
-        TaskEnded("W1", "finished", 2.0, placed=False),
-    ]
-    found = Settled("W1", ("a", "b"), 0)
-    for settled, placed in ((), [False, False]), ((found,), [True, False]):
-        attempts = attempts_of([*events, *settled])
-        assert [attempt.execution.placed for attempt in attempts] == placed
 
 
 def test_an_order_that_the_cell_refuses_ends_before_anything_moves(bench):
@@ -124,9 +100,9 @@ def test_a_second_jam_ends_the_task_and_no_new_wire_is_fed(bench):
     assert state.ended.ending is Ending.INCOMPLETE
 
 
-def test_a_wire_that_fails_from_one_end_is_begun_at_the_other(house_url):
+def test_a_wire_that_fails_from_one_end_is_begun_at_the_other(make_bench):
     other = (Response(Do.OTHER_END), Response(Do.SET_ASIDE))
-    bench = Bench(house_url, policy=Policy(responses={"slipped": other}))
+    bench = make_bench(policy=Policy(responses={"slipped": other}))
     state = bench.run(SLIPPED)
     first = bench.events(Planned)[0].tasks[0]
     assert [event.do for event in bench.events(Decided)] == [Do.OTHER_END]
@@ -135,7 +111,6 @@ def test_a_wire_that_fails_from_one_end_is_begun_at_the_other(house_url):
     ends = [list(dict.fromkeys(re.findall(r'id="Insert (.)"', chart))) for chart in begun]
     assert ends[0] == ends[1][::-1] and len(ends[0]) == 2
     assert state.ended.ending is Ending.COMPLETE
-    bench.database.close()
 
 
 def test_an_end_that_is_stuck_stops_no_unattended_order(bench):
@@ -214,8 +189,8 @@ def test_what_is_connected_is_not_connected_again(bench):
     assert 'id="Hold"' in chart
 
 
-def test_a_learning_supervisor_reports_what_it_chose_and_learns_from_it(house_url):
-    bench = Bench(house_url, explore=True)
+def test_a_learning_supervisor_reports_what_it_chose_and_learns_from_it(make_bench):
+    bench = make_bench(explore=True)
     state = bench.run(*[SLIPPED] * 2)
     assert state.ended.ending is Ending.COMPLETE
     chosen = [(event, each) for event in bench.events(TaskBegun) for each in event.chosen]
@@ -226,11 +201,10 @@ def test_a_learning_supervisor_reports_what_it_chose_and_learns_from_it(house_ur
         assert f'name="force_limit" value="{each.value}"' in event.chart
     slips = [k for k in bench.events(OperationEnded) if k.operation.error_code == SLIPPED]
     assert bench.work.planner.experience.expectations.calls == len(slips) == 2
-    bench.database.close()
 
 
-def test_a_response_that_never_helped_is_not_given_again(house_url):
-    bench = Bench(house_url, explore=True)
+def test_a_response_that_never_helped_is_not_given_again(make_bench):
+    bench = make_bench(explore=True)
     bench.log.tried_responses = lambda: (
         (TriedResponse("slipped", Do.LOOK_AGAIN, helped=False),) * 30
     )
@@ -238,7 +212,6 @@ def test_a_response_that_never_helped_is_not_given_again(house_url):
     decided = bench.events(Decided)
     assert decided[0].do is Do.NEW_PART
     assert "looking from another view hardly ever helps" in decided[0].because
-    bench.database.close()
 
 
 def test_a_run_goes_on_when_what_was_lost_answers_again(bench):
@@ -273,11 +246,9 @@ def test_a_run_stops_when_what_was_lost_does_not_answer_again(bench):
     def lose():
         bench.engine.back = False
         bench.engine.trouble = "the engine is gone"
-        bench.engine.end = None
+        bench.engine.end = BehaviorEnd(EndKind.LOST, "gone")
 
-    state = bench.run(
-        lambda: (lose(), setattr(bench.engine, "end", BehaviorEnd(EndKind.LOST, "gone")))
-    )
+    state = bench.run(lose)
     assert state.ended.ending is Ending.STOPPED
     assert state.ended.because == "the engine does not answer"
 
@@ -296,9 +267,6 @@ def test_a_new_supervisor_resumes_where_the_old_one_died(bench):
 
 
 def test_a_skip_during_a_resume_is_answered_when_nothing_moves(bench):
-    class KilledError(Exception):
-        pass
-
     with pytest.raises(KilledError):
         bench.run("finished", KilledError())
     second = bench.events(Planned)[0].tasks[1]
@@ -322,40 +290,23 @@ def test_a_skip_during_a_resume_is_answered_when_nothing_moves(bench):
 
 
 def test_a_shutdown_leaves_no_event_and_the_next_start_resumes(bench):
-    def leave():
-        bench.loop.leaving = True
-        bench.engine.end = None
-
-    def hang():
-        bench.engine.end = None
-        bench.loop.arrivals.append(leave)
-
     before = []
 
     def begin():
         before.append(len(bench.events(object)))
-        hang()
-        # The behavior goes on until it is cancelled.
+        bench.loop.arrivals.append(lambda: setattr(bench.loop, "leaving", True))
         bench.engine.is_idle = False
+        return GOES_ON
 
     def cancel(own_only=False):
         bench.engine.is_idle, bench.engine.end = True, BehaviorEnd(EndKind.PREEMPTED, "stopped")
 
     bench.engine.cancel = cancel
-    bench.engine.endings = [begin]
-    original = bench.engine.start
-
-    def start(behavior):
-        original(behavior)
-        if bench.loop.arrivals:
-            bench.engine.end = None
-
-    bench.engine.start = start
     with pytest.raises(LeavingError):
-        bench.supervisor.supervise()
+        bench.run(begin)
     assert bench.engine.is_idle, "it was stopped"
     assert len(bench.events(object)) == before[0]
-    bench.engine.start, bench.loop.leaving = original, False
+    bench.loop.leaving = False
     bench.take_up()
     assert bench.run().ended.ending is Ending.COMPLETE
 
@@ -461,35 +412,21 @@ def test_a_stop_whose_record_a_killed_supervisor_did_not_keep_is_asked_about(
         send()
         moved.append(bench.engine.operate(bench.engine.ran[-1], 0, "/Release"))
 
-    def answer():
-        question = bench.supervisor.state.question
-        assert question is not None, "a person is asked"
-        assert "stopped" in question.text
-        event = Answered(question.number, Answer.FIXED, "ann")
-        bench.supervisor.answer(event, lambda *reply: sent.append(reply))
-
     if while_it_moves:
         bench.engine.clearings = [empty]
     else:
         bench.loop.arrivals += [lambda: None] * 3 + [send, send]
-    bench.loop.every(10.0, lambda: bench.supervisor.state.question and answer())
+    bench.answer_questions(Answer.FIXED)
     state = bench.run()
     assert [event.operation for event in bench.events(StopReported)] == [stop]
     assert [event.do for event in bench.events(Decided)] == [Do.ASK_OPERATOR]
+    assert ["stopped" in event.text for event in bench.events(Asked)] == [True]
     cleared = [name for name in bench.ran if name.endswith("Clear")]
     assert len(cleared) == (2 if while_it_moves else 1), "the hand is emptied after the answer"
     assert moved == ([Permit.REFUSED] if while_it_moves else [])
     assert sent[0] == (True, "")
     assert state.ended.ending is Ending.COMPLETE
     assert not [frame.differs for frame in replayed(bench.events(object)) if frame.differs]
-
-
-def test_an_unattended_run_ends_at_a_stop_that_is_reported_late(bench):
-    stop = stopped_at(killed_before_it_kept_a_record(bench), MOTION_FAULT)
-    bench.loop.arrivals.append(lambda: bench.supervisor.tasks.keep_record("W1", stop))
-    state = bench.run()
-    assert state.ended.ending is Ending.STOPPED
-    assert len(bench.ran) == 1, "nothing moves after it"
 
 
 def test_the_refused_goal_of_an_earlier_owner_is_no_stop(bench):
@@ -514,7 +451,7 @@ def test_a_stop_between_two_tasks_ends_the_run(bench):
     assert bench.ran == []
 
 
-def test_a_stop_that_is_not_kept_is_sent_again(bench):
+def test_a_late_stop_that_is_not_kept_is_sent_again_and_ends_an_unattended_run(bench):
     stop = stopped_at(killed_before_it_kept_a_record(bench), MOTION_FAULT)
     append, answers = bench.log.append, []
 
@@ -531,6 +468,7 @@ def test_a_stop_that_is_not_kept_is_sent_again(bench):
     assert bench.run().ended.ending is Ending.STOPPED
     assert answers == [(False, "the database does not answer"), (True, "")]
     assert len(bench.events(StopReported)) == 1
+    assert len(bench.ran) == 1, "nothing moves after it"
 
 
 def granted_and_stopped(bench, behavior, record):
@@ -564,14 +502,10 @@ def test_a_published_stop_whose_record_does_not_say_so_is_asked_about(
         else:
             bench.engine.end = BehaviorEnd(EndKind.FINISHED, "failed")
 
-    def answer():
-        question = bench.supervisor.state.question
-        assert len(bench.ran) == 1, "nothing moves before the answer"
-        event = Answered(question.number, Answer.FIXED, "ann")
-        bench.supervisor.answer(event, lambda *reply: None)
-
-    bench.loop.every(10.0, lambda: bench.supervisor.state.question and answer())
+    bench.answer_questions(Answer.FIXED)
     state = bench.run(stop)
+    answered = [type(event) for event in bench.events(Answered, TaskBegun)]
+    assert answered[:3] == [TaskBegun, Answered, TaskBegun], "nothing begins before the answer"
     assert [event.operation for event in bench.events(StopReported)] == stops
     assert state.ended.ending is Ending.COMPLETE
     assert not [frame.differs for frame in replayed(bench.events(object)) if frame.differs]
@@ -608,27 +542,11 @@ def test_a_record_that_arrives_after_its_published_stop_is_not_kept_again(attend
     assert not bench.events(OperationEnded)
 
 
-def test_a_running_task_that_is_skipped_leaves_an_empty_hand(bench):
+def test_a_running_task_that_is_skipped_leaves_an_empty_hand_and_is_retried(bench):
     replies = []
 
     def skip():
-        bench.engine.end = None
         replies.append(bench.command(Command.SKIP, bench.supervisor.state.current))
-        bench.engine.cancel()
-
-    state = bench.run(skip)
-    first, second = bench.events(Planned)[0].tasks
-    assert replies == [[(True, "")]]
-    assert bench.events(Decided)[0].by == "ann"
-    assert bench.ran == [first, f"{first} Clear", f"{first} Discard", second]
-    assert state.tasks[first].stage is Stage.SET_ASIDE
-    assert state.tasks[second].stage is Stage.DONE
-
-
-def test_a_task_that_was_skipped_is_retried(bench):
-    def skip():
-        bench.engine.end = None
-        bench.command(Command.SKIP, bench.supervisor.state.current)
         bench.engine.cancel()
 
     def retry():
@@ -637,6 +555,8 @@ def test_a_task_that_was_skipped_is_retried(bench):
 
     state = bench.run(skip, retry)
     first, second = bench.events(Planned)[0].tasks
+    assert replies == [[(True, "")]]
+    assert bench.events(Decided)[0].by == "ann"
     assert bench.ran == [first, f"{first} Clear", f"{first} Discard", second, first]
     assert state.ended.ending is Ending.COMPLETE
 
@@ -645,7 +565,6 @@ def test_a_stop_ends_the_run(bench):
     replies = []
 
     def stop():
-        bench.engine.end = None
         replies.append(bench.command(Command.STOP))
         bench.engine.cancel()
 
@@ -670,7 +589,6 @@ def test_a_waiting_task_that_was_skipped_is_retried(bench):
 
 def test_a_protective_stop_cuts_the_behavior_short_and_the_run_waits(bench):
     def stop():
-        bench.engine.end = None
         bench.command(Command.PROTECTIVE_STOP)
         bench.engine.cancel()
         bench.loop.arrivals += [lambda: None] * 20 + [lambda: bench.command(Command.RESUME)]
@@ -702,14 +620,12 @@ def test_a_behavior_that_fails_because_it_is_halted_counts_as_stopped(bench, com
 
 
 def test_a_protective_stop_that_is_released_at_once_does_not_end_the_run(bench):
-    permits, start = [], bench.engine.start
+    permits = []
 
-    def start_and_stop(behavior):
-        bench.engine.start = start
-        start(behavior)
-        bench.engine.end = None
+    def stop():
         bench.engine.cancel = resume
         bench.command(Command.PROTECTIVE_STOP)
+        return GOES_ON
 
     def resume(own_only=False):
         """The run is resumed before the engine has stopped the behavior."""
@@ -718,8 +634,7 @@ def test_a_protective_stop_that_is_released_at_once_does_not_end_the_run(bench):
         permits.append(bench.engine.operate(bench.engine.ran[-1], JAM))
         bench.engine.cancel()
 
-    bench.engine.start = start_and_stop
-    state = bench.run()
+    state = bench.run(stop)
     assert permits == [Permit.REFUSED]
     assert [event.because for event in bench.events(Interrupted)] == ["protective stop by ann"]
     assert state.ended.ending is Ending.COMPLETE
@@ -780,23 +695,22 @@ def test_commands_that_make_no_sense_are_refused(bench):
     assert bench.events(Commanded) == []
 
 
-def test_a_question_is_asked_escalates_and_notifies(house_url):
+def test_a_question_is_asked_escalates_and_notifies(make_bench):
     policy = Policy(
         {"insertion_jammed": (Response(Do.ASK_OPERATOR),)},
         question=QuestionLimit(10.0, Do.SET_ASIDE),
     )
-    bench = Bench(house_url, attended=True, policy=policy)
+    bench = make_bench(attended=True, policy=policy)
     state = bench.run(JAM)
     first = bench.events(Planned)[0].tasks[0]
     assert [event.do for event in bench.events(Escalated)] == [Do.SET_ASIDE]
     assert [each["event"] for each in bench.notified] == ["question_asked", "question_timed_out"]
     assert state.tasks[first].stage is Stage.SET_ASIDE
-    bench.database.close()
 
 
-def test_an_operator_answers(house_url):
+def test_an_operator_answers(make_bench):
     policy = Policy({"insertion_jammed": (Response(Do.ASK_OPERATOR),)})
-    bench = Bench(house_url, attended=True, policy=policy)
+    bench = make_bench(attended=True, policy=policy)
     replies = []
 
     def answer():
@@ -810,7 +724,6 @@ def test_an_operator_answers(house_url):
     first = bench.events(Planned)[0].tasks[0]
     assert replies[:2] == [(False, "question 9 is not open; open is question 1"), (True, "")]
     assert state.tasks[first].stage is Stage.DONE
-    bench.database.close()
 
 
 def test_another_cells_task_is_left_to_it_and_taken_over_when_it_dies(bench, house_url):
@@ -842,15 +755,9 @@ def test_a_task_that_another_cell_has_taken_over_is_stopped(bench, house_url):
             task = other._locked(connection, name)
             connection.execute(text(f"UPDATE tasks SET cell = 'other' WHERE id = {task.id}"))
         taken.append(name)
-        bench.engine.end = None
         bench.loop.arrivals += [lambda: None] * 400 + [lambda: bench.command(Command.STOP)]
+        return GOES_ON
 
-    def start(behavior, original=bench.engine.start):
-        original(behavior)
-        if taken and behavior.endswith(taken[-1]):
-            bench.engine.end = None
-
-    bench.engine.start = start
     bench.run(lose)
     assert [event.task for event in bench.events(TaskElsewhere)][:1] == taken
     database.close()
@@ -863,44 +770,28 @@ def test_a_lease_that_cannot_be_renewed_stops_what_runs(bench, monkeypatch):
     def cut():
         monkeypatch.setattr(bench.leases, "renew", lose)
         bench.loop.every(60.0, monkeypatch.undo)
+        return GOES_ON
 
-    def start(behavior, original=bench.engine.start):
-        first = not bench.engine.ran
-        original(behavior)
-        if first:
-            bench.engine.end = None
-
-    bench.engine.start = start
     state = bench.run(cut)
     (interrupted,) = bench.events(Interrupted)[:1]
     assert "the lease of task" in interrupted.because
     assert state.ended.ending is Ending.COMPLETE
 
 
-def test_the_time_of_a_run_is_limited_also_after_a_restart(house_url):
-    bench = Bench(house_url, timeout_s=5.0)
+def test_the_time_of_a_run_is_limited_also_after_a_restart(make_bench):
+    bench = make_bench(timeout_s=5.0)
 
     def take_long():
         bench.loop.wall += 8.0
 
     state = bench.run(take_long)
     assert state.ended.because == "the run's time limit of 5 s has passed"
-    bench.database.close()
 
 
 def test_nothing_is_kept_for_a_supervisor_that_was_replaced(bench, house_url):
     database = ProductionDatabase(house_url)
 
-    def replace_it():
-        owner_of(database, "cell", "station")
-
     with pytest.raises(OwnerError):
-        bench.run(replace_it)
+        bench.run(lambda: owner_of(database))
     assert bench.engine.is_idle
     database.close()
-
-
-def test_what_operations_did_is_kept(bench):
-    bench.run(JAM)
-    (kept,) = bench.events(OperationEnded)
-    assert (kept.operation.ability, kept.operation.error_code) == ("InsertCable", JAM)
