@@ -76,12 +76,6 @@ class ActionServerTest(unittest.TestCase):
         self.assert_ends(handle, GoalStatus.SUCCEEDED, "finished")
         self.assertEqual(self.feedback[:2], ["/Say", "/Wait"])
 
-    def test_a_cancelled_goal_is_preempted(self):
-        handle = self.send("Quick Test", wait_time="60")
-        self.assertTrue(wait_until(self.is_running))
-        handle.cancel()
-        self.assert_ends(handle, GoalStatus.PREEMPTED, "preempted")
-
     def test_a_goal_cancelled_at_once_is_preempted(self):
         handle = self.send("Quick Test", wait_time="60")
         self.assertTrue(wait_until(lambda: handle.get_goal_status() == GoalStatus.ACTIVE))

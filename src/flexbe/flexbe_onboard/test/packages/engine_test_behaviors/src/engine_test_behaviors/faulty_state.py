@@ -6,9 +6,9 @@ from flexbe_core import EventState
 
 
 class FaultyState(EventState):
-    """Raise, or return an outcome that is not declared.
+    """Raise, or hang.
 
-    -- how  string  "raise", "undeclared" or "hang".
+    -- how  string  "raise" or "hang".
     -- hang_s  float  How long it hangs.
 
     <= done  It hung, and returned after all.
@@ -25,7 +25,5 @@ class FaultyState(EventState):
         """Go wrong."""
         if self._how == "raise":
             raise RuntimeError("no camera image")
-        if self._how == "hang":
-            time.sleep(self._hang_s)
-            return "done"
-        return "undeclared"
+        time.sleep(self._hang_s)
+        return "done"
