@@ -23,7 +23,6 @@ class CellServices(Node):
     """The process that loads panels and feeds wires."""
 
     def __init__(self, simulation: Simulation, site: Site, station: str, cell: str) -> None:
-        """Begin up."""
         super().__init__(simulation, f"{station}/cell")
         self._site = site
         self._station = station
@@ -32,11 +31,9 @@ class CellServices(Node):
 
     @property
     def world(self) -> World:
-        """The world, as ground truth has it."""
         return self._site.world
 
     def on_load(self, serial: str, owner: int, keep: bool, reply: Reply) -> None:
-        """Build the panel of a product."""
         try:
             self._site.admit(self._cell, owner)
         except AbilityError as error:
@@ -46,7 +43,6 @@ class CellServices(Node):
         self.deliver(self.simulation.random.uniform(*_TAKES_S), reply, None)
 
     def on_feed(self, wire: str, owner: int, reply: Reply) -> None:
-        """Present a piece of a wire."""
         site = self._site
         if site.locks.get(self._cell) is not None:
             reply(AbilityError(ErrorCode.BUSY, "the robot is doing a goal"))

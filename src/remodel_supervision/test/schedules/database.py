@@ -31,7 +31,6 @@ class Memory:
     """
 
     def __init__(self, order: Order) -> None:
-        """Make it, with an order in it."""
         self.door = ProductionDatabase("sqlite://")
         self.door.add_order(order)
         with self.door._engine.connect() as connection:

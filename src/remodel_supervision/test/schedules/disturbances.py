@@ -39,7 +39,6 @@ class Disturbances:
         stations: Sequence[Station],
         people: People,
     ) -> None:
-        """Take what can be disturbed."""
         self._simulation = simulation
         self._site = site
         self._memory = memory

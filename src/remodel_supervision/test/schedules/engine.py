@@ -77,7 +77,6 @@ class Engine(Node):
     def __init__(
         self, simulation: Simulation, station: str, servers: Mapping[str, Server], up: Supervision
     ) -> None:
-        """Begin idle."""
         super().__init__(simulation, f"{station}/engine")
         self.behaviors: dict[str, Chart] = {}
         self._servers = servers
@@ -89,11 +88,9 @@ class Engine(Node):
 
     @property
     def is_running(self) -> bool:
-        """Whether a behavior runs."""
         return self._run is not None
 
     def on_start(self, client: Client, number: int, behavior: str) -> None:
-        """Start a behavior."""
         if self._run is not None or behavior not in self.behaviors:
             text = f"{behavior} cannot be started"
             self._send(client.on_end, number, BehaviorEnd(EndKind.FAILED, text))

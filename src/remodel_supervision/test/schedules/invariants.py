@@ -84,7 +84,6 @@ class Invariants:
     _serial: str = ""
 
     def __post_init__(self) -> None:
-        """Watch the site."""
         self.site.on_motion = self._on_motion
         self.site.on_result = self._on_result
         self.site.on_entry = self._on_entry
@@ -92,7 +91,6 @@ class Invariants:
     # --- the log
 
     def on_begin(self, station: Station, run: int, event: RunBegun) -> None:
-        """Check a run that begins."""
         if self.closed.pop(station.name, "") == Command.PROTECTIVE_STOP.value:
             self.simulation.violated(f"run {run} begins during a protective stop")
         self._begun.add(run)
@@ -121,7 +119,6 @@ class Invariants:
     def on_event(
         self, station: Station, process: Process, run: int, event: Event, after: RunState
     ) -> None:
-        """Check an event that was kept."""
         if self.simulation.tracing:
             self.simulation.note(process.name, "run {}: {}", run, _short(event))
         allowed = Commanded | Answered | StopReported
@@ -149,7 +146,6 @@ class Invariants:
                 self.simulation.violated(f"run {run} calls {name} done, which is not placed")
 
     def on_end(self, station: Station, run: int, state: RunState) -> None:
-        """Check a run that has ended."""
         self.ended[run] = state
         if state.ended is None:
             self.simulation.violated(f"run {run} was left without an end")

@@ -58,19 +58,16 @@ class KeptLog(RunLog):
     """The run log, whose events the invariants see."""
 
     def __init__(self, database: FailingDatabase, station: Station, process: Process) -> None:
-        """Take the database."""
         super().__init__(database)
         self._station = station
         self._process = process
 
     def append(self, run: int, event: Event, before: RunState, owner: int) -> RunState:
-        """Keep an event."""
         after = super().append(run, event, before, owner)
         self._station.invariants.on_event(self._station, self._process, run, event, after=after)
         return after
 
     def begin(self, event: RunBegun, owner: int, *, again: bool = False) -> tuple[int, RunBegun]:
-        """Begin a run."""
         run, begun = super().begin(event, owner, again=again)
         self._station.simulation.note(self._process.name, "begins run {}: {}", run, begun)
         self._station.invariants.on_begin(self._station, run, begun)
@@ -81,12 +78,10 @@ class SimulatedWork:
     """Makes what a run is about; at times it cannot, since its use case cannot be read."""
 
     def __init__(self, station: Station, database: FailingDatabase) -> None:
-        """Take the station, and the database that keeps its leases."""
         self._station = station
         self._database = database
 
     def work(self, name: str, use_case: str, tasks: int | Collection[str], owner: int) -> Work:
-        """Return the work of the first tasks of the order."""
         station, setting = self._station, self._station.setting
         if station.simulation.now_s < station.unmade_until_s:
             raise PlannerError("no use case")
@@ -110,7 +105,6 @@ class Life:
     """
 
     def __init__(self, station: Station, process: Process) -> None:
-        """Connect to everything."""
         self.process = process
         self._station = station
         database = FailingDatabase(station.memory, process)
@@ -145,11 +139,9 @@ class Life:
 
     @property
     def closed(self) -> str:
-        """Why nothing new is taken."""
         return self.commands.closed
 
     def serve(self) -> None:
-        """Supervise runs until the process ends."""
         try:
             self._runs.serve()
         except LostError as error:
@@ -166,11 +158,9 @@ class Life:
         return ""
 
     def command(self, event: Commanded, reply: Reply) -> None:
-        """Carry out a client's request."""
         self.commands.command(event, reply)
 
     def answer(self, event: Answered, reply: Reply) -> None:
-        """Take an operator's answer."""
         if self.active is None:
             reply(False, "no run is under way")
         else:
@@ -179,11 +169,9 @@ class Life:
     # --- RunObserver
 
     def on_idle(self, text: str, *, starting: bool) -> None:
-        """Note that there is no run."""
         self._note("is idle with token {}: {}", self._cell.token, text)
 
     def on_resume(self, run: int, state: RunState) -> None:
-        """Learn what is known of the run."""
         self._note("resumes run {}", run)
         self._station.invariants.on_take_up(self._station, run, state)
 
@@ -194,11 +182,9 @@ class Life:
         """Do nothing: no test reads what is published."""
 
     def on_end(self, supervisor: UseCaseSupervisor) -> None:
-        """Check the run."""
         self._station.invariants.on_end(self._station, supervisor.run, supervisor.state)
 
     def on_give_up(self, error: PlannerError) -> None:
-        """Note why."""
         self._note("gives up: {}", error)
 
     def _note(self, what: str, *args: object) -> None:

@@ -19,7 +19,6 @@ class Node:
     """
 
     def __init__(self, simulation: Simulation, name: str) -> None:
-        """Begin up."""
         self.simulation = simulation
         self.name = name
         self.is_up = True

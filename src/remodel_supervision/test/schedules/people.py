@@ -62,12 +62,9 @@ class People:
 
     @property
     def is_calm(self) -> bool:
-        """Whether nothing goes wrong any more."""
         return self._simulation.now_s > self._calm_s
 
     def send_goal(self, station: Station, *, again: bool = False) -> None:
-        """Ask for the order."""
-
         def on_answer(why_not: str | None) -> None:
             self._is_waiting_for_goal.discard(station.name)
             self._simulation.note("people", "goal at {}: {}", station.name, why_not or "accepted")
@@ -78,7 +75,6 @@ class People:
         station.send_goal(self._count, on_answer, again=again)
 
     def command(self, station: Station, command: Command, task: str = "") -> None:
-        """Give a command."""
         event, sent_s = Commanded(command, task, "ann"), self._simulation.now_s
         if command is Command.RESUME:
             self._invariants.on_resume(station)

@@ -68,7 +68,6 @@ class Plant:
 
 @cache
 def plant() -> Plant:
-    """Return it, made once."""
     catalogue = read_catalogue(_CATALOGUE)
     board = board_of(ORDER, catalogue)
     use_case = use_case_for(kind_of(board))
@@ -87,7 +86,6 @@ class _NoExperience:
     """Nothing was learned."""
 
     def unpromising(self, *_: object) -> tuple[Do, ...]:
-        """Return nothing."""
         return ()
 
 
@@ -104,7 +102,6 @@ class SimulatedPlanner:
     demands = Demands()
 
     def __init__(self, count: int, question_timeout_s: float) -> None:
-        """Plan some tasks, from the first."""
         order = plant().order
         self.order = replace(order, tasks=order.tasks[:count])
         limits = Limits(run_s=1e6)
@@ -113,17 +110,14 @@ class SimulatedPlanner:
         self.use_case = _UseCase(order.use_case, recovery)
 
     def plan(self, names: Collection[str], *_: object) -> tuple[str, ...]:
-        """Return tasks in the order of their names."""
         return tuple(sorted(names))
 
     def task(
         self, name: str, decisions: Sequence[Decided] = (), connected: Collection[str] = ()
     ) -> PlannedTask:
-        """Return a task."""
         return plant().tasks[name]
 
     def expected_s(self, name: str) -> float:
-        """Return how long a task is expected to take [s]."""
         return 20.0
 
     def has_other_method(self, name: str, decisions: Sequence[Decided], state_path: str) -> bool:
@@ -138,7 +132,6 @@ class SimulatedPlanner:
         """Learn nothing."""
 
     def choose(self, name: str, decisions: Sequence[Decided], seed: str) -> tuple[Chosen, ...]:
-        """Choose nothing."""
         return ()
 
     def chart(
@@ -149,7 +142,6 @@ class SimulatedPlanner:
         decisions: Sequence[Decided],
         chosen: Sequence[Chosen] = (),
     ) -> Chart:
-        """Return the chart of a part of a task."""
         view, force_n = 0, 10.0
         for decision in decisions:
             changes = dict(decision.change)
@@ -230,10 +222,8 @@ def _state(
 
 
 def expected_serial(count: int) -> str:
-    """Return the serial number of the n-th product of the order."""
     return f"{ORDER.name}-{count:04d}"
 
 
 def panel_of(serial: str) -> Panel:
-    """Return the panel of a product."""
     return replace(plant().panel, serial=serial)

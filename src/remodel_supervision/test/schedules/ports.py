@@ -42,7 +42,6 @@ class SimulatedEngine:
     """One supervisor's line to the engine."""
 
     def __init__(self, process: Process, engine: Engine) -> None:
-        """Connect."""
         self.state_path = ""
         self._process = process
         self._engine = engine
@@ -55,12 +54,10 @@ class SimulatedEngine:
 
     @property
     def end(self) -> BehaviorEnd | None:
-        """How the behavior started last has ended."""
         return self._end
 
     @property
     def trouble(self) -> str:
-        """Why the engine counts as lost."""
         self._process.require_alive()
         if not self._engine.is_up:
             return "the engine has gone"
@@ -85,14 +82,12 @@ class SimulatedEngine:
         self._counted_s = 0.0 if self._engine.answers else self._counted_s + 1.0
 
     def wait(self, limit_s: float) -> None:
-        """Wait until it answers."""
         self._process.step()
         self._process.run_until(lambda: not self.trouble and self._silent_s <= _FRESH_S, limit_s)
         if self.trouble or self._silent_s > _FRESH_S:
             raise LostError(self.trouble or "the engine does not answer")
 
     def start(self, behavior: str) -> None:
-        """Have a behavior run."""
         self._process.step()
         self._number += 1
         self._end, self._path = None, []
@@ -105,22 +100,18 @@ class SimulatedEngine:
         self._process.step()
 
     def cancel(self, *, own_only: bool = False) -> None:
-        """Have every behavior stopped, or the one started last."""
         self._process.step()
         own = (self, self._number) if own_only else ()
         self._engine.deliver(self._process.simulation.latency_s(), self._engine.on_cancel, *own)
 
     def path(self) -> tuple[str, ...]:
-        """Return the states that were entered."""
         return tuple(self._path)
 
     def on_entered(self, number: int, path: str) -> None:
-        """Hear which state was entered."""
         if number == self._number:
             self._path.append(path)
 
     def on_end(self, number: int, end: BehaviorEnd) -> None:
-        """Hear how a behavior ended."""
         if number == self._number and self._end is None:
             self._end = end
             self._process.post(lambda: None)
@@ -146,22 +137,18 @@ class SimulatedAbilities:
             server.listeners.append(self._on_result)
 
     def cancel(self, owner: int | None = None) -> None:
-        """Cancel every goal, or those of an owner."""
         self._process.step()
         for server in self._servers.values():
             server.deliver(self._process.simulation.latency_s(), server.on_cancel, "", owner)
 
     def are_quiet(self, since_s: float, owner: int | None = None) -> bool:
-        """Return whether all connected servers have reported rest."""
         return not self.restless(since_s, owner)
 
     def answers(self, ability: str, since_s: float) -> bool:
-        """Return whether a server is there, and rests."""
         server = self._servers[ability]
         return server.is_up and server.rests(since_s)
 
     def is_connected(self, ability: str) -> bool:
-        """Return whether a server is connected."""
         return self._servers[ability].is_up
 
     def restless(self, since_s: float, owner: int | None = None) -> tuple[str, ...]:
@@ -170,7 +157,6 @@ class SimulatedAbilities:
         return tuple(s.name for s in servers if not s.rests(since_s, owner))
 
     def take_stops(self) -> tuple[Operation, ...]:
-        """Return results after which a person is to answer."""
         stops, self._stops = self._stops, []
         return tuple(stops)
 
@@ -184,31 +170,25 @@ class SimulatedCell:
     """One supervisor's line to the cell's services."""
 
     def __init__(self, process: Process, services: CellServices) -> None:
-        """Connect."""
         self._process = process
         self._services = services
 
     def wait(self, limit_s: float) -> None:
-        """Wait for the services."""
         _wait(self._process, self._services, limit_s)
 
     def address(self) -> str:
-        """Return where the cell answers."""
         self._process.step()
         if not self._services.is_up:
             raise LostError("the cell does not answer")
         return f"cell:{self._services.life}"
 
     def load(self, panel: object, serial: str, owner: int, *, demands: Demands, keep: bool) -> None:
-        """Build a panel."""
         self._ask(self._services.on_load, serial, owner, keep)
 
     def feed(self, wire: str, owner: int) -> None:
-        """Present a piece of a wire."""
         self._ask(self._services.on_feed, wire, owner)
 
     def placed(self, wire: str) -> bool | None:
-        """Return whether a wire is placed, by ground truth."""
         self._process.step()
         if not self._services.is_up:
             raise LostError("cannot ask for the ground truth")
@@ -244,13 +224,11 @@ class SimulatedMaker:
     """One supervisor's line to the synthesizer."""
 
     def __init__(self, process: Process, synthesizer: Node, behaviors: dict[str, Chart]) -> None:
-        """Connect."""
         self._process = process
         self._synthesizer = synthesizer
         self._behaviors = behaviors
 
     def wait(self, limit_s: float) -> None:
-        """Wait for the synthesizer."""
         _wait(self._process, self._synthesizer, limit_s)
 
     def make(self, chart: Chart) -> None:
@@ -277,17 +255,14 @@ class SimulatedInspection:
     """One supervisor's line to the ability CheckConnection."""
 
     def __init__(self, process: Process, server: Server) -> None:
-        """Connect."""
         self._process = process
         self._server = server
         self._count = 0
 
     def wait(self, limit_s: float) -> None:
-        """Wait for the ability."""
         _wait(self._process, self._server, limit_s)
 
     def is_connected(self, owner: int, wire: str, end: str, component: str, terminal: str) -> bool:
-        """Return whether an end is in a terminal."""
         process, server = self._process, self._server
         process.step()
         self._count += 1
@@ -326,7 +301,6 @@ class SimulatedPictures:
         """Forget nothing."""
 
     def keep(self, run: int, label: str) -> tuple[str, ...]:
-        """Keep nothing."""
         return ()
 
 

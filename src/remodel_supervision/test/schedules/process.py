@@ -32,7 +32,6 @@ class RepeatedCall:
         self.call = call
 
     def cancel(self) -> None:
-        """Call it no more."""
         self.due_s = float("inf")
 
 
@@ -66,7 +65,6 @@ class Process:
         main: Callable[[Process], None],
         on_end: Callable[[], None],
     ) -> None:
-        """Start it."""
         self.simulation = simulation
         self.name = name
         self.is_dead = False
@@ -89,19 +87,16 @@ class Process:
     # --- EventLoop
 
     def now_s(self) -> float:
-        """Return the ROS time [s]."""
         self.require_alive()
         return self.simulation.now_s
 
     def wall_s(self) -> float:
-        """Return the wall time [s]."""
         self.require_alive()
         return self.simulation.now_s
 
     def run_until(
         self, holds: Callable[[], bool], limit_s: float, *, while_leaving: bool = False
     ) -> bool:
-        """Process what arrives until a condition holds."""
         end_s = self.simulation.now_s + limit_s
         while True:
             self.require_alive()
@@ -122,7 +117,6 @@ class Process:
                     self._sleep(due_s)
 
     def every(self, period_s: float, call: Callable[[], None]) -> RepeatedCall:
-        """Have something called again and again, each period [s]."""
         timer = RepeatedCall(period_s, call, self.simulation.now_s)
         self._timers = [each for each in self._timers if each.due_s < float("inf")] + [timer]
         return timer
@@ -143,7 +137,6 @@ class Process:
     # --- from outside
 
     def post(self, call: Callable[[], object]) -> None:
-        """Have something called on the loop."""
         if self.is_dead:
             return
         self._inbox.append(call)
@@ -192,7 +185,6 @@ class Process:
             self.post(lambda: None)
 
     def kill(self) -> None:
-        """End the process where it is."""
         if self.is_dead:
             return
         self.simulation.note(self.name, "is killed")

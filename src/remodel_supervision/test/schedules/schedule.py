@@ -57,7 +57,6 @@ class _Charts:
         self.of: dict[str, Chart] = {}
 
     def write(self, chart: Chart) -> str:
-        """Return a chart's text."""
         known = self._texts.get(id(chart))
         if known is None:
             known = self._texts[id(chart)] = chart, write_chart(chart)
@@ -69,14 +68,12 @@ class Schedules:
     """Runs schedules, one after the other."""
 
     def __init__(self) -> None:
-        """Make what they share."""
         plant()
         self._memory = Memory(ORDER)
         self._charts = _Charts()
         task_executor.write_chart = self._charts.write
 
     def run(self, seed: int, *, tracing: bool = False) -> Verdict:
-        """Run the schedule of a seed."""
         simulation = Simulation(seed, tracing=tracing)
         self._memory.restore(simulation)
         violation = ""

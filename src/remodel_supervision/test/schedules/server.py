@@ -80,7 +80,6 @@ class Server(Node):
     """
 
     def __init__(self, simulation: Simulation, site: Site, station: str, cell: str, ability: str):
-        """Begin idle."""
         super().__init__(simulation, f"{station}/{ability}")
         self.ability = ability
         self.listeners: list[Callable[[Motion, Operation], None]] = []
@@ -94,7 +93,6 @@ class Server(Node):
 
     @property
     def is_busy(self) -> bool:
-        """Whether it does a goal."""
         return self._job is not None
 
     def rests(self, since_s: float, owner: int | None = None) -> bool:
@@ -117,7 +115,6 @@ class Server(Node):
             )
 
     def on_goal(self, goal: Goal, reply: Reply) -> None:
-        """Take a goal."""
         site = self._site
         if site.locks.get(self._cell) is not None:
             reply(Result(False, ErrorCode.BUSY, "the robot is busy", refused=True))

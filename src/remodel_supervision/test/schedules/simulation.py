@@ -31,7 +31,6 @@ class Simulation:
     """
 
     def __init__(self, seed: int, *, tracing: bool = False) -> None:
-        """Begin at time 0."""
         self.now_s = 0.0
         self.random = Random(seed)
         self.hub = getcurrent()
@@ -44,13 +43,11 @@ class Simulation:
         self._limit_s = 0.0
 
     def at(self, at_s: float, call: Callable[..., None], *args: Any) -> None:
-        """Have something called at a time [s]."""
         self._count += 1
         due_s = at_s if at_s > self.now_s else self.now_s
         heapq.heappush(self._events, (due_s, self._count, call, args))
 
     def after(self, delay_s: float, call: Callable[..., None], *args: Any) -> None:
-        """Have something called after a time [s]."""
         self.at(self.now_s + delay_s, call, *args)
 
     def skip_to(self, at_s: float) -> bool:

@@ -61,16 +61,13 @@ class Site:
         self.owners = admitted(self.owners, cell, owner)
 
     def begin(self, motion: Motion) -> None:
-        """Note that something moves."""
         self.moving.append(motion)
         self.on_motion(motion)
 
     def end(self, motion: Motion) -> None:
-        """Note that it moves no more."""
         self.moving = [each for each in self.moving if each is not motion]
 
     def load(self, cell: str, serial: str, *, keep: bool) -> None:
-        """Build the panel of a product."""
         panel = replace(self.panel, serial=serial)
         before, self.world = self.world, self.world.load(cell, panel, keep=keep)
         if self.world is before:
@@ -79,7 +76,6 @@ class Site:
         self.write(Entry(Deed.LOAD, cell, serial))
 
     def feed(self, cell: str, wire: str) -> None:
-        """Present a piece of a wire."""
         is_new = wire not in self.world.fed
         self.world = self.world.feed(cell, wire, channel="")
         if is_new:
@@ -87,7 +83,6 @@ class Site:
             self.write(Entry(Deed.FEED, cell, wire))
 
     def write(self, entry: Entry) -> None:
-        """Write a deed down."""
         entry = replace(entry, at_s=self.simulation.now_s)
         self.simulation.note(
             "ledger", "{}", f"{entry.deed.value} {entry.wire} {entry.end} {entry.goal}"

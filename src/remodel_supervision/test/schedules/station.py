@@ -59,7 +59,6 @@ class Station:
         name: str,
         cell: str,
     ) -> None:
-        """Start everything."""
         self.simulation = simulation
         self.site = site
         self.memory = memory
@@ -91,7 +90,6 @@ class Station:
 
     @property
     def supervisor(self) -> UseCaseSupervisor | None:
-        """The supervisor of the run under way."""
         return self.life.active if self.life and self.process else None
 
     def _start(self) -> None:
@@ -181,7 +179,6 @@ class Station:
         life.process.request(lambda: call(life), answer)
 
     def command(self, event: Commanded, answer: Callable[[bool], None]) -> None:
-        """Ask the supervisor for something."""
         self.simulation.note("people", "{} {} at {}", event.command.value, event.task, self.name)
         if event.command is Command.PROTECTIVE_STOP and self.process is not None:
             for server in self.servers.values():
@@ -189,7 +186,6 @@ class Station:
         self._ask(lambda life, reply: life.command(event, reply), answer)
 
     def answer(self, event: Answered, answer: Callable[[bool], None]) -> None:
-        """Answer a question."""
         self.simulation.note("people", "answer {} at {}", event.choice.value, self.name)
         self._ask(lambda life, reply: life.answer(event, reply), answer)
 
