@@ -16,7 +16,6 @@ from __future__ import annotations
 
 from collections.abc import Callable, Hashable, Iterable, Iterator, Mapping
 from dataclasses import dataclass
-from types import MappingProxyType
 from typing import NamedTuple
 
 from flexbe_synthesizer.core.chart.model import AnyNode, Chart, Condition, Container
@@ -32,15 +31,13 @@ class TooManyRunsError(RuntimeError):
 class Interface(NamedTuple):
     """What a state or behavior offers: events, inputs that must be fed, outputs.
 
-    `own_time` is set if it keeps a timeout itself. `writes` has what an event may write, each
-    possibility by itself; an event that is missing there writes all outputs.
+    Each event writes all outputs. `own_time` is set if it keeps a timeout itself.
     """
 
     events: tuple[str, ...]
     inputs: tuple[str, ...]
     outputs: tuple[str, ...]
     own_time: bool = False
-    writes: Mapping[str, tuple[frozenset[str], ...]] = MappingProxyType({})
 
 
 Interfaces = Callable[[AnyNode], Interface]
@@ -161,8 +158,7 @@ class _Explorer:
             return
         interface = self._interfaces(node)
         for event in interface.events:
-            for written in interface.writes.get(event, (frozenset(interface.outputs),)):
-                yield End(event, written, counts)
+            yield End(event, frozenset(interface.outputs), counts)
         if node.timeout_s is not None and not interface.own_time:
             yield End("timed_out", frozenset(), counts)
 

@@ -1,4 +1,3 @@
-import os
 import re
 import sys
 from pathlib import Path
@@ -78,15 +77,12 @@ def check(library):
 
 
 @pytest.fixture(scope="session")
-def machine(library):
+def machine(library, golden_behaviors):
     """Return a function: name of a golden chart -> the behavior that it becomes."""
 
     def machine(name):
-        charts = GOLDEN / "charts"
-        inner = parse_chart((charts / "place_connector.xml").read_text(), "place_connector.xml")
-        known = {"place_connector.xml": chart_behavior(inner, "golden_behaviors")}
-        chart = parse_chart((charts / name).read_text(), os.path.basename(name))
-        return compile_chart(check_chart(chart, library, known), "golden_behaviors")
+        chart = parse_chart((GOLDEN / "charts" / name).read_text(), name)
+        return compile_chart(check_chart(chart, library, golden_behaviors), "golden_behaviors")
 
     return machine
 

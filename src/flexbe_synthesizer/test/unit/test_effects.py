@@ -3,13 +3,12 @@
 import itertools
 
 import pytest
+from synthesizer_support.rendering import rendered
 
 from flexbe_core.engine.user_data import BehaviorFailure
 from flexbe_synthesizer.core.chart.chart_reader import parse_chart
 from flexbe_synthesizer.core.chart.problem import ProblemKind, errors_in
 from flexbe_synthesizer.core.compile import Unit, check_units, compile_chart, manifest_of
-from flexbe_synthesizer.core.export.layout import lay_out
-from flexbe_synthesizer.core.export.render_python import render_python
 from flexbe_synthesizer.core.library.sources import write_manifest
 from flexbe_synthesizer.core.machine.lower import lower
 from flexbe_synthesizer.edge.package_path import find_packages, read_library
@@ -91,15 +90,13 @@ def installed(inner, package, package_path):
     (package / "package.xml").write_text(
         "<package><name>p</name><export><flexbe_behaviors/></export></package>"
     )
-    code = render_python(machine, lay_out(machine.root), {})
-    (package / "src" / "p" / "inner_sm.py").write_text(code)
+    (package / "src" / "p" / "inner_sm.py").write_text(rendered(machine))
     (package / "manifest" / "inner.xml").write_text(write_manifest(manifest_of(machine), ""))
     return package
 
 
 def generated(checked):
-    machine = lower(checked.resolved, "p")
-    return render_python(machine, lay_out(machine.root), {})
+    return rendered(lower(checked.resolved, "p"))
 
 
 def dies(on_engine, texts):

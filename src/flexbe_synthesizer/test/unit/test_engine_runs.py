@@ -9,12 +9,12 @@ from itertools import chain, combinations
 
 import pytest
 from synthesizer_support.chart_run import run
+from synthesizer_support.rendering import rendered
 
 from flexbe_synthesizer.core.chart.chart_reader import parse_chart
 from flexbe_synthesizer.core.chart.problem import errors_in
 from flexbe_synthesizer.core.compile import compile_chart
 from flexbe_synthesizer.core.export.layout import instantiate, lay_out, with_presets_written
-from flexbe_synthesizer.core.export.render_python import render_python
 
 CHARTS = ("place_connector", "two_arms")
 SEEDS = 40
@@ -100,8 +100,10 @@ def test_the_initial_state_is_entered_first_whatever_is_added_around_it(
     assert errors_in(problems) == ()
     root = compile_chart(checked, "p")
     entered = []
-    text = render_python(root, lay_out(root.root), {})
-    assert on_engine([text], lambda path, events: choice(1, path, events), entered) is not None
+    assert (
+        on_engine([rendered(root)], lambda path, events: choice(1, path, events), entered)
+        is not None
+    )
     visited = [path for path in entered if not path.endswith(("_attempts", "/timer"))]
     assert visited[0] == first
 

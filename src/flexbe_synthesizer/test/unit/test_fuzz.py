@@ -10,6 +10,7 @@ import time
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from synthesizer_support.rendering import rendered
 from synthesizer_support.strategies import charts
 from synthesizer_support.w3c_scxml import faults
 
@@ -19,8 +20,6 @@ from flexbe_synthesizer.core.chart.model import Chart as ChartModel
 from flexbe_synthesizer.core.chart.model import Connection, Input, Outcome, Param, State, Transition
 from flexbe_synthesizer.core.chart.problem import errors_in
 from flexbe_synthesizer.core.compile import Unit, check_units, compile_chart
-from flexbe_synthesizer.core.export.layout import lay_out
-from flexbe_synthesizer.core.export.render_python import render_python
 from flexbe_synthesizer.core.export.scxml import ScxmlError, chart_to_scxml
 
 LONGEST_S = 5.0
@@ -58,8 +57,7 @@ def holds(library, app_complaints):
             checked = check_units([Unit(chart, "fuzzed")], library)["fuzz.xml"]
             problems = (*problems, *checked.problems)
             if not errors_in(problems):
-                machine = compile_chart(checked, "fuzzed")
-                source = render_python(machine, lay_out(machine.root), {})
+                source = rendered(compile_chart(checked, "fuzzed"))
                 assert app_complaints(source) == []
                 classes = [n for n in ast.parse(source).body if isinstance(n, ast.ClassDef)]
                 assert len(classes) == 1
@@ -249,8 +247,7 @@ def calls_for(count, library):
     profile = cProfile.Profile()
     with profile:
         checked = check_units([Unit(chart, "big")], library)["a.xml"]
-        machine = compile_chart(checked, "big")
-        render_python(machine, lay_out(machine.root), {})
+        rendered(compile_chart(checked, "big"))
     return pstats.Stats(profile).total_calls
 
 

@@ -5,14 +5,13 @@ from dataclasses import replace
 
 import pytest
 from app_judge import saved_by_app
+from synthesizer_support.rendering import rendered
 
 from flexbe_synthesizer.core.chart.chart_reader import parse_chart
 from flexbe_synthesizer.core.chart.chart_rewriter import rewrite_chart
 from flexbe_synthesizer.core.chart.chart_writer import write_chart
 from flexbe_synthesizer.core.check.check import check_chart
 from flexbe_synthesizer.core.compile import compile_chart, manifest_of
-from flexbe_synthesizer.core.export.layout import lay_out
-from flexbe_synthesizer.core.export.render_python import render_python
 from flexbe_synthesizer.core.library.sources import write_manifest
 from flexbe_synthesizer.core.machine.lift import lift
 from flexbe_synthesizer.core.machine.machine_reader import InexpressibleError, read_machine
@@ -44,8 +43,7 @@ def test_a_golden_behavior_becomes_a_chart_that_becomes_the_behavior(
     checked = check_chart(again, known, {})
     assert checked.problems == ()
     machine = compile_chart(checked, "golden_behaviors")
-    rendered = render_python(machine, lay_out(machine.root), {})
-    assert rendered == text
+    assert rendered(machine) == text
 
 
 def test_author_and_tags_reach_code_and_manifest_and_the_author_comes_back(golden, known):
@@ -57,7 +55,7 @@ def test_author_and_tags_reach_code_and_manifest_and_the_author_comes_back(golde
     assert parse_chart(write_chart(chart)) == chart
     assert parse_chart(rewrite_chart(text, replace(chart, tags=""))).tags == ""
     machine = compile_chart(check_chart(chart, known, {}), "golden_behaviors")
-    code = render_python(machine, lay_out(machine.root), {})
+    code = rendered(machine)
     assert "@author: Ada L.\n" in code
     assert lift(read_machine(code, "a_sm.py", known), "a_sm.py").author == "Ada L."
     manifest = write_manifest(manifest_of(machine), "", machine.author, machine.tags)

@@ -7,22 +7,18 @@ import pytest
 from app_judge import saved_by_app
 from hypothesis import given
 from hypothesis import strategies as st
+from synthesizer_support.rendering import rendered
 
 from flexbe_synthesizer.core.chart.chart_reader import parse_chart
 from flexbe_synthesizer.core.chart.model import freeze
 from flexbe_synthesizer.core.chart.problem import ChartError
 from flexbe_synthesizer.core.compile import compile_chart, manifest_of
 from flexbe_synthesizer.core.export.layout import lay_out
-from flexbe_synthesizer.core.export.render_python import render_python
 from flexbe_synthesizer.core.library.sources import write_manifest
 from flexbe_synthesizer.core.machine.machine import Container, walk
 from flexbe_synthesizer.core.machine.machine_reader import ManualSectionError, read_manual_sections
 
 CHARTS = ["plain.xml", "place_connector.xml", "wire_task.xml", "two_arms.xml"]
-
-
-def rendered(machine, manual=None):
-    return render_python(machine, lay_out(machine.root), manual or {})
 
 
 @pytest.mark.parametrize("chart", CHARTS)

@@ -9,7 +9,7 @@ from lxml import etree
 from synthesizer_support.errors_page import EXAMPLES
 from synthesizer_support.strategies import charts
 
-from flexbe_synthesizer.core.chart.chart_reader import parse_chart, read_chart
+from flexbe_synthesizer.core.chart.chart_reader import read_chart
 from flexbe_synthesizer.core.chart.chart_writer import write_chart
 from flexbe_synthesizer.core.chart.problem import errors_in
 
@@ -51,13 +51,12 @@ def test_our_charts_are_valid(schema):
 def test_the_charts_in_the_docs_are_valid(schema):
     for page, text in charts_in_docs():
         assert complaints(schema, text) == [], f"{page}: {text}"
+        assert errors_in(read_chart(text, page)[1]) == ()
 
 
 @given(charts())
-def test_a_chart_that_is_written_is_valid_and_read_as_the_same(schema, chart):
-    text = write_chart(chart)
-    assert complaints(schema, text.partition("?>")[2]) == []
-    assert parse_chart(text) == chart
+def test_a_chart_that_is_written_is_valid(schema, chart):
+    assert complaints(schema, write_chart(chart).partition("?>")[2]) == []
 
 
 @pytest.mark.parametrize(

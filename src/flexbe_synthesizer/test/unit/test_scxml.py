@@ -86,28 +86,30 @@ def test_another_executor_comes_to_the_same_outcome(chart, seed, interfaces_of_g
         assert configuration(machine) == {scxml_name(outcome)}
 
 
-def test_error_codes_choose_the_route():
-    text = """<statemachine xmlns:ext="urn:remodel:statechart:ext:1" name="A" initial="Look">
-      <datamodel><outcome name="found"/><outcome name="blind"/><outcome name="failed"/></datamodel>
-      <state id="Look" type="T" ext:on_error="100-199: blind; 305: Look">
-        <transition event="seen" target="found"/><transition event="failed" target="failed"/>
-      </state></statemachine>"""
-    scxml = chart_to_scxml(parse_chart(text))
-    reached = {99: "failed", 100: "blind", 199: "blind", 305: "Look", 0: "failed"}
+ROUTED = """<statemachine xmlns:ext="urn:remodel:statechart:ext:1" name="A" initial="Look">
+  <datamodel><outcome name="found"/><outcome name="blind"/><outcome name="failed"/></datamodel>
+  <state id="Look" type="T" ext:on_error="{}">
+    <transition event="seen" target="found"/><transition event="failed" target="failed"/>
+  </state></statemachine>"""
+CODES = {"BENT": (4,), "serious": (3, 4, 5, 9)}
+
+
+@pytest.mark.parametrize(
+    ("routes", "reached"),
+    [
+        (
+            "100-199: blind; 305: Look",
+            {99: "failed", 100: "blind", 199: "blind", 305: "Look", 0: "failed"},
+        ),
+        (
+            "BENT: Look; serious: blind",
+            {3: "blind", 4: "Look", 5: "blind", 6: "failed", 9: "blind"},
+        ),
+    ],
+)
+def test_the_first_route_that_has_the_error_code_is_taken(routes, reached):
+    scxml = chart_to_scxml(parse_chart(ROUTED.format(routes)), CODES)
     for code, state in reached.items():
-        machine = started(scxml)
-        machine.send("Look.failed", error_code=code)
-        assert configuration(machine) == {state}, code
-
-
-def test_names_of_error_codes_choose_the_first_route_that_has_the_code():
-    text = """<statemachine xmlns:ext="urn:remodel:statechart:ext:1" name="A" initial="Look">
-      <datamodel><outcome name="found"/><outcome name="blind"/><outcome name="failed"/></datamodel>
-      <state id="Look" type="T" ext:on_error="BENT: Look; serious: blind">
-        <transition event="seen" target="found"/><transition event="failed" target="failed"/>
-      </state></statemachine>"""
-    scxml = chart_to_scxml(parse_chart(text), {"BENT": (4,), "serious": (3, 4, 5, 9)})
-    for code, state in {3: "blind", 4: "Look", 5: "blind", 6: "failed", 9: "blind"}.items():
         machine = started(scxml)
         machine.send("Look.failed", error_code=code)
         assert configuration(machine) == {state}, code
