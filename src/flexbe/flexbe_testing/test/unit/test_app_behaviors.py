@@ -3,7 +3,7 @@
 import pytest
 from app_judge import judge, judge_manifest, saved_by_app
 
-from flexbe_testing.core.app_behavior import Known, read_state, walk
+from flexbe_testing.core.app_behavior import AppLoadError, Known, read_state, walk
 from flexbe_testing.core.app_load import define_behavior, load_behavior
 
 STATE = """
@@ -329,3 +329,75 @@ def test_states_of_one_name_are_imported_under_the_names_of_their_packages(known
     assert line in saved.splitlines()
     assert "my_states__MoveState(speed=self.speed)" in saved
     assert judge(saved, both) == []
+
+
+# Recorded from the App (noetic) for a state with the parameters of LogState: what stands between
+# the parentheses, and the values of `text` and `severity` that the App reads, checks and writes.
+# It refuses to save an empty value. One form it does not open at all.
+DEFAULT = "Logger.REPORT_HINT"
+READ = [
+    ("", "", DEFAULT),
+    ("text='a'", "'a'", DEFAULT),
+    ("'a'", "'a'", DEFAULT),
+    ("text = 'a'", "'a'", DEFAULT),
+    (" text='a' ", "'a'", DEFAULT),
+    ("text='a', severity=2", "'a'", "2"),
+    ("severity=2, text='a'", "'a'", "2"),
+    ("'a', severity=2", "'a'", "2"),
+    ("'a', 2", "'a'", "2"),
+    ("text='a',", "", DEFAULT),
+    ("text='a, b'", "'a, b'", DEFAULT),
+    ("text='f(x)'", "'f(x)'", DEFAULT),
+    ("text='a=b'", "'a=b'", DEFAULT),
+    ("text='# a'", "'# a'", DEFAULT),
+    ('text="a"', '"a"', DEFAULT),
+    ("text=[1, 2, 'c, d']", "[1, 2, 'c, d']", DEFAULT),
+    ("text={'a': 1, 'b': 2}", "{'a': 1, 'b': 2}", DEFAULT),
+    ("text=(1, 2)", "(1, 2)", DEFAULT),
+    ("text=self.name", "self.name", DEFAULT),
+    ("text=-1.5e-3", "-1.5e-3", DEFAULT),
+    ("text=None", "None", DEFAULT),
+    ("text=''", "''", DEFAULT),
+    ("text='a', severity=Logger.REPORT_HINT", "'a'", DEFAULT),
+    ("text=lambda x: x", "lambda x: x", DEFAULT),
+    ("text='a' 'b'", "'a' 'b'", DEFAULT),
+    ("text=str(1)", "str(1)", DEFAULT),
+    ("text='a',\n                                                 severity=2", "'a'", "2"),
+    ("text='ä€'", "'ä€'", DEFAULT),
+    ("text='a]b['", "'a]b['", DEFAULT),
+    ("text='a)'", "'a)'", DEFAULT),
+    ("text=' a '", "' a '", DEFAULT),
+]
+NOT_OPENED = "text='it\\'s'"
+
+
+@pytest.fixture(scope="module")
+def known_as_log(known):
+    """Return what is known, MoveState with the parameters of LogState."""
+    move = state("MoveState", ["done"], f", text, severity={DEFAULT}", ["pose"])
+    others = [s for s in known.states if s.class_name != "MoveState"]
+    return Known([*others, move], known.behaviors)
+
+
+def constructed(inside):
+    return BEHAVIOR.replace("MoveState(speed=self.speed)", f"MoveState({inside})")
+
+
+def test_a_form_is_read_checked_and_written_as_the_app_does(known_as_log):
+    different = []
+    for inside, text, severity in READ:
+        written = f"MoveState(text={text}, severity={severity}),"
+        saved = saved_by_app(constructed(inside), known_as_log)
+        found = judge(constructed(inside), known_as_log)
+        refused = ["is empty" in complaint for complaint in found]
+        if written not in saved or refused != [True] * (text == ""):
+            different.append(f"{inside}: {found}, saved: {saved}")
+    assert not different, "\n".join(different)
+
+
+def test_a_string_with_an_escaped_quote_is_not_opened(known_as_log):
+    with pytest.raises(AppLoadError, match="choose the other quotation mark"):
+        saved_by_app(constructed(NOT_OPENED), known_as_log)
+    assert judge(constructed(NOT_OPENED), known_as_log)[0].startswith("the App cannot load it")
+    mended = NOT_OPENED.replace("\\'", "\\\\")
+    assert judge(constructed(mended), known_as_log) == []
