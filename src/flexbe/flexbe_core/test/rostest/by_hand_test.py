@@ -152,52 +152,35 @@ class ByHandTest(unittest.TestCase):
 
     def test_a_state_that_is_added_after_operators_may_supervise_it_gets_commands(self):
         """In the order of stock FlexBE's own tests, in each kind of container, also in two."""
-
-        def in_a_machine(add):
-            machine = OperatableStateMachine(outcomes=["finished"])
-            with machine:
-                add("a")
-            return machine, "/a"
-
-        def in_a_priority_container(add):
-            container = PriorityContainer(outcomes=["finished"])
-            with container:
-                add("a")
-            return container, "/a"
-
-        def in_a_concurrency_container(add):
-            conditions = [("finished", [("a", "done")])]
-            container = ConcurrencyContainer(outcomes=["finished"], conditions=conditions)
-            with container:
-                add("a")
-            return container, "/a"
-
-        def in_a_container_that_is_added_later(add):
-            inner, path = in_a_machine(add)
-            outer = OperatableStateMachine(outcomes=["finished"])
-            with outer:
-                OperatableStateMachine.add("inner", inner, {"finished": "finished"})
-            return outer, f"/inner{path}"
-
-        for kind in (
-            in_a_machine,
-            in_a_priority_container,
-            in_a_concurrency_container,
-            in_a_container_that_is_added_later,
+        join = [("finished", [("a", "done")])]
+        for kind, arguments in (
+            (OperatableStateMachine, {}),
+            (PriorityContainer, {}),
+            (ConcurrencyContainer, {"conditions": join}),
         ):
-            state = ScriptedState(["done"])
-            state._enable_ros_control()
-            machine, path = kind(
-                lambda label, state=state: OperatableStateMachine.add(
-                    label, state, {"done": "finished"}, {"done": -1}
-                )
-            )
-            state._sub._callback(String(path), "flexbe/command/lock")
-            self.assertIsNone(machine.execute(UserData()), kind.__name__)
-            self.assert_feedback("lock", path, path)
-            state._sub._callback(String(path), "flexbe/command/unlock")
-            self.assertEqual(machine.execute(UserData()), "finished", kind.__name__)
-            self.assert_feedback("unlock", path, path)
+            container = self.supervised_then_added(kind, **arguments)
+            self.lock_and_unlock(container, container["a"])
+        inner = self.supervised_then_added(OperatableStateMachine)
+        outer = OperatableStateMachine(outcomes=["finished"])
+        with outer:
+            OperatableStateMachine.add("inner", inner, {"finished": "finished"})
+        self.lock_and_unlock(outer, inner["a"])
+
+    def supervised_then_added(self, kind, **arguments):
+        state = ScriptedState(["done"])
+        state._enable_ros_control()
+        container = kind(outcomes=["finished"], **arguments)
+        with container:
+            OperatableStateMachine.add("a", state, {"done": "finished"}, {"done": -1})
+        return container
+
+    def lock_and_unlock(self, machine, state):
+        state._sub._callback(String(state.path), "flexbe/command/lock")
+        self.assertIsNone(machine.execute(UserData()), machine)
+        self.assert_feedback("lock", state.path, state.path)
+        state._sub._callback(String(state.path), "flexbe/command/unlock")
+        self.assertEqual(machine.execute(UserData()), "finished", machine)
+        self.assert_feedback("unlock", state.path, state.path)
 
     def test_a_container_may_be_locked_from_code(self):
         state = ScriptedState(["done"])

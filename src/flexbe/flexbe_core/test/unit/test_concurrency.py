@@ -95,10 +95,6 @@ def test_preempt_exits_all_children(bench):
         assert events(log, label) == ["enter", "execute", "exit"]
 
 
-def test_it_needs_no_parent(bench):
-    assert bench.run(bench.engine(both(bench, ScriptedState(), ScriptedState()))) == "finished"
-
-
 def test_all_children_ended_without_a_condition_is_an_error_that_names_the_outcomes(bench):
     container = both(bench, ScriptedState(), ScriptedState(), [("finished", [("a", "other")])])
     root = bench.machine()

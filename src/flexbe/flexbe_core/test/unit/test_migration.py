@@ -179,12 +179,16 @@ def test_stocks_way_to_prepare_keeps_the_state(bench):
         )
 
 
-def test_a_behavior_begins_at_a_state_in_a_container_with_given_userdata():
-    log = []
-    behavior = prepared(Version(log))
-    behavior.start_at("/Box/Read", {"part": "given"})
+def started(path, values):
+    behavior = prepared(Version([]))
+    behavior.start_at(path, values)
     engine = Engine(behavior._state_machine)
     attach_state(engine, behavior._migrating)
+    return engine
+
+
+def test_a_behavior_begins_at_a_state_in_a_container_with_given_userdata():
+    engine = started("/Box/Read", {"part": "given"})
     assert engine.root.leaf().path == "/Box/Read"
     assert engine.root.leaf().entered is False, "on_enter comes with the first execution"
     assert engine.supervision.locks == frozenset()
@@ -192,27 +196,21 @@ def test_a_behavior_begins_at_a_state_in_a_container_with_given_userdata():
 
 
 def test_a_container_around_the_state_gets_its_own_values():
-    behavior = prepared(Version([]))
-    behavior.start_at("/Box/Read", {"part": "given", "/Box/part": "written inside"})
-    engine = Engine(behavior._state_machine)
-    attach_state(engine, behavior._migrating)
+    engine = started("/Box/Read", {"part": "given", "/Box/part": "written inside"})
     assert engine.root.userdata["part"] == "given"
     assert engine.root.leaf().parent.userdata["part"] == "written inside"
     for key in ("/Bo/part", "/Box/Read/part", "/Write/part"):
         with pytest.raises(StateMachineError, match="is not around it"):
-            prepared(Version([])).start_at("/Box/Read", {key: 1})
+            started("/Box/Read", {key: 1})
 
 
 def test_a_container_is_started_at_its_first_state():
-    behavior = prepared(Version([]))
-    behavior.start_at("/Box", {})
-    assert behavior._migrating.path == "/Box/Work"
-    engine = Engine(behavior._state_machine)
-    attach_state(engine, behavior._migrating)
+    engine = started("/Box", {})
+    assert engine.root.leaf().path == "/Box/Work"
     assert engine.root.userdata["part"] == "default"
 
 
 @pytest.mark.parametrize("path", ["/Nowhere", "/Box/Nowhere", "/Write/Inside", "", "Box"])
 def test_a_state_that_does_not_exist_is_refused_with_those_that_do(path):
     with pytest.raises(StateMachineError, match="it has: /Write, /Box/Work, /Box/Read"):
-        prepared(Version([])).start_at(path, {})
+        started(path, {})

@@ -12,7 +12,6 @@ from flexbe_core.engine.supervision import (
     Lock,
     Pause,
     Preempt,
-    Refused,
     Repeat,
     Requested,
     Resume,
@@ -77,12 +76,6 @@ def test_the_path_that_the_operator_was_asked_with_names_the_state(bench):
     assert (answered.command, left) == ("transition", Left("/a", "done", 0))
 
 
-def test_a_state_that_wants_another_outcome_asks_again(bench):
-    _, engine = started(bench, level=0, script=["done", "failed"])
-    assert step(bench, engine) == [Requested("/a", 0)]
-    assert step(bench, engine) == [Requested("/a", 1)]
-
-
 def test_a_state_that_changes_its_mind_withdraws_its_request(bench):
     _, engine = started(bench, level=1, required=1, script=["done", None, "done"])
     assert step(bench, engine) == [Requested("/a", 0)]
@@ -100,13 +93,6 @@ def test_the_operator_forces_an_outcome(bench):
         "finished",
     ]
     assert root["a"].log.count(("a", "execute")) == 1
-
-
-def test_a_forced_outcome_for_another_state_is_refused(bench):
-    _, engine = started(bench, script=[None])
-    answer, refusal = step(bench, engine, ForceOutcome("b", 0))
-    assert answer == Answered("transition", ("b", "a"))
-    assert isinstance(refusal, Refused)
 
 
 def test_what_follows_a_forced_outcome_is_for_the_next_state(bench):
@@ -156,14 +142,6 @@ def test_a_paused_state_is_not_executed_and_notified_once(bench):
     assert root["a"].log == [("a", "pause"), ("a", "enter"), ("a", "resume"), ("a", "execute")]
 
 
-def test_a_paused_state_can_be_preempted(bench):
-    root, engine = started(bench, script=[None])
-    step(bench, engine)
-    step(bench, engine, Pause())
-    assert step(bench, engine, Preempt()) == [Answered("preempt"), "preempted"]
-    assert root["a"].log[-1] == ("a", "exit")
-
-
 def test_a_repeat_leaves_and_enters_again(bench):
     root, engine = started(bench, script=[None])
     step(bench, engine)
@@ -171,11 +149,6 @@ def test_a_repeat_leaves_and_enters_again(bench):
     step(bench, engine)
     events = [event for _, event in root["a"].log]
     assert events == ["enter", "execute", "execute", "exit", "enter", "execute"]
-
-
-def test_sync_publishes_where_the_run_is(bench):
-    _, engine = started(bench, script=[None])
-    assert step(bench, engine, Sync()) == [Synced("/a"), Answered("sync")]
 
 
 def test_a_mirror_that_asks_is_answered_also_where_nothing_has_changed(bench):
@@ -207,14 +180,6 @@ def test_an_unsupervised_state_ignores_commands_but_preempt(bench):
     root._is_controlled = root["a"]._is_controlled = True
     assert step(bench, engine) == [], "they are not applied later either"
     assert step(bench, engine, Preempt())[-1] == "preempted"
-
-
-def test_a_breakpoint_asks_for_every_transition(bench):
-    _, engine = started(bench)
-    engine.supervision = engine.supervision.__class__(
-        autonomy_level=255, breakpoints=frozenset({"/a"})
-    )
-    assert step(bench, engine) == [Requested("/a", 0)]
 
 
 def two_children(bench, second, points=("/b",), first=None):
