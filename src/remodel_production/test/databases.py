@@ -12,6 +12,17 @@ from sqlalchemy import create_engine, text
 PROGRAMS = Path("/usr/lib/postgresql")
 
 
+def execute(url, *statements):
+    """Execute statements, and return the rows of the last one."""
+    engine = create_engine(url)
+    with engine.begin() as connection:
+        for statement in statements:
+            result = connection.execute(text(statement))
+        rows = [tuple(row) for row in result] if result.returns_rows else []
+    engine.dispose()
+    return rows
+
+
 def run(folder, *line):
     """Run a program of PostgreSQL, which refuses to be run by root."""
     as_postgres = {"user": "postgres", "group": "postgres", "extra_groups": []}
@@ -46,9 +57,5 @@ def url(request, tmp_path):
     if request.param == "sqlite":
         return f"sqlite:///{tmp_path}/production.sqlite"
     url = request.getfixturevalue("postgres_url")
-    engine = create_engine(url)
-    with engine.begin() as connection:
-        connection.execute(text("DROP SCHEMA public CASCADE"))
-        connection.execute(text("CREATE SCHEMA public"))
-    engine.dispose()
+    execute(url, "DROP SCHEMA public CASCADE", "CREATE SCHEMA public")
     return url

@@ -7,23 +7,13 @@ from alembic.autogenerate import compare_metadata
 from alembic.config import Config
 from alembic.migration import MigrationContext
 from alembic.script import ScriptDirectory
-from sqlalchemy import create_engine, inspect, text
+from databases import execute
+from sqlalchemy import create_engine, inspect
 
 from remodel_production.edge.database import production_database
 from remodel_production.edge.database.production_database import ProductionDatabase
 from remodel_production.edge.database.production_models import Base
 from remodel_production.errors import OrderError
-
-
-def execute(url, *statements):
-    """Execute statements, and return the rows of the last one."""
-    engine = create_engine(url)
-    with engine.begin() as connection:
-        for statement in statements:
-            result = connection.execute(text(statement))
-        rows = [tuple(row) for row in result] if result.returns_rows else []
-    engine.dispose()
-    return rows
 
 
 def open_and_close(url):

@@ -3,7 +3,7 @@
 from concurrent.futures import ThreadPoolExecutor
 
 import pytest
-from sqlalchemy import create_engine, text
+from databases import execute
 
 from remodel_production.core.production import (
     Ability,
@@ -122,14 +122,6 @@ def database(url):
     database.close()
 
 
-def rows(url, query):
-    engine = create_engine(url)
-    with engine.connect() as connection:
-        found = [tuple(row) for row in connection.execute(text(query))]
-    engine.dispose()
-    return found
-
-
 def test_an_order_comes_back_equal(database):
     database.add_order(ORDER)
     assert database.order("house") == ORDER
@@ -184,7 +176,7 @@ def test_a_second_order_of_the_same_name_is_refused_whole(database, url):
     database.add_order(ORDER)
     with pytest.raises(OrderError, match="an order house already"):
         database.add_order(ORDER)
-    assert rows(url, "SELECT count(*) FROM wires") == [(2,)]
+    assert execute(url, "SELECT count(*) FROM wires") == [(2,)]
 
 
 def test_an_unknown_order_is_refused_with_those_there_are(database):
@@ -211,7 +203,7 @@ def test_two_programs_may_open_a_new_database_at_once(url):
     with ThreadPoolExecutor(4) as pool:
         for database in pool.map(ProductionDatabase, [url] * 4):
             database.close()
-    assert rows(url, "SELECT version_num FROM alembic_version") == [(NEWEST,)]
+    assert execute(url, "SELECT version_num FROM alembic_version") == [(NEWEST,)]
 
 
 @pytest.mark.parametrize(

@@ -221,9 +221,5 @@ def _state(
     )
 
 
-def expected_serial(count: int) -> str:
-    return f"{ORDER.name}-{count:04d}"
-
-
 def panel_of(serial: str) -> Panel:
     return replace(plant().panel, serial=serial)

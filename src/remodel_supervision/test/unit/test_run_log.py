@@ -6,10 +6,11 @@ from collections import Counter
 from dataclasses import replace
 
 import pytest
+from databases import execute
 from house import HOUSE, owner_of
-from sqlalchemy import create_engine, text
+from long_run import long_order
+from sqlalchemy import text
 
-from remodel_production.core.production import Component, Order, Side, Terminal, TerminalRef, Wire
 from remodel_production.edge.database import production_database
 from remodel_production.edge.database.cell_ownership import database_time_s
 from remodel_production.edge.database.production_database import (
@@ -86,14 +87,6 @@ def product(begun, number, *, keep_panel=False):
     return replace(begun, serial=f"house-{number:04d}", keep_panel=keep_panel)
 
 
-def rows(url, query):
-    engine = create_engine(url)
-    with engine.connect() as connection:
-        found = [tuple(row) for row in connection.execute(text(query))]
-    engine.dispose()
-    return found
-
-
 @pytest.fixture
 def owner(database):
     """Return the token of the owner of the cell that does the runs."""
@@ -141,17 +134,19 @@ def test_tables_made_for_questions_follow(keep, url):
         TaskEnded("W1", "failed", 3.0, False),
         DECIDED,
     )
-    assert rows(url, "SELECT outcome, attempt, ended_s FROM executions") == [("failed", 1, 3.0)]
-    assert rows(url, "SELECT ability, error_code, position FROM ability_records") == [
+    assert execute(url, "SELECT outcome, attempt, ended_s FROM executions") == [("failed", 1, 3.0)]
+    assert execute(url, "SELECT ability, error_code, position FROM ability_records") == [
         ("InsertCable", 301, 3)
     ]
-    assert rows(url, "SELECT fault, response FROM decisions") == [("insertion_jammed", "set_aside")]
-    assert rows(url, "SELECT state FROM tasks ORDER BY id") == [("set aside",), ("open",)]
+    assert execute(url, "SELECT fault, response FROM decisions") == [
+        ("insertion_jammed", "set_aside")
+    ]
+    assert execute(url, "SELECT state FROM tasks ORDER BY id") == [("set aside",), ("open",)]
 
 
 def test_an_interrupted_behavior_keeps_its_operations(keep, database, url):
     keep(Planned(("W1", "W2"), ""), WHOLE, OperationEnded("W1", JAM), Interrupted(""))
-    assert rows(url, "SELECT outcome, ended_s FROM executions") == [("interrupted", 2.0)]
+    assert execute(url, "SELECT outcome, ended_s FROM executions") == [("interrupted", 2.0)]
     assert len(ability_calls(database)) == 1
 
 
@@ -231,10 +226,10 @@ def test_an_order_done_again_begins_from_nothing_but_not_beside_others(
     log.append(run, RunEnded(Ending.STOPPED, ""), log.state(run), owner)
     begun = replace(product(other, 1, keep_panel=True), done=("W1",))
     assert log.begin(other, other_owner) == (2, begun)
-    assert rows(url, "SELECT state FROM tasks ORDER BY id") == [("done",), ("open",)]
+    assert execute(url, "SELECT state FROM tasks ORDER BY id") == [("done",), ("open",)]
     log.append(2, RunEnded(Ending.STOPPED, ""), log.state(2), other_owner)
     assert log.begin(BEGUN, owner, again=True) == (3, product(BEGUN, 2))
-    assert rows(url, "SELECT state FROM tasks ORDER BY id") == [("open",), ("open",)]
+    assert execute(url, "SELECT state FROM tasks ORDER BY id") == [("open",), ("open",)]
     assert next(iter(log.events(3))).event.serial == "house-0002"
 
 
@@ -258,10 +253,10 @@ def test_an_owner_that_was_replaced_adds_nothing_to_its_run(keep, log, owner, da
         log.take_up(run, owner)
     with pytest.raises(OwnerError, match="owned by another"):
         log.begin(BEGUN, owner)
-    assert rows(url, "SELECT count(*) FROM run_events") == [(1,)]
+    assert execute(url, "SELECT count(*) FROM run_events") == [(1,)]
     log.take_up(run, newer)
     log.append(run, Interrupted("resumed"), state_after([BEGUN]), newer)
-    assert rows(url, "SELECT position, kind FROM run_events ORDER BY id") == [
+    assert execute(url, "SELECT position, kind FROM run_events ORDER BY id") == [
         (0, "RunBegun"),
         (1, "Interrupted"),
     ]
@@ -277,7 +272,7 @@ def test_only_a_run_that_has_not_ended_is_taken_up(keep, log, owner):
 
 def test_a_task_that_another_cell_ends_stays_its_own(keep, url):
     keep(Planned(("W1", "W2"), ""), TaskElsewhere("W1", "other", AsLeft.DONE))
-    assert rows(url, "SELECT state, cell FROM tasks ORDER BY id") == [("open", ""), ("open", "")]
+    assert execute(url, "SELECT state, cell FROM tasks ORDER BY id") == [("open", ""), ("open", "")]
 
 
 def test_a_task_that_is_retried_can_be_claimed(keep, database, owner):
@@ -293,7 +288,7 @@ def test_a_task_that_another_cell_has_taken_over_is_not_ended_for_it(keep, datab
     leases = TaskLeases(database, "house", "other", 30.0, owner_of(database, "other", "b"))
     leases.claim("W1")
     keep(Planned(("W1", "W2"), ""), WHOLE, TaskEnded("W1", "finished", 2.0, True))
-    assert rows(url, "SELECT state, cell FROM tasks ORDER BY id")[0] == ("begun", "other")
+    assert execute(url, "SELECT state, cell FROM tasks ORDER BY id")[0] == ("begun", "other")
 
 
 @pytest.mark.parametrize(
@@ -392,14 +387,18 @@ def test_a_database_that_does_not_answer_counts_as_lost(in_file, monkeypatch):
             log.begin(BEGUN, owner)
 
 
-def test_a_task_is_one_cells_until_its_lease_runs_out(database):
-    mine = TaskLeases(database, "house", "mine", 0.3, owner_of(database, "mine", "a"))
-    other = TaskLeases(database, "house", "other", 0.3, owner_of(database, "other", "b"))
+def test_a_task_is_one_cells_until_a_third_of_a_lease_after_it_ran_out(database):
+    mine = TaskLeases(database, "house", "mine", 30.0, owner_of(database, "mine", "a"))
+    other = TaskLeases(database, "house", "other", 30.0, owner_of(database, "other", "b"))
     assert mine.claim("W1").holding is Holding.MINE
     taken = other.claim("W1")
     assert (taken.holding, taken.cell) == (Holding.ELSEWHERE, "mine")
     assert mine.renew("W1")
-    wait_until(lambda: other.claim("W1").holding is Holding.MINE_UNVERIFIED)
+    for since_s, holding in ((9.0, Holding.ELSEWHERE), (11.0, Holding.MINE_UNVERIFIED)):
+        with database.transaction() as connection:
+            until = database_time_s(connection) - since_s
+            connection.execute(text(f"UPDATE tasks SET lease_until = {until} WHERE cell = 'mine'"))
+        assert other.claim("W1").holding is holding
     assert not mine.renew("W1")
     other.give_back("W1")
     assert mine.claim("W1").holding is Holding.MINE
@@ -407,23 +406,12 @@ def test_a_task_is_one_cells_until_its_lease_runs_out(database):
         mine.claim("W9")
 
 
-def test_a_task_is_taken_over_a_third_of_a_lease_after_it_ran_out(database, url):
-    mine = TaskLeases(database, "house", "mine", 30.0, owner_of(database, "mine", "a"))
-    other = TaskLeases(database, "house", "other", 30.0, owner_of(database, "other", "b"))
-    mine.claim("W1")
-    for since_s, holding in ((9.0, Holding.ELSEWHERE), (11.0, Holding.MINE_UNVERIFIED)):
-        with database.transaction() as connection:
-            until = database_time_s(connection) - since_s
-            connection.execute(text(f"UPDATE tasks SET lease_until = {until} WHERE cell = 'mine'"))
-        assert other.claim("W1").holding is holding
-
-
 def test_a_supervisor_that_was_replaced_neither_claims_nor_renews(database, url):
     old, new = (
         TaskLeases(database, "house", "cell", 30.0, owner_of(database, "cell")) for _ in range(2)
     )
     assert new.claim("W1").holding is Holding.MINE
-    assert rows(url, "SELECT token FROM tasks ORDER BY id") == [(2,), (0,)]
+    assert execute(url, "SELECT token FROM tasks ORDER BY id") == [(2,), (0,)]
     with pytest.raises(OwnerError, match=r"token 2; this one has 1"):
         old.claim("W2")
     assert not old.renew("W1")
@@ -436,44 +424,30 @@ def test_a_restarted_supervisor_renews_the_task_of_its_predecessor(database, url
     first.claim("W1")
     second = TaskLeases(database, "house", "cell", 30.0, owner_of(database, "cell"))
     assert second.renew("W1")
-    assert rows(url, "SELECT token FROM tasks ORDER BY id") == [(2,), (0,)]
+    assert execute(url, "SELECT token FROM tasks ORDER BY id") == [(2,), (0,)]
 
 
-def wait_until(holds):
-    end = time.monotonic() + 20.0
-    while not holds():
-        assert time.monotonic() < end
-        time.sleep(0.01)
-
-
-MANY = 24
-
-
-def long_order():
-    """An order of many wires, each between two terminals of its own."""
-    tops = tuple(Terminal(f"T{i}", Side.TOP) for i in range(MANY))
-    bottoms = tuple(Terminal(f"B{i}", Side.BOTTOM) for i in range(MANY))
-    wires = tuple(
-        Wire(f"W{i}", TerminalRef("Q1", f"B{i}"), TerminalRef("Q2", f"T{i}"), "BU", 1.5, "")
-        for i in range(MANY)
-    )
-    return Order("long", "", "", (Component("Q1", "", bottoms), Component("Q2", "", tops)), wires)
+LEASE_S = 60.0
 
 
 @pytest.mark.parametrize("cells", [2, 8])
 def test_cells_share_an_order_and_one_that_dies_loses_nothing(url, cells):
     """Each cell does tasks in threads of its own; the first dies holding one."""
     database = ProductionDatabase(url)
-    database.add_order(long_order())
+    order = long_order(24)
+    database.add_order(order)
     done, lock = Counter(), threading.Lock()
-    dead = TaskLeases(database, "long", "dead", 0.5, owner_of(database, "dead", "dead"))
+    dead = TaskLeases(database, "long", "dead", LEASE_S, owner_of(database, "dead", "dead"))
     assert dead.claim("W3").holding is Holding.MINE
-    names = [f"W{i}" for i in range(MANY)]
+    # Others take its task over in a second, a third of a lease after this one has run out.
+    before_s = 4 / 3 * LEASE_S - 1.0
+    execute(url, f"UPDATE tasks SET lease_until = lease_until - {before_s} WHERE cell = 'dead'")
+    names = [wire.name for wire in order.wires]
 
     def work(cell):
         own = ProductionDatabase(url)
         owner = owner_of(own, cell, cell)
-        leases, log = TaskLeases(own, "long", cell, 3.0, owner), RunLog(own)
+        leases, log = TaskLeases(own, "long", cell, LEASE_S, owner), RunLog(own)
         begun = RunBegun("long", "cabinet", cell, tuple(names))
         (run, _), state = log.begin(begun, owner), state_after([begun])
         end = time.monotonic() + 60.0
