@@ -4,7 +4,7 @@
                 and of a data_flow
     chart_xml   chart files -> what they say, read with lxml
     reference   one run of a chart as the documentation describes it
-    explore     all runs of a chart: is a value ever missing, or another state's?
+    explore     all runs of a chart: is a value ever missing, or another's? is there a dead end?
     engine_run  chart files -> synthesized by the public path, run on flexbe_core
     judge       one seed or chart: do they agree?
     shrink      a chart on which they do not -> a small one

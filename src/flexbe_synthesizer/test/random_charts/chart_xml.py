@@ -16,10 +16,12 @@ import posixpath
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
+from types import MappingProxyType
 
+import yaml
 from lxml import etree
 
-from random_charts.kinds import ERROR_NAMES, KINDS
+from random_charts.kinds import ERROR_NAMES, KINDS, Kind
 
 EXT = "{urn:remodel:statechart:ext:1}"
 CHART = ""  # the chart itself, among the ids of its nodes
@@ -31,15 +33,17 @@ class Node:
     """A state, behavior or container.
 
     Attributes:
+        kind: what its class offers, or a behavior of which that is all that is known; else None.
         events: event -> target; empty in a concurrency container.
         optional: inputs with a default of their own.
-        scope: what is in it, None in a state.
+        scope: what is in it, None with a kind.
         own: the outcomes of its class, behavior or container.
     """
 
     id: str
     tag: str
     type: str
+    kind: Kind | None
     own: tuple[str, ...]
     inputs: tuple[str, ...]
     outputs: tuple[str, ...]
@@ -55,7 +59,7 @@ class Node:
     @property
     def is_timed(self) -> bool:
         """Whether a timer beside it keeps its timeout."""
-        keeps_time = self.tag == "state" and KINDS[self.type].keeps_time
+        keeps_time = self.kind is not None and self.kind.keeps_time
         return self.timeout_s is not None and not keeps_time
 
 
@@ -134,18 +138,32 @@ class Scope:
         return self._read[node, key]
 
 
-def read_chart(files: Mapping[str, bytes], path: str) -> Scope:
+@dataclass(frozen=True)
+class _Known:
+    """What charts can name: other charts, by path, and classes."""
+
+    files: Mapping[str, bytes]
+    kinds: Mapping[str, Kind]
+
+
+def read_chart(
+    files: Mapping[str, bytes], path: str, kinds: Mapping[str, Kind] = MappingProxyType(KINDS)
+) -> Scope:
     """Return what a chart says, and those that it names."""
-    return _scope(etree.fromstring(files[path]), "name", files, path)
+    return _chart(_Known(files, kinds), path)
 
 
-def _scope(element: etree._Element, name: str, files: Mapping[str, bytes], path: str) -> Scope:
+def _chart(known: _Known, path: str) -> Scope:
+    return _scope(etree.fromstring(known.files[path]), "name", known, path)
+
+
+def _scope(element: etree._Element, name: str, known: _Known, path: str) -> Scope:
     own = element.get(name)
     data = element.find("datamodel")
     nodes = {}
     for child in element:
         if isinstance(child.tag, str) and child.get("id") is not None:
-            nodes[child.get("id")] = _node(child, files, path)
+            nodes[child.get("id")] = _node(child, known, path)
     ends = ("output_state_id", "output", "input_state_id", "input")
     connections = [
         [child.get(end) for end in ends]
@@ -177,32 +195,40 @@ def _class(element: etree._Element) -> str:
 
 def _default(element: etree._Element) -> object:
     text = element.get(f"{EXT}default")
-    return ... if text is None else json.loads(text)
+    return ... if text is None else _literal(text)
 
 
-def _node(element: etree._Element, files: Mapping[str, bytes], path: str) -> Node:
+def _literal(text: str) -> object:
+    try:
+        return json.loads(text)
+    except ValueError:
+        return yaml.safe_load(text)  # in other quotation marks, or a text without
+
+
+def _node(element: etree._Element, known: _Known, path: str) -> Node:
     tag = etree.QName(element).localname
-    params = {p.get("name"): json.loads(p.get("value")) for p in element.findall("param")}
+    params = {p.get("name"): _literal(p.get("value")) for p in element.findall("param")}
     optional: frozenset[str] = frozenset()
-    if tag == "state":
+    kind = known.kinds.get(_class(element)) if tag in ("state", "behavior") else None
+    if kind is not None:
         scope = None
-        kind = KINDS[_class(element)]
         own = kind.outcomes or tuple(params["outcomes"])
         inputs = tuple(params["input_keys"]) if kind.inputs is None else kind.inputs
         outputs = tuple(params["output_keys"]) if kind.outputs is None else kind.outputs
     else:
         if tag == "behavior":
             inner = posixpath.normpath(posixpath.join(posixpath.dirname(path), element.get("type")))
-            scope = read_chart(files, inner)
+            scope = _chart(known, inner)
             optional = frozenset(k for k, default in scope.inputs.items() if default is not ...)
         else:
-            scope = _scope(element, "id", files, path)
+            scope = _scope(element, "id", known, path)
         own, inputs, outputs = scope.outcomes, tuple(scope.inputs), scope.outputs
     attempts, timeout = element.get(f"{EXT}attempts"), element.get(f"{EXT}timeout_s")
     return Node(
         element.get("id"),
         tag,
         type=_class(element),
+        kind=kind,
         own=own,
         inputs=inputs,
         outputs=outputs,

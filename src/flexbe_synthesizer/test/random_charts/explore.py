@@ -1,5 +1,7 @@
 """All runs of a chart: which values can be missing when they are read, or be another state's.
 
+And in which places a run cannot go on.
+
 Every event of every state is possible, whatever the values are. What is written is followed in
 cells: places that are one value since they feed one output of the chart. A cell knows who wrote it
 last. A container that is left by a timeout, or since it is no longer waited for, may be anywhere.
@@ -11,13 +13,13 @@ from collections.abc import Iterable, Iterator, Mapping
 from typing import NamedTuple
 
 from random_charts.chart_xml import CHART, Node, Place, Scope
-from random_charts.kinds import KINDS
 
 MOST_STEPS = 20_000
 MISROUTED = "written by another output"
 UNROUTED = "not written with 'failed'"
 Memory = frozenset[tuple[Place, str]]  # (cell, node that wrote it last)
 Counts = frozenset[tuple[str, int]]
+Run = tuple[str, Memory, Counts]  # where it is: about to enter a node, or at an outcome
 
 
 class TooManyRunsError(Exception):
@@ -46,11 +48,25 @@ def explore(chart: Scope) -> tuple[Fault, ...]:
     Raises:
         TooManyRunsError: if there are too many to follow.
     """
-    explorer = _Explorer()
+    return tuple(sorted(_explored(chart, MOST_STEPS).faults))
+
+
+def explore_all(chart: Scope, most_steps: int) -> tuple[Fault, ...]:
+    """Return all that can go wrong in any run: with data, and places where it cannot go on.
+
+    Raises:
+        TooManyRunsError: if there are too many to follow.
+    """
+    explorer = _explored(chart, most_steps)
+    return (*explorer.dead_ends, *sorted(explorer.faults))
+
+
+def _explored(chart: Scope, most_steps: int) -> _Explorer:
+    explorer = _Explorer(most_steps)
     explorer.ends(chart, "", frozenset())
     for path, behavior in _behaviors(chart, ""):  # whether a run comes there or not
         explorer.ends(behavior, path, frozenset())
-    return tuple(sorted(explorer.faults))
+    return explorer
 
 
 def _behaviors(scope: Scope, path: str) -> Iterator[tuple[str, Scope]]:
@@ -64,10 +80,11 @@ def _behaviors(scope: Scope, path: str) -> Iterator[tuple[str, Scope]]:
 
 
 class _Explorer:
-    def __init__(self) -> None:
+    def __init__(self, most_steps: int) -> None:
         self._known: dict[tuple[str, Counts], frozenset[End]] = {}
-        self._steps = 0
+        self._steps, self._most_steps = 0, most_steps
         self.faults: dict[Fault, None] = {}
+        self.dead_ends: dict[Fault, None] = {}
 
     def ends(self, scope: Scope, path: str, counts: Counts) -> frozenset[End]:
         """Return all ways in which a visit can end, or can be cut short."""
@@ -79,33 +96,53 @@ class _Explorer:
 
     def _count_step(self) -> None:
         self._steps += 1
-        if self._steps > MOST_STEPS:
+        if self._steps > self._most_steps:
             raise TooManyRunsError
 
     def _sequential(self, scope: Scope, path: str, counts: Counts) -> Iterator[End]:
         cells = _Cells(scope)
         waiting = [(scope.initial, cells.given(), counts)]
-        seen = set(waiting)
+        after: dict[Run, list[Run]] = {waiting[0]: []}
         while waiting:
             self._count_step()
-            target, memory, now = waiting.pop()
+            run = target, memory, now = waiting.pop()
             written = cells.outputs(memory)
             yield End("" if target in scope.nodes else target, written, now)
             if target not in scope.nodes:
                 continue
             node = scope.nodes[target]
             for end in self._visit(node, f"{path}/{target}", memory, now, cells=cells):
-                after = cells.after(node, end.written, memory)
+                reached = cells.after(node, end.written, memory)
                 if end.event == "failed" and node.routes and "error_code" not in end.written:
                     self.faults[Fault(f"{path}/{target}", "error_code", UNROUTED)] = None
                 if not end.event:
-                    yield End("", cells.outputs(after), end.counts)
+                    yield End("", cells.outputs(reached), end.counts)
                     continue
+                if end.event not in node.events:
+                    self.dead_ends[Fault(f"{path}/{target}", end.event, "leads nowhere")] = None
                 for following in _targets(node, end.event):
-                    place = (following, after, end.counts)
-                    if place not in seen:
-                        seen.add(place)
+                    place = (following, reached, end.counts)
+                    after[run].append(place)
+                    if place not in after:
+                        after[place] = []
                         waiting.append(place)
+        self._find_endless(after, scope, path)
+
+    def _find_endless(self, after: Mapping[Run, list[Run]], scope: Scope, path: str) -> None:
+        """Report the places from which no outcome can be reached."""
+        before: dict[Run, list[Run]] = {run: [] for run in after}
+        for run, following in after.items():
+            for place in following:
+                before[place].append(run)
+        waiting = [run for run in after if run[0] in scope.outcomes]
+        ending = set(waiting)
+        while waiting:
+            new = set(before[waiting.pop()]) - ending
+            ending |= new
+            waiting += new
+        for run in after:
+            if run not in ending:
+                self.dead_ends[Fault(f"{path}/{run[0]}", "", "leads to no outcome")] = None
 
     def _visit(
         self, node: Node, path: str, memory: Memory, counts: Counts, cells: _Cells
@@ -124,7 +161,7 @@ class _Explorer:
             self.faults[Fault(path, "error_code", MISROUTED)] = None
         if node.scope is None:
             for event in node.own:
-                outputs = frozenset(KINDS[node.type].written(event, node.outputs))
+                outputs = frozenset(node.kind.written(event, node.outputs))
                 yield End(event, outputs, counts)
             if node.is_timed:
                 yield End("timed_out", frozenset(), counts)
@@ -159,7 +196,10 @@ class _Explorer:
             events = {name: end.event for name, end in done.items()}
             fulfilled = [o for o, all_of in scope.conditions if all_of.items() <= events.items()]
             yield from self._cut(scope, cells, done, ends, event=fulfilled[0] if fulfilled else "")
-            if not fulfilled:
+            if not fulfilled and len(done) == len(ends):
+                each = ", ".join(f"{name} {event}" for name, event in sorted(events.items()))
+                self.dead_ends[Fault(path, "", f"waits forever after {each}")] = None
+            elif not fulfilled:
                 for name in ends.keys() - done.keys():
                     waiting += ({**done, name: end} for end in ends[name] if end.event)
 
@@ -190,7 +230,8 @@ class _Explorer:
 
 
 def _targets(node: Node, event: str) -> Iterator[str]:
-    yield node.events[event]
+    if event in node.events:
+        yield node.events[event]
     if event == "failed":
         yield from (target for _codes, target in node.routes)
 

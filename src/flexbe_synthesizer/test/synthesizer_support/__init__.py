@@ -1,6 +1,6 @@
 """What several tests of the synthesizer share.
 
-interpreter, chart_run    what a chart of our own model means: all runs, and one run
+chart_run                 what a chart of our own model means: one run
 rendering                 the file that a behavior becomes
 strategies                charts of any shape, drawn by Hypothesis
 w3c_scxml                 the rules of W3C SCXML that charts can break

@@ -13,10 +13,9 @@ sys.path.insert(0, str(Path(__file__).parents[1]))
 sys.path.insert(0, str(Path(__file__).parents[3] / "flexbe/flexbe_testing/test"))
 
 from app_judge import judge
-from synthesizer_support.interpreter import Interface
 
 from flexbe_synthesizer.core.chart.chart_reader import parse_chart, read_chart
-from flexbe_synthesizer.core.chart.model import Behavior, State
+from flexbe_synthesizer.core.chart.model import State
 from flexbe_synthesizer.core.check.check import check_chart
 from flexbe_synthesizer.core.compile import compile_chart
 from flexbe_synthesizer.core.library.signature import FromParameter, chart_behavior, state_signature
@@ -94,24 +93,18 @@ def golden_behaviors(golden):
 
 
 @pytest.fixture(scope="session")
-def interfaces_of_golden(library, golden_behaviors):
-    """Return what the nodes of the golden charts offer, found without the checker's resolving."""
+def events_of_golden(library, golden_behaviors):
+    """Return what a node of the golden charts ends with, found without the checker's resolving."""
 
-    def interface(node):
+    def events(node):
         if isinstance(node, State):
             (found,) = library.find_states(node.type)
-            outcomes = found.outcomes
-            if isinstance(outcomes, FromParameter):
-                (outcomes,) = (p.value for p in node.params if p.name == outcomes.parameter)
-            keeps_time = any(p.name == "timeout_s" for p in found.parameters)
-            inputs = tuple(port.name for port in found.inputs)
-            return Interface(outcomes, inputs, tuple(p.name for p in found.outputs), keeps_time)
-        assert isinstance(node, Behavior)
+            given = (p.value for p in node.params if p.name == "outcomes")
+            return next(given) if isinstance(found.outcomes, FromParameter) else found.outcomes
         found = golden_behaviors.get(node.type) or library.find_behaviors(node.type)[0]
-        inputs = tuple(port.name for port in found.inputs if not port.optional)
-        return Interface(found.outcomes, inputs, tuple(port.name for port in found.outputs))
+        return found.outcomes
 
-    return interface
+    return events
 
 
 def scripted(state, choose, entered):

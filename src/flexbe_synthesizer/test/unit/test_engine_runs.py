@@ -28,11 +28,11 @@ def choice(seed, path, events):
 @pytest.mark.parametrize("name", CHARTS)
 @pytest.mark.parametrize("seed", range(SEEDS))
 def test_the_engine_comes_to_the_outcome_of_the_chart(
-    name, seed, golden, interfaces_of_golden, on_engine
+    name, seed, golden, events_of_golden, on_engine
 ):
     chart = parse_chart((golden / "charts" / f"{name}.xml").read_bytes(), f"{name}.xml")
     expected, _steps = run(
-        chart, interfaces_of_golden, lambda path, events: choice(seed, f"/root{path}", events), 99
+        chart, events_of_golden, lambda path, events: choice(seed, f"/root{path}", events), 99
     )
     assert expected is not None
     text = (golden / "behaviors" / f"{name}_sm.py").read_text()

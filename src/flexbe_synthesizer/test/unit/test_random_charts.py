@@ -14,10 +14,10 @@ import pytest
 from lxml import etree
 from random_charts.chart_xml import EXT, read_chart
 from random_charts.engine_run import Synthesis, library
-from random_charts.explore import explore
+from random_charts.explore import explore, explore_all
 from random_charts.generate import generate
 from random_charts.judge import compare, judge, judge_seed
-from random_charts.kinds import KINDS
+from random_charts.kinds import KINDS, Kind
 from random_charts.shrink import shrink
 
 from flexbe_synthesizer.core.library.signature import FromParameter
@@ -156,3 +156,47 @@ def test_a_hole_is_found_and_shrunk():
     assert list(small) == ["main.xml"]
     assert len(small["main.xml"]) < len(hole)
     assert explore(read_chart(small, "main.xml"))
+
+
+SIMPLE = {"Two": Kind(("a", "b")), "Read": Kind(("a",), ("v",)), "Write": Kind(("a",), (), ("v",))}
+HEAD = f"""<statemachine xmlns:ext="{EXT[1:-1]}" name="A" initial="S">
+  <datamodel><outcome name="o"/></datamodel>"""
+BOTH = """<ext:concurrency id="S"><datamodel><outcome name="o"/></datamodel>
+  <state id="L" type="Two"/><state id="R" type="Two"/>
+  <ext:condition outcome="o"><ext:when state="L" event="a"/><ext:when state="R" event="a"/>
+  </ext:condition>{}<transition event="o" target="o"/></ext:concurrency>"""
+ANY = '<ext:condition outcome="o"><ext:when state="L" event="b"/></ext:condition>'
+FLOW = '<connection output_state_id="W" output="v" input_state_id="T" input="v"/>'
+
+
+def state(node_id, kind, more="", **targets):
+    exits = "".join(f'<transition event="{e}" target="{t}"/>' for e, t in targets.items())
+    return f'<state id="{node_id}" type="{kind}"{more}>{exits}</state>'
+
+
+@pytest.mark.parametrize(
+    ("body", "fault"),
+    [
+        (state("S", "Two", a="o"), ("/S", "b", "leads nowhere")),
+        (state("S", "Two", a="o", b="x"), ("/x", "", "leads to no outcome")),
+        (
+            state("S", "Two", a="o", b="T") + state("T", "Write", a="T"),
+            ("/T", "", "leads to no outcome"),
+        ),
+        (
+            state("S", "Write", ' ext:attempts="2"', a="S", exhausted="S"),
+            ("/S", "", "leads to no outcome"),
+        ),
+        (state("S", "Read", a="o"), ("/S", "v", "nothing feeds it")),
+        (
+            f"{state('S', 'Two', a='T', b='W')}{state('W', 'Write', a='T')}"
+            f"{state('T', 'Read', a='o')}{FLOW}",
+            ("/T", "v", "not written"),
+        ),
+        (BOTH.format(""), ("/S", "", "waits forever after L b, R b")),
+        (BOTH.format(ANY), ("/S", "", "waits forever after L a, R b")),
+    ],
+)
+def test_what_goes_wrong_in_some_run_is_found(body, fault):
+    chart = read_chart({"a.xml": f"{HEAD}{body}</statemachine>".encode()}, "a.xml", SIMPLE)
+    assert fault in explore_all(chart, 999)

@@ -70,10 +70,10 @@ def test_the_rules_of_w3c_find_what_breaks_them(golden, good, bad):
 
 
 @pytest.mark.parametrize("seed", range(RUNS))
-def test_another_executor_comes_to_the_same_outcome(chart, seed, interfaces_of_golden):
+def test_another_executor_comes_to_the_same_outcome(chart, seed, events_of_golden):
     pick = random.Random(seed)
     outcome, steps = run(
-        chart, interfaces_of_golden, lambda _path, events: pick.choice(events), MOST_STEPS
+        chart, events_of_golden, lambda _path, events: pick.choice(events), MOST_STEPS
     )
     machine = started(chart_to_scxml(chart))
     for path, event in steps:
