@@ -40,6 +40,7 @@ VALUES = st.recursive(
     lambda inner: st.lists(inner) | st.dictionaries(st.text() | st.integers(0, 9), inner),
     max_leaves=6,
 )
+NONE, NO_TEXT = st.just(()), st.just("")
 WILD_NAMES = st.text(string.ascii_letters + "äß_é -<>&'\"\t\n", min_size=1, max_size=8)
 
 
@@ -49,16 +50,8 @@ def charts(
     """Return charts whose names are drawn from the strategies given."""
     nodes = st.recursive(_leaves(ids, types), lambda inner: _containers(ids, inner), max_leaves=5)
     of_string = st.builds(Input, ids, st.just("string"), st.none() | st.text())
-    with_defaults = st.builds(Input, ids, UNTYPED, VALUES) | of_string
-    return _bodies(
-        ids,
-        nodes,
-        inputs=with_defaults,
-        name=ids,
-        initial=ids,
-        conditions=st.just(()),
-        description=TEXTS,
-    )
+    inputs = st.builds(Input, ids, UNTYPED, VALUES) | of_string
+    return _bodies(ids, nodes, inputs, name=ids, initial=ids, description=TEXTS)
 
 
 def _many(
@@ -112,37 +105,21 @@ def _containers(
     ids: st.SearchStrategy[str], inner: st.SearchStrategy[AnyNode]
 ) -> st.SearchStrategy[AnyNode]:
     def container(node_id: str) -> st.SearchStrategy[AnyNode]:
-        ports = st.builds(Input, ids, TYPES)
+        def of(
+            types: list[str],
+            initial: st.SearchStrategy[str],
+            conditions: st.SearchStrategy[tuple[Condition, ...]],
+        ) -> st.SearchStrategy[AnyNode]:
+            ports = st.builds(Input, ids, TYPES)
+            name = st.just(node_id)
+            body = _bodies(ids, inner, ports, name, initial=initial, conditions=conditions)
+            type_ = st.sampled_from(types)
+            return st.builds(Container, id=name, type=type_, body=body, **_limits(ids))
+
         conditions = _many(st.builds(Condition, ids, _many(st.builds(When, ids, ids), fewest=1)))
-        name, no_text = st.just(node_id), st.just("")
-        sequence = _bodies(
-            ids,
-            inner,
-            inputs=ports,
-            name=name,
-            initial=ids,
-            conditions=st.just(()),
-            description=no_text,
-        )
-        concurrency = _bodies(
-            ids,
-            inner,
-            inputs=ports,
-            name=name,
-            initial=no_text,
-            conditions=conditions,
-            description=no_text,
-        )
-        kinds = [kind.value for kind in ContainerKind if kind is not ContainerKind.CONCURRENCY]
-        return st.builds(
-            Container, id=name, type=st.sampled_from(kinds), body=sequence, **_limits(ids)
-        ) | st.builds(
-            Container,
-            id=name,
-            type=st.just(ContainerKind.CONCURRENCY.value),
-            body=concurrency,
-            **_limits(ids),
-        )
+        others = [kind.value for kind in ContainerKind if kind is not ContainerKind.CONCURRENCY]
+        concurrency = [ContainerKind.CONCURRENCY.value]
+        return of(others, ids, NONE) | of(concurrency, NO_TEXT, conditions)
 
     return ids.flatmap(container)
 
@@ -153,8 +130,8 @@ def _bodies(
     inputs: st.SearchStrategy[Input],
     name: st.SearchStrategy[str],
     initial: st.SearchStrategy[str],
-    conditions: st.SearchStrategy[tuple[Condition, ...]],
-    description: st.SearchStrategy[str],
+    conditions: st.SearchStrategy[tuple[Condition, ...]] = NONE,
+    description: st.SearchStrategy[str] = NO_TEXT,
 ) -> st.SearchStrategy[Chart]:
     return st.builds(
         Chart,

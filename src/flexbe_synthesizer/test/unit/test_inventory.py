@@ -6,7 +6,9 @@ import pytest
 
 from flexbe_synthesizer.edge.package_path import find_packages, read_inventory, read_library
 
-_STATE = "cell_states/src/cell_states/pause_state.py"
+_STATES, _BEHAVIORS = "cell_states", "cell_behaviors"
+_STATE = f"{_STATES}/src/cell_states/pause_state.py"
+_FAULTS = f"{_STATES}/config/faults.yaml"
 _AGES = count(1)
 
 
@@ -24,9 +26,15 @@ def let_rest(top):
             os.utime(path, (hour, hour))
 
 
-def change_a_state(top):
-    file = top / _STATE
-    file.write_text(file.read_text().replace("PauseState", "HaltStates"))  # as many letters
+def replaced(path, old, new):
+    def change(top):
+        file = top / path
+        file.write_text(file.read_text().replace(old, new))
+
+    return change
+
+
+change_a_state = replaced(_STATE, "PauseState", "HaltStates")  # as many letters
 
 
 def swap_a_state(top):
@@ -53,62 +61,28 @@ def add_a_package(top):
     (source / "cell_states").rename(source / "new_states")
 
 
-def rename_a_behavior(top):
-    manifest = top / "cell_behaviors/manifest/clean_up.xml"
-    manifest.write_text(manifest.read_text().replace("Clean Up", "Tidy Up!"))
-
-
-def change_the_code_of_a_behavior(top):
-    source = top / "cell_behaviors/src/cell_behaviors/clean_up_sm.py"
-    source.write_text(source.read_text().replace("'failed'", "'broken'"))
-
-
-def stop_exporting_states(top):
-    xml = top / "cell_states/package.xml"
-    xml.write_text(xml.read_text().replace("flexbe_states", "flexbe_other"))
-
-
-def hide_a_package(top):
-    (top / "cell_states" / "CATKIN_IGNORE").touch()
-
-
-def delete_a_package(top):
-    shutil.rmtree(top / "cell_states")
-
-
-def break_a_state(top):
-    (top / _STATE).write_text("class (EventState):")
-
-
-def change_an_error_code(top):
-    table = top / "cell_states/config/faults.yaml"
-    table.write_text(table.read_text().replace("301", "302"))
-
-
-def break_the_error_codes(top):
-    (top / "cell_states/config/faults.yaml").write_text("faults: [1, name: JAMMED}")
-
-
 def make_a_state_a_pipe(top):
     (top / _STATE).unlink()
     os.mkfifo(top / _STATE)
 
 
-_CHANGES = (
-    change_a_state,
-    swap_a_state,
-    add_a_state_in_a_folder,
-    add_a_package,
-    rename_a_behavior,
-    change_the_code_of_a_behavior,
-    stop_exporting_states,
-    hide_a_package,
-    delete_a_package,
-    break_a_state,
-    make_a_state_a_pipe,
-    change_an_error_code,
-    break_the_error_codes,
-)
+_CHANGES = {
+    "change a state": change_a_state,
+    "swap a state": swap_a_state,
+    "add a state in a folder": add_a_state_in_a_folder,
+    "add a package": add_a_package,
+    "rename a behavior": replaced(f"{_BEHAVIORS}/manifest/clean_up.xml", "Clean Up", "Tidy Up!"),
+    "change the code of a behavior": replaced(
+        f"{_BEHAVIORS}/src/cell_behaviors/clean_up_sm.py", "'failed'", "'broken'"
+    ),
+    "stop exporting states": replaced(f"{_STATES}/package.xml", "flexbe_states", "flexbe_other"),
+    "hide a package": lambda top: (top / _STATES / "CATKIN_IGNORE").touch(),
+    "delete a package": lambda top: shutil.rmtree(top / _STATES),
+    "break a state": lambda top: (top / _STATE).write_text("class (EventState):"),
+    "make a state a pipe": make_a_state_a_pipe,
+    "change an error code": replaced(_FAULTS, "301", "302"),
+    "break the error codes": lambda top: (top / _FAULTS).write_text("faults: [1, name: JAMMED}"),
+}
 
 
 def test_what_has_not_changed_is_not_read_again(packages):
@@ -126,7 +100,7 @@ def test_a_second_change_within_one_tick_of_the_clock_is_seen(packages):
     assert read_inventory(str(packages)) != first
 
 
-@pytest.mark.parametrize("change", _CHANGES)
+@pytest.mark.parametrize("change", _CHANGES.values(), ids=_CHANGES)
 def test_a_change_is_seen_at_once(packages, change):
     let_rest(packages)
     before = read_inventory(str(packages))

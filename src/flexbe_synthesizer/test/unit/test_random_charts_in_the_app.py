@@ -1,13 +1,9 @@
 """Behaviors of random charts are loaded, checked and saved unchanged by the FlexBE App's rules."""
 
 import re
-import sys
 from pathlib import Path
 
 import pytest
-
-sys.path.insert(0, str(Path(__file__).parents[1]))
-
 from app_judge import judge
 from random_charts.engine_run import Synthesis
 from random_charts.generate import generate

@@ -7,13 +7,14 @@ import pytest
 
 from flexbe_core.engine.supervision import AFTER, BEFORE, PENDING, Act, Moment, Supervision, decide
 
+HERE = frozenset({"/a"})
 NOTHING = Supervision(autonomy_level=3)
 WAITING = Moment("/a", supervised=True)
 DONE = Moment("/a", supervised=True, outcome="done", required_autonomy=0)
 NOT_DONE = Moment("/a", supervised=True, outcome=None)
 
 
-def supervision(**changes):
+def given(**changes):
     return dataclasses.replace(NOTHING, **changes)
 
 
@@ -23,31 +24,26 @@ def moment(base, **changes):
 
 ROWS = [
     # name of the rule, supervision, moment, act
-    ("preempted", supervision(preempt=True), WAITING, Act.PREEMPT),
+    ("preempted", given(preempt=True), WAITING, Act.PREEMPT),
     ("shadowed", NOTHING, moment(WAITING, supervised=False, shadowed=True), Act.SKIP),
-    ("paused", supervision(paused=True), WAITING, Act.SKIP),
+    ("paused", given(paused=True), WAITING, Act.SKIP),
     (
         "locked, no longer asking",
-        supervision(stored="done", locks=frozenset({"/a"}), requested="done"),
+        given(stored="done", locks=HERE, requested="done"),
         WAITING,
         Act.WITHDRAW,
     ),
-    (
-        "locked with an outcome",
-        supervision(stored="done", locks=frozenset({"/a"})),
-        WAITING,
-        Act.STAY,
-    ),
-    ("unlocked with an outcome", supervision(stored="done"), WAITING, Act.RELEASE),
-    ("forced", supervision(forced="done"), WAITING, Act.FORCE),
+    ("locked with an outcome", given(stored="done", locks=HERE), WAITING, Act.STAY),
+    ("unlocked with an outcome", given(stored="done"), WAITING, Act.RELEASE),
+    ("forced", given(forced="done"), WAITING, Act.FORCE),
     ("free to run", NOTHING, WAITING, Act.EXECUTE),
     ("preempted itself", NOTHING, moment(DONE, outcome="preempted"), Act.LEAVE),
-    ("locked", supervision(locks=frozenset({"/a"})), DONE, Act.STORE),
-    ("repeated", supervision(repeat=True), NOT_DONE, Act.REPEAT),
-    ("changed its mind", supervision(requested="done"), NOT_DONE, Act.WITHDRAW),
+    ("locked", given(locks=HERE), DONE, Act.STORE),
+    ("repeated", given(repeat=True), NOT_DONE, Act.REPEAT),
+    ("changed its mind", given(requested="done"), NOT_DONE, Act.WITHDRAW),
     ("not done", NOTHING, NOT_DONE, Act.STAY),
-    ("asked already", supervision(autonomy_level=0, requested="done"), DONE, Act.STAY),
-    ("needs consent", supervision(autonomy_level=0), DONE, Act.REQUEST),
+    ("asked already", given(autonomy_level=0, requested="done"), DONE, Act.STAY),
+    ("needs consent", given(autonomy_level=0), DONE, Act.REQUEST),
     ("done", NOTHING, DONE, Act.LEAVE),
 ]
 
@@ -66,40 +62,30 @@ def test_each_rule_decides_its_row(name, in_force, now, act):
 
 PRECEDENCE = [
     # (stronger, weaker): both are in force
-    ("preempt wins over pause", supervision(preempt=True, paused=True), WAITING, Act.PREEMPT),
+    ("preempt wins over pause", given(preempt=True, paused=True), WAITING, Act.PREEMPT),
     (
         "preempt wins over the shadow of a priority container",
-        supervision(preempt=True),
+        given(preempt=True),
         moment(WAITING, shadowed=True),
         Act.PREEMPT,
     ),
     (
         "preempt wins over a lock",
-        supervision(preempt=True, stored="done", locks=frozenset({"/a"})),
+        given(preempt=True, stored="done", locks=HERE),
         WAITING,
         Act.PREEMPT,
     ),
-    (
-        "pause wins over a forced outcome",
-        supervision(paused=True, forced="done"),
-        WAITING,
-        Act.SKIP,
-    ),
-    (
-        "pause wins over an unlocked outcome",
-        supervision(paused=True, stored="done"),
-        WAITING,
-        Act.SKIP,
-    ),
+    ("pause wins over a forced outcome", given(paused=True, forced="done"), WAITING, Act.SKIP),
+    ("pause wins over an unlocked outcome", given(paused=True, stored="done"), WAITING, Act.SKIP),
     (
         "a lock wins over a forced outcome before execution",
-        supervision(stored="done", forced="done", locks=frozenset({"/a"})),
+        given(stored="done", forced="done", locks=HERE),
         WAITING,
         Act.STAY,
     ),
     (
         "a lock wins over a forced outcome after execution",
-        supervision(forced="done", locks=frozenset({"/a"})),
+        given(forced="done", locks=HERE),
         DONE,
         Act.STORE,
     ),
@@ -109,65 +95,55 @@ PRECEDENCE = [
         moment(DONE, leaves_locked=True),
         Act.STORE,
     ),
-    (
-        "a lock wins over missing autonomy",
-        supervision(autonomy_level=0, locks=frozenset({"/a"})),
-        DONE,
-        Act.STORE,
-    ),
-    (
-        "a forced outcome needs no autonomy",
-        supervision(autonomy_level=0, forced="done"),
-        DONE,
-        Act.LEAVE,
-    ),
+    ("a lock wins over missing autonomy", given(autonomy_level=0, locks=HERE), DONE, Act.STORE),
+    ("a forced outcome needs no autonomy", given(autonomy_level=0, forced="done"), DONE, Act.LEAVE),
     (
         "a forced outcome passes a breakpoint",
-        supervision(breakpoints=frozenset({"/a"}), forced="done"),
+        given(breakpoints=HERE, forced="done"),
         DONE,
         Act.LEAVE,
     ),
     (
         "a breakpoint asks whatever the level",
-        supervision(autonomy_level=255, breakpoints=frozenset({"/a"})),
+        given(autonomy_level=255, breakpoints=HERE),
         DONE,
         Act.REQUEST,
     ),
-    ("a repeat wins over asking", supervision(autonomy_level=0, repeat=True), DONE, Act.REPEAT),
-    ("an outcome that may leave wins over a repeat", supervision(repeat=True), DONE, Act.LEAVE),
+    ("a repeat wins over asking", given(autonomy_level=0, repeat=True), DONE, Act.REPEAT),
+    ("an outcome that may leave wins over a repeat", given(repeat=True), DONE, Act.LEAVE),
     (
         "another outcome is requested again",
-        supervision(autonomy_level=0, requested="other"),
+        given(autonomy_level=0, requested="other"),
         DONE,
         Act.REQUEST,
     ),
     (
         "a level is too low for a transition that needs it",
-        supervision(autonomy_level=2),
+        given(autonomy_level=2),
         moment(DONE, required_autonomy=2),
         Act.REQUEST,
     ),
     (
         "a level is enough for a transition that needs less",
-        supervision(autonomy_level=2),
+        given(autonomy_level=2),
         moment(DONE, required_autonomy=1),
         Act.LEAVE,
     ),
     (
         "level 0 blocks even Off",
-        supervision(autonomy_level=0),
+        given(autonomy_level=0),
         moment(DONE, required_autonomy=0),
         Act.REQUEST,
     ),
     (
         "level 255 blocks nothing",
-        supervision(autonomy_level=255),
+        given(autonomy_level=255),
         moment(DONE, required_autonomy=3),
         Act.LEAVE,
     ),
     (
         "an outcome without a level needs no consent",
-        supervision(autonomy_level=0),
+        given(autonomy_level=0),
         moment(DONE, required_autonomy=-1),
         Act.LEAVE,
     ),
@@ -182,30 +158,18 @@ def test_the_stronger_rule_wins(in_force, now, act):
 
 
 def test_an_unsupervised_state_is_only_preempted_or_shadowed():
-    all_in_force = [
-        Supervision(
-            level,
-            False,
-            paused,
-            locks,
-            breakpoints=points,
-            forced=forced,
-            repeat=repeat,
-            stored=stored,
-            requested=requested,
-        )
-        for level, paused, locks, points, forced, repeat, stored, requested in itertools.product(
-            (0, 255),
-            (False, True),
-            (frozenset(), frozenset({"/a"})),
-            (frozenset(), frozenset({"/a"})),
-            (None, "done"),
-            (False, True),
-            (None, "done"),
-            (None, "done"),
-        )
-    ]
-    for in_force in all_in_force:
+    choices = {
+        "autonomy_level": (0, 255),
+        "paused": (False, True),
+        "locks": (frozenset(), HERE),
+        "breakpoints": (frozenset(), HERE),
+        "forced": (None, "done"),
+        "repeat": (False, True),
+        "stored": (None, "done"),
+        "requested": (None, "done"),
+    }
+    for chosen in itertools.product(*choices.values()):
+        in_force = given(**dict(zip(choices, chosen, strict=True)))
         for outcome, act in ((PENDING, Act.EXECUTE), (None, Act.STAY), ("done", Act.LEAVE)):
             now = Moment("/a", supervised=False, outcome=outcome)
             assert decide(in_force, now) is act, in_force
