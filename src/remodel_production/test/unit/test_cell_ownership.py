@@ -17,13 +17,6 @@ from remodel_production.edge.database.production_database import ProductionDatab
 
 
 @pytest.fixture
-def database(url):
-    database = ProductionDatabase(url)
-    yield database
-    database.close()
-
-
-@pytest.fixture
 def stations(database):
     """Return the ownership of one cell from two stations."""
     return tuple(

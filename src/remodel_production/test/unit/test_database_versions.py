@@ -20,12 +20,16 @@ def open_and_close(url):
     ProductionDatabase(url).close()
 
 
+def differences_from_models(connection):
+    context = MigrationContext.configure(connection, opts={"compare_type": True})
+    return compare_metadata(context, Base.metadata)
+
+
 def test_a_new_database_has_the_tables_of_the_models(url):
     open_and_close(url)
     engine = create_engine(url)
     with engine.connect() as connection:
-        context = MigrationContext.configure(connection, opts={"compare_type": True})
-        assert compare_metadata(context, Base.metadata) == []
+        assert differences_from_models(connection) == []
         checks = {
             table: {check["name"] for check in inspect(connection).get_check_constraints(table)}
             for table in Base.metadata.tables
@@ -80,8 +84,7 @@ def test_a_database_of_version_0006_gets_numbers_of_wires_and_names_of_places(ur
     open_and_close(url)
     engine = create_engine(url)
     with engine.connect() as connection:
-        context = MigrationContext.configure(connection, opts={"compare_type": True})
-        assert compare_metadata(context, Base.metadata) == []
+        assert differences_from_models(connection) == []
     engine.dispose()
     assert execute(url, "SELECT mount FROM components") == [("outside",)]
 

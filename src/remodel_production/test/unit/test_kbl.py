@@ -189,14 +189,6 @@ def test_segments_that_form_no_route_are_reported(segments, said):
     assert said in ordered_route(segments, (), ())
 
 
-@pytest.mark.parametrize("order", [(0, 1, 2), (2, 0, 1), (1, 2, 0), (2, 1, 0)])
-def test_segments_in_any_order_are_one_way(order):
-    segments = [SEGMENTS[i] for i in order]
-    names = [segment.name for segment in ordered_route(segments, ["A"], ["D"])]
-    assert names == ["S1", "S2", "S3"]
-    assert ordered_route(segments, (), ["A"]) == tuple(SEGMENTS[::-1])
-
-
 HARNESS = '<Harness id="h"><Part_number>L-100</Part_number><Description>Loom</Description>'
 
 

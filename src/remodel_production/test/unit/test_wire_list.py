@@ -7,8 +7,7 @@ from datetime import date
 from pathlib import Path
 
 import pytest
-from openpyxl import Workbook
-from wire_lists import CATALOGUE, MAPPINGS, read, rows
+from wire_lists import CATALOGUE, MAPPINGS, read, rows, workbook
 
 from remodel_production.core.imports import wire_list_table
 from remodel_production.core.imports.documents import sheets_of
@@ -175,77 +174,6 @@ def test_force_limits_that_cannot_be_are_refused_with_their_line():
         read(twice)
 
 
-# Headings, their separator, and the cells of section, colour and length of the same wire.
-LAYOUTS = {
-    "device and pin": (
-        "Wire,From Device,From Pin,To Device,To Pin,Gauge,Color,Length (mm)",
-        ("18", "blue", "350"),
-    ),
-    "connectors A and B": (
-        "WireNo;Connector A;Cavity A;Connector B;Cavity B;AWG;Colour;Cut Length [m]",
-        ("18", "BU", "0,35"),
-    ),
-    "headings twice": (
-        "Wire ID,From Connector,Pin,To Connector,Pin,Size (AWG),Insulation Color,Length/cm",
-        ("18", "Blue", "35"),
-    ),
-    "source and destination": (
-        "Wire Name\tSource Designator\tSource Contact\tDestination Designator\t"
-        "Destination Contact\tCross Section mm2\tWire Color\tWire Length in mm",
-        ("0.823", "blue", "350"),
-    ),
-    "snake case": (
-        "wire_id,from_component,from_pin,to_component,to_pin,gauge_awg,wire_colour,length_mm",
-        ("18", "blue", "350"),
-    ),
-    "end 1 and end 2": (
-        "Circuit;End 1 Component;End 1 Terminal;End 2 Component;End 2 Terminal;Wire mm²;Colour;"
-        "Length",
-        ("0,823", "blue", "350"),
-    ),
-    "German, von und nach": (
-        "Leitungsnummer;Von Gerät;Von Klemme;Nach Gerät;Nach Klemme;Querschnitt [mm²];Farbe;"
-        "Länge [mm]",
-        ("0,823", "blau", "350"),
-    ),
-    "German, compounds": (
-        "Draht;Quellgerät;Quellpin;Zielgerät;Zielpin;Aderquerschnitt mm2;Aderfarbe;Drahtlänge (m)",
-        ("0,823", "bl", "0,35"),
-    ),
-    "French, de and à": (
-        "Repère du fil;De connecteur;De broche;À connecteur;À broche;Section (mm²);Couleur;"
-        "Longueur (mm)",
-        ("0,823", "bleu", "350"),
-    ),
-    "French, départ and arrivée": (
-        "N° fil;Appareil départ;Borne départ;Appareil arrivée;Borne arrivée;Section du fil mm2;"
-        "Couleur du fil;Longueur en m",
-        ("0,823", "bleu", "0,35"),
-    ),
-    "Italian": (
-        "Numero filo;Da dispositivo;Da morsetto;A dispositivo;A morsetto;Sezione (mm²);Colore;"
-        "Lunghezza (cm)",
-        ("0,823", "blu", "35"),
-    ),
-    "Spanish": (
-        "Hilo;Componente origen;Borne origen;Componente destino;Borne destino;Sección (mm2);Color;"
-        "Longitud (m)",
-        ("0,823", "azul", "0,35"),
-    ),
-}
-
-
-@pytest.mark.parametrize("layout", LAYOUTS)
-def test_headings_in_five_languages_lose_no_column(layout):
-    headings, quantities = LAYOUTS[layout]
-    separator = next(sign for sign in "\t;," if sign in headings)
-    cells = ("W7", "K1", "A1", "X2", "3", *quantities)
-    imported = read(f"{headings}{separator}Remark\n{separator.join(cells)}{separator}spare\n")
-    assert rows(imported) == [("W7", "K1:A1", "X2:3", "BU", 0.823, 0.35)]
-    (unused,) = imported.account.unused_columns
-    assert str(unused).startswith("column 'Remark': left out, its heading is not known")
-
-
 def test_a_column_that_is_not_used_is_named_with_what_it_may_be():
     imported = read("From,To,Lenght (mm),Torque,Color,Colour\nK1:1,X1:2,35,0.6,blue,red\n")
     assert [str(column) for column in imported.account.unused_columns] == [
@@ -303,17 +231,6 @@ def test_misspelt_headings_are_refused_with_what_they_resemble():
         read("Form Device,To Device\nK1,X1\n")
 
 
-@pytest.mark.parametrize("layout", LAYOUTS)
-def test_the_mapping_that_is_drafted_reads_the_list_as_it_was_read(layout):
-    headings, quantities = LAYOUTS[layout]
-    separator = next(sign for sign in "\t;," if sign in headings)
-    cells = ("W7", "K1", "A1", "X2", "3", *quantities)
-    text = f"{headings}{separator}Remark\n{separator.join(cells)}{separator}spare\n"
-    draft = mapping_draft(text.encode(), CATALOGUE, MAPPINGS).text
-    assert '  # not used: "Remark"\n' in draft
-    assert rows(read(text, mapping_from(draft))) == rows(read(text))
-
-
 def test_the_mapping_of_a_list_that_is_not_understood_is_drafted_as_far_as_it_goes():
     draft = mapping_draft(
         "Cut list\nAb;Nach;Länge [cm]\nK1:1;X1:2;7\nK1:2;X1:3;8;9\n".encode(), CATALOGUE, MAPPINGS
@@ -336,18 +253,6 @@ def test_a_column_without_a_heading_is_named_by_its_number_if_it_has_content():
     assert [str(column) for column in imported.account.unused_columns] == [
         "column 4, without a heading: left out, its heading is not known"
     ]
-
-
-def workbook(**sheets):
-    book = Workbook()
-    book.remove(book.active)
-    for title, lines in sheets.items():
-        sheet = book.create_sheet(title)
-        for line in lines:
-            sheet.append(line)
-    data = io.BytesIO()
-    book.save(data)
-    return data.getvalue()
 
 
 HEADINGS = ["Wire", "From Device", "From Pin", "To Device", "To Pin", "Section mm²", "Length (mm)"]

@@ -110,6 +110,7 @@ def test_the_segments_of_a_way_are_ordered_whatever_their_order_and_direction(co
     mixed = rng.sample(segments, count)
     assert ordered_route(mixed, ["N0"], [f"N{count}"]) == tuple(segments)
     assert ordered_route(mixed, [f"N{count}"], ()) == tuple(segments[::-1])
+    assert ordered_route(mixed, (), ["N0"]) == tuple(segments[::-1])
 
 
 KBL_IDS = sorted(set(re.findall(r'\bid="([^"]+)"', (DESIGNS / "loom.kbl").read_text())))
