@@ -24,44 +24,10 @@ from random_charts.parts import KEYS, Part, chance, container_part, draw_limits,
 
 _HOLES_LEFT = 0.25  # share of the charts that keep one hole, if they have any
 _MOST_MENDINGS = 12
-_IDS = [
-    "Locate",
-    "Insert",
-    "Pick_Up",
-    "pick",
-    "Place-It",
-    "a.b",
-    "x-1",
-    "Grün",
-    "Übergabe",
-    "run",
-    "timer",
-    "self",
-    "None",
-    "True",
-    "import",
-    "lambda",
-    "other",
-    "data",
-    "name",
-    "Root",
-    "S1",
-    "S_1",
-    "root",
-    "input",
-    "output",
-    "userdata",
-    "error",
-    "attempts",
-    "R2D2",
-    "été",
-    "done2",
-    "counted",
-    "None_1",
-    "Autonomy",
-    "Behavior",
-    "Logger",
-]
+_IDS = ["Locate", "Insert", "Pick_Up", "pick", "Place-It", "a.b", "x-1", "Grün", "Übergabe", "run"]
+_IDS += ["timer", "self", "None", "True", "import", "lambda", "other", "data", "name", "Root", "S1"]
+_IDS += ["S_1", "root", "input", "output", "userdata", "error", "attempts", "R2D2", "été", "done2"]
+_IDS += ["counted", "None_1", "Autonomy", "Behavior", "Logger"]
 _IDS += ["Pick up 2", "Look again", "Fix - it", "a b c", "class-A", "x def-"]
 _OUTCOMES = ["finished", "failed", "no part", "aborted", "ok", "timed_out", "exhausted", "done"]
 _OUTCOMES += ["Später", "x-y"]

@@ -11,20 +11,8 @@ from lxml import etree
 from random_charts.chart_xml import EXT
 from random_charts.kinds import KINDS
 
-KEYS = [
-    "item",
-    "result",
-    "count",
-    "target",
-    "pose",
-    "error_code",
-    "part",
-    "value",
-    "data",
-    "x",
-    "self_",
-    "name",
-]
+KEYS = ["item", "result", "count", "target", "pose", "error_code", "part", "value", "data", "x"]
+KEYS += ["self_", "name"]
 
 
 @dataclass

@@ -12,8 +12,7 @@ import pytest
 from flexbe_core.core import ConcurrencyContainer, OperatableStateMachine, PriorityContainer
 from flexbe_core.engine import supervision as c
 from flexbe_core.engine.definitions import definitions_below
-from flexbe_core.engine.engine import Engine, ErrorPolicy
-from flexbe_core.engine.supervision import Supervision
+from flexbe_core.engine.engine import ErrorPolicy
 from flexbe_core.engine.user_data import BehaviorFailure
 from flexbe_core.testing import ScriptedState
 
@@ -302,13 +301,6 @@ def build(spec, log):
     return container
 
 
-def first_children(container):
-    for state in container._supervised_children():
-        yield state
-        if hasattr(state, "_supervised_children"):
-            yield from first_children(state)
-
-
 def tick_engine(engine, now):
     """Return "runs", ("ended", outcome) or "failed"."""
     try:
@@ -330,22 +322,18 @@ def tick_reference(run):
 
 
 @pytest.mark.parametrize("first_seed", range(0, RUNS, RUNS_PER_TEST))
-def test_the_engine_does_what_the_reference_does(first_seed):
+def test_the_engine_does_what_the_reference_does(bench, first_seed):
     for seed in range(first_seed, first_seed + RUNS_PER_TEST):
-        check_run(seed)
+        check_run(bench, seed)
 
 
-def check_run(seed):
+def check_run(bench, seed):
     rng = random.Random(seed)
     log = []
     spec = random_container(rng, "r", 3, "machine")
     holds, supervised, level = rng.random() < 0.5, rng.random() < 0.5, rng.randint(0, 4)
     root = build(spec, log)
-    engine = Engine(root, ErrorPolicy.HOLD if holds else ErrorPolicy.FAIL)
-    engine.supervision = Supervision(autonomy_level=level)
-    if supervised:
-        for state in [root, *first_children(root)]:
-            state._is_controlled = True
+    engine = bench.engine(root, level, ErrorPolicy.HOLD if holds else ErrorPolicy.FAIL, supervised)
     world = World(holds, level, supervised)
     reference = run_machine(spec, "", world, True)
 
