@@ -9,7 +9,6 @@ from hypothesis import given
 from hypothesis import strategies as st
 from synthesizer_support.rendering import rendered
 
-from flexbe_synthesizer.core.chart.chart_reader import parse_chart
 from flexbe_synthesizer.core.chart.model import freeze
 from flexbe_synthesizer.core.chart.problem import ChartError
 from flexbe_synthesizer.core.compile import compile_chart, manifest_of
@@ -34,10 +33,6 @@ def test_a_golden_chart_becomes_the_golden_behavior(chart, machine, golden):
 def test_the_app_saves_a_golden_behavior_unchanged(chart, golden, app_complaints):
     text = (golden / "behaviors" / chart.replace(".xml", "_sm.py")).read_text()
     assert app_complaints(text) == []
-
-
-def test_the_same_chart_gives_the_same_bytes(machine):
-    assert rendered(machine("wire_task.xml")) == rendered(machine("wire_task.xml"))
 
 
 @given(st.text(), st.text())
@@ -141,9 +136,8 @@ def width_of(child):
     return max(len(child.label), len(name)) * 8 + 20
 
 
-def test_the_golden_charts_say_what_their_names_say(golden):
+def test_every_golden_chart_is_tested(golden):
     assert {p.name for p in (golden / "charts").glob("*.xml")} == set(CHARTS)
-    assert parse_chart((golden / "charts" / "plain.xml").read_bytes()).name == "plain_chart"
 
 
 @pytest.mark.parametrize(

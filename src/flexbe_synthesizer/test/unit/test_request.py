@@ -227,9 +227,7 @@ def package(folder, name):
     """Make a package for behaviors; return its folder."""
     (folder / name / "charts").mkdir(parents=True)
     (folder / name / "package.xml").write_text(
-        f"<package format='3'><name>{name}</name><version>0.1.0</version>"
-        "<description>-</description><maintainer email='a@b.c'>A</maintainer>"
-        "<license>BSD</license><export><flexbe_behaviors/></export></package>"
+        f"<package><name>{name}</name><export><flexbe_behaviors/></export></package>"
     )
     return folder / name
 

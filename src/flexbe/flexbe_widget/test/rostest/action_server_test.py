@@ -146,14 +146,6 @@ class ActionServerTest(unittest.TestCase):
         """The behavior that was given up is stopped once the engine is back."""
         self.assertTrue(wait_until(lambda: any(s.args == ["preempted"] for s in self.statuses)))
 
-    def test_an_engine_that_stalls_is_lost_and_stops_the_behavior_once_it_is_back(self):
-        handle = self.send("Quick Test", wait_time="60")
-        self.assertTrue(wait_until(self.is_running))
-        with self.stopped_engine():
-            self.assert_lost(handle)
-        self.assert_stopped()
-        self.assert_ends(self.send("Quick Test"), GoalStatus.SUCCEEDED, "finished")
-
     def test_the_next_goal_waits_until_a_stalled_engine_has_stopped_the_last(self):
         handle = self.send("Quick Test", wait_time="60")
         self.assertTrue(wait_until(self.is_running))
