@@ -8,7 +8,9 @@ from itertools import pairwise
 from pathlib import Path
 
 import pytest
+from boards import order
 from lxml import etree
+from wire_lists import CATALOGUE
 
 from remodel_production.core.board.board import board_of, length_findings, route_length
 from remodel_production.core.board.cabinet import DuctGraph, laid_out
@@ -18,19 +20,12 @@ from remodel_production.core.imports.kbl import import_kbl
 from remodel_production.core.imports.qet import import_qet
 from remodel_production.core.production import (
     Component,
-    Mount,
     Node,
     Order,
     Pose,
     Segment,
-    Side,
-    Terminal,
-    TerminalRef,
-    Wire,
 )
-from remodel_production.edge.design_files import read_catalogue
 
-CATALOGUE = read_catalogue(Path(__file__).parents[2] / "config" / "catalogue.yaml")
 EXAMPLES = Path("/usr/share/qelectrotech/examples")
 RULES = CATALOGUE.cabinet
 NAMES = (
@@ -48,22 +43,6 @@ def project(name):
 def loom():
     text = (Path(__file__).parent / "designs" / "loom.kbl").read_bytes()
     return import_kbl(text, "loom", "loom.kbl", CATALOGUE).order
-
-
-def order(*pairs, field=()):
-    """Return an order of wires given as ("Q1:B1", "Q2:T1"); B opens to the bottom."""
-    terminals, wires = {}, []
-    for number, pair in enumerate(pairs, start=1):
-        refs = [TerminalRef(*text.split(":")) for text in pair]
-        for ref in refs:
-            side = Side.TOP if ref.terminal.startswith("T") else Side.BOTTOM
-            terminals.setdefault(ref.component, []).append(Terminal(ref.terminal, side))
-        wires.append(Wire(f"W{number}", *refs, "BK", 2.5, "test"))
-    components = tuple(
-        Component(name, "", tuple(used), Mount.OUTSIDE if name in field else Mount.PLATE)
-        for name, used in terminals.items()
-    )
-    return Order("test", "", "test.qet", components, wires=tuple(wires))
 
 
 @pytest.mark.parametrize("name", NAMES)
@@ -143,13 +122,13 @@ def test_places_of_the_design_are_kept_and_make_rows():
 
 
 def test_wires_that_lead_away_have_no_route_and_what_is_outside_no_place():
-    laid = laid_out(order(("Q1:B1", "Q2:T1"), ("Q2:B1", "M1:T1"), field=("M1",)), CATALOGUE)
+    laid = laid_out(order(("Q1:B1", "Q2:T1"), ("Q2:B1", "M1:T1"), outside=("M1",)), CATALOGUE)
     assert [bool(wire.route) for wire in laid.wires] == [True, False]
     assert [c.pose is None for c in laid.components] == [False, False, True]
 
 
 def test_an_order_whose_wires_all_lead_away_has_no_layout():
-    away = order(("Q1:B1", "M1:T1"), field=("M1",))
+    away = order(("Q1:B1", "M1:T1"), outside=("M1",))
     assert laid_out(away, CATALOGUE) is away
 
 
@@ -179,13 +158,15 @@ def test_points_off_the_ducts_and_ducts_apart_are_reported():
         graph.shortest_route((0.5, 0.0), (0.5, 2.0))
 
 
+TREE = [
+    *(Segment("1", "A", "B", 0.4), Segment("2", "B", "C", 0.3), Segment("3", "B", "D", 0.2)),
+    *(Segment("4", "D", "E", 0.1), Segment("5", "D", "F", 0.05), Segment("6", "X", "Y", 0.5)),
+]
+
+
 def test_a_formboard_keeps_the_lengths_of_a_tree():
-    segments = [
-        *(Segment("1", "A", "B", 0.4), Segment("2", "B", "C", 0.3), Segment("3", "B", "D", 0.2)),
-        *(Segment("4", "D", "E", 0.1), Segment("5", "D", "F", 0.05), Segment("6", "X", "Y", 0.5)),
-    ]
-    places = flattened("ABCDEFXY", segments)
-    for segment in segments:
+    places = flattened("ABCDEFXY", TREE)
+    for segment in TREE:
         distance = math.dist(places[segment.start], places[segment.end])
         assert distance == pytest.approx(segment.length_m)
     assert len({(round(x, 6), round(y, 6)) for x, y in places.values()}) == 8
@@ -197,13 +178,9 @@ def test_a_ring_of_segments_is_cut_open():
 
 
 def test_every_segment_of_a_tree_is_in_one_limb_and_the_trunk_is_the_longest_way():
-    segments = [
-        *(Segment("1", "A", "B", 0.4), Segment("2", "B", "C", 0.3), Segment("3", "B", "D", 0.2)),
-        *(Segment("4", "D", "E", 0.1), Segment("5", "D", "F", 0.05), Segment("6", "X", "Y", 0.5)),
-    ]
-    found = limbs("ABCDEFXYZ", segments)
+    found = limbs("ABCDEFXYZ", TREE)
     steps = sorted(tuple(sorted(pair)) for limb in found for pair in pairwise(limb.nodes))
-    assert steps == sorted((segment.start, segment.end) for segment in segments)
+    assert steps == sorted((segment.start, segment.end) for segment in TREE)
     assert {limb.nodes[0] + limb.nodes[-1] for limb in found if limb.parent is None} <= {
         *("AC", "CA", "AE", "EA", "XY", "YX")
     }

@@ -5,6 +5,7 @@ import time
 from pathlib import Path
 
 import pytest
+from wire_lists import CATALOGUE, MAPPINGS
 
 from remodel_production.core.imports.assembly import Connection, Device, assemble
 from remodel_production.core.imports.formats import built_in_formats, format_of, import_design
@@ -15,16 +16,11 @@ from remodel_production.core.imports.values import (
     number,
     section_mm2,
 )
-from remodel_production.core.imports.wire_list_mapping import mapping_from
 from remodel_production.core.imports.wireviz_parts import COLOUR_CODES, core_colours
 from remodel_production.core.production import Side, TerminalRef
-from remodel_production.edge.design_files import read_catalogue
 from remodel_production.errors import DesignError
 from remodel_states.core.wires import is_colour
 
-CONFIG = Path(__file__).parents[2] / "config"
-CATALOGUE = read_catalogue(CONFIG / "catalogue.yaml")
-MAPPINGS = tuple(mapping_from(f.read_text()) for f in sorted((CONFIG / "wire_lists").iterdir()))
 DESIGNS = Path(__file__).parent / "designs"
 FORMATS = built_in_formats(MAPPINGS)
 NAMES = {".kbl": "kbl", ".vec": "vec", ".yml": "wireviz", ".csv": "csv"}

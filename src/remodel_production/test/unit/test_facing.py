@@ -5,14 +5,13 @@ from itertools import pairwise
 from pathlib import Path
 
 import pytest
+from wire_lists import CATALOGUE
 
 from remodel_production.core.board.board import board_of, length_findings
 from remodel_production.core.board.panel import panel_of
 from remodel_production.core.imports.wireviz import import_wireviz
-from remodel_production.edge.design_files import catalogue_file, read_catalogue
 from remodel_states.core.cell import SPARE_M
 
-CATALOGUE = read_catalogue(catalogue_file())
 DESIGNS = Path(__file__).with_name("designs")
 HARNESS = DESIGNS.parents[3] / "remodel_tasks/examples/harness.yml"
 BODY_PAST_M = 0.006

@@ -5,15 +5,14 @@ import re
 from pathlib import Path
 
 import pytest
+from wire_lists import CATALOGUE
 
 from remodel_production.core.imports.design_format import Asked
 from remodel_production.core.imports.kbl import import_kbl
 from remodel_production.core.imports.kbl_parts import ordered_route
 from remodel_production.core.production import Clip, Role, Segment
-from remodel_production.edge.design_files import read_catalogue
 from remodel_production.errors import DesignError
 
-CATALOGUE = read_catalogue(Path(__file__).parents[2] / "config" / "catalogue.yaml")
 TEXT = (Path(__file__).parent / "designs" / "loom.kbl").read_text()
 
 

@@ -6,16 +6,15 @@ from itertools import pairwise
 from pathlib import Path
 
 import pytest
+from wire_lists import CATALOGUE
 
 from remodel_production.core.board.board import board_of
 from remodel_production.core.board.panel import panel_of
 from remodel_production.core.imports.kbl import import_kbl
 from remodel_production.core.imports.qet import import_qet
 from remodel_production.core.production import Role
-from remodel_production.edge.design_files import read_catalogue
 from remodel_states.edge.exported_tables import read_wire_materials
 
-CATALOGUE = read_catalogue(Path(__file__).parents[2] / "config" / "catalogue.yaml")
 HOUSEHOLD = Path("/usr/share/qelectrotech/examples/tableau_domestique.qet")
 
 

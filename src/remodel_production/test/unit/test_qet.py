@@ -5,13 +5,12 @@ from pathlib import Path
 
 import pytest
 from lxml import etree
+from wire_lists import CATALOGUE
 
 from remodel_production.core.imports.qet import import_qet
 from remodel_production.core.production import Mount, Side, TerminalRef
-from remodel_production.edge.design_files import read_catalogue
 from remodel_production.errors import DesignError
 
-CATALOGUE = read_catalogue(Path(__file__).parents[2] / "config" / "catalogue.yaml")
 EXAMPLES = Path("/usr/share/qelectrotech/examples")
 
 COLLECTION = """

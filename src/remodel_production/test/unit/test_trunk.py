@@ -5,6 +5,7 @@ from dataclasses import replace
 from pathlib import Path
 
 import pytest
+from wire_lists import CATALOGUE
 
 from remodel_production.core.board.board import board_of
 from remodel_production.core.board.cabinet import laid_out
@@ -12,9 +13,7 @@ from remodel_production.core.board.drawing import draw_board
 from remodel_production.core.board.panel import panel_of
 from remodel_production.core.imports.wireviz import import_wireviz
 from remodel_production.core.production import Role, TerminalRef
-from remodel_production.edge.design_files import catalogue_file, read_catalogue
 
-CATALOGUE = read_catalogue(catalogue_file())
 RULES = CATALOGUE.formboard
 EXAMPLE = Path(__file__).parents[3] / "remodel_tasks" / "examples" / "harness.yml"
 

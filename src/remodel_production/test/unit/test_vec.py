@@ -3,15 +3,14 @@
 from pathlib import Path
 
 import pytest
+from wire_lists import CATALOGUE
 
 from remodel_production.core.imports.design_format import Asked, VariantCondition
 from remodel_production.core.imports.formats import built_in_formats, format_of
 from remodel_production.core.imports.vec import import_vec
 from remodel_production.core.production import Clip, Role
-from remodel_production.edge.design_files import read_catalogue
 from remodel_production.errors import DesignError
 
-CATALOGUE = read_catalogue(Path(__file__).parents[2] / "config" / "catalogue.yaml")
 TEXT = (Path(__file__).parent / "designs" / "loom.vec").read_text()
 
 

@@ -4,14 +4,13 @@ import re
 from pathlib import Path
 
 import pytest
+from wire_lists import CATALOGUE
 
 from remodel_production.core.imports.wireviz import import_wireviz, lines_of, prepended
 from remodel_production.core.imports.wireviz_parts import COLOUR_CODES, core_colours
 from remodel_production.core.production import Role
-from remodel_production.edge.design_files import read_catalogue
 from remodel_production.errors import DesignError
 
-CATALOGUE = read_catalogue(Path(__file__).parents[2] / "config" / "catalogue.yaml")
 HARNESS = Path(__file__).parent / "designs" / "harness.yml"
 
 

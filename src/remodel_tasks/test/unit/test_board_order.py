@@ -1,24 +1,22 @@
 """Imported designs become orders of use cases: cabinets and harnesses, planned and charted."""
 
-import os
 from dataclasses import replace
 from pathlib import Path
 
 import pytest
 import yaml
+from boards import order
+from wire_lists import CATALOGUE, MAPPINGS
 
 from flexbe_synthesizer.core.chart.chart_reader import parse_chart
 from flexbe_synthesizer.core.chart.chart_writer import write_chart
 from flexbe_synthesizer.core.check.check import check_chart
-from flexbe_synthesizer.edge.package_path import find_packages, read_library
 from remodel_production.core.board.board import board_of
 from remodel_production.core.imports.formats import built_in_formats, format_of, import_design
-from remodel_production.core.imports.wire_list_mapping import mapping_from
 from remodel_production.core.production import (
     TWISTED,
     Cable,
     Component,
-    Mount,
     Node,
     Order,
     Role,
@@ -28,7 +26,6 @@ from remodel_production.core.production import (
     Wire,
     sealed_kind,
 )
-from remodel_production.edge.design_files import read_catalogue
 from remodel_production.errors import InfeasibleError, InstanceError, OrderError
 from remodel_run.findings import ByHand
 from remodel_tasks.core.decomposition.cell_fit import triaged
@@ -42,11 +39,8 @@ from remodel_tasks.edge.anytime_planner import plan_problem
 from remodel_tasks.edge.use_case_files import VARIABLE, find_use_case, read_use_case, use_case_for
 from remodel_tasks.errors import UseCaseError
 
-CONFIG = Path(__file__).parents[3] / "remodel_production" / "config"
 DESIGNS = Path(__file__).parents[3] / "remodel_production/test/unit/designs"
-MAPPINGS = tuple(mapping_from(f.read_text()) for f in sorted((CONFIG / "wire_lists").iterdir()))
 FORMATS = built_in_formats(MAPPINGS)
-CATALOGUE = read_catalogue(CONFIG / "catalogue.yaml")
 QET = Path("/usr/share/qelectrotech/examples")
 NAMES = ("industrial", "tableau_domestique", "Projet_vierge")
 CABINET, FORMBOARD, BRANCHES = map(
@@ -67,22 +61,6 @@ def loom():
 
 def project(name):
     return imported(QET / f"{name}.qet")
-
-
-def order(*pairs, section_mm2=2.5, outside=()):
-    """Return an order of wires given as ("Q1:B1", "Q2:T1"); B opens to the bottom."""
-    terminals, wires = {}, []
-    for number, pair in enumerate(pairs, start=1):
-        refs = [TerminalRef(*text.split(":")) for text in pair]
-        for ref in refs:
-            side = Side.TOP if ref.terminal.startswith("T") else Side.BOTTOM
-            terminals.setdefault(ref.component, []).append(Terminal(ref.terminal, side))
-        wires.append(Wire(f"W{number}", *refs, "BK", section_mm2, "test"))
-    components = tuple(
-        Component(name, "", tuple(used), Mount.OUTSIDE if name in outside else Mount.PLATE)
-        for name, used in terminals.items()
-    )
-    return Order("test", "", "", components, wires=tuple(wires))
 
 
 def work(stored, use_case=GRIPPERS, arms=2):
@@ -289,12 +267,6 @@ def test_the_default_use_case_follows_from_the_design_and_the_users_own_come_fir
     monkeypatch.setattr("remodel_tasks.edge.use_case_files.use_case_folder", lambda: tmp_path)
     with pytest.raises(UseCaseError, match=r"no use case says `designs: \{default_for: harness\}`"):
         use_case_for(DesignKind.HARNESS)
-
-
-@pytest.fixture(scope="module")
-def library():
-    packages, _ = find_packages(os.environ["ROS_PACKAGE_PATH"])
-    return read_library([p for p in packages if p.name == "remodel_states"])[0]
 
 
 @pytest.mark.parametrize("arms", [1, 2])

@@ -10,23 +10,19 @@ import pytest
 import yaml
 from hypothesis import given
 from hypothesis import strategies as st
+from wire_lists import CATALOGUE, MAPPINGS
 
 from remodel_production.core.board.board import board_of
 from remodel_production.core.imports.formats import built_in_formats, format_of, import_design
 from remodel_production.core.imports.kbl_parts import ordered_route
-from remodel_production.core.imports.wire_list_mapping import mapping_from
 from remodel_production.core.production import Segment, TerminalRef
 from remodel_production.edge.database.production_database import ProductionDatabase
-from remodel_production.edge.design_files import read_catalogue
 from remodel_production.errors import DesignError
 from remodel_tasks.core.decomposition.preparation import prepare
 from remodel_tasks.core.orders.board_order import board_order
 from remodel_tasks.edge.use_case_files import find_use_case
 
-CONFIG = Path(__file__).parents[3] / "remodel_production" / "config"
-CATALOGUE = read_catalogue(CONFIG / "catalogue.yaml")
 CABINET = find_use_case("cabinet")
-MAPPINGS = tuple(mapping_from(f.read_text()) for f in sorted((CONFIG / "wire_lists").iterdir()))
 FORMATS = built_in_formats(MAPPINGS)
 BY_NAME = {form.name: form for form in FORMATS}
 DESIGNS = Path(__file__).parents[3] / "remodel_production/test/unit/designs"

@@ -1,15 +1,11 @@
 """Random orders of all use cases: every plan is valid, and every task has its chart."""
 
-import os
-
-import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
 from flexbe_synthesizer.core.chart.chart_reader import parse_chart
 from flexbe_synthesizer.core.chart.chart_writer import write_chart
 from flexbe_synthesizer.core.check.check import check_chart
-from flexbe_synthesizer.edge.package_path import find_packages, read_library
 from remodel_production.errors import InstanceError
 from remodel_tasks.core.decomposition.preparation import prepare
 from remodel_tasks.core.orders.work_order import Route, RouteClip, Task, WorkOrder
@@ -78,12 +74,6 @@ def orders(draw):
     return use_case, WorkOrder(
         "random", use_case.name, arms, components, terminals=tuple(terminals), tasks=tuple(tasks)
     )
-
-
-@pytest.fixture(scope="module")
-def library():
-    packages, _ = find_packages(os.environ["ROS_PACKAGE_PATH"])
-    return read_library([p for p in packages if p.name == "remodel_states"])[0]
 
 
 @given(orders())
