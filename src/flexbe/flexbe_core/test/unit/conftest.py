@@ -28,6 +28,13 @@ class Bench:
     def concurrency(self, conditions, outcomes=("finished",), **keys):
         return ConcurrencyContainer(conditions, outcomes=outcomes, **keys)
 
+    def around(self, child, label="inner", outcomes=("finished",), **keys):
+        """Return a machine that holds a child, and ends with it."""
+        machine = self.machine(outcomes, **keys)
+        with machine:
+            self.add(label, child, dict.fromkeys(child.outcomes, outcomes[0]), {})
+        return machine
+
     def sequence(self, container, *states):
         """Add states one behind the other; the last leads to the container's first outcome."""
         labels = [f"s{index}" for index in range(len(states))]

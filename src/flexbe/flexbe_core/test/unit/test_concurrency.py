@@ -46,20 +46,13 @@ def test_children_that_still_run_are_exited_once_and_the_others_not_again(bench)
         bench.add("x", ScriptedState([None], log=log), {"done": "finished"}, {})
     outer = both(
         bench,
-        inner_with_done(bench, inner),
+        bench.around(inner, outcomes=["done"]),
         ScriptedState([None, None, "done"], log=log),
         [("finished", [("b", "done")])],
     )
     assert bench.run(bench.engine(outer)) == "finished"
     for label in ("x", "y"):
         assert events(log, label).count("exit") == 1
-
-
-def inner_with_done(bench, inner):
-    machine = bench.machine(["done"])
-    with machine:
-        bench.add("inner", inner, {"finished": "done"}, {})
-    return machine
 
 
 def test_each_child_keeps_its_own_rate(bench):
@@ -97,11 +90,8 @@ def test_preempt_exits_all_children(bench):
 
 def test_all_children_ended_without_a_condition_is_an_error_that_names_the_outcomes(bench):
     container = both(bench, ScriptedState(), ScriptedState(), [("finished", [("a", "other")])])
-    root = bench.machine()
-    with root:
-        bench.add("both", container, {"finished": "finished"}, {})
     with pytest.raises(BehaviorFailure, match="a: done, b: done"):
-        bench.run(bench.engine(root))
+        bench.run(bench.engine(bench.around(container)))
 
 
 def test_a_held_child_does_not_stop_its_siblings(bench):

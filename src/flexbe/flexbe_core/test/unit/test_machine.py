@@ -75,10 +75,7 @@ def test_an_alarm_in_the_past_is_no_busy_loop(bench):
 
 def test_an_outcome_of_a_nested_container_is_taken_in_the_same_tick(bench):
     inner = bench.sequence(bench.machine(), ScriptedState())
-    outer = bench.machine()
-    with outer:
-        bench.add("inner", inner, {"finished": "finished"}, {})
-    assert bench.engine(outer).run(0.0) == "finished"
+    assert bench.engine(bench.around(inner)).run(0.0) == "finished"
 
 
 def test_a_container_can_be_visited_again(bench):
@@ -95,10 +92,8 @@ def test_a_container_can_be_visited_again(bench):
 
 
 def test_entries_are_reported_with_paths_from_the_root(bench):
-    outer = bench.machine()
-    with outer:
-        bench.add("box", bench.sequence(bench.machine(), ScriptedState()), {"finished": "finished"})
-    engine = bench.engine(outer)
+    inner = bench.sequence(bench.machine(), ScriptedState())
+    engine = bench.engine(bench.around(inner, "box"))
     engine.run(0.0)
     assert engine.take_events() == [Entered("/box/s0")]
 
@@ -238,11 +233,7 @@ def test_transitions_that_lead_nowhere_are_found_on_entry(bench):
 
 
 def test_a_nested_container_that_cannot_begin_is_held_by_its_parent(bench):
-    inner = bench.machine()
-    root = bench.machine()
-    with root:
-        bench.add("inner", inner, {"finished": "finished"}, {})
-    engine = bench.engine(root, level=3)
+    engine = bench.engine(bench.around(bench.machine()), level=3)
     assert engine.run(0.0) is None
     assert isinstance(engine.root.last_exception, StateMachineError)
     assert engine.next_due() == pytest.approx(0.1)
@@ -331,10 +322,8 @@ def test_default_data_of_a_nested_container_shadows_the_parents(bench):
     inner.userdata.x = "inner"
     with inner:
         bench.add("read", Read(), {"done": "finished"}, {})
-    root = OperatableStateMachine(outcomes=["finished"])
+    root = bench.around(inner)
     root.userdata.x = "outer"
-    with root:
-        bench.add("inner", inner, {"finished": "finished"}, {})
     engine = bench.engine(root)
     bench.run(engine)
     assert engine.root.userdata["seen"] == "inner"
@@ -349,10 +338,8 @@ def test_an_input_changed_in_place_is_an_error_of_that_state(bench):
             userdata.values.append(1)
             return "done"
 
-    root = bench.machine()
+    root = bench.around(Vandal(), "vandal")
     root.userdata.values = []
-    with root:
-        bench.add("vandal", Vandal(), {"done": "finished"}, {})
     with pytest.raises(BehaviorFailure) as caught:
         bench.run(bench.engine(root))
     assert isinstance(caught.value.cause, UserDataError)
@@ -372,10 +359,8 @@ def test_on_exit_sees_the_runtime_data_also_on_preempt(bench):
     inner = bench.sequence(
         OperatableStateMachine(outcomes=["finished"], input_keys=["x"]), Reader()
     )
-    root = bench.machine()
+    root = bench.around(inner)
     root.userdata.x = 5
-    with root:
-        bench.add("inner", inner, {"finished": "finished"}, {})
     engine = bench.engine(root)
     engine.run(0.0)
     engine.handle(Preempt())

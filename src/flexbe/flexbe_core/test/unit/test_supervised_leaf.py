@@ -114,11 +114,7 @@ def test_a_locked_state_keeps_its_outcome_until_unlocked(bench):
 
 
 def test_a_locked_container_is_not_left_but_its_states_are(bench):
-    inner = two_states(bench)
-    root = bench.machine()
-    with root:
-        bench.add("box", inner, {"finished": "finished"}, {})
-    engine = bench.engine(root, supervised=True)
+    engine = bench.engine(bench.around(two_states(bench), "box"), supervised=True)
     assert step(bench, engine, Lock("/box"))[-1] == Left("/box/a", "done", 0)
     assert step(bench, engine, ForceOutcome("b", 0)) == [Answered("transition", ("b", "b"))]
     assert step(bench, engine) == []
@@ -182,11 +178,11 @@ def test_an_unsupervised_state_ignores_commands_but_preempt(bench):
     assert step(bench, engine, Preempt())[-1] == "preempted"
 
 
-def two_children(bench, second, points=("/b",), first=None):
+def two_children(bench, second, points=("/b",), first=None, required=0, last="b"):
     """Return the engine of a container that runs `a`, which is supervised, beside `b`."""
-    container = bench.concurrency([("finished", [("b", "done")])])
+    container = bench.concurrency([("finished", [(last, "done")])])
     with container:
-        bench.add("a", first or ScriptedState([None]), {"done": "finished"}, {"done": 0})
+        bench.add("a", first or ScriptedState([None]), {"done": "finished"}, {"done": required})
         bench.add("b", second, dict.fromkeys(second.outcomes, "finished"), {})
     engine = bench.engine(container, 3, supervised=True)
     container["b"]._is_controlled = False  # as ConcurrencyContainer leaves all but the first
@@ -240,9 +236,7 @@ def test_who_attaches_is_asked_again_at_a_breakpoint(bench):
 def test_a_name_of_two_states_at_breakpoints_is_refused_with_their_paths(bench):
     inner = {}
     for label in "bc":
-        inner[label] = bench.machine(["done"])
-        with inner[label]:
-            bench.add("x", ScriptedState(["done"]), {"done": "done"}, {})
+        inner[label] = bench.around(ScriptedState(["done"]), "x", ["done"])
     container = bench.concurrency([("finished", [("b", "done"), ("c", "done")])])
     with container:
         bench.add("a", ScriptedState([None]), {"done": "finished"}, {"done": 0})
@@ -262,24 +256,15 @@ def test_a_name_of_two_states_at_breakpoints_is_refused_with_their_paths(bench):
 
 
 def test_a_supervised_state_that_is_exited_withdraws_what_it_asks(bench):
-    container = bench.concurrency([("finished", [("b", "done")])])
-    with container:
-        bench.add("a", ScriptedState(["done"]), {"done": "finished"}, {"done": 3})
-        bench.add("b", ScriptedState([None, "done"]), {"done": "finished"}, {})
-    engine = bench.engine(container, 3, supervised=True)
-    container["b"]._is_controlled = False
+    first, second = ScriptedState(["done"]), ScriptedState([None, "done"])
+    engine = two_children(bench, second, (), first, required=3)
     assert step(bench, engine) == [Requested("/a", 0)]
     assert Requested("/a", NO_OUTCOME) in step(bench, engine)
 
 
 def test_a_container_that_ends_withdraws_what_its_states_ask(bench):
-    container = bench.concurrency([("finished", [("a", "done")])])
-    with container:
-        bench.add("a", ScriptedState([None, "done"]), {"done": "finished"}, {"done": 0})
-        bench.add("b", ScriptedState(["done"]), {"done": "finished"}, {})
-    engine = bench.engine(container, 3, supervised=True)
-    container["b"]._is_controlled = False
-    engine.supervision = replace(engine.supervision, breakpoints=frozenset({"/b"}))
+    first, second = ScriptedState([None, "done"]), ScriptedState(["done"])
+    engine = two_children(bench, second, first=first, last="a")
     assert step(bench, engine) == [Requested("/b", 0)]
     assert Requested("/b", NO_OUTCOME) in step(bench, engine)
     assert not engine.stopped
