@@ -7,6 +7,7 @@ import pytest
 import yaml
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from synthesizer_support.classes import COUNTER, state_class
 
 from flexbe_synthesizer.core.chart.model import Chart, Outcome, Param, State, Transition
 from flexbe_synthesizer.core.chart.problem import ProblemKind, errors_in
@@ -17,24 +18,9 @@ from flexbe_synthesizer.core.export.certificate import (
     read_chart_place,
     write_certificate,
 )
-from flexbe_synthesizer.core.library.signature import Library, Parameter, StateClass
+from flexbe_synthesizer.core.library.signature import Library, Parameter
 
-LIBRARY = Library(
-    states=(
-        StateClass(
-            "Pass", "p", module="p.pass", parameters=(), outcomes=("a", "b"), inputs=(), outputs=()
-        ),
-        StateClass(
-            "CountAttemptsState",
-            "remodel_states",
-            module="r.c",
-            parameters=(Parameter("attempts"),),
-            outcomes=("counted", "exhausted"),
-            inputs=(),
-            outputs=(),
-        ),
-    )
-)
+LIBRARY = Library(states=(state_class("Pass", ("a", "b")), COUNTER))
 IDS = ("N0", "N1", "N2", "N3", "N4")
 
 
@@ -168,15 +154,8 @@ def test_the_certificate_of_a_golden_chart_says_what_its_chart_bounds(golden, ce
     assert found["longest_s"] == sum(row["longest_s"] for row in found["states"])
 
 
-LIMITED = StateClass(
-    "Limited",
-    "p",
-    module="p.limited",
-    parameters=(Parameter("timeout_s", "float", required=False, default=5.0, grace_s=2.0),),
-    outcomes=("done",),
-    inputs=(),
-    outputs=(),
-)
+TIMEOUT = Parameter("timeout_s", "float", required=False, default=5.0, grace_s=2.0)
+LIMITED = state_class("Limited", ("done",), parameters=(TIMEOUT,))
 
 
 @pytest.mark.parametrize(

@@ -4,6 +4,7 @@ from dataclasses import replace
 
 from hypothesis import given
 from hypothesis import strategies as st
+from synthesizer_support.classes import COUNTER, state_class
 
 from flexbe_synthesizer.core.chart.model import (
     Chart,
@@ -16,38 +17,19 @@ from flexbe_synthesizer.core.chart.model import (
 )
 from flexbe_synthesizer.core.chart.problem import ProblemKind
 from flexbe_synthesizer.core.check.check import check_chart
-from flexbe_synthesizer.core.library.signature import Effect, Library, Parameter, Port, StateClass
+from flexbe_synthesizer.core.library.signature import Effect, Library, Parameter
 
-
-def state_class(name, inputs=(), outputs=(), outcomes=("a", "b")):
-    ports = (tuple(map(Port, inputs)), tuple(map(Port, outputs)))
-    parameters = (Parameter("attempts", "int"),) if name == "CountAttemptsState" else ()
-    package = "remodel_states" if parameters else "p"
-    empty = frozenset()
-    effects = (Effect("b", empty, empty),) if name == "Half" else ()
-    return StateClass(
-        name, package, f"{package}.{name.lower()}", parameters, outcomes, *ports, effects=effects
-    )
-
-
+EMPTY = frozenset()
 LIBRARY = Library(
     states=(
-        state_class("Write", outputs=["v"]),
-        state_class("Half", outputs=["v"]),  # writes it with `a` only
-        state_class("Read", inputs=["v"]),
-        state_class("Pass"),
-        state_class("Late", outputs=["v"], outcomes=("a", "timed_out", "exhausted")),
-        state_class("Change", inputs=["v"], outputs=["v"]),
-        state_class("CountAttemptsState", ["attempt"], ["attempt"], ("counted", "exhausted")),
-        StateClass(
-            "WaitState",
-            "flexbe_states",
-            module="flexbe_states.w",
-            parameters=(Parameter("wait_time"),),
-            outcomes=("done",),
-            inputs=(),
-            outputs=(),
-        ),
+        COUNTER,
+        state_class("Write", ("a", "b"), outputs=["v"]),
+        state_class("Half", ("a", "b"), outputs=["v"], effects=(Effect("b", EMPTY, EMPTY),)),
+        state_class("Read", ("a", "b"), inputs=["v"]),
+        state_class("Pass", ("a", "b")),
+        state_class("Late", ("a", "timed_out", "exhausted"), outputs=["v"]),
+        state_class("Change", ("a", "b"), inputs=["v"], outputs=["v"]),
+        state_class("WaitState", ("done",), (), (), "flexbe_states", (Parameter("wait_time"),)),
     )
 )
 
