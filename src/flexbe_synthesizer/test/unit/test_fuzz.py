@@ -41,6 +41,8 @@ CODE = [
     "# [/MANUAL_INIT]",
     "\\x27 + 1",
     "a\nclass B(Behavior): pass",
+    "a def create(self): b",
+    "It's '''quoted''' and \\ slashed\\",
     "\u202e\u2028",
 ]
 

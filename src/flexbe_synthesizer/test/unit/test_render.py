@@ -55,24 +55,6 @@ def test_no_description_or_value_can_break_out_of_its_place(
     assert found_values == [value] * len(found.root.userdata)
 
 
-@pytest.mark.parametrize(
-    "description",
-    [
-        "It's '''quoted''' and \\ slashed\\",
-        "class X(Behavior): pass",
-        "a def create(self): b",
-        "# [MANUAL_INIT] x # [/MANUAL_FUNC]",
-        "{{ manual.INIT }} {% raw %}",
-    ],
-)
-def test_a_description_that_looks_like_code_is_made_harmless(machine, app_complaints, description):
-    found = dataclasses.replace(machine("place_connector.xml"), description=description)
-    text = rendered(found)
-    assert app_complaints(text) == []
-    classes = [n for n in ast.walk(ast.parse(text)) if isinstance(n, ast.ClassDef)]
-    assert [c.name for c in classes] == ["PlaceConnectorSM"]
-
-
 def test_manual_sections_are_kept_to_the_byte(machine, app_complaints, known_to_app):
     found = machine("plain.xml")
     manual = {

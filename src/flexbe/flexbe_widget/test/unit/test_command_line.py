@@ -12,19 +12,8 @@ def test_without_words_it_serves_requests():
 
 
 def test_options_and_parameters_come_in_any_order():
-    words = [
-        "speed:=1.5",
-        "-b",
-        "Two Words",
-        "/A/n:=2",
-        "-a",
-        "1",
-        "-i",
-        "x=[1]",
-        "text:=a b",
-        "-w",
-        "3",
-    ]
+    words = ["speed:=1.5", "-b", "Two Words", "/A/n:=2", "-a", "1", "-i", "x=[1]", "text:=a b"]
+    words += ["-w", "3"]
     assert read_command_line(words) == CommandLine(
         "Two Words",
         1,
