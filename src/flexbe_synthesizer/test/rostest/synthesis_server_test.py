@@ -16,7 +16,7 @@ from flexbe_msgs.msg import (
     SynthesisRequest,
 )
 
-from flexbe_core.testing import is_sent_to
+from flexbe_core.testing import is_sent_to, wait_until
 from flexbe_synthesizer.core.chart.chart_writer import write_chart
 from flexbe_synthesizer.core.chart.model import Behavior, Chart, Input, Outcome, Transition
 from flexbe_synthesizer.synthesis import ErrorCode
@@ -35,7 +35,7 @@ class SynthesisServerTest(unittest.TestCase):
 
     def setUp(self):
         self.client = self.new_client()
-        self.wait_for(lambda: is_sent_to(self.subscriber))
+        self.assertTrue(wait_until(lambda: is_sent_to(self.subscriber)))
 
     def new_client(self):
         client = actionlib.ActionClient("flexbe/synthesize", BehaviorSynthesisAction)
@@ -65,7 +65,9 @@ class SynthesisServerTest(unittest.TestCase):
         """Send a request; return its handle and its feedback once all of both has arrived."""
         handle, done = self.send(*arguments)
         self.assertTrue(done.wait(LIMIT.to_sec()))
-        self.wait_for(lambda: any(message.progress == 1.0 for message in self.feedback_of(handle)))
+        self.assertTrue(
+            wait_until(lambda: any(message.progress == 1.0 for message in self.feedback_of(handle)))
+        )
         return handle, self.feedback_of(handle)
 
     def refuse(self, code, *arguments):
@@ -129,8 +131,8 @@ class SynthesisServerTest(unittest.TestCase):
         (folder / "long.xml").write_text(write_chart(long_chart(12000)))
         served, served_done = self.send("long.xml")
         waiting, waiting_done = self.send("plain.xml")
-        self.wait_for(lambda: self.feedback_of(served))
-        self.wait_for(lambda: waiting.get_comm_state() == actionlib.CommState.PENDING)
+        self.assertTrue(wait_until(lambda: self.feedback_of(served)))
+        self.assertTrue(wait_until(lambda: waiting.get_comm_state() == actionlib.CommState.PENDING))
         waiting.cancel()
         served.cancel()
         for handle, done, end in (
@@ -142,12 +144,6 @@ class SynthesisServerTest(unittest.TestCase):
             self.assertEqual(handle.get_result().error_code.value, ErrorCode.CANCELLED)
         output = Path(rospy.get_param("synthesis_server/output"))
         self.assertFalse((output / "manifest" / "long.xml").exists())
-
-    def wait_for(self, condition):
-        end = rospy.Time.now() + LIMIT
-        while not condition() and rospy.Time.now() < end:
-            rospy.sleep(0.005)
-        self.assertTrue(condition())
 
 
 def long_chart(count):

@@ -3,7 +3,6 @@
 
 import os
 import signal
-import threading
 import unittest
 from xmlrpc.client import ServerProxy
 
@@ -15,8 +14,7 @@ from std_msgs.msg import Empty, String
 
 from flexbe_core import BehaviorLibrary
 from flexbe_core.engine.supervision import checksum
-
-LIMIT_S = 90.0
+from flexbe_core.testing import wait_until
 
 
 class Recorder:
@@ -24,17 +22,10 @@ class Recorder:
 
     def __init__(self, topic, message_type):
         self.messages = []
-        self._arrived = threading.Condition()
-        self._subscriber = rospy.Subscriber(topic, message_type, self._on_message)
-
-    def _on_message(self, message):
-        with self._arrived:
-            self.messages.append(message)
-            self._arrived.notify_all()
+        self._subscriber = rospy.Subscriber(topic, message_type, self.messages.append)
 
     def wait(self, matches):
-        with self._arrived:
-            return self._arrived.wait_for(lambda: any(map(matches, self.messages)), LIMIT_S)
+        return wait_until(lambda: any(map(matches, self.messages)))
 
     def close(self):
         self._subscriber.unregister()
