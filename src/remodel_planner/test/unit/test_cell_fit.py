@@ -46,11 +46,6 @@ LIST = """Wire,From,To,Colour,Section mm2,Length mm
 """
 
 
-@pytest.fixture
-def database(tmp_path):
-    return f"sqlite:///{tmp_path}/production.sqlite"
-
-
 def triage_of(database, name, use_case, cell=""):
     """Return an order as `import` and `plan` have it."""
     options = SimpleNamespace(use_case=use_case, cell=cell, arms=1)
@@ -173,9 +168,6 @@ def test_a_list_with_wires_that_no_robot_places_is_accepted_without_them(
         f"1: by hand, length is 0.35 m, 0.07 m too little; allowed: 0.42 to 3 m (cell {CELL})\n"
     ) in said
     assert_agreed(database, "list")
-    output = ["--output", str(tmp_path / "plan.json"), "--time-limit", "0.1"]
-    assert plan.main(["--order", "list", *output, *arguments]) == 0
-    assert "  tasks for the robot: 1, by hand: 3\n" in capsys.readouterr().out
 
 
 CROWDED = """Wire,From,To,Colour,Section mm2,Length mm,From x,From y,To x,To y

@@ -424,16 +424,6 @@ def test_a_design_that_contradicts_itself_is_refused_with_the_places(tmp_path, c
     assert "(w1 before w2: precedence[0]; w2 before w1: precedence[1])" in said
 
 
-def test_a_wire_before_itself_is_refused(tmp_path, capsys):
-    wanted = tmp_path / "wanted.yaml"
-    wanted.write_text(
-        "format: remodel-preferences-1\nrequire: [{name: odd, route: w1, before: w1}]\n"
-    )
-    arguments = [str(EXAMPLES / "panel.json"), "--preferences", str(wanted)]
-    assert plan_command.main([*arguments, "--output", str(tmp_path / "plan.json")]) == 1
-    assert "require[0]: requirement `odd`: `route` and `before` choose" in capsys.readouterr().err
-
-
 def test_check_names_the_requirement_that_a_plan_breaks(tmp_path, capsys):
     panel, output = EXAMPLES / "panel.json", tmp_path / "plan.json"
     arguments = [str(panel), "--output", str(output), "--time-limit", "0.05"]

@@ -40,16 +40,7 @@ INSERTED = Operation(
     measurements=(("depth", "0.009"), ("peak_force", "6.5")),
 )
 FIXED = Operation(
-    "/Connect b/FixCable",
-    "FixCable",
-    "fixed",
-    0,
-    text="",
-    ended_s=11.0,
-    elapsed_s=1.0,
-    goal_id="17:be-2",
-    parameters=AT_B,
-    measurements=(),
+    "/Connect b/FixCable", "FixCable", "fixed", 0, "", 11.0, 1.0, "17:be-2", parameters=AT_B
 )
 EVENTS = (
     Planned(("W1", "W2"), ""),

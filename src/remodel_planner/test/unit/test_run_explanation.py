@@ -99,31 +99,26 @@ RUN = (
 
 
 @pytest.fixture
-def url(tmp_path):
-    return f"sqlite:///{tmp_path}/production.sqlite"
-
-
-@pytest.fixture
-def keep(url):
+def keep(database):
     """Return a function that keeps a run of some events."""
 
     def keep(*events):
-        database = ProductionDatabase(url)
-        database.add_order(HOUSE)
+        opened = ProductionDatabase(database)
+        opened.add_order(HOUSE)
         first = RunBegun("house", "cabinet", "cell", ("W1", "W2"))
-        log, state = RunLog(database), state_after([first])
-        owner = owner_of(database)
+        log, state = RunLog(opened), state_after([first])
+        owner = owner_of(opened)
         run, _ = log.begin(first, owner)
         for event in events:
             state = log.append(run, event, state, owner)
-        database.close()
+        opened.close()
 
     return keep
 
 
-def test_a_run_is_explained_cause_by_cause(keep, url, capsys):
+def test_a_run_is_explained_cause_by_cause(keep, database, capsys):
     keep(*RUN)
-    assert explain.main(["1", "--database", url]) == 0
+    assert explain.main(["1", "--database", database]) == 0
     head, *lines = capsys.readouterr().out.splitlines()
     assert head.startswith("run 1 of order house in cell cell, begun ")
     assert head.endswith(" UTC: 2 tasks, 3 behaviors")
@@ -153,9 +148,9 @@ def test_a_run_is_explained_cause_by_cause(keep, url, capsys):
     ]
 
 
-def test_a_run_plays_back_to_itself(keep, url, capsys):
+def test_a_run_plays_back_to_itself(keep, database, capsys):
     keep(*RUN)
-    assert replay.main(["1", "--database", url]) == 0
+    assert replay.main(["1", "--database", database]) == 0
     *lines, last = capsys.readouterr().out.splitlines()
     assert len(lines) == len(RUN) + 1
     assert last == "19 events, 3 behaviors, 0 differences"
@@ -171,16 +166,18 @@ def test_a_run_plays_back_to_itself(keep, url, capsys):
         (6, Answered(1, Answer.STOP, "ann"), "has no such answer"),
     ],
 )
-def test_a_record_that_was_tampered_with_differs(keep, url, capsys, position, event, differs):
+def test_a_record_that_was_tampered_with_differs(keep, database, capsys, position, event, differs):
     events_of_run = list(RUN[: position + 1])
     events_of_run[position] = event
     keep(*events_of_run)
-    assert replay.main(["1", "--quiet", "--database", url]) == 1
+    assert replay.main(["1", "--quiet", "--database", database]) == 1
     assert differs in capsys.readouterr().out
 
 
 @pytest.mark.parametrize(("code", "differs"), [(4, 0), (301, 1)])
-def test_what_is_refused_after_a_server_was_lost_needs_no_record(keep, url, capsys, code, differs):
+def test_what_is_refused_after_a_server_was_lost_needs_no_record(
+    keep, database, capsys, code, differs
+):
     lay_down = """<state id="Lay" type="PlaceCableState">
       <transition event="placed" target="failed"/></state></statemachine>"""
     chart = CHART.replace('"failed" target="failed"', '"failed" target="Lay"')
@@ -191,18 +188,18 @@ def test_what_is_refused_after_a_server_was_lost_needs_no_record(keep, url, caps
         OperationEnded("W1", operation("failed", code)),
         TaskEnded("W1", "failed", 9.5, False, path=("/Insert", "/Lay")),
     )
-    assert replay.main(["1", "--quiet", "--database", url]) == differs
+    assert replay.main(["1", "--quiet", "--database", database]) == differs
     assert f", {counted(differs, 'difference')}\n" in capsys.readouterr().out
 
 
 @pytest.mark.parametrize("command", [explain, replay])
-def test_for_a_missing_run_the_existing_ones_are_named(command, keep, url, capsys):
+def test_for_a_missing_run_the_existing_ones_are_named(command, keep, database, capsys):
     keep()
-    assert command.main(["7", "--database", url]) == 1
+    assert command.main(["7", "--database", database]) == 1
     assert "there is no record of run 7; there are 1" in capsys.readouterr().err
 
 
-def test_a_run_in_which_nothing_was_done_is_explained(keep, url, capsys):
+def test_a_run_in_which_nothing_was_done_is_explained(keep, database, capsys):
     keep()
-    assert explain.main(["1", "--database", url]) == 0
+    assert explain.main(["1", "--database", database]) == 0
     assert capsys.readouterr().out.endswith("0 of 2 tasks done; not done: W1 W2\n")

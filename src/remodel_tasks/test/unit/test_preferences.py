@@ -92,6 +92,10 @@ def test_requirements_bind_the_plan(problem):
         ("prefer: [{name: x, pick: {size: 1}, before: w1, weight: 1}]", "size: no such field"),
         ("require: [{name: x, route: w1, over: w2}]", r"require\[0\].over: no such field"),
         (
+            "require: [{name: odd, route: w1, before: w1}]",
+            r"require\[0\]: requirement `odd`: `route` and `before` choose",
+        ),
+        (
             "require: [{name: x, pick: w1, before: w2}]",
             r"require\[0\]: requires nothing that is known, found name, pick, before; beside "
             r"`name`, give one of: `route` with `before`.*`arm` with.*`avoid_segment`; `insert`",
