@@ -6,7 +6,6 @@ import shutil
 import signal
 import subprocess
 import sys
-import threading
 import time
 import unittest
 from pathlib import Path
@@ -41,7 +40,6 @@ class Recorder:
 
     def __init__(self, topic, message_type):
         self.messages = []
-        self._arrived = threading.Condition()
         self._subscriber = rospy.Subscriber(topic, message_type, self._on_message, tcp_nodelay=True)
 
     @property
@@ -49,20 +47,11 @@ class Recorder:
         return is_sent_to(self._subscriber)
 
     def _on_message(self, message):
-        with self._arrived:
-            self.messages.append((time.monotonic(), message))
-            self._arrived.notify_all()
+        self.messages.append((time.monotonic(), message))
 
     def wait(self, matches, limit_s=LIMIT_S):
         """Return the first message that matches, None if none comes in time."""
-        found = []
-
-        def look():
-            found[:] = [m for _, m in self.messages if matches(m)]
-            return found
-
-        with self._arrived:
-            self._arrived.wait_for(look, limit_s)
+        found = wait_until(lambda: [m for _, m in self.messages if matches(m)], limit_s)
         return found[0] if found else None
 
     def time_of(self, matches):
