@@ -128,16 +128,6 @@ def test_codes_in_numbers_are_all_of_them(codes):
     assert {code for found in codes_of_routes(routes, {}) for code in found} == codes
 
 
-def test_an_unknown_name_is_reported_in_its_place_with_the_one_that_was_meant(check):
-    (problem,) = check(CHART.format(routes="JAMED: failed"))[1]
-    assert problem.code is ProblemKind.UNKNOWN_ERROR_CODE
-    assert problem.position[1:] == (4, 46)
-    assert problem.message.endswith(
-        "has the name 'JAMED'; allowed: 'above_behavior', 'recoverable', 'serious', 'SERVER_LOST', "
-        "'INTERNAL', 'JAMMED', 'UNREACHABLE', 'BENT'. Did you mean 'JAMMED'?"
-    )
-
-
 def test_a_route_without_a_code_left_is_reported(check):
     (problem,) = check(CHART.format(routes="above_behavior: failed; JAMMED: finished"))[1]
     assert problem.code is ProblemKind.INVALID_VALUE
