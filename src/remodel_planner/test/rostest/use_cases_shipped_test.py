@@ -86,20 +86,6 @@ class UseCasesShippedTest(UseCasesCase):
     def test_cabinet_carries_its_order_out(self):
         self.carries_its_order_out("cabinet")
 
-    def test_an_order_of_branches_is_refused_with_the_reason(self):
-        self.add_order("loom", DESIGNS / "loom.kbl")
-        ran = planner(*self.line("loom", "branched_harness", 2), database=DATABASE)
-        self.assertEqual(ran.returncode, 3, ran.stdout + ran.stderr)
-        self.assertIn("are no wires of the design; run it by a use case of wires", ran.stderr)
-
-    def test_the_error_about_an_unknown_name_lists_what_there_is_and_where_it_was_searched(self):
-        self.add_order("unknown")
-        ran = planner(*self.line("unknown", "cabinett", 2), database=DATABASE)
-        self.assertEqual(ran.returncode, 3, ran.stdout)
-        self.assertIn("no use case cabinett; there are automotive_formboard, ", ran.stderr)
-        self.assertIn("own_cabinet", ran.stderr)
-        self.assertIn(f"(searched: {OUTPUT / 'use_cases'}, {use_case_folder()})", ran.stderr)
-
 
 if __name__ == "__main__":
     rostest.rosrun("remodel_planner", "test_use_cases_shipped", UseCasesShippedTest)

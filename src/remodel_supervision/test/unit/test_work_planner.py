@@ -315,23 +315,6 @@ def test_how_a_task_is_done_is_decided_again_when_it_was_planned_again():
     assert planner.task(names[1]).decomposition.duration_s > before_s + 30
 
 
-def test_another_view_is_taken_by_all_states_that_observe():
-    order = cabinet_order(1)
-    planner = planner_of(order)
-    name = planner.plan([task.name for task in order.tasks])[0]
-    decided = Decided(
-        *(name, "missed", 301, "", "/Insert b", "", Do.LOOK_AGAIN),
-        *((("view", 2.0),), "", "policy", 1.0),
-    )
-    chart = planner.chart(name, Part.WHOLE, (), [decided])
-    views = {node.type: [p.value for p in node.params if p.name == "view"] for node in chart.nodes}
-    assert {kind: values for kind, values in views.items() if values} == {
-        "DetectCableState": [2],
-        "LocateGearboxComponentState": [2],
-    }
-    assert all(type(value) is int for values in views.values() for value in values)
-
-
 def test_the_chart_that_discards_is_a_part_of_a_task():
     order = cabinet_order(1)
     chart = planner_of(order).chart("W4", Part.DISCARD, (), ())
