@@ -25,6 +25,8 @@ from remodel_tasks.edge.anytime_planner import exchange
 from remodel_tasks.edge.search_kernel import Kernel
 
 DATA = Path(__file__).parents[3] / "remodel_cable_tree/test/unit/data"
+EXAMPLES = Path(__file__).parents[3] / "remodel_tasks" / "examples"
+CABINET = EXAMPLES / "cabinet.yaml"
 WAIT_S = 20.0
 
 
@@ -39,6 +41,22 @@ def plan(instance, *options):
     output = instance.with_name("plan.json")
     code = plan_command.main([str(instance), "--output", str(output), *options])
     return code, output
+
+
+def wanted(file, **sections):
+    """Write preferences, and return the options that name them."""
+    lines = ["format: remodel-preferences-1"]
+    for section, entries in sections.items():
+        lines += [f"{section}:", *(f"  - {entry}" for entry in entries)]
+    file.write_text("\n".join(lines))
+    return ["--preferences", str(file)]
+
+
+def panel_with(file, *precedence):
+    """Write the example of a panel with these order constraints, and return the file's name."""
+    data = json.loads((EXAMPLES / "panel.json").read_text())
+    file.write_text(json.dumps({**data, "precedence": precedence}))
+    return str(file)
 
 
 def check(instance, file, capsys):
@@ -171,27 +189,21 @@ def test_signal_ends_the_search_with_a_valid_plan(instance, capsys):
     assert check(instance, output, capsys)[0] == 0
 
 
-def test_sequence_prints_one_object(capsys):
+def test_sequence_prints_an_order_as_one_object_or_as_text(capsys):
     assert sequence_command.main([str(DATA / "harness.dzn"), "--json", "--time-limit=0.05"]) == 0
     found = json.loads(capsys.readouterr().out)
     assert (found["instance"], found["status"]) == ("harness", "found")
     assert sorted(found["order"]) == list(range(1, 10))
     assert [found["order"][position - 1] for position in found["pos"]] == list(range(1, 10))
-
-
-def test_sequence_prints_text_too(capsys):
     assert sequence_command.main([str(DATA / "harness.dzn"), "--time-limit=0.05"]) == 0
     text = capsys.readouterr().out
     assert "status: found" in text
     assert "order: " in text
 
 
-def test_sequence_reports_that_there_is_no_order(capsys):
+def test_sequence_reports_that_there_is_no_order_and_which_constraints_contradict(capsys):
     assert sequence_command.main([str(DATA / "harness_without_order.dzn"), "--json"]) == 0
     assert json.loads(capsys.readouterr().out)["status"] == "unsatisfiable"
-
-
-def test_sequence_names_the_constraints_that_contradict(capsys):
     assert sequence_command.main([str(DATA / "harness_without_order.dzn")]) == 0
     said = capsys.readouterr().out
     assert "no order satisfies all of these constraints:\n  AtomicConstraints, row " in said
@@ -217,15 +229,11 @@ def test_plans_are_drawn_with_every_action_and_wire(instance):
 
 
 def test_preferences_are_taken_and_explained(instance, capsys):
-    preferences = instance.with_name("preferences.yaml")
-    preferences.write_text(
-        "format: remodel-preferences-1\n"
-        "prefer: [{name: all at once, pick: {heavy: false}, before: {heavy: false}, weight: 1}]\n"
-    )
-    _, output = plan(instance, "--preferences", str(preferences), "--time-limit=0.02")
+    entry = "{name: all at once, pick: {heavy: false}, before: {heavy: false}, weight: 1}"
+    options = wanted(instance.with_name("preferences.yaml"), prefer=[entry])
+    _, output = plan(instance, *options, "--time-limit=0.02")
     capsys.readouterr()
-    options = [str(instance), str(output), "--preferences", str(preferences)]
-    assert explain_command.main(options) == 0
+    assert explain_command.main([str(instance), str(output), *options]) == 0
     text = capsys.readouterr().out
     assert "soft constraints violated" in text
     assert "violated, costs 1: `all at once`: w" in text
@@ -234,14 +242,11 @@ def test_preferences_are_taken_and_explained(instance, capsys):
 
 def test_preferences_about_unknown_wires_are_refused(instance, capsys):
     preferences = instance.with_name("preferences.yaml")
-    preferences.write_text(
-        "format: remodel-preferences-1\nrequire: [{name: x, route: w77, before: w1}]\n"
-    )
-    code, _ = plan(instance, "--preferences", str(preferences))
-    assert code == 1
+    options = wanted(preferences, require=["{name: x, route: w77, before: w1}"])
+    assert plan(instance, *options)[0] == 1
     assert f"plan: {preferences}: require[0].route: no wire w77" in capsys.readouterr().err
     preferences.write_text("a: [")
-    assert plan(instance, "--preferences", str(preferences))[0] == 1
+    assert plan(instance, *options)[0] == 1
     assert "is no YAML: " in capsys.readouterr().err
 
 
@@ -257,9 +262,6 @@ def test_plans_that_are_not_valid_are_not_worked_on(instance, capsys, command):
     assert "the plan is not valid:" in capsys.readouterr().out
     assert command.main([str(output), str(output), *rest]) == 1
     assert not drawing.exists()
-
-
-CABINET = Path(__file__).parents[3] / "remodel_tasks" / "examples" / "cabinet.yaml"
 
 
 def test_tasks_of_an_order_are_printed(instance, capsys):
@@ -310,9 +312,6 @@ def test_a_closed_pipe_ends_a_command_quietly(arguments):
     assert (done.returncode, done.stderr) == (141, "")
 
 
-EXAMPLES = Path(__file__).parents[3] / "remodel_tasks" / "examples"
-
-
 def test_a_plan_with_five_broken_preferences_is_explained_in_words(tmp_path, capsys):
     panel, output = str(EXAMPLES / "panel.json"), str(tmp_path / "plan.json")
     preferences = ["--preferences", str(EXAMPLES / "panel_preferences.yaml")]
@@ -349,35 +348,29 @@ def test_requirements_of_an_order_change_how_its_tasks_are_done(tmp_path, capsys
         ("dialysis_hoses", "{name: gently, insert: H1, force_n: 15}", "H1"),
     ):
         file = str(EXAMPLES / f"{order}.yaml")
-        preferences = tmp_path / "preferences.yaml"
-        preferences.write_text(f"format: remodel-preferences-1\nrequire: [{requirement}]\n")
-        wanted = ["--preferences", str(preferences)]
-        assert plan_command.main([file, "--output", output, "--time-limit=0.02", *wanted]) == 0
+        options = wanted(tmp_path / "preferences.yaml", require=[requirement])
+        assert plan_command.main([file, "--output", output, "--time-limit=0.02", *options]) == 0
         capsys.readouterr()
-        assert explain_command.main([file, output, *wanted]) == 0
+        assert explain_command.main([file, output, *options]) == 0
         assert f"`: {task} done by another method or route" in capsys.readouterr().out
-        assert tasks_command.main([file, *wanted]) == 0
+        assert tasks_command.main([file, *options]) == 0
         assert requirement.split(",")[0].removeprefix("{name: ") in capsys.readouterr().out
 
 
 def test_an_infeasible_order_is_explained_by_a_smallest_conflict_and_relaxed(tmp_path, capsys):
-    panel, output = tmp_path / "panel.json", tmp_path / "plan.json"
-    data = json.loads((EXAMPLES / "panel.json").read_text())
-    panel.write_text(json.dumps({**data, "precedence": []}))
-    wanted, more = tmp_path / "wanted.yaml", tmp_path / "more.yaml"
-    head = "format: remodel-preferences-1\nrequire:\n"
-    wanted.write_text(
-        f"{head}  - {{name: blue first, route: w0, before: w6}}\n"
-        "  - {name: other, route: w7, before: w8}\n"
+    panel, output = panel_with(tmp_path / "panel.json"), tmp_path / "plan.json"
+    first, more = tmp_path / "first.yaml", tmp_path / "more.yaml"
+    blue, other = (
+        "{name: blue first, route: w0, before: w6}",
+        "{name: other, route: w7, before: w8}",
     )
-    more.write_text(f"{head}  - {{name: tidy, route: w6, before: w4}}\n"
-                    "  - {name: last, route: w4, before: w0}\n")  # fmt: skip
-    arguments = [str(panel), "--preferences", str(wanted), "--preferences", str(more)]
+    tidy, last = "{name: tidy, route: w6, before: w4}", "{name: last, route: w4, before: w0}"
+    arguments = [panel, *wanted(first, require=[blue, other]), *wanted(more, require=[tidy, last])]
     arguments += ["--output", str(output), "--time-limit", "0.05"]
     assert plan_command.main(arguments) == 1
     error = capsys.readouterr().err
     assert "  no plan keeps all of these 3 requirements:\n" in error
-    assert f"    `blue first` ({wanted}, require[0]): route: w0, before: w6\n" in error
+    assert f"    `blue first` ({first}, require[0]): route: w0, before: w6\n" in error
     assert f"    `last` ({more}, require[1]): route: w4, before: w0\n" in error
     assert "`other`" not in error
     assert plan_command.main([*arguments, "--relax"]) == 1
@@ -387,20 +380,19 @@ def test_an_infeasible_order_is_explained_by_a_smallest_conflict_and_relaxed(tmp
     assert not output.exists()
 
 
+UNDER = {"type": "under", "before": "w1", "after": "w2"}
+
+
 def test_contradictions_that_share_no_requirement_are_explained_each(tmp_path, capsys):
-    panel, output, wanted = tmp_path / "panel.json", tmp_path / "plan.json", tmp_path / "all.yaml"
-    data = json.loads((EXAMPLES / "panel.json").read_text())
-    order = [{"type": "under", "before": "w1", "after": "w2"}]
-    panel.write_text(json.dumps({**data, "precedence": order}))
-    wanted.write_text(
-        "format: remodel-preferences-1\nrequire:\n"
-        "  - {name: two first, route: w2, before: w1}\n"
-        "  - {name: out of reach, arm: L, x_mm: [0, 100]}\n"
-        "  - {name: four first, route: w4, before: w3}\n"
-        "  - {name: three first, route: w3, before: w4}\n"
-    )
-    arguments = [str(panel), "--preferences", str(wanted), "--output", str(output)]
-    arguments += ["--time-limit", "0.05", "--relax"]
+    panel = panel_with(tmp_path / "panel.json", UNDER)
+    entries = [
+        "{name: two first, route: w2, before: w1}",
+        "{name: out of reach, arm: L, x_mm: [0, 100]}",
+        "{name: four first, route: w4, before: w3}",
+        "{name: three first, route: w3, before: w4}",
+    ]
+    arguments = [panel, *wanted(tmp_path / "all.yaml", require=entries), "--time-limit", "0.05"]
+    arguments += ["--output", str(tmp_path / "plan.json"), "--relax"]
     assert plan_command.main(arguments) == 1
     said = capsys.readouterr().out
     assert said.startswith("plan: 3 contradictions that share no requirement\n")
@@ -414,12 +406,9 @@ def test_contradictions_that_share_no_requirement_are_explained_each(tmp_path, c
 
 
 def test_a_design_that_contradicts_itself_is_refused_with_the_places(tmp_path, capsys):
-    panel = tmp_path / "panel.json"
-    data = json.loads((EXAMPLES / "panel.json").read_text())
     pin = {"type": "pin", "before": "w2", "before_end": "a", "after": "w1", "after_end": "b"}
-    order = [{"type": "under", "before": "w1", "after": "w2"}, pin]
-    panel.write_text(json.dumps({**data, "precedence": order}))
-    assert plan_command.main([str(panel), "--output", str(tmp_path / "plan.json")]) == 1
+    panel = panel_with(tmp_path / "panel.json", UNDER, pin)
+    assert plan_command.main([panel, "--output", str(tmp_path / "plan.json")]) == 1
     said = capsys.readouterr().err
     assert "(w1 before w2: precedence[0]; w2 before w1: precedence[1])" in said
 
@@ -430,13 +419,10 @@ def test_check_names_the_requirement_that_a_plan_breaks(tmp_path, capsys):
     assert plan_command.main(arguments) == 0
     picked = [a["wire"] for a in json.loads(output.read_text())["actions"] if a["a"] == "pick"]
     free = [w for w in picked if w in ("w3", "w7", "w13")]
-    wanted = tmp_path / "wanted.yaml"
-    wanted.write_text(
-        "format: remodel-preferences-1\nrequire:\n"
-        f"  - {{name: w goes lowest, route: {free[-1]}, before: {free[0]}}}\n"
-    )
+    entry = f"{{name: w goes lowest, route: {free[-1]}, before: {free[0]}}}"
+    options = wanted(tmp_path / "wanted.yaml", require=[entry])
     capsys.readouterr()
-    assert check_command.main([str(panel), str(output), "--preferences", str(wanted)]) == 1
+    assert check_command.main([str(panel), str(output), *options]) == 1
     violations = json.loads(capsys.readouterr().out)["violations"]
     assert any(f"routing wire {free[-1]}, as `w goes lowest` requires," in v for v in violations)
 
