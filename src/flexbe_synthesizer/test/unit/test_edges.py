@@ -1,7 +1,6 @@
 """Disk: what is found, what is refused, and that nothing is written by halves."""
 
 import os
-import resource
 import shutil
 
 import pytest
@@ -199,15 +198,10 @@ def test_if_one_file_cannot_be_staged_none_is_changed(tmp_path):
     assert sorted(p.name for p in tmp_path.iterdir()) == ["file", "first"]
 
 
-def test_a_disk_that_is_full_leaves_nothing_behind(tmp_path):
+def test_a_disk_that_is_full_leaves_nothing_behind(tmp_path, full_disk):
     (tmp_path / "first").write_text("old")
-    soft, hard = resource.getrlimit(resource.RLIMIT_FSIZE)
-    resource.setrlimit(resource.RLIMIT_FSIZE, (8, hard))  # a write beyond it fails half-way
-    try:
-        with pytest.raises(OutputError, match="nothing was written"):
-            write_all({tmp_path / "first": "new", tmp_path / "__init__.py": "x" * 100})
-    finally:
-        resource.setrlimit(resource.RLIMIT_FSIZE, (soft, hard))
+    with full_disk(), pytest.raises(OutputError, match="nothing was written"):
+        write_all({tmp_path / "first": "new", tmp_path / "__init__.py": "new"})
     assert [(p.name, p.read_text()) for p in tmp_path.iterdir()] == [("first", "old")]
 
 
