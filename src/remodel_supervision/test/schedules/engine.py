@@ -72,6 +72,7 @@ class Engine(Node):
 
     Attributes:
         behaviors: charts of those that exist, by name.
+        has_late_stop: whether a supervisor that another one has replaced has stopped what runs.
     """
 
     def __init__(
@@ -79,6 +80,7 @@ class Engine(Node):
     ) -> None:
         super().__init__(simulation, f"{station}/engine")
         self.behaviors: dict[str, Chart] = {}
+        self.has_late_stop = False
         self._servers = servers
         self._up = up
         self._run: _Run | None = None

@@ -101,6 +101,8 @@ class SimulatedEngine:
 
     def cancel(self, *, own_only: bool = False) -> None:
         self._process.step()
+        if not own_only and self._process.is_leaving:
+            self._engine.has_late_stop = True  # it stalled after it had decided to stop everything
         own = (self, self._number) if own_only else ()
         self._engine.deliver(self._process.simulation.latency_s(), self._engine.on_cancel, *own)
 

@@ -37,7 +37,7 @@ class FakeLoop:
     """Time passes only while a thread waits; `arrivals` are processed then, one a turn."""
 
     def __init__(self):
-        self.wall, self.timers, self.arrivals, self.leaving = 100.0, [], [], False
+        self.wall, self.timers, self.arrivals, self.is_leaving = 100.0, [], [], False
 
     def now_s(self):
         return self.wall
@@ -54,7 +54,7 @@ class FakeLoop:
     def run_until(self, holds, limit_s, *, while_leaving=False):
         end_s = self.wall + limit_s
         while True:
-            if self.leaving and not while_leaving:
+            if self.is_leaving and not while_leaving:
                 raise LeavingError("this node is shutting down")
             if self.arrivals:
                 self.arrivals.pop(0)()

@@ -294,7 +294,7 @@ def test_a_shutdown_leaves_no_event_and_the_next_start_resumes(bench):
 
     def begin():
         before.append(len(bench.events(object)))
-        bench.loop.arrivals.append(lambda: setattr(bench.loop, "leaving", True))
+        bench.loop.arrivals.append(lambda: setattr(bench.loop, "is_leaving", True))
         bench.engine.is_idle = False
         return GOES_ON
 
@@ -306,9 +306,32 @@ def test_a_shutdown_leaves_no_event_and_the_next_start_resumes(bench):
         bench.run(begin)
     assert bench.engine.is_idle, "it was stopped"
     assert len(bench.events(object)) == before[0]
-    bench.loop.leaving = False
+    bench.loop.is_leaving = False
     bench.take_up()
     assert bench.run().ended.ending is Ending.COMPLETE
+
+
+def test_a_supervisor_that_is_to_end_stops_nothing_but_its_own(bench):
+    stopped = []
+
+    def skip_and_end():
+        (begun,) = bench.events(TaskBegun)
+        bench.command(Command.SKIP, begun.task)
+        bench.loop.is_leaving = True
+
+    def begin():
+        bench.loop.arrivals.append(skip_and_end)
+        return GOES_ON
+
+    def cancel(own_only=False):
+        stopped.append(own_only)
+        bench.engine.end = BehaviorEnd(EndKind.PREEMPTED, "stopped")
+
+    bench.engine.cancel = cancel
+    with pytest.raises(LeavingError):
+        bench.run(begin)
+    assert stopped, "it stopped its behavior"
+    assert all(stopped), "another supervisor may have begun the next one"
 
 
 def test_what_cannot_be_seen_is_set_aside_when_no_operator_is_present(bench):

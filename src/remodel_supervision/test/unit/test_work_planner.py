@@ -69,9 +69,15 @@ def planner_of(order, search_s=0.02, documents=()):
     return WorkPlanner(order, GRIPPERS, Experience(GRIPPERS), search_s, documents)
 
 
-def modes_of(planner, order, names):
+def planned(order, search_s=0.02, documents=()):
+    """Return a planner of an order, and the names of its tasks as planned."""
+    planner = planner_of(order, search_s, documents)
+    return planner, planner.plan([task.name for task in order.tasks])
+
+
+def modes_of(planner, names):
     """Return how a planner does tasks, by the kernel's numbers."""
-    arms = [arm.name for arm in order.arms]
+    arms = [arm.name for arm in planner.order.arms]
     tasks = {name: planner.task(name) for name in names}
     return {
         name: Mode(arms.index(task.arms[0]), task.decomposition.first, len(task.arms) > 1).number
@@ -97,26 +103,24 @@ def cost(order, names, modes, last=()):
 @pytest.mark.parametrize("search_s", [0.0, 0.02])
 def test_a_replan_costs_no_more_than_the_order_before_with_the_task_put_off(arms, search_s):
     order = cabinet_order(arms)
-    planner = planner_of(order, search_s)
-    done, failed, *rest = planner.plan([task.name for task in order.tasks])
+    planner, (done, failed, *rest) = planned(order, search_s)
     previous = (*rest, failed)
-    before = cost(order, previous, modes_of(planner, order, previous), last=[failed])
+    before = cost(order, previous, modes_of(planner, previous), last=[failed])
     again = planner.plan(set(previous), previous, last=[failed])
     assert again[-1] == failed
     assert sorted(again) == sorted(previous)
     assert done not in again
-    assert cost(order, again, modes_of(planner, order, again), last=[failed]) <= before
+    assert cost(order, again, modes_of(planner, again), last=[failed]) <= before
 
 
 @pytest.mark.parametrize("arms", [1, 2])
 def test_a_poor_order_is_improved(arms):
     order = cabinet_order(arms)
-    planner = planner_of(order)
-    names = planner.plan([task.name for task in order.tasks])
+    planner, names = planned(order)
     previous = names[::-1]
-    before = cost(order, previous, modes_of(planner, order, previous))
+    before = cost(order, previous, modes_of(planner, previous))
     again = planner.plan(names, previous)
-    assert cost(order, again, modes_of(planner, order, again)) < before
+    assert cost(order, again, modes_of(planner, again)) < before
 
 
 def test_a_cable_that_is_begun_is_finished_first_but_for_a_core_put_off():
@@ -128,8 +132,7 @@ def test_a_cable_that_is_begun_is_finished_first_but_for_a_core_put_off():
         replace(t, characteristics={**t.characteristics, "cable": "C1" if t.name in cores else ""})
         for t in plain.tasks
     )
-    planner = planner_of(replace(plain, tasks=tasks))
-    names = planner.plan([task.name for task in tasks])
+    planner, names = planned(replace(plain, tasks=tasks))
     first = min(map(names.index, cores))
     assert set(names[first : first + 4]) == set(cores)
     done = next(name for name in names if name in cores)
@@ -144,9 +147,7 @@ def test_a_cable_that_is_begun_is_finished_first_but_for_a_core_put_off():
 
 
 def test_a_replan_prepares_and_decomposes_nothing_again(monkeypatch):
-    order = cabinet_order(1)
-    planner = planner_of(order)
-    first, *rest = planner.plan([task.name for task in order.tasks])
+    planner, (first, *rest) = planned(cabinet_order(1))
     prepared, decomposed = [], []
     decompose = Decomposer.decompose
     monkeypatch.setattr(work_planner, "prepare", lambda *a, **b: prepared.append(a))
@@ -162,9 +163,7 @@ def test_a_replan_prepares_and_decomposes_nothing_again(monkeypatch):
 
 
 def test_a_replan_searches_for_less_time_the_more_wires_there_are(monkeypatch):
-    order = cabinet_order(1)
-    planner = planner_of(order, search_s=0.05)
-    names = planner.plan([task.name for task in order.tasks])
+    planner, names = planned(cabinet_order(1), search_s=0.05)
     limits = []
     replan = work_planner.replan_problem
     monkeypatch.setattr(
@@ -177,9 +176,7 @@ def test_a_replan_searches_for_less_time_the_more_wires_there_are(monkeypatch):
 
 
 def test_no_garbage_is_collected_while_the_rest_is_planned_again(monkeypatch):
-    order = cabinet_order(1)
-    planner = planner_of(order)
-    names = planner.plan([task.name for task in order.tasks])
+    planner, names = planned(cabinet_order(1))
     collecting, replan = [], work_planner.replan_problem
     monkeypatch.setattr(
         work_planner, "replan_problem", lambda *a: collecting.append(gc.isenabled()) or replan(*a)
@@ -190,9 +187,7 @@ def test_no_garbage_is_collected_while_the_rest_is_planned_again(monkeypatch):
 
 
 def test_all_moves_of_a_search_are_done_in_its_own_thread(monkeypatch):
-    order = cabinet_order(2)
-    planner = planner_of(order)
-    names = planner.plan([task.name for task in order.tasks])
+    planner, names = planned(cabinet_order(2))
     threads, anneal = [], KernelSearch.anneal
 
     def annealed(search, *arguments):
@@ -250,10 +245,8 @@ def ancestors(unders):
 
 
 def test_a_preference_about_a_task_that_is_done_is_no_error():
-    order = cabinet_order(1)
     preferences = {"format": FORMAT, "require": [{"name": "below", "route": "W7", "before": "W8"}]}
-    planner = planner_of(order, documents=[("preferences", preferences)])
-    names = planner.plan([task.name for task in order.tasks])
+    planner, names = planned(cabinet_order(1), documents=[("preferences", preferences)])
     assert names.index("W7") < names.index("W8")
     left = [name for name in names if name != "W7"]
     assert sorted(planner.plan(left, left)) == sorted(left)
@@ -275,9 +268,8 @@ def test_a_resumed_order_keeps_preferences_that_name_tasks_done_before():
 
 
 def test_tasks_put_off_come_last_unless_another_must_come_after_them():
-    order = replace(cabinet_order(1), unders=(Under("W3", "W5"), Under("W5", "W6")))
-    planner = planner_of(order)
-    names = planner.plan([task.name for task in order.tasks])
+    unders = (Under("W3", "W5"), Under("W5", "W6"))
+    planner, names = planned(replace(cabinet_order(1), unders=unders))
     again = planner.plan(names, names, last=["W3", "W9"])
     assert sorted(again[-4:]) == ["W3", "W5", "W6", "W9"]
     assert again.index("W3") < again.index("W5") < again.index("W6")
@@ -303,9 +295,7 @@ def test_a_task_that_was_never_planned_is_planned_alone():
 
 
 def test_how_a_task_is_done_is_decided_again_when_it_was_planned_again():
-    order = cabinet_order(1)
-    planner = planner_of(order)
-    names = planner.plan([task.name for task in order.tasks])
+    planner, names = planned(cabinet_order(1))
     before_s = planner.task(names[1]).decomposition.duration_s
     step = planner.task(names[0]).decomposition.steps[0]
     for _ in range(50):
@@ -324,9 +314,8 @@ def test_the_chart_that_discards_is_a_part_of_a_task():
 
 @pytest.mark.parametrize("arms", [1, 2])
 def test_an_end_that_another_plan_has_connected_is_not_taken_for_the_last(arms):
-    order = cabinet_order(arms)
-    planner = planner_of(order)
-    for name in planner.plan([task.name for task in order.tasks]):
+    planner, names = planned(cabinet_order(arms))
+    for name in names:
         first = planner.task(name).decomposition.first
         usual = planner.task(name, connected=first.letter)
         assert usual == planner.task(name)
@@ -343,9 +332,7 @@ def test_an_end_that_another_plan_has_connected_is_not_taken_for_the_last(arms):
 
 
 def test_a_task_begins_at_its_other_end_once_that_was_decided():
-    order = cabinet_order(1)
-    planner = planner_of(order)
-    (name, *_) = planner.plan([task.name for task in order.tasks])
+    planner, (name, *_) = planned(cabinet_order(1))
     first = planner.task(name).decomposition.first
     assert planner.has_other_end(name, ())
     where = ("slipped", 202, "InsertCable", "/Insert", "it slips")
@@ -399,10 +386,9 @@ def test_a_force_that_an_action_states_as_a_number_is_not_learned():
 
 
 def test_each_arm_that_has_a_part_in_a_task_is_cleared():
-    order = cabinet_order(2)
-    planner = planner_of(order)
+    planner, names = planned(cabinet_order(2))
     handed_over = 0
-    for name in planner.plan([task.name for task in order.tasks]):
+    for name in names:
         arms = planner.task(name).arms
         handed_over += len(arms) > 1
         chart = planner.chart(name, Part.CLEAR, (), ())
