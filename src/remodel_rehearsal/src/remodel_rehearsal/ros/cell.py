@@ -95,7 +95,10 @@ class CellLoop:
 
     Attributes:
         parts: those that take turns, in this order.
+        is_leaving: never.
     """
+
+    is_leaving = False
 
     def __init__(self, clock: CellClock) -> None:
         """Begin without parts."""

@@ -29,6 +29,10 @@ class Timer(Protocol):
 class EventLoop(Protocol):
     """Time, and what arrives."""
 
+    @property
+    def is_leaving(self) -> bool:
+        """Whether the process is to end, perhaps since another one has taken its place."""
+
     def now_s(self) -> float:
         """Return the ROS time [s], without jumps."""
 

@@ -48,7 +48,7 @@ class TaskSupervisor:
         gate: Gate,
         report_stop: Keep,
         owner: int = 0,
-        superseded: Callable[[], str] = lambda: "",
+        superseded: Callable[[], bool] = lambda: False,
     ) -> None:
         """Take the ports, and the gate that its operations pass.
 
@@ -60,8 +60,8 @@ class TaskSupervisor:
             report_stop: keeps an operation of a behavior that was given up, after which a person
                 is to answer first; raises PlannerError if it cannot.
             owner: token by which this supervisor owns the cell.
-            superseded: returns why another supervisor may be at work, since this one has lost the
-                cell or its task; empty if it has not.
+            superseded: returns whether another supervisor may be at work, since this one has lost
+                the cell or its task, or is to end.
         """
         self.behavior = ""
         self.halted = ""

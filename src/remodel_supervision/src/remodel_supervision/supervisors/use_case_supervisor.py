@@ -94,7 +94,7 @@ class UseCaseSupervisor:
             gate,
             report_stop=record.report_stop,
             owner=record.owner,
-            superseded=lambda: disowned() or self._leases.lost,
+            superseded=lambda: loop.is_leaving or bool(disowned() or self._leases.lost),
         )
         self._leases = LeaseKeeper(loop, work.leases, record, lambda: self._gates.update())
         self._gates = gates = GateKeeper(
