@@ -1,5 +1,10 @@
-"""Orders of wires between devices that a test names."""
+"""Orders of boards: the example of a harness, and wires between devices that a test names."""
 
+from pathlib import Path
+
+from wire_lists import CATALOGUE
+
+from remodel_production.core.imports.kbl import import_kbl
 from remodel_production.core.production import (
     Component,
     Mount,
@@ -9,6 +14,11 @@ from remodel_production.core.production import (
     TerminalRef,
     Wire,
 )
+
+
+def loom():
+    file = Path(__file__).parent / "unit" / "designs" / "loom.kbl"
+    return import_kbl(file.read_bytes(), "loom", file.name, CATALOGUE).order
 
 
 def order(*pairs, section_mm2=2.5, outside=()):

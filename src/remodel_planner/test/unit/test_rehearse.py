@@ -5,26 +5,16 @@ from contextlib import closing, nullcontext
 
 import msgspec
 import pytest
+from house import HOUSE
 
 from remodel_planner.commands import rehearse
 from remodel_planner.commands.options.common import seeds
-from remodel_production.core.production import Component, Order, Side, Terminal, TerminalRef, Wire
 from remodel_production.edge.database.production_database import ProductionDatabase
 from remodel_rehearsal.core.forecast import forecast, with_changes
 from remodel_rehearsal.edge.rehearsal_files import KeptTrial
 from remodel_run.rehearsal import Failure, Forecast, Trial
 
 JAMMED = Failure("InsertCable", "INSERTION_JAMMED", "end a of W2 stopped 4.0 mm deep")
-ORDER = Order(
-    "house",
-    "",
-    "house.qet",
-    (
-        Component("Q1", "fuse", (Terminal("B1", Side.BOTTOM),)),
-        Component("Q2", "relay", (Terminal("T1", Side.TOP),)),
-    ),
-    wires=(Wire("W1", TerminalRef("Q1", "B1"), TerminalRef("Q2", "T1"), "BU", 1.5, source="1"),),
-)
 
 
 def found():
@@ -76,16 +66,16 @@ class Helped:
         return KeptTrial(Trial("W1", seed, True, 1 + len(failures), failures), (), "", 1.0, 1.0)
 
 
-def test_what_helped_is_adopted_and_printed(database, tmp_path, monkeypatch, capsys):
+def test_what_helped_is_adopted_and_printed(house, tmp_path, monkeypatch, capsys):
     monkeypatch.setattr(rehearse, "Rehearsing", Helped)
     monkeypatch.setattr(rehearse, "connected", lambda *_: nullcontext())
-    words = ["house", "--states", str(tmp_path / "states"), "--database", database]
+    words = ["house", "--states", str(tmp_path / "states"), "--database", house]
     assert rehearse.main(words) == 0
     assert "adopted" not in capsys.readouterr().out
     assert rehearse.main([*words, "--adopt"]) == 0
     name = "rehearsed: W1 inserted at end b first, 95% at the first attempt in place of 5%"
     assert capsys.readouterr().out.endswith(f"preferences:\n  {name}\n")
-    with closing(ProductionDatabase(database)) as opened:
+    with closing(ProductionDatabase(house)) as opened:
         (entry,) = opened.preferences("house")["require"]
     assert entry == {"name": name, "begin": "W1", "at": "b"}
     assert rehearse.main([*words, "--adopt", "--json"]) == 0
@@ -99,12 +89,11 @@ def test_nothing_is_adopted_without_changes(other):
 
 
 @pytest.fixture
-def database(tmp_path):
-    url = f"sqlite:///{tmp_path}/production.db"
-    made = ProductionDatabase(url)
-    made.add_order(ORDER)
-    made.close()
-    return url
+def house(database):
+    """Return the URL of a database with the order HOUSE."""
+    with closing(ProductionDatabase(database)) as made:
+        made.add_order(HOUSE)
+    return database
 
 
 @pytest.mark.parametrize(
@@ -116,6 +105,6 @@ def database(tmp_path):
         (["house", "--states", "nowhere://x"], "cannot be kept"),
     ],
 )
-def test_what_cannot_be_rehearsed_is_refused_before_anything_begins(database, words, said, capsys):
-    assert rehearse.main([*words, "--database", database]) == 1
+def test_what_cannot_be_rehearsed_is_refused_before_anything_begins(house, words, said, capsys):
+    assert rehearse.main([*words, "--database", house]) == 1
     assert said in capsys.readouterr().err

@@ -75,6 +75,11 @@ class Supervised:
     def publish(self, run):
         self.hear(UseCaseState(run=run, order="house"))
 
+    def begin_a_run_soon(self, monkeypatch):
+        """Have a run begin and end some time after a goal is sent."""
+        begins = threading.Timer(0.05, lambda: self.publish(self.do_run()))
+        monkeypatch.setattr(FakeServer, "on_goal", staticmethod(begins.start))
+
     def do_run(self):
         """Begin a run and end it, and return its number."""
         run, _ = self.log.begin(BEGUN, self.owner)
@@ -90,20 +95,13 @@ def supervised(monkeypatch, tmp_path):
     made.database.close()
 
 
-def test_what_is_said_of_an_earlier_run_is_not_followed(supervised, monkeypatch):
-    begins = threading.Timer(0.05, lambda: supervised.publish(supervised.do_run()))
-    monkeypatch.setattr(FakeServer, "on_goal", staticmethod(begins.start))
+def test_the_run_of_the_goal_is_followed_and_timed_by_both_clocks(supervised, monkeypatch):
+    supervised.begin_a_run_soon(monkeypatch)
     state = supervised.follower.run(2, use_case="cabinet")
     assert (FakeServer.sent.order, FakeServer.sent.tasks) == ("house", 2)
     assert FakeServer.sent.use_case == "cabinet"
     assert supervised.follower.number == 2
-    assert state.ended.because == "run 2"
-
-
-def test_a_run_is_timed_from_its_beginning_by_both_clocks(supervised, monkeypatch):
-    begins = threading.Timer(0.05, lambda: supervised.publish(supervised.do_run()))
-    monkeypatch.setattr(FakeServer, "on_goal", staticmethod(begins.start))
-    supervised.follower.run(2)
+    assert state.ended.because == "run 2", "not what is said of an earlier run"
     assert supervised.follower.ros_s == 0.25, "one reading after the first"
     assert 0.0 < supervised.follower.wall_s < 1.0
 
@@ -122,8 +120,7 @@ def test_each_event_is_read_once(supervised, monkeypatch):
         reads.append((first, len(found := tuple(events(run, first)))))
         return found
 
-    begins = threading.Timer(0.05, lambda: supervised.publish(supervised.do_run()))
-    monkeypatch.setattr(FakeServer, "on_goal", staticmethod(begins.start))
+    supervised.begin_a_run_soon(monkeypatch)
     monkeypatch.setattr(supervised.log, "events", read)
     supervised.follower.run(2)
     assert [first + count for first, count in reads] == [first for first, _ in reads[1:]] + [2]

@@ -8,7 +8,7 @@ from itertools import pairwise
 from pathlib import Path
 
 import pytest
-from boards import order
+from boards import loom, order
 from lxml import etree
 from wire_lists import CATALOGUE
 
@@ -16,7 +16,6 @@ from remodel_production.core.board.board import board_of, length_findings, route
 from remodel_production.core.board.cabinet import DuctGraph, laid_out
 from remodel_production.core.board.drawing import draw_board
 from remodel_production.core.board.formboard import flattened, limbs
-from remodel_production.core.imports.kbl import import_kbl
 from remodel_production.core.imports.qet import import_qet
 from remodel_production.core.production import (
     Component,
@@ -38,11 +37,6 @@ NAMES = (
 
 def project(name):
     return import_qet((EXAMPLES / f"{name}.qet").read_bytes(), name, name, CATALOGUE).order
-
-
-def loom():
-    text = (Path(__file__).parent / "designs" / "loom.kbl").read_bytes()
-    return import_kbl(text, "loom", "loom.kbl", CATALOGUE).order
 
 
 @pytest.mark.parametrize("name", NAMES)

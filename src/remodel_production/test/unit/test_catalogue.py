@@ -16,22 +16,19 @@ def data(**changes):
     return {**yaml.safe_load(FILE.read_text()), **changes}
 
 
-def test_the_first_pattern_that_matches_decides():
-    catalogue = read_catalogue(FILE)
-    folder = "embed://import/20_manufacturers_articles/x"
-    assert catalogue.place(f"{folder}/breaker.elmt", "simple") is Place.PLATE
-    assert catalogue.place("embed://import/99_assembly_plan/x.elmt", "master") is Place.DRAWING
-
-
-def test_reports_and_thumbnails_are_no_devices_in_any_collection():
-    catalogue = read_catalogue(FILE)
-    assert catalogue.place("embed://import/other/x.elmt", "next_report") is Place.REFERENCE
-    assert catalogue.place("embed://import/other/x.elmt", "thumbnail") is Place.DRAWING
-
-
-def test_without_a_pattern_only_a_terminal_has_a_place():
-    assert read_catalogue(FILE).place("embed://import/other/x.elmt", "simple") is None
-    assert read_catalogue(FILE).place("embed://import/other/x.elmt", "terminal") is Place.PLATE
+@pytest.mark.parametrize(
+    ("symbol", "link", "place"),
+    [
+        ("20_manufacturers_articles/x/breaker", "simple", Place.PLATE),
+        ("99_assembly_plan/x", "master", Place.DRAWING),
+        ("other/x", "next_report", Place.REFERENCE),
+        ("other/x", "thumbnail", Place.DRAWING),
+        ("other/x", "simple", None),
+        ("other/x", "terminal", Place.PLATE),
+    ],
+)
+def test_the_first_pattern_that_matches_decides_and_reports_are_no_devices(symbol, link, place):
+    assert read_catalogue(FILE).place(f"embed://import/{symbol}.elmt", link) is place
 
 
 @pytest.mark.parametrize(

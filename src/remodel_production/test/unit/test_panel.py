@@ -6,11 +6,11 @@ from itertools import pairwise
 from pathlib import Path
 
 import pytest
+from boards import loom
 from wire_lists import CATALOGUE
 
 from remodel_production.core.board.board import board_of
 from remodel_production.core.board.panel import panel_of
-from remodel_production.core.imports.kbl import import_kbl
 from remodel_production.core.imports.qet import import_qet
 from remodel_production.core.production import Role
 from remodel_states.edge.exported_tables import read_wire_materials
@@ -141,8 +141,7 @@ def test_each_device_has_a_label_of_its_own_that_fits_on_it(panel):
 
 
 def test_a_formboard_has_clips_for_single_wires_and_forks_for_bundles():
-    text = (Path(__file__).parent / "designs" / "loom.kbl").read_bytes()
-    order = import_kbl(text, "loom", "loom.kbl", CATALOGUE).order
+    order = loom()
     board = board_of(order, CATALOGUE)
     panel = panel_of(board, CATALOGUE)
     passing = {
@@ -160,8 +159,7 @@ def test_a_formboard_has_clips_for_single_wires_and_forks_for_bundles():
 
 
 def test_a_wire_of_a_section_beyond_all_materials_has_the_clamps_of_the_nearest():
-    text = (Path(__file__).parent / "designs" / "loom.kbl").read_bytes()
-    order = import_kbl(text, "loom", "loom.kbl", CATALOGUE).order
+    order = loom()
     thick = replace(order.wires[0], section_mm2=16.0)
     panel = panel_of(
         board_of(replace(order, wires=(thick, *order.wires[1:])), CATALOGUE), CATALOGUE
@@ -175,10 +173,7 @@ def test_a_wire_of_a_section_beyond_all_materials_has_the_clamps_of_the_nearest(
 
 
 def test_a_wire_between_two_sections_has_the_material_that_the_cell_knows():
-    text = (Path(__file__).parent / "designs" / "loom.kbl").read_bytes()
-    panel = panel_of(
-        board_of(import_kbl(text, "loom", "loom.kbl", CATALOGUE).order, CATALOGUE), CATALOGUE
-    )
+    panel = panel_of(board_of(loom(), CATALOGUE), CATALOGUE)
     between = [wire for wire in panel.wires if wire.section_mm2 == 0.35]
     assert between
     assert all(w.material == read_wire_materials().find("", 0.35) for w in between)

@@ -27,6 +27,14 @@ def reports():
     return []
 
 
+def deliver(option, reports, *events):
+    """Have a hook deliver events, and return when it has."""
+    hook = EscalationHook.from_option(option, reports.append)
+    for event in events:
+        hook.notify(event)
+    hook.close()
+
+
 def program(folder, text):
     """Return the option of a program with this text, in a folder whose name has a blank."""
     folder = folder / "my hooks"
@@ -42,29 +50,21 @@ def got(folder):
 
 
 def test_a_program_gets_each_event_on_its_standard_input_in_order(tmp_path, reports):
-    hook = EscalationHook.from_option(program(tmp_path, 'cat >>"$1"; echo >>"$1"'), reports.append)
-    hook.notify(ASKED)
-    hook.notify(TIMED_OUT)
-    hook.close()
+    deliver(program(tmp_path, 'cat >>"$1"; echo >>"$1"'), reports, ASKED, TIMED_OUT)
     assert got(tmp_path) == [ASKED, TIMED_OUT]
     assert reports == []
 
 
 def test_a_program_that_fails_is_reported_and_the_next_event_is_delivered(tmp_path, reports):
     text = 'if grep -q asked; then echo no modem >&2; exit 3; fi; echo \'{"a": 1}\' >"$1"'
-    hook = EscalationHook.from_option(program(tmp_path, text), reports.append)
-    hook.notify(ASKED)
-    hook.notify(TIMED_OUT)
-    hook.close()
+    deliver(program(tmp_path, text), reports, ASKED, TIMED_OUT)
     assert got(tmp_path) == [{"a": 1}]
     (report,) = reports
     assert report.endswith("ended with code 3: no modem")
 
 
 def test_a_program_that_does_not_read_is_no_failure(tmp_path, reports):
-    hook = EscalationHook.from_option(program(tmp_path, "exit 0"), reports.append)
-    hook.notify({"text": "x" * 1_000_000})
-    hook.close()
+    deliver(program(tmp_path, "exit 0"), reports, {"text": "x" * 1_000_000})
     assert reports == []
 
 
@@ -132,19 +132,14 @@ def server():
 
 
 def test_a_web_server_gets_each_event_as_json(server, reports):
-    hook = EscalationHook.from_option(server.url, reports.append)
-    hook.notify(ASKED)
-    hook.notify(TIMED_OUT)
-    hook.close()
+    deliver(server.url, reports, ASKED, TIMED_OUT)
     assert server.posted == [("application/json", ASKED), ("application/json", TIMED_OUT)]
     assert reports == []
 
 
 def test_a_web_server_that_refuses_is_reported_without_the_path_that_may_be_secret(server, reports):
     server.status = 503
-    hook = EscalationHook.from_option(server.url, reports.append)
-    hook.notify(ASKED)
-    hook.close()
+    deliver(server.url, reports, ASKED)
     assert reports == ["http://127.0.0.1: answered 503 Service Unavailable"]
 
 
@@ -154,9 +149,7 @@ def test_a_web_server_that_hangs_or_is_gone_delays_nothing(server, reports):
     hook.notify(ASKED)
     assert reports == [], "the caller does not wait"
     hook.close()
-    gone = EscalationHook.from_option("http://127.0.0.1:1/hook", reports.append)
-    gone.notify(ASKED)
-    gone.close()
+    deliver("http://127.0.0.1:1/hook", reports, ASKED)
     assert len(reports) == 2
     assert all("cannot be reached: " in report for report in reports)
 

@@ -245,15 +245,10 @@ def test_nothing_is_published_more_often_than_four_times_a_second(supervised):
     assert len(supervised.changes) == 1
 
 
-def test_the_end_of_a_run_is_published_at_once(supervised):
+def test_how_a_run_ended_is_published_at_once_and_until_there_is_news(supervised):
     planned(supervised)
     supervised.add(RunEnded(Ending.STOPPED, "ann stopped it"))
     assert (supervised.last.phase, supervised.last.message) == ("ended", "ann stopped it")
-
-
-def test_how_a_run_ended_stays_published_until_there_is_news(supervised):
-    planned(supervised)
-    supervised.add(RunEnded(Ending.STOPPED, "ann stopped it"))
     supervised.publisher.idle("cell")
     supervised.wait(1.0)
     assert (supervised.last.phase, supervised.last.message) == ("ended", "ann stopped it")
