@@ -7,6 +7,7 @@ from pathlib import Path
 from types import SimpleNamespace
 
 import pytest
+from qet_projects import BREAKER, LAMP, element, project, wire
 from wire_lists import workbook
 
 from remodel_planner.commands import (
@@ -170,23 +171,9 @@ def test_a_cable_that_requirements_tear_apart_is_planned_and_named(tmp_path, dat
     assert check.main([str(plan_file), *order, *wanted[:2]]) == 0
 
 
-LAMP = """<project title="porch" version="0.90"><diagram><elements>
-<element type="embed://import/20_manufacturers_articles/breaker.elmt" uuid="{q}"><terminals>
-<terminal id="0" x="0" y="20" orientation="2"/></terminals><elementInformations>
-<elementInformation name="label">Q1</elementInformation></elementInformations></element>
-<element type="embed://import/500_home_installation/lamp.elmt" uuid="{h}"><terminals>
-<terminal id="1" x="0" y="0" orientation="0"/></terminals><elementInformations>
-<elementInformation name="label">H1</elementInformation></elementInformations></element>
-</elements><conductors><conductor element1="{q}" terminal1="{b}" element2="{h}" terminal2="{l}"/>
-</conductors></diagram><collection><category name="import">
-<category name="20_manufacturers_articles"><element name="breaker.elmt">
-<definition link_type="master" type="element"><description>
-<terminal uuid="{b}" x="0" y="20" orientation="s"/></description></definition></element></category>
-<category name="500_home_installation"><element name="lamp.elmt">
-<definition link_type="simple" type="element"><description>
-<terminal uuid="{l}" x="0" y="0" orientation="n"/></description></definition></element></category>
-</category></collection></project>
-"""
+PORCH = project(
+    ([element(BREAKER, "q", "Q1"), element(LAMP, "h", "H1")], [wire("q", "b1", "h", "l")])
+).decode()
 NONE_FOR_ROBOTS = {
     "feeder.csv": (
         "From,To,Section mm2\nK1:1,X1:1,35\n",
@@ -194,7 +181,7 @@ NONE_FOR_ROBOTS = {
         "no task is for the robot: all 1 are by hand, such",
     ),
     "porch.qet": (
-        LAMP,
+        PORCH,
         "  tasks for the robot: 0, by hand: 0\n    1 wire leaves the plate and is no task of the ",
         "no wire has both its ends in the cabinet",
     ),

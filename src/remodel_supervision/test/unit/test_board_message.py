@@ -4,26 +4,20 @@ from pathlib import Path
 
 import pytest
 import yaml
+from boards import loom
 from genpy.message import fill_message_args
 from remodel_msgs.msg import Panel
+from wire_lists import CATALOGUE
 
 from remodel_production.core.board.board import board_of
 from remodel_production.core.board.panel import panel_of
-from remodel_production.core.imports.kbl import import_kbl
 from remodel_production.core.imports.qet import import_qet
-from remodel_production.edge.design_files import catalogue_file, read_catalogue
 from remodel_states.core.wires import PROPERTIES
 from remodel_supervision.ros.peers.board_message import board_message, panel_text
 from remodel_tasks.core.orders.board_order import board_order
 from remodel_tasks.edge.use_case_files import find_use_case
 
-CATALOGUE = read_catalogue(catalogue_file())
 EXAMPLES = Path("/usr/share/qelectrotech/examples")
-LOOM = Path(__file__).parents[3] / "remodel_production/test/unit/designs/loom.kbl"
-
-
-def loom():
-    return board_of(import_kbl(LOOM.read_bytes(), "loom", LOOM.name, CATALOGUE).order, CATALOGUE)
 
 
 @pytest.mark.parametrize("name", ["tableau_domestique", "industrial"])
@@ -46,7 +40,7 @@ def test_the_wires_of_the_message_are_the_tasks_and_their_terminals_are_on_compo
 
 
 def test_the_text_of_a_panel_reads_as_the_message():
-    board = loom()
+    board = board_of(loom(), CATALOGUE)
     order = board_order(board, find_use_case("automotive_formboard"), arms=1)
     message = board_message(panel_of(board, CATALOGUE), order)
     read = Panel()
