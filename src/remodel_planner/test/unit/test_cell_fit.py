@@ -46,6 +46,19 @@ LIST = """Wire,From,To,Colour,Section mm2,Length mm
 """
 
 
+@pytest.fixture
+def import_list(tmp_path, database, capsys):
+    """Return a function that imports a list, and returns what is printed."""
+
+    def imported(text, *options):
+        file = tmp_path / "list.csv"
+        file.write_text(text)
+        assert import_design.main([str(file), "--database", database, *options]) == 0
+        return capsys.readouterr().out
+
+    return imported
+
+
 def triage_of(database, name, use_case, cell=""):
     """Return an order as `import` and `plan` have it."""
     options = SimpleNamespace(use_case=use_case, cell=cell, arms=1)
@@ -152,14 +165,8 @@ def test_they_agree_about_each_wire_of_a_harness(design, database, capsys):
     assert_agreed(database, "harness", "harness_formboard", "two_arms_formboard")
 
 
-def test_a_list_with_wires_that_no_robot_places_is_accepted_without_them(
-    tmp_path, database, capsys
-):
-    file = tmp_path / "list.csv"
-    file.write_text(LIST)
-    arguments = ["--database", database, "--use-case", "cabinet"]
-    assert import_design.main([str(file), *arguments]) == 0
-    said = capsys.readouterr().out
+def test_a_list_with_wires_that_no_robot_places_is_accepted_without_them(import_list, database):
+    said = import_list(LIST, "--use-case", "cabinet")
     assert (
         f"  cell {CELL}: 1 wire for robots, 3 by hand (1 shorter than 0.42 m, 1 whose "
         "section_mm2 is above 10, 1 longer than 3 m); the board fits\n"
@@ -176,38 +183,33 @@ CROWDED = """Wire,From,To,Colour,Section mm2,Length mm,From x,From y,To x,To y
 """
 
 
-def test_components_whose_places_overlap_are_reported_at_import(tmp_path, database, capsys):
-    file = tmp_path / "list.csv"
-    file.write_text(CROWDED)
-    assert import_design.main([str(file), "--database", database]) == 0
-    said = capsys.readouterr().out
+def test_components_whose_places_overlap_are_reported_at_import(import_list, database):
+    said = import_list(CROWDED)
     overlap = "components 'F1' and 'F2' overlap by 8.0 mm: places farther apart"
     assert f"; the board does not fit: {overlap}\n" in said
     assert_agreed(database, "list")
 
 
-def test_a_wire_that_is_shorter_than_its_route_is_by_hand(tmp_path, database, capsys):
-    file = tmp_path / "list.csv"
+def test_a_wire_that_is_shorter_than_its_route_is_by_hand(import_list, database):
     row = "".join(f"{n},K{n}:1,K{n + 1}:2,BK,1.5,900\n" for n in range(1, 21))
-    file.write_text(f"Wire,From,To,Colour,Section mm2,Length mm\n{row}far,K1:3,K21:3,BK,1.5,480\n")
-    assert import_design.main([str(file), "--database", database]) == 0
-    said = capsys.readouterr().out
+    heading = "Wire,From,To,Colour,Section mm2,Length mm\n"
+    said = import_list(f"{heading}{row}far,K1:3,K21:3,BK,1.5,480\n")
     assert f"  cell {CELL}: 20 wires for robots, 1 by hand (1 shorter than their routes); " in said
     assert "    far: by hand, it is 0.48 m long and its route " in said
     assert_agreed(database, "list")
 
 
-def test_of_many_wires_by_hand_the_first_are_printed_and_what_lists_all(tmp_path, database, capsys):
-    file = tmp_path / "list.csv"
+def test_of_many_wires_by_hand_the_first_are_printed_and_what_lists_all(
+    import_list, tmp_path, database, capsys
+):
     rows = "".join(f"{n},K1:{n},K2:{n},BK,1.5,{900 if n == 1 else 350}\n" for n in range(1, 32))
-    file.write_text(f"Wire,From,To,Colour,Section mm2,Length mm\n{rows}")
-    order = ["--order", "list", "--database", database]
-    assert import_design.main([str(file), *order]) == 0
-    said = capsys.readouterr().out
+    text = f"Wire,From,To,Colour,Section mm2,Length mm\n{rows}"
+    said = import_list(text)
     assert said.count(": by hand, length is 0.35 m") == 20
     assert said.endswith("    and 10 more by hand (--verbose lists them)\n")
-    assert import_design.main([str(file), "--verbose", "--order", "again", *order[2:]]) == 0
-    assert capsys.readouterr().out.count(": by hand, length is 0.35 m") == 30
+    verbose = import_list(text, "--verbose", "--order", "again")
+    assert verbose.count(": by hand, length is 0.35 m") == 30
+    order = ["--order", "list", "--database", database]
     assert plan.main([*order, "--output", str(tmp_path / "plan.json"), "--time-limit", "0.1"]) == 0
     assert "    and 10 more by hand (remodel tasks lists them)\n" in capsys.readouterr().out
     assert tasks.main(order) == 0
@@ -232,13 +234,12 @@ colours: {ours: XX}
 """
 
 
-def test_any_section_and_colour_and_full_terminals_are_judged_alike(tmp_path, database, capsys):
-    file, mapping = tmp_path / "list.csv", tmp_path / "mapping.yaml"
-    file.write_text(MIXED)
+def test_any_section_and_colour_and_full_terminals_are_judged_alike(
+    import_list, tmp_path, database
+):
+    mapping = tmp_path / "mapping.yaml"
     mapping.write_text(MAPPING)
-    arguments = [str(file), "--mapping", str(mapping), "--database", database]
-    assert import_design.main([*arguments, "--use-case", "cabinet"]) == 0
-    said = capsys.readouterr().out
+    said = import_list(MIXED, "--mapping", str(mapping), "--use-case", "cabinet")
     assert (
         f"  cell {CELL}: 5 wires for robots, 3 by hand (1 thinner than 2.5 mm, 1 at terminals "
         "that are full, 1 of no known colour); the board fits\n"
@@ -250,12 +251,9 @@ def test_any_section_and_colour_and_full_terminals_are_judged_alike(tmp_path, da
     assert_agreed(database, "list")
 
 
-def test_a_spring_that_takes_more_than_robots_push_with_is_for_a_person(tmp_path, database):
-    file = tmp_path / "list.csv"
-    file.write_text(
-        "Wire,From,To,Colour,Section mm2,Length mm\n1,K1:1,X1:1,BK,4,600\n2,K1:2,X1:2,BK,2.5,600\n"
-    )
-    assert import_design.main([str(file), "--database", database]) == 0
+def test_a_spring_that_takes_more_than_robots_push_with_is_for_a_person(import_list, database):
+    rows = "1,K1:1,X1:1,BK,4,600\n2,K1:2,X1:2,BK,2.5,600\n"
+    import_list(f"Wire,From,To,Colour,Section mm2,Length mm\n{rows}")
     with closing(ProductionDatabase(database)) as opened:
         order = opened.order("list").in_cabinet()
     blocks = tuple(replace(each, kind="push-in block") for each in order.components)
@@ -267,16 +265,14 @@ def test_a_spring_that_takes_more_than_robots_push_with_is_for_a_person(tmp_path
     assert "lets a ferrule in with 15 N, and robots push with 14 N" in stiff.reason
 
 
-def test_a_users_own_cell_decides(tmp_path, database, capsys):
-    file, cell = tmp_path / "list.csv", tmp_path / "mine.yaml"
-    file.write_text(LIST)
+def test_a_users_own_cell_decides(import_list, tmp_path, database, capsys):
+    cell = tmp_path / "mine.yaml"
     cell.write_text(
         "name: mine\n"
         "takes: {plate: {x: 0.2, y: 0.2}, devices: 1, wire_length: {least: 0.3, most: 9}, "
         "wire_diameter: {least: 0.001, most: 0.02}}\n"
     )
-    assert import_design.main([str(file), "--database", database, "--cell", str(cell)]) == 0
-    said = capsys.readouterr().out
+    said = import_list(LIST, "--cell", str(cell))
     assert "  cell mine: 3 wires for robots, 1 by hand (1 whose section_mm2 is above 10)" in said
     assert "; the board does not fit: the plate's size in x is 0." in said
     assert "2 devices are on the plate, 1 too many; allowed: 1: a cell without labels" in said
@@ -286,7 +282,7 @@ def test_a_users_own_cell_decides(tmp_path, database, capsys):
         ("nowhere", f"no such cell or file; there are: cabinet, .*{CELL}"),
     ):
         other = ["--order", "other", "--database", database, "--cell", wrong]
-        assert import_design.main([str(file), *other]) == 1
+        assert import_design.main([str(tmp_path / "list.csv"), *other]) == 1
         assert re.search(words, capsys.readouterr().err)
         with pytest.raises(OrderError, match="no order other"):
             ProductionDatabase(database).order("other")

@@ -444,7 +444,7 @@ def test_the_panel_of_an_order_is_written_for_the_cell(name, design, tmp_path, d
     assert "give --output FILE, --panel FILE, or both" in capsys.readouterr().err
 
 
-def test_an_order_is_planned_checked_explained_and_drawn(tmp_path, database, capsys):
+def test_an_order_is_planned_by_its_preferences(tmp_path, database, capsys):
     preferences = tmp_path / "preferences.yaml"
     preference = "{name: first, pick: W7, before: W3, weight: 5}"
     preferences.write_text(
@@ -452,11 +452,9 @@ def test_an_order_is_planned_checked_explained_and_drawn(tmp_path, database, cap
     )
     stored = ["--order", "house", "--database", database]
     import_design.main([str(DESIGN), *stored, "--preferences", str(preferences)])
-    made, drawing = str(tmp_path / "plan.json"), str(tmp_path / "plan.svg")
+    made = str(tmp_path / "plan.json")
     assert plan.main([*stored, "--output", made, "--time-limit", "0.1"]) == 0
     assert check.main([made, *stored]) == 0
-    assert explain.main([made, *stored]) == 0
-    assert draw.main([made, *stored, "--output", drawing]) == 0
     assert len(json.loads(Path(made).read_text())["actions"]) >= 52 * 5
     capsys.readouterr()
     assert plan.main(["--output", made, "--order", "hosue", "--database", database]) == 1
