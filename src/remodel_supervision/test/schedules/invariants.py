@@ -133,17 +133,19 @@ class Invariants:
             self._discards.add(event.task)
         elif isinstance(event, TaskBegun) and event.part is Part.WHOLE:
             self._discards.discard(event.task)
-        is_stopped = after.stop.endswith("by another client of the engine")
-        if is_stopped and not station.engine.has_late_stop:
-            self.simulation.violated(f"run {run}: {after.stop}, though no client did")
         before = self.states.get(run)
+        is_new = before is None or before.stop != after.stop
+        if is_new and after.stop.endswith("by another client of the engine"):
+            if not station.engine.has_late_stop:
+                self.simulation.violated(f"run {run}: {after.stop}, though no client did")
+            station.engine.has_late_stop = False
         self.states[run] = after
         for name, task in after.tasks.items():
             was = before.tasks.get(name) if before else None
             if task is was or task.stage is not Stage.DONE:
                 continue
-            is_new = was is None or was.stage is not Stage.DONE
-            if is_new and not self._is_placed(after, name):
+            is_done_now = was is None or was.stage is not Stage.DONE
+            if is_done_now and not self._is_placed(after, name):
                 self.simulation.violated(f"run {run} calls {name} done, which is not placed")
 
     def on_end(self, station: Station, run: int, state: RunState) -> None:
