@@ -26,16 +26,8 @@ def test_positions_have_no_gaps_and_entries_are_only_added():
 
 
 def test_a_behavior_is_published_in_the_order_of_time_with_what_was_measured():
-    operation = Operation(
-        "/Connect a/InsertCable",
-        "InsertCable",
-        "inserted",
-        0,
-        text="inserted",
-        ended_s=9.0,
-        elapsed_s=4.0,
-        measurements=(("depth", "0.0139"), ("peak_force", "5.5"), ("note", "text")),
-    )
+    measured = (("depth", "0.0139"), ("peak_force", "5.5"), ("note", "text"))
+    operation = Operation("/A", "InsertCable", "inserted", 0, "", 9.0, 4.0, measurements=measured)
     picture = "W1-1-whole_6.000_wrist.jpg"
     entries = entries_of(
         (

@@ -50,18 +50,7 @@ def begun(task, attempt, part=Part.WHOLE):
 def operation(outcome, code):
     said = "stuck at 4 mm" if code else "done"
     asked, found = (("force_limit", "8.0"),), (("depth", "0.004"), ("peak_force", "8.2"))
-    return Operation(
-        "/Insert",
-        "InsertCable",
-        outcome,
-        code,
-        text=said,
-        ended_s=5.0,
-        elapsed_s=1.0,
-        goal_id="",
-        parameters=asked,
-        measurements=found,
-    )
+    return Operation("/Insert", "InsertCable", outcome, code, said, 5.0, 1.0, "", asked, found)
 
 
 RUN = (

@@ -35,14 +35,8 @@ BAD = replace(
 
 
 def attempted(name, *operations, placed=True, attempt=1, result=""):
-    wire = Wire(
-        name,
-        TerminalRef("Q1", "B1"),
-        TerminalRef("Q2", "T1"),
-        "BU",
-        section_mm2=1.5,
-        source="line 7",
-    )
+    ends = TerminalRef("Q1", "B1"), TerminalRef("Q2", "T1")
+    wire = Wire(name, *ends, "BU", section_mm2=1.5, source="line 7")
     outcome = "finished" if placed else "failed"
     execution = Execution(
         name,
@@ -67,14 +61,8 @@ def attempted(name, *operations, placed=True, attempt=1, result=""):
 def report(*attempts, cables=None, also=(), before=(), sums=None):
     names = dict.fromkeys([*before, *(each.execution.wire for each in attempts), *also])
     tasks = whole_tasks((name, (cables or {}).get(name, "")) for name in names)
-    order = Order(
-        "house",
-        "A <house>",
-        "house.qet",
-        (Component("Q1", "", ()),),
-        wires=(),
-        notes=("an assumption",),
-    )
+    parts = (Component("Q1", "", ()),)
+    order = Order("house", "A <house>", "house.qet", parts, wires=(), notes=("an assumption",))
     return Report(
         order,
         tasks,
