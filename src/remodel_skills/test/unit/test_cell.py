@@ -10,7 +10,7 @@ from remodel_skills.abilities.extracting import DiscardGoal, discard_cable
 from remodel_skills.belief_state import Grip
 from remodel_skills.cell import Cell, check_owner
 from remodel_states.core.codes import Code
-from remodel_states.core.contract import NO_OWNER, owner_of
+from remodel_states.core.contract import NO_OWNER
 from remodel_work.errors import AbilityError, PanelError
 from remodel_work.panel import Channel, WireEnd
 
@@ -99,22 +99,6 @@ def test_the_board_is_remembered_as_it_was_before_the_wire_was_touched(cell):
     assert untouched == seen[1:], "the wire is in the hand"
     context.belief.start_wire(context.belief.feed, {})
     assert not untouched, "another wire was fed"
-
-
-@pytest.mark.parametrize(
-    ("goal_id", "owner"),
-    [
-        ("17:insert a", 17),
-        ("17:", 17),
-        ("insert a", NO_OWNER),
-        ("W17:insert", NO_OWNER),
-        ("17 insert", NO_OWNER),
-        ("-3:insert", NO_OWNER),
-        ("", NO_OWNER),
-    ],
-)
-def test_the_token_stands_in_front_of_the_id(goal_id, owner):
-    assert owner_of(goal_id) == owner
 
 
 def test_only_an_older_token_is_refused():

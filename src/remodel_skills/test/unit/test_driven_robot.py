@@ -212,7 +212,15 @@ def joints_at(topics, design, stamp_s):
 
 
 @pytest.fixture
-def cell(ros, monkeypatch):
+def complete(monkeypatch):
+    """Let any panel fit a cell, all of whose drivers' interfaces are there."""
+    monkeypatch.setattr(driven_cell, "find_panel_problems", lambda design, panel: ())
+    monkeypatch.setattr(driven_cell, "missing_interfaces", lambda *_: [])
+    monkeypatch.setattr(driven_cell, "ros_graph", lambda: ())
+
+
+@pytest.fixture
+def cell(ros, complete, monkeypatch):
     """Return a cell, its arm at home, whose drivers publish what a test delivers."""
     topics = read_robot("ros_control_arm")
     design, robot = topics.design.robots[0], topics.robots["robot_1"]
@@ -228,9 +236,6 @@ def cell(ros, monkeypatch):
         return made
 
     monkeypatch.setattr(rospy, "Subscriber", heard)
-    monkeypatch.setattr(driven_cell, "find_panel_problems", lambda design, panel: ())
-    monkeypatch.setattr(driven_cell, "missing_interfaces", lambda *_: [])
-    monkeypatch.setattr(driven_cell, "ros_graph", lambda: ())
     return driven_cell.DrivenCell(topics, PANEL)
 
 
@@ -292,10 +297,8 @@ def test_an_arm_that_says_nothing_more_is_named(cell, ros, monkeypatch):
     assert error.value.code is Code.MOTION_FAULT
 
 
-def test_drivers_that_are_silent_at_the_start_are_named(ros, monkeypatch):
-    monkeypatch.setattr(driven_cell, "find_panel_problems", lambda design, panel: ())
-    monkeypatch.setattr(driven_cell, "missing_interfaces", lambda *_: [])
-    monkeypatch.setattr(driven_cell, "ros_graph", lambda: ())
+@pytest.mark.usefixtures("ros", "complete")
+def test_drivers_that_are_silent_at_the_start_are_named(monkeypatch):
     monkeypatch.setattr(driven_cell, "START_S", 0.01)
     monkeypatch.setattr(rospy, "is_shutdown", lambda: False)
     with pytest.raises(CellError) as error:

@@ -18,9 +18,13 @@ def test_a_shipped_file_names_drivers_for_each_robot_of_its_cell(name):
     assert topics.tick_s == pytest.approx(1 / 120)
 
 
-def changed(tmp_path, change):
+def shipped(name):
+    return yaml.safe_load((FOLDER / f"{name}.yaml").read_text())
+
+
+def changed(tmp_path, change, name="franka_ros"):
     """Return the path of a file that is a shipped one but for a change of what it holds."""
-    parsed = yaml.safe_load((FOLDER / "franka_ros.yaml").read_text())
+    parsed = shipped(name)
     change(parsed)
     file = tmp_path / "mine.yaml"
     file.write_text(yaml.safe_dump(parsed))
@@ -68,29 +72,24 @@ def test_what_is_wrong_in_a_file_is_named_with_what_is_allowed(tmp_path, change,
 
 
 def test_every_camera_above_the_board_of_a_large_cell_has_its_topics(tmp_path):
-    parsed = yaml.safe_load((FOLDER / "simulated_cabinet.yaml").read_text())
     more = [
         {"image": f"/overhead_{n}/image_raw", "depth": f"/overhead_{n}/depth/image_raw"}
         for n in range(2, 7)
     ]
-    file = tmp_path / "mine.yaml"
-    file.write_text(yaml.safe_dump({**parsed, "cell": "large_cabinet", "also_overhead": more}))
-    topics = read_robot(str(file)).overheads
-    assert [each.image for each in topics] == [
-        parsed["overhead"]["image"],
-        *(each["image"] for each in more),
-    ]
+    cell = {"cell": "large_cabinet", "also_overhead": more}
+    file = changed(tmp_path, lambda p: p.update(cell), "simulated_cabinet")
+    all_of_them = [shipped("simulated_cabinet")["overhead"], *more]
+    found = [each.image for each in read_robot(file).overheads]
+    assert found == [each["image"] for each in all_of_them]
 
 
 def test_a_camera_that_measures_depth_in_the_cell_has_its_topic_in_the_file(tmp_path):
-    parsed = yaml.safe_load((FOLDER / "simulated_cabinet.yaml").read_text())
-    del parsed["robots"]["robot_1"]["camera"]["depth"]
-    file = tmp_path / "mine.yaml"
-    file.write_text(yaml.safe_dump(parsed))
-    with pytest.raises(
-        RobotFileError, match=r"robots\.robot_1\.camera: found no depth; the camera"
-    ):
-        read_robot(str(file))
+    def without_depth(parsed):
+        del parsed["robots"]["robot_1"]["camera"]["depth"]
+
+    file = changed(tmp_path, without_depth, "simulated_cabinet")
+    with pytest.raises(RobotFileError, match=r"robot_1\.camera: found no depth; the camera"):
+        read_robot(file)
 
 
 def test_a_name_that_is_no_robot_is_answered_with_those_that_are():

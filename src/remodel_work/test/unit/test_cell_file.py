@@ -33,6 +33,32 @@ def problems(tmp_path, change):
     return caught.value.problems
 
 
+def read_changed(tmp_path, **fields):
+    """Return the first cell as it is read with other fields."""
+    file = tmp_path / "mine.yaml"
+    file.write_text(yaml.safe_dump({**parsed(), **fields}))
+    return read_cell(str(file))
+
+
+def with_robot(part=None, **fields):
+    """Return a change of fields of the first robot, or of a part of it."""
+
+    def change(cell):
+        robot = cell["robots"][0]
+        (robot[part] if part else robot).update(fields)
+
+    return change
+
+
+def doubled(cell):
+    """Have a cell's first robot stand there twice."""
+    cell["robots"].append(cell["robots"][0])
+
+
+def with_fingers(**fields):
+    return with_robot("gripper", fingers={**FINGERS, **fields})
+
+
 @pytest.mark.parametrize("name", sorted(path.stem for path in CELLS.glob("*.yaml")))
 def test_every_cell_of_the_package_can_be_read(name):
     assert read_cell(name).name == name
@@ -40,17 +66,13 @@ def test_every_cell_of_the_package_can_be_read(name):
 
 def test_a_cell_has_labels_unless_it_says_otherwise(tmp_path):
     assert read_cell().labels
-    file = tmp_path / "mine.yaml"
-    file.write_text(yaml.safe_dump({**parsed(), "labels": False}))
-    assert not read_cell(str(file)).labels
+    assert not read_changed(tmp_path, labels=False).labels
     (problem,) = problems(tmp_path, lambda cell: cell.update(labels="no"))
     assert "labels" in problem and "'no'" in problem
 
 
 def test_a_board_lies_where_the_cell_says(tmp_path):
-    file = tmp_path / "mine.yaml"
-    file.write_text(yaml.safe_dump({**parsed(), "board": {"x": 0.6, "y": -0.1, "yaw_deg": 90}}))
-    board = read_cell(str(file)).world_from_panel
+    board = read_changed(tmp_path, board={"x": 0.6, "y": -0.1, "yaw_deg": 90}).world_from_panel
     assert board.apply(np.array([0.1, 0.0, 0.0])) == pytest.approx([0.6, 0.0, 0.0])
     assert read_cell().world_from_panel == BOARD
     (problem,) = problems(tmp_path, lambda cell: cell.update(board={"x": 0.6}))
@@ -58,9 +80,7 @@ def test_a_board_lies_where_the_cell_says(tmp_path):
 
 
 def test_a_cell_of_ones_own_is_read_from_its_path(tmp_path):
-    file = tmp_path / "mine.yaml"
-    file.write_text(yaml.safe_dump({**parsed(), "name": "mine"}))
-    assert read_cell(str(file)).name == "mine"
+    assert read_changed(tmp_path, name="mine").name == "mine"
 
 
 @pytest.mark.parametrize(
@@ -88,26 +108,6 @@ def test_a_cell_of_ones_own_is_read_from_its_path(tmp_path):
             r"magazine: y_min 0.000 to y_max 0.400 m; a wire with a span of 0.460 m needs as much",
         ),
         (
-            lambda c: c["robots"][0].update(arm="ur5"),
-            r"robots\[0\].arm: found 'ur5'; allowed: franka_panda, kuka_iiwa",
-        ),
-        (
-            lambda c: c["robots"][0]["base"].update(x="near"),
-            r"robots\[0\].base.x: found 'near'; allowed: a value of type number",
-        ),
-        (
-            lambda c: c["robots"][0]["base"].update(x=float("nan")),
-            r"robots\[0\].base.x: found nan; allowed: a finite number",
-        ),
-        (
-            lambda c: c["robots"][0]["gripper"].update(grip_force=500.0),
-            r"robots\[0\].gripper.grip_force: found 500.0; allowed: 70 or less",
-        ),
-        (
-            lambda c: c["robots"][0]["gripper"].update(grip_force=-1),
-            r"robots\[0\].gripper.grip_force: found -1; allowed: 10 or more",
-        ),
-        (
             lambda c: c["cameras"].update(front={}),
             "cameras: found front; allowed: overhead, scene",
         ),
@@ -123,53 +123,8 @@ def test_a_cell_of_ones_own_is_read_from_its_path(tmp_path):
             ),
             r"fixtures.ducts\[0\].length: found 0; allowed: more than 0",
         ),
-        (
-            lambda c: c["robots"][0]["home"].update(x=2.0),
-            r"robots\[0\].home: no arm posture reaches x 2000",
-        ),
-        (
-            lambda c: c["robots"][0].update(
-                limits={"lower_deg": [-170] * 7, "upper_deg": [170] * 7}
-            ),
-            r"robots\[0\].limits: joint 1 has -2.9671 to 2.9671 rad; allowed within -2.8973",
-        ),
-        (lambda c: c["robots"][0].update(arm="portal"), r"robots\[0\]: found .*; missing: travel"),
-        (
-            lambda c: c["robots"][0].update(axis={**AXIS, "along": "z"}),
-            r"robots\[0\].axis.along: found 'z'; allowed: y",
-        ),
-        (
-            lambda c: c["robots"][0].update(axis={**AXIS, "lower": 0.5}),
-            r"robots\[0\].axis: found lower 0.5, upper 0.4; allowed: lower less than upper",
-        ),
-        (
-            lambda c: c["robots"][0]["gripper"].update(fingers={**FINGERS, "opening": 0.2}),
-            r"robots\[0\].gripper.fingers.opening: found 0.2; allowed: 0.08 or less",
-        ),
-        (
-            lambda c: c["robots"][0]["gripper"].update(
-                fingers={**FINGERS, "eyelet": {**FINGERS["eyelet"], "above": 0.005}}
-            ),
-            r"robots\[0\].gripper.fingers.eyelet.above: found 0.005; allowed: 0.0084 or more",
-        ),
-        (
-            lambda c: c["robots"][0]["gripper"].update(fingers={**FINGERS, "pad_height": 0.008}),
-            r"robots\[0\].gripper.fingers.pad_height: found 0.008; allowed: 0.0244 or more",
-        ),
-        (
-            lambda c: c["robots"][0]["gripper"].update(
-                fingers={**FINGERS, "length": 0.05, "pad_height": 0.06}
-            ),
-            r"robots\[0\].gripper.fingers.pad_height: found 0.06; allowed: up to the length",
-        ),
-        (
-            lambda c: c["robots"].append(c["robots"][0]),
-            "robots: 2 have name 'robot_1'; each needs its own",
-        ),
-        (
-            lambda c: c["robots"].append(c["robots"][0]),
-            "are 0.00 m apart; allowed: 0.50 m or more",
-        ),
+        (doubled, "robots: 2 have name 'robot_1'; each needs its own"),
+        (doubled, "are 0.00 m apart; allowed: 0.50 m or more"),
     ],
 )
 def test_what_is_wrong_is_reported_with_its_place_what_was_found_and_what_is_allowed(
@@ -177,6 +132,48 @@ def test_what_is_wrong_is_reported_with_its_place_what_was_found_and_what_is_all
 ):
     found = problems(tmp_path, change)
     assert any(re.search(words, problem) for problem in found), found
+
+
+@pytest.mark.parametrize(
+    ("change", "words"),
+    [
+        (with_robot(arm="ur5"), "arm: found 'ur5'; allowed: franka_panda, kuka_iiwa"),
+        (with_robot("base", x="near"), "base.x: found 'near'; allowed: a value of type number"),
+        (with_robot("base", x=float("nan")), "base.x: found nan; allowed: a finite number"),
+        (
+            with_robot("gripper", grip_force=500.0),
+            "gripper.grip_force: found 500.0; allowed: 70 or less",
+        ),
+        (with_robot("gripper", grip_force=-1), "gripper.grip_force: found -1; allowed: 10 or more"),
+        (with_robot("home", x=2.0), "home: no arm posture reaches x 2000"),
+        (
+            with_robot(limits={"lower_deg": [-170] * 7, "upper_deg": [170] * 7}),
+            "limits: joint 1 has -2.9671 to 2.9671 rad; allowed within -2.8973",
+        ),
+        (with_robot(arm="portal"), ": found .*; missing: travel"),
+        (with_robot(axis={**AXIS, "along": "z"}), "axis.along: found 'z'; allowed: y"),
+        (
+            with_robot(axis={**AXIS, "lower": 0.5}),
+            "axis: found lower 0.5, upper 0.4; allowed: lower less than upper",
+        ),
+        (with_fingers(opening=0.2), "gripper.fingers.opening: found 0.2; allowed: 0.08 or less"),
+        (
+            with_fingers(eyelet={**FINGERS["eyelet"], "above": 0.005}),
+            "gripper.fingers.eyelet.above: found 0.005; allowed: 0.0084 or more",
+        ),
+        (
+            with_fingers(pad_height=0.008),
+            "gripper.fingers.pad_height: found 0.008; allowed: 0.0244 or more",
+        ),
+        (
+            with_fingers(length=0.05, pad_height=0.06),
+            "gripper.fingers.pad_height: found 0.06; allowed: up to the length",
+        ),
+    ],
+)
+def test_what_is_wrong_with_a_robot_is_reported_with_its_place(tmp_path, change, words):
+    found = problems(tmp_path, change)
+    assert any(re.search(rf"robots\[0\]\.?{words}", problem) for problem in found), found
 
 
 def test_all_problems_are_reported_at_once(tmp_path):
@@ -189,9 +186,7 @@ def test_all_problems_are_reported_at_once(tmp_path):
 
 def test_the_cells_own_fixtures_are_built_with_every_panel(tmp_path):
     duct = {"id": "D", "pose": [0, 0, 90], "length": 0.3, "width": 0.04, "height": 0.02}
-    file = tmp_path / "mine.yaml"
-    file.write_text(yaml.safe_dump({**parsed(), "fixtures": {"clips": [], "ducts": [duct]}}))
-    design = read_cell(str(file))
+    design = read_changed(tmp_path, fixtures={"clips": [], "ducts": [duct]})
     assert [built.id for built in held_panel(design, panel()).ducts] == ["D"]
     assert find_panel_problems(design, panel()) == ()
 
