@@ -5,6 +5,7 @@ from dataclasses import replace
 
 import pytest
 from panels import with_springs
+from refusals import refused
 from scripted_device import COMPONENT, PANEL, PARAMETERS, SOCKET, TERMINAL, before_the_opening
 
 from remodel_skills.abilities.inserting import FixGoal, fix_cable
@@ -12,7 +13,6 @@ from remodel_skills.belief_state import EndState
 from remodel_skills.primitives.pushing import tool_before
 from remodel_skills.robot_context import run
 from remodel_states.core.codes import Code
-from remodel_work.errors import AbilityError
 from remodel_work.geometry import Pose
 from remodel_work.panel import WireEnd
 
@@ -70,6 +70,5 @@ def test_a_spring_clamp_is_not_closed_but_pulled_at():
 
 
 def test_a_clamp_that_closes_on_nothing_is_not_seated():
-    with pytest.raises(AbilityError, match="met nothing: the end is not deep enough") as caught:
+    with refused(Code.NOT_SEATED, "met nothing: the end is not deep enough"):
         fixed(stops=False)
-    assert caught.value.code is Code.NOT_SEATED

@@ -1,9 +1,9 @@
 import math
-from contextlib import contextmanager
 
 import numpy as np
 import pytest
 from panels import example, panel, with_springs
+from refusals import refused
 
 from remodel_skills.abilities.extracting import ExtractGoal
 from remodel_skills.abilities.inserting import ConnectGoal, FixGoal, InsertGoal
@@ -25,14 +25,6 @@ SOCKET = BOARD @ panel().panel_from_socket("X1", "1")
 NAN = float("nan")
 
 
-@contextmanager
-def refused(words, code=Code.INVALID_GOAL):
-    """Expect a refusal with this code and these words."""
-    with pytest.raises(AbilityError, match=words) as caught:
-        yield
-    assert caught.value.code is code
-
-
 def fed_belief():
     belief = BeliefState()
     belief.start_wire(Feed("W1", "A", 1), {})
@@ -41,7 +33,7 @@ def fed_belief():
 
 def test_a_push_that_its_spring_clamp_would_stop_is_refused():
     sprung = with_springs(panel(), 12.0)
-    with refused(r"lets a ferrule in with 12\.0 N"):
+    with refused(Code.INVALID_GOAL, r"lets a ferrule in with 12\.0 N"):
         insertion(force_limit=12.0).check(sprung, fed_belief(), PARAMETERS)
     insertion(force_limit=12.5).check(sprung, fed_belief(), PARAMETERS)
 
@@ -90,7 +82,7 @@ TILTED = pose_with(quaternion=(0, math.sin(0.4), 0, math.cos(0.4)))
     ],
 )
 def test_a_goal_that_makes_no_sense_is_never_born(make, words):
-    with refused(words):
+    with refused(Code.INVALID_GOAL, words):
         make()
 
 
@@ -113,7 +105,7 @@ def test_a_goal_that_makes_no_sense_is_never_born(make, words):
     ],
 )
 def test_an_invalid_goal_is_refused(goal, words):
-    with refused(words):
+    with refused(Code.INVALID_GOAL, words):
         goal.check(panel(), fed_belief(), PARAMETERS)
 
 
@@ -143,7 +135,7 @@ def test_an_invalid_goal_is_refused(goal, words):
     ],
 )
 def test_a_goal_that_the_cell_cannot_take_is_refused(goal, belief, code, words):
-    with refused(words, code):
+    with refused(code, words):
         goal.check(panel(), belief, PARAMETERS)
 
 
@@ -152,7 +144,7 @@ def test_an_end_in_another_robots_hand_is_left_there():
     other = belief.beside("robot_2", belief.arm)
     assert other.grip is None
     for goal in (PickGoal("robot_2", "W1", WireEnd.A, 0.0), insertion(robot_name="robot_2")):
-        with refused("robot_1 holds end a", Code.OTHER_CABLE_HELD):
+        with refused(Code.OTHER_CABLE_HELD, "robot_1 holds end a"):
             goal.check(panel(), other, PARAMETERS)
     PickGoal("robot_2", "W1", WireEnd.B, 0.0).check(panel(), other, PARAMETERS)
 
@@ -169,7 +161,7 @@ def test_an_end_from_the_magazine_is_laid_down_wherever_the_goal_says():
 def test_an_occupied_terminal_names_its_occupant():
     belief = fed_belief()
     belief.occupied["X1", "1"] = ("W7", WireEnd.B)
-    with refused("end b of 'W7'", Code.TERMINAL_OCCUPIED):
+    with refused(Code.TERMINAL_OCCUPIED, "end b of 'W7'"):
         insertion().check(panel(), belief, PARAMETERS)
 
 
@@ -192,7 +184,7 @@ def beside(y, yaw=math.pi):
     ],
 )
 def test_an_opening_is_of_its_own_terminal(socket, code, words):
-    with refused(words, code):
+    with refused(code, words):
         insertion(socket=socket).check(panel(), fed_belief(), PARAMETERS)
 
 
@@ -253,5 +245,5 @@ def connection(**changes):
     ],
 )
 def test_goals_with_connectors_that_cannot_be_done_are_refused_with_the_reason(goal, code, words):
-    with refused(words, code):
+    with refused(code, words):
         goal.check(CONNECTORS, fed_belief(), PARAMETERS)

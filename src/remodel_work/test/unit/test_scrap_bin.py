@@ -4,11 +4,11 @@ import dataclasses
 
 import pytest
 from panels import panel
+from refusals import refused
 
 from remodel_states.core.codes import Code
 from remodel_work.cell.cell_design import bin_of
 from remodel_work.edge.cell_file import read_cell
-from remodel_work.errors import AbilityError
 from remodel_work.robot.arm import ToolPose
 
 
@@ -31,6 +31,5 @@ def test_the_cells_file_may_name_the_bins_place():
 
 def test_a_bin_out_of_reach_is_refused():
     robot = read_cell().robots[0]
-    with pytest.raises(AbilityError, match="scrap_bin") as caught:
+    with refused(Code.UNREACHABLE, "scrap_bin"):
         bin_of(robot, panel(size=(0.4, 2.0, 0.003)))
-    assert caught.value.code is Code.UNREACHABLE
