@@ -38,6 +38,20 @@ def moved_onto(panel, size, x, y):
     return dataclasses.replace(panel, name=name, size=(*size, panel.size[2]), wires=wires, **parts)
 
 
+def with_first(panel, parts, **changes):
+    """A panel whose first wire, component or rail, by the name of its field, is changed."""
+    first, *others = getattr(panel, parts)
+    changed = dataclasses.replace(first, **changes)
+    return dataclasses.replace(panel, **{parts: (changed, *others)})
+
+
+def with_first_terminal(panel, **changes):
+    """A panel whose first component's first terminal is changed."""
+    first, *others = panel.components[0].terminals
+    changed = dataclasses.replace(first, **changes)
+    return with_first(panel, "components", terminals=(changed, *others))
+
+
 def with_springs(panel, insertion_force):
     """A panel whose terminals are spring clamps of this insertion force [N]."""
 

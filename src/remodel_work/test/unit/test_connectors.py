@@ -1,9 +1,10 @@
 """Which connectors fit their headers."""
 
 import dataclasses
+from functools import partial
 
 import pytest
-from panels import EXAMPLES, example
+from panels import EXAMPLES, example, with_first, with_first_terminal
 
 from remodel_states.edge.exported_tables import read_wire_materials
 from remodel_work.edge.cell_file import read_cell
@@ -21,17 +22,11 @@ def find_problems(found):
 
 
 def with_connector(**changes):
-    first = PANEL.wires[0]
-    changed = dataclasses.replace(first.connectors[0], **changes)
-    wires = (dataclasses.replace(first, connectors=(changed,)), PANEL.wires[1])
-    return dataclasses.replace(PANEL, wires=wires)
+    changed = dataclasses.replace(PANEL.wires[0].connectors[0], **changes)
+    return with_first(PANEL, "wires", connectors=(changed,))
 
 
-def with_header(**changes):
-    first = PANEL.components[0]
-    header = dataclasses.replace(first.terminals[0], **changes)
-    changed = dataclasses.replace(first, terminals=(header, *first.terminals[1:]))
-    return dataclasses.replace(PANEL, components=(changed, *PANEL.components[1:]))
+with_header = partial(with_first_terminal, PANEL)
 
 
 @pytest.mark.parametrize(

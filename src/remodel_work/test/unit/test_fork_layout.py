@@ -1,10 +1,10 @@
 """Which wires fit the forks of a formboard."""
 
 import math
-from dataclasses import replace
+from functools import partial
 
 import pytest
-from panels import example
+from panels import example, with_first
 
 from remodel_work.edge.cell_file import read_cell
 from remodel_work.layout import find_problems
@@ -18,9 +18,7 @@ def problems(panel):
     return find_problems(panel, arms, DESIGN.takes, has_magazine=True)
 
 
-def with_wire(**fields):
-    first, *others = HARNESS.wires
-    return replace(HARNESS, wires=(replace(first, **fields), *others))
+with_wire = partial(with_first, HARNESS, "wires")
 
 
 def test_the_harness_fits_the_cell_for_formboards():
