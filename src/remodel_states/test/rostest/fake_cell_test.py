@@ -143,6 +143,8 @@ class FakeCellTest(unittest.TestCase):
             "cell/inject_fault", InjectFault, kind="insertion_jammed", target="new_part/W1"
         )
         self.assertTrue(caused.success, caused.message)
+        for wrong in ({"kind": "nonesuch"}, {"kind": "slipped", "target": "prayer"}):
+            self.assertFalse(call("cell/inject_fault", InjectFault, **wrong).success)
         self.feed("W1")
         codes = [self.ask("InsertCable").error_code for _ in range(3)]
         self.assertEqual(codes, [ErrorCode.INSERTION_JAMMED] * 3)
@@ -176,7 +178,7 @@ class FakeCellTest(unittest.TestCase):
         for ability in ("ExtractCable", "DiscardCable"):
             self.assertEqual(self.ask(ability).error_code, ErrorCode.EXTRACTION_STUCK)
         self.assertTrue(self.ask("CheckConnection").connected)
-        call("cell/mend_faults", Trigger)
+        self.assertIn("extraction_stuck", call("cell/mend_faults", Trigger).message)
         self.assertTrue(self.ask("DiscardCable").success)
         self.assertEqual(call("cell/ground_truth", GetGroundTruth).wires, [])
         self.assertEqual(account(self.world.ledger(), ["W1"]).scrapped, ("W1",))
@@ -234,16 +236,6 @@ class FakeCellTest(unittest.TestCase):
         self.assertEqual(loaded.error_code, ErrorCode.BUSY)
         self.assertTrue(client.wait_for_result(rospy.Duration(90.0)))
         self.assertEqual(client.get_result().error_code, ErrorCode.STALE_OWNER)
-
-    def test_what_an_operator_mends_is_whole_again(self):
-        target = "ask_operator"
-        call("cell/inject_fault", InjectFault, kind="component_missing", target=target)
-        found = self.ask("LocateGearboxComponent")
-        self.assertEqual(found.error_code, ErrorCode.COMPONENT_MISSING)
-        self.assertIn("component_missing", call("cell/mend_faults", Trigger).message)
-        self.assertTrue(self.ask("LocateGearboxComponent").success)
-        for wrong in ({"kind": "nonesuch"}, {"kind": "slipped", "target": "prayer"}):
-            self.assertFalse(call("cell/inject_fault", InjectFault, **wrong).success)
 
     def test_a_server_misbehaves_as_requested(self):
         client = self.clients["FixCable"]
