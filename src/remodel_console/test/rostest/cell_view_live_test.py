@@ -9,7 +9,7 @@ import rostest
 from playwright.sync_api import expect
 
 sys.path.insert(0, str(Path(__file__).parent))
-from fake_cell import FakeCell
+from fake_cell import MESHES, MIDDLE_OF_W4, FakeCell
 from fake_supervisor import FakeSupervisor
 from inbox_case import HIDE, SHOW
 
@@ -17,9 +17,7 @@ from remodel_console.testing.browser_test import WEBGL_WITHOUT_GPU, BrowserTest
 from remodel_supervision.core.runs.events import Ending, RunEnded
 
 CHANGES = "() => Number(document.querySelector('.cell-view').dataset.changes)"
-MIDDLE_OF_W4 = "() => document.querySelector('.cell-view').screenPointOf('W4')"
 MOVES = 3  # changes, by which it is seen to move
-MESHES = 9  # eight links and the hand; the fingers are boxes
 
 
 class CellViewLiveTest(BrowserTest):

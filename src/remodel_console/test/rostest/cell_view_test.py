@@ -9,17 +9,14 @@ import rostest
 from playwright.sync_api import expect
 
 sys.path.insert(0, str(Path(__file__).parent))
-from fake_cell import FakeCell
+from fake_cell import MESHES, MIDDLE_OF_W4, FakeCell
 from fake_supervisor import FakeRecords, FakeSupervisor
 
 from remodel_console.testing.browser_test import WEBGL_WITHOUT_GPU, BrowserTest
 from remodel_supervision.core.runs.events import Ending, RunEnded
 
-CHANGES = "() => Number(document.querySelector('.cell-view').dataset.changes)"
-MIDDLE_OF_W4 = "() => document.querySelector('.cell-view').screenPointOf('W4')"
 FRAMES = 20
 PLACES = 4  # of a wire, one after the other
-MESHES = 9  # eight links and the hand; the fingers are boxes
 
 
 class CellViewTest(BrowserTest):

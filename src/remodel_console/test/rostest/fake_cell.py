@@ -14,6 +14,9 @@ from remodel_work.edge.robot_description import robot_description
 from remodel_work.robot.arm import PANDA_AT_ORIGIN
 
 PERIOD_S = 0.05
+# How a page shows the cell: eight links and the hand; the fingers are boxes.
+MESHES = 9
+MIDDLE_OF_W4 = "() => document.querySelector('.cell-view').screenPointOf('W4')"
 POSTURE = (0.0, 0.3, 0.0, -2.0, 0.0, 2.3, 0.8)
 
 

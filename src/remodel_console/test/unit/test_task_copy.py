@@ -12,22 +12,10 @@ SERIES = 17
 
 
 def task(name, phase=TaskPhase.WAITING, attempts=0):
-    return Task(
-        name, "", phase=phase, attempts=attempts, first_pass=False, taken_s=0.0, expected_s=0.0
-    )
+    return Task(name, "", phase, attempts, first_pass=False, taken_s=0.0, expected_s=0.0)
 
 
-def failure(number):
-    return Failure(
-        float(number),
-        "W1",
-        fault="slipped",
-        error_code=0,
-        ability="",
-        text="",
-        decision="retry",
-        because="",
-    )
+FAILURE = Failure(1.0, "W1", "slipped", 0, "", "", "retry", because="")
 
 
 def changes(number, *tasks, series=SERIES, replanned=False, failures=()):
@@ -45,8 +33,8 @@ def attempts(copy):
 def test_changes_continue_a_snapshot():
     assert TaskCopy().needs_snapshot(SERIES)
     assert not COPY.needs_snapshot(SERIES)
-    copy = COPY.with_changes(changes(4, task("W2", attempts=1), failures=(failure(1),)))
-    assert (copy.number, attempts(copy), copy.failures) == (4, [0, 1, 0], (failure(1),))
+    copy = COPY.with_changes(changes(4, task("W2", attempts=1), failures=(FAILURE,)))
+    assert (copy.number, attempts(copy), copy.failures) == (4, [0, 1, 0], (FAILURE,))
     assert copy.with_changes(changes(4, task("W2", attempts=9))) is copy
 
 

@@ -37,16 +37,8 @@ from remodel_run.record import decision_words, fault_words
 
 def task(name, phase, *, passed=False, taken_s=0.0, expected_s=0.0):
     counts = {TaskPhase.DONE: Count.DONE, TaskPhase.SET_ASIDE: Count.SKIPPED}
-    return Task(
-        name,
-        "",
-        phase=phase,
-        attempts=1,
-        first_pass=passed,
-        taken_s=taken_s,
-        expected_s=expected_s,
-        counts_as=counts.get(phase, Count.OPEN),
-    )
+    counts_as = counts.get(phase, Count.OPEN)
+    return Task(name, "", phase, 1, passed, taken_s, expected_s, counts_as=counts_as)
 
 
 def test_the_cores_of_a_cable_follow_it_and_are_one_task():
@@ -79,9 +71,7 @@ def test_the_cores_of_a_cable_follow_it_and_are_one_task():
 
 
 def failure(name, fault, decision):
-    return Failure(
-        0.0, name, fault=fault, error_code=0, ability="", text="", decision=decision, because=""
-    )
+    return Failure(0.0, name, fault, 0, "", "", decision, because="")
 
 
 RUN = UseCase(
