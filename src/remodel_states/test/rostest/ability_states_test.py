@@ -143,6 +143,17 @@ def recorded_by(service):
             rospy.delete_param(line.RECORDER_PARAMETER)
 
 
+@contextmanager
+def process(script):
+    """Run a Python program, and kill it in the end."""
+    started = subprocess.Popen([sys.executable, "-c", script])
+    try:
+        yield started
+    finally:
+        started.kill()
+        started.wait()
+
+
 class AbilityStatesTest(unittest.TestCase):
     @classmethod
     def setUpClass(cls):
@@ -284,8 +295,7 @@ class AbilityStatesTest(unittest.TestCase):
             GoalStatusArray,
             lambda message: statuses.extend(message.status_list),
         )
-        server = subprocess.Popen([sys.executable, "-c", script])
-        try:
+        with process(script) as server:
             state, data = self.state("PickCable", topic="late/pickcable"), userdata()
             self.assertTrue(wait_until(lambda: state._call._client.is_available("late/pickcable")))
             server.send_signal(signal.SIGSTOP)
@@ -298,9 +308,6 @@ class AbilityStatesTest(unittest.TestCase):
             rejected = (GoalStatus.REJECTED, GoalStatus.RECALLED)
             self.assertTrue(wait_until(lambda: any(s.status in rejected for s in statuses)))
             self.assertEqual(begun, [])
-        finally:
-            server.kill()
-            server.wait()
 
     def test_a_server_that_stood_still_finds_its_goal_cancelled(self):
         script = (
@@ -314,8 +321,7 @@ class AbilityStatesTest(unittest.TestCase):
         )
         cancelled = []
         rospy.Subscriber("stalled/cancelled", String, lambda message: cancelled.append(message))
-        server = subprocess.Popen([sys.executable, "-c", script])
-        try:
+        with process(script) as server:
             state, data = self.state("PickCable", topic="stalled/pickcable"), userdata()
             self.assertIsNone(run(state, data, 0.5))
             server.send_signal(signal.SIGSTOP)
@@ -324,9 +330,6 @@ class AbilityStatesTest(unittest.TestCase):
             state.on_exit(data)
             server.send_signal(signal.SIGCONT)
             self.assertTrue(wait_until(lambda: cancelled))
-        finally:
-            server.kill()
-            server.wait()
 
     def test_a_second_server_of_an_action_gets_no_goal_and_neither_does_the_first(self):
         script = (
@@ -338,16 +341,12 @@ class AbilityStatesTest(unittest.TestCase):
         state, data = self.state("PickCable", topic="shared/pickcable"), userdata()
         self.assertEqual(run(state, data), "picked")
         client = ProxyActionClient()
-        intruder = subprocess.Popen([sys.executable, "-c", script])
-        try:
+        with process(script):
             self.assertTrue(wait_until(lambda: len(client.servers("shared/pickcable")) == 2))
             self.assertEqual(run(state, data), "command_error")
             self.assertEqual(data["error_code"], ErrorCode.SEVERAL_SERVERS)
             self.assertIn(f"/intruder and {rospy.get_name()}", data["error_message"])
             self.assertEqual(len(fake.goals), 1)
-        finally:
-            intruder.kill()
-            intruder.wait()
         self.assertTrue(wait_until(lambda: len(client.servers("shared/pickcable")) == 1))
         self.assertEqual(run(state, data), "picked")
 
@@ -362,17 +361,13 @@ class AbilityStatesTest(unittest.TestCase):
             "from remodel_states.testing import FakeAbility, FakeAnswer;"
             "FakeAbility('PickCable', [FakeAnswer(hang=True)], 'victim/pickcable'); rospy.spin()"
         )
-        victim = subprocess.Popen([sys.executable, "-c", script])
-        try:
+        with process(script) as victim:
             state = self.state("PickCable", topic="victim/pickcable", timeout_s=60.0)
             timer = threading.Timer(2.0, os.kill, (victim.pid, signal.SIGKILL))
             timer.start()
             data = userdata()
             self.assertEqual(run(state, data), "command_error")  # long before the goal's timeout
             self.assertEqual(data["error_code"], ErrorCode.SERVER_LOST)
-        finally:
-            victim.kill()
-            victim.wait()
 
     def test_no_server_is_a_command_error_at_once(self):
         state = self.state("DetectCable", topic="nobody/serves/this")
@@ -431,12 +426,8 @@ class AbilityStatesTest(unittest.TestCase):
         self.fakes["InsertCable"].script(FakeAnswer())
         with recorded_by("victim/keep"):
             for _ in range(2):
-                victim = subprocess.Popen([sys.executable, "-c", script])
-                try:
+                with process(script):
                     self.assertEqual(run(self.state("InsertCable"), userdata()), "inserted")
-                finally:
-                    victim.kill()
-                    victim.wait()
 
     def test_a_recorder_that_refuses_is_asked_again_without_limit_and_with_a_warning(self):
         self.fakes["FixCable"].script(FakeAnswer(ErrorCode.NOT_SEATED))
