@@ -104,6 +104,7 @@ class Recorder:
     def __init__(self, namespace):
         self.came = []
         self.may_answer = threading.Event()
+        self.may_answer.set()
         self.says = KeepRecordResponse(True, "")
         self.asked = []
         self.may_begin = threading.Event()
@@ -393,7 +394,6 @@ class AbilityStatesTest(unittest.TestCase):
     def test_a_record_has_the_goal_and_what_was_found(self):
         self.fakes["InsertCable"].script(FakeAnswer())
         with self.recorder() as recorder:
-            recorder.may_answer.set()
             self.assertEqual(
                 run(self.state("InsertCable", force_limit=9.5), userdata()), "inserted"
             )
@@ -408,6 +408,7 @@ class AbilityStatesTest(unittest.TestCase):
     def test_the_outcome_waits_until_the_record_is_kept(self):
         self.fakes["InsertCable"].script(FakeAnswer())
         with self.recorder() as recorder:
+            recorder.may_answer.clear()
             state, data = self.state("InsertCable"), userdata()
             self.assertTrue(wait_until(lambda: state.execute(data) or recorder.came))
             for _ in range(20):
@@ -430,14 +431,13 @@ class AbilityStatesTest(unittest.TestCase):
                     self.assertEqual(run(self.state("InsertCable"), userdata()), "inserted")
 
     def test_a_recorder_that_refuses_is_asked_again_without_limit_and_with_a_warning(self):
-        self.fakes["FixCable"].script(FakeAnswer(ErrorCode.NOT_SEATED))
+        self.fakes["FixCable"].script(FakeAnswer())
         with (
             self.recorder() as recorder,
             mock.patch.object(line, "WARN_EVERY_S", 0.3),
             mock.patch.object(Logger, "logwarn") as warn,
         ):
             recorder.says = KeepRecordResponse(False, "the disk is full")
-            recorder.may_answer.set()
             state, data = self.state("FixCable"), userdata()
             self.assertTrue(
                 wait_until(lambda: state.execute(data) or len(warn.call_args_list) >= 2)
@@ -450,14 +450,13 @@ class AbilityStatesTest(unittest.TestCase):
             self.assertIn(expected, text)
             self.assertIn("rosparam delete /remodel/recorder", text)
             recorder.says = KeepRecordResponse(True, "")
-            self.assertEqual(run(state, data), "failed")
+            self.assertEqual(run(state, data), "fixed")
             self.assertEqual(recorder.came[0], recorder.came[-1])
 
     def test_a_goal_is_sent_only_when_it_is_granted_and_names_the_owner(self):
         fake = self.fakes["InsertCable"]
         fake.script(FakeAnswer())
         with self.recorder() as recorder:
-            recorder.may_answer.set()
             recorder.may_begin.clear()
             state, data = self.state("InsertCable", timeout_s=0.5), userdata()
             self.assertTrue(wait_until(lambda: state.execute(data) or recorder.asked))
@@ -474,7 +473,6 @@ class AbilityStatesTest(unittest.TestCase):
         fake = self.fakes["InsertCable"]
         fake.script(FakeAnswer())
         with self.recorder() as recorder:
-            recorder.may_answer.set()
             recorder.permits = HELD
             state, data = self.state("InsertCable"), userdata()
             self.assertTrue(wait_until(lambda: state.execute(data) or len(recorder.asked) > 2))
@@ -490,6 +488,7 @@ class AbilityStatesTest(unittest.TestCase):
         self.fakes["InsertCable"].script(FakeAnswer())
         self.fakes["FixCable"].script(FakeAnswer())
         with self.recorder() as recorder:
+            recorder.may_answer.clear()
             insert, fix, data = self.state("InsertCable"), self.state("FixCable"), userdata()
             self.assertTrue(wait_until(lambda: insert.execute(data) or recorder.came))
             recorder.permits = HELD
@@ -503,7 +502,6 @@ class AbilityStatesTest(unittest.TestCase):
         fake = self.fakes["InsertCable"]
         fake.script(FakeAnswer())
         with self.recorder() as recorder:
-            recorder.may_answer.set()
             recorder.permits = REFUSED
             state, data = self.state("InsertCable"), userdata()
             published = len(self.records)
@@ -519,7 +517,6 @@ class AbilityStatesTest(unittest.TestCase):
         fake = self.fakes["InsertCable"]
         fake.script(FakeAnswer())
         with self.recorder() as recorder:
-            recorder.may_answer.set()
             recorder.permits = HELD
             state, data = self.state("InsertCable"), userdata()
             self.assertTrue(wait_until(lambda: state.execute(data) or recorder.asked))
@@ -534,7 +531,6 @@ class AbilityStatesTest(unittest.TestCase):
         fake = self.fakes["InsertCable"]
         fake.script(FakeAnswer())
         with self.recorder() as recorder:
-            recorder.may_answer.set()
             recorder.may_begin.clear()
             state, data = self.state("InsertCable"), userdata()
             self.assertTrue(wait_until(lambda: state.execute(data) or recorder.asked))
@@ -550,7 +546,6 @@ class AbilityStatesTest(unittest.TestCase):
         self.fakes["FixCable"].script(FakeAnswer())
         with self.recorder() as recorder:
             recorder.says = KeepRecordResponse(False, "not now")
-            recorder.may_answer.set()
             state, data = self.state("FixCable"), userdata()
             self.assertTrue(wait_until(lambda: state.execute(data) or recorder.came))
             rospy.delete_param(line.RECORDER_PARAMETER)
@@ -560,7 +555,6 @@ class AbilityStatesTest(unittest.TestCase):
         self.fakes["RouteWire"].script(FakeAnswer())
         with self.recorder() as recorder:
             recorder.says = KeepRecordResponse(False, "not now")
-            recorder.may_answer.set()
             state, data = self.state("RouteWire"), userdata()
             self.assertTrue(wait_until(lambda: state.execute(data) or recorder.came))
             came = len(recorder.came)
@@ -573,7 +567,6 @@ class AbilityStatesTest(unittest.TestCase):
         self.fakes["PlaceCable"].script(FakeAnswer())
         with self.recorder() as recorder:
             recorder.says = KeepRecordResponse(False, "not now")
-            recorder.may_answer.set()
             left, data = self.state("RouteWire"), userdata()
             self.assertTrue(wait_until(lambda: left.execute(data) or recorder.came))
             left.on_exit(data)
