@@ -90,8 +90,9 @@ def test_entries_are_added_and_removed():
     assert not has_entries(new_document())
 
 
-def test_every_field_has_a_hint():
+def test_every_field_has_a_hint_and_wires_are_clicked_only_into_such_a_field():
     assert {field for kind in KINDS for field in kind.fields} == set(FIELD_HINTS)
+    assert set(WIRE_FIELDS) <= set(FIELD_HINTS)
 
 
 @pytest.mark.parametrize(
@@ -145,10 +146,6 @@ def test_many_wires_stay_in_one_line():
     assert list(chosen_wires(text)) == wires
 
 
-def test_fields_of_wires_are_fields_of_entries():
-    assert set(WIRE_FIELDS) <= set(FIELD_HINTS)
-
-
 def test_a_document_is_read_and_written():
     document = read_document(DOCUMENT)
     assert write_document(document) == DOCUMENT.replace("B: [200, 280]", "B:\n  - 200\n  - 280")
@@ -189,7 +186,7 @@ def test_a_plan_has_two_lanes_for_each_arm_and_no_markup():
 
 def test_a_cable_is_one_task_of_a_plan():
     actions = [
-        {"action": "pick", "arm": arm, "wire": wire, "target": "", "start_s": at, "duration_s": 1.0}
+        action("pick", arm, at, 1.0, wire)
         for arm, wire, at in (("L", "C1.1", 0), ("R", "W1", 0), ("L", "C1.2", 5), ("L", "W2", 9))
     ]
     cables = {"C1": ["C1.1", "C1.2"]}
@@ -225,12 +222,26 @@ def test_a_file_keeps_its_name_and_nothing_else(text, name):
     assert plain_file_name(text) == name
 
 
-def test_drafts_are_removed_by_people_alone(tmp_path):
-    class NoPlanner:
-        def end_in(self, folder):
-            pass
+class Planner:
+    """A planner whose commands end at once; they print PLAN unless another value is given.
 
-    drafts = OrderDrafts(tmp_path / "drafts", NoPlanner())
+    Attributes:
+        given: words, database and time limit of each command [s].
+    """
+
+    def __init__(self, **printed):
+        self.given, self._printed = [], printed
+
+    def run(self, words, folder, database, report, limit_s):
+        self.given.append((words, database, limit_s))
+        return Finished(0, json.dumps(self._printed.get(words[0], PLAN)), "")
+
+    def end_in(self, folder):
+        pass
+
+
+def test_drafts_are_removed_by_people_alone(tmp_path):
+    drafts = OrderDrafts(tmp_path / "drafts", Planner())
     made = [drafts.new("a.csv") for _ in range(30)]
     with pytest.raises(CommandError, match="there are 30 drafts; remove one"):
         drafts.new("b.csv")
@@ -339,48 +350,39 @@ def test_a_long_order_is_planned_only_when_a_person_says_so(tmp_path, tasks, is_
         "lengths": {},
         "triage": {"use_case": "cabinet", "robot": [f"W{n}" for n in range(tasks)]},
     }
-    commands = []
-
-    class Planner:
-        def run(self, words, folder, database, report, limit_s):
-            commands.append(words[0])
-            return Finished(0, json.dumps(imported if words[0] == "import" else PLAN), "")
-
-    draft = OrderDrafts(tmp_path / "drafts", Planner()).new("a.csv")
+    planner = Planner(**{"import": imported})
+    draft = OrderDrafts(tmp_path / "drafts", planner).new("a.csv")
     draft.read()
+    commands = [words[0] for words, *_ in planner.given]
     assert ("plan" in commands, draft.now.is_planned) == (is_planned, is_planned)
     draft.plan()
     assert draft.now.is_planned
 
 
-def test_a_stored_order_is_rehearsed_in_the_production_database(tmp_path):
-    at_once = Share(0.5, 0.2, 0.8)
+def forecast(changes=(), adopted=None, picture=""):
+    """Return the forecast of an order whose only wire jams, with these changes tried of it."""
+    share = Share(0.5, 0.2, 0.8)
+    tried = tuple(TriedChange(text, share) for text in changes)
     jammed = Failure("InsertCable", "INSERTION_JAMMED", "end a stopped 4.0 mm deep")
-    wire = WireForecast("W1", 10, at_once, Share(0.9, 0.7, 1.0), jammed, 60.0, "abc.png")
-    given = []
+    wire = WireForecast("W1", 10, share, share, jammed, 60.0, picture, tried)
+    return Forecast((wire,), 0.5, (60.0, 50.0, 70.0), adopted)
 
-    class Planner:
-        def run(self, words, folder, database, report, limit_s):
-            given.append((words, database, limit_s))
-            report("1/10: W1")
-            printed = msgspec.to_builtins(Forecast((wire,), 0.5, (60.0, 50.0, 70.0)))
-            return Finished(0, json.dumps(printed), "")
 
-        def end_in(self, folder):
-            pass
-
-    draft = OrderDrafts(tmp_path / "drafts", Planner()).new("a.csv")
+def test_a_stored_order_is_rehearsed_in_the_production_database(tmp_path):
+    found = forecast(picture="abc.png")
+    planner = Planner(rehearse=msgspec.to_builtins(found))
+    draft = OrderDrafts(tmp_path / "drafts", planner).new("a.csv")
     draft.now = replace(draft.now, stored_as="house", use_case="cabinet")
     assert draft.rehearse("sqlite:///p", seeds=10, wires=3) == "rehearsed: 50% without a failure"
-    ((words, database, limit_s),) = given
+    ((words, database, limit_s),) = planner.given
     assert words[:6] == ["rehearse", "house", "--seeds", "100-109", "--wires", "3"]
     assert words[6:8] == ["--use-case", "cabinet"] and words[-1] == "--json"
     assert database == "sqlite:///p" and limit_s > 10 * LIMIT_S
-    assert draft.now.forecast.failing == (wire,)
+    assert draft.now.forecast.failing == found.wires
     assert draft.picture("abc.png").parent.name == "pictures"
     assert draft.picture("../../orders.sqlite") == draft.picture("orders.sqlite")
     draft.rehearse("sqlite:///p", seeds=10, wires=3, adopts=True)
-    assert "--adopt" in given[1][0] and "--adopt" not in words
+    assert "--adopt" in planner.given[1][0] and "--adopt" not in words
 
 
 @pytest.mark.parametrize(
@@ -388,12 +390,7 @@ def test_a_stored_order_is_rehearsed_in_the_production_database(tmp_path):
     [((), None, False), (("8 cm longer",), None, True), (("8 cm longer",), (), False)],
 )
 def test_only_changes_that_are_not_adopted_yet_can_be(changes, adopted, expected):
-    share = Share(0.5, 0.2, 0.8)
-    tried = tuple(TriedChange(text, share) for text in changes)
-    jammed = Failure("InsertCable", "INSERTION_JAMMED", "stopped")
-    wire = WireForecast("W1", 10, share, share, jammed, 60.0, "", tried)
-    found = Forecast((wire,), 0.5, (60.0, 50.0, 70.0), adopted)
-    assert can_be_adopted(found) == expected
+    assert can_be_adopted(forecast(changes, adopted)) == expected
     assert not can_be_adopted(None)
 
 

@@ -253,11 +253,17 @@ def test_while_a_chart_is_typed_the_charts_that_it_names_are_not_checked_again(
 WRONG = CHART.format(name="Wrong", target="nowhere")
 
 
-def test_a_chart_with_errors_is_kept_as_a_draft_and_survives_the_console(user_charts, workspace):
+LATIN = '<?xml version="1.0" encoding="ISO-8859-1"?>\n<!-- Größe -->\n'
+
+
+@pytest.mark.parametrize("text", [WRONG, LATIN + WRONG])
+def test_a_chart_with_errors_is_kept_as_a_draft_and_survives_the_console(
+    text, user_charts, workspace
+):
     file = user_charts / "wrong.xml"
     session = Session(workspace)
     session.open(chart_edit.new_chart("Wrong", str(file)))
-    session.retype(WRONG)
+    session.retype(text)
     answer = session.save_or_keep()
     assert re.match(r"kept 'Wrong' as a draft, which has \d errors?: .*wrong\.xml\.draft$", answer)
     assert session.is_kept and not session.is_saved
@@ -268,7 +274,7 @@ def test_a_chart_with_errors_is_kept_as_a_draft_and_survives_the_console(user_ch
     again = Session(workspace)
     assert "Wrong" in workspace.names()
     again.carry_out(read_command("load Wrong"))
-    assert again.text == WRONG
+    assert again.text == text
     assert again.is_kept and not again.is_saved
 
 
@@ -314,14 +320,3 @@ def test_only_the_editor_opens_a_draft_and_none_that_is_older_than_its_chart(
     file.unlink()
     with pytest.raises(CommandError, match="there is no behavior 'Mine'"):
         commands.carry_out(read_command("load Mine"))
-
-
-def test_a_draft_is_kept_in_the_encoding_that_it_declares(user_charts, workspace):
-    latin = '<?xml version="1.0" encoding="ISO-8859-1"?>\n<!-- Größe -->\n'
-    session = Session(workspace)
-    session.open(chart_edit.new_chart("Wrong", str(user_charts / "wrong.xml")))
-    session.retype(latin + WRONG)
-    session.save_or_keep()
-    again = Session(workspace)
-    again.carry_out(read_command("load Wrong"))
-    assert again.text == latin + WRONG
